@@ -72,7 +72,7 @@ from robot_dynamics.results import (
 )
 from robot_dynamics.robot import Joint, Robot
 from robot_dynamics.sensors import PointForce, Sensor
-from robot_dynamics.simulation import ContactPoint, Simulation
+from robot_dynamics.simulation import ContactPoint, Simulation, SimulationBatch
 
 __all__ = [
     "__version__",
@@ -135,6 +135,7 @@ __all__ = [
     "Sensor",
     "ShapeError",
     "Simulation",
+    "SimulationBatch",
     "SimulationError",
     "SingularMassError",
     "Snapshot",

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from robot_dynamics import _native
@@ -50,6 +51,26 @@ class LoadReport:
 
     grouped_warnings: tuple[str, ...] = field(default=(), repr=False, compare=False)
     """The warnings in words, those of one kind in one text, with their number and the first places; a `LoadWarning` each."""
+    _left_out: Callable[[], Sequence[str]] | None = field(default=None, repr=False, compare=False)
+    _sensors: tuple[tuple[str, str], ...] = field(default=(), repr=False, compare=False)
+
+    @property
+    def sensors(self) -> tuple[tuple[str, str], ...]:
+        """The file's sensors: the name and the kind of each.
+
+        >>> rd.example("two_r").report.sensors
+        ()
+        """
+        return self._sensors
+
+    @cached_property
+    def left_out(self) -> tuple[str, ...]:
+        """What the file states and the default simulation leaves out, one line for each reason. A simulation is set up to tell it.
+
+        >>> rd.example("quadruped").report.left_out
+        ()
+        """
+        return () if self._left_out is None else tuple(self._left_out())
 
     @property
     def warnings(self) -> tuple[Finding, ...]:
@@ -57,10 +78,19 @@ class LoadReport:
         return tuple(finding for finding in self.findings if finding.severity == "warning")
 
     def __str__(self) -> str:
-        return self.text
+        lines = [f"sensor {name}: {kind}" for name, kind in self.sensors]
+        lines += [f"left out by the default simulation: {line}" for line in self.left_out]
+        return "\n".join([self.text, *(_native._visible(line, False) for line in lines)])
 
     @classmethod
-    def _of(cls, data: Mapping[str, Any], text: str, groups: Sequence[str]) -> LoadReport:
+    def _of(
+        cls,
+        data: Mapping[str, Any],
+        text: str,
+        groups: Sequence[str],
+        left_out: Callable[[], Sequence[str]] | None = None,
+        sensors: Sequence[Mapping[str, Any]] = (),
+    ) -> LoadReport:
         findings = tuple(
             Finding(
                 line=finding["line"],
@@ -71,7 +101,9 @@ class LoadReport:
             )
             for finding in data["findings"]
         )
-        return cls(data["robot"], dict(data["counts"]), findings, text, tuple(data.get("files", ())), tuple(groups))
+        files = tuple(data.get("files", ()))
+        named = tuple((sensor["name"], sensor["kind"]) for sensor in sensors)
+        return cls(data["robot"], dict(data["counts"]), findings, text, files, tuple(groups), left_out, named)
 
 
 def _treatment(data: str | Mapping[str, Any]) -> str:

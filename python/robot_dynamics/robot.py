@@ -113,7 +113,8 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
     @cached_property
     def report(self) -> LoadReport:
         """What became of every part of the robot's file."""
-        return LoadReport._of(self._data[1], self._report_text(), self._warning_groups())
+        description, report = self._data
+        return LoadReport._of(report, self._report_text(), self._warning_groups(), self._left_out, description.get("sensors", ()))
 
     @cached_property
     def joints(self) -> tuple[Joint, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from os import PathLike
 from typing import Literal, NamedTuple, Self
 
 import numpy as np
@@ -74,13 +75,25 @@ class Simulation(_native.Simulation):
         stabilization: float | None = None,
         correction: Correction = "position",
         tolerance: float | None = None,
+        ignore_contacts: Sequence[tuple[str, str]] | str | PathLike[str] = (),
+        only_contacts: Sequence[tuple[str, str]] | None = None,
     ) -> Self:
-        """The simulation of a robot, at rest in the configuration in which its file places it (`qpos0` of MJCF, else neutral).
+        """The simulation of a robot at rest in the configuration in which its file places it (`qpos0` of MJCF, else neutral).
 
-        `tolerance` (1e-9) is that of ``integrator="adaptive"``.
+        Links of the pairs in `ignore_contacts` never touch; it may be an SRDF file, whose ``<disable_collisions>`` are taken. With `only_contacts`
+        these pairs of links alone may touch, beside grounds. `tolerance` (1e-9) is that of ``integrator="adaptive"``.
+
+        >>> arm = rd.example("panda")
+        >>> sim = rd.Simulation(arm, ignore_contacts=[("panda_link1", "panda_link3")])
+        >>> rd.Simulation(arm, ignore_contacts=[("panda_link1", "link3")])
+        Traceback (most recent call last):
+        ...
+        ValueError: robot `panda` has no link `link3`, which a pair of links names; did you mean `panda_link3`?
         """
         if tolerance is not None and integrator != "adaptive":
             raise ValueError(f"tolerance goes with integrator='adaptive'; {integrator or 'the default'!r} takes steps of one length")
+        if isinstance(ignore_contacts, str | PathLike):
+            ignore_contacts = robot._disabled_collisions(ignore_contacts)
         return super().__new__(
             cls,
             robot,
@@ -93,6 +106,8 @@ class Simulation(_native.Simulation):
             stabilization=stabilization,
             correction=correction,
             tolerance=tolerance,
+            ignore_contacts=list(ignore_contacts),
+            only_contacts=None if only_contacts is None else list(only_contacts),
         )
 
     def reset(
@@ -145,4 +160,68 @@ class Simulation(_native.Simulation):
         return f"<Simulation of {self.robot.name}: t = {self.time:g} s, {self.method}, step {self.step_size:g} s>"
 
 
-__all__ = ["ContactPoint", "Simulation"]
+class SimulationBatch(_native.SimulationBatch):
+    """Many simulations of one robot, stepped together by all threads.
+
+    Each has its own state, inputs and contacts and is set up once, so that a call of one step costs no more than a step of a long run. The results are
+    those of `Simulation`, to the bit. Arguments are those of `Simulation`, and how many there are. `torques` and `controls` are held until they are
+    set again: one row for each simulation, or one for all.
+
+    >>> dog = rd.example("quadruped", floating_base=True)
+    >>> batch = rd.SimulationBatch(dog, 8, ground=rd.Ground())
+    >>> q = np.tile([0, 0, 0.5, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4], (8, 1))
+    >>> q[:, 2] += 0.01 * np.arange(8)
+    >>> batch.reset(q)
+    >>> for _ in range(10):  # a policy of one's own
+    ...     batch.torques = -0.1 * batch.v * (np.arange(18) > 5)
+    ...     batch.step()
+    >>> batch.reset(q[:2], where=[3, 5])
+    >>> [round(time, 3) for time in batch.times[2:6]]
+    [0.01, 0.0, 0.01, 0.0]
+    """
+
+    def __new__(
+        cls,
+        robot: _native.Robot,
+        count: int,
+        *,
+        step: float = 1e-3,
+        integrator: str | None = None,
+        conservative: bool = False,
+        without: Sequence[str] = (),
+        dissipation: bool = True,
+        stops: bool = True,
+        ground: AnyGround | None = None,
+        ignore_contacts: Sequence[tuple[str, str]] = (),
+        only_contacts: Sequence[tuple[str, str]] | None = None,
+        threads: int | None = None,
+    ) -> Self:
+        """So many simulations of a robot at its neutral configuration, at rest."""
+        return super().__new__(
+            cls,
+            robot,
+            count,
+            threads,
+            step=step,
+            integrator=integrator,
+            conservative=conservative,
+            without=switched_off(without, dissipation, stops),
+            ground=grounds.native(ground),
+            ignore_contacts=list(ignore_contacts),
+            only_contacts=None if only_contacts is None else list(only_contacts),
+        )
+
+    def reset(self, q: Numbers | None = None, v: Numbers | None = None, *, where: Sequence[int] | None = None) -> None:
+        """Starts anew at time 0 from q and v, neutral and at rest where not given, the simulations of the numbers in `where`, or all.
+
+        q is (count, nq), or (nq,) for all of them; v as well. Torques, controls and wrenches of these are zero afterwards.
+        """
+        self._reset(q, v, None if where is None else [int(number) for number in where])
+
+    def __getitem__(self, number: int) -> Simulation:
+        """A copy of one simulation, with its state and inputs."""
+        copy = self._copy(number)
+        return _native.Simulation.__new__(Simulation, copy.robot, like=copy)
+
+
+__all__ = ["ContactPoint", "Simulation", "SimulationBatch"]

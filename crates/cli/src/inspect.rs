@@ -1,6 +1,7 @@
 //! `dynamics inspect`: what a robot file holds.
 
 mod beside;
+mod simulation;
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -9,6 +10,7 @@ use std::process::ExitCode;
 use multibody::text::one_line;
 use multibody::{JointDescription, LinkDescription, LoadReport, Model, Treatment};
 
+pub(crate) use self::simulation::DefaultSimulation;
 use crate::failure::{Failure, Outcome};
 use crate::inspection::Inspection;
 use crate::output::{print, print_json};
@@ -16,7 +18,7 @@ use crate::robot_file::{Loaded, RobotFile};
 use crate::singular_poses::SingularPoses;
 use crate::table::{Table, short};
 
-/// Show a robot: tree, joints, limits, masses, and what its file did not say or is not read.
+/// Show a robot: tree, joints, limits, masses, sensors, what the default simulation leaves out, and what its file did not say or is not read.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -32,13 +34,15 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let Loaded { model, report, .. } = arguments.robot.load()?;
     let singular = SingularPoses::look(&model);
+    let simulation = DefaultSimulation::of(&model);
     if arguments.json {
-        let inspection = serde_json::to_string(&Inspection::of(&model, &report, &singular));
+        let inspection = serde_json::to_string(&Inspection::of(&model, &report, &singular, &simulation));
         print_json(&(inspection.map_err(Failure::new)? + "\n"))?;
     } else {
         let mut parts = vec![head(&model), tree(&model), coordinates(&model)];
         parts.extend(beside::parts(&model));
         parts.extend(singular.text().map(|text| format!("Mass matrix: {}\n", one_line(&text))));
+        parts.push(simulation.text());
         parts.push(load_report(&report, arguments.all));
         print(&parts.join("\n"))?;
     }

@@ -2,10 +2,11 @@
 
 use multibody::{
     ActuatorDescription, Base, EqualityDescription, Joint, Limits, LinkShape, LoadReport, Mimic, Model,
-    NamedPose, PassiveForces, TendonDescription,
+    NamedPose, PassiveForces, SensorDescription, TendonDescription,
 };
 use serde::Serialize;
 
+use crate::inspect::DefaultSimulation;
 use crate::singular_poses::{Json, SingularPoses};
 
 #[derive(Serialize)]
@@ -21,9 +22,11 @@ pub(crate) struct Inspection<'a> {
     actuators: &'a [ActuatorDescription],
     tendons: &'a [TendonDescription],
     equalities: &'a [EqualityDescription],
+    sensors: &'a [SensorDescription],
     poses: &'a [NamedPose],
     shapes: &'a [LinkShape],
     singular_mass: Json<'a>,
+    simulation: &'a DefaultSimulation,
     report: &'a LoadReport,
 }
 
@@ -54,7 +57,12 @@ struct LinkRow<'a> {
 }
 
 impl<'a> Inspection<'a> {
-    pub(crate) fn of(model: &'a Model, report: &'a LoadReport, singular: &SingularPoses<'a>) -> Self {
+    pub(crate) fn of(
+        model: &'a Model,
+        report: &'a LoadReport,
+        singular: &SingularPoses<'a>,
+        simulation: &'a DefaultSimulation,
+    ) -> Self {
         let joint = |joint: &'a Joint| JointRow {
             name: &joint.name,
             kind: joint.kind.name(),
@@ -91,9 +99,11 @@ impl<'a> Inspection<'a> {
             actuators: &description.actuators,
             tendons: &description.tendons,
             equalities: &description.equalities,
+            sensors: &description.sensors,
             poses: &description.poses,
             shapes: &description.shapes,
             singular_mass: singular.json(),
+            simulation,
             report,
         }
     }

@@ -83,6 +83,9 @@ pub(crate) struct Arguments {
     /// link-contacts.
     #[arg(long, value_name = "EFFECT,…", value_delimiter = ',')]
     without: Vec<Effect>,
+    /// Keep pairs of links from touching: those of <disable_collisions> in this SRDF file.
+    #[arg(long, value_name = "FILE.srdf")]
+    srdf: Option<PathBuf>,
     /// Error allowed in each step of --integrator adaptive, relative and absolute, 1e-13 to 1e-2 [default: 1e-9].
     #[arg(long, value_name = "ERROR", value_parser = method::tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
@@ -160,8 +163,9 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     let (csv, plot) = (arguments.csv.as_deref(), arguments.plot.as_deref());
     let touching = setup.ground_links().to_vec();
     let beside = Beside { touching: &touching, has_losses: setup.has_losses() };
+    let read: Vec<PathBuf> = report.files.iter().chain(&arguments.srdf).cloned().collect();
     let mut files =
-        Files::open(&model, (arguments.robot.path(), &report.files), (csv, arguments.every, beside), plot)?;
+        Files::open(&model, (arguments.robot.path(), &read), (csv, arguments.every, beside), plot)?;
     let print_summary = if files.use_standard_output() { print_error } else { print };
 
     let progress = progress(steps);

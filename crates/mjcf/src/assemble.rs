@@ -20,6 +20,7 @@ use crate::names::Names;
 use crate::option::Disabled;
 use crate::orientation::pose;
 use crate::reader::Reader;
+use crate::simple_slides::weighed_by_mass;
 use crate::tree::Id;
 
 /// What the file's names and numbers became.
@@ -95,11 +96,16 @@ impl Reader<'_> {
             disabled,
         };
         self.take_names(bodies, &mut assembly);
+        let by_mass = weighed_by_mass(bodies, masses);
         for (index, body) in bodies.iter().enumerate() {
             let link = self.link_name(index, body, &mut assembly);
             if index > 0 {
                 self.check_joints(body);
+                let first = assembly.robot.joints.len();
                 self.chain(body, &link, &mut assembly);
+                for joint in &mut assembly.robot.joints[first..] {
+                    joint.softness.is_weighed_by_mass = by_mass[index];
+                }
             }
             let mut description = LinkDescription::new(link.clone(), masses[index].properties);
             description.gravity_compensation = body.gravity_compensation;

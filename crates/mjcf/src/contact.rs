@@ -45,6 +45,9 @@ impl Reader<'_> {
             self.tree.nodes[id].attribute("name").unwrap_or_default().clone_into(&mut pair.name);
             pair.friction = self.overlay(&element, "friction", pair.friction);
             pair.solref = self.overlay(&element, "solref", pair.solref);
+            let of_friction = self.overlay(&element, "solreffriction", [0.0; 2]);
+            // Zeros stand for the numbers of the normal force.
+            pair.solreffriction = Some(of_friction).filter(|solref| *solref != [0.0; 2]);
             pair.solimp = self.overlay(&element, "solimp", pair.solimp);
             pair.margin = self.number(&element, "margin").unwrap_or(pair.margin);
             pair.gap = self.number(&element, "gap").unwrap_or(pair.gap);

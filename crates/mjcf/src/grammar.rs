@@ -152,9 +152,8 @@ const SECTIONS: &[Rule] = &[
     )
     .aside(&["texturedir", "discardvisual", "usethread", "fusestatic", "saveinertial"]),
     rule(&["compiler"], "lengthrange", Aside("how ranges of muscles are found")),
-    read(TOP, "option", &["gravity", "timestep", "integrator", "magnetic"])
+    read(TOP, "option", &["gravity", "timestep", "integrator", "magnetic", "impratio"])
         .aside(&[
-            "impratio",
             "tolerance",
             "ls_tolerance",
             "noslip_tolerance",
@@ -261,9 +260,20 @@ const SECTIONS: &[Rule] = &[
     read(
         &["contact", "default"],
         "pair",
-        &["name", "class", "geom1", "geom2", "condim", "friction", "solref", "solimp", "margin", "gap"],
-    )
-    .aside(&["solreffriction"]),
+        &[
+            "name",
+            "class",
+            "geom1",
+            "geom2",
+            "condim",
+            "friction",
+            "solref",
+            "solreffriction",
+            "solimp",
+            "margin",
+            "gap",
+        ],
+    ),
     read(&["tendon"], "fixed", TENDON).aside(TENDON_ASIDE),
     read(&["fixed"], "joint", &["joint", "coef"]),
     rule(&["tendon"], "spatial", Physics("a tendon through space is not in the model")),

@@ -16,6 +16,8 @@ pub(crate) struct Inertial {
     pub(crate) inertia: Matrix3<f64>,
     /// The centre of mass, and the axes of the inertia.
     pub(crate) body_from_inertial: Isometry3<f64>,
+    /// Whether the inertia is stated as a full matrix, which MuJoCo turns to its principal axes.
+    pub(crate) is_full: bool,
 }
 
 impl Inertial {
@@ -60,6 +62,6 @@ impl Reader<'_> {
         };
         let turn = turn.unwrap_or_else(UnitQuaternion::identity);
         let body_from_inertial = Isometry3::from_parts(Translation3::from(position), turn);
-        Inertial { element, mass, inertia, body_from_inertial }
+        Inertial { element, mass, inertia, body_from_inertial, is_full: full.is_some() }
     }
 }

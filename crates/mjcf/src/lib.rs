@@ -64,6 +64,7 @@ mod align;
 mod assemble;
 mod mass;
 mod names;
+mod simple_slides;
 
 // What stands beside the tree.
 mod actuator;

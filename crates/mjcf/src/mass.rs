@@ -63,8 +63,7 @@ impl Reader<'_> {
         let (mass, frame) = match (inferred, written) {
             (Some((mass, frame)), _) => (Some(mass), frame),
             (None, Some(written)) => {
-                let diagonal = Matrix3::from_diagonal(&written.inertia.diagonal());
-                let frame = (written.inertia == diagonal).then_some(written.body_from_inertial);
+                let frame = (!written.is_full).then_some(written.body_from_inertial);
                 (self.written_mass(written), frame)
             }
             (None, None) => (None, None),

@@ -30,6 +30,10 @@ impl Reader<'_> {
                 robot.time_step = Some(step);
                 self.read(&element, format!("time step {step} s"));
             }
+            if let Some(impratio) = self.number(&element, "impratio") {
+                robot.impratio = Some(impratio);
+                self.read(&element, format!("impratio {impratio}"));
+            }
             if let Some(integrator) = self.text(&element, "integrator") {
                 let message = format!("integrator {:?}: each run chooses its own", excerpt(integrator));
                 self.read(&element, message);

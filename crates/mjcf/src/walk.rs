@@ -176,6 +176,18 @@ impl Reader<'_> {
         self.copied > MOST
     }
 
+    /// How many elements a copy of a `<replicate>` has, itself and those at any depth; a replicate in it counts its own copies where it is met.
+    fn elements_of_copy(&self, node: Id) -> usize {
+        let (mut count, mut pending) = (1, self.tree.nodes[node].children.clone());
+        while let Some(id) = pending.pop() {
+            count += 1;
+            if self.tree.nodes[id].name != "replicate" {
+                pending.extend(&self.tree.nodes[id].children);
+            }
+        }
+        count
+    }
+
     /// `<replicate>`: `count` copies, each shifted by `offset` and turned by `euler` from the one before, their number
     /// behind their names.
     fn replicate(&mut self, node: Id, around: &Rc<Around>, pending: &mut Vec<(Id, Rc<Around>)>) {
@@ -190,8 +202,7 @@ impl Reader<'_> {
         }
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // checked just now
         let count = count as usize;
-        self.copied =
-            self.copied.saturating_add(count.saturating_mul(1 + self.tree.nodes[node].children.len()));
+        self.copied = self.copied.saturating_add(count.saturating_mul(self.elements_of_copy(node)));
         if self.has_too_many_copies() {
             let (line, place) = (element.line, element.place);
             self.errors.push(MjcfError::TooMany { line, place, what: "elements in bodies", limit: MOST });

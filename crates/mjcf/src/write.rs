@@ -192,15 +192,18 @@ impl<'r> Writing<'r> {
     fn settings(&mut self) {
         self.xml.start("compiler").attribute("angle", "radian").attribute("autolimits", "true");
         self.xml.attribute("inertiafromgeom", "false").end();
-        let RobotDescription { gravity, time_step, .. } = self.robot;
+        let RobotDescription { gravity, time_step, impratio, .. } = self.robot;
         let magnetic = self.magnetic_field();
-        if *gravity != EARTH_GRAVITY || time_step.is_some() || magnetic.is_some() {
+        if *gravity != EARTH_GRAVITY || time_step.is_some() || impratio.is_some() || magnetic.is_some() {
             self.xml.start("option");
             if *gravity != EARTH_GRAVITY {
                 self.xml.numbers("gravity", gravity);
             }
             if let Some(step) = time_step {
                 self.xml.numbers("timestep", &[*step]);
+            }
+            if let Some(ratio) = impratio {
+                self.xml.numbers("impratio", &[*ratio]);
             }
             if let Some(field) = magnetic {
                 self.xml.numbers("magnetic", &field);

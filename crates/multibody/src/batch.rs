@@ -34,6 +34,7 @@ mod recursions;
 mod related_mass;
 mod rollout;
 mod share;
+mod simulations;
 mod within;
 mod workspace;
 
@@ -51,4 +52,5 @@ pub use rollout::{
     PolicyInput, Rollout, RolloutError, RolloutProgress, StepperRollout, Torques, rollout,
     rollout_by_stepper, rollout_pullback,
 };
+pub use simulations::SimulationBatch;
 pub use workspace::{BatchFloat, BatchOptions, BatchWorkspace, ThreadError, Threads};

@@ -16,6 +16,7 @@ mod ground;
 mod impulses;
 mod interrupt;
 mod law;
+mod link_pairs;
 mod meeting;
 mod pair;
 mod placement;
@@ -79,10 +80,12 @@ use crate::{LinkShape, Model, Pose, Shape, ShapeRole, Surface, Workspace};
 pub struct ContactSet {
     robot: Identity,
     grounds: Vec<(Ground, [Vector3<f64>; 3])>,
-    /// Of each ground with a surface of its own: its mix with the surface of each shape.
-    ground_surfaces: Vec<Option<Vec<Surface>>>,
+    /// Of each ground with a surface of its own: the surface of each shape that touches it together with the ground's.
+    ground_surfaces: Vec<Option<Vec<Option<Surface>>>>,
     /// The names of the grounds in the file; empty where a ground has none.
     ground_names: Vec<String>,
+    /// The links that the grounds are on; empty where one is on none.
+    ground_links: Vec<String>,
     fields: Vec<PlacedField>,
     shapes: Vec<Touching>,
     /// Those that touch the ground.
@@ -121,8 +124,8 @@ struct Touching {
     /// Half the size of a box about its points, along its axes and centred on its origin \[m\].
     extent: Vector3<f64>,
     surface: Surface,
-    /// Of its pair with a plane, which the ground stands for.
-    on_plane: Option<Surface>,
+    /// The planes that it is paired with, by name, each with the surface of that pair. A ground without a name stands for the first.
+    on_planes: Vec<(String, Surface)>,
     /// The number of its first point among those of all shapes.
     first: usize,
 }
@@ -163,6 +166,7 @@ impl ContactSet {
             grounds: Vec::new(),
             ground_surfaces: Vec::new(),
             ground_names: Vec::new(),
+            ground_links: Vec::new(),
             fields: Vec::new(),
             shapes: Vec::new(),
             links: Vec::new(),
@@ -180,7 +184,7 @@ impl ContactSet {
             set.add(model, shape, &stated, &mut points_of)?;
         }
         for ground in grounds {
-            set.add_ground(*ground, String::new())?;
+            set.add_ground(model, *ground, None)?;
         }
         Ok(set)
     }
@@ -204,9 +208,9 @@ impl ContactSet {
         }
         let body = frame.body.unwrap_or(WORLD);
         // The ground has bit 1 of both.
-        let on_plane = stated.on_plane(&shape.name);
+        let on_planes = stated.on_planes(&shape.name);
         let has_bit = (surface.contype | surface.conaffinity) & 1 != 0;
-        let touches_ground = (has_bit || on_plane.is_some()) && body != WORLD;
+        let touches_ground = (has_bit || !on_planes.is_empty()) && body != WORLD;
         let form = match &shape.shape {
             Shape::Mesh { .. } => points_of(shape).and_then(|points| Form::of_points(&points)),
             other => Form::new(other).ok_or_else(|| "it is no shape that moves".to_owned()),
@@ -243,7 +247,7 @@ impl ContactSet {
             reach,
             extent,
             surface,
-            on_plane,
+            on_planes,
             first,
         });
         Ok(())

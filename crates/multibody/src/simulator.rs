@@ -21,6 +21,7 @@ mod running;
 mod state;
 mod step_inputs;
 mod stepping;
+mod unsupported;
 mod wrench;
 
 pub use crate::motion::simulate::Observer;
@@ -31,4 +32,5 @@ pub use method::{Method, SimulationStepper, UnknownMethod};
 pub use run_options::RunOptions;
 pub use state::{PoseError, Snapshot};
 pub use stepping::Simulation;
+pub use unsupported::UnsupportedFeatures;
 pub use wrench::{AppliedWrench, ReferenceFrame};

@@ -140,6 +140,23 @@ pub fn xml(text: &str) -> Cow<'_, str> {
     )
 }
 
+/// A text as the name of a file in any folder of any system, without its ending: letters, digits, `-` and `_` stay, all else becomes `_`; at most 80
+/// characters.
+///
+/// ```
+/// use multibody::text::file_stem;
+/// assert_eq!(file_stem("bras_supérieur-2"), "bras_supérieur-2");
+/// assert_eq!(file_stem("../a:b\u{202e}\n"), "___a_b__");
+/// assert_eq!(file_stem(""), "_");
+/// ```
+pub fn file_stem(text: &str) -> String {
+    const LONGEST: usize = 80;
+    let stays = |letter: char| letter.is_alphanumeric() || matches!(letter, '-' | '_');
+    let stem: String =
+        text.chars().take(LONGEST).map(|letter| if stays(letter) { letter } else { '_' }).collect();
+    if stem.is_empty() { "_".to_owned() } else { stem }
+}
+
 /// Lines of JSON, as any writer makes them, with the characters that cannot be seen as JSON's escapes: the same values.
 ///
 /// ```

@@ -87,6 +87,8 @@ mod native {
     #[pymodule_export]
     use super::rows::quantities;
     #[pymodule_export]
+    use super::simulation::batch::SimulationBatch;
+    #[pymodule_export]
     use super::simulation::stepping::{Simulation, Snapshot};
     #[pymodule_export]
     use super::simulation::together::_step_together;

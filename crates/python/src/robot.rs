@@ -2,11 +2,12 @@
 
 use std::collections::HashMap;
 use std::path::PathBuf;
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock};
 
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use robot_dynamics::multibody::plausibility::WrittenAngles;
+use robot_dynamics::simulator::Simulation;
 use robot_dynamics::{
     Described, FrameId, JointKind, LoadReport, Model, Options, RobotDescription, SensorSet, describe,
     describe_text,
@@ -15,6 +16,7 @@ use robot_dynamics::{
 use crate::errors::Class;
 use crate::ffi::Number;
 use crate::scratch::{Batch, Scratch, Slots};
+use crate::simulation::setup::Setup;
 
 /// A robot: immutable, to be used by any number of threads at once. `robot_dynamics.load` makes one.
 #[pyclass(frozen, subclass, module = "robot_dynamics._native")]
@@ -35,6 +37,8 @@ pub struct Robot {
     pub(crate) massless: Option<String>,
     /// Made where they are asked for first.
     pub(crate) sensors: OnceLock<SensorSet>,
+    /// The simulation of the last rollout, with its arguments.
+    pub(crate) prepared: Mutex<Option<Box<(Setup, Simulation)>>>,
     pub(crate) scratch: Slots<Scratch>,
     pub(crate) batches_f64: Slots<Batch<f64>>,
     pub(crate) batches_f32: Slots<Batch<f32>>,
@@ -105,6 +109,7 @@ impl Robot {
             watches_rank: !has_margin(model.description()),
             massless,
             sensors: OnceLock::new(),
+            prepared: Mutex::new(None),
             scratch: Slots::new(),
             batches_f64: Slots::new(),
             batches_f32: Slots::new(),
@@ -227,6 +232,25 @@ impl Robot {
                 )
             })
             .collect()
+    }
+
+    /// What the default simulation leaves out, one line for each reason, or why there is no such simulation.
+    fn _left_out(&self, py: Python<'_>) -> Vec<String> {
+        if self.model.nv() == 0 {
+            return Vec::new();
+        }
+        match py.detach(|| robot_dynamics::simulation(&self.model).build()) {
+            Ok(simulation) => simulation.unsupported_features().iter().map(ToString::to_string).collect(),
+            Err(error) => vec![format!("everything: {error}")],
+        }
+    }
+
+    /// The pairs of links that an SRDF file keeps from touching.
+    fn _disabled_collisions(&self, path: PathBuf) -> PyResult<Vec<(String, String)>> {
+        let refused = |error: robot_dynamics::urdf::SrdfError| {
+            PyValueError::new_err(format!("{}: {error}", path.display()))
+        };
+        robot_dynamics::urdf::load_disabled_collisions(&path, self.model.description()).map_err(refused)
     }
 
     /// The report in the library's own words.

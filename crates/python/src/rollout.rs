@@ -40,9 +40,13 @@ impl Robot {
     ) -> PyResult<Vec<Bound<'py, PyAny>>> {
         const Q: Operand = Operand { name: "q", width: Width::Nq };
         const V: Operand = Operand { name: "v", width: Width::Nv };
-        let mut simulation = Setup::of(options)?.refuse_adaptive(py)?.build(py, self)?;
-        set_controls(self, &mut simulation, controls)?;
-        let (step, dissipation) = (simulation.step_size(), simulation.dissipates());
+        let prepared = Setup::of(options)?.refuse_adaptive(py)?.with_prepared(py, self, |simulation| {
+            set_controls(self, simulation, controls)?;
+            let how = (simulation.step_size(), simulation.dissipates());
+            let (method, reason) = (simulation.method(), simulation.reason().to_owned());
+            Ok((how, method, reason, simulation.stepper()))
+        })?;
+        let ((step, dissipation), method, reason, stepper) = prepared;
         let how = Steps { step, steps, dissipation, stride };
         let threads = threads::count_of(threads)?;
         let mut all = vec![given(py, &self.model, &Q, 0, q, None)?, given(py, &self.model, &V, 0, v, None)?];
@@ -53,14 +57,11 @@ impl Robot {
         let arrays = all.into_iter().map(|given| given.array).collect();
         let call = Call { py, robot: self, how, each_step, threads, arrays };
         let is_f32 = kind == Kind::F32;
-        let stepper = simulation.stepper();
         match stepper.row() {
             Some(row) if is_f32 => call.run::<f32>(|states, slices| call.moved(row, states, slices)),
             Some(row) => call.run::<f64>(|states, slices| call.moved(row, states, slices)),
             None if is_f32 => Err(PyTypeError::new_err(format!(
-                "this simulation ({}: {}) computes in float64; give it q.astype(float)",
-                simulation.method(),
-                simulation.reason()
+                "this simulation ({method}: {reason}) computes in float64; give it q.astype(float)"
             ))),
             None => call.run(|states, slices| call.moved_by(&stepper, states, slices)),
         }

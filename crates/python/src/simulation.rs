@@ -1,5 +1,6 @@
 //! Motions of one robot in time: free and constrained, under torques from arrays or from Python.
 
+pub(crate) mod batch;
 mod books;
 mod ground;
 pub(crate) mod setup;

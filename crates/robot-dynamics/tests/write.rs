@@ -131,6 +131,7 @@ fn what_stands_beside_the_tree_comes_back() {
         assert!(lost.is_empty(), "{what}: {lost:?}");
         assert_eq!(back.gravity, robot.gravity, "{what}");
         assert_eq!(back.time_step, robot.time_step, "{what}");
+        assert_eq!(back.impratio, robot.impratio, "{what}");
 
         let models = [&robot, &back].map(|robot| Model::new(robot.clone()).expect("a robot"));
         let actuations = [0, 1].map(|k| Actuation::new(&models[k]).expect("a robot"));

@@ -62,8 +62,12 @@ mod world;
 // The way back: from a robot to a file.
 mod write;
 
+// Beside the robot: which links never touch.
+mod srdf;
+
 pub use error::{LoadError, UrdfError};
 pub use load::{Robot, load, parse, parse_as};
 pub use multibody::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use robot_xml::{Options, SIZE_LIMIT};
+pub use srdf::{SrdfError, disabled_collisions, load_disabled_collisions};
 pub use write::write;

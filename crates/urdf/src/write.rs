@@ -232,6 +232,9 @@ impl Writing<'_> {
         if let Some(step) = robot.time_step {
             self.note("time step", format!("{step} s: {none}"));
         }
+        if let Some(ratio) = robot.impratio {
+            self.note("impratio", format!("{ratio}: {none}"));
+        }
         if !robot.contact_exclusions.is_empty() {
             let message =
                 format!("{} pairs of links that never touch: {none}", robot.contact_exclusions.len());

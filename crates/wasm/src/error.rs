@@ -31,6 +31,18 @@ impl<E: core::error::Error> From<E> for LabError {
 
 impl From<LabError> for JsValue {
     fn from(error: LabError) -> Self {
-        JsError::new(&error.message).into()
+        JsError::new(&seen(&error.message)).into()
     }
+}
+
+/// A message with names from files as text.
+#[cfg(feature = "robots")]
+fn seen(message: &str) -> std::borrow::Cow<'_, str> {
+    multibody::text::lines(message)
+}
+
+/// The other modules read no files.
+#[cfg(not(feature = "robots"))]
+fn seen(message: &str) -> &str {
+    message
 }

@@ -1,6 +1,6 @@
 //! Checks at the boundary: JavaScript's `undefined` arrives as NaN.
 
-#[cfg(any(feature = "chapter", feature = "robots"))]
+#[cfg(feature = "chapter")]
 use dynamics::Integrator;
 
 use crate::LabError;
@@ -51,7 +51,7 @@ pub(crate) fn vector<const N: usize>(
 }
 
 /// A row of the library's table of integrators.
-#[cfg(any(feature = "chapter", feature = "robots"))]
+#[cfg(feature = "chapter")]
 pub(crate) fn integrator(name: &str) -> Result<Integrator, LabError> {
     Ok(Integrator::from_name(name)?)
 }

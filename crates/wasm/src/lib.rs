@@ -42,6 +42,6 @@ pub use error::LabError;
 pub use flips::FlipMap;
 #[cfg(feature = "robots")]
 pub use robots::{
-    DrawnBody, DrawnJoint, DrawnShape, FeltMass, Robot, RobotBooks, RobotCoordinate, RobotCounts, RobotFiles,
-    RobotTorques, robot_parity_values,
+    DrawnBody, DrawnJoint, DrawnShape, FeltMass, Robot, RobotBooks, RobotControl, RobotCoordinate,
+    RobotCounts, RobotFiles, RobotPose, RobotTorques, one_line_text, robot_parity_values,
 };

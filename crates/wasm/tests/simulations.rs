@@ -40,7 +40,7 @@ fn the_equation_closes_over_a_step() -> Result<(), LabError> {
         let mut robot = Robot::load(PANDA, false, false)?;
         robot.place(&[0.1, -0.4, 0.2, -1.5, 0.3, 1.2, 0.0])?;
         assert!(robot.torques().inertial.is_empty() && largest(&robot.torques().coriolis) < 1e-12);
-        robot.set_method("rk4", h, false)?;
+        robot.choose("rk4", h, vec!["dissipation".into()])?;
         robot.advance(steps)?;
         let torques = robot.torques();
         assert!(largest(&torques.coriolis) > 1.0 && largest(&torques.gravity) > 10.0, "{torques:?}");
@@ -91,7 +91,7 @@ fn a_file_is_read_by_what_it_is() -> Result<(), LabError> {
     Ok(())
 }
 
-/// A ring of four bars is closed where it is placed, and as it falls: its pin lets no gap open, and does no work. Other methods drop it.
+/// A ring of four bars is closed where it is placed, and as it falls: its pin lets no gap open, and does no work, by every method, until it is switched off.
 #[test]
 fn a_closed_loop_stays_closed() -> Result<(), LabError> {
     let mut ring = Robot::load(include_str!("../../../robots/linkage.xml"), false, false)?;
@@ -115,10 +115,13 @@ fn a_closed_loop_stays_closed() -> Result<(), LabError> {
     let books = ring.books();
     assert!(most < 1e-9 && books.damping > 1e-3, "{most} m: {books:?}");
     assert!(books.unaccounted.abs() < 1e-3 * (1.0 + books.damping), "{books:?}");
-    assert!(!ring.opened() && ring.loose().is_none());
-    ring.set_method("rk4", 1e-3, true)?;
+    assert!(ring.acting().contains(&"equalities".to_owned()) && ring.loose().is_none());
+    ring.choose("rk4", 1e-3, Vec::new())?;
     ring.advance(200)?;
-    assert!(ring.opened() && gap(&mut ring) > 1e-3);
+    assert!(gap(&mut ring) < 1e-9);
+    ring.choose("rk4", 1e-3, vec!["equalities".into()])?;
+    ring.advance(200)?;
+    assert!(!ring.acting().contains(&"equalities".to_owned()) && gap(&mut ring) > 1e-3);
     Ok(())
 }
 
@@ -201,7 +204,7 @@ fn a_hand_leads() -> Result<(), LabError> {
 #[test]
 fn stops_hold() -> Result<(), LabError> {
     let mut robot = Robot::load(PANDA, false, false)?;
-    let step = robot.steady_step("implicit", true)?;
+    let step = robot.steady_step()?;
     let seconds = 3.0;
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     robot.advance((seconds / step).round() as u32)?;
@@ -220,7 +223,7 @@ fn the_ground_holds() -> Result<(), LabError> {
     let mut robot = Robot::load(include_str!("../../../robots/quadruped.urdf"), true, false)?;
     robot.set_ground(true)?;
     assert!(robot.grounded() && robot.left_out().is_empty());
-    let step = robot.steady_step("implicit", true)?;
+    let step = robot.steady_step()?;
     let start = robot.start_pose();
     assert!(start[2] > 0.3, "lifted out of the ground: {start:?}");
     let count = |seconds: f64| {
@@ -246,7 +249,7 @@ fn the_ground_holds() -> Result<(), LabError> {
     assert_eq!(robot.q(), {
         let mut again = Robot::load(include_str!("../../../robots/quadruped.urdf"), true, false)?;
         again.set_ground(true)?;
-        again.set_method("implicit", step, true)?;
+        again.choose("", step, Vec::new())?;
         again.place(&start)?;
         again.reference_fall(usize::try_from(count(0.05) + count(4.0) + count(1.0)).unwrap_or(0))?
     });
@@ -264,7 +267,7 @@ fn given_meshes_touch() -> Result<(), LabError> {
         <collision><geometry><mesh filename="cone.stl"/></geometry></collision></link></robot>"#;
     let mut robot = Robot::load(text, true, false)?;
     robot.set_ground(true)?;
-    assert!(!robot.grounded());
+    assert!(!robot.grounded() && robot.left_out().concat().contains("its file was not given"));
     let tetrahedron = [0.0, 0.0, -0.1, 0.1, 0.0, 0.1, -0.1, 0.1, 0.1, -0.1, -0.1, 0.1];
     robot.give_mesh(0, &tetrahedron);
     robot.set_ground(true)?;
@@ -272,6 +275,100 @@ fn given_meshes_touch() -> Result<(), LabError> {
     let start = robot.start_pose();
     // Its tip is 0.1 m above the ground.
     assert!((start[2] - 0.2).abs() < 1e-12, "{start:?}");
+    Ok(())
+}
+
+/// What the file states acts, by the method of the library with its reason, and is switched off by name; what cannot be done is said.
+#[test]
+fn what_acts_is_the_librarys() -> Result<(), LabError> {
+    let mut robot = Robot::load(include_str!("../../../robots/hand.xml"), false, false)?;
+    let stated = ["dissipation", "limits", "springs", "actuators", "equalities", "contacts", "link-contacts"];
+    assert_eq!((robot.effects(), robot.acting()), (stated.map(str::to_owned).to_vec(), robot.effects()));
+    assert_eq!(robot.method(), "implicit");
+    assert!(robot.reason().contains("position limits"), "{}", robot.reason());
+    assert!(robot.left_out().is_empty(), "{:?}", robot.left_out());
+
+    robot.choose("", 1e-3, vec!["limits".into(), "contacts".into()])?;
+    assert!(!robot.acting().iter().any(|effect| effect == "limits" || effect.ends_with("contacts")));
+    assert_eq!(robot.effects(), stated, "the switches stay");
+
+    robot.choose("rk4", 1e-3, Vec::new())?;
+    assert!(
+        robot.left_out().iter().any(|line| line.starts_with("position limits")),
+        "{:?}",
+        robot.left_out()
+    );
+    assert!(robot.choose("rk5", 1e-3, Vec::new()).is_err() && robot.choose("", 0.0, Vec::new()).is_err());
+    let refused = robot.choose("mujoco", 1e-3, vec!["limits".into()]).map_err(|error| error.to_string());
+    assert!(refused.is_err_and(|message| message.contains("implicit")), "a law that has its own limits");
+    assert_eq!(robot.method(), "rk4", "the choice before is kept");
+    Ok(())
+}
+
+/// Servos of the file bring their joints to where the controls say, and rest while motors of the page hold a pose.
+#[test]
+fn the_files_actuators_act() -> Result<(), LabError> {
+    let mut robot = Robot::load(include_str!("../../../robots/hand.xml"), false, false)?;
+    robot.place(&robot.start_pose())?;
+    let names: Vec<String> = robot.actuators().into_iter().map(|one| one.name).collect();
+    assert_eq!(names, ["wrist", "first", "second", "spread", "bend"]);
+    robot.set_controls(&[0.5, 0.0, 0.0, 0.0, 0.0])?;
+    robot.advance(3000)?;
+    assert!(
+        (robot.q()[0] - 0.5).abs() < 0.1 && robot.books().work.abs() > 1e-3,
+        "{:?}: {:?}",
+        robot.q(),
+        robot.books()
+    );
+    let time = robot.time();
+    robot.hold(20.0, 1.0)?;
+    assert!(!robot.acting().contains(&"actuators".to_owned()));
+    robot.release()?;
+    assert!(robot.acting().contains(&"actuators".to_owned()) && (robot.time() - time).abs() < 1e-12);
+    assert!(robot.set_controls(&[0.0]).is_err() && robot.set_controls(&[f64::NAN; 5]).is_err());
+    Ok(())
+}
+
+/// The example of the page: fingers grip a box, lift it off a table and hold it, by the controls of the file's poses in turn.
+#[test]
+fn a_gripper_lifts_a_box() -> Result<(), LabError> {
+    let mut robot = Robot::load(include_str!("../../../robots/gripper_and_box.xml"), false, false)?;
+    robot.set_ground(true)?;
+    assert!(robot.acting().contains(&"link-contacts".to_owned()) && robot.left_out().is_empty());
+    let poses = robot.named_poses();
+    let place = |name: &str| poses.iter().find(|pose| pose.name == name);
+    let (open, lifted) =
+        (place("open").map(|pose| pose.q.clone()), place("lifted").map(|pose| pose.q.clone()));
+    assert_eq!(open, Some(robot.start_pose()));
+    robot.place(&robot.start_pose())?;
+    robot.poses_in_turn();
+    robot.advance(1200)?;
+    // The box has four corners on the table, and each finger touches it.
+    let touching = robot.contact_forces().len() / 6;
+    assert!(touching >= 6, "{touching} contacts");
+    robot.advance(2800)?;
+    let apart = |q: &[f64]| lifted.as_ref().map_or(f64::NAN, |lifted| (q[5] - lifted[5]).abs());
+    // The servo of the lift gives way by the weight over its stiffness.
+    assert!(apart(&robot.q()) < 2e-3, "{:?}", robot.q());
+    let height = robot.q()[5];
+    robot.advance(1000)?;
+    assert!((robot.q()[5] - height).abs() < 1e-9, "it is held");
+    Ok(())
+}
+
+/// A torque that the page's motors ask for beyond an effort limit is cut off and counted.
+#[test]
+fn torques_are_cut_off() -> Result<(), LabError> {
+    let mut robot = Robot::load(PANDA, false, false)?;
+    let pose = robot.start_pose();
+    robot.place(&pose)?;
+    let mut far = pose.clone();
+    far[0] += 2.0;
+    robot.hold_at(&far, 200.0, 1.0)?;
+    robot.advance(20)?;
+    assert!(robot.steps_at_limit() > 0);
+    let limit = robot.coordinates()[0].effort;
+    assert!((robot.torques().applied[0].abs() - limit).abs() < 1e-12);
     Ok(())
 }
 

@@ -32,6 +32,27 @@ describe('the boundary', () => {
     expect(() => Robot.load('<robot name="r"><link name="a"></robot>', false, false)).toThrow(/line 1/);
   });
 
+  it('writes names of files as text on one line', () => {
+    const robots = loadRobotsFromDisk();
+    const name = '=x\t\n<script>\u202e"';
+    const attribute = name.replace(/\t/g, '&#9;').replace(/\n/g, '&#10;').replace(/</g, '&lt;').replace(/"/g, '&quot;');
+    const robot = robots.Robot.load(
+      `<mujoco model="${attribute}"><worldbody><body name="${attribute}"><joint name="${attribute}"/><geom size="0.1" unknown="1"/>`
+      + `</body></worldbody><actuator><motor name="${attribute}" joint="${attribute}"/></actuator>`
+      + `<keyframe><key name="${attribute}"/></keyframe></mujoco>`, false, false);
+    const text = '=x\\t\\n<script>\\u{202e}"';
+    expect(robot.name).toBe(text);
+    expect(robot.fileName).toBe('_x___script___');
+    expect([robot.coordinates()[0]!.name, robot.actuators()[0]!.name, robot.namedPoses()[0]!.name]).toEqual([text, text, text]);
+    expect(robot.bodies().map((body) => body.name)).toContain(text);
+    // Four fields a line, whatever is in a name.
+    expect(robot.report().map((line) => line.split('\t').length)).toEqual(robot.report().map(() => 4));
+    expect(robots.oneLine(name)).toBe(text);
+    robot.free();
+    const broken = '<mujoco><worldbody><body name="a&#10;\u202e"><joint type="none"/></body></worldbody></mujoco>';
+    expect(() => robots.Robot.load(broken, false, false)).toThrow(/^[^\u202e]*$/);
+  });
+
   it('is still there after every refusal', () => {
     expect(Reach2R.workedExample().mass([0, 0])[0]![0]).toBeCloseTo(3, 12);
     expect(integratorNames()).toContain('rk4');

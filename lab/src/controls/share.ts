@@ -34,8 +34,10 @@ export function shareRow(id: string, title: string, shared: () => Shared, { unsh
   }, 'quiet');
   const embed = button('Embed', () => {
     const address = aloneAddress(location.href, id, shared());
-    code.value = `<iframe src="${address.replace(/&/g, '&amp;')}" title="${title}" width="100%" height="${String(HEIGHT)}" `
-      + 'loading="lazy" style="border: 0"></iframe>';
+    // The browser escapes what it writes of an element.
+    code.value = html('iframe', {
+      src: address, title, width: '100%', height: HEIGHT, loading: 'lazy', style: 'border: 0',
+    }).outerHTML;
     code.hidden = false;
     code.select();
     navigator.clipboard.writeText(code.value).then(

@@ -6,6 +6,7 @@ const TITLES: Record<string, string> = {
   panda: 'Panda', ur5: 'UR5', two_r: 'Two rods', three_r: 'Three rods', dual_arm: 'Two arms', gantry: 'Gantry', gripper: 'Gripper',
   hand: 'Hand', humanoid: 'Humanoid', quadruped: 'Quadruped', 'arm.xml': 'Arm, MJCF', 'hand.xml': 'Hand, MJCF',
   'linkage.xml': 'Linkage, MJCF', 'quadruped.xml': 'Quadruped, MJCF',
+  'gripper_and_box.xml': 'Gripper and box, MJCF',
 };
 
 /** A URDF file does not say that a robot walks. */

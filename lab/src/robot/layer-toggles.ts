@@ -34,7 +34,7 @@ export function layerToggles(onChange: () => void, onGlow: () => void): LayerTog
     get value() { return { shapes: on('shapes'), collision: on('collision'), inertia: on('inertia'), forces: on('forces') }; },
     suit(robot) {
       glow.suit(robot);
-      for (const { name, one } of toggles) one.element.hidden = name === 'forces' && !robot.floats;
+      for (const { name, one } of toggles) one.element.hidden = name === 'forces' && !robot.effects().includes('contacts');
     },
     shared: () => ({ ...Object.fromEntries(toggles.map(({ name, one }) => [name, one.on ? 1 : 0])), ...glow.shared() }),
     restore(values) {

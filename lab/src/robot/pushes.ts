@@ -1,4 +1,4 @@
-// Arrows where the robot touches the ground: what the ground pushes with.
+// Arrows where the robot touches: what pushes it there.
 import { type Color, ConeGeometry, CylinderGeometry, Group, Mesh, MeshBasicMaterial, Vector3 } from 'three';
 
 const UP = new Vector3(0, 1, 0);

@@ -1,6 +1,6 @@
 // A robot's energy, cause by cause, in numbers.
 import { readings } from '../drawing/readings.ts';
-import { scientific, show } from '../element.ts';
+import { html, scientific, show } from '../element.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';
 
 export interface RobotReadings {
@@ -11,12 +11,16 @@ export interface RobotReadings {
 export function robotBooks(): RobotReadings {
   const numbers = readings('Energy books', [
     ['t', 't', 's'], ['mass', 'mass', 'kg'], ['dof', 'freedoms', ''], ['K', 'K', 'J'], ['V', 'V', 'J'], ['E', 'E', 'J'],
-    ['work', 'work of motors and hand', 'J'], ['lost', 'lost to damping', 'J'], ['friction', 'to friction', 'J'],
+    ['work', 'work put in', 'J'], ['lost', 'lost to damping', 'J'], ['friction', 'to friction', 'J'],
     ['stops', 'to stops', 'J'], ['sliding', 'to sliding', 'J'], ['impacts', 'to impacts', 'J'], ['off', 'unaccounted', 'J'],
   ]);
+  const limited = html('p', { class: 'cost', hidden: true });
   return {
-    element: numbers.element,
+    element: html('div', {}, numbers.element, limited),
     draw(robot) {
+      const cut = robot.stepsAtLimit;
+      limited.hidden = cut === 0;
+      if (cut > 0) limited.textContent = `In ${String(cut)} steps a torque was cut off at its effort limit.`;
       const { kinetic, potential, energy, work, damping, friction, stops, sliding, impacts, unaccounted } = robot.books;
       numbers.draw({
         t: show(robot.time, 2), mass: show(robot.totalMass, 2), dof: String(robot.v.length), K: show(kinetic), V: show(potential),

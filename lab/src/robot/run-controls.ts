@@ -3,12 +3,14 @@ import { numberFrom, numbered, numbersFrom, wordFrom, type Shared } from '../add
 import { choice, toggle } from '../controls/choice.ts';
 import { slider, type Slider } from '../controls/slider.ts';
 import { html } from '../element.ts';
-import type { IntegratorName, Robot, RobotCoordinate } from '../../lib/dynamics/index.ts';
+import type { Robot, RobotCoordinate } from '../../lib/dynamics/index.ts';
 import { INTEGRATORS } from '../widgets/integrators.ts';
+import { acting } from './acting.ts';
+import { actuators } from './actuators.ts';
 
-export type MethodName = 'implicit' | IntegratorName;
-const METHODS: readonly (readonly [MethodName, string])[] = [
-  ['implicit', 'Implicit, with stops'], ...INTEGRATORS,
+/** The library's choice, and its methods by their names. */
+const METHODS: readonly (readonly [string, string])[] = [
+  ['auto', 'As the library chooses'], ['implicit', 'Implicit'], ['mujoco', 'MuJoCo’s law'], ...INTEGRATORS,
 ];
 
 export interface RunControls {
@@ -16,24 +18,47 @@ export interface RunControls {
   readonly h: number;
   /** For a robot that was just loaded: the longest step that it bears, its motors at rest. */
   suit(robot: Robot): void;
-  /** To the robot as it is. */
-  apply(robot: Robot): void;
+  /** What is said of the simulation, which was set up anew. */
+  show(robot: Robot): void;
   /** The motors hold the pose that the robot is in now, if they are on. */
   grip(robot: Robot): void;
+  /** What moves with the robot. */
+  draw(robot: Robot): void;
   shared(robot: Robot | undefined): Shared;
   restore(values: URLSearchParams): void;
   /** What of an address belongs to a loaded robot. */
-  restoreOn(robot: Robot, values: URLSearchParams): void;
+  restoreOn(values: URLSearchParams): void;
 }
 
-export function runControls(robot: () => Robot | undefined): RunControls {
+/** `say` tells a person why what was asked for cannot be. */
+export function runControls(robot: () => Robot | undefined, say: (text: string) => void): RunControls {
+  /** What the robot took last. */
+  let taken = { method: 'auto', h: 1e-3, off: [] as string[] };
   const withRobot = (act: (robot: Robot) => void): void => {
     const now = robot();
-    if (now !== undefined) act(now);
+    if (now === undefined) return;
+    try {
+      act(now);
+      say('');
+    } catch (error) {
+      say(error instanceof Error ? error.message : String(error));
+    }
+    effects.show(now);
   };
-  const apply = (to: Robot): void => { to.setMethod(method.value, stepLength.value / 1000, friction.on); };
-  const changed = (): void => { withRobot(apply); };
-  const grip = (of: Robot): void => {
+  const choose = (of: Robot): void => {
+    const next = { method: method.value, h: stepLength.value / 1000, off: effects.off };
+    try {
+      of.choose(next.method === 'auto' ? '' : next.method, next.h, next.off);
+      taken = next;
+    } catch (error) {
+      method.set(taken.method);
+      stepLength.set(1000 * taken.h);
+      effects.set(taken.off);
+      throw error;
+    }
+  };
+  const changed = (): void => { withRobot(choose); };
+  const hold = (of: Robot): void => {
     if (holding.on) of.hold(frequency.value, ratio.value);
     else of.release();
   };
@@ -42,38 +67,60 @@ export function runControls(robot: () => Robot | undefined): RunControls {
       if (holding.on) of.holdAt(of.held, frequency.value, ratio.value);
     });
   };
-  const friction = toggle('Damping and friction', true, changed);
-  const holding = toggle('Motors hold the pose', false, () => { withRobot(grip); });
-  const method = choice<MethodName>('Method', METHODS, 'implicit', changed);
+  const effects = acting(changed);
+  const servos = actuators(robot);
+  const holding = toggle('Motors hold the pose', false, () => { withRobot(hold); });
+  const method = choice<string>('Method', METHODS, 'auto', changed);
   const stepLength = slider({ label: 'Step h', unit: 'ms', min: 0.1, max: 10, step: 0.1, value: 1, onInput: changed });
   const frequency = slider({ label: 'Hold at', unit: 'rad/s', min: 0, max: 40, step: 1, value: 20, onInput: regain });
   const ratio = slider({ label: 'Damping ζ', unit: '', min: 0, max: 2, step: 0.05, value: 1, onInput: regain });
   const motors = html('details', {}, html('summary', {}, 'Method and gains'),
     html('div', { class: 'folded' }, method.element, stepLength.element, frequency.element, ratio.element));
   return {
-    elements: [holding.element, friction.element, motors],
+    elements: [holding.element, effects.element, servos.element, motors],
     get h() { return stepLength.value / 1000; },
-    suit(of) { stepLength.set(1000 * of.steadyStep(method.value, friction.on)); },
-    apply,
-    grip,
+    suit(of) {
+      try {
+        choose(of);
+      } catch {
+        // What suited the robot before does not suit this one.
+        method.set('auto');
+        effects.set([]);
+        choose(of);
+      }
+      stepLength.set(1000 * of.steadyStep());
+      taken.h = stepLength.value / 1000;
+      servos.suit(of);
+      effects.show(of);
+    },
+    show: effects.show,
+    grip(of) {
+      if (holding.on || of.held.length > 0) hold(of);
+    },
+    draw: servos.draw,
     shared(of) {
       const held = of?.held ?? [];
       return {
-        h: stepLength.value / 1000, friction: friction.on ? 1 : 0, method: method.value, frequency: frequency.value, ratio: ratio.value,
-        ...(held.length > 0 ? { hold: 1, ...numbered('to', held) } : {}),
+        h: stepLength.value / 1000, off: effects.off.join('.'), method: method.value, frequency: frequency.value, ratio: ratio.value,
+        ...(held.length > 0 ? { hold: 1, ...numbered('to', held) } : {}), ...servos.shared(of),
       };
     },
     restore(values) {
-      friction.set(numberFrom(values, 'friction', 1) !== 0);
-      method.set(wordFrom(values, 'method', METHODS.map(([name]) => name), 'implicit'));
+      // Older links say that friction is off by a number.
+      const friction = numberFrom(values, 'friction', 1) === 0 ? ['dissipation'] : [];
+      effects.set([...(values.get('off') ?? '').split('.'), ...friction]);
+      method.set(wordFrom(values, 'method', METHODS.map(([name]) => name), 'auto'));
       frequency.set(Math.min(40, Math.max(0, numberFrom(values, 'frequency', 20))));
       ratio.set(Math.min(2, Math.max(0, numberFrom(values, 'ratio', 1))));
       holding.set(numberFrom(values, 'hold', 0) !== 0);
     },
-    restoreOn(of, values) {
+    restoreOn(values) {
       if (values.has('h')) stepLength.set(1000 * Math.min(0.01, Math.max(1e-4, numberFrom(values, 'h', 1e-3))));
-      apply(of);
-      if (holding.on) of.holdAt(numbersFrom(values, 'to', of.q), frequency.value, ratio.value);
+      withRobot((now) => {
+        choose(now);
+        servos.restoreOn(now, values);
+        if (holding.on) now.holdAt(numbersFrom(values, 'to', now.q), frequency.value, ratio.value);
+      });
     },
   };
 }

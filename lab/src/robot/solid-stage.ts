@@ -22,7 +22,7 @@ const FILL = 0.9;
 const EDGE = 0.8;
 const START = { azimuth: -0.7, elevation: 0.32 };
 
-/** Throws where the browser has no WebGL. Calls back when the robot was given meshes to touch the ground with. */
+/** Throws where the browser has no WebGL. Calls back when the robot was given meshes to touch with. */
 export function solidStage(hand: Hand, onMeshes: () => void): Stage {
   const scenery = new Scenery(() => { dress(); });
   const { scene, camera, renderer } = scenery;
@@ -72,7 +72,7 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
     robot = next;
     rebuild = () => build(next, files);
     const { absent, hulls } = await build(next, files);
-    if (next === robot && next.floats && hulls.length > 0) {
+    if (next === robot && hulls.length > 0) {
       for (const hull of hulls) next.giveMesh(hull.shape.number, points(hull));
       onMeshes();
     }
@@ -113,16 +113,19 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
         });
       }
     }
-    arrows.group.visible = next.forces && robot?.grounded === true;
+    arrows.group.visible = next.forces;
     element.dataset['parts'] = String(links.flatMap((link) => link.children).filter(({ visible }) => visible).length);
     render();
   };
 
+  /** The links that can move; the world of a scene is none of them. */
+  const movers = (): Group[] => links.filter((_, link) => movable[link] === true);
   /** The mean place of the links: what the camera goes with. */
   const middle = (): Vector3 => {
     const sum = new Vector3();
-    for (const link of links) sum.add(new Vector3().setFromMatrixPosition(link.matrix));
-    return sum.divideScalar(Math.max(1, links.length));
+    const moving = movers();
+    for (const link of moving) sum.add(new Vector3().setFromMatrixPosition(link.matrix));
+    return sum.divideScalar(Math.max(1, moving.length));
   };
   /** All but planes without end. */
   const tangible = (): Group => {
@@ -167,7 +170,7 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
   /** Steps back from what leaves the picture, unless a person chose how near to be. */
   const keepInSight = (): void => {
     let far = 0;
-    for (const link of links) {
+    for (const link of movers()) {
       at.setFromMatrixPosition(link.matrix).project(camera);
       far = Math.max(far, Math.abs(at.x), Math.abs(at.y));
     }
@@ -199,7 +202,6 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
       }
     }
     scenery.stand(robot.grounded ? level : backdrop);
-    arrows.group.visible = shown.forces && robot.grounded;
     const contacts = robot.contactForces();
     element.dataset['contacts'] = String(contacts.length / 6);
     if (arrows.group.visible) arrows.draw(contacts, 9.81 * robot.totalMass, reach);

@@ -11,7 +11,7 @@ export interface Layers {
   collision: boolean;
   /** The uniform ellipsoid of each link's mass and inertia. */
   inertia: boolean;
-  /** What the ground pushes with. */
+  /** What each contact pushes with. */
   forces: boolean;
 }
 

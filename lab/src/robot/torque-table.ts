@@ -35,7 +35,7 @@ export function torqueTable(): TorqueTable {
   return {
     draw,
     element: html('div', {}, html('h3', {}, label),
-      html('p', { class: 'cost' }, 'M q̈ + C q̇ + g(q) = what motors and hand give + what damping, stops, ground and '
+      html('p', { class: 'cost' }, 'M q̈ + C q̇ + g(q) = what motors, actuators and hand give + what damping, stops, contacts and '
         + 'loops give, over the last step. At rest motors must give g(q) to hold the pose.'),
       html('div', { class: 'table scroll', tabindex: 0, role: 'region', 'aria-label': label }, table)),
     show(robot) {

@@ -24,7 +24,7 @@ const some = (names: readonly string[]): string => names.slice(0, 4).join(', ') 
 /** The report as a person would give it. */
 function inWords(robot: Robot, absent: readonly string[]): string[] {
   const { counts } = robot;
-  const { links, joints, freedoms, defaulted, repaired, suspicious, ignored, ignoredPhysics, equalities, tendons } = counts;
+  const { links, joints, freedoms, defaulted, repaired, suspicious, ignored, ignoredPhysics, equalities, tendons, actuators } = counts;
   const many = (count: number, one: string, more = `${one}s`): string => `${String(count)} ${count === 1 ? one : more}`;
   const sentences = [
     `“${robot.name}” has ${many(links, 'link')}, ${many(joints, 'joint')} and ${many(freedoms, 'degree')} of freedom. `
@@ -40,25 +40,20 @@ function inWords(robot: Robot, absent: readonly string[]): string[] {
   ] as const;
   const parts = said.filter(([count]) => count > 0).map(([count, one, more]) => `${many(count, 'value')} ${count === 1 ? one : more}`);
   if (parts.length > 0) sentences.push(`${parts.join('; ')}.`);
-  if (equalities > 0) {
-    const what = many(equalities, 'closed loop or coupling', 'closed loops or couplings');
-    const them = equalities === 1 ? 'it' : 'them';
-    sentences.push(robot.loose === undefined
-      ? `The file also has ${what}; the implicit method holds ${them}, the others do not.`
-      : `The file also has ${what}; nothing on this page holds ${them}: ${robot.loose}.`);
+  const beside = ([
+    [equalities, 'closed loop or coupling', 'closed loops or couplings'],
+    [tendons, 'tendon', 'tendons'], [actuators, 'actuator', 'actuators'],
+  ] as const).filter(([count]) => count > 0).map(([count, one, more]) => many(count, one, more));
+  if (beside.length > 0) {
+    const listed = beside.length > 1 ? `${beside.slice(0, -1).join(', ')} and ${beside.at(-1)!}` : beside[0]!;
+    sentences.push(`The file also has ${listed}.`);
   }
-  if (tendons > 0) sentences.push(`The file also has ${many(tendons, 'tendon')}, which on this page pull nothing.`);
+  if (robot.loose !== undefined) sentences.push(`The loops and couplings cannot be held: ${robot.loose}.`);
   const locked = robot.locked();
   if (locked.length > 0) {
     const one = locked.length === 1;
     sentences.push(`${many(locked.length, 'joint')} ${one ? 'moves' : 'move'} no mass (${some(locked)}) and `
       + `${one ? 'is' : 'are'} held still.`);
-  }
-  const { leftOut } = robot;
-  if (leftOut.length > 0) {
-    const first = leftOut[0]!.replace(/:.*$/, '');
-    sentences.push(`${many(leftOut.length, 'shape')} cannot touch the ground, as ${leftOut.length === 1 ? 'its mesh' : 'their meshes'} `
-      + `did not come with the file (${first}${leftOut.length > 1 ? ', …' : ''}).`);
   }
   if (absent.length > 0) {
     const names = [...new Set(absent.map((name) => name.replace(/^.*[\\/]/, '')))];

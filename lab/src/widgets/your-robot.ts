@@ -48,7 +48,7 @@ export function yourRobot(): Widget {
     group: plots, title: 'Energy', unit: 'J', height: 150,
     lines: [{ name: 'K', tone: 'second' }, { name: 'V', tone: 'muted', dashed: true }, { name: 'E', tone: 'accent' }],
   });
-  const controls = runControls(() => robot);
+  const controls = runControls(() => robot, (text) => { clock.say(text); });
   const pose = poseSliders((place, value) => {
     clock.pause();
     if (robot === undefined) return;
@@ -88,6 +88,7 @@ export function yourRobot(): Widget {
   /** One after the other: what is being shown is not taken away. */
   const load = (next: Source): Promise<void> => (loading = loading.then(() => loadNow(next)));
   let loading = Promise.resolve();
+  const shown = (name: string): string => robots?.oneLine(name) ?? name;
   const loadNow = async (next: Source): Promise<void> => {
     if (robots === undefined) return;
     clock.pause();
@@ -106,13 +107,13 @@ export function yourRobot(): Widget {
     loaded.setGround(ground.on);
     for (const one of [controls, layers]) one.suit(loaded);
     torques.show(loaded);
-    ground.element.hidden = !loaded.floats;
+    ground.element.hidden = !loaded.floats || loaded.ownGround;
     put(loaded.startPose());
     pose.show(loaded);
     stage ??= await setStage();
     const absent = await stage.show(loaded, next.meshes);
     before?.free();
-    report.replaceChildren(reportTable(loaded, absent));
+    report.replaceChildren(reportTable(loaded, absent.map(shown)));
     draw();
     element.dataset['shown'] = loaded.name;
   };
@@ -138,8 +139,7 @@ export function yourRobot(): Widget {
     }
     if (beat % 6 !== 0) return;
     pose.draw(robot.q);
-    unheld.hidden = !robot.floats || !ground.on || robot.grounded;
-    opened.hidden = !robot.opened;
+    controls.draw(robot);
     torques.draw(robot);
     layers.write();
     numbers.draw(robot);
@@ -188,7 +188,7 @@ export function yourRobot(): Widget {
       const [first] = found;
       others.replaceChildren(...(found.size > 1
         ? [buttonRow('Robots in this folder', ...[...found].slice(0, 40).map(([path, text]) =>
-          button(path.replace(/^.*\//, ''), () => { openOne(path, text); })))]
+          button(shown(path.replace(/^.*\//, '')), () => { openOne(path, text); })))]
         : []));
       if (first !== undefined) openOne(...first);
       else clock.say('There is no robot in what was given: no file that begins with <robot> (URDF) or <mujoco> (MJCF).');
@@ -207,17 +207,15 @@ export function yourRobot(): Widget {
   const stand = (anew: boolean): void => {
     if (robot === undefined) return;
     robot.setGround(ground.on);
+    controls.show(robot);
     if (anew) put(robot.startPose());
     draw();
   };
   const ground = toggle('Ground', true, () => { stand(ground.on); });
-  const unheld = html('p', { class: 'cost', hidden: true },
-    'Nothing meets the ground now: only the implicit method knows it, and only links with collision shapes touch it.');
-  const opened = html('p', { class: 'cost', hidden: true }, 'The robot’s loops are open now: only the implicit method holds them.');
   const layers = layerToggles(() => { stage?.layers(layers.value); }, () => { draw(1); });
   const [file, folder] = [fileInput('A robot file', false, openFiles), fileInput('A folder with a robot', true, openFiles)];
   const film = filmButton({
-    begin: () => scene.querySelector('canvas'), name: () => robot?.name ?? 'robot', title: 'Record a video',
+    begin: () => scene.querySelector('canvas'), name: () => robot?.fileName ?? 'robot', title: 'Record a video',
   });
   const look = buttonRow('Views',
     ...VIEWS.map(([name, azimuth, elevation]) => button(name, () => { stage?.look(azimuth, elevation); })),
@@ -235,7 +233,7 @@ export function yourRobot(): Widget {
           button('Open a file…', () => { file.click(); }), button('Open a folder…', () => { folder.click(); }),
           button('Start pose', () => { if (robot !== undefined) { put(robot.startPose()); stage?.fit(); } })),
         file, folder, floating.element, ground.element, ...controls.elements, pose.element),
-      unheld, opened, numbers.element,
+      numbers.element,
     ],
     below: [html('div', { class: 'plots' }, energyPlot.element), torques.element, report],
     equations: [
@@ -243,7 +241,7 @@ export function yourRobot(): Widget {
       { name: 'forward', code: 'multibody::forward_dynamics', says: 'by articulated bodies, O(n)' },
       { name: 'pull', code: 'multibody::frame_jacobian_world_aligned', says: 'a spring and a damper at your hand' },
       { name: 'felt', code: 'multibody::inverse_mass_matrix', says: 'the mass that you feel' },
-      { name: 'contact', code: 'multibody::ContactSet', says: 'the ground pushes, never pulls, and holds as friction lets it' },
+      { name: 'contact', code: 'multibody::ContactSet', says: 'ground and links push, never pull, and hold as friction lets them' },
       { name: 'ledger', code: 'multibody::EnergyLedger', says: 'every joule has a name' },
     ],
     plots,
@@ -301,7 +299,7 @@ export function yourRobot(): Widget {
       void named(values).then(() => {
         if (robot === undefined) return;
         put(numbersFrom(values, 'q', robot.q), numbersFrom(values, 'v', robot.v));
-        controls.restoreOn(robot, values);
+        controls.restoreOn(values);
         stage?.layers(layers.value);
         stage?.restore(values);
         draw();

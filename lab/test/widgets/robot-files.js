@@ -34,7 +34,7 @@ export default {
       await person.press('Copy link to this state');
       const given = new URLSearchParams(person.page.url().split('?')[1]);
       assert.ok(Math.abs(Number(given.get('v1'))) > 1e-3, 'velocities');
-      const expected = { robot: 'ur5', hold: '1', inertia: '1', speed: '0.5', azimuth: '-0.8', method: 'implicit' };
+      const expected = { robot: 'ur5', hold: '1', inertia: '1', speed: '0.5', azimuth: '-0.8', method: 'auto' };
       for (const [name, value] of Object.entries(expected)) assert.equal(given.get(name), value, name);
       await person.page.reload();
       await person.page.waitForSelector('html[data-ready]');
@@ -121,6 +121,39 @@ export default {
       assert.match(await said.textContent(), /too large for a link/);
       assert.equal(new URLSearchParams(person.page.url().split('?')[1]).get('file'), null);
     }),
+
+  'names in files are text, wherever the page writes them': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      const name = '=cmd|x&#10;<script>window.broken = 1</script>\u202e"\'&amp;';
+      const written = name.replace(/</g, '&lt;').replace(/"/g, '&quot;');
+      const file = `<mujoco model="${written}"><worldbody><body name="${written}"><joint name="${written}" axis="0 1 0"/>`
+        + `<geom size="0.1"/></body></worldbody><actuator><motor name="${written}" joint="${written}"/></actuator>`
+        + `<keyframe><key name="${written}" ctrl="1"/><key name="${written}2" ctrl="0"/></keyframe></mujoco>`;
+      await give(person, { '<b>\u202emodel.xml': file });
+      await loaded(person, '=cmd|x\\n<script>window.broken = 1</script>\\u{202e}"\'&');
+      assert.equal(await person.page.evaluate(() => window.broken), undefined, 'no name is a script');
+      assert.equal(await person.section.locator('script, b').count(), 0, 'no name is an element');
+      await person.section.getByText('Controls of the actuators').click();
+      await person.section.getByText('Pose, joint by joint').click();
+      const seen = await person.section.innerText();
+      assert.ok(!/[\u202e\u0000-\u0008]/.test(seen), 'what cannot be seen is written as its escape');
+      assert.ok(seen.includes('\\u{202e}'), 'and can be read');
+      await person.press('Play');
+      await person.waits(0.5);
+      await person.press('Pause');
+      const [csv] = await Promise.all([person.page.waitForEvent('download'), person.press('CSV')]);
+      const lines = readFileSync(await csv.path(), 'utf8').trimEnd().split('\n');
+      assert.equal(lines[0], 't [s],K [J],V [J],E [J]');
+      assert.ok(lines.length > 2 && lines.every((line) => line.split(',').length === 4), 'no name breaks a row');
+      await person.press('Embed');
+      const code = await person.section.locator('.embed-code').inputValue();
+      assert.equal((code.match(/</g) ?? []).length, 2, `one element: ${code}`);
+      await person.press('Record a video');
+      await person.waits(0.3);
+      const [film] = await Promise.all([person.page.waitForEvent('download'), person.press('End the video')]);
+      assert.match(film.suggestedFilename(), /^_cmd_x__script[A-Za-z0-9_]*\.(webm|mp4)$/);
+    }, { viewport: { width: 520, height: 640 } }),
 
   'an MJCF file is opened as a URDF is, and a folder brings its meshes': (address) =>
     at(address, ID, async (person) => {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use multibody::text::one_line;
-use multibody::{Equality, Model, RobotDescription, Shape, ShapeRole, Transmission};
+use multibody::{Equality, Model, RobotDescription, SensorObject, Shape, ShapeRole, Transmission};
 
 use super::count;
 use crate::table::{Table, short};
@@ -11,8 +11,15 @@ use crate::table::{Table, short};
 /// One part of the text for each kind of thing that the file has.
 pub(super) fn parts(model: &Model) -> Vec<String> {
     let robot = model.description();
-    let parts =
-        [actuators(robot), tendons(robot), springs(robot), equalities(robot), poses(robot), shapes(robot)];
+    let parts = [
+        actuators(robot),
+        tendons(robot),
+        springs(robot),
+        equalities(robot),
+        sensors(robot),
+        poses(robot),
+        shapes(robot),
+    ];
     parts.into_iter().filter(|part| !part.is_empty()).collect()
 }
 
@@ -83,6 +90,35 @@ fn equalities(robot: &RobotDescription) -> String {
         let _ = writeln!(text, "  {}", one_line(&line));
     }
     if text.is_empty() { text } else { format!("Equalities, which M, C and g do not contain:\n{text}") }
+}
+
+fn sensors(robot: &RobotDescription) -> String {
+    if robot.sensors.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new(&["sensor", "kind", "on", "relative to", ">numbers"]);
+    for sensor in &robot.sensors {
+        let reference = sensor.reference.as_ref().map_or_else(|| "-".to_owned(), object);
+        let kind = sensor.kind;
+        table.row([
+            sensor.name.clone(),
+            kind.name().to_owned(),
+            object(&sensor.object),
+            reference,
+            kind.size().to_string(),
+        ]);
+    }
+    format!("Sensors:\n{}", table.text())
+}
+
+fn object(object: &SensorObject) -> String {
+    match object {
+        SensorObject::Robot => "the robot".into(),
+        SensorObject::Named(name) => name.clone(),
+        SensorObject::CenterOfMass(link) => format!("centre of mass of {link}"),
+        SensorObject::Shape(shape) => format!("shape {shape}"),
+        _ => "something newer than this command".into(),
+    }
 }
 
 fn poses(robot: &RobotDescription) -> String {

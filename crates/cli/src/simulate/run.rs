@@ -101,6 +101,7 @@ fn given_up(error: &AdaptiveStepError, time: f64) -> String {
              not smooth there, or the tolerance is below rounding; {instead}",
             short(time)
         ),
+        grown @ AdaptiveStepError::Diverged { .. } => format!("t = {} s: {grown}", short(time)),
         other => format!("no step from t = {} s: {other}", short(time)),
     }
 }

@@ -39,6 +39,11 @@ impl Setup {
         for effect in arguments.without.iter().copied().chain(by_hold) {
             builder = builder.without(effect);
         }
+        if let Some(srdf) = &arguments.srdf {
+            let pairs = robot_dynamics::urdf::load_disabled_collisions(srdf, model.description())
+                .context(srdf.display())?;
+            builder = builder.ignore_contacts(pairs);
+        }
         if let Some(friction) = arguments.friction {
             builder = builder.height_fields(move |shape| {
                 robot_dynamics::height_field(shape).map(|field: HeightField| field.with_friction(friction))
@@ -79,8 +84,8 @@ impl Setup {
     /// The words of the summary for what is left out: each kind once, with a count where there are several of it.
     pub(crate) fn left_out_lines(&self) -> Vec<String> {
         const SHOWN: usize = 4;
-        let left_out = self.simulation.left_out();
-        let mut lines: Vec<String> = left_out.iter().take(SHOWN).cloned().collect();
+        let left_out = self.simulation.unsupported_features();
+        let mut lines: Vec<String> = left_out.iter().take(SHOWN).map(ToString::to_string).collect();
         if left_out.len() > SHOWN {
             lines.push(format!("and {} more", left_out.len() - SHOWN));
         }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use multibody::simulator::{Effect, Method};
 use multibody::text::one_line;
-use multibody::{AdaptiveMethod, AdaptiveRecord, ConstraintSet, Model, Run, difference};
+use multibody::{AdaptiveMethod, AdaptiveRecord, ConstraintSet, ContactLaws, Model, Run, difference};
 
 use super::Arguments;
 use super::drive::Drive;
@@ -57,6 +57,7 @@ impl Summary<'_> {
         if let Some(floor) = self.floor {
             text += &floor.report(self.model, &self.ran.run);
         }
+        text += &self.ran.run.contact_laws.map_or_else(String::new, |laws| unsettled(&laws));
         text += &self.foot();
         text
     }
@@ -359,6 +360,19 @@ impl Summary<'_> {
     }
 }
 
+/// Steps whose budget of parts was spent, with the energy that they leave unaccounted for.
+fn unsettled(laws: &ContactLaws) -> String {
+    if laws.unsettled == 0 {
+        return String::new();
+    }
+    let (verb, steps) = (if laws.unsettled == 1 { "was" } else { "were" }, count(laws.unsettled, "step"));
+    format!(
+        "\n  {steps} {verb} divided until the budget of parts was spent; the most energy that one leaves unaccounted for is {} J; a \
+         shorter --step divides less\n",
+        short(laws.imbalance)
+    )
+}
+
 /// An energy to a microjoule, as drift shows in the last digits; large ones with their power of ten, none that is not
 /// finite.
 fn joule(x: f64) -> String {
@@ -366,4 +380,18 @@ fn joule(x: f64) -> String {
         return "-".into();
     }
     if x.abs() < 1e9 { format!("{x:.6}") } else { format!("{x:.6e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_whose_budget_was_spent_are_told_with_their_residual() {
+        let mut laws = ContactLaws::default();
+        assert_eq!(unsettled(&laws), "");
+        (laws.unsettled, laws.imbalance) = (3, 0.25);
+        let said = unsettled(&laws);
+        assert!(said.contains("3 steps were divided") && said.contains("0.25 J"), "{said}");
+    }
 }

@@ -42,6 +42,35 @@ fn inspection_and_computation_of_an_mjcf_robot() {
     assert!((numbers(&printed["bias"])[2] - weight).abs() < 1e-12 * weight);
 }
 
+/// Sensors, and what the default simulation leaves out: ellipsoids touch the ground, and not each other.
+#[test]
+fn inspection_tells_sensors_and_what_a_simulation_leaves_out() {
+    let folder = Folder::new("left_out");
+    let body = |name: &str, x: f64| {
+        format!(
+            r#"<body name="{name}" pos="{x} 0 1"><freejoint/><site name="{name}_site"/>
+               <geom name="{name}" type="ellipsoid" size="0.1 0.2 0.3"/></body>"#
+        )
+    };
+    let text = format!(
+        r#"<mujoco><worldbody>{}{}{}</worldbody><sensor><gyro name="turn" site="one_site"/>
+           <framepos name="apart" objtype="site" objname="one_site" reftype="site" refname="two_site"/></sensor></mujoco>"#,
+        body("one", 0.0),
+        body("two", 1.0),
+        body("three", 2.0)
+    );
+    folder.write("eggs.xml", text.as_bytes());
+    let object = &lines(&folder.output(&["inspect", "eggs.xml", "--json"], ""))[0];
+    let sensors = object["sensors"].as_array().unwrap();
+    assert_eq!((sensors.len(), &sensors[0]["name"]), (2, &json!("turn")));
+    let left_out = object["simulation"]["left_out"].as_array().unwrap();
+    assert_eq!(left_out.len(), 1, "one entry for one reason: {left_out:?}");
+    assert_eq!(left_out[0]["features"].as_array().unwrap().len(), 3);
+    let text = folder.output(&["inspect", "eggs.xml"], "");
+    assert!(text.contains("apart") && text.contains("framepos") && text.contains("two_site"), "{text}");
+    assert!(text.contains("leaves out contact of") && text.contains("and 1 more: "), "{text}");
+}
+
 #[test]
 fn inspection_of_a_floating_robot() {
     let folder = Folder::new("inspect");

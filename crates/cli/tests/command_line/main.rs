@@ -17,6 +17,7 @@ mod malformed;
 mod manuals;
 mod names;
 mod outputs;
+mod same_motion;
 mod signals;
 mod simulate;
 mod singular;

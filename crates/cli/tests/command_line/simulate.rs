@@ -473,3 +473,40 @@ fn the_loops_of_a_file_are_held() {
         ground.err
     );
 }
+
+/// Two balls on a slide: without the pair of the SRDF file one rests on the other, with it they pass through each other.
+#[test]
+fn pairs_of_an_srdf_file_do_not_touch() {
+    let folder = Folder::new("srdf");
+    let body = |name: &str, z: f64| {
+        format!(
+            r#"<body name="{name}" pos="0 0 {z}"><joint name="{name}" type="slide" axis="0 0 1"/><geom size="0.1"/></body>"#
+        )
+    };
+    let floor = r#"<geom type="plane" size="0 0 1"/>"#;
+    let text =
+        format!("<mujoco><worldbody>{floor}{}{}</worldbody></mujoco>", body("low", 0.1), body("high", 0.35));
+    folder.write("balls.xml", text.as_bytes());
+    let pair = r#"<robot name="r"><disable_collisions link1="high" link2="low" reason="Never"/></robot>"#;
+    folder.write("pairs.srdf", pair.as_bytes());
+    folder.write("other.srdf", pair.replace("low", "lowe").as_bytes());
+    let end = |arguments: &[&str]| -> f64 {
+        let run = ["simulate", "balls.xml", "--duration", "1", "--csv", "-"];
+        let table = folder.run(&[&run[..], arguments].concat(), b"");
+        assert_eq!(table.code, Some(0), "{}", table.err);
+        let mut lines = table.out.lines();
+        let column = lines.next().unwrap().split(',').position(|name| name == "q high [m]").unwrap();
+        lines.last().unwrap().split(',').nth(column).unwrap().parse().unwrap()
+    };
+    // 0.35 m less 0.2 m above the low one, or less 0.1 m above the floor.
+    assert!((end(&[]) + 0.05).abs() < 1e-3);
+    assert!((end(&["--srdf", "pairs.srdf"]) + 0.25).abs() < 1e-3);
+    let run = ["simulate", "balls.xml", "--duration", "0.1", "--srdf"];
+    let refused = folder.run(&[&run[..], &["other.srdf"]].concat(), b"");
+    assert!(refused.code != Some(0) && refused.err.contains("did you mean `low`?"), "{}", refused.err);
+    let refused = folder.run(&[&run[..], &["balls.xml"]].concat(), b"");
+    assert!(refused.code != Some(0) && refused.err.contains("not an SRDF file"), "{}", refused.err);
+    // The file is one that the run reads.
+    let refused = folder.run(&[&run[..], &["pairs.srdf", "--csv", "pairs.srdf"]].concat(), b"");
+    assert!(refused.code != Some(0) && folder.read("pairs.srdf") == pair, "{}", refused.err);
+}

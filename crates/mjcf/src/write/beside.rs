@@ -49,9 +49,11 @@ impl Writing<'_> {
         }
         self.xml.attribute("geom1", first).attribute("geom2", second);
         self.xml.unless("condim", pair.condim.into(), usual.condim.into());
+        let of_friction = pair.solreffriction.unwrap_or_default();
         for (name, numbers, usual) in [
             ("friction", &pair.friction[..], &usual.friction[..]),
             ("solref", &pair.solref, &usual.solref),
+            ("solreffriction", &of_friction, &[0.0; 2]),
             ("solimp", &pair.solimp, &usual.solimp),
         ] {
             if numbers != usual {

@@ -92,6 +92,13 @@ fn replicates_of_replicates_are_bounded() {
     let empty = format!("<mujoco><worldbody>{open}{}</worldbody></mujoco>", "</replicate>".repeat(10));
     let error = quickly("empty replicates", &empty).expect_err("too many");
     assert!(matches!(only(&error), MjcfError::TooMany { .. }), "{error}");
+    // What is deep in a copy counts.
+    let geoms = "<geom size='.1'/>".repeat(10);
+    let deep = format!(
+        "<mujoco><worldbody><replicate count='500000'><body><freejoint/>{geoms}</body></replicate></worldbody></mujoco>"
+    );
+    let error = quickly("replicates of many geoms", &deep).expect_err("too many");
+    assert!(matches!(only(&error), MjcfError::TooMany { .. }), "{error}");
     for count in ["1e9", "-1", "nan", "1e400", ""] {
         let text =
             format!("<mujoco><worldbody><replicate count='{count}'><body/></replicate></worldbody></mujoco>");

@@ -3,6 +3,7 @@
 mod account;
 mod attach;
 mod beside;
+mod contacts;
 mod faults;
 mod golden;
 mod height_fields;

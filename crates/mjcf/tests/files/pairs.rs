@@ -33,7 +33,7 @@ fn balls(pairs: &str) -> String {
 #[test]
 fn a_pair_is_read_with_its_defaults_and_comes_back() {
     let text = balls(
-        r#"<pair name="own" geom1="ball" geom2="floor" friction="0.3" solref="-900 -40" gap="0.001"/>
+        r#"<pair name="own" geom1="ball" geom2="floor" friction="0.3" solref="-900 -40" solreffriction="0.03" gap="0.001"/>
            <pair class="grip" geom1="tip" geom2="ball" condim="6" solimp="0.8"/>"#,
     );
     let robot = read(&text);
@@ -42,6 +42,7 @@ fn a_pair_is_read_with_its_defaults_and_comes_back() {
     // Fewer numbers go over those of the defaults, and these over MJCF's; the geoms have no say.
     assert_eq!((floor.condim, floor.friction), (4, [0.3, 0.2, 0.005, 1e-4, 1e-4]));
     assert_eq!((floor.solref, floor.margin, floor.gap), ([-900.0, -40.0], 0.0, 0.001));
+    assert_eq!((floor.solreffriction, grip.solreffriction), (Some([0.03, 0.0]), None));
     assert_eq!((grip.condim, grip.friction, grip.margin), (6, [0.7, 0.7, 0.01, 1e-4, 1e-4], 0.002));
     assert_eq!((grip.solref, grip.solimp), ([0.02, 1.0], [0.8, 0.95, 0.001, 0.5, 2.0]));
     // What a pair names is there to touch; the post is there for its looks.

@@ -1,10 +1,14 @@
 //! Runs that grow without bound are called that, whatever the method, with a step that keeps them bounded.
 
+use std::sync::atomic::AtomicBool;
+
 use dynamics::{Integrator, MassProperties};
+use multibody::batch::{SimulationBatch, Threads};
 use multibody::simulator::{Method, MethodError, RunOptions, SimulationBuilder};
 use multibody::{
-    ActuatorDescription, Base, ConstantTorque, DivergenceCause, JointDescription, JointKind, LinkDescription,
-    Model, PassiveForces, Pose, RobotDescription, Run, RunError, RunFailure, Transmission,
+    ActuatorDescription, Base, ConstantTorque, ControllerError, DivergenceCause, Equality,
+    EqualityDescription, JointDescription, JointKind, LinkDescription, Model, PassiveForces, Pose,
+    RobotDescription, Run, RunError, RunFailure, Transmission,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -138,4 +142,83 @@ fn inputs_that_are_not_finite_are_no_growth() {
         .unwrap()
         .run_from(&[0.0], &[0.0], 10, RunOptions::new().controller(&mut torque));
     assert!(!matches!(ended.unwrap_err().error, RunError::Diverged { .. }));
+}
+
+/// Equalities beside a spring too stiff for the step.
+#[test]
+fn constrained_runs_are_named() {
+    let mut robot = finger();
+    robot.joints[0].passive = PassiveForces::default().with_spring(400.0, 0.1);
+    let mass = MassProperties::new(0.01, Vector3::new(0.05, 0.0, 0.0), Matrix3::identity() * 3e-5).unwrap();
+    robot.links.push(LinkDescription::new("thumb", mass));
+    let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+    robot.joints.push(JointDescription::new("thumb", hinge, "palm", "thumb", Pose::IDENTITY));
+    let leader = Some(("bend".to_owned(), 0.0));
+    let follows =
+        Equality::Joints { joint: ("thumb".into(), 0.0), leader, polynomial: [0.0, 0.01, 0.0, 0.0, 0.0] };
+    robot.equalities.push(EqualityDescription::new("coupled", follows));
+    let model = Model::new(robot).unwrap();
+    for row in [Integrator::SemiImplicitEuler, Integrator::RungeKutta4] {
+        assert_named(&format!("{row} with an equality"), 5e-3, |h| {
+            let builder = SimulationBuilder::new(&model).step(h).method(Method::Fixed(row));
+            let mut simulation = builder.build().unwrap();
+            simulation.reset(&[0.1, 0.001], &[0.0; 2]).unwrap();
+            simulation.run(steps_of(2.0, h), RunOptions::new())
+        });
+    }
+}
+
+/// A spring beside implicit steps that a controller's own spring, held over each step, makes unstable.
+#[test]
+fn implicit_runs_under_a_stiff_controller_are_named() {
+    let model = Model::new(finger()).unwrap();
+    let mut controller = |_: f64, q: &[f64], v: &[f64], tau: &mut [f64]| -> Result<(), ControllerError> {
+        tau[0] = -400.0 * q[0] - 0.1 * v[0];
+        Ok(())
+    };
+    let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).step(5e-3).build().unwrap();
+    let ended = simulation.run_from(&[0.1], &[0.0], 2000, RunOptions::new().controller(&mut controller));
+    let error = ended.unwrap_err().error;
+    assert!(matches!(&error, RunError::Diverged { coordinate, .. } if coordinate == "bend"), "{error}");
+    let said = error.to_string();
+    assert!(said.contains("`bend`") && said.contains("controller's gains"), "{said}");
+}
+
+/// Adaptive steps follow a motion that grows, and end when its digits are lost.
+#[test]
+#[cfg(feature = "adaptive")]
+fn adaptive_runs_are_named() {
+    let mut robot = finger();
+    robot.joints[0].passive = PassiveForces::default().with_damping(-1e-3);
+    let model = Model::new(robot).unwrap();
+    let options = multibody::AdaptiveOptions::default();
+    let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(1000.0).build().unwrap();
+    let error = simulation.run_from(&[0.0], &[1e-3], 1, RunOptions::new()).unwrap_err().error;
+    let RunError::Step { time, source: MethodError::Adaptive(ref source), .. } = error else {
+        panic!("{error}")
+    };
+    let multibody::AdaptiveStepError::Diverged { coordinate, speed, step } = source else {
+        panic!("{error}")
+    };
+    assert!(coordinate == "bend" && speed.abs() * step > 1e8 && (0.1..100.0).contains(&time), "{error}");
+    assert!(source.to_string().starts_with("the motion grows without bound: `bend`"), "{error}");
+}
+
+/// A state of a batch that grows is bad, and the run of that state says why.
+#[test]
+fn states_of_batches_that_grow_are_named() {
+    let mut robot = finger();
+    robot.joints[0].passive = PassiveForces::default().with_damping(2.0);
+    let model = Model::new(robot).unwrap();
+    let builder = SimulationBuilder::new(&model).step(5e-3).method(Method::Fixed(Integrator::RungeKutta4));
+    let mut batch = SimulationBatch::new(&builder.build().unwrap(), 3, &Threads::start(2).unwrap());
+    // The first two are at rest where gravity has no moment.
+    for (simulation, speed) in batch.simulations_mut().iter_mut().zip([0.0, 0.0, 1e-3]) {
+        simulation.reset(&[core::f64::consts::FRAC_PI_2], &[speed]).unwrap();
+    }
+    let failed = batch.step(400, &AtomicBool::new(false));
+    let error = &failed.last().expect("a state that grows").1;
+    assert_eq!(failed.last().unwrap().0, 2);
+    let RunError::Diverged { coordinate, suggested_step, .. } = error else { panic!("{error}") };
+    assert!(coordinate == "bend" && *suggested_step < 5e-3, "{error}");
 }

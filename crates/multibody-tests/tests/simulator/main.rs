@@ -6,4 +6,5 @@ mod adaptive;
 mod hopper;
 mod measurements;
 mod momentum;
+mod pairs;
 mod stepping;

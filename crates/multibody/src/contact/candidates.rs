@@ -29,6 +29,8 @@ pub(super) struct Candidates {
     is_scenery: Vec<bool>,
     /// The numbers of links that do not touch, both ways.
     excluded: BTreeSet<[usize; 2]>,
+    /// The numbers of links that alone do, both ways; `None`: all.
+    only: Option<BTreeSet<[usize; 2]>>,
     /// Pairs of shapes that do not, in rising order.
     left_out: BTreeSet<[usize; 2]>,
 }
@@ -51,12 +53,27 @@ impl Candidates {
         let hangs = |body: usize| body != WORLD && model.bodies[body].motion.nv() < 6;
         let hangs = shapes.iter().map(|shape| hangs(shape.body)).collect();
         let is_scenery = shapes.iter().map(|shape| is_scenery(model, shape)).collect();
-        Self { links, carriers, hangs, is_scenery, excluded, left_out: BTreeSet::new() }
+        Self { links, carriers, hangs, is_scenery, excluded, only: None, left_out: BTreeSet::new() }
     }
 
     /// Takes a pair of shapes out, in rising order.
     pub(super) fn leave_out(&mut self, shapes: [usize; 2]) {
         self.left_out.insert(shapes);
+    }
+
+    /// The number of a shape's link.
+    pub(super) fn link(&self, shape: usize) -> usize {
+        self.links[shape]
+    }
+
+    /// Takes pairs of links out, given both ways.
+    pub(super) fn exclude(&mut self, links: Vec<[usize; 2]>) {
+        self.excluded.extend(links);
+    }
+
+    /// Keeps these pairs of links alone, given both ways.
+    pub(super) fn keep_only(&mut self, links: Vec<[usize; 2]>) {
+        self.only = Some(links.into_iter().collect());
     }
 
     /// Takes the pairs of two shapes' links out.
@@ -102,7 +119,7 @@ impl ContactSet {
     /// Whether two shapes, in rising order, may touch by the rule, whatever is known of their form.
     pub(super) fn may_touch(&self, shapes: [usize; 2]) -> bool {
         let Some(candidates) = &self.candidates else { return false };
-        let Candidates { links, carriers, hangs, is_scenery, excluded, left_out } = candidates;
+        let Candidates { links, carriers, hangs, is_scenery, excluded, only, left_out } = candidates;
         let [one, two] = shapes;
         let [a, b] = shapes.map(|index| &self.shapes[index]);
         let (x, y) = (&a.surface, &b.surface);
@@ -111,6 +128,7 @@ impl ContactSet {
             && !((carriers[one] == b.body && hangs[one] && !is_scenery[two])
                 || (carriers[two] == a.body && hangs[two] && !is_scenery[one]))
             && !excluded.contains(&[links[one], links[two]])
+            && only.as_ref().is_none_or(|only| only.contains(&[links[one], links[two]]))
             && !left_out.contains(&shapes)
     }
 

@@ -144,6 +144,15 @@ pub enum ContactError {
         /// By name.
         links: [String; 2],
     },
+    /// A pair of links with a name that the robot has not.
+    NoSuchLink {
+        /// The robot.
+        robot: String,
+        /// As given.
+        link: String,
+        /// The robot's name that is most like it, if one is.
+        similar: Option<String>,
+    },
     /// A shape for collisions, or a pair of shapes, with a size or a number of its surface that is none.
     Surface {
         /// Which, and of what link.
@@ -192,6 +201,10 @@ impl core::fmt::Display for ContactError {
                     "links `{one}` and `{two}` cannot touch: each needs a shape for collisions of a kind that is known, and one must \
                      move against the other"
                 )
+            }
+            Self::NoSuchLink { robot, link, similar } => {
+                write!(f, "robot `{robot}` has no link `{link}`, which a pair of links names")?;
+                similar.as_ref().map_or(Ok(()), |similar| write!(f, "; did you mean `{similar}`?"))
             }
             Self::Surface { shape, quantity } => {
                 write!(f, "{shape}: its {quantity} is no finite number; correct the description")

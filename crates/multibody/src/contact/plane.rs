@@ -2,20 +2,47 @@
 
 use super::soft::mixed;
 use super::{ContactError, ContactSet, Ground, Touching};
-use crate::{Model, Shape, ShapeRole, Surface};
+use crate::{LinkShape, Model, Shape, ShapeRole, Surface};
 
 impl ContactSet {
     /// With a half-space as a further ground.
     ///
     /// # Errors
     /// [`ContactError`]: a number of the ground is invalid.
-    pub(super) fn add_ground(&mut self, ground: Ground, name: String) -> Result<(), ContactError> {
+    pub(super) fn add_ground(
+        &mut self,
+        model: &Model,
+        ground: Ground,
+        plane: Option<&LinkShape>,
+    ) -> Result<(), ContactError> {
         ground.check()?;
-        let mixes = |own: Surface| self.shapes.iter().map(|shape| mixed(&shape.surface, &own)).collect();
-        self.ground_surfaces.push(ground.surface.map(mixes));
-        self.ground_names.push(name);
+        let together = |own: Surface| -> Vec<Option<Surface>> {
+            let of = |shape: &Touching| {
+                let is_meant = |name: &str| plane.is_none_or(|plane| plane.name == name);
+                let pair =
+                    shape.on_planes.iter().find(|(name, _)| is_meant(name)).map(|(_, surface)| *surface);
+                let by_masks = || have_common_bits(&shape.surface, &own).then(|| mixed(&shape.surface, &own));
+                pair.or_else(by_masks)
+            };
+            self.shapes.iter().map(of).collect()
+        };
+        self.ground_surfaces.push(ground.surface.map(together));
+        self.ground_names.push(plane.map_or_else(String::new, |plane| plane.name.clone()));
+        self.ground_links.push(plane.map_or_else(String::new, |plane| plane.link.clone()));
         self.grounds.push((ground, ground.axes()));
+        if let Some(plane) = plane {
+            self.keep_from_ground(model, &plane.link);
+        }
+        (0..self.shapes.len()).for_each(|index| self.let_touch_ground(index, self.grounds.len() - 1));
         Ok(())
+    }
+
+    /// Whether a shape touches a ground: by a pair, or by the masks.
+    pub(super) fn meets_ground(&self, shape: usize, ground: usize) -> bool {
+        match &self.ground_surfaces[ground] {
+            Some(surfaces) => surfaces[shape].is_some(),
+            None => meets_bare(&self.shapes[shape]),
+        }
     }
 
     /// With the planes that the description fixes to the world as grounds, each with its own surface and masks.
@@ -61,10 +88,7 @@ impl ContactSet {
             let pose = frame.body_from_frame.compose(&shape.link_from_shape);
             let normal = pose.rotation.map(|row| row[2]);
             let ground = Ground::through(pose.translation, normal)?.with_surface(shape.surface);
-            self.add_ground(ground, shape.name.clone())?;
-            for index in 0..self.shapes.len() {
-                self.let_touch_ground(index, &ground);
-            }
+            self.add_ground(model, ground, Some(shape))?;
         }
         Ok(self)
     }
@@ -81,10 +105,32 @@ impl ContactSet {
         self.grounds.len()
     }
 
-    /// Counts the shape's link among those that touch the ground, if its masks let it touch this one.
-    fn let_touch_ground(&mut self, index: usize, ground: &Ground) {
+    /// Takes the shapes of links that never touch this link, which the last ground is on, from it, but for those that are paired with it.
+    fn keep_from_ground(&mut self, model: &Model, link: &str) {
+        let Some((name, Some(surfaces))) = self.ground_names.last().zip(self.ground_surfaces.last_mut())
+        else {
+            return;
+        };
+        for (one, two) in &model.description().contact_exclusions {
+            let other = if one == link { two } else { one };
+            if one != link && two != link {
+                continue;
+            }
+            let of_link =
+                self.shapes.iter().zip(surfaces.iter_mut()).filter(|(shape, _)| shape.link == *other);
+            for (_, surface) in
+                of_link.filter(|(shape, _)| shape.on_planes.iter().all(|(plane, _)| plane != name))
+            {
+                *surface = None;
+            }
+        }
+    }
+
+    /// Counts the shape's link among those that touch the ground, if it touches this one.
+    fn let_touch_ground(&mut self, index: usize, ground: usize) {
         let shape = &self.shapes[index];
-        if shape.on_ground.is_some() || shape.body == crate::model::WORLD || !meets(shape, ground) {
+        if shape.on_ground.is_some() || shape.body == crate::model::WORLD || !self.meets_ground(index, ground)
+        {
             return;
         }
         let link = shape.link.clone();
@@ -96,9 +142,12 @@ impl ContactSet {
     }
 }
 
-/// Whether the masks let a shape touch a ground; a ground without a surface of its own has bit 1 of both.
-pub(super) fn meets(shape: &Touching, ground: &Ground) -> bool {
-    let own = &shape.surface;
-    let (contype, conaffinity) = ground.surface.map_or((1, 1), |other| (other.contype, other.conaffinity));
-    shape.on_plane.is_some() || (own.contype & conaffinity) | (contype & own.conaffinity) != 0
+/// Whether a shape touches a ground or height field without a surface of its own: that has bit 1 of both masks, and stands for planes that shapes are
+/// paired with.
+pub(super) fn meets_bare(shape: &Touching) -> bool {
+    !shape.on_planes.is_empty() || have_common_bits(&shape.surface, &Surface::default())
+}
+
+fn have_common_bits(one: &Surface, two: &Surface) -> bool {
+    (one.contype & two.conaffinity) | (two.contype & one.conaffinity) != 0
 }

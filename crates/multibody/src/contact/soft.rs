@@ -36,6 +36,7 @@ use super::{ConeProblem, ContactError, ContactSet, rows_of};
 use crate::factor::sparse::coordinate_carriers;
 use crate::model::identity::Identity;
 use crate::model::length::check_length;
+use crate::model::softness::Softness;
 use crate::space::conventions::add_transport;
 use crate::{FrameId, Model, Workspace, bias, mass_matrix};
 
@@ -98,6 +99,8 @@ struct Asked {
     row: usize,
     rows: usize,
     damping: f64,
+    /// B of the rows after the first.
+    side_damping: f64,
     /// Of the first row.
     spring: f64,
     /// Ȧ v of its only row, where that counts.
@@ -116,7 +119,7 @@ enum Of {
 impl Asked {
     /// Of one row.
     fn new(of: Of, row: usize, damping: f64, spring: f64) -> Self {
-        Self { row, rows: 1, damping, spring, drift: None, of }
+        Self { row, rows: 1, damping, side_damping: damping, spring, drift: None, of }
     }
 }
 
@@ -254,8 +257,8 @@ impl SoftConstraints {
         for asked in &self.asked {
             let start = &mut self.problem.start[asked.row..asked.row + asked.rows];
             start[0] = asked.drift.unwrap_or(start[0]) + asked.spring;
-            for (start, speed) in start.iter_mut().zip(&self.speeds[asked.row..]) {
-                *start += asked.damping * speed;
+            for (k, (start, speed)) in start.iter_mut().zip(&self.speeds[asked.row..]).enumerate() {
+                *start += if k == 0 { asked.damping } else { asked.side_damping } * speed;
             }
         }
         self.problem.take(&self.mass, &self.carriers[usize::from(!is_tree)]);
@@ -343,7 +346,8 @@ impl SoftConstraints {
         for index in 0..self.contacts.len() {
             let contact = self.contacts[index];
             let (rows, scale, cone) = self.scaled(&contact);
-            let response = Response::new(&contact.softness, h, contact.distance - contact.margin);
+            let violation = contact.distance - contact.margin;
+            let response = Response::new(&contact.softness, h, violation);
             let set = if rows == 1 { Set::Interval(0.0, f64::INFINITY) } else { Set::Cone(cone) };
             let mut weight = self.weights.frames[contact.link.index];
             let point = contact.point.into();
@@ -364,7 +368,11 @@ impl SoftConstraints {
             let row = rows::push(problem, model, placement, set, sides, &directions[..rows]);
             problem.soften(cone * cone * response.softness(weight[0]));
             let spring = scale[0] * response.spring;
-            self.asked.push(Asked { rows, ..Asked::new(Of::Contact, row, response.damping, spring) });
+            let of_sides =
+                |solref| Response::new(&Softness { solref, ..contact.softness }, h, violation).damping;
+            let side_damping = contact.solreffriction.map_or(response.damping, of_sides);
+            let asked = Asked::new(Of::Contact, row, response.damping, spring);
+            self.asked.push(Asked { rows, side_damping, ..asked });
             self.starts.push(row);
         }
         is_tree

@@ -7,8 +7,8 @@ use super::pair::Pair;
 use super::{ContactError, ContactSet};
 use crate::{ContactPairDescription, LinkShape, Model, RobotDescription, Shape, Surface};
 
-/// The shapes that pairs name, and for those of a pair with a plane the surface of both.
-pub(super) struct Stated<'a>(HashMap<&'a str, Option<Surface>>);
+/// The shapes that pairs name, each with the planes that it is paired with and the surfaces of these pairs.
+pub(super) struct Stated<'a>(HashMap<&'a str, Vec<(String, Surface)>>);
 
 impl<'a> Stated<'a> {
     /// # Errors
@@ -26,9 +26,9 @@ impl<'a> Stated<'a> {
                 });
             }
             for (own, other) in [(one, two), (two, one)] {
-                let on_plane: &mut Option<Surface> = stated.entry(own).or_default();
-                if planes.contains(other) {
-                    on_plane.get_or_insert_with(|| pair.surface());
+                let on_planes: &mut Vec<(String, Surface)> = stated.entry(own).or_default();
+                if planes.contains(other) && on_planes.iter().all(|(plane, _)| plane != other) {
+                    on_planes.push((other.to_owned(), pair.surface()));
                 }
             }
         }
@@ -40,9 +40,9 @@ impl<'a> Stated<'a> {
         self.0.contains_key(shape)
     }
 
-    /// The surface of its pair with a plane.
-    pub(super) fn on_plane(&self, shape: &str) -> Option<Surface> {
-        self.0.get(shape).copied().flatten()
+    /// The planes that it is paired with, and the surfaces of these pairs.
+    pub(super) fn on_planes(&self, shape: &str) -> Vec<(String, Surface)> {
+        self.0.get(shape).cloned().unwrap_or_default()
     }
 }
 

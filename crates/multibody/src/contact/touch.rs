@@ -6,7 +6,7 @@ use super::form::ABOUT;
 use super::meeting::MOST_MEETING;
 use super::pair::Met;
 use super::placement::Placement;
-use super::plane::meets;
+use super::plane::meets_bare;
 use super::{ContactSet, Touching};
 use crate::{Ground, Model};
 
@@ -52,9 +52,6 @@ pub(super) struct TouchingPoint {
     pub(super) axes: [Vector3<f64>; 3],
 }
 
-/// A height field has bit 1 of both masks.
-const FIELD_MASKS: Ground = Ground::level(0.0);
-
 /// Points of one shape that touch one ground at once, at most.
 pub(super) const MOST_POINTS: usize = 1 + ABOUT.len();
 
@@ -70,7 +67,7 @@ impl ContactSet {
         for (index, shape) in self.shapes.iter().enumerate().filter(|(_, shape)| shape.on_ground.is_some()) {
             let mut placed = None;
             for (ground_index, (ground, [n, ..])) in self.grounds.iter().enumerate() {
-                if !meets(shape, ground) {
+                if !self.meets_ground(index, ground_index) {
                     continue;
                 }
                 let (up, height) = placement.along(shape.body, n);
@@ -103,7 +100,7 @@ impl ContactSet {
                     outermost.each(&mut look);
                 }
             }
-            if !self.fields.is_empty() && meets(shape, &FIELD_MASKS) {
+            if !self.fields.is_empty() && meets_bare(shape) {
                 let placed = placed.unwrap_or_else(|| Placed::new(shape, placement));
                 self.look_at_fields((index, &placed), within, &mut look);
             }

@@ -22,6 +22,9 @@ pub struct ContactPairDescription {
     pub friction: [f64; 5],
     /// Time constant \[s\] and damping ratio of the contact: [`Softness`].
     pub solref: [f64; 2],
+    /// The same of its friction, where it has numbers of its own.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub solreffriction: Option<[f64; 2]>,
     /// Its impedance: [`Softness`].
     pub solimp: [f64; 5],
     /// Distance within which a contact is found \[m\].
@@ -46,6 +49,7 @@ impl ContactPairDescription {
             condim: 3,
             friction: [slide, slide, spin, roll, roll],
             solref,
+            solreffriction: None,
             solimp,
             margin: 0.0,
             gap: 0.0,
@@ -61,7 +65,8 @@ impl ContactPairDescription {
     /// ```
     pub fn surface(&self) -> Surface {
         let [slide, _, spin, roll, _] = self.friction;
-        let Self { condim, solref, solimp, margin, gap, .. } = *self;
-        Surface { friction: [slide, spin, roll], condim, solref, solimp, margin, gap, ..Surface::default() }
+        let Self { condim, solref, solreffriction, solimp, margin, gap, .. } = *self;
+        let friction = [slide, spin, roll];
+        Surface { friction, condim, solref, solreffriction, solimp, margin, gap, ..Surface::default() }
     }
 }

@@ -65,6 +65,9 @@ pub struct RobotDescription {
     /// The step that the file asks for \[s\].
     #[cfg_attr(feature = "serde", serde(default))]
     pub time_step: Option<f64>,
+    /// How much stiffer friction is than the normal force of a contact under MuJoCo's law, where the file says it: `impratio` of MJCF.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub impratio: Option<f64>,
 }
 
 impl RobotDescription {
@@ -87,6 +90,7 @@ impl RobotDescription {
             poses: Vec::new(),
             actuated_joints: None,
             time_step: None,
+            impratio: None,
         }
     }
 

@@ -36,6 +36,7 @@ impl Identity {
             poses: _,
             actuated_joints,
             time_step: _,
+            impratio: _,
         } = description;
         let motion = (name, gravity, base, links, joints, frames);
         let written = write!(hash, "{motion:?}{:?}", (tendons, equalities, actuators));

@@ -100,6 +100,9 @@ pub struct Surface {
     pub margin: f64,
     /// Part of the margin within which a contact has no force yet \[m\].
     pub gap: f64,
+    /// `solref` of a pair's friction, where it is not that of its normal force: see [`ContactPairDescription`](crate::ContactPairDescription).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub solreffriction: Option<[f64; 2]>,
 }
 
 impl Default for Surface {
@@ -116,6 +119,7 @@ impl Default for Surface {
             solimp,
             margin: 0.0,
             gap: 0.0,
+            solreffriction: None,
         }
     }
 }
@@ -123,7 +127,9 @@ impl Default for Surface {
 impl Surface {
     /// The first of its quantities that has a number that is not finite.
     pub(crate) fn not_finite(&self) -> Option<&'static str> {
-        let quantities: [(&'static str, &[f64]); 6] = [
+        let solreffriction = self.solreffriction.unwrap_or_default();
+        let quantities: [(&'static str, &[f64]); 7] = [
+            ("solreffriction", &solreffriction),
             ("friction", &self.friction),
             ("solref", &self.solref),
             ("solimp", &self.solimp),

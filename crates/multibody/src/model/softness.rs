@@ -21,7 +21,7 @@ impl Default for Softness {
 }
 
 /// What MuJoCo's law has to know of a joint.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[non_exhaustive]
 pub struct JointSoftness {
@@ -33,6 +33,27 @@ pub struct JointSoftness {
     pub margin: f64,
     /// q in the robot's reference pose, in which the law weighs it \[rad or m\]; of a joint of one freedom.
     pub reference: f64,
+    /// Whether the law weighs the joint and its body by the body's mass alone, for all directions and without armature. MuJoCo does so for a body
+    /// that carries no other one, whose joints are slides along its axes, and whose inertia has its frame (`body_simple`).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub is_weighed_by_mass: bool,
+}
+
+/// A joint that is weighed as every other one has the text, and a robot of such joints the fingerprint, that it had before the field was there.
+impl core::fmt::Debug for JointSoftness {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self { limit, friction, margin, reference, is_weighed_by_mass } = self;
+        let mut fields = f.debug_struct("JointSoftness");
+        fields
+            .field("limit", limit)
+            .field("friction", friction)
+            .field("margin", margin)
+            .field("reference", reference);
+        if *is_weighed_by_mass {
+            fields.field("is_weighed_by_mass", is_weighed_by_mass);
+        }
+        fields.finish()
+    }
 }
 
 /// What MuJoCo's law has to know of a tendon.

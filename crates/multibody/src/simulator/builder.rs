@@ -63,6 +63,8 @@ pub struct SimulationBuilder<'a> {
     pub(super) adaptive: AdaptiveOptions,
     pub(super) own: Option<OwnStepper>,
     pub(super) interrupt: Option<Arc<AtomicBool>>,
+    pub(super) ignored_pairs: Vec<(String, String)>,
+    pub(super) only_pairs: Option<Vec<(String, String)>>,
     pub(super) is_ground_given: bool,
     pub(super) are_constraints_given: bool,
 }
@@ -101,6 +103,8 @@ impl<'a> SimulationBuilder<'a> {
             adaptive: AdaptiveOptions::default(),
             own: None,
             interrupt: None,
+            ignored_pairs: Vec::new(),
+            only_pairs: None,
             is_ground_given: false,
             are_constraints_given: false,
         }
@@ -281,6 +285,37 @@ impl<'a> SimulationBuilder<'a> {
     #[must_use]
     pub fn contacts(self, contacts: ContactSet) -> Self {
         Self { contacts: Some(contacts), ..self }
+    }
+
+    /// Without contacts between the links of these pairs, beside those that the description excludes: as
+    /// [`ContactSet::without_link_pairs`].
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum, simulator::SimulationBuilder};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// assert!(SimulationBuilder::new(&model).ignore_contacts([("ceiling", "rod")]).build().is_ok());
+    /// assert!(SimulationBuilder::new(&model).ignore_contacts([("ceiling", "road")]).build().is_err());
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    #[must_use]
+    pub fn ignore_contacts<N: Into<String>>(mut self, pairs: impl IntoIterator<Item = (N, N)>) -> Self {
+        self.ignored_pairs.extend(pairs.into_iter().map(|(a, b)| (a.into(), b.into())));
+        self
+    }
+
+    /// With contacts between links for these pairs alone: as [`ContactSet::with_only_link_pairs`].
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum, simulator::SimulationBuilder};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// assert!(SimulationBuilder::new(&model).only_contacts([("ceiling", "rod")]).build().is_ok());
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    #[must_use]
+    pub fn only_contacts<N: Into<String>>(mut self, pairs: impl IntoIterator<Item = (N, N)>) -> Self {
+        let pairs = pairs.into_iter().map(|(a, b)| (a.into(), b.into()));
+        self.only_pairs.get_or_insert_with(Vec::new).extend(pairs);
+        self
     }
 
     /// With these constraints instead of the equalities of the description ([`ConstraintSet::from_equalities`]). At the end of a step A v = 0, and φ = 0 to 1e-12 m or

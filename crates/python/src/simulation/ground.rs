@@ -6,7 +6,7 @@ use robot_dynamics::{ContactError, ContactSet, height_field};
 use crate::robot::Robot;
 
 /// What the ground is, by the fields of the Python classes.
-#[derive(FromPyObject)]
+#[derive(Debug, PartialEq, FromPyObject)]
 pub(crate) enum GroundFields {
     /// z \[m\], slope \[rad\], friction and restitution.
     Plane(f64, f64, Option<f64>, f64),

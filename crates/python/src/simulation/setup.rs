@@ -22,6 +22,7 @@ use crate::errors::Class;
 use crate::robot::Robot;
 
 /// The arguments that `simulate` and `Simulation` share.
+#[derive(Debug)]
 pub(crate) struct Setup {
     step: f64,
     integrator: Option<String>,
@@ -34,6 +35,23 @@ pub(crate) struct Setup {
     tolerance: Option<f64>,
     control_period: Option<f64>,
     interrupt: Option<Arc<AtomicBool>>,
+    ignored_pairs: Vec<(String, String)>,
+    only_pairs: Option<Vec<(String, String)>>,
+}
+
+impl PartialEq for Setup {
+    fn eq(&self, other: &Self) -> bool {
+        let own = |setup: &Self| setup.constraints.as_ref().map(Py::as_ptr);
+        let Self { step, integrator, without, conservative, ground, stabilization, correction, .. } = self;
+        let Self { ignored_pairs, only_pairs, .. } = self;
+        let steps = |setup: &Self| (setup.tolerance, setup.control_period);
+        steps(self) == steps(other)
+            && own(self) == own(other)
+            && (*step, *conservative, *stabilization) == (other.step, other.conservative, other.stabilization)
+            && (integrator, without, ground) == (&other.integrator, &other.without, &other.ground)
+            && (correction, ignored_pairs, only_pairs)
+                == (&other.correction, &other.ignored_pairs, &other.only_pairs)
+    }
 }
 
 impl Setup {
@@ -50,6 +68,8 @@ impl Setup {
             tolerance: None,
             control_period: None,
             interrupt: None,
+            ignored_pairs: Vec::new(),
+            only_pairs: None,
         };
         for (name, value) in options.into_iter().flat_map(PyDictMethods::iter) {
             match name.extract::<String>()?.as_str() {
@@ -63,6 +83,8 @@ impl Setup {
                 "correction" => setup.correction = value.extract()?,
                 "tolerance" => setup.tolerance = value.extract()?,
                 "control_period" => setup.control_period = value.extract()?,
+                "ignore_contacts" => setup.ignored_pairs = value.extract()?,
+                "only_contacts" => setup.only_pairs = value.extract()?,
                 other => return Err(PyValueError::new_err(format!("a simulation has no option {other:?}"))),
             }
         }
@@ -135,6 +157,10 @@ impl Setup {
                 name.parse().map_err(|error| PyValueError::new_err(format!("without: {error}")))?;
             builder = builder.without(effect);
         }
+        builder = builder.ignore_contacts(self.ignored_pairs.iter().cloned());
+        if let Some(pairs) = &self.only_pairs {
+            builder = builder.only_contacts(pairs.iter().cloned());
+        }
         if let Some(ground) = &self.ground {
             builder = with_ground(robot, builder, ground)?;
         }
@@ -150,16 +176,48 @@ impl Setup {
             SimulationError::Step { .. } | SimulationError::Adaptive(_) => Class::Simulation.error(py, error),
             other => PyValueError::new_err(other.to_string()),
         })?;
+        self.warn_of_left_out(py, &simulation)?;
+        Ok(simulation)
+    }
+
+    /// Calls with the simulation, which is set up anew only where the arguments are not those of the robot's last call.
+    pub(crate) fn with_prepared<R>(
+        self,
+        py: Python<'_>,
+        robot: &Robot,
+        call: impl FnOnce(&mut Simulation) -> PyResult<R>,
+    ) -> PyResult<R> {
+        // No one waits: where another thread has it, or a fork has left it so, a simulation is set up for this call alone.
+        let Ok(mut kept) = robot.prepared.try_lock() else { return call(&mut self.build(py, robot)?) };
+        let own = match kept.take() {
+            Some(mut own) if own.0 == self => {
+                let (setup, simulation) = &mut *own;
+                setup.warn_of_left_out(py, simulation)?;
+                simulation.set_controls(&vec![0.0; simulation.controls().len()]);
+                kept.insert(own)
+            }
+            _ => {
+                let simulation = self.build(py, robot)?;
+                kept.insert(Box::new((self, simulation)))
+            }
+        };
+        call(&mut own.1)
+    }
+
+    /// On a ground that was given, what does not touch it is told in one warning.
+    fn warn_of_left_out(&self, py: Python<'_>, simulation: &Simulation) -> PyResult<()> {
         if self.ground.is_some() && !simulation.left_out().is_empty() {
+            let left_out =
+                simulation.unsupported_features().iter().map(ToString::to_string).collect::<Vec<_>>();
             let said = format!(
                 "simulation of `{}` by {} leaves out: {}",
-                robot.model.name(),
+                simulation.model().name(),
                 simulation.method(),
-                simulation.left_out().join("; ")
+                left_out.join("; ")
             );
             PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(said)?, 2)?;
         }
-        Ok(simulation)
+        Ok(())
     }
 }
 

@@ -39,6 +39,14 @@ type ContactFields<'py> = (
     Bound<'py, PyAny>,
 );
 
+impl Simulation {
+    /// Of a robot, as it is.
+    pub(super) fn of(robot: Py<Robot>, stepped: Stepped) -> Self {
+        let wrenches = stepped.wrenches().to_vec();
+        Self { robot, stepped, wrenches }
+    }
+}
+
 #[pymethods]
 impl Simulation {
     #[new]

@@ -36,10 +36,10 @@ pub struct RobotBooks {
     /// By stops.
     #[wasm_bindgen(readonly)]
     pub stops: f64,
-    /// By friction on the ground.
+    /// By friction where it slides.
     #[wasm_bindgen(readonly)]
     pub sliding: f64,
-    /// By impacts on the ground.
+    /// By impacts.
     #[wasm_bindgen(readonly)]
     pub impacts: f64,
     /// What nothing accounts for: the method's own error.
@@ -78,10 +78,10 @@ pub struct RobotCounts {
     /// Closed loops and couplings beside the tree.
     #[wasm_bindgen(readonly)]
     pub equalities: usize,
-    /// Tendons; they do not act on this page.
+    /// Tendons.
     #[wasm_bindgen(readonly)]
     pub tendons: usize,
-    /// Motors that the file describes; this page has its own.
+    /// Motors that the file describes.
     #[wasm_bindgen(readonly)]
     pub actuators: usize,
 }
@@ -91,7 +91,7 @@ impl Robot {
     /// The energy books.
     #[wasm_bindgen(getter)]
     pub fn books(&self) -> RobotBooks {
-        let (ledger, losses) = (&self.ledger, self.method.losses());
+        let (ledger, losses) = (self.simulation.ledger(), self.simulation.losses());
         let Losses { damping, friction, stops, sliding, impacts, .. } =
             losses.unwrap_or_else(|| everything_to_damping(ledger.dissipated()));
         RobotBooks {

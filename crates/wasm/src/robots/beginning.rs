@@ -2,6 +2,7 @@
 
 use wasm_bindgen::prelude::wasm_bindgen;
 
+use super::choice::Choice;
 use super::robot::Robot;
 use crate::LabError;
 use multibody::neutral;
@@ -42,33 +43,35 @@ impl Robot {
         q
     }
 
-    /// The longest of a few steps \[s\] at which a twentieth of a second of falling from the start pose leaves the books
-    /// balanced. Leaves the robot there, at rest.
+    /// The longest of a few steps \[s\] at which a twentieth of a second of falling from the start pose leaves the
+    /// energy balanced. Leaves the robot there, at rest.
     ///
     /// # Errors
     /// If the start pose is no configuration of this robot.
     #[wasm_bindgen(js_name = steadyStep)]
-    pub fn steady_step(&mut self, name: &str, dissipation: bool) -> Result<f64, LabError> {
+    pub fn steady_step(&mut self) -> Result<f64, LabError> {
         let start = self.start_pose();
         let mut steady = STEPS[STEPS.len() - 1];
         for h in STEPS {
-            self.set_method(name, h, dissipation)?;
+            self.set_up(Choice { step: h, ..self.choice.clone() })?;
             self.place(&start)?;
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a few hundred
             let steps = (TRIAL / h).round() as u32;
-            if self.advance(steps).is_ok() && self.ledger.imbalance().abs() < SHARE * self.energy_at_stake() {
+            if self.advance(steps).is_ok()
+                && self.simulation.ledger().imbalance().abs() < SHARE * self.energy_at_stake()
+            {
                 steady = h;
                 break;
             }
         }
-        self.set_method(name, steady, dissipation)?;
+        self.set_up(Choice { step: steady, ..self.choice.clone() })?;
         self.place(&start)?;
         Ok(steady)
     }
 
-    /// What an imbalance of the books is measured against \[J\].
+    /// What an imbalance is measured against \[J\].
     pub(crate) fn energy_at_stake(&self) -> f64 {
-        let ledger = &self.ledger;
+        let ledger = self.simulation.ledger();
         [ledger.start(), ledger.now(), ledger.work(), ledger.dissipated()]
             .iter()
             .fold(1.0, |most: f64, e| most.max(e.abs()))

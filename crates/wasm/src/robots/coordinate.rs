@@ -3,7 +3,7 @@
 use multibody::{JointKind, Measure};
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use super::robot::Robot;
+use super::robot::{Robot, shown};
 
 /// One entry of v, with its limits.
 #[wasm_bindgen(getter_with_clone)]
@@ -42,7 +42,7 @@ impl Robot {
             for k in 0..joint.nv {
                 let (v, own) = (joint.v_index + k, joint.nq == joint.nv);
                 list.push(RobotCoordinate {
-                    name: names[v].clone(),
+                    name: shown(&names[v]),
                     place: own.then(|| u32::try_from(joint.q_index + k).ok()).flatten(),
                     slides: joint.kind.velocities()[k].measure == Measure::Length,
                     lower: limits[v].lower,

@@ -4,7 +4,7 @@ use dynamics::MassProperties;
 use multibody::{JointKind, LinkShape, Shape, ShapeRole, frame_poses};
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use super::robot::Robot;
+use super::robot::{Robot, shown};
 
 /// A shape on a link.
 #[wasm_bindgen(getter_with_clone)]
@@ -92,7 +92,7 @@ impl Robot {
     /// Every link's mass, in the order of [`poses`](Self::poses).
     pub fn bodies(&self) -> Vec<DrawnBody> {
         let links = &self.model.description().links;
-        links.iter().map(|link| drawn_body(&link.name, link.mass_properties.as_ref())).collect()
+        links.iter().map(|link| drawn_body(&shown(&link.name), link.mass_properties.as_ref())).collect()
     }
 
     /// Every joint of the file.
@@ -121,7 +121,7 @@ impl Robot {
 
     /// Rows of twelve, one a link: the rotation world from link row by row, then the origin \[m\].
     pub fn poses(&mut self) -> Vec<f64> {
-        frame_poses(&self.model, &mut self.workspace, &self.q, &mut self.poses);
+        frame_poses(&self.model, &mut self.workspace, self.simulation.q(), &mut self.poses);
         let links = self.model.description().links.len();
         self.poses[..links]
             .iter()

@@ -1,8 +1,8 @@
 //! A hand that takes hold of a point of the robot: it pulls while the robot moves, and leads while it rests.
 //!
-//! While it moves, a spring and a damper between the point p and where the hand is, f = k(p\* − p) − dṗ, act on the joints as
-//! τ = Jᵀf. While it rests, inverse kinematics brings p to p\*, as near as the joints' limits let it.
+//! While it moves, a spring and a damper between the point p and where the hand is, f = k(p\* − p) − dṗ, act on the link. While it rests, inverse kinematics brings p to p\*, as near as the joints' limits let it.
 
+use multibody::simulator::{AppliedWrench, ReferenceFrame};
 use multibody::{
     FrameDescription, FrameId, InverseKinematicsError, InverseKinematicsOptions, Model, Pose, Workspace,
     frame_jacobian_world_aligned, frame_pose, inverse_kinematics, inverse_mass_matrix,
@@ -41,6 +41,8 @@ fn mobility(model: &Model, workspace: &mut Workspace, q: &[f64], jacobian: &[f64
 /// A point of the robot that is held.
 #[derive(Debug)]
 pub(crate) struct Hand {
+    /// The link that carries it, in the robot without the point.
+    link: FrameId,
     /// The robot with a frame at the point.
     model: Model,
     workspace: Workspace,
@@ -59,7 +61,8 @@ impl Hand {
         let link =
             description.links.get(link).ok_or_else(|| LabError::new(format!("there is no link {link}")))?;
         let link = link.name.clone();
-        let world_from_link = frame_pose(model, &mut Workspace::new(model), q, model.frame_named(&link)?);
+        let carrier = model.frame_named(&link)?;
+        let world_from_link = frame_pose(model, &mut Workspace::new(model), q, carrier);
         let point = Pose::from(world_from_link).inverse().apply(place);
         let mut name = POINT.to_owned();
         while model.frame(&name).is_some() {
@@ -75,6 +78,7 @@ impl Hand {
         let felt = if mobility > 0.0 { (3.0 / mobility).min(model.mass()) } else { 0.0 };
         let g = model.gravity().iter().map(|g| g * g).sum::<f64>().sqrt().max(1.0);
         Ok(Self {
+            link: carrier,
             target: place,
             stiffness: FREQUENCY * FREQUENCY * felt,
             damping: 2.0 * DAMPING_RATIO * FREQUENCY * felt,
@@ -86,9 +90,9 @@ impl Hand {
         })
     }
 
-    /// Adds Jᵀf to τ.
-    pub(crate) fn pull(&mut self, q: &[f64], v: &[f64], tau: &mut [f64]) {
-        let Self { model, workspace, point, target, stiffness, damping, most, jacobian } = self;
+    /// The force on the point, as a wrench on its link about the world's origin; writes its generalised forces Jᵀf into `tau`.
+    pub(crate) fn pull(&mut self, q: &[f64], v: &[f64], tau: &mut [f64]) -> AppliedWrench {
+        let Self { model, workspace, point, target, stiffness, damping, most, jacobian, .. } = self;
         let nv = v.len();
         let at = frame_pose(model, workspace, q, *point).translation;
         frame_jacobian_world_aligned(model, workspace, q, *point, jacobian);
@@ -100,9 +104,15 @@ impl Hand {
         }
         let size = force.iter().map(|f| f * f).sum::<f64>().sqrt();
         let share = if size > *most { *most / size } else { 1.0 };
-        for i in 0..nv {
-            tau[i] += share * (0..3).map(|k| rows[k * nv + i] * force[k]).sum::<f64>();
+        let force = force.map(|f| share * f);
+        for (i, tau) in tau.iter_mut().enumerate() {
+            *tau = (0..3).map(|k| rows[k * nv + i] * force[k]).sum();
         }
+        let moment = [0, 1, 2].map(|k| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            at[i] * force[j] - at[j] * force[i]
+        });
+        AppliedWrench { frame: self.link, axes: ReferenceFrame::World, force, moment }
     }
 }
 
@@ -124,8 +134,8 @@ impl Robot {
     #[wasm_bindgen(js_name = feltMass)]
     pub fn felt_mass(&mut self) -> Option<FeltMass> {
         let Hand { model, workspace, point, jacobian, .. } = self.hand.as_mut()?;
-        frame_jacobian_world_aligned(model, workspace, &self.q, *point, jacobian);
-        let eigen = mobility(model, workspace, &self.q, jacobian).symmetric_eigen();
+        frame_jacobian_world_aligned(model, workspace, self.simulation.q(), *point, jacobian);
+        let eigen = mobility(model, workspace, self.simulation.q(), jacobian).symmetric_eigen();
         let masses =
             eigen.eigenvalues.iter().map(|m| if *m > 1e-9 { 1.0 / m } else { f64::INFINITY }).collect();
         Some(FeltMass { masses, axes: eigen.eigenvectors.transpose().as_slice().to_vec() })
@@ -137,7 +147,7 @@ impl Robot {
     /// If there is no such link, or the point is not three finite numbers.
     pub fn grab(&mut self, link: usize, point: &[f64]) -> Result<(), LabError> {
         finite("the point", point, 3)?;
-        self.hand = Some(Hand::new(&self.model, &self.q, link, [point[0], point[1], point[2]])?);
+        self.hand = Some(Hand::new(&self.model, self.simulation.q(), link, [point[0], point[1], point[2]])?);
         Ok(())
     }
 
@@ -166,7 +176,8 @@ impl Robot {
             .with_tolerances(NEAR, NEAR)
             .with_iterations(STEPS)
             .with_restarts(0, 0);
-        let found = match inverse_kinematics(model, workspace, *point, *target, &self.q, &options) {
+        let found = match inverse_kinematics(model, workspace, *point, *target, self.simulation.q(), &options)
+        {
             Ok(found) => found,
             Err(InverseKinematicsError::NoSolution { best, .. }) => *best,
             Err(error) => return Err(error.into()),
@@ -180,7 +191,7 @@ impl Robot {
     pub fn held_point(&mut self) -> Vec<f64> {
         match &mut self.hand {
             Some(Hand { model, workspace, point, .. }) => {
-                frame_pose(model, workspace, &self.q, *point).translation.to_vec()
+                frame_pose(model, workspace, self.simulation.q(), *point).translation.to_vec()
             }
             None => Vec::new(),
         }

@@ -1,17 +1,15 @@
 //! The robot in motion.
 
-use dynamics::{EnergyLedger, check_finite};
-use multibody::{
-    Controller, GravityCompensatedPd, JointKind, StepForces, energy_ledger, inverse_mass_matrix,
-    normalize_quaternions,
-};
+use std::sync::Arc;
+
+use dynamics::EnergyLedger;
+use multibody::{Controller, GravityCompensatedPd, inverse_mass_matrix, normalize_quaternions};
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use super::method::Method;
 use super::robot::{Hold, INTERVAL, KEPT, Robot};
 use super::torques::Step;
 use crate::LabError;
-use crate::input::{finite, not_negative, positive};
+use crate::input::{finite, not_negative};
 use crate::samples::Samples;
 
 /// What may be unaccounted for, as a share of the energies: a stiff joint and a long step make energy out of nothing before
@@ -20,7 +18,7 @@ const SHARE: f64 = 0.1;
 
 #[wasm_bindgen]
 impl Robot {
-    /// Puts the robot at rest at q (quaternions are normalised, loops closed), sets time to zero, opens new books.
+    /// Puts the robot at rest at q (quaternions are normalised, loops closed), sets time to zero and begins a new energy account.
     ///
     /// # Errors
     /// If q has the wrong length or is not finite.
@@ -37,30 +35,13 @@ impl Robot {
     pub fn place_moving(&mut self, q: &[f64], v: &[f64]) -> Result<(), LabError> {
         finite("q", q, self.model.nq())?;
         finite("v", v, self.model.nv())?;
-        self.q.copy_from_slice(q);
-        normalize_quaternions(&self.model, &mut self.q);
-        self.v.copy_from_slice(v);
-        self.close();
-        (self.steps, self.time, self.last) = (0, 0.0, None);
-        self.method.start_anew(&self.model, (self.floor.contacts.as_ref(), &self.loops));
-        self.ledger = energy_ledger(&self.model, &mut self.workspace, &self.q, &self.v);
+        let (mut q, mut v) = (q.to_vec(), v.to_vec());
+        normalize_quaternions(&self.model, &mut q);
+        self.close(&mut q, &mut v);
+        self.simulation.reset(&q, &v)?;
+        (self.since, self.last) = (0.0, None);
         self.samples.clear();
         self.sample();
-        Ok(())
-    }
-
-    /// Chooses the method (`implicit` or a row of the table of integrators), the step \[s\], and whether damping and friction
-    /// act.
-    ///
-    /// # Errors
-    /// If the name is unknown or the step not positive.
-    #[wasm_bindgen(js_name = setMethod)]
-    pub fn set_method(&mut self, name: &str, h: f64, dissipation: bool) -> Result<(), LabError> {
-        self.h = positive("the step", h)?;
-        self.method = Method::named(name, &self.model, (self.floor.contacts.as_ref(), &self.loops))?;
-        self.dissipation = dissipation;
-        self.steps = 0;
-        self.samples = Samples::new(INTERVAL, h, KEPT);
         Ok(())
     }
 
@@ -69,12 +50,12 @@ impl Robot {
     ///
     /// 1/(M⁻¹)ᵢᵢ is the inertia that a torque at coordinate i alone feels. All eigenvalues of M⁻¹Kd are then at
     /// most nv·2ζω, so that a light joint is not shaken by a gain meant for a heavy one. A floating base has no
-    /// motors.
+    /// motors. The file's actuators rest meanwhile, and torques are cut off at the effort limits.
     ///
     /// # Errors
     /// If the frequency or the ratio is negative.
     pub fn hold(&mut self, frequency: f64, damping_ratio: f64) -> Result<(), LabError> {
-        let here = self.q.clone();
+        let here = self.q();
         self.hold_at(&here, frequency, damping_ratio)
     }
 
@@ -93,18 +74,12 @@ impl Robot {
         let mut inverse = vec![0.0; nv * nv];
         inverse_mass_matrix(&self.model, &mut self.workspace, &pose, &mut inverse);
         let inertia: Vec<f64> = (0..nv).map(|i| 1.0 / inverse[i * nv + i]).collect();
-        let mut limits: Vec<f64> =
-            self.model.coordinate_limits().iter().map(|limits| limits.effort).collect();
-        for joint in self.model.joints().iter().filter(|joint| joint.kind == JointKind::Floating) {
-            limits[joint.v_index..joint.v_index + joint.nv].fill(0.0);
-        }
-        self.hold = Some(Hold {
+        let hold = Hold {
             target: pose,
             stiffness: inertia.iter().map(|i| frequency * frequency * i).collect(),
             damping: inertia.iter().map(|i| 2.0 * ratio * frequency * i).collect(),
-            limits,
-        });
-        Ok(())
+        };
+        self.set_hold(Some(hold))
     }
 
     /// The pose that the motors hold; empty where they rest.
@@ -114,8 +89,17 @@ impl Robot {
     }
 
     /// The motors rest.
-    pub fn release(&mut self) {
-        self.hold = None;
+    ///
+    /// # Errors
+    /// If the file's actuators, which act again, cannot be set up.
+    pub fn release(&mut self) -> Result<(), LabError> {
+        self.set_hold(None)
+    }
+
+    /// In how many steps a torque was cut off at its effort limit, the most of all coordinates.
+    #[wasm_bindgen(getter, js_name = stepsAtLimit)]
+    pub fn steps_at_limit(&self) -> usize {
+        self.simulation.steps_at_effort_limits().iter().copied().max().unwrap_or(0)
     }
 
     /// Advances by whole steps.
@@ -123,54 +107,43 @@ impl Robot {
     /// # Errors
     /// Where a step fails or blows up, or energy comes from nowhere; the state before it is kept.
     pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
+        let model = Arc::clone(&self.model);
         let mut holding = match &self.hold {
-            Some(Hold { target, stiffness, damping, limits }) => {
-                Some(GravityCompensatedPd::new(&self.model, target, stiffness, damping)?.with_limits(limits))
+            Some(Hold { target, stiffness, damping }) => {
+                // The simulation cuts torques off and counts how often.
+                let unlimited = vec![f64::INFINITY; model.nv()];
+                Some(GravityCompensatedPd::new(&model, target, stiffness, damping)?.with_limits(&unlimited))
             }
             None => None,
         };
-        let (mut q, mut v) = (self.q.clone(), self.v.clone());
+        let mut torques = vec![0.0; model.nv()];
+        let mut controls = vec![0.0; self.simulation.controls().len()];
         self.last = None;
-        for _ in 0..steps {
-            // The forces of this step: motors, then the hand. What else acts on a robot from outside is added here.
-            match &mut holding {
-                Some(motors) => motors.torque(self.time, &self.q, &self.v, &mut self.tau)?,
-                None => self.tau.fill(0.0),
+        for step in 0..steps {
+            // The inputs of this step: motors that hold, the file's actuators, the hand.
+            let (q, v) = (self.simulation.q().to_vec(), self.simulation.v().to_vec());
+            if let Some(motors) = &mut holding {
+                motors.torque(self.simulation.time(), &q, &v, &mut torques)?;
             }
-            if let Some(hand) = &mut self.hand {
-                hand.pull(&self.q, &self.v, &mut self.tau);
+            self.controls.at(self.time(), &mut controls);
+            let pull = self.hand.as_mut().map(|hand| hand.pull(&q, &v, &mut self.pull));
+            self.simulation.set_torques(&torques);
+            self.simulation.set_controls(&controls);
+            self.simulation.set_wrenches(pull.as_slice());
+            self.simulation.step()?;
+            if step + 1 == steps {
+                self.last = Some(self.step_from(q, v));
             }
-            let forces = StepForces::new(&self.tau, self.dissipation);
-            self.method.step(
-                &self.model,
-                &mut self.workspace,
-                &mut self.stepping,
-                &mut self.ledger,
-                &forces,
-                self.h,
-                (&self.q, &self.v),
-                (&mut q, &mut v),
-            )?;
-            check_finite("q", &q)?;
-            check_finite("v", &v)?;
-            core::mem::swap(&mut self.q, &mut q);
-            core::mem::swap(&mut self.v, &mut v);
-            self.steps += 1;
-            self.time += self.h;
-            if self.samples.due(self.steps) {
-                self.samples.push(row(self.time, &self.ledger));
+            if self.samples.due(self.simulation.steps() as u64) {
+                self.sample();
             }
         }
-        if steps > 0 {
-            // After the exchange q and v are those before the last step.
-            self.last = Some(Step { q, v, tau: self.tau.clone(), h: self.h });
-        }
-        let off = self.ledger.imbalance();
+        let off = self.simulation.ledger().imbalance();
         if off.abs() > SHARE * self.energy_at_stake() {
             return Err(LabError::new(format!(
                 "{off:.1} J have come from nowhere by {:.2} s: the step is too long for this robot. Take a smaller step and \
                  reset.",
-                self.time
+                self.time()
             )));
         }
         Ok(())
@@ -182,7 +155,36 @@ impl Robot {
     }
 
     pub(crate) fn sample(&mut self) {
-        self.samples.push(row(self.time, &self.ledger));
+        self.samples.push(row(self.time(), self.simulation.ledger()));
+    }
+
+    /// Samples of another step than before.
+    pub(crate) fn begin_samples(&mut self) {
+        self.samples = Samples::new(INTERVAL, self.choice.step, KEPT);
+        self.sample();
+    }
+}
+
+impl Robot {
+    /// Motors that hold take the place of the file's actuators, so that these are set up anew.
+    fn set_hold(&mut self, hold: Option<Hold>) -> Result<(), LabError> {
+        let is_another = self.hold.is_some() != hold.is_some();
+        let before = core::mem::replace(&mut self.hold, hold);
+        if is_another && !self.model.description().actuators.is_empty() {
+            self.set_up(self.choice.clone()).inspect_err(|_| self.hold = before)?;
+        }
+        Ok(())
+    }
+
+    /// The step that was just taken from there.
+    fn step_from(&self, q: Vec<f64>, v: Vec<f64>) -> Step {
+        let simulation = &self.simulation;
+        let mut tau = simulation.applied_torques().to_vec();
+        for (k, tau) in tau.iter_mut().enumerate() {
+            *tau += simulation.actuator_torques().get(k).unwrap_or(&0.0);
+            *tau += if self.hand.is_some() { self.pull[k] } else { 0.0 };
+        }
+        Step { q, v, tau, h: simulation.step_size() }
     }
 }
 

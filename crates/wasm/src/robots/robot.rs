@@ -1,17 +1,18 @@
 //! Your robot: any URDF or MJCF file, posed, pulled, held, or let fall.
 
-use dynamics::EnergyLedger;
-use multibody::{
-    ConstraintSet, Finding, FramePose, LoadReport, Model, Simulation, StepWorkspace, Workspace, ZeroTorque,
-    energy_ledger, neutral,
-};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use multibody::simulator::{Effect, RunOptions, Simulation, SimulationBuilder};
+use multibody::text::{file_stem, one_line};
+use multibody::{ConstraintSet, Finding, FramePose, LoadReport, Model, Workspace};
 use robot_dynamics::{Described, Options, describe_among, describe_text};
 use wasm_bindgen::prelude::wasm_bindgen;
 
+use super::choice::Choice;
+use super::controls::ControlLine;
 use super::files::RobotFiles;
-use super::floor::Floor;
 use super::hand::Hand;
-use super::method::Method;
 use super::torques::Step;
 use crate::LabError;
 use crate::samples::Samples;
@@ -20,32 +21,34 @@ use crate::samples::Samples;
 pub(crate) const INTERVAL: f64 = 0.02;
 pub(crate) const KEPT: usize = 1500;
 
-/// A robot from a file, its state, its method and its books.
+/// A robot from a file, in the library's simulation.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Robot {
-    pub(crate) model: Model,
+    pub(crate) model: Arc<Model>,
     pub(crate) report: LoadReport,
     pub(crate) locked: Vec<String>,
     pub(crate) workspace: Workspace,
-    pub(crate) stepping: StepWorkspace,
     pub(crate) poses: Vec<FramePose>,
-    pub(crate) q: Vec<f64>,
-    pub(crate) v: Vec<f64>,
-    pub(crate) tau: Vec<f64>,
-    pub(crate) method: Method,
-    pub(crate) floor: Floor,
+    pub(crate) choice: Choice,
+    pub(crate) simulation: Simulation,
+    /// What acts with everything on.
+    pub(crate) stated: Vec<Effect>,
+    /// Why something that the page lays is left out.
+    pub(crate) notes: Vec<String>,
+    /// When the simulation was set up, after the robot was placed \[s\].
+    pub(crate) since: f64,
+    /// Corners of convex hulls by the number of their shape, in the shape's frame \[m\].
+    pub(crate) meshes: HashMap<usize, Vec<[f64; 3]>>,
     /// The closed loops and couplings of the file.
     pub(crate) loops: ConstraintSet,
     /// Why they cannot be held.
     pub(crate) loose: Option<String>,
-    pub(crate) h: f64,
-    pub(crate) dissipation: bool,
+    pub(crate) controls: ControlLine,
     pub(crate) hold: Option<Hold>,
     pub(crate) hand: Option<Hand>,
-    pub(crate) ledger: EnergyLedger,
-    pub(crate) steps: u64,
-    pub(crate) time: f64,
+    /// What the hand gives, nv entries.
+    pub(crate) pull: Vec<f64>,
     pub(crate) last: Option<Step>,
     pub(crate) samples: Samples<4>,
 }
@@ -56,7 +59,6 @@ pub(crate) struct Hold {
     pub(crate) target: Vec<f64>,
     pub(crate) stiffness: Vec<f64>,
     pub(crate) damping: Vec<f64>,
-    pub(crate) limits: Vec<f64>,
 }
 
 #[wasm_bindgen]
@@ -84,10 +86,16 @@ impl Robot {
         Self::of(describe_among(&files.0, path, &options(floating_base, repair_inertia))?)
     }
 
-    /// The robot's name.
+    /// The robot's name, on one line.
     #[wasm_bindgen(getter)]
     pub fn name(&self) -> String {
-        self.model.name().to_owned()
+        shown(self.model.name())
+    }
+
+    /// The robot's name as that of a file, without an ending.
+    #[wasm_bindgen(getter, js_name = fileName)]
+    pub fn file_name(&self) -> String {
+        file_stem(self.model.name())
     }
 
     /// Total mass \[kg\].
@@ -104,13 +112,14 @@ impl Robot {
 
     /// The joints that move no mass and are held still.
     pub fn locked(&self) -> Vec<String> {
-        self.locked.clone()
+        self.locked.iter().map(|joint| shown(joint)).collect()
     }
 
     /// The load report, one entry a string: line, treatment, place, message, separated by tabs.
     pub fn report(&self) -> Vec<String> {
         let line = |finding: &Finding| {
-            format!("{}\t{}\t{}\t{}", finding.line(), finding.treatment(), finding.place(), finding.message())
+            let (place, message) = (shown(finding.place()), shown(finding.message()));
+            format!("{}\t{}\t{place}\t{message}", finding.line(), finding.treatment())
         };
         self.report.findings.iter().map(line).collect()
     }
@@ -118,82 +127,84 @@ impl Robot {
     /// q.
     #[wasm_bindgen(getter)]
     pub fn q(&self) -> Vec<f64> {
-        self.q.clone()
+        self.simulation.q().to_vec()
     }
 
     /// v.
     #[wasm_bindgen(getter)]
     pub fn v(&self) -> Vec<f64> {
-        self.v.clone()
+        self.simulation.v().to_vec()
     }
 
     /// Time since the last placing \[s\].
     #[wasm_bindgen(getter)]
     pub fn time(&self) -> f64 {
-        self.time
+        self.since + self.simulation.time()
     }
 }
 
 impl Robot {
     fn of(mut described: Described) -> Result<Self, LabError> {
         let locked = described.description.lock_massless()?;
-        let model = Model::new(described.description)?;
-        let (q, v) = (neutral(&model), vec![0.0; model.nv()]);
+        let model = Arc::new(Model::new(described.description)?);
         let (loops, loose) = match ConstraintSet::from_equalities(&model) {
             Ok(loops) => (loops, None),
             Err(error) => (ConstraintSet::default(), Some(error.to_string())),
         };
-        let mut workspace = Workspace::new(&model);
         let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
-        Ok(Self {
-            ledger: energy_ledger(&model, &mut workspace, &q, &v),
-            stepping: StepWorkspace::new(&model),
+        // Nothing acts in this one; the robot's own is set up once all that it needs is there.
+        let mut bare = SimulationBuilder::shared(Arc::clone(&model));
+        for effect in Effect::ALL {
+            bare = bare.without(effect);
+        }
+        let mut robot = Self {
+            workspace: Workspace::new(&model),
             poses: vec![still; model.frames().len()],
-            tau: v.clone(),
-            samples: Samples::new(INTERVAL, 1e-3, KEPT),
-            method: Method::implicit(&model, (None, &loops)),
+            choice: Choice::default(),
+            simulation: bare.build()?,
+            stated: Vec::new(),
+            notes: Vec::new(),
+            since: 0.0,
+            meshes: HashMap::new(),
             loops,
             loose,
-            floor: Floor::default(),
-            h: 1e-3,
-            dissipation: true,
+            controls: ControlLine::default(),
             hold: None,
             hand: None,
-            steps: 0,
-            time: 0.0,
+            pull: vec![0.0; model.nv()],
             last: None,
+            samples: Samples::new(INTERVAL, 1e-3, KEPT),
             model,
             report: described.report,
             locked,
-            workspace,
-            q,
-            v,
-        })
+        };
+        let (simulation, notes) = robot.build(&Choice::default())?;
+        (robot.stated, robot.simulation, robot.notes) = (robot.everything()?, simulation, notes);
+        Ok(robot)
     }
 
-    /// The same fall as a whole run of the library, for tests: q after so many steps without torque.
+    /// The same fall as a whole run of the library, for tests: q after so many steps without motors and hand.
     ///
     /// # Errors
     /// Where the run fails.
     pub fn reference_fall(&self, steps: usize) -> Result<Vec<f64>, LabError> {
-        match &self.method {
-            Method::Implicit(implicit) => self.run((**implicit).clone(), steps),
-            Method::Row(row) => self.run(*row, steps),
-        }
-    }
-
-    fn run<T: multibody::Stepper + Clone>(&self, stepper: T, steps: usize) -> Result<Vec<f64>, LabError>
-    where
-        T::Error: 'static,
-    {
-        let simulation = Simulation::new(&self.model, stepper, self.h)
-            .with_dissipation(self.dissipation)
-            .with_samples_every(0);
-        let run = simulation
-            .run(&self.q, &self.v, steps, &mut ZeroTorque, |_| core::ops::ControlFlow::Continue(()))
-            .map_err(|failure| LabError::new(failure.error.to_string()))?;
+        let (mut simulation, _) = self.build(&self.choice)?;
+        simulation.reset(self.simulation.q(), self.simulation.v())?;
+        let run =
+            simulation.run(steps, RunOptions::new().sample_every(0)).map_err(|failure| failure.error)?;
         Ok(run.q)
     }
+}
+
+/// A name of the file as text on the page, on one line.
+pub(crate) fn shown(name: &str) -> String {
+    one_line(name).into_owned()
+}
+
+/// Any text on one line, what cannot be seen in it as escapes: for names of files that a person gave.
+#[wasm_bindgen(js_name = oneLine)]
+pub fn one_line_text(text: &str) -> String {
+    shown(text)
 }
 
 fn options(floating_base: bool, repair_inertia: bool) -> Options {

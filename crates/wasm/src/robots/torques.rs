@@ -44,12 +44,12 @@ impl Robot {
     /// The terms of the equation of motion over the last step: M and C and g at the middle of the way it took, with the
     /// mean velocity, and q̈ = Δv/h.
     pub fn torques(&mut self) -> RobotTorques {
-        let (model, workspace, nv) = (&self.model, &mut self.workspace, self.model.nv());
-        let (mut q, mut v) = (self.q.clone(), self.v.clone());
+        let (model, workspace, nv) = (&*self.model, &mut self.workspace, self.model.nv());
+        let (mut q, mut v) = (self.simulation.q().to_vec(), self.simulation.v().to_vec());
         let mut acceleration = vec![0.0; nv];
         if let Some(step) = &self.last {
             let mut way = vec![0.0; nv];
-            difference(model, &step.q, &self.q, &mut way);
+            difference(model, &step.q, self.simulation.q(), &mut way);
             let half: Vec<f64> = way.iter().map(|x| 0.5 * x).collect();
             integrate(model, &step.q, &half, &mut q);
             for (k, mean) in v.iter_mut().enumerate() {

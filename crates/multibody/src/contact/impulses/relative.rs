@@ -64,13 +64,13 @@ impl ContactSet {
 
     /// What is stated of the surface there, if it is; of the coefficient of sliding friction, if it is; and of restitution.
     pub(in crate::contact) fn stated(&self, point: &TouchingPoint) -> (Option<&Surface>, Option<f64>, f64) {
-        let on_plane = self.shapes[point.shape].on_plane.as_ref();
+        let on_plane = self.shapes[point.shape].on_planes.first().map(|(_, surface)| surface);
         match point.against {
             Against::Ground(ground) => {
                 let surfaces = self.ground_surfaces[ground].as_ref();
                 let ground = &self.grounds[ground].0;
-                let mix = surfaces.map(|surfaces| &surfaces[point.shape]);
-                (on_plane.or(mix), ground.friction, ground.restitution)
+                let stated = surfaces.map_or(on_plane, |surfaces| surfaces[point.shape].as_ref());
+                (stated, ground.friction, ground.restitution)
             }
             Against::Field(field) => {
                 let field = &self.fields[field];

@@ -25,6 +25,8 @@ pub struct SoftContact {
     pub friction: [f64; 5],
     /// How it yields.
     pub softness: Softness,
+    /// `solref` of its friction, where that is not the one of `softness`.
+    pub solreffriction: Option<[f64; 2]>,
 }
 
 impl SoftContact {
@@ -40,7 +42,19 @@ impl SoftContact {
     pub fn new(link: FrameId, point: [f64; 3], normal: [f64; 3], distance: f64) -> Self {
         let friction = [0.0; 5];
         let softness = Softness::default();
-        Self { link, other: None, point, normal, distance, margin: 0.0, condim: 1, friction, softness }
+        let solreffriction = None;
+        Self {
+            link,
+            other: None,
+            point,
+            normal,
+            distance,
+            margin: 0.0,
+            condim: 1,
+            friction,
+            softness,
+            solreffriction,
+        }
     }
 
     /// With the friction, dimensions, softness and margin of this surface.
@@ -59,6 +73,7 @@ impl SoftContact {
             condim: surface.condim,
             friction: [slide, slide, spin, roll, roll],
             softness: Softness { solref: surface.solref, solimp: surface.solimp },
+            solreffriction: surface.solreffriction,
             ..self
         }
     }

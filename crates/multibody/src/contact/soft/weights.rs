@@ -1,5 +1,7 @@
 //! The inverse inertia that a constraint meets, taken once, in the robot's reference pose.
 
+use std::collections::HashMap;
+
 use dynamics::DynamicsError;
 use nalgebra::Vector3;
 
@@ -8,7 +10,7 @@ use crate::contact::placement::Placement;
 use crate::factor::sparse::{self, coordinate_carriers};
 use crate::joint::Chart;
 use crate::space::configuration::{neutral, stretches};
-use crate::{Model, Workspace, mass_matrix};
+use crate::{JointDescription, Model, Workspace, mass_matrix};
 
 /// Means of the diagonals of J M⁻¹ Jᵀ.
 #[derive(Clone, Debug)]
@@ -59,11 +61,21 @@ impl InverseWeights {
                 own.fill(mean);
             }
         }
+        let by_mass = weighed_by_mass(model);
+        for (coordinate, weight) in
+            by_mass.values().flat_map(|(weight, own)| own.iter().map(|k| (*k, *weight)))
+        {
+            coordinates[coordinate] = weight;
+        }
         let mut frames = vec![[0.0; 2]; model.frames().len()];
         for link in &model.description().links {
             let Some(frame) = model.frame(&link.name) else { continue };
             let (weights, frame) = (&mut frames[frame.index], model.frame_of(frame));
             let Some(body) = frame.body else { continue };
+            if let Some((weight, _)) = by_mass.get(link.name.as_str()) {
+                *weights = [*weight, 0.0];
+                continue;
+            }
             let center = link.mass_properties.map_or_else(Vector3::zeros, |mass| mass.center_of_mass());
             let (rotation, origin) = placement.body(body);
             let center = origin + rotation * Vector3::from(frame.body_from_frame.apply(center.into()));
@@ -87,6 +99,32 @@ impl InverseWeights {
         let tendons = model.description().tendons.iter().map(of_tendon).collect();
         Ok(Self { frames, coordinates, tendons })
     }
+}
+
+/// The links whose slides are weighed by mass alone: 1/m, and the coordinates of these slides.
+fn weighed_by_mass(model: &Model) -> HashMap<&str, (f64, Vec<usize>)> {
+    let description = model.description();
+    let joints = description.joints.iter().filter(|joint| joint.softness.is_weighed_by_mass);
+    let by_child: HashMap<&str, &JointDescription> =
+        joints.map(|joint| (joint.child.as_str(), joint)).collect();
+    let mut found = HashMap::new();
+    for link in description.links.iter().filter(|_| !by_child.is_empty()) {
+        let Some(mass) = link.mass_properties.map(|own| own.mass()).filter(|mass| *mass > 0.0) else {
+            continue;
+        };
+        // The slides of one body are a chain through links without mass.
+        let below = core::iter::successors(by_child.get(link.name.as_str()), |joint| {
+            by_child.get(joint.parent.as_str())
+        });
+        let coordinate = |joint: &&JointDescription| {
+            model.joints.iter().find(|own| own.name == joint.name && own.nv == 1).map(|own| own.v_index)
+        };
+        let coordinates: Vec<usize> = below.filter_map(coordinate).collect();
+        if !coordinates.is_empty() {
+            found.insert(link.name.as_str(), (mass.recip(), coordinates));
+        }
+    }
+    found
 }
 
 /// Each joint where its file places it.

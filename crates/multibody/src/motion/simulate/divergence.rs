@@ -11,10 +11,10 @@ use crate::motion::drive::Drive;
 use crate::{Actuation, Model, Workspace, mass_matrix};
 
 /// A coordinate that moves further in a step than this has lost the digits of its angle \[rad or m\]: no result follows from it.
-const LOST: f64 = 1e8;
+pub(super) const LOST: f64 = 1e8;
 
 /// A step that failed after one in which a coordinate moved further than this failed because the motion had grown \[rad or m\].
-const GROWN: f64 = 10.0;
+pub(super) const GROWN: f64 = 10.0;
 
 /// A step in which no coordinate turns further than this resolves the motion \[rad or m\].
 const RESOLVED: f64 = 0.1;

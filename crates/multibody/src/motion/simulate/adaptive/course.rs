@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use super::super::divergence::{GROWN, LOST};
 use super::super::event::Watch;
 use super::super::ledger::fastest;
 use super::super::run::Observer;
@@ -111,12 +112,19 @@ impl Course<'_, '_> {
                     self.sample_rest(steps, motion, samples);
                     // Where M is singular the reason is that, whatever stopped the step.
                     self.check_mass(steps.t, &steps.y()[..model.nq()])?;
+                    if steps.statistics.accepted > 0 && !matches!(trouble, Trouble::Controller(_)) {
+                        self.check_growth(steps, GROWN)?;
+                    }
                     return Err(trouble.at(model, steps.t, self.run.steps));
                 }
             }
             self.stepper.note_quaternions(model, steps.y());
 
             let (from, to) = (steps.from, steps.t);
+            if let Err(grown) = self.check_growth(steps, LOST) {
+                self.sample_rest(steps, motion, samples);
+                return Err(grown);
+            }
             let found = watch.look(from, to, &mut |t, q, v| motion.split(&steps.interpolate(t), q, v))?;
             let last = found.iter().position(|found| found.is_terminal);
             let stop = last.map(|index| found[index].occurrence.time);
@@ -154,6 +162,21 @@ impl Course<'_, '_> {
                 steps.since = 0;
             }
         }
+    }
+
+    /// # Errors
+    /// [`AdaptiveStepError::Diverged`]: in the last step a coordinate has moved by more than this \[rad or m\].
+    fn check_growth(&self, steps: &StepSequence, most: f64) -> Result<(), RunError<AdaptiveStepError>> {
+        let model = self.model;
+        let v = &steps.y()[model.nq()..model.nq() + model.nv()];
+        let Some(&speed) = v.get(fastest(v)) else { return Ok(()) };
+        let step = steps.t - steps.from;
+        if speed.abs() * step <= most {
+            return Ok(());
+        }
+        let coordinate = model.coordinate_names().get(fastest(v)).cloned().unwrap_or_default();
+        let source = AdaptiveStepError::Diverged { coordinate, speed, step };
+        Err(RunError::Step { step: self.run.steps, time: steps.t, source })
     }
 
     /// A last sample where the steps are, if they are beyond the one before.

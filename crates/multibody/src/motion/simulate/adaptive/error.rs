@@ -34,6 +34,19 @@ pub enum AdaptiveStepError {
         /// The coordinate with the largest local error.
         coordinate: String,
     },
+    /// The motion grew until steps that meet the tolerance lost the digits of an angle or a position.
+    #[error(
+        "the motion grows without bound: `{coordinate}` moves at {speed:.2e} rad/s or m/s, and steps of {step:.1e} s follow \
+         it within the tolerance, so that no shorter step helps; look at the controller's gains and for dampers with the wrong sign"
+    )]
+    Diverged {
+        /// The coordinate that moves fastest.
+        coordinate: String,
+        /// How fast \[rad/s or m/s\].
+        speed: f64,
+        /// The last step \[s\].
+        step: f64,
+    },
     /// As for any step.
     #[error(transparent)]
     Step(#[from] IntegratorError),

@@ -1,0 +1,57 @@
+//! Single steps under MuJoCo's law with the contacts, surfaces and weights that the file states, against MuJoCo: `testdata/mjcf/contacts/golden.json`.
+//!
+//! Tolerance: 1e-8 of the largest change of a velocity in a step, as MuJoCo's Newton method stops where the cost no longer falls: see [`crate::soft`].
+
+use mjcf::{Options, load};
+use multibody::Model;
+use multibody::conventions::{
+    configuration_from_mujoco, configuration_to_mujoco, velocity_from_mujoco, velocity_to_mujoco,
+};
+use multibody::simulator::{Method, SimulationBuilder};
+use serde_json::Value;
+
+use crate::golden::{assert_near, numbers, root};
+
+const SOLVED: f64 = 1e-8;
+
+fn golden() -> Value {
+    let text = std::fs::read_to_string(root().join("testdata/mjcf/contacts/golden.json"));
+    serde_json::from_str(&text.expect("the file")).expect("JSON")
+}
+
+#[test]
+fn steps_with_the_surfaces_of_the_file_are_mujocos() {
+    let (golden, mut compared) = (golden(), 0);
+    for (file, record) in golden["files"].as_object().expect("files") {
+        let robot = load(root().join(file), &Options::default()).expect("a robot");
+        assert_eq!(robot.report.counts.ignored_physics, 0, "{file}: {}", robot.report);
+        let model = Model::new(robot.description).expect("a model");
+        let h = record["time_step"].as_f64().expect("a number");
+        let mut simulation =
+            SimulationBuilder::new(&model).method(Method::Mujoco).step(h).build().expect("a simulation");
+        assert_eq!(simulation.left_out(), [""; 0], "{file}");
+        let (mut q, mut v) = (vec![0.0; model.nq()], vec![0.0; model.nv()]);
+        let (mut qpos, mut qvel) = (q.clone(), v.clone());
+        for (at, step) in record["steps"].as_array().expect("steps").iter().enumerate() {
+            let what = format!("{file}, step {at}");
+            let [before, after] = ["qvel", "after_qvel"].map(|key| numbers(&step[key]));
+            configuration_from_mujoco(&model, &numbers(&step["qpos"]), &mut q);
+            velocity_from_mujoco(&model, &q, &before, &mut v);
+            simulation.set_state(&q, &v).expect("a state");
+            simulation.step().expect("a step");
+            velocity_to_mujoco(&model, simulation.q(), simulation.v(), &mut qvel);
+            let change =
+                |after: &[f64]| -> Vec<f64> { after.iter().zip(&before).map(|(a, b)| a - b).collect() };
+            assert_near(&format!("{what}, change of qvel"), &change(&qvel), &change(&after), SOLVED);
+            configuration_to_mujoco(&model, simulation.q(), &mut qpos);
+            assert_near(&format!("{what}, qpos"), &qpos, &numbers(&step["after_qpos"]), 1e-11);
+            assert_eq!(
+                simulation.contacts().len() as u64,
+                step["contacts"].as_u64().expect("a number"),
+                "{what}"
+            );
+            compared += 1;
+        }
+    }
+    assert!(compared >= 45, "{compared}");
+}

@@ -1,0 +1,155 @@
+//! The controls of the file's actuators, as a function of time.
+
+use multibody::ActuatorDescription;
+use wasm_bindgen::prelude::wasm_bindgen;
+
+use super::robot::{Robot, shown};
+use crate::LabError;
+use crate::input::finite;
+
+/// The poses of a file in turn: each is kept for this time, and the next reached along a straight line of this time \[s\].
+const KEPT: f64 = 0.5;
+const REACHED: f64 = 0.5;
+
+/// Controls at some times, with straight lines between, and constant before and after.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ControlLine {
+    times: Vec<f64>,
+    /// As many rows as times.
+    controls: Vec<Vec<f64>>,
+}
+
+impl ControlLine {
+    fn constant(controls: Vec<f64>) -> Self {
+        Self { times: vec![0.0], controls: vec![controls] }
+    }
+
+    /// At a time \[s\], written into `controls`.
+    pub(crate) fn at(&self, time: f64, controls: &mut [f64]) {
+        let after = self.times.partition_point(|t| *t <= time);
+        let (Some(from), to) = (after.checked_sub(1).or(Some(0)), after) else { return };
+        let (Some(before), Some(start)) = (self.controls.get(from), self.times.get(from)) else { return };
+        let next = self.controls.get(to).zip(self.times.get(to));
+        for (k, control) in controls.iter_mut().enumerate() {
+            *control = match next {
+                Some((next, end)) if end > start && time > *start => {
+                    before[k] + (time - start) / (end - start) * (next[k] - before[k])
+                }
+                _ => before[k],
+            };
+        }
+    }
+}
+
+/// An actuator of the file.
+#[wasm_bindgen(getter_with_clone)]
+#[derive(Clone, Debug)]
+pub struct RobotControl {
+    /// Its name.
+    #[wasm_bindgen(readonly)]
+    pub name: String,
+    /// The least control; infinite where there is none.
+    #[wasm_bindgen(readonly)]
+    pub lower: f64,
+    /// The most.
+    #[wasm_bindgen(readonly)]
+    pub upper: f64,
+}
+
+/// A pose of the file.
+#[wasm_bindgen(getter_with_clone)]
+#[derive(Clone, Debug)]
+pub struct RobotPose {
+    /// Its name.
+    #[wasm_bindgen(readonly)]
+    pub name: String,
+    /// q.
+    #[wasm_bindgen(readonly)]
+    pub q: Vec<f64>,
+    /// v.
+    #[wasm_bindgen(readonly)]
+    pub v: Vec<f64>,
+    /// The controls; empty where the pose has none.
+    #[wasm_bindgen(readonly)]
+    pub controls: Vec<f64>,
+}
+
+#[wasm_bindgen]
+impl Robot {
+    /// The file's actuators, in the order of the controls.
+    pub fn actuators(&self) -> Vec<RobotControl> {
+        let control = |actuator: &ActuatorDescription| {
+            let [lower, upper] = actuator.control_range;
+            RobotControl { name: shown(&actuator.name), lower, upper }
+        };
+        self.model.description().actuators.iter().map(control).collect()
+    }
+
+    /// The file's poses by their names.
+    #[wasm_bindgen(js_name = namedPoses)]
+    pub fn named_poses(&self) -> Vec<RobotPose> {
+        let poses = self.model.description().poses.iter();
+        let found = poses.filter_map(|pose| {
+            let (q, v) = self.model.named_pose(&pose.name)?;
+            Some(RobotPose { name: shown(&pose.name), q, v, controls: pose.controls.clone() })
+        });
+        found.collect()
+    }
+
+    /// The controls now.
+    pub fn controls(&self) -> Vec<f64> {
+        let mut controls = vec![0.0; self.model.description().actuators.len()];
+        self.controls.at(self.time(), &mut controls);
+        controls
+    }
+
+    /// Holds these controls.
+    ///
+    /// # Errors
+    /// If their number is wrong or one is not finite.
+    #[wasm_bindgen(js_name = setControls)]
+    pub fn set_controls(&mut self, controls: &[f64]) -> Result<(), LabError> {
+        finite("the controls", controls, self.model.description().actuators.len())?;
+        self.controls = ControlLine::constant(controls.to_vec());
+        Ok(())
+    }
+
+    /// The controls of the file's poses in turn, from time 0 on: each is kept for half a second, and the next reached along a straight line of half a
+    /// second; the last is kept. Without two such poses nothing changes.
+    #[wasm_bindgen(js_name = posesInTurn)]
+    pub fn poses_in_turn(&mut self) {
+        let poses = &self.model.description().poses;
+        let given: Vec<&Vec<f64>> =
+            poses.iter().map(|pose| &pose.controls).filter(|u| !u.is_empty()).collect();
+        if given.len() < 2 {
+            return;
+        }
+        let mut line = ControlLine::default();
+        for (k, controls) in given.into_iter().enumerate() {
+            let start = (KEPT + REACHED) * k as f64;
+            for time in [start, start + KEPT] {
+                line.times.push(time);
+                line.controls.push(controls.clone());
+            }
+        }
+        self.controls = line;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ControlLine;
+
+    #[test]
+    fn a_line_is_constant_outside_and_straight_between() {
+        let line = ControlLine { times: vec![1.0, 3.0], controls: vec![vec![0.0], vec![4.0]] };
+        for (time, expected) in [(0.0, 0.0), (1.0, 0.0), (1.5, 1.0), (3.0, 4.0), (9.0, 4.0)] {
+            let mut found = [f64::NAN];
+            line.at(time, &mut found);
+            assert_eq!(found, [expected], "at {time} s");
+        }
+        let mut untouched = [7.0];
+        ControlLine::default().at(1.0, &mut untouched);
+        assert_eq!(untouched, [7.0]);
+    }
+}
