@@ -36,7 +36,7 @@ pub(crate) struct Sample {
     /// The largest |error| since the sample before \[J\].
     pub worst_error: f64,
     /// What took energy out so far \[J\].
-    pub losses: [f64; 5],
+    pub losses: [f64; 6],
     /// |f| of the ground's force on each link \[N\].
     pub contact: Vec<f64>,
 }
@@ -160,7 +160,7 @@ impl Recorder {
 impl Sample {
     fn of(moment: &Moment<'_>, worst_error: f64) -> Self {
         let contact = vec![0.0; moment.contact_forces.len()];
-        let (time, kinetic, potential, error, losses) = (0.0, 0.0, 0.0, 0.0, [0.0; 5]);
+        let (time, kinetic, potential, error, losses) = (0.0, 0.0, 0.0, 0.0, [0.0; 6]);
         let mut sample =
             Self { time, q: moment.q.to_vec(), kinetic, potential, error, worst_error, losses, contact };
         sample.take(moment, worst_error);
