@@ -230,8 +230,6 @@ class Robot:
         """See `sensors`."""
     def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, sample_every: Any, events: Any, stop_at_limits: Any, controls: Any, **options: Any) -> Any:
         """See `simulate`."""
-    def _simulate_adaptive(self, q: Any, v: Any, tau: Any, *, duration: Any, step: Any, dissipation: Any, sample_every: Any, events: Any, stop_at_limits: Any, tolerance: Any, control_period: Any) -> Any:
-        """See `simulate`: steps as long as a tolerance allows."""
     def _state(self) -> str:
         """The description and the report as JSON, from which an equal robot is made."""
     def _step(self, q: Any, v: Any, tau: Any, controls: Any, **options: Any) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict
@@ -328,70 +327,33 @@ class Moving(_native.Robot):
         try:
             if integrator == "adaptive":
                 refuse_for_adaptive(ground=ground, controls=controls, constraints=constraints)
-                dissipates, torques, left_out = self._under_adaptive(tau, conservative, switched_off(without, dissipation, stops))
-                period = {"tolerance": tolerance, "control_period": control_period}
-                try:
-                    record = self._simulate_adaptive(q, v, torques, step=step, dissipation=dissipates, **how, **period)
-                except SimulationError as error:
-                    if isinstance(error.until, dict):
-                        error.until["left_out"] = left_out
-                    raise
-                record["left_out"] = left_out
-            else:
-                if tolerance is not None or control_period is not None:
-                    raise ValueError(
-                        "tolerance and control_period go with integrator='adaptive'; "
-                        f"{integrator or 'the default'!r} takes steps of one length"
-                    )
-                record = self._simulate(
-                    q,
-                    v,
-                    tau,
-                    **how,
-                    controls=None if controls is None else dict(controls),
-                    step=step,
-                    integrator=integrator,
-                    conservative=conservative,
-                    without=switched_off(without, dissipation, stops),
-                    constraints=constraints,
-                    stabilization=stabilization,
-                    correction=correction,
-                    ground=grounds.native(ground),
+            elif tolerance is not None or control_period is not None:
+                raise ValueError(
+                    "tolerance and control_period go with integrator='adaptive'; "
+                    f"{integrator or 'the default'!r} takes steps of one length"
                 )
+            record = self._simulate(
+                q,
+                v,
+                tau,
+                **how,
+                controls=None if controls is None else dict(controls),
+                step=step,
+                integrator=integrator,
+                conservative=conservative,
+                without=switched_off(without, dissipation, stops),
+                constraints=constraints,
+                stabilization=stabilization,
+                correction=correction,
+                tolerance=tolerance,
+                control_period=control_period,
+                ground=grounds.native(ground),
+            )
         except SimulationError as error:
             if isinstance(error.until, dict):
                 error.until = self._motion(error.until)
             raise
         return self._motion(record)
-
-    def _under_adaptive(
-        self, tau: Numbers | Controller | None, conservative: bool, off: list[str]
-    ) -> tuple[bool, Numbers | Controller | None, tuple[str, ...]]:
-        """Whether damping acts under adaptive steps, τ within the effort limits where it is held, and what the steps leave out."""
-        # An implicit row knows nothing that a file states but damping and friction; so it names all that adaptive steps leave out.
-        row = "variational-midpoint"
-        stated = _native.Simulation(
-            self, integrator=row, conservative=conservative, without=[*off, "equalities"], step=1e-3
-        )
-        left_out = [line.replace(f"`{row}`", "`adaptive`") for line in stated.left_out]
-        described = json.loads(self._state())[0]
-        acts = {name: name not in {word.strip().replace("_", "-") for word in off} for name in ("dissipation", "equalities", "effort-limits")}
-        if acts["equalities"] and any(equality["active"] for equality in described["equalities"]):
-            left_out.append("equalities: `adaptive` does not know them, `implicit` does")
-        dissipates = acts["dissipation"] and not conservative
-        rubs = [joint["name"] for joint in described["joints"] if joint["passive"]["friction"] != 0.0]
-        if dissipates and rubs:
-            dissipates = False
-            left_out.append(f"damping and friction: `adaptive` cannot hold the dry friction of joint `{rubs[0]}`, `implicit` does")
-        effort = np.maximum(self._effort_limits(), 0.0)
-        if tau is None or conservative or not acts["effort-limits"] or not np.isfinite(effort).any():
-            return dissipates, tau, tuple(left_out)
-        if callable(tau):
-            left_out.append("effort limits: `adaptive` does not cut off the torques of a function, `implicit` does")
-            return dissipates, tau, tuple(left_out)
-        held = np.asarray(tau)
-        is_row = held.dtype.kind in "iuf" and held.shape[-1:] == effort.shape  # others are refused by name
-        return dissipates, np.clip(held, -effort, effort) if is_row else tau, tuple(left_out)
 
     def _motion(self, record: dict[str, Any]) -> Motion:
         record["ledger"] = EnergyLedger(**record["ledger"])

@@ -52,7 +52,7 @@ class Simulation(_native.Simulation):
 
     Everything that the robot's file states acts, as in `Robot.simulate`; `without` and `conservative` switch it off, `integrator` is chosen
     unless it is given. Inputs (`torques`, `controls`, wrenches) are held until they are set again. Stepped from outside it
-    gives the bits of one run.
+    gives the bits of one run; ``integrator="adaptive"`` gives the same to its tolerance.
 
     >>> robot = rd.example("panda")
     >>> sim = rd.Simulation(robot, without=["limits"])
@@ -78,13 +78,14 @@ class Simulation(_native.Simulation):
         constraints: Constraints | None = None,
         stabilization: float | None = None,
         correction: Correction = "position",
+        tolerance: float | None = None,
         ignore_contacts: Sequence[tuple[str, str]] | str | PathLike[str] = (),
         only_contacts: Sequence[tuple[str, str]] | None = None,
     ) -> Self:
         """The simulation of a robot at rest in the configuration in which its file places it (`qpos0` of MJCF, else neutral).
 
         Links of the pairs in `ignore_contacts` never touch; it may be an SRDF file, whose ``<disable_collisions>`` are taken. With `only_contacts`
-        these pairs of links alone may touch, beside grounds.
+        these pairs of links alone may touch, beside grounds. `tolerance` (1e-9) is that of ``integrator="adaptive"``.
 
         >>> arm = rd.example("panda")
         >>> sim = rd.Simulation(arm, ignore_contacts=[("panda_link1", "panda_link3")])
@@ -93,6 +94,8 @@ class Simulation(_native.Simulation):
         ...
         ValueError: robot `panda` has no link `link3`, which a pair of links names; did you mean `panda_link3`?
         """
+        if tolerance is not None and integrator != "adaptive":
+            raise ValueError(f"tolerance goes with integrator='adaptive'; {integrator or 'the default'!r} takes steps of one length")
         if isinstance(ignore_contacts, str | PathLike):
             ignore_contacts = robot._disabled_collisions(ignore_contacts)
         return super().__new__(
@@ -106,6 +109,7 @@ class Simulation(_native.Simulation):
             constraints=constraints,
             stabilization=stabilization,
             correction=correction,
+            tolerance=tolerance,
             ignore_contacts=list(ignore_contacts),
             only_contacts=None if only_contacts is None else list(only_contacts),
         )

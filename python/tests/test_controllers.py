@@ -173,9 +173,9 @@ def test_adaptive_steps_say_what_they_leave_out(panda: rd.Robot) -> None:
 
     stated = ["position limits", "contacts", "actuators"]
     assert left_out(damped) == stated
-    assert left_out(rubbed) == [*stated, "equalities", "damping and friction"]
+    assert left_out(rubbed) == ["damping and dry friction", *stated, "equalities"]
     assert left_out(rubbed, without=["dissipation", "contacts", "limits", "equalities"]) == ["actuators"]
-    assert left_out(damped, lambda t, q, v: [0.0]) == [*stated, "effort limits"]
+    assert left_out(damped, lambda t, q, v: [0.0]) == stated
     assert left_out(rubbed, conservative=True) == ["equalities"]
     # Damping acts where no joint has friction, and its work is in the account.
     motion = damped.simulate([0.0], **how)
@@ -183,9 +183,11 @@ def test_adaptive_steps_say_what_they_leave_out(panda: rd.Robot) -> None:
     assert_allclose(motion.q, fine.q, atol=1e-9)
     assert motion.ledger.dissipated > 0.1 and abs(motion.ledger.imbalance) < 1e-9
     assert rubbed.simulate([0.0], **how).ledger.dissipated == 0.0
-    # Torques that are held keep the effort limits.
+    # Torques keep the effort limits, those of a function too.
     pushed, bounded = (damped.simulate([0.0], tau=[torque], **how) for torque in (50.0, 1.0))
     assert np.array_equal(pushed.q, bounded.q)
+    asked = damped.simulate([0.0], tau=lambda t, q, v: [50.0], **how)
+    assert np.array_equal(asked.q, bounded.q) and asked.steps_at_effort_limits[0] == 5
     with pytest.raises(ValueError, match="there is no effect `wind`"):
         damped.simulate([0.0], **how, without=["wind"])
 

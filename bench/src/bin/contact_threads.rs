@@ -13,7 +13,8 @@ use std::time::Instant;
 use bench::robot_by_name;
 use dynamics::SplitMix64;
 use multibody::batch::{BatchWorkspace, StepperRollout, Threads, Torques, rollout_by_stepper};
-use multibody::{ContactSet, Ground, Implicit, Model, Workspace, neutral, random_state};
+use multibody::simulator::{Method, SimulationBuilder};
+use multibody::{ContactSet, Ground, Model, Workspace, neutral, random_state};
 
 const ROBOTS: [&str; 2] = ["quadruped", "humanoid"];
 const STATES: usize = 64;
@@ -40,7 +41,8 @@ fn main() -> ExitCode {
 fn measure(name: &str, model: &Model, rounds: usize) {
     let contacts = ContactSet::new(model, &[Ground::level(0.0)]).expect("its shapes can touch the ground");
     let start = starts(model, &contacts);
-    let implicit = Implicit::new(model).with_contacts(model, contacts);
+    let simulation = SimulationBuilder::new(model).method(Method::Implicit).contacts(contacts);
+    let implicit = simulation.build().expect("a simulation").stepper();
     let pools = [1, 2].map(|count| Threads::start(count).expect("two threads"));
     let drop = |threads: &Threads| {
         let workspace = BatchWorkspace::on_threads(model, threads);

@@ -28,11 +28,6 @@ pub(crate) fn interrupted() -> bool {
 }
 
 /// The same for a computation that looks at it by itself.
-pub(crate) fn flag() -> &'static AtomicBool {
-    &INTERRUPTED
-}
-
-/// The same for one that keeps it.
 pub(crate) fn shared_flag() -> Arc<AtomicBool> {
     Arc::clone(&INTERRUPTED)
 }

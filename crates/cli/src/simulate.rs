@@ -20,7 +20,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use multibody::simulator::Effect;
+use multibody::simulator::{Effect, Method};
 use multibody::text::one_line;
 use multibody::{Controller, Model, Moment};
 
@@ -28,7 +28,6 @@ use self::csv::Beside;
 use self::files::Files;
 use self::ground::{Floor, GroundOption};
 use self::hold::{Gains, Hold};
-use self::method::Method;
 use self::plot::Plot;
 use self::recorder::Recorder;
 use self::run::Ran;
@@ -266,11 +265,11 @@ fn caption(
     let damping = if setup.acts(Effect::Dissipation) { "with damping and friction" } else { "no damping" };
     let partial = if is_whole { String::new() } else { format!(" · ends early at {time:.3} s") };
     let name = one_line(model.name());
-    let steps = match setup.method {
-        Method::Steps(_) => format!("h = {} s", arguments.step),
+    let steps = match setup.method() {
         Method::Adaptive => format!("tolerance {:e}", arguments.tolerance.unwrap_or(method::TOLERANCE)),
+        _ => format!("h = {} s", arguments.step),
     };
-    format!("{name}: {motors}, {damping} · {}, {steps}{partial}", setup.method)
+    format!("{name}: {motors}, {damping} · {}, {steps}{partial}", setup.method())
 }
 
 /// Who watches the run.

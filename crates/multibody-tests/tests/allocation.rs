@@ -15,13 +15,14 @@ use std::ops::ControlFlow;
 use common::{Robot, chain, families};
 use dynamics::{Dual, Integrator, MassProperties};
 use multibody::batch::{self, BatchOptions, BatchWorkspace};
+use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder};
 use multibody::{
     Closure, ConstantTorque, ContactSet, Controller, FrameId, FrameWrench, GravityAt, GravityCompensatedPd,
     Ground, HeightField, Implicit, Inputs, JointDescription, JointKind, JointKinds, LinearizeStepWorkspace,
     LinkDescription, LinkShape, Model, OperationalSpace, OperationalSpaceWorkspace, PointForce, Pose,
     PoseReference, Quantity, QuantityMemory, RandomRobotOptions, RobotDescription, SensorDescription,
-    SensorInputs, SensorKind, SensorObject, SensorSet, Shape, ShapeRole, Simulation, StepForces,
-    StepWorkspace, Stepper, TaskControl, TaskGains, TaskReference, Workspace,
+    SensorInputs, SensorKind, SensorObject, SensorSet, Shape, ShapeRole, StepForces, StepWorkspace, Stepper,
+    TaskControl, TaskGains, TaskReference, Workspace,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -364,13 +365,22 @@ fn a_run_under_control_allocates_at_the_start_only() {
     let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 10.0 };
     let pose = multibody::frame_pose(&model, &mut Workspace::new(&model), &q, hand);
     let here = PoseReference::at_rest(Pose { rotation: pose.rotation, translation: pose.translation });
-    let simulation = Simulation::new(&model, Integrator::RungeKutta4, 1e-3).with_samples_every(0);
-    let count = |steps: usize| {
+    let mut simulation = SimulationBuilder::new(&model)
+        .method(Method::Fixed(Integrator::RungeKutta4))
+        .step(1e-3)
+        .build()
+        .unwrap();
+    let mut count = |steps: usize| {
         let control = TaskControl::new(&model, hand, |_| here, gains).unwrap();
         let mut control = control.with_posture(&q, 25.0).unwrap();
         let mut done = false;
         let call = || {
-            let run = simulation.run(&q, &[0.0; 7], steps, &mut control, |_| ControlFlow::Continue(()));
+            let run = simulation.run_from(
+                &q,
+                &[0.0; 7],
+                steps,
+                RunOptions::new().sample_every(0).controller(&mut control),
+            );
             done = run.is_ok_and(|run| run.steps == steps);
         };
         let count = allocations(call);
@@ -502,10 +512,12 @@ fn equalities_allocate_nothing() {
     let set = multibody::ConstraintSet::new(&model, set).unwrap();
     let contacts = ContactSet::new(&model, &[Ground::level(-0.35)]).unwrap();
     for contacts in [None, Some(contacts)] {
-        let mut implicit = Implicit::new(&model).with_constraints(&model, &set);
-        if let Some(contacts) = contacts {
-            implicit = implicit.with_contacts(&model, contacts);
-        }
+        let builder = SimulationBuilder::new(&model).method(Method::Implicit).constraints(set.clone());
+        let builder = match contacts {
+            Some(contacts) => builder.contacts(contacts),
+            None => builder.without(Effect::Contacts),
+        };
+        let mut implicit = builder.build().unwrap().into_stepper();
         let (mut q, mut v) = (multibody::neutral(&model), vec![0.0; model.nv()]);
         v[3..].fill(0.1);
         let (mut workspace, tau) = (StepWorkspace::new(&model), vec![0.0; model.nv()]);
@@ -515,7 +527,9 @@ fn equalities_allocate_nothing() {
         };
         (0..300).for_each(|_| step());
         assert_eq!(allocations(|| (0..300).for_each(|_| step())), 0);
-        assert!(implicit.constraint_forces().any(|(name, force)| name == "pin.z" && force != 0.0));
+        assert!(
+            implicit.constraint_forces().into_iter().any(|(name, force)| name == "pin.z" && force != 0.0)
+        );
     }
 }
 
@@ -539,7 +553,8 @@ fn contacts_allocate_nothing() {
     let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap().with_links(&model);
     let field = HeightField::new(2, 3, [1.0, 1.0], vec![0.0, 0.001, 0.0, 0.0, 0.001, 0.0]).unwrap();
     let contacts = contacts.with_height_field(&field).unwrap();
-    let mut implicit = Implicit::new(&model).with_contacts(&model, contacts);
+    let builder = SimulationBuilder::new(&model).method(Method::Implicit).contacts(contacts);
+    let mut implicit = builder.build().unwrap().into_stepper();
     let (mut q, mut v) = (multibody::neutral(&model), vec![0.0; model.nv()]);
     let (mut workspace, tau) = (StepWorkspace::new(&model), vec![0.0; model.nv()]);
     let mut step = || {
@@ -548,6 +563,6 @@ fn contacts_allocate_nothing() {
     };
     (0..300).for_each(|_| step());
     assert_eq!(allocations(|| (0..300).for_each(|_| step())), 0);
-    assert!(implicit.touches().any(|touch| touch.other.is_some()));
-    assert!(implicit.touches().any(|touch| touch.ground == Some(1)));
+    assert!(implicit.contacts().iter().any(|contact| contact.other_link.is_some()));
+    assert!(implicit.contacts().iter().any(|contact| contact.ground == Some(1)));
 }

@@ -13,11 +13,11 @@ use std::error::Error;
 use std::ops::ControlFlow;
 
 use dynamics::MassProperties;
+use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder};
 use multibody::{
-    Baumgarte, ConstrainedSimulation, ConstraintDrift, ConstraintOptions, ConstraintSet, DriftCorrection,
-    FrameDescription, JointDescription, JointKind, LinkDescription, LoopClosure, Model, Pose,
-    RobotDescription, Workspace, ZeroTorque, constrained_forward_dynamics, constraint_drift,
-    project_position, project_velocity,
+    Baumgarte, ConstraintDrift, ConstraintOptions, ConstraintSet, DriftCorrection, FrameDescription,
+    JointDescription, JointKind, LinkDescription, LoopClosure, Model, Pose, RobotDescription, Workspace,
+    constrained_forward_dynamics, constraint_drift, project_position, project_velocity,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -99,17 +99,19 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
     let options = ConstraintOptions::default();
     let workspace = &mut Workspace::new(&model);
     let motion = constrained_forward_dynamics(&model, workspace, &set, &options, &q, &v, &[0.0; 3])?;
-    let run = ConstrainedSimulation::new(&model, &set, 1e-3)
-        .with_options(options)
-        .with_correction(DriftCorrection::Position { tolerance: 1e-12 })
-        .with_dissipation(false)
-        .with_samples_every(0)
-        .run(&q, &v, 10_000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+    let mut simulation = SimulationBuilder::new(&model)
+        .method(Method::Fixed(options.integrator))
+        .constraints(set.clone())
+        .constraint_options(options, DriftCorrection::Position { tolerance: 1e-12 })
+        .without(Effect::Dissipation)
+        .build()?;
+    let run = simulation.run_from(&q, &v, 10_000, RunOptions::new().sample_every(0))?;
+    let record = simulation.constraint_record().ok_or("no constraint")?;
     Ok(Numbers {
         pin_force: [motion.multipliers[0], motion.multipliers[1]],
-        energy_drift: run.motion.ledger.drift(),
-        gap: run.record.drift,
-        turns: (run.motion.q[0] - q[0]) / std::f64::consts::TAU,
+        energy_drift: run.ledger.drift(),
+        gap: record.drift,
+        turns: (run.q[0] - q[0]) / std::f64::consts::TAU,
     })
 }
 
@@ -129,17 +131,23 @@ pub(crate) fn figure() -> Result<Figure, Box<dyn Error>> {
     ] {
         let (mut gap, mut energy) = (Vec::new(), Vec::new());
         let workspace = &mut Workspace::new(&model);
-        let run = ConstrainedSimulation::new(&model, &set, 1e-3)
-            .with_options(options)
-            .with_correction(correction)
-            .with_dissipation(false)
-            .with_samples_every(0);
-        run.run(&q, &v, 10_000, &mut ZeroTorque, |moment| {
-            let drift = constraint_drift(&model, workspace, &set, moment.q, moment.v);
-            gap.push((moment.time, drift.position));
-            energy.push((moment.time, moment.ledger.imbalance().abs() / moment.ledger.start().abs()));
-            ControlFlow::Continue(())
-        })?;
+        let mut simulation = SimulationBuilder::new(&model)
+            .method(Method::Fixed(options.integrator))
+            .constraints(set.clone())
+            .without(Effect::Dissipation)
+            .constraint_options(options, correction)
+            .build()?;
+        simulation.run_from(
+            &q,
+            &v,
+            10_000,
+            RunOptions::new().sample_every(0).observer(&mut |moment| {
+                let drift = constraint_drift(&model, workspace, &set, moment.q, moment.v);
+                gap.push((moment.time, drift.position));
+                energy.push((moment.time, moment.ledger.imbalance().abs() / moment.ledger.start().abs()));
+                ControlFlow::Continue(())
+            }),
+        )?;
         gaps.push(Line::new(name, gap));
         energies.push(Line::new(name, energy));
     }

@@ -24,9 +24,9 @@
 //! | the robot as a whole | [`center_of_mass`], [`centroidal_momentum`], [`kinetic_energy`], [`potential_energy`], [`momentum`] |
 //! | slopes of all this | [`inverse_dynamics_derivatives`], [`forward_dynamics_derivatives`], [`linearize_step`], [`linearize_by_differences`] |
 //! | gradients of a loss, without the slopes | [`inverse_dynamics_pullback`], [`forward_dynamics_pullback`], [`step_pullback`], [`rollout_pullback`] |
-//! | loops, contacts, rolling | [`ConstraintSet`], [`constrained_inverse_dynamics`], [`supported_inverse_dynamics`], [`contact_impulse`], [`ConstrainedSimulation`] |
+//! | loops, contacts, rolling | [`ConstraintSet`], [`constrained_inverse_dynamics`], [`supported_inverse_dynamics`], [`contact_impulse`], [`constrained_step`] |
 //! | control | [`dlqr`](dynamics::dlqr), [`ComputedTorque`], [`operational_space`], [`TaskControl`], [`GravityCompensatedPd`], [`time_optimal`] |
-//! | simulation | [`Simulation`], [`Event`], [`step`], [`integrate`] on the configuration space |
+//! | simulation | [`SimulationBuilder`](simulator::SimulationBuilder), [`Simulation`](simulator::Simulation), [`Event`], [`step`], [`integrate`] on the configuration space |
 //! | the same robot with joints locked | [`RobotDescription::lock_joint`], [`JointMap`] |
 //! | which parameters has this robot | [`joint_torque_regressor`], [`BaseParameters`] |
 //! | many states at once | [`batch`]: lanes and threads |
@@ -155,14 +155,13 @@ pub use algorithms::regressor::{
     potential_energy_regressor,
 };
 pub use constraint::{
-    Anchor, Baumgarte, Closure, ClosureRow, ConstrainedMotion, ConstrainedMotionError, ConstrainedRun,
-    ConstrainedRunFailure, ConstrainedSimulation, ConstrainedStepReport, ConstrainedTorque, Constraint,
-    ConstraintDrift, ConstraintOptions, ConstraintRecord, ConstraintRows, ConstraintSet, ConstraintSetError,
-    ContactImpulse, Coupling, DriftCorrection, LoopClosure, NamedDependentRow, NoSlip, Plane,
-    PolynomialCoupling, PositionProjection, RedundantRows, RollingDisc, RollingRow, Support, SupportedTorque,
-    Supports, TreeProjections, constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step,
-    constraint_drift, constraint_projections, contact_impulse, project_position, project_velocity,
-    supported_inverse_dynamics,
+    Anchor, Baumgarte, Closure, ClosureRow, ConstrainedMotion, ConstrainedMotionError, ConstrainedStepReport,
+    ConstrainedTorque, Constraint, ConstraintDrift, ConstraintOptions, ConstraintRecord, ConstraintRows,
+    ConstraintSet, ConstraintSetError, ContactImpulse, Coupling, DriftCorrection, LoopClosure,
+    NamedDependentRow, NoSlip, Plane, PolynomialCoupling, PositionProjection, RedundantRows, RollingDisc,
+    RollingRow, Support, SupportedTorque, Supports, TreeProjections, constrained_forward_dynamics,
+    constrained_inverse_dynamics, constrained_step, constraint_drift, constraint_projections,
+    contact_impulse, project_position, project_velocity, supported_inverse_dynamics,
 };
 pub use contact::{
     ActiveSet, ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet,
@@ -232,12 +231,12 @@ pub use motion::pullback::{
 pub use motion::simulate::{
     ActuatedStepError, CallbackError, ConstantTorque, Controller, ControllerError, DivergenceCause, Event,
     EventOccurrence, GravityAt, GravityCompensatedPd, Losses, Moment, Outcome, Run, RunError, RunFailure,
-    Sample, Simulation, StepError, StepFault, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
+    Sample, StepError, StepFault, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
 };
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{
-    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveMethod, AdaptiveRun, AdaptiveSimulation,
-    ControlTiming, StepStatistics,
+    AdaptiveMethod, AdaptiveOptions, AdaptiveOptionsError, AdaptiveRecord, AdaptiveStepError, ControlTiming,
+    StepStatistics,
 };
 pub use number::InstructionSet;
 pub use planning::time_parameterization::{

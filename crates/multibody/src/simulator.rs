@@ -5,6 +5,9 @@
 //! [`SimulationBuilder`] decides what acts and by which method; [`Simulation`] takes the steps.
 
 mod acting;
+#[cfg(feature = "adaptive")]
+mod adaptive;
+mod assembly;
 mod builder;
 mod effect;
 mod error;
@@ -12,19 +15,22 @@ mod inputs;
 mod link_pairs;
 mod measurements;
 mod method;
+mod own_stepper;
 mod results;
 mod run_options;
 mod running;
 mod state;
+mod step_inputs;
 mod stepping;
 mod unsupported;
 mod wrench;
 
+pub use crate::motion::simulate::Observer;
 pub use builder::SimulationBuilder;
 pub use effect::{Effect, UnknownEffect};
 pub use error::{MethodError, SimulationError, StepFailure};
 pub use method::{Method, SimulationStepper, UnknownMethod};
-pub use run_options::{Observer, RunOptions};
+pub use run_options::RunOptions;
 pub use state::{PoseError, Snapshot};
 pub use stepping::Simulation;
 pub use unsupported::UnsupportedFeatures;

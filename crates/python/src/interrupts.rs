@@ -26,12 +26,20 @@ pub(crate) fn interruptible<R: Send>(
     if is_short {
         return Ok(py.detach(|| work(&cancelled)));
     }
+    interruptible_by(py, &cancelled, || work(&cancelled))
+}
+
+/// The same for work that looks at this flag.
+pub(crate) fn interruptible_by<R: Send>(
+    py: Python<'_>,
+    flag: &AtomicBool,
+    work: impl FnOnce() -> R + Send,
+) -> PyResult<R> {
     let (send, receive) = mpsc::channel();
     let mut signal = None;
     let outcome = std::thread::scope(|scope| {
-        let flag = &cancelled;
         let worker = scope.spawn(move || {
-            let outcome = work(flag);
+            let outcome = work();
             // Whoever waits may have gone.
             let _ = send.send(());
             outcome

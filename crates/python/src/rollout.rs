@@ -40,7 +40,7 @@ impl Robot {
     ) -> PyResult<Vec<Bound<'py, PyAny>>> {
         const Q: Operand = Operand { name: "q", width: Width::Nq };
         const V: Operand = Operand { name: "v", width: Width::Nv };
-        let prepared = Setup::of(options)?.with_prepared(py, self, |simulation| {
+        let prepared = Setup::of(options)?.refuse_adaptive(py)?.with_prepared(py, self, |simulation| {
             set_controls(self, simulation, controls)?;
             let how = (simulation.step_size(), simulation.dissipates());
             let (method, reason) = (simulation.method(), simulation.reason().to_owned());

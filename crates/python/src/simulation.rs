@@ -1,6 +1,5 @@
 //! Motions of one robot in time: free and constrained, under torques from arrays or from Python.
 
-mod adaptive;
 pub(crate) mod batch;
 mod books;
 mod ground;
@@ -11,6 +10,8 @@ mod torques;
 
 use std::collections::HashMap;
 use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use pyo3::exceptions::PyException;
@@ -18,15 +19,15 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use robot_dynamics::simulator::{RunOptions, Simulation, StepFailure};
 use robot_dynamics::{
-    AdaptiveSimulation, CallbackError, ControllerError, Event, LinearizeStepWorkspace, Model, Moment, Run,
-    StepForces, StepWorkspace, Stepper, linearize_by_differences, linearize_step,
+    CallbackError, ControllerError, Event, LinearizeStepWorkspace, Model, Moment, Run, StepForces,
+    StepWorkspace, Stepper, linearize_by_differences, linearize_step,
 };
 
 use self::books::{ledger_of, losses_of, statistics_of};
 use self::setup::{Setup, controls_of};
 use self::torques::Torques;
 use crate::errors::Class;
-use crate::interrupts::interruptible;
+use crate::interrupts::interruptible_by;
 use crate::numbers::{array, configuration, object, record, vector, vector_or_zeros};
 use crate::outcome;
 use crate::robot::Robot;
@@ -168,11 +169,14 @@ impl Robot {
         controls: Option<HashMap<String, f64>>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let mut simulation = Setup::of(options)?.build(py, self)?;
-        let step = simulation.step_size();
+        let setup = Setup::of(options)?;
+        let (step, is_adaptive) = (setup.step(), setup.is_adaptive());
         let steps = steps_of(py, duration, step)?;
-        let (q, v) = (configuration(py, self, q)?, vector_or_zeros(py, self, "v", v)?);
         let mut torques = Torques::of(py, self, tau, steps, step)?;
+        let flag = Arc::new(AtomicBool::new(false));
+        let setup = setup.holding(torques.period()).interrupted_by(Arc::clone(&flag));
+        let mut simulation = setup.build(py, self)?;
+        let (q, v) = (configuration(py, self, q)?, vector_or_zeros(py, self, "v", v)?);
         if let Err(error) = simulation.reset(&q, &v) {
             return Err(Class::Simulation.error(py, error));
         }
@@ -193,10 +197,17 @@ impl Robot {
             };
             let options =
                 RunOptions::new().controller(&mut torques).events(events).sample_every(sample_every);
-            simulation.run(steps, options.observer(&mut observer))
+            // Adaptive steps look at the flag, and evaluate no more samples than are kept.
+            simulation.run(steps, if is_adaptive { options } else { options.observer(&mut observer) })
         };
         // Whoever calls Python at each step keeps the interpreter's lock.
-        let outcome = if has_callbacks { run(events) } else { py.detach(|| run(Vec::new())) };
+        let outcome = if has_callbacks {
+            run(events)
+        } else if is_adaptive {
+            interruptible_by(py, &flag, || run(Vec::new()))?
+        } else {
+            py.detach(|| run(Vec::new()))
+        };
         if let Some(signal) = watch.signal {
             return Err(signal);
         }
@@ -215,6 +226,10 @@ impl Robot {
             record.set_item("actuator_forces", outcome::filled(py, &shape, &actuators)?)?;
             record.set_item("actuator_names", PyTuple::new(py, names)?)?;
         }
+        if let Some(adaptive) = simulation.adaptive_record() {
+            record.set_item("statistics", statistics_of(py, adaptive)?)?;
+            record.set_item("steps", adaptive.statistics.accepted)?;
+        }
         if let Some(constraints) = simulation.constraint_record() {
             record.set_item("position_drift", constraints.drift.position)?;
             record.set_item("velocity_drift", constraints.drift.velocity)?;
@@ -225,58 +240,6 @@ impl Robot {
             record.set_item("contact_forces", contact_forces(py, &run, links.len())?)?;
             record.set_item("contact_links", PyTuple::new(py, links)?)?;
         }
-        match error {
-            None => Ok(record),
-            Some(error) => Err(failed(py, &error, record)),
-        }
-    }
-
-    /// See `simulate`: steps as long as a tolerance allows.
-    #[pyo3(signature = (q, v, tau, *, duration, step, dissipation, sample_every, events, stop_at_limits, tolerance, control_period))]
-    fn _simulate_adaptive<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        v: Option<&Bound<'py, PyAny>>,
-        tau: Option<&Bound<'py, PyAny>>,
-        duration: f64,
-        step: f64,
-        dissipation: bool,
-        sample_every: usize,
-        events: Vec<EventFields>,
-        stop_at_limits: bool,
-        tolerance: Option<f64>,
-        control_period: Option<f64>,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let adaptive = adaptive::Adaptive { tolerance: tolerance.unwrap_or(1e-9), control_period };
-        let steps = steps_of(py, duration, step)?;
-        let (q, v) = (configuration(py, self, q)?, vector_or_zeros(py, self, "v", v)?);
-        let mut torques = Torques::of(py, self, tau, steps, step)?;
-        let has_callbacks = torques.is_called() || !events.is_empty();
-        let times = adaptive::times(steps, step, sample_every);
-        let simulation = adaptive.of(&self.model, dissipation, torques.period());
-        let mut run = |simulation: &AdaptiveSimulation<'_>, events: Vec<EventFields>| {
-            let events = &mut events_of(self, events, stop_at_limits);
-            let go_on = |_: &Moment<'_>| ControlFlow::Continue(());
-            simulation.run(&q, &v, times.iter().copied(), &mut torques, events, go_on)
-        };
-        let outcome = if has_callbacks {
-            // Python looks for signals where it is called.
-            run(&simulation, events)
-        } else {
-            interruptible(py, false, |cancelled| {
-                let interrupt = Some(cancelled);
-                run(&AdaptiveSimulation { interrupt, ..simulation }, Vec::new())
-            })?
-        };
-        let (run, error) = match outcome {
-            Ok(run) => (run, None),
-            Err(failure) => (failure.until, Some(failure.error)),
-        };
-        let statistics = statistics_of(py, &run)?;
-        let record = recorded(py, self, &Run::from(run))?;
-        record.set_item("statistics", statistics)?;
-        record.set_item("method", "adaptive")?;
         match error {
             None => Ok(record),
             Some(error) => Err(failed(py, &error, record)),
@@ -300,7 +263,7 @@ impl Robot {
         controls: Option<HashMap<String, f64>>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let mut simulation = Setup::of(options)?.build(py, self)?;
+        let mut simulation = Setup::of(options)?.refuse_adaptive(py)?.build(py, self)?;
         let (q, v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);
         let tau = vector_or_zeros(py, self, "tau", tau)?;
         let refused = |error: StepFailure| Class::Simulation.error(py, error);
@@ -322,7 +285,7 @@ impl Robot {
         controls: Option<HashMap<String, f64>>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let mut simulation = Setup::of(options)?.build(py, self)?;
+        let mut simulation = Setup::of(options)?.refuse_adaptive(py)?.build(py, self)?;
         set_controls(self, &mut simulation, controls)?;
         let (q, v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);
         let tau = vector_or_zeros(py, self, "tau", tau)?;

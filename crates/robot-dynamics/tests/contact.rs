@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use robot_dynamics::simulator::{Method, SimulationBuilder};
 use robot_dynamics::{
-    ContactSet, Ground, Implicit, Model, Options, StepForces, StepWorkspace, Stepper, Workspace, admm,
-    load_with, mesh_corners, neutral,
+    ContactSet, Ground, Model, Options, StepForces, StepWorkspace, Stepper, Workspace, admm, load_with,
+    mesh_corners, neutral,
 };
 
 fn robot(file: &str) -> Model {
@@ -22,7 +23,8 @@ fn dropped_robots_move_as_by_the_alternating_method() {
         let (mut q, mut v) = (neutral(&model), vec![0.0; model.nv()]);
         let gap = contacts.clearance(&model, &mut Workspace::new(&model), &q).unwrap();
         q[2] += 0.05 - gap;
-        let mut implicit = Implicit::new(&model).with_contacts(&model, contacts);
+        let simulation = SimulationBuilder::new(&model).method(Method::Implicit).contacts(contacts);
+        let mut implicit = simulation.build().unwrap().stepper();
         let (mut workspace, tau) = (StepWorkspace::new(&model), vec![0.0; model.nv()]);
         let (mut same, mut several, mut unsettled, mut without, mut farthest) = (0, 0, 0, 0, 0.0_f64);
         for step in 0..steps {

@@ -16,9 +16,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
 
 use dynamics::Integrator;
+use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder};
 use multibody::{
-    ClosureRow, Model, Simulation, TaskControl, TaskGains, TaskReference, Workspace, frame_pose,
-    operational_space,
+    ClosureRow, Model, TaskControl, TaskGains, TaskReference, Workspace, frame_pose, operational_space,
 };
 
 use plot::{Axis, Figure, Line, Panel};
@@ -69,18 +69,30 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
     let gains = TaskGains { stiffness: 400.0, damping: 40.0, null_damping: 5.0 };
     let mut control = TaskControl::new(&model, frame, circle, gains)?;
     let mut drawn_home = TaskControl::new(&model, frame, circle, gains)?.with_posture(&READY, 6.25)?;
-    let simulation =
-        Simulation::new(&model, Integrator::RungeKutta4, 1e-3).with_dissipation(false).with_samples_every(0);
+    let mut simulation = SimulationBuilder::new(&model)
+        .method(Method::Fixed(Integrator::RungeKutta4))
+        .without(Effect::Dissipation)
+        .build()?;
     let limits = model.coordinate_limits();
     let mut moments = Vec::new();
-    let run = simulation.run(&READY, &rest, 2000, &mut control, |moment| {
-        let hand = frame_pose(&model, workspace, moment.q, frame).translation;
-        let wanted = circle(moment.time).position;
-        let used = moment.tau.iter().zip(&limits).map(|(tau, limit)| tau / limit.effort).collect();
-        moments.push((moment.time, std::array::from_fn(|k| hand[k] - wanted[k]), used));
-        ControlFlow::Continue(())
-    })?;
-    let home = simulation.run(&READY, &rest, 2000, &mut drawn_home, |_| ControlFlow::Continue(()))?;
+    let run = simulation.run_from(
+        &READY,
+        &rest,
+        2000,
+        RunOptions::new().sample_every(0).controller(&mut control).observer(&mut |moment| {
+            let hand = frame_pose(&model, workspace, moment.q, frame).translation;
+            let wanted = circle(moment.time).position;
+            let used = moment.tau.iter().zip(&limits).map(|(tau, limit)| tau / limit.effort).collect();
+            moments.push((moment.time, std::array::from_fn(|k| hand[k] - wanted[k]), used));
+            ControlFlow::Continue(())
+        }),
+    )?;
+    let home = simulation.run_from(
+        &READY,
+        &rest,
+        2000,
+        RunOptions::new().sample_every(0).controller(&mut drawn_home),
+    )?;
     let away =
         [run.q, home.q].map(|q| q.iter().zip(&READY).map(|(q, q0)| (q - q0).abs()).fold(0.0, f64::max));
     let error =

@@ -8,10 +8,11 @@ use robot_dynamics::batch::{
 };
 use robot_dynamics::dynamics::{Integrator, MassProperties, dlqr};
 use robot_dynamics::nalgebra::{DMatrix, Matrix3, Vector3};
+use robot_dynamics::simulator::{Effect, Method, RunOptions, Simulation, SimulationBuilder};
 use robot_dynamics::{
     Closure, ClosureRow, Constraint, ConstraintOptions, ConstraintSet, GravityCompensatedPd,
-    InverseKinematicsOptions, LinearizeStepWorkspace, Model, Options, Pose, Simulation, StepForces,
-    TaskControl, TaskGains, TaskReference, Workspace, constrained_forward_dynamics, describe,
+    InverseKinematicsOptions, LinearizeStepWorkspace, Model, Options, Pose, StepForces, TaskControl,
+    TaskGains, TaskReference, Workspace, constrained_forward_dynamics, describe,
     frame_jacobian_world_aligned, frame_pose, linearize_step, load, load_with, neutral,
 };
 
@@ -44,8 +45,9 @@ fn panda() -> Result<Model, Box<dyn Error>> {
     Ok(load(PANDA)?.model)
 }
 
-fn simulation(model: &Model) -> Simulation<'_> {
-    Simulation::new(model, Integrator::RungeKutta4, 1e-3).with_dissipation(false).with_samples_every(0)
+fn simulation(model: &Model) -> Simulation {
+    let rk4 = Method::Fixed(Integrator::RungeKutta4);
+    SimulationBuilder::new(model).method(rk4).without(Effect::Dissipation).build().expect("a simulation")
 }
 
 fn largest(x: &[f64]) -> f64 {
@@ -60,7 +62,12 @@ fn pd() -> Outcome {
     let (stiffness, damping) =
         ([200.0, 200.0, 200.0, 200.0, 50.0, 50.0, 10.0], [40.0, 40.0, 40.0, 40.0, 5.0, 5.0, 0.5]);
     let mut control = GravityCompensatedPd::new(&model, &READY, &stiffness, &damping)?;
-    let run = simulation(&model).run(&start, &[0.0; 7], 5000, &mut control, |_| ControlFlow::Continue(()))?;
+    let run = simulation(&model).run_from(
+        &start,
+        &[0.0; 7],
+        5000,
+        RunOptions::new().sample_every(0).controller(&mut control),
+    )?;
     let off: Vec<f64> = run.q.iter().zip(&READY).map(|(q, target)| q - target).collect();
     assert!(largest(&off) < 1e-2, "{off:?}");
     Ok(format!("{:.1e} rad off after 5 s", largest(&off)))
@@ -97,7 +104,12 @@ fn impedance() -> Outcome {
     };
     let gains = TaskGains { stiffness: 400.0, damping: 40.0, null_damping: 5.0 };
     let mut control = TaskControl::new(&model, hand, there, gains)?;
-    let run = simulation(&model).run(&READY, &[0.0; 7], 1000, &mut control, |_| ControlFlow::Continue(()))?;
+    let run = simulation(&model).run_from(
+        &READY,
+        &[0.0; 7],
+        1000,
+        RunOptions::new().sample_every(0).controller(&mut control),
+    )?;
     let [_, found, _] = frame_pose(&model, &mut workspace, &run.q, hand).translation;
     // Critically damped at 20 rad/s: after 1 s (1 + 20) e⁻²⁰ is left.
     assert!((found - y - 0.05).abs() < 1e-6, "{found}");

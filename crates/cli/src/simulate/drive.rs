@@ -26,8 +26,8 @@ pub(crate) fn choose(
     setup: &Setup,
     start: &Start,
 ) -> Result<Option<Drive>, Failure> {
-    let simulation = setup.simulation.as_ref().filter(|_| setup.acts(Effect::Actuators));
-    let Some(simulation) = simulation else {
+    let simulation = &setup.simulation;
+    if !setup.acts(Effect::Actuators) {
         return match arguments.controls {
             None => Ok(None),
             Some(_) if model.description().actuators.is_empty() => Err(Failure::new(format!(
@@ -36,10 +36,10 @@ pub(crate) fn choose(
             ))),
             Some(_) => Err(Failure::new(format!(
                 "--controls: actuators do not act here; leave out --conservative, --without actuators, or --integrator {}",
-                setup.method
+                setup.method()
             ))),
         };
-    };
+    }
     let names: Vec<&str> = simulation.control_names().collect();
     let mut controls = start.controls.clone();
     controls.resize(names.len(), 0.0);

@@ -3,7 +3,6 @@
 use std::fmt::Write;
 use std::str::FromStr;
 
-use multibody::simulator::Simulation;
 use multibody::{ContactLaws, ContactSet, Ground, Model, Run, Workspace};
 
 use super::Arguments;
@@ -97,7 +96,7 @@ impl Floor {
         setup: &Setup,
         start: &mut Start,
     ) -> Result<Option<Self>, Failure> {
-        let contacts = setup.simulation.as_ref().and_then(Simulation::contact_set);
+        let contacts = setup.simulation.contact_set();
         let shown = arguments.robot.shown().to_string();
         let is_ground = |set: &&ContactSet| set.ground_count() + set.height_field_count() > 0;
         let Some(contacts) = contacts.filter(is_ground).filter(|set| set.has_shapes()) else {
@@ -154,7 +153,7 @@ impl Floor {
 
 /// What links can touch beside grounds, in words.
 pub(crate) fn touching_links(setup: &Setup) -> Option<String> {
-    let contacts = setup.simulation.as_ref().and_then(Simulation::contact_set)?;
+    let contacts = setup.simulation.contact_set()?;
     match contacts.pairs().count() {
         0 => None,
         1 => Some("one pair of shapes may touch".into()),

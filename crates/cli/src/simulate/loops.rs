@@ -2,14 +2,13 @@
 
 use std::fmt::Write;
 
-use multibody::simulator::{self, Effect};
+use multibody::simulator::{Effect, Method};
 use multibody::{
     ConstraintOptions, ConstraintSet, Model, Workspace, constrained_forward_dynamics, project_position,
     project_velocity,
 };
 
 use super::Arguments;
-use super::method::Method;
 use super::setup::Setup;
 use super::start::Start;
 use crate::failure::{Context, Failure};
@@ -26,7 +25,7 @@ pub(crate) fn choose(
     model: &Model,
     setup: &Setup,
 ) -> Result<Option<ConstraintSet>, Failure> {
-    if !setup.acts(Effect::Equalities) || setup.method == Method::Steps(simulator::Method::Mujoco) {
+    if !setup.acts(Effect::Equalities) || setup.method() == Method::Mujoco {
         return Ok(None);
     }
     ConstraintSet::from_equalities(model).map(Some).context(arguments.robot.shown())

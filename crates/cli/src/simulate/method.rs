@@ -1,44 +1,9 @@
-//! `--integrator`: a method of the simulation, or adaptive steps.
+//! Options of `--integrator`.
 
-use std::fmt;
-use std::str::FromStr;
-
-use multibody::simulator;
+use multibody::simulator::Method;
 
 use super::Arguments;
 use crate::failure::Failure;
-
-/// How the motion is integrated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Method {
-    /// Steps of `--step`.
-    Steps(simulator::Method),
-    /// Steps as `--tolerance` allows.
-    Adaptive,
-}
-
-const ADAPTIVE: &str = "adaptive";
-
-impl FromStr for Method {
-    type Err = String;
-    fn from_str(name: &str) -> Result<Self, String> {
-        if name == ADAPTIVE {
-            return Ok(Self::Adaptive);
-        }
-        name.parse()
-            .map(Self::Steps)
-            .map_err(|error: simulator::UnknownMethod| format!("{error}, {ADAPTIVE}"))
-    }
-}
-
-impl fmt::Display for Method {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Steps(method) => method.fmt(f),
-            Self::Adaptive => f.pad(ADAPTIVE),
-        }
-    }
-}
 
 /// The tolerance where none is given.
 pub(crate) const TOLERANCE: f64 = 1e-9;
@@ -54,17 +19,18 @@ pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
 
 /// Refuses options of one method beside another.
 pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
-    let is_adaptive = arguments.integrator == Some(Method::Adaptive);
+    let adaptive = Method::Adaptive;
+    let is_adaptive = arguments.integrator == Some(adaptive);
     if !is_adaptive && arguments.tolerance.is_some() {
         let given = arguments.integrator.map_or_else(|| "the default".into(), |method| method.to_string());
         return Err(Failure::new(format!(
-            "--tolerance goes with --integrator {ADAPTIVE}; {given} takes steps of --step whatever their error"
+            "--tolerance goes with --integrator {adaptive}; {given} takes steps of --step whatever their error"
         )));
     }
     if is_adaptive && (arguments.ground.is_some() || arguments.controls.is_some()) {
         let option = if arguments.ground.is_some() { "--ground" } else { "--controls" };
         return Err(Failure::new(format!(
-            "{option} goes with --integrator implicit or mujoco; {ADAPTIVE} knows neither contact nor actuators"
+            "{option} goes with --integrator implicit or mujoco; {adaptive} knows neither contact nor actuators"
         )));
     }
     Ok(())

@@ -2,41 +2,25 @@
 
 use std::ops::ControlFlow;
 
-use multibody::simulator::{Effect, RunOptions, StepFailure};
+use multibody::simulator::{Method, MethodError, RunOptions, StepFailure};
 use multibody::{
-    AdaptiveError, AdaptiveFailure, AdaptiveMethod, AdaptiveSimulation, ControlTiming, Controller, Event,
-    Model, Moment, Run, RunError, SingularMass, StepStatistics, ZeroTorque,
+    AdaptiveRecord, AdaptiveStepError, Controller, Event, Model, Moment, Run, RunError, SingularMass,
 };
 
 use super::Arguments;
 use super::drive::Drive;
-use super::method::TOLERANCE;
 use super::setup::Setup;
 use super::start::Start;
-use crate::interruption;
 use crate::singular_poses::advice;
 use crate::table::short;
-
-/// Adaptive steps for a second between two samples before the run is given up, and those for any two samples. An
-/// ordinary robot takes some hundred a second.
-const MOST_STEPS: (f64, usize) = (1e5, 10_000);
 
 /// A run, whole or not.
 pub(crate) struct Ran {
     pub run: Run,
     /// What only adaptive steps have.
-    pub adaptive: Option<AdaptiveDetails>,
+    pub adaptive: Option<AdaptiveRecord>,
     /// Why it failed, in one line.
     pub failure: Option<String>,
-}
-
-/// What adaptive steps tell beside the run.
-pub(crate) struct AdaptiveDetails {
-    pub tolerance: f64,
-    pub method: AdaptiveMethod,
-    pub statistics: StepStatistics,
-    /// max | |quaternion| − 1 |; none of a robot without quaternions.
-    pub quaternion_error: Option<f64>,
 }
 
 /// Runs `steps` steps, or to the same end, with a controller or none.
@@ -49,10 +33,7 @@ pub(crate) fn run(
     controller: Option<&mut dyn Controller>,
     mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
 ) -> Ran {
-    let is_dissipative = setup.acts(Effect::Dissipation);
-    let Some(simulation) = &mut setup.simulation else {
-        return adaptive((arguments, is_dissipative), model, start, steps, controller, observer);
-    };
+    let simulation = &mut setup.simulation;
     let mut limits = stops(arguments, model);
     let mut options = RunOptions::new().sample_every(0).events(&mut limits).observer(&mut observer);
     // Shortened to the life of this call.
@@ -69,68 +50,21 @@ pub(crate) fn run(
         }
         Err(error) => (simulation.record().clone(), Some(blow_up(model, &error, arguments.step))),
     };
-    Ran { run, adaptive: None, failure }
+    Ran { run, adaptive: simulation.adaptive_record().copied(), failure }
 }
 
-/// The joints' position limits, as instants where the run ends, where that is asked for.
+/// The joints' position limits, as instants where the run ends, where that is asked for; adaptive steps tell when they are crossed.
 fn stops<'a>(arguments: &Arguments, model: &Model) -> Vec<Event<'a>> {
-    if !arguments.stop_at_limits {
-        return Vec::new();
+    if arguments.stop_at_limits {
+        Event::joint_limits(model).into_iter().map(Event::terminal).collect()
+    } else if arguments.integrator == Some(Method::Adaptive) {
+        Event::joint_limits(model)
+    } else {
+        Vec::new()
     }
-    Event::joint_limits(model).into_iter().map(Event::terminal).collect()
 }
 
-/// By adaptive steps, sampled every `--step`: motors are asked and held at these instants, as with fixed steps.
-fn adaptive(
-    (arguments, dissipation): (&Arguments, bool),
-    model: &Model,
-    start: &Start,
-    steps: usize,
-    controller: Option<&mut dyn Controller>,
-    observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
-) -> Ran {
-    let h = arguments.step;
-    let tolerance = arguments.tolerance.unwrap_or(TOLERANCE);
-    let control = match controller {
-        Some(_) => ControlTiming::Held { period: h },
-        None => ControlTiming::Continuous,
-    };
-    // At most 1e5 times the longest --step that makes sense, and saturating beyond.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    let max_steps = ((MOST_STEPS.0 * h) as usize).saturating_add(MOST_STEPS.1);
-    let simulation = AdaptiveSimulation {
-        tolerance,
-        dissipation,
-        control,
-        max_steps,
-        interrupt: Some(interruption::flag()),
-        keep_samples: false,
-        ..AdaptiveSimulation::of(model)
-    };
-    let mut limits =
-        if arguments.stop_at_limits { stops(arguments, model) } else { Event::joint_limits(model) };
-    let times = (0..=steps).map(|k| k as f64 * h);
-    let mut none = ZeroTorque;
-    let controller = controller.unwrap_or(&mut none);
-    let (found, failure) = match simulation.run(&start.q, &start.v, times, controller, &mut limits, observer)
-    {
-        Ok(found) => (found, None),
-        Err(failure) => {
-            let AdaptiveFailure { error, until, .. } = *failure;
-            (until, Some(given_up(model, &error)))
-        }
-    };
-    let has_quaternions = model.nq() > model.nv();
-    let details = AdaptiveDetails {
-        tolerance,
-        method: found.method,
-        statistics: found.statistics,
-        quaternion_error: has_quaternions.then_some(found.quaternion_error),
-    };
-    Ran { run: found.into(), adaptive: Some(details), failure }
-}
-
-/// Why a run of fixed steps ended early, with the step to change.
+/// Why a run ended early, with the option to change.
 fn blow_up(model: &Model, error: &StepFailure, h: f64) -> String {
     match error {
         RunError::NotFinite { quantity, coordinate, step, .. } => format!(
@@ -144,6 +78,7 @@ fn blow_up(model: &Model, error: &StepFailure, h: f64) -> String {
             short(*time)
         ),
         RunError::SingularMass { time, source, .. } => singular(model, source, *time),
+        RunError::Step { time, source: MethodError::Adaptive(source), .. } => given_up(source, *time),
         RunError::Step { step, source, .. } => {
             format!("no step from t = {} s (step {step}): {source}", short(*step as f64 * h))
         }
@@ -151,23 +86,23 @@ fn blow_up(model: &Model, error: &StepFailure, h: f64) -> String {
     }
 }
 
-/// Why a run of adaptive steps ended early, with the options to change.
-fn given_up(model: &Model, error: &AdaptiveError) -> String {
+/// Why adaptive steps ended early, with the options to change.
+fn given_up(error: &AdaptiveStepError, time: f64) -> String {
     let instead = "a larger --tolerance may do; --integrator rk4 takes steps of --step whatever their error";
     match error {
-        AdaptiveError::SingularMass { time, source } => singular(model, source, *time),
-        AdaptiveError::TooManySteps { steps, time, step, coordinate } => format!(
+        AdaptiveStepError::TooManySteps { steps, step, coordinate } => format!(
             "given up at t = {} s after {steps} steps since the sample before: `{coordinate}` asks for steps of \
              {step:.1e} s there, as a stiff or a very light joint does (its inertia, damping or torque may be wrong); \
              {instead}",
-            short(*time)
+            short(time)
         ),
-        AdaptiveError::StepTooSmall { time, step, coordinate } => format!(
+        AdaptiveStepError::StepTooSmall { step, coordinate } => format!(
             "at t = {} s the tolerance asks for steps below {step:.1e} s, most of all at `{coordinate}`: the forces are \
              not smooth there, or the tolerance is below rounding; {instead}",
-            short(*time)
+            short(time)
         ),
-        other => other.to_string(),
+        grown @ AdaptiveStepError::Diverged { .. } => format!("t = {} s: {grown}", short(time)),
+        other => format!("no step from t = {} s: {other}", short(time)),
     }
 }
 

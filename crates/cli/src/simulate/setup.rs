@@ -1,24 +1,22 @@
 //! The simulation of a run, and what acts in it.
 
-use multibody::simulator::{Effect, Simulation};
-use multibody::{HeightField, Model};
+use multibody::simulator::{Effect, Method, Simulation};
+use multibody::{AdaptiveOptions, ControlTiming, HeightField, Model};
 
 use super::Arguments;
-use super::method::Method;
+use super::method::TOLERANCE;
 use crate::failure::{Context, Failure};
 use crate::interruption;
 
-/// The simulation, or what an adaptive run is told instead.
+/// Adaptive steps for a second between two samples before the run is given up, and those for any two samples. An
+/// ordinary robot takes some hundred a second.
+const MOST_STEPS: (f64, usize) = (1e5, 10_000);
+
+/// The simulation of a run.
 pub(crate) struct Setup {
-    /// `None` of adaptive steps.
-    pub simulation: Option<Simulation>,
-    pub method: Method,
+    pub simulation: Simulation,
     /// Why that method was chosen; empty where it was given.
     pub reason: String,
-    /// What acts.
-    pub acting: Vec<Effect>,
-    /// What the file states and the run leaves out, one line for each reason.
-    pub left_out: Vec<String>,
 }
 
 impl Setup {
@@ -27,13 +25,12 @@ impl Setup {
     /// # Errors
     /// What was asked for does not go together.
     pub(crate) fn choose(arguments: &Arguments, model: &Model, is_held: bool) -> Result<Self, Failure> {
-        if arguments.integrator == Some(Method::Adaptive) {
-            return Ok(Self::adaptive(arguments, model));
-        }
         let mut builder = robot_dynamics::simulation(model).step(arguments.step);
         builder = builder.interrupt(interruption::shared_flag());
-        if let Some(Method::Steps(method)) = arguments.integrator {
-            builder = builder.method(method);
+        match arguments.integrator {
+            Some(Method::Adaptive) => builder = builder.adaptive(adaptive(arguments, is_held)),
+            Some(method) => builder = builder.method(method),
+            None => {}
         }
         if arguments.conservative {
             builder = builder.conservative();
@@ -56,55 +53,16 @@ impl Setup {
             builder = builder.ground(ground);
         }
         let simulation = builder.build().context(arguments.robot.shown())?;
-        Ok(Self {
-            method: Method::Steps(simulation.method()),
-            reason: if arguments.integrator.is_some() {
-                String::new()
-            } else {
-                simulation.reason().to_owned()
-            },
-            acting: simulation.acting().to_vec(),
-            left_out: simulation.unsupported_features().iter().map(ToString::to_string).collect(),
-            simulation: Some(simulation),
-        })
+        let reason = if arguments.integrator.is_some() { "" } else { simulation.reason() };
+        Ok(Self { reason: reason.to_owned(), simulation })
     }
 
-    /// Adaptive steps know damping that is smooth, and nothing else of what a file states beside the rigid bodies.
-    fn adaptive(arguments: &Arguments, model: &Model) -> Self {
-        let is_off = |effect| arguments.conservative || arguments.without.contains(&effect);
-        let description = model.description();
-        let joints = || description.joints.iter();
-        let has_friction = joints().any(|joint| joint.passive.friction != 0.0);
-        let has_damping = joints().any(|joint| joint.passive.damping != 0.0);
-        let mut left_out = Vec::new();
-        let mut leave = |is_there: bool, effect, what: &str| {
-            if is_there && !is_off(effect) {
-                left_out.push(format!("{what}: `adaptive` does not know them, `implicit` does"));
-            }
-        };
-        leave(has_friction, Effect::Dissipation, "damping and dry friction");
-        let has_limits =
-            joints().any(|joint| joint.limits.lower.is_finite() || joint.limits.upper.is_finite());
-        leave(has_limits, Effect::Limits, "position limits");
-        leave(!description.actuators.is_empty(), Effect::Actuators, "actuators");
-        leave(!description.tendons.is_empty(), Effect::Springs, "tendons");
-        leave(
-            description.equalities.iter().any(|equality| equality.active),
-            Effect::Equalities,
-            "equalities",
-        );
-        let acts = has_damping && !has_friction && !is_off(Effect::Dissipation);
-        Self {
-            simulation: None,
-            method: Method::Adaptive,
-            reason: String::new(),
-            acting: if acts { vec![Effect::Dissipation] } else { Vec::new() },
-            left_out,
-        }
+    pub(crate) fn method(&self) -> Method {
+        self.simulation.method()
     }
 
     pub(crate) fn acts(&self, effect: Effect) -> bool {
-        self.acting.contains(&effect)
+        self.simulation.acting().contains(&effect)
     }
 
     /// Whether nothing takes energy out or puts it in but motors that hold a pose.
@@ -115,21 +73,39 @@ impl Setup {
 
     /// Whether the method tells losses apart.
     pub(crate) fn has_losses(&self) -> bool {
-        self.simulation.as_ref().is_some_and(|simulation| simulation.losses().is_some())
+        self.simulation.losses().is_some()
     }
 
     /// The links that can touch a ground.
     pub(crate) fn ground_links(&self) -> &[String] {
-        self.simulation.as_ref().map_or(&[], Simulation::ground_links)
+        self.simulation.ground_links()
     }
 
     /// The words of the summary for what is left out: each kind once, with a count where there are several of it.
     pub(crate) fn left_out_lines(&self) -> Vec<String> {
         const SHOWN: usize = 4;
-        let mut lines: Vec<String> = self.left_out.iter().take(SHOWN).cloned().collect();
-        if self.left_out.len() > SHOWN {
-            lines.push(format!("and {} more", self.left_out.len() - SHOWN));
+        let left_out = self.simulation.unsupported_features();
+        let mut lines: Vec<String> = left_out.iter().take(SHOWN).map(ToString::to_string).collect();
+        if left_out.len() > SHOWN {
+            lines.push(format!("and {} more", left_out.len() - SHOWN));
         }
         lines
+    }
+}
+
+/// Motors are asked and held at the instants of `--step`, as with steps of that length.
+fn adaptive(arguments: &Arguments, is_held: bool) -> AdaptiveOptions {
+    // At most 1e5 times the longest --step that makes sense, and saturating beyond.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let max_steps = ((MOST_STEPS.0 * arguments.step) as usize).saturating_add(MOST_STEPS.1);
+    AdaptiveOptions {
+        tolerance: arguments.tolerance.unwrap_or(TOLERANCE),
+        control: if is_held {
+            ControlTiming::Held { period: arguments.step }
+        } else {
+            ControlTiming::Continuous
+        },
+        max_steps,
+        ..AdaptiveOptions::default()
     }
 }

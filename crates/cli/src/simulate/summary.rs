@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use multibody::simulator::Effect;
+use multibody::simulator::{Effect, Method};
 use multibody::text::one_line;
-use multibody::{AdaptiveMethod, ConstraintSet, ContactLaws, Model, Run, difference};
+use multibody::{AdaptiveMethod, AdaptiveRecord, ConstraintSet, ContactLaws, Model, Run, difference};
 
 use super::Arguments;
 use super::drive::Drive;
@@ -12,9 +12,9 @@ use super::files::Written;
 use super::ground::Floor;
 use super::ground::touching_links;
 use super::hold::{Hold, driven};
-use super::method::Method;
+use super::method::TOLERANCE;
 use super::recorder::Recorder;
-use super::run::{AdaptiveDetails, Ran};
+use super::run::Ran;
 use super::setup::Setup;
 use super::start::Start;
 use crate::columns;
@@ -139,11 +139,11 @@ impl Summary<'_> {
 
     /// The integrator and the steps it took.
     fn method(&self) -> String {
-        let (integrator, step, end) = (self.setup.method, self.arguments.step, short(self.ran.run.time));
-        let Some(AdaptiveDetails { tolerance, method, statistics, quaternion_error }) = &self.ran.adaptive
-        else {
+        let (integrator, step, end) = (self.setup.method(), self.arguments.step, short(self.ran.run.time));
+        let Some(AdaptiveRecord { method, statistics, quaternion_error, .. }) = &self.ran.adaptive else {
             return format!("{integrator}, {} of {step} s, {end} s", count(self.ran.run.steps, "step"));
         };
+        let tolerance = self.arguments.tolerance.unwrap_or(TOLERANCE);
         let kind = if *method == AdaptiveMethod::Implicit { "implicit as damping is stiff, " } else { "" };
         let mut text = format!(
             "{integrator}, {kind}order {}, tolerance {tolerance:e}: {} of {} to {} s, {} rejected, {} evaluations, {end} s",
@@ -154,8 +154,11 @@ impl Summary<'_> {
             statistics.rejected,
             statistics.evaluations
         );
-        if let Some(error) = quaternion_error {
-            let _ = write!(text, "; quaternions off unit length by {error:.0e} before they were normalised");
+        if self.model.nq() > self.model.nv() {
+            let _ = write!(
+                text,
+                "; quaternions off unit length by {quaternion_error:.0e} before they were normalised"
+            );
         }
         text
     }
@@ -222,9 +225,9 @@ impl Summary<'_> {
             );
         }
         if relative > 1e-2 {
-            let finer = match self.setup.method {
-                Method::Steps(_) => "--step",
+            let finer = match self.setup.method() {
                 Method::Adaptive => "--tolerance",
+                _ => "--step",
             };
             let _ = writeln!(
                 text,

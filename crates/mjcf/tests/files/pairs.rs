@@ -1,12 +1,8 @@
 //! `<pair>`: geoms that touch whatever else is said of them.
 
-use std::ops::ControlFlow;
-
 use mjcf::{Options, parse, write};
-use multibody::{
-    ContactSet, Ground, Implicit, Model, RobotDescription, ShapeRole, Simulation, SoftConstraints, Workspace,
-    ZeroTorque,
-};
+use multibody::simulator::{Method, RunOptions, SimulationBuilder};
+use multibody::{ContactSet, Ground, Model, RobotDescription, ShapeRole, SoftConstraints, Workspace};
 
 fn read(text: &str) -> RobotDescription {
     let robot = parse(text, &Options::default()).expect("a robot");
@@ -91,11 +87,14 @@ fn run(text: &str, links: bool, v: &[f64], steps: usize) -> (Vec<f64>, Vec<f64>)
     let model = Model::new(read(text)).expect("a model");
     let contacts = ContactSet::new(&model, &[Ground::level(-0.1)]).expect("a ground");
     let contacts = if links { contacts.with_links(&model) } else { contacts };
-    let implicit = Implicit::new(&model).with_contacts(&model, contacts);
     let q = multibody::neutral(&model);
-    let run = Simulation::new(&model, implicit, 1e-3)
-        .with_samples_every(0)
-        .run(&q, v, steps, &mut ZeroTorque, |_| ControlFlow::Continue(()))
+    let run = SimulationBuilder::new(&model)
+        .method(Method::Implicit)
+        .contacts(contacts)
+        .step(1e-3)
+        .build()
+        .unwrap()
+        .run_from(&q, v, steps, RunOptions::new().sample_every(0))
         .expect("a run");
     (run.q, run.v)
 }

@@ -1,20 +1,24 @@
 //! The regulator of a linearised step holds robots upright in the nonlinear simulation of that very step.
 
-use std::ops::ControlFlow;
-
 use crate::common::{chain, families};
 use dynamics::{Dlqr, DlqrError, Integrator, MassProperties, dlqr};
+use multibody::simulator::{Effect, Method, RunOptions, Simulation, SimulationBuilder};
 use multibody::{
     JointDescription, JointKind, LinearizeStepWorkspace, LinkDescription, Model, Pose, RobotDescription,
-    Simulation, StepForces, difference, integrate, linearize_step, neutral,
+    StepForces, difference, integrate, linearize_step, neutral,
 };
 use nalgebra::{DMatrix, Matrix3};
 
 const H: f64 = 0.01;
 
 /// One control period is one step: A and B are of the very map that the run repeats.
-fn simulation(model: &Model) -> Simulation<'_> {
-    Simulation::new(model, Integrator::RungeKutta4, H).with_dissipation(false).with_samples_every(0)
+fn simulation(model: &Model) -> Simulation {
+    SimulationBuilder::new(model)
+        .method(Method::Fixed(Integrator::RungeKutta4))
+        .step(H)
+        .without(Effect::Dissipation)
+        .build()
+        .unwrap()
 }
 
 /// A of the step at rest in q\* under τ\*, and the gain of the motors named by their coordinates.
@@ -59,7 +63,7 @@ fn distance(
         }
     };
     let run = simulation(model)
-        .run(&start, &vec![0.0; n], steps, &mut control, |_| ControlFlow::Continue(()))
+        .run_from(&start, &vec![0.0; n], steps, RunOptions::new().sample_every(0).controller(&mut control))
         .unwrap_or_else(|failure| panic!("{failure}"));
     state(&run.q, &run.v).norm()
 }

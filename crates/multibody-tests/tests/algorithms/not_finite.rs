@@ -5,13 +5,14 @@ use std::ops::ControlFlow;
 
 use dynamics::{Integrator, PdHold, Reach2R, SplitMix64, hold};
 use multibody::batch::{self, BatchWorkspace, Rollout, Torques};
+use multibody::simulator::{Method, RunOptions, SimulationBuilder};
 use multibody::{
-    Base, BaseParameters, Baumgarte, Closure, ComputedTorque, ConstantTorque, ConstrainedSimulation,
-    ConstraintOptions, ConstraintSet, Controller, Coupling, CubicSpline, DriftCorrection, FrameId,
-    GravityCompensatedPd, JointKinds, LinearizeStepWorkspace, Model, MotionLimits, MotionRecord, Plane, Pose,
-    PoseReference, RandomRobotOptions, RedundantRows, Reference, RollingDisc, Simulation, StepForces,
-    StepWorkspace, TaskControl, TaskGains, TaskReference, TimeOptimal, TreePathPoint, Twist, Workspace,
-    ZeroTorque, random_robot, random_state,
+    Base, BaseParameters, Baumgarte, Closure, ComputedTorque, ConstantTorque, ConstraintOptions,
+    ConstraintSet, Controller, Coupling, CubicSpline, DriftCorrection, FrameId, GravityCompensatedPd,
+    JointKinds, LinearizeStepWorkspace, Model, MotionLimits, MotionRecord, Plane, Pose, PoseReference,
+    RandomRobotOptions, RedundantRows, Reference, RollingDisc, StepForces, StepWorkspace, TaskControl,
+    TaskGains, TaskReference, TimeOptimal, TreePathPoint, Twist, Workspace, ZeroTorque, random_robot,
+    random_state,
 };
 use nalgebra::{DVector, SVector};
 
@@ -273,11 +274,12 @@ fn steps_and_runs() {
     });
     let torque = argument("torque", tau.clone());
     let [_, step, q, v] = arguments();
-    probe("Simulation::run", &[torque, step, q, v], |x| {
+    probe("runs", &[torque, step, q, v], |x| {
         let integrator = Integrator::RungeKutta4;
-        let simulation = Simulation::new(m, integrator, x[1][0]);
+        let mut simulation =
+            text(SimulationBuilder::new(m).method(Method::Fixed(integrator)).step(x[1][0]).build())?;
         let mut control = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[0]);
-        let ran = simulation.run(&x[2], &x[3], 2, &mut control, |_| ControlFlow::Continue(()));
+        let ran = simulation.run_from(&x[2], &x[3], 2, RunOptions::new().controller(&mut control));
         let kept = match &ran {
             Ok(run) => run,
             Err(failure) => &failure.until,
@@ -471,20 +473,27 @@ fn constraints() {
             Ok([q, v].concat())
         });
         arguments[5].name = "torque";
-        probe("ConstrainedSimulation::run", &arguments, |x| {
+        probe("constrained runs", &arguments, |x| {
             let x = &filled(x);
-            let simulation = ConstrainedSimulation::new(m, &set, x[6][0])
-                .with_options(options_of(x))
-                .with_correction(DriftCorrection::Position { tolerance: x[7][0] })
-                .with_samples_every(0);
+            let correction = DriftCorrection::Position { tolerance: x[7][0] };
+            let builder = SimulationBuilder::new(m)
+                .method(Method::Fixed(integrator))
+                .constraints(set.clone())
+                .constraint_options(options_of(x), correction);
+            let mut simulation = text(builder.step(x[6][0]).build())?;
             let mut control = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[5]);
-            let ran = simulation.run(&x[3], &x[4], 2, &mut control, |_| ControlFlow::Continue(()));
+            let ran = simulation.run_from(
+                &x[3],
+                &x[4],
+                2,
+                RunOptions::new().sample_every(0).controller(&mut control),
+            );
             let kept = match &ran {
                 Ok(run) => run,
                 Err(failure) => &failure.until,
             };
-            assert!(kept.motion.q.iter().chain(&kept.motion.v).all(|x| x.is_finite()), "{kept:?}");
-            text(ran).map(|run| [run.motion.q, run.motion.v].concat())
+            assert!(kept.q.iter().chain(&kept.v).all(|x| x.is_finite()), "{kept:?}");
+            text(ran).map(|run| [run.q, run.v].concat())
         });
     }
 }
@@ -700,13 +709,14 @@ fn the_chapters_hold() {
 #[cfg(feature = "adaptive")]
 #[test]
 fn adaptive_runs() {
-    use multibody::{AdaptiveSimulation, ControlTiming, Event};
+    use multibody::simulator::Effect;
+    use multibody::{AdaptiveOptions, ControlTiming, Event};
     let (model, [q, v, _, tau]) = tree();
     let m = &model;
     let arguments = [
         argument("q", q),
         argument("v", v.iter().map(|v| 0.1 * v).collect::<Vec<_>>()),
-        argument("time", [0.0, 1e-4, 2e-4]),
+        argument("step", [1e-4]),
         argument("tolerance", [1e-6]),
         argument("torque", tau),
         argument("event", [1.0]),
@@ -718,17 +728,21 @@ fn adaptive_runs() {
         if !held {
             arguments[6].good.clear();
         }
-        probe("AdaptiveSimulation::run", &arguments, |x| {
+        probe("adaptive runs", &arguments, |x| {
             let control =
                 if held { ControlTiming::Held { period: x[6][0] } } else { ControlTiming::Continuous };
-            let max_steps = 1000;
-            let simulation =
-                AdaptiveSimulation { tolerance: x[3][0], control, max_steps, ..AdaptiveSimulation::of(m) };
+            let options = AdaptiveOptions {
+                tolerance: x[3][0],
+                control,
+                max_steps: 1000,
+                ..AdaptiveOptions::default()
+            };
+            let builder = SimulationBuilder::new(m).without(Effect::Dissipation).adaptive(options);
+            let mut simulation = text(builder.step(x[2][0]).build())?;
             let mut torque = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[4]);
             let mut events = [Event::new("one", |_, _: &[f64], _: &[f64]| x[5][0])];
-            let times = x[2].clone();
-            let ran =
-                simulation.run(&x[0], &x[1], times, &mut torque, &mut events, |_| ControlFlow::Continue(()));
+            let options = RunOptions::new().controller(&mut torque).events(&mut events);
+            let ran = simulation.run_from(&x[0], &x[1], 2, options);
             let kept = match &ran {
                 Ok(run) => run,
                 Err(failure) => &failure.until,

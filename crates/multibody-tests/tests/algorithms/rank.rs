@@ -1,15 +1,13 @@
 //! Robots whose mass matrix is singular, everywhere or in some poses, and robots that only look so.
 
-use std::ops::ControlFlow;
-
 use crate::common::families;
 use dynamics::{Integrator, MassProperties, SplitMix64};
+use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder};
 use multibody::{
     Base, Closure, ClosureRow, ConstrainedMotionError, ConstraintOptions, ConstraintSet, InstructionSet,
     JointDescription, JointKind, LinearizeStepError, LinearizeStepWorkspace, LinkDescription, Mimic, Model,
-    MotionError, OperationalSpaceError, Pose, RobotDescription, RunError, Simulation, StepForces, Workspace,
-    ZeroTorque, check_rank, constrained_forward_dynamics, linearize_step, mass_rank, neutral,
-    operational_space, random_state,
+    MotionError, OperationalSpaceError, Pose, RobotDescription, RunError, StepForces, Workspace, check_rank,
+    constrained_forward_dynamics, linearize_step, mass_rank, neutral, operational_space, random_state,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -304,14 +302,19 @@ fn whatever_needs_the_inverse_says_so() {
     let (q, v, tau) = ([0.1, 0.2], [0.3, 0.4], [0.5, 0.6]);
     let names = ["one", "two"];
     for integrator in Integrator::ALL {
-        let simulation = Simulation::new(&model, integrator, 1e-3).with_dissipation(false);
-        let failure = simulation.run(&q, &v, 10, &mut ZeroTorque, |_| ControlFlow::Continue(())).unwrap_err();
+        let mut simulation = SimulationBuilder::new(&model)
+            .method(Method::Fixed(integrator))
+            .step(1e-3)
+            .without(Effect::Dissipation)
+            .build()
+            .unwrap();
+        let failure = simulation.run_from(&q, &v, 10, RunOptions::new()).unwrap_err();
         let RunError::SingularMass { step: 0, time: 0.0, source } = &failure.error else {
             panic!("{integrator}: {failure}")
         };
         assert_eq!(source.joints(), names, "{integrator}");
         // No step, no need.
-        assert!(simulation.run(&q, &v, 0, &mut ZeroTorque, |_| ControlFlow::Continue(())).is_ok());
+        assert!(simulation.run_from(&q, &v, 0, RunOptions::new()).is_ok());
     }
     let workspace = &mut Workspace::new(&model);
     let frame = model.frame("link1").unwrap();
@@ -350,11 +353,14 @@ fn a_run_ends_where_the_mass_becomes_singular() {
     gimbal.joints.push(JointDescription::new("roll", turn(X), "link1", "ball", Pose::IDENTITY));
     let model = Model::new(gimbal).unwrap();
     let step = 1.0 / 1024.0;
-    let simulation = Simulation::new(&model, Integrator::ExplicitEuler, step).with_dissipation(false);
+    let mut simulation = SimulationBuilder::new(&model)
+        .method(Method::Fixed(Integrator::ExplicitEuler))
+        .step(step)
+        .without(Effect::Dissipation)
+        .build()
+        .unwrap();
     let start = [0.0, quarter - 100.0 * step, 0.0];
-    let failure = simulation
-        .run(&start, &[0.0, 1.0, 0.0], 200, &mut ZeroTorque, |_| ControlFlow::Continue(()))
-        .unwrap_err();
+    let failure = simulation.run_from(&start, &[0.0, 1.0, 0.0], 200, RunOptions::new()).unwrap_err();
     let RunError::SingularMass { step: 100, time, source } = &failure.error else { panic!("{failure}") };
     assert_eq!((*time, source.joints()), (100.0 * step, vec!["yaw", "roll"]));
     assert_eq!((failure.until.steps, failure.until.trajectory.len()), (100, 101));

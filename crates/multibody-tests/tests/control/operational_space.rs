@@ -5,11 +5,12 @@ use std::ops::ControlFlow;
 
 use crate::common::{Family, families};
 use dynamics::{Integrator, SplitMix64};
+use multibody::simulator::{Effect, Method, RunOptions, Simulation, SimulationBuilder};
 use multibody::{
     ClosureRow, ComputedTorque, Controller, ControllerError, JointDescription, JointKind, JointKinds,
     LinkDescription, Model, OperationalSpace, OperationalSpaceError, OperationalSpaceWorkspace, Pose,
-    PoseReference, Quaternion, RandomRobotOptions, Reference, RobotDescription, RunError, Simulation,
-    TaskControl, TaskGains, TaskReference, Twist, Workspace, bias, forward_dynamics,
+    PoseReference, Quaternion, RandomRobotOptions, Reference, RobotDescription, RunError, TaskControl,
+    TaskGains, TaskReference, Twist, Workspace, bias, forward_dynamics,
     frame_classical_acceleration_world_aligned, frame_pose, frame_velocity_world_aligned, operational_space,
     operational_space_into, random_robot, random_state,
 };
@@ -117,9 +118,19 @@ fn computed_torque_has_linear_errors() -> Tested {
         let h = time / steps as f64;
         let mut control =
             ComputedTorque::new(&model, reference, &vec![rate * rate; nv], &vec![2.0 * rate; nv])?;
-        let simulation =
-            Simulation::new(&model, Integrator::RungeKutta4, h).with_dissipation(false).with_samples_every(0);
-        let run = simulation.run(&q, &start.v, steps, &mut control, |_| ControlFlow::Continue(()))?;
+        let mut simulation = SimulationBuilder::new(&model)
+            .method(Method::Fixed(Integrator::RungeKutta4))
+            .step(h)
+            .without(Effect::Dissipation)
+            .without(Effect::EffortLimits)
+            .build()
+            .unwrap();
+        let run = simulation.run_from(
+            &q,
+            &start.v,
+            steps,
+            RunOptions::new().sample_every(0).controller(&mut control),
+        )?;
         let expected = 0.2 * (1.0 + rate * time) * f64::exp(-rate * time);
         let end = reference(time);
         let worst = (0..nv).map(|k| (end.q[k] - run.q[k] - expected).abs()).fold(0.0, f64::max);
@@ -145,9 +156,15 @@ fn task_control_has_linear_errors() -> Tested {
     let reference = |_| TaskReference { position: target, velocity: [0.0; 3], acceleration: [0.0; 3] };
     let gains = TaskGains { stiffness: rate * rate, damping: 2.0 * rate, null_damping: 5.0 };
     let mut control = TaskControl::new(&model, frame, reference, gains)?;
-    let simulation =
-        Simulation::new(&model, Integrator::RungeKutta4, h).with_dissipation(false).with_samples_every(0);
-    let run = simulation.run(&q, &v, steps, &mut control, |_| ControlFlow::Continue(()))?;
+    let mut simulation = SimulationBuilder::new(&model)
+        .method(Method::Fixed(Integrator::RungeKutta4))
+        .step(h)
+        .without(Effect::Dissipation)
+        .without(Effect::EffortLimits)
+        .build()
+        .unwrap();
+    let run =
+        simulation.run_from(&q, &v, steps, RunOptions::new().sample_every(0).controller(&mut control))?;
     let found = frame_pose(&model, w, &run.q, frame).translation;
     let decay = (1.0 + rate * time) * f64::exp(-rate * time);
     for k in 0..3 {
@@ -196,9 +213,15 @@ fn seven_joint_arm() -> Result<Model, Box<dyn Error>> {
 
 const READY: [f64; 7] = [0.2, 0.6, 0.3, 1.3, -0.2, 0.7, 0.1];
 
-fn run_of(model: &Model, step: f64) -> Simulation<'_> {
+fn run_of(model: &Model, step: f64) -> Simulation {
     let integrator = Integrator::RungeKutta4;
-    Simulation::new(model, integrator, step).with_dissipation(false).with_samples_every(0)
+    SimulationBuilder::new(model)
+        .method(Method::Fixed(integrator))
+        .step(step)
+        .without(Effect::Dissipation)
+        .without(Effect::EffortLimits)
+        .build()
+        .unwrap()
 }
 
 /// What holds the elbow beside the hand.
@@ -248,12 +271,17 @@ fn the_posture_keeps_the_elbow() -> Tested {
             Ok(())
         };
         let (mut farthest, mut off) = (0.0f64, 0.0f64);
-        let ran = run_of(&model, 1e-3).run(&READY, push.as_slice(), 10_000, &mut control, |moment| {
-            farthest = crate::common::max_difference(moment.q, &READY).max(farthest);
-            let x = frame_pose(&model, w, moment.q, hand).translation;
-            off = crate::common::max_difference(&x, &place).max(off);
-            ControlFlow::Continue(())
-        });
+        let ran = run_of(&model, 1e-3).run_from(
+            &READY,
+            push.as_slice(),
+            10_000,
+            RunOptions::new().sample_every(0).controller(&mut control).observer(&mut |moment| {
+                farthest = crate::common::max_difference(moment.q, &READY).max(farthest);
+                let x = frame_pose(&model, w, moment.q, hand).translation;
+                off = crate::common::max_difference(&x, &place).max(off);
+                ControlFlow::Continue(())
+            }),
+        );
         let end = match ran {
             Ok(run) => run.q,
             // Falling it may come to a pose from which the hand cannot be held.
@@ -310,12 +338,11 @@ fn a_pose_is_reached_by_the_same_law() -> Tested {
     for steps in [1000, 4000] {
         let mut control = TaskControl::new(&model, hand, |_| PoseReference::at_rest(pose), gains)?
             .with_posture(&READY, rate * rate)?;
-        let run = run_of(&model, time / f64::from(steps)).run(
+        let run = run_of(&model, time / f64::from(steps)).run_from(
             &READY,
             &[0.0; 7],
             usize::try_from(steps)?,
-            &mut control,
-            |_| ControlFlow::Continue(()),
+            RunOptions::new().sample_every(0).controller(&mut control),
         )?;
         let found = frame_pose(&model, w, &run.q, hand);
         let shifted = (0..3).map(|k| pose.translation[k] - found.translation[k] - shift[k] * decay);
@@ -355,12 +382,17 @@ fn a_moving_pose_is_followed() -> Tested {
     let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 10.0 };
     let mut control = TaskControl::new(&model, hand, reference, gains)?.with_posture(&READY, 25.0)?;
     let mut off = 0.0f64;
-    run_of(&model, 5e-4).run(&READY, &[0.0; 7], 3000, &mut control, |moment| {
-        let (found, wanted) = (frame_pose(&model, w, moment.q, hand), reference(moment.time).pose);
-        off = off.max(crate::common::max_difference(&found.translation, &wanted.translation));
-        off = off.max(angle_between(&found.rotation, &wanted.rotation));
-        ControlFlow::Continue(())
-    })?;
+    run_of(&model, 5e-4).run_from(
+        &READY,
+        &[0.0; 7],
+        3000,
+        RunOptions::new().sample_every(0).controller(&mut control).observer(&mut |moment| {
+            let (found, wanted) = (frame_pose(&model, w, moment.q, hand), reference(moment.time).pose);
+            off = off.max(crate::common::max_difference(&found.translation, &wanted.translation));
+            off = off.max(angle_between(&found.rotation, &wanted.rotation));
+            ControlFlow::Continue(())
+        }),
+    )?;
     println!("off by {off:e}");
     assert!(off < 1e-3, "{off:e}");
     Ok(())
@@ -381,8 +413,12 @@ fn task_control_has_a_posture() -> Tested {
     let control = || TaskControl::new(&model, hand, move |_| PoseReference::at_rest(pose), gains);
     let mut ends = Vec::new();
     for mut control in [control()?, control()?.with_posture(&READY, 4.0)?] {
-        let run = run_of(&model, 1e-3);
-        let run = run.run(&READY, push.as_slice(), 10_000, &mut control, |_| ControlFlow::Continue(()))?;
+        let run = run_of(&model, 1e-3).run_from(
+            &READY,
+            push.as_slice(),
+            10_000,
+            RunOptions::new().sample_every(0).controller(&mut control),
+        )?;
         let found = frame_pose(&model, w, &run.q, hand);
         assert!(crate::common::max_difference(&found.translation, &pose.translation) < 1e-6);
         assert!(angle_between(&found.rotation, &pose.rotation) < 1e-6);
@@ -404,7 +440,12 @@ fn a_task_that_cannot_be_done_ends_the_run() -> Tested {
     let rest = [0.0; 7];
     // Stretched out the arm has no sixth direction.
     let mut control = TaskControl::new(&model, hand, |_| PoseReference::at_rest(pose), gains)?;
-    let ran = run_of(&model, 1e-3).run(&rest, &rest, 10, &mut control, |_| ControlFlow::Continue(()));
+    let ran = run_of(&model, 1e-3).run_from(
+        &rest,
+        &rest,
+        10,
+        RunOptions::new().sample_every(0).controller(&mut control),
+    );
     let failure = ran.unwrap_err();
     let message = failure.to_string();
     assert!(
@@ -417,7 +458,12 @@ fn a_task_that_cannot_be_done_ends_the_run() -> Tested {
     let camera =
         |t: f64| if t < 0.0045 { Ok(PoseReference::at_rest(pose)) } else { Err("the camera sees no mark") };
     let mut control = TaskControl::new(&model, hand, camera, gains)?;
-    let ran = run_of(&model, 1e-3).run(&READY, &rest, 10, &mut control, |_| ControlFlow::Continue(()));
+    let ran = run_of(&model, 1e-3).run_from(
+        &READY,
+        &rest,
+        10,
+        RunOptions::new().sample_every(0).controller(&mut control),
+    );
     let failure = ran.unwrap_err();
     assert_eq!(
         failure.to_string(),

@@ -1,22 +1,15 @@
 //! Tendons, actuators, carried weight and equalities: forces against slopes of energies, books that close, bounds that hold.
 
-use std::ops::ControlFlow;
-
 use crate::common::damped_tree;
 use dynamics::{Integrator, MassProperties, SplitMix64};
 use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder};
 use multibody::{
     Activation, Actuation, ActuatorDescription, Base, ConstraintSet, Equality, EqualityDescription,
-    HigherTerms, Implicit, JointDescription, JointKind, LinkDescription, Mimic, Model, Moment, NamedPose,
-    PassiveForces, PlacementSpring, Pose, RandomRobotOptions, RobotDescription, Run, Simulation,
-    TendonDescription, Transmission, Workspace, ZeroTorque, gravity, integrate, neutral, pendulum,
-    potential_energy, random_robot, random_state,
+    HigherTerms, JointDescription, JointKind, LinkDescription, Mimic, Model, NamedPose, PassiveForces,
+    PlacementSpring, Pose, RandomRobotOptions, RobotDescription, Run, TendonDescription, Transmission,
+    Workspace, gravity, integrate, neutral, pendulum, potential_energy, random_robot, random_state,
 };
 use nalgebra::Vector3;
-
-fn go_on(_: &Moment<'_>) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 /// Explicit steps of order 4 with actuators and springs, and with the controls held.
 fn driven_run(model: &Model, h: f64, (q, v): (&[f64], &[f64]), controls: &[f64], steps: usize) -> Run {
@@ -381,13 +374,13 @@ fn springs_of_free_and_ball_joints_in_implicit_steps() {
         Model::new(robot).unwrap()
     };
     let run = |model: &Model, h: f64, steps: usize| {
-        let actuation = Actuation::new(model).unwrap();
-        let implicit = Implicit::new(model).with_actuation(&actuation, &[]);
         let v: Vec<f64> = (0..model.nv()).map(|k| 0.1 * (k as f64).cos()).collect();
-        Simulation::new(model, implicit, h)
-            .with_dissipation(true)
-            .with_samples_every(0)
-            .run(&neutral(model), &v, steps, &mut ZeroTorque, go_on)
+        SimulationBuilder::new(model)
+            .method(Method::Implicit)
+            .step(h)
+            .build()
+            .unwrap()
+            .run_from(&neutral(model), &v, steps, RunOptions::new().sample_every(0))
             .unwrap()
     };
     let stiff = robot(1e6, 2e4);

@@ -2,20 +2,35 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::common::damped_tree;
 use dynamics::{Integrator, MassProperties, SplitMix64};
+use multibody::simulator::{
+    Effect, Method, MethodError, RunOptions, Simulation, SimulationBuilder, SimulationError,
+};
 use multibody::{
-    AdaptiveEnd, AdaptiveError, AdaptiveMethod, AdaptiveRun, AdaptiveSimulation, Base, ConstantTorque,
+    AdaptiveMethod, AdaptiveOptions, AdaptiveOptionsError, AdaptiveStepError, Base, ConstantTorque,
     ControlTiming, Controller, Event, GravityCompensatedPd, JointDescription, JointKind, Limits,
-    LinkDescription, Model, Moment, PassiveForces, Pose, RobotDescription, Run, Simulation, ZeroTorque,
-    difference, neutral, random_state,
+    LinkDescription, Model, Moment, PassiveForces, Pose, RobotDescription, Run, RunError, RunFailure,
+    StepStatistics, ZeroTorque, difference, neutral, random_state,
 };
 use nalgebra::{Matrix3, Vector3};
 
-fn go_on(_: &Moment<'_>) -> ControlFlow<()> {
-    ControlFlow::Continue(())
+/// Adaptive steps to a tolerance.
+fn to(tolerance: f64) -> AdaptiveOptions {
+    AdaptiveOptions { tolerance, ..AdaptiveOptions::default() }
+}
+
+/// Without damping.
+fn free(model: &Model, options: AdaptiveOptions, step: f64) -> Simulation {
+    let builder = SimulationBuilder::new(model).without(Effect::Dissipation).adaptive(options);
+    builder.step(step).build().unwrap()
+}
+
+fn statistics(simulation: &Simulation) -> StepStatistics {
+    simulation.adaptive_record().unwrap().statistics
 }
 
 /// 1 kg on a rod of 1 m along x, turning about y: q̈ = g cos q, hanging at π/2.
@@ -40,10 +55,6 @@ fn period(amplitude: f64) -> f64 {
     2.0 * PI * (1.0 / 9.81f64).sqrt() / a
 }
 
-fn grid(end: f64, count: u32) -> impl DoubleEndedIterator<Item = f64> + Clone {
-    (0..=count).map(move |k| end * f64::from(k) / f64::from(count))
-}
-
 /// The largest entry of q₁ ⊖ q₀ and v₁ − v₀.
 fn distance(model: &Model, a: (&[f64], &[f64]), b: (&[f64], &[f64])) -> f64 {
     let mut d = vec![0.0; model.nv()];
@@ -64,8 +75,8 @@ fn swings_take_the_time_of_the_elliptic_integral() {
             Event::new("turn", |_, _: &[f64], v: &[f64]| v[0]),
             Event::new("back", |_, _: &[f64], v: &[f64]| v[0]).rising().terminal(),
         ];
-        let run = AdaptiveSimulation { tolerance: 1e-12, ..AdaptiveSimulation::of(&model) }
-            .run(&[FRAC_PI_2 - amplitude], &[0.0], [0.0, 100.0], &mut ZeroTorque, &mut events, go_on)
+        let run = free(&model, to(1e-12), 100.0)
+            .run_from(&[FRAC_PI_2 - amplitude], &[0.0], 1, RunOptions::new().events(&mut events))
             .unwrap();
         let names: Vec<&str> = run.events.iter().map(|event| event.name.as_str()).collect();
         // Where it starts v = 0, which is no event.
@@ -75,7 +86,7 @@ fn swings_take_the_time_of_the_elliptic_integral() {
             println!("amplitude {amplitude} {} off by {:.1e}", event.name, event.time - expected);
             assert!((event.time - expected).abs() < 1e-9, "{event:?} {expected}");
         }
-        assert_eq!((run.end, run.time), (AdaptiveEnd::Event, run.events[4].time));
+        assert_eq!((run.ended_by_event, run.time), (true, run.events[4].time));
         assert!((run.q[0] - (FRAC_PI_2 - amplitude)).abs() < 1e-9 && run.v[0].abs() < 1e-9);
     }
 }
@@ -89,29 +100,33 @@ fn the_error_follows_the_tolerance() {
         let state = random_state(&model, &mut SplitMix64::new(seed));
         let mut torque = ConstantTorque(state.tau.iter().map(|tau| 0.1 * tau).collect());
         let end = 0.4;
-        let reference = Simulation::new(&model, Integrator::RungeKutta4, end / 8000.0)
-            .with_samples_every(0)
-            .run(&state.q, &state.v, 8000, &mut torque, go_on)
+        let rows = SimulationBuilder::new(&model).method(Method::Fixed(Integrator::RungeKutta4));
+        let reference = rows
+            .step(end / 8000.0)
+            .build()
+            .unwrap()
+            .run_from(&state.q, &state.v, 8000, RunOptions::new().sample_every(0).controller(&mut torque))
             .unwrap();
         let mut errors = Vec::new();
         for tolerance in [1e-4, 1e-6, 1e-8, 1e-10] {
-            let simulation =
-                AdaptiveSimulation { tolerance, dissipation: true, ..AdaptiveSimulation::of(&model) };
-            let run =
-                simulation.run(&state.q, &state.v, grid(end, 100), &mut torque, &mut [], go_on).unwrap();
+            let damped = SimulationBuilder::new(&model).adaptive(to(tolerance)).step(end / 100.0);
+            let mut simulation = damped.build().unwrap();
+            let options = RunOptions::new().controller(&mut torque);
+            let run = simulation.run_from(&state.q, &state.v, 100, options).unwrap();
+            let record = simulation.adaptive_record().unwrap();
             let error = distance(&model, (&run.q, &run.v), (&reference.q, &reference.v));
             let books = run.ledger.max_imbalance() / (1.0 + run.ledger.kinetic());
             let work = (run.ledger.work() - reference.ledger.work()).abs();
             println!(
                 "robot {seed} {tolerance:.0e}: error {error:.1e}, books {books:.1e}, work {work:.1e}, quaternions \
                  {:.1e}, {:?}",
-                run.quaternion_error, run.statistics
+                record.quaternion_error, record.statistics
             );
             // Some ten steps, each within the tolerance; in 0.4 s this motion hardly magnifies.
             let allowed = 10.0 * tolerance;
             assert!(error < allowed, "robot {seed}, {tolerance:e}: {error:e}");
             assert!(
-                books < allowed && run.quaternion_error < allowed,
+                books < allowed && record.quaternion_error < allowed,
                 "robot {seed}, {tolerance:e}: {books:e}"
             );
             assert!(work < allowed * (1.0 + run.ledger.work().abs()), "robot {seed}: {work:e}");
@@ -130,16 +145,16 @@ fn the_error_follows_the_tolerance() {
 fn dense_output_is_as_accurate_as_the_steps() {
     let model = damped_tree(2);
     let state = random_state(&model, &mut SplitMix64::new(2));
-    let run = |tolerance: f64, count: u32| -> AdaptiveRun {
-        AdaptiveSimulation { tolerance, ..AdaptiveSimulation::of(&model) }
-            .run(&state.q, &state.v, grid(0.5, count), &mut ZeroTorque, &mut [], go_on)
-            .unwrap()
+    let run = |tolerance: f64, count: u32| -> (Run, StepStatistics) {
+        let mut simulation = free(&model, to(tolerance), 0.5 / f64::from(count));
+        let run = simulation.run_from(&state.q, &state.v, count as usize, RunOptions::new()).unwrap();
+        (run, statistics(&simulation))
     };
-    let exact = run(1e-13, 500);
+    let (exact, _) = run(1e-13, 500);
     for tolerance in [1e-5, 1e-8, 1e-11] {
-        let found = run(tolerance, 500);
-        let alone = run(tolerance, 1);
-        assert_eq!(found.statistics, alone.statistics, "samples must not shorten steps");
+        let (found, steps) = run(tolerance, 500);
+        let (_, alone) = run(tolerance, 1);
+        assert_eq!(steps, alone, "samples must not shorten steps");
         let worst = found
             .trajectory
             .iter()
@@ -147,8 +162,8 @@ fn dense_output_is_as_accurate_as_the_steps() {
             .map(|(a, b)| distance(&model, (a.q, a.v), (b.q, b.v)))
             .fold(0.0, f64::max);
         let end = distance(&model, (&found.q, &found.v), (&exact.q, &exact.v));
-        println!("{tolerance:.0e}: worst sample {worst:.1e}, end {end:.1e}, {:?}", found.statistics);
-        assert!(found.statistics.accepted < 250, "several samples a step");
+        println!("{tolerance:.0e}: worst sample {worst:.1e}, end {end:.1e}, {steps:?}");
+        assert!(steps.accepted < 250, "several samples a step");
         // The polynomial has the order of the step: its own error is within the tolerance of one.
         assert!(worst < tolerance, "{tolerance:e}: {worst:e} inside, {end:e} at the end");
     }
@@ -161,31 +176,33 @@ fn held_control_is_that_of_fixed_steps() {
     let model = pendulum();
     let target = [0.9];
     let control = || GravityCompensatedPd::new(&model, &target, &[80.0], &[9.0]).unwrap();
-    let fixed: Run = Simulation::new(&model, Integrator::RungeKutta4, 1e-3)
-        .with_dissipation(false)
-        .with_samples_every(100)
-        .run(&[1.5], &[0.0], 1000, &mut control(), go_on)
+    let fixed: Run = SimulationBuilder::new(&model)
+        .without(Effect::Dissipation)
+        .method(Method::Fixed(Integrator::RungeKutta4))
+        .build()
+        .unwrap()
+        .run_from(&[1.5], &[0.0], 1000, RunOptions::new().sample_every(100).controller(&mut control()))
         .unwrap();
-    let simulation = AdaptiveSimulation {
-        tolerance: 1e-11,
-        control: ControlTiming::Held { period: 1e-3 },
-        ..AdaptiveSimulation::of(&model)
-    };
-    let run = simulation.run(&[1.5], &[0.0], grid(1.0, 10), &mut control(), &mut [], go_on).unwrap();
+    let options = AdaptiveOptions { control: ControlTiming::Held { period: 1e-3 }, ..to(1e-11) };
+    let mut simulation = free(&model, options, 0.1);
+    let run = simulation.run_from(&[1.5], &[0.0], 10, RunOptions::new().controller(&mut control())).unwrap();
+    let steps = statistics(&simulation);
     for (a, b) in run.trajectory.iter().zip(fixed.trajectory.iter()) {
         // h⁴ = 1e-12 times derivatives of some hundreds.
         assert!((a.q[0] - b.q[0]).abs() < 1e-9 && (a.v[0] - b.v[0]).abs() < 1e-8, "{a:?} {b:?}");
     }
-    assert!(run.statistics.longest < 1e-3 + 1e-15 && run.statistics.accepted >= 1000, "{:?}", run.statistics);
+    assert!(steps.longest < 1e-3 + 1e-15 && steps.accepted >= 1000, "{steps:?}");
     assert!(run.ledger.work().abs() > 1.0 && run.ledger.max_imbalance() < 1e-9, "{:?}", run.ledger);
 
     // A continuous law is the limit of short periods, and needs few steps.
-    let continuous = AdaptiveSimulation { tolerance: 1e-11, ..AdaptiveSimulation::of(&model) };
-    let smooth = continuous.run(&[1.5], &[0.0], grid(1.0, 10), &mut control(), &mut [], go_on).unwrap();
+    let mut continuous = free(&model, to(1e-11), 0.1);
+    let smooth =
+        continuous.run_from(&[1.5], &[0.0], 10, RunOptions::new().controller(&mut control())).unwrap();
+    let steps = statistics(&continuous);
     let off = (smooth.q[0] - run.q[0]).abs();
-    println!("{off:.1e} between continuous and held, {:?}", smooth.statistics);
+    println!("{off:.1e} between continuous and held, {steps:?}");
     // Half a period of delay in a loop of some ten per second, at rest by then but for e⁻⁵.
-    assert!(off < 1e-3 && smooth.statistics.accepted < 200, "{off:e} {:?}", smooth.statistics);
+    assert!(off < 1e-3 && steps.accepted < 200, "{off:e} {steps:?}");
 }
 
 /// Limits crossed outward by name, directions, a start on the crossing, and a restart from a terminal event.
@@ -195,9 +212,8 @@ fn events_count_as_asked() {
     let start = [FRAC_PI_2 - 1.5];
     let mut limits = Event::joint_limits(&model);
     assert_eq!(limits.len(), 2);
-    let simulation = AdaptiveSimulation { tolerance: 1e-10, ..AdaptiveSimulation::of(&model) };
-    let run = simulation
-        .run(&start, &[0.0], [0.0, 0.9 * period(1.5)], &mut ZeroTorque, &mut limits, go_on)
+    let run = free(&model, to(1e-10), 0.9 * period(1.5))
+        .run_from(&start, &[0.0], 1, RunOptions::new().events(&mut limits))
         .unwrap();
     // The swing goes from 0.07, outside below, through 0.2 inward, past 3.0 outward and back inward.
     let names: Vec<&str> = run.events.iter().map(|event| event.name.as_str()).collect();
@@ -211,15 +227,16 @@ fn events_count_as_asked() {
     robot.links.push(LinkDescription::new("ball", ball));
     let model = Model::new(robot).unwrap();
     let floor = || Event::touchdown("floor", &model, model.frame("ball").expect("a link"), 0.0).terminal();
-    let (mut q, mut v, mut time) = (neutral(&model), vec![0.0; 6], 0.0);
+    let (mut q, mut v) = (neutral(&model), vec![0.0; 6]);
     q[2] = 1.0;
+    let mut simulation = free(&model, to(1e-12), 100.0);
     for bounce in 0..5 {
-        let simulation = AdaptiveSimulation { tolerance: 1e-12, ..AdaptiveSimulation::of(&model) };
-        let run = simulation.run(&q, &v, [time, 100.0], &mut ZeroTorque, &mut [floor()], go_on).unwrap();
+        simulation.set_state(&q, &v).unwrap(); // at the same time
+        let run = simulation.run(1, RunOptions::new().events(&mut [floor()])).unwrap();
         let expected = f64::from(2 * bounce + 1) * (2.0 / 9.81f64).sqrt();
         assert!((run.time - expected).abs() < 1e-11, "bounce {bounce} at {} not {expected}", run.time);
-        assert_eq!(run.end, AdaptiveEnd::Event);
-        (q, v, time) = (run.q, run.v, run.time);
+        assert!(run.ended_by_event);
+        (q, v) = (run.q, run.v);
         v[2] = -v[2];
     }
 }
@@ -236,11 +253,10 @@ fn crossings_within_a_step_are_found() {
     let height = |z: f64| Event::new(format!("at {z}"), move |_, q: &[f64], _: &[f64]| q[2] - z);
     let mut events = [height(0.3), height(0.4), height(-2.0).falling()];
     let v = [0.0, 0.0, 3.0, 0.0, 0.0, 0.0];
-    let run = AdaptiveSimulation { tolerance: 1e-6, ..AdaptiveSimulation::of(&model) }
-        .run(&neutral(&model), &v, [0.0, 2.0], &mut ZeroTorque, &mut events, go_on)
-        .unwrap();
+    let mut simulation = free(&model, to(1e-6), 2.0);
+    let run = simulation.run_from(&neutral(&model), &v, 1, RunOptions::new().events(&mut events)).unwrap();
     let names: Vec<&str> = run.events.iter().map(|event| event.name.as_str()).collect();
-    assert_eq!(names, ["at 0.3", "at 0.4", "at 0.4", "at 0.3", "at -2"], "{:?}", run.statistics);
+    assert_eq!(names, ["at 0.3", "at 0.4", "at 0.4", "at 0.3", "at -2"], "{:?}", statistics(&simulation));
     for event in &run.events {
         let z = 3.0 * event.time - 0.5 * 9.81 * event.time * event.time;
         // A parabola has no error but rounding: the interpolant's coefficients reach
@@ -253,13 +269,13 @@ fn crossings_within_a_step_are_found() {
 #[test]
 fn an_interrupted_run_keeps_what_it_did() {
     let model = pendulum();
-    let stop = |moment: &Moment<'_>| {
+    let mut stop = |moment: &Moment<'_>| {
         if moment.step == 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let run = AdaptiveSimulation::of(&model)
-        .run(&[0.3], &[0.0], grid(10.0, 100), &mut ZeroTorque, &mut [], stop)
+    let run = free(&model, to(1e-9), 0.1)
+        .run_from(&[0.3], &[0.0], 100, RunOptions::new().observer(&mut stop))
         .unwrap();
-    assert_eq!((run.end, run.time, run.trajectory.len()), (AdaptiveEnd::Interrupted, 0.7, 8));
+    assert_eq!((run.interrupted, run.time, run.trajectory.len()), (true, 7.0 * 0.1, 8));
 }
 
 /// A flag ends the run between two samples, at the end of a step, which is kept: here a controller sets it when it is
@@ -267,24 +283,24 @@ fn an_interrupted_run_keeps_what_it_did() {
 #[test]
 fn a_flag_interrupts_between_samples() {
     let model = pendulum();
-    let flag = AtomicBool::new(false);
-    let simulation = AdaptiveSimulation { interrupt: Some(&flag), ..AdaptiveSimulation::of(&model) };
+    let flag = Arc::new(AtomicBool::new(false));
+    let builder = SimulationBuilder::new(&model).adaptive(to(1e-9)).interrupt(Arc::clone(&flag));
+    let mut simulation = builder.step(100.0).build().unwrap();
     let mut late = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
         tau[0] = 0.0;
         if t > 0.5 {
             flag.store(true, Ordering::Relaxed);
         }
     };
-    let times = [0.0, 100.0];
-    let run = simulation.run(&[0.3], &[0.0], times, &mut late, &mut [], go_on).unwrap();
-    assert_eq!((run.end.clone(), run.trajectory.len()), (AdaptiveEnd::Interrupted, 2), "{run:?}");
+    let run = simulation.run_from(&[0.3], &[0.0], 1, RunOptions::new().controller(&mut late)).unwrap();
+    assert_eq!((run.interrupted, run.trajectory.len()), (true, 2), "{run:?}");
     assert!(run.time > 0.4 && run.time < 2.0, "{}", run.time);
     let last = run.trajectory.sample(1);
     assert_eq!((last.time, last.q, last.v), (run.time, &run.q[..], &run.v[..]));
     assert!(run.ledger.drift() < 1e-8, "the books are of that instant: {:e}", run.ledger.drift());
     // Set from the start: no step is taken.
-    let run = simulation.run(&[0.3], &[0.0], times, &mut late, &mut [], go_on).unwrap();
-    assert_eq!((run.end, run.time, run.statistics.accepted), (AdaptiveEnd::Interrupted, 0.0, 0));
+    let run = simulation.run_from(&[0.3], &[0.0], 1, RunOptions::new().controller(&mut late)).unwrap();
+    assert_eq!((run.interrupted, run.time, statistics(&simulation).accepted), (true, 0.0, 0));
 }
 
 /// Of two pendulums on one rod the one with a hundred times the frequency is named, wherever it comes in the order.
@@ -309,14 +325,14 @@ fn the_joint_that_asks_for_short_steps_is_named() {
             robot.joints.push(joint.with_passive(passive));
         }
         let model = Model::new(robot).unwrap();
-        let bounded = AdaptiveSimulation { max_steps: 100, ..AdaptiveSimulation::of(&model) };
-        let failure =
-            bounded.run(&[0.3, 0.3], &[0.0; 2], [0.0, 9.0], &mut ZeroTorque, &mut [], go_on).unwrap_err();
-        let AdaptiveError::TooManySteps { steps, step, ref coordinate, .. } = failure.error else {
+        let mut bounded = free(&model, AdaptiveOptions { max_steps: 100, ..to(1e-9) }, 9.0);
+        let failure = bounded.run_from(&[0.3, 0.3], &[0.0; 2], 1, RunOptions::new()).unwrap_err();
+        let RunError::Step { source: MethodError::Adaptive(ref source), .. } = failure.error else {
             panic!("{failure}")
         };
+        let AdaptiveStepError::TooManySteps { steps, step, coordinate } = source else { panic!("{failure}") };
         // ω = 1e4 1/s: steps of about 1/ω.
-        assert!(steps == 100 && step > 1e-6 && step < 1e-3, "{failure}");
+        assert!(*steps == 100 && *step > 1e-6 && *step < 1e-3, "{failure}");
         assert_eq!(*coordinate, format!("spring{fast}"), "{failure}");
     }
 }
@@ -336,29 +352,28 @@ fn stiff_damping_is_integrated_implicitly() {
         robot.joints[stiff].passive.damping = 3e4 / inverse[(k, k)];
         let model = Model::new(robot).unwrap();
         let run = |method, tolerance| {
-            let simulation =
-                AdaptiveSimulation { method, tolerance, dissipation: true, ..AdaptiveSimulation::of(&model) };
-            simulation.run(&state.q, &state.v, grid(0.3, 10), &mut ZeroTorque, &mut [], go_on).unwrap()
+            let options = AdaptiveOptions { method, ..to(tolerance) };
+            let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(0.03).build().unwrap();
+            let run = simulation.run_from(&state.q, &state.v, 10, RunOptions::new()).unwrap();
+            (run, *simulation.adaptive_record().unwrap())
         };
-        let exact = run(AdaptiveMethod::Explicit, 1e-12);
+        let (exact, most) = run(AdaptiveMethod::Explicit, 1e-12);
         let mut errors = Vec::new();
         for tolerance in [1e-4, 1e-6, 1e-8] {
-            let found = run(AdaptiveMethod::Automatic, tolerance);
-            assert_eq!(found.method, AdaptiveMethod::Implicit);
+            let (found, record) = run(AdaptiveMethod::Automatic, tolerance);
+            assert_eq!(record.method, AdaptiveMethod::Implicit);
+            let steps = record.statistics;
             let error = distance(&model, (&found.q, &found.v), (&exact.q, &exact.v));
             let books = found.ledger.max_imbalance() / (1.0 + found.ledger.start().abs());
-            println!(
-                "robot {seed} {tolerance:.0e}: error {error:.1e}, books {books:.1e}, {:?}",
-                found.statistics
-            );
+            println!("robot {seed} {tolerance:.0e}: error {error:.1e}, books {books:.1e}, {steps:?}");
             // Each step is within the tolerance. In the books W and D err so, and K by the speeds' error times the momentum, which is
             // of the size of the energy here.
-            let allowed = found.statistics.accepted as f64 * tolerance;
+            let allowed = steps.accepted as f64 * tolerance;
             assert!(
                 error < allowed && books < 3.0 * allowed,
                 "robot {seed}, {tolerance:e}: {error:e}, {books:e}"
             );
-            assert!(found.statistics.accepted < exact.statistics.accepted / 5, "{:?}", exact.statistics);
+            assert!(steps.accepted < most.statistics.accepted / 5, "{most:?}");
             errors.push(error);
         }
         assert!(errors[2] < 1e-2 * errors[0], "robot {seed}: {errors:?}");
@@ -380,19 +395,17 @@ fn a_damper_of_any_stiffness_has_its_closed_form() {
     robot.joints.push(joint.with_passive(passive));
     let model = Model::new(robot).unwrap();
     let run = |method| {
-        let simulation = AdaptiveSimulation {
-            method,
-            dissipation: true,
-            max_steps: 10_000,
-            ..AdaptiveSimulation::of(&model)
-        };
-        simulation.run(&[0.5], &[0.0], [0.0, 0.5, 2.0], &mut ZeroTorque, &mut [], go_on)
+        let options = AdaptiveOptions { method, max_steps: 10_000, ..to(1e-9) };
+        let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(0.5).build().unwrap();
+        let run = simulation.run_from(&[0.5], &[0.0], 4, RunOptions::new());
+        println!("{:?}", simulation.adaptive_record());
+        run
     };
     let found = run(AdaptiveMethod::Automatic).unwrap();
-    println!("{:?} by {:?}", found.statistics, found.method);
     let fast = -0.5 * (damping + (damping * damping - 4.0 * stiffness).sqrt());
     let slow = stiffness / fast; // λ₁λ₂ = k
-    for (sample, t) in found.trajectory.iter().zip([0.0f64, 0.5, 2.0]) {
+    for (sample, t) in [0, 1, 4].map(|k| found.trajectory.sample(k)).into_iter().zip([0.0f64, 0.5, 2.0]) {
+        assert_eq!(sample.time, t);
         let exact = 0.5 * (fast * (slow * t).exp() - slow * (fast * t).exp()) / (fast - slow);
         println!("t = {t}: off by {:.1e}", sample.q[0] - exact);
         assert!((sample.q[0] - exact).abs() < 1e-8, "{t}: {} {exact}", sample.q[0]);
@@ -401,9 +414,12 @@ fn a_damper_of_any_stiffness_has_its_closed_form() {
     let left = 0.5 * stiffness * found.q[0] * found.q[0];
     assert!((found.ledger.dissipated() - (stored - left)).abs() < 1e-7 * stored);
     let failure = run(AdaptiveMethod::Explicit).unwrap_err();
-    assert!(matches!(failure.error, AdaptiveError::TooManySteps { .. }), "{failure}");
+    let RunError::Step { source: MethodError::Adaptive(ref source), .. } = failure.error else {
+        panic!("{failure}")
+    };
+    assert!(matches!(source, AdaptiveStepError::TooManySteps { .. }), "{failure}");
     // Without the damper nothing is stiff.
-    assert_eq!(AdaptiveSimulation::of(&model).method, AdaptiveMethod::Automatic);
+    assert_eq!(AdaptiveOptions::default().method, AdaptiveMethod::Automatic);
 }
 
 /// A velocity whose square still has a size, and no step: said with the coordinate, and the start is kept.
@@ -411,9 +427,7 @@ fn a_damper_of_any_stiffness_has_its_closed_form() {
 fn a_start_too_wild_for_any_step_is_refused() {
     let model = &damped_tree(7);
     let v = vec![1e120; model.nv()];
-    let failure = AdaptiveSimulation::of(model)
-        .run(&neutral(model), &v, [0.0, 1.0], &mut ZeroTorque, &mut [], go_on)
-        .unwrap_err();
+    let failure = free(model, to(1e-9), 1.0).run_from(&neutral(model), &v, 1, RunOptions::new()).unwrap_err();
     assert_eq!((failure.until.time, failure.until.trajectory.len()), (0.0, 1), "{failure}");
     let names = model.coordinate_names();
     assert!(names.iter().any(|name| failure.to_string().contains(&format!("`{name}`"))), "{failure}");
@@ -423,39 +437,35 @@ fn a_start_too_wild_for_any_step_is_refused() {
 #[test]
 fn refusals_name_what_is_wrong() {
     let model = pendulum();
-    let attempt = |simulation: AdaptiveSimulation<'_>, times: &[f64], controller: &mut dyn Controller| {
-        simulation.run(&[0.3], &[0.0], times.to_vec(), controller, &mut [], go_on).unwrap_err()
+    let attempt = |options, step, steps, controller: &mut dyn Controller| -> Box<RunFailure<MethodError>> {
+        let controlled = RunOptions::new().controller(controller);
+        free(&model, options, step).run_from(&[0.3], &[0.0], steps, controlled).unwrap_err()
     };
-    let good = AdaptiveSimulation::of(&model);
-    let failure = attempt(AdaptiveSimulation { tolerance: 1e-20, ..good }, &[0.0, 1.0], &mut ZeroTorque);
-    assert!(failure.to_string().contains("between 1e-13 and 1e-2, got 1e-20"), "{failure}");
-    let failure = attempt(good, &[0.0, 0.5, 0.4, 1.0], &mut ZeroTorque);
-    assert!(failure.to_string().contains("sample time 2 is 0.4 s, after 0.5 s"), "{failure}");
-    let failure = attempt(good, &[0.0], &mut ZeroTorque);
-    assert_eq!(failure.error, AdaptiveError::NoSpan);
-    let failure = attempt(AdaptiveSimulation { max_steps: 5, ..good }, &[0.0, 9.0], &mut ZeroTorque);
-    assert!(failure.to_string().starts_with("5 steps after the sample before came to t = "), "{failure}");
+    let good = to(1e-9);
+    let refused = SimulationBuilder::new(&model).adaptive(to(1e-20)).build().unwrap_err();
+    assert!(refused.to_string().contains("between 1e-13 and 1e-2, got 1e-20"), "{refused}");
+    let bounded = AdaptiveOptions { max_steps: 5, ..good };
+    let failure = attempt(bounded, 9.0, 1, &mut ZeroTorque);
+    assert!(failure.to_string().contains(": 5 steps after the sample before came no further: "), "{failure}");
     assert!(failure.to_string().contains("coordinate `hinge` asks for steps of "), "{failure}");
     // What the five steps came to is the last sample.
     assert!(failure.until.time > 0.0 && failure.until.trajectory.len() == 2, "{failure}");
     // The bound counts from sample to sample: ten samples lie closer than that.
-    let often: Vec<f64> = grid(1.0, 10).collect();
-    let bounded = AdaptiveSimulation { max_steps: 5, ..good };
-    let run = bounded.run(&[0.3], &[0.0], often, &mut ZeroTorque, &mut [], go_on).unwrap();
-    assert!(run.statistics.accepted > 5 && run.end == AdaptiveEnd::Finished, "{:?}", run.statistics);
+    let mut often = free(&model, bounded, 0.1);
+    let run = often.run_from(&[0.3], &[0.0], 10, RunOptions::new()).unwrap();
+    assert!(statistics(&often).accepted > 5 && run.time == 1.0, "{:?}", statistics(&often));
 
     // A torque that becomes NaN at 0.5 s: the samples until then are kept.
     let mut broken =
         |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau[0] = if t > 0.5 { f64::NAN } else { 0.1 };
-    let times: Vec<f64> = grid(1.0, 100).collect();
-    let failure = attempt(good, &times, &mut broken);
-    let AdaptiveError::NotFinite { quantity, ref coordinate, time } = failure.error else {
+    let failure = attempt(good, 0.01, 100, &mut broken);
+    let RunError::NotFinite { quantity, ref coordinate, time, .. } = failure.error else {
         panic!("{failure}")
     };
     assert!(quantity == "the controller's torque" && coordinate == "hinge", "{failure}");
     assert!((0.49..=0.5).contains(&time) && failure.until.trajectory.len() >= 45, "{failure}");
-    let held = AdaptiveSimulation { control: ControlTiming::Held { period: 0.1 }, ..good };
-    let failure = attempt(held, &times, &mut broken);
+    let held = AdaptiveOptions { control: ControlTiming::Held { period: 0.1 }, ..good };
+    let failure = attempt(held, 0.01, 100, &mut broken);
     assert!(failure.to_string().contains("torque is not finite at coordinate `hinge`, t = 0.6"), "{failure}");
 
     // A controller that fails from 0.5 s on, asked all along and once a period.
@@ -463,11 +473,11 @@ fn refusals_name_what_is_wrong() {
         tau[0] = 0.1;
         if t > 0.5 { Err("no contact to the encoder") } else { Ok(()) }
     };
-    let failure = attempt(good, &times, &mut lost);
-    let AdaptiveError::Controller { time, ref source } = failure.error else { panic!("{failure}") };
+    let failure = attempt(good, 0.01, 100, &mut lost);
+    let RunError::Controller { time, ref source, .. } = failure.error else { panic!("{failure}") };
     assert!((0.49..=0.5).contains(&time) && failure.until.trajectory.len() >= 45, "{failure}");
     assert_eq!(source.to_string(), "no contact to the encoder");
-    let failure = attempt(held, &times, &mut lost);
+    let failure = attempt(held, 0.01, 100, &mut lost);
     let message = failure.to_string();
     assert!(message.starts_with("the controller gave no torque at t = 0.6"), "{message}");
     assert!(
@@ -475,37 +485,49 @@ fn refusals_name_what_is_wrong() {
         "{message}"
     );
     for period in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let held = AdaptiveSimulation { control: ControlTiming::Held { period }, ..good };
-        let failure = attempt(held, &times, &mut ZeroTorque);
-        assert!(failure.to_string().starts_with("the control period must be positive"), "{failure}");
+        let held = AdaptiveOptions { control: ControlTiming::Held { period }, ..good };
+        let refused = SimulationBuilder::new(&model).adaptive(held).build().unwrap_err();
+        assert!(
+            matches!(refused, SimulationError::Adaptive(AdaptiveOptionsError::Period { .. })),
+            "{refused}"
+        );
+        assert!(refused.to_string().starts_with("the control period must be positive"), "{refused}");
     }
 
     // A motor that pushes the faster the faster it turns: q grows without bound in finite time.
     let mut runaway = |_: f64, _: &[f64], v: &[f64], tau: &mut [f64]| tau[0] = 10.0 * v[0] * v[0] + 1.0;
-    let failure = attempt(good, &times, &mut runaway);
+    let failure = attempt(good, 0.01, 100, &mut runaway);
     let message = failure.to_string();
     assert!(message.contains("t = 0."), "{message}");
     assert!(failure.until.trajectory.iter().all(|s| s.q[0].is_finite() && s.v[0].is_finite()));
 
-    // Coulomb friction.
+    // Coulomb friction is left out, and damping with it.
     let mut robot = pendulum().description().clone();
-    robot.joints[0].passive = PassiveForces::default().with_friction(0.1);
-    let rough = Model::new(robot).unwrap();
-    let simulation = AdaptiveSimulation { dissipation: true, ..AdaptiveSimulation::of(&rough) };
-    let failure = attempt(simulation, &[0.0, 1.0], &mut ZeroTorque);
-    assert!(failure.to_string().starts_with("coordinate `hinge` has Coulomb friction"), "{failure}");
+    robot.joints[0].passive = PassiveForces::default().with_friction(0.1).with_damping(0.1);
+    let rough = SimulationBuilder::new(&Model::new(robot).unwrap()).adaptive(good).build().unwrap();
+    assert!(rough.left_out()[0].starts_with("damping and dry friction: `adaptive`"), "{rough:?}");
+    assert!(!rough.dissipates() && rough.acting().is_empty());
 
-    let mut nothing = [Event::new("root", |_, q: &[f64], _: &[f64]| (q[0] - 0.5).sqrt())];
-    let failure = good.run(&[0.3], &[0.0], [0.0, 1.0], &mut ZeroTorque, &mut nothing, go_on).unwrap_err();
+    let watched = |event: Event<'_>, step, steps| {
+        let events = &mut [event];
+        let options = RunOptions::new().events(events);
+        free(&model, good, step).run_from(&[0.3], &[0.0], steps, options).unwrap_err()
+    };
+    let nothing = Event::new("root", |_, q: &[f64], _: &[f64]| (q[0] - 0.5).sqrt());
+    let failure = watched(nothing, 1.0, 1);
     assert_eq!(failure.to_string(), "the function of event `root` is NaN at t = 0 s");
-    let mut far = [Event::new("pole", |t, _: &[f64], _: &[f64]| if t < 0.3 { -1.0 } else { f64::INFINITY })];
-    let failure = good.run(&[0.3], &[0.0], [0.0, 1.0], &mut ZeroTorque, &mut far, go_on).unwrap_err();
+    let far = Event::new("pole", |t, _: &[f64], _: &[f64]| if t < 0.3 { -1.0 } else { f64::INFINITY });
+    let failure = watched(far, 1.0, 1);
     assert!(failure.to_string().starts_with("the function of event `pole` is inf at t = "), "{failure}");
     // The function fails at the crossing only, where the search for it looks.
-    let mut blind = [Event::new("seen", |_, q: &[f64], _: &[f64]| {
-        if (q[0] - 0.6).abs() < 1e-3 { Err("the light is off") } else { Ok(q[0] - 0.6) }
-    })];
-    let failure = good.run(&[0.3], &[0.0], times.clone(), &mut ZeroTorque, &mut blind, go_on).unwrap_err();
+    let blind =
+        Event::new(
+            "seen",
+            |_, q: &[f64], _: &[f64]| {
+                if (q[0] - 0.6).abs() < 1e-3 { Err("the light is off") } else { Ok(q[0] - 0.6) }
+            },
+        );
+    let failure = watched(blind, 0.01, 100);
     let message = failure.to_string();
     assert!(message.starts_with("the function of event `seen` failed at t = 0."), "{message}");
     assert!(message.ends_with("the light is off") && failure.until.trajectory.len() > 2, "{message}");

@@ -1,17 +1,17 @@
 //! Contact runs from bad input: each ends in an error that says what is wrong, or in finite numbers that are sound.
 
-use std::ops::ControlFlow;
-
-use dynamics::{IntegratorError, MassProperties, SplitMix64};
+use crate::dropped::{implicit_on, soft_on, stepper};
+use dynamics::{MassProperties, SplitMix64};
+use multibody::simulator::{MethodError, RunOptions};
 use multibody::{
-    ContactError, ContactPairDescription, ContactSet, Ground, Implicit, JointDescription, JointKind,
-    LinkDescription, LinkShape, Model, MujocoEuler, Pose, RobotDescription, Run, RunError, RunFailure, Shape,
-    ShapeRole, Simulation, SoftConstraints, StepForces, StepWorkspace, Stepper, ZeroTorque,
+    ContactError, ContactPairDescription, ContactSet, Ground, JointDescription, JointKind, LinkDescription,
+    LinkShape, Model, Pose, RobotDescription, Run, RunError, RunFailure, Shape, ShapeRole, StepForces,
+    StepWorkspace, Stepper,
 };
 use nalgebra::{Matrix3, Vector3};
 
 const H: f64 = 1e-3;
-type Ended = Result<Run, Box<RunFailure<IntegratorError>>>;
+type Ended = Result<Run, Box<RunFailure<MethodError>>>;
 
 /// Free bodies: mass, shape. Moments of inertia are those of a ball of 0.1 m.
 fn bodies(all: &[(f64, Shape)]) -> RobotDescription {
@@ -37,15 +37,8 @@ fn ball() -> Shape {
 
 fn run(model: &Model, ground: Ground, soft: bool, (q, v): (&[f64], &[f64]), steps: usize) -> Ended {
     let contacts = ContactSet::new(model, &[ground]).unwrap().with_links(model);
-    if soft {
-        let law = SoftConstraints::new(model, H).unwrap().with_ground(model, contacts).unwrap();
-        let simulation = Simulation::new(model, MujocoEuler::new(model, law), H).with_samples_every(0);
-        simulation.run(q, v, steps, &mut ZeroTorque, |_| ControlFlow::Continue(()))
-    } else {
-        let implicit = Implicit::new(model).with_contacts(model, contacts);
-        let simulation = Simulation::new(model, implicit, H).with_samples_every(0);
-        simulation.run(q, v, steps, &mut ZeroTorque, |_| ControlFlow::Continue(()))
-    }
+    let builder = if soft { soft_on(model, contacts, H) } else { implicit_on(model, contacts).step(H) };
+    builder.build().unwrap().run_from(q, v, steps, RunOptions::new().sample_every(0))
 }
 
 fn placed(at: &[[f64; 3]]) -> Vec<f64> {
@@ -71,9 +64,8 @@ fn a_state_that_is_no_number_is_refused() {
                 assert!(failure.to_string().contains(if at < 7 { "q" } else { "v" }), "{at}: {failure}");
             }
             let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap();
-            let law = SoftConstraints::new(&model, H).unwrap().with_ground(&model, contacts.clone()).unwrap();
-            let mut implicit = Implicit::new(&model).with_contacts(&model, contacts);
-            let mut euler = MujocoEuler::new(&model, law);
+            let mut implicit = stepper(implicit_on(&model, contacts.clone()));
+            let mut euler = stepper(soft_on(&model, contacts, H));
             let (mut workspace, none) = (StepWorkspace::new(&model), [0.0; 6]);
             let forces = StepForces::new(&none, true);
             let steps = [

@@ -1,13 +1,12 @@
 //! Limits of the angles of ball joints as stops, against closed forms.
 
+use crate::dropped::{implicit_over, run_watched, stepper};
 use dynamics::MassProperties;
 use multibody::{
-    Base, ContactSet, Ground, Implicit, JointDescription, JointKind, Limits, LinkDescription, LinkShape,
-    Model, Pose, RobotDescription, Shape, ShapeRole, StepForces, StepWorkspace, Stepper,
+    Base, Ground, JointDescription, JointKind, Limits, LinkDescription, LinkShape, Model, Pose,
+    RobotDescription, Shape, ShapeRole, StepForces, StepWorkspace, Stepper,
 };
 use nalgebra::{Matrix3, Vector3};
-
-use crate::dropped::run_watched;
 
 const G: f64 = 9.81;
 
@@ -40,11 +39,7 @@ fn a_pendulum_comes_to_rest_at_its_limit() {
     let start = 0.05_f64;
     let q = [0.6 * (0.5 * start).sin(), 0.8 * (0.5 * start).sin(), 0.0, (0.5 * start).cos()];
     for ground in [None, Some(Ground::level(-10.0))] {
-        let mut implicit = Implicit::new(&model);
-        if let Some(ground) = ground {
-            implicit = implicit.with_contacts(&model, ContactSet::new(&model, &[ground]).unwrap());
-        }
-        let run = run_watched(&model, implicit, (&q, &[0.0; 3]), (1e-3, 3000), |moment| {
+        let run = run_watched(implicit_over(&model, ground), (&q, &[0.0; 3]), (1e-3, 3000), |moment| {
             assert!(angle(moment.q) < most + 1e-8, "{}", angle(moment.q) - most);
         });
         assert!((angle(&run.q) - most).abs() < 1e-8, "{}", angle(&run.q) - most);
@@ -77,7 +72,7 @@ fn a_body_glides_along_its_limit() {
     let q = [sin, 0.0, 0.0, cos];
     let end = [sin * (rate * time).cos(), sin * (rate * time).sin(), 0.0, cos];
     let off = [(2e-3, 500), (1e-3, 1000)].map(|(h, steps)| {
-        let run = run_watched(&model, Implicit::new(&model), (&q, &v), (h, steps), |_| {});
+        let run = run_watched(implicit_over(&model, None), (&q, &v), (h, steps), |_| {});
         let norm = run.v.iter().map(|v| v * v).sum::<f64>().sqrt();
         let way = run.q.iter().zip(&end).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
         println!(
@@ -109,7 +104,7 @@ fn a_limit_between_free_bodies_keeps_their_momentum() {
         multibody::centroidal_momentum(&model, &mut multibody::Workspace::new(&model), q, v)
     };
     let start = momentum(&q, &v);
-    let mut implicit = Implicit::new(&model);
+    let mut implicit = stepper(implicit_over(&model, None));
     for _ in 0..1000 {
         implicit
             .step(&model, &mut workspace, &StepForces::new(&[0.0; 9], true), 1e-3, &mut q, &mut v)

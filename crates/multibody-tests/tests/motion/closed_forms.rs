@@ -1,14 +1,13 @@
 //! Contact runs against further closed forms: a blade, Painlevé's rod, and the cases of SimBenchmark (Hwangbo and Kang, 2018), with its
 //! measures of error.
 
+use crate::dropped::run_on;
 use dynamics::{KnifeEdge, MassProperties, PlanarBody, SplitMix64};
 use multibody::{
     Base, ContactSet, Ground, JointDescription, JointKind, LinkDescription, LinkShape, Model, Pose,
     RobotDescription, Shape, ShapeRole,
 };
 use nalgebra::{Matrix3, Vector3, vector};
-
-use crate::dropped::run_on;
 
 const G: f64 = 9.81;
 
@@ -326,7 +325,8 @@ fn rolling_at_full_size() {
 fn roll(side: usize, (h, steps): (f64, usize)) {
     use std::ops::ControlFlow;
 
-    use multibody::{ConstantTorque, Implicit, Simulation};
+    use multibody::ConstantTorque;
+    use multibody::simulator::RunOptions;
     use nalgebra::{Quaternion, UnitQuaternion};
     let (count, mass, push) = (side * side, 10.0, 150.0);
     let mut robot = balls(count, 1.0, 0.5);
@@ -356,22 +356,28 @@ fn roll(side: usize, (h, steps): (f64, usize)) {
     let rates = [each, (push - ground - n * each) / mass];
     let (mut sum, mut seen) = (0.0, 0);
     let clock = std::time::Instant::now();
-    let implicit = Implicit::new(&model).with_contacts(&model, contacts);
-    Simulation::new(&model, implicit, h)
-        .with_samples_every(0)
-        .run(&q, &vec![0.0; 6 * (count + 1)], steps, &mut ConstantTorque(tau), |moment| {
-            for (body, rate) in [(0, rates[0]), (count, rates[1])] {
-                // Linear velocity along the body's axes.
-                let turn = &moment.q[7 * body + 3..7 * body + 7];
-                let turn =
-                    UnitQuaternion::from_quaternion(Quaternion::new(turn[3], turn[0], turn[1], turn[2]));
-                let v = turn * Vector3::from_column_slice(&moment.v[6 * body..6 * body + 3]);
-                let expected = Vector3::new(direction[0], direction[1], 0.0) * (rate * moment.time);
-                sum += (v - expected).norm_squared();
-            }
-            seen += 1;
-            ControlFlow::Continue(())
-        })
+    crate::dropped::implicit_on(&model, contacts)
+        .step(h)
+        .build()
+        .unwrap()
+        .run_from(
+            &q,
+            &vec![0.0; 6 * (count + 1)],
+            steps,
+            RunOptions::new().sample_every(0).controller(&mut ConstantTorque(tau)).observer(&mut |moment| {
+                for (body, rate) in [(0, rates[0]), (count, rates[1])] {
+                    // Linear velocity along the body's axes.
+                    let turn = &moment.q[7 * body + 3..7 * body + 7];
+                    let turn =
+                        UnitQuaternion::from_quaternion(Quaternion::new(turn[3], turn[0], turn[1], turn[2]));
+                    let v = turn * Vector3::from_column_slice(&moment.v[6 * body..6 * body + 3]);
+                    let expected = Vector3::new(direction[0], direction[1], 0.0) * (rate * moment.time);
+                    sum += (v - expected).norm_squared();
+                }
+                seen += 1;
+                ControlFlow::Continue(())
+            }),
+        )
         .unwrap();
     let error = sum / f64::from(seen);
     let (time, taken) = (h * steps as f64, clock.elapsed().as_secs_f64());

@@ -5,15 +5,15 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::dropped::{body, implicit_on, run_on, stepper};
 use dynamics::{IntegratorError, SplitMix64};
+use multibody::simulator::RunOptions;
 use multibody::{
-    Base, ContactError, ContactSet, Ground, Implicit, JointKinds, LinkShape, Model, Moment, Pose,
-    RandomRobotOptions, RobotDescription, Run, Shape, ShapeRole, Simulation, StepForces, StepWorkspace,
-    Stepper, Surface, Workspace, ZeroTorque, neutral, pendulum, random_robot,
+    Base, ContactError, ContactSet, Ground, JointKinds, LinkShape, Model, Moment, Pose, RandomRobotOptions,
+    RobotDescription, Run, Shape, ShapeRole, StepForces, StepWorkspace, Stepper, Surface, Workspace, neutral,
+    pendulum, random_robot,
 };
 use nalgebra::Vector3;
-
-use crate::dropped::{body, run_on};
 
 const G: f64 = 9.81;
 
@@ -326,8 +326,8 @@ fn an_interrupted_step_can_be_taken_again() {
     let model = Model::new(brick()).unwrap();
     let contacts = || ContactSet::new(&model, &[Ground::level(0.0).with_friction(0.3)]).unwrap();
     let flag = Arc::new(AtomicBool::new(false));
-    let mut steppers = [0, 1].map(|_| Implicit::new(&model).with_contacts(&model, contacts()));
-    steppers[1] = steppers[1].clone().with_interrupt(Arc::clone(&flag));
+    let interrupted = implicit_on(&model, contacts()).interrupt(Arc::clone(&flag));
+    let mut steppers = [implicit_on(&model, contacts()), interrupted].map(stepper);
     let start = (vec![0.0, 0.0, 0.07, 0.0, 0.0, 0.0, 1.0], vec![0.5, 0.1, 0.0, 1.0, 2.0, 0.0]);
     let (mut states, mut workspace) = ([start.clone(), start], StepWorkspace::new(&model));
     let none = StepForces::new(&[0.0; 6], true);
@@ -341,12 +341,12 @@ fn an_interrupted_step_can_be_taken_again() {
             flag.store(true, Ordering::Relaxed);
             let stopped = steppers[1].step(&model, &mut workspace, &none, 1e-3, other_q, other_v);
             flag.store(false, Ordering::Relaxed);
-            assert_eq!(stopped, Err(IntegratorError::Interrupted));
+            assert_eq!(stopped, Err(IntegratorError::Interrupted.into()));
             assert_eq!((&before.0, &before.1), (&*other_q, &*other_v));
             assert_eq!(forces, steppers[1].contact_forces());
         }
         steppers[1].step(&model, &mut workspace, &none, 1e-3, other_q, other_v).unwrap();
-        touched += usize::from(steppers[0].touches().next().is_some());
+        touched += usize::from(!steppers[0].contacts().is_empty());
         assert_eq!(states[0], states[1], "step {step}");
     }
     assert!(touched > 200, "{touched}");
@@ -358,14 +358,18 @@ fn a_flag_ends_a_run() {
     let model = Model::new(brick()).unwrap();
     let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap();
     let flag = Arc::new(AtomicBool::new(false));
-    let implicit = Implicit::new(&model).with_contacts(&model, contacts).with_interrupt(Arc::clone(&flag));
-    let simulation = Simulation::new(&model, implicit, 1e-3).with_samples_every(0);
+    let mut simulation = implicit_on(&model, contacts).interrupt(Arc::clone(&flag)).build().unwrap();
     let q = [0.0, 0.0, 0.06, 0.0, 0.0, 0.0, 1.0];
     let run = simulation
-        .run(&q, &[0.0; 6], 100, &mut ZeroTorque, |moment| {
-            flag.store(moment.step == 30, Ordering::Relaxed);
-            ControlFlow::Continue(())
-        })
+        .run_from(
+            &q,
+            &[0.0; 6],
+            100,
+            RunOptions::new().sample_every(0).observer(&mut |moment| {
+                flag.store(moment.step == 30, Ordering::Relaxed);
+                ControlFlow::Continue(())
+            }),
+        )
         .unwrap();
     assert!(run.interrupted && run.steps == 30 && run.time == 0.03);
     let last = run.trajectory.sample(run.trajectory.len() - 1);

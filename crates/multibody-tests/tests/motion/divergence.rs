@@ -1,24 +1,18 @@
 //! Runs that grow without bound are called that, whatever the method, with a step that keeps them bounded.
 
-use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
 use dynamics::{Integrator, MassProperties};
 use multibody::batch::{SimulationBatch, Threads};
-use multibody::simulator::{Method, RunOptions, SimulationBuilder};
+use multibody::simulator::{Method, MethodError, RunOptions, SimulationBuilder};
 use multibody::{
-    Actuation, ActuatorDescription, Base, ConstantTorque, ControllerError, DivergenceCause, Equality,
-    EqualityDescription, Implicit, JointDescription, JointKind, LinkDescription, Model, Moment, MujocoEuler,
-    PassiveForces, Pose, RobotDescription, Run, RunError, RunFailure, Simulation, SoftConstraints,
-    Transmission, ZeroTorque,
+    ActuatorDescription, Base, ConstantTorque, ControllerError, DivergenceCause, Equality,
+    EqualityDescription, JointDescription, JointKind, LinkDescription, Model, PassiveForces, Pose,
+    RobotDescription, Run, RunError, RunFailure, Transmission,
 };
 use nalgebra::{Matrix3, Vector3};
 
-type Ended<E> = Result<Run, Box<RunFailure<E>>>;
-
-fn go_on(_: &Moment<'_>) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
+type Ended = Result<Run, Box<RunFailure<MethodError>>>;
 
 /// A finger of 3e-5 kg m² on a hinge.
 fn finger() -> RobotDescription {
@@ -37,7 +31,7 @@ fn steps_of(time: f64, h: f64) -> usize {
 }
 
 /// The run ends as grown at the hinge; with the step that the error suggests it is bounded.
-fn assert_named<E: std::error::Error + 'static>(what: &str, h: f64, of_step: impl Fn(f64) -> Ended<E>) {
+fn assert_named(what: &str, h: f64, of_step: impl Fn(f64) -> Ended) {
     let RunError::Diverged { coordinate, suggested_step, cause, time, step, .. } =
         of_step(h).unwrap_err().error
     else {
@@ -56,24 +50,15 @@ fn stiff_servos_are_named() {
     let servo = ActuatorDescription::new("servo", Transmission::joint("bend", 1.0)).servo(50.0, 1.0);
     robot.actuators.push(servo);
     let model = Model::new(robot).unwrap();
-    let actuation = Actuation::new(&model).unwrap();
     let steps = |h| steps_of(0.5, h);
-    let mujoco = |h: f64| {
-        let law = SoftConstraints::new(&model, h).unwrap();
-        let stepper = MujocoEuler::new(&model, law).with_actuation(&actuation, &[0.5]);
-        Simulation::new(&model, stepper, h).run(&[0.0], &[0.0], steps(h), &mut ZeroTorque, go_on)
-    };
-    assert_named("mujoco", 5e-3, mujoco);
-    let explicit = |h: f64| {
-        let row = Method::Fixed(Integrator::RungeKutta4);
-        let mut simulation = SimulationBuilder::new(&model).step(h).method(row).build().unwrap();
+    let by = |method: Method, h: f64| {
+        let mut simulation = SimulationBuilder::new(&model).step(h).method(method).build().unwrap();
         simulation.set_controls(&[0.5]);
         simulation.run(steps(h), RunOptions::new())
     };
-    assert_named("rk4", 5e-3, explicit);
-    let stepper = Implicit::new(&model).with_actuation(&actuation, &[0.5]);
-    let run =
-        Simulation::new(&model, stepper, 5e-3).run(&[0.0], &[0.0], 100, &mut ZeroTorque, go_on).unwrap();
+    assert_named("mujoco", 5e-3, |h| by(Method::Mujoco, h));
+    assert_named("rk4", 5e-3, |h| by(Method::Fixed(Integrator::RungeKutta4), h));
+    let run = by(Method::Implicit, 5e-3).unwrap();
     // At rest the servo carries 0.05 m · 0.1 N with 50 N m/rad.
     assert!((run.q[0] - 0.5).abs() < 2e-4, "{:?}", run.q);
 }
@@ -92,7 +77,12 @@ fn stiff_joints_are_named() {
         for row in [Integrator::SemiImplicitEuler, Integrator::RungeKutta4] {
             assert_named(&format!("{row} {passive:?}"), 5e-3, |h| {
                 let steps = steps_of(2.0, h);
-                Simulation::new(&model, row, h).run(&[0.1], &[1e-3], steps, &mut ZeroTorque, go_on)
+                SimulationBuilder::new(&model).method(Method::Fixed(row)).step(h).build().unwrap().run_from(
+                    &[0.1],
+                    &[1e-3],
+                    steps,
+                    RunOptions::new(),
+                )
             });
         }
     }
@@ -104,11 +94,9 @@ fn what_no_step_explains_is_said() {
     let mut robot = finger();
     robot.joints[0].passive = PassiveForces::default().with_damping(-1.0);
     let model = Model::new(robot).unwrap();
-    let ended = |stepper: Implicit| {
-        Simulation::new(&model, stepper, 1e-3).run(&[0.0], &[1e-3], 100_000, &mut ZeroTorque, go_on)
-    };
-    let RunError::Diverged { suggested_step, cause, .. } = ended(Implicit::new(&model)).unwrap_err().error
-    else {
+    let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).build().unwrap();
+    let failure = simulation.run_from(&[0.0], &[1e-3], 100_000, RunOptions::new()).unwrap_err();
+    let RunError::Diverged { suggested_step, cause, .. } = failure.error else {
         panic!("another error");
     };
     assert_eq!((suggested_step, cause), (1e-4, DivergenceCause::Unknown));
@@ -125,9 +113,13 @@ fn fast_tumbling_is_named() {
     robot.links.push(LinkDescription::new("body", mass));
     let model = Model::new(robot).unwrap();
     let ended = |h: f64, steps: usize| {
-        let stepper = MujocoEuler::new(&model, SoftConstraints::new(&model, h).unwrap());
         let (q, v) = ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0, 1000.0, 1.0]);
-        Simulation::new(&model, stepper, h).run(&q, &v, steps, &mut ZeroTorque, go_on)
+        SimulationBuilder::new(&model).method(Method::Mujoco).step(h).build().unwrap().run_from(
+            &q,
+            &v,
+            steps,
+            RunOptions::new(),
+        )
     };
     let RunError::Diverged { suggested_step, cause, .. } = ended(1e-3, 10_000).unwrap_err().error else {
         panic!("another error");
@@ -143,8 +135,12 @@ fn fast_tumbling_is_named() {
 fn inputs_that_are_not_finite_are_no_growth() {
     let model = Model::new(finger()).unwrap();
     let mut torque = ConstantTorque(vec![f64::NAN]);
-    let ended =
-        Simulation::new(&model, Integrator::RungeKutta4, 1e-3).run(&[0.0], &[0.0], 10, &mut torque, go_on);
+    let ended = SimulationBuilder::new(&model)
+        .method(Method::Fixed(Integrator::RungeKutta4))
+        .step(1e-3)
+        .build()
+        .unwrap()
+        .run_from(&[0.0], &[0.0], 10, RunOptions::new().controller(&mut torque));
     assert!(!matches!(ended.unwrap_err().error, RunError::Diverged { .. }));
 }
 
@@ -180,13 +176,8 @@ fn implicit_runs_under_a_stiff_controller_are_named() {
         tau[0] = -400.0 * q[0] - 0.1 * v[0];
         Ok(())
     };
-    let ended = Simulation::new(&model, Implicit::new(&model), 5e-3).run(
-        &[0.1],
-        &[0.0],
-        2000,
-        &mut controller,
-        go_on,
-    );
+    let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).step(5e-3).build().unwrap();
+    let ended = simulation.run_from(&[0.1], &[0.0], 2000, RunOptions::new().controller(&mut controller));
     let error = ended.unwrap_err().error;
     assert!(matches!(&error, RunError::Diverged { coordinate, .. } if coordinate == "bend"), "{error}");
     let said = error.to_string();
@@ -200,15 +191,17 @@ fn adaptive_runs_are_named() {
     let mut robot = finger();
     robot.joints[0].passive = PassiveForces::default().with_damping(-1e-3);
     let model = Model::new(robot).unwrap();
-    let simulation =
-        multibody::AdaptiveSimulation { dissipation: true, ..multibody::AdaptiveSimulation::of(&model) };
-    let ended = simulation.run(&[0.0], &[1e-3], [0.0, 1000.0], &mut ZeroTorque, &mut [], go_on);
-    let error = ended.unwrap_err().error;
-    let multibody::AdaptiveError::Diverged { coordinate, speed, time, step } = &error else {
+    let options = multibody::AdaptiveOptions::default();
+    let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(1000.0).build().unwrap();
+    let error = simulation.run_from(&[0.0], &[1e-3], 1, RunOptions::new()).unwrap_err().error;
+    let RunError::Step { time, source: MethodError::Adaptive(ref source), .. } = error else {
         panic!("{error}")
     };
-    assert!(coordinate == "bend" && speed.abs() * step > 1e8 && (0.1..100.0).contains(time), "{error}");
-    assert!(error.to_string().starts_with("the motion grows without bound: `bend`"), "{error}");
+    let multibody::AdaptiveStepError::Diverged { coordinate, speed, step } = source else {
+        panic!("{error}")
+    };
+    assert!(coordinate == "bend" && speed.abs() * step > 1e8 && (0.1..100.0).contains(&time), "{error}");
+    assert!(source.to_string().starts_with("the motion grows without bound: `bend`"), "{error}");
 }
 
 /// A state of a batch that grows is bad, and the run of that state says why.

@@ -3,9 +3,10 @@
 use std::ops::ControlFlow;
 
 use dynamics::MassProperties;
+use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder, SimulationStepper};
 use multibody::{
-    Base, ContactSet, Implicit, LinkDescription, LinkShape, Model, Moment, Pose, RobotDescription, Run,
-    Shape, ShapeRole, Simulation, ZeroTorque,
+    Base, ContactSet, Ground, LinkDescription, LinkShape, Model, Moment, Pose, RobotDescription, Run, Shape,
+    ShapeRole,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -19,20 +20,42 @@ pub(crate) fn body(moment: f64, shape: Shape) -> RobotDescription {
     robot
 }
 
+/// Implicit steps with these contacts.
+pub(crate) fn implicit_on(model: &Model, contacts: ContactSet) -> SimulationBuilder<'static> {
+    SimulationBuilder::new(model).method(Method::Implicit).contacts(contacts)
+}
+
+/// Implicit steps with this ground and no contact between links, or without contact.
+pub(crate) fn implicit_over(model: &Model, ground: Option<Ground>) -> SimulationBuilder<'static> {
+    match ground {
+        Some(ground) => implicit_on(model, ContactSet::new(model, &[ground]).unwrap()),
+        None => SimulationBuilder::new(model).method(Method::Implicit).without(Effect::Contacts),
+    }
+}
+
+/// Steps by MuJoCo's law of h with these contacts.
+pub(crate) fn soft_on(model: &Model, contacts: ContactSet, h: f64) -> SimulationBuilder<'static> {
+    SimulationBuilder::new(model).method(Method::Mujoco).contacts(contacts).step(h)
+}
+
+/// What takes the steps, for steps from states of one's own.
+pub(crate) fn stepper(builder: SimulationBuilder<'_>) -> SimulationStepper {
+    builder.build().unwrap().stepper()
+}
+
 /// A run of so many steps of h.
 pub(crate) fn run_watched(
-    model: &Model,
-    implicit: Implicit,
+    builder: SimulationBuilder<'_>,
     (q, v): (&[f64], &[f64]),
     (h, steps): (f64, usize),
     mut watch: impl FnMut(&Moment<'_>),
 ) -> Run {
-    let simulation = Simulation::new(model, implicit, h).with_samples_every(0);
-    let observer = |moment: &Moment<'_>| {
+    let mut simulation = builder.step(h).build().unwrap();
+    let mut observer = |moment: &Moment<'_>| {
         watch(moment);
         ControlFlow::Continue(())
     };
-    simulation.run(q, v, steps, &mut ZeroTorque, observer).unwrap()
+    simulation.run_from(q, v, steps, RunOptions::new().sample_every(0).observer(&mut observer)).unwrap()
 }
 
 /// The same with these contacts.
@@ -43,5 +66,5 @@ pub(crate) fn run_on(
     steps: (f64, usize),
     watch: impl FnMut(&Moment<'_>),
 ) -> Run {
-    run_watched(model, Implicit::new(model).with_contacts(model, contacts), state, steps, watch)
+    run_watched(implicit_on(model, contacts), state, steps, watch)
 }

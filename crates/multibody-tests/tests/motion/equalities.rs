@@ -1,24 +1,21 @@
 //! Equalities in implicit steps: against the explicit constrained run, closed forms, and robots in which a joint does the same.
 
-use std::ops::ControlFlow;
-
+use crate::dropped::{implicit_on, implicit_over, run_watched, stepper};
 use dynamics::{IntegratorError, KnifeEdge, MassProperties, PlanarBody, SplitMix64};
+use multibody::simulator::{Method, MethodError, RunOptions, SimulationBuilder};
 use multibody::{
-    Base, Closure, ClosureRow, ConstrainedSimulation, Constraint, ConstraintOptions, ConstraintSet,
-    ContactSet, Coupling, Ground, Implicit, JointDescription, JointKind, Limits, LinkDescription, LinkShape,
-    Model, Moment, NoSlip, PassiveForces, PolynomialCoupling, Pose, RandomRobotOptions, RobotDescription,
-    RollingDisc, Run, RunError, Shape, ShapeRole, Simulation, StepForces, StepWorkspace, Stepper, Workspace,
-    ZeroTorque, admm, constraint_drift, difference, neutral, project_position, project_velocity,
-    random_robot, random_state,
+    Base, Closure, ClosureRow, Constraint, ConstraintOptions, ConstraintSet, ContactSet, Coupling,
+    DriftCorrection, Ground, JointDescription, JointKind, Limits, LinkDescription, LinkShape, Model, Moment,
+    NoSlip, PassiveForces, PolynomialCoupling, Pose, RandomRobotOptions, RobotDescription, RollingDisc, Run,
+    RunError, Shape, ShapeRole, StepForces, StepWorkspace, Stepper, Workspace, admm, constraint_drift,
+    difference, neutral, project_position, project_velocity, random_robot, random_state,
 };
 use nalgebra::{Matrix3, Vector3, vector};
 
-use crate::dropped::run_watched;
-
 const G: f64 = 9.81;
 
-fn held(model: &Model, set: &ConstraintSet) -> Implicit {
-    Implicit::new(model).with_constraints(model, set)
+fn held(model: &Model, set: &ConstraintSet) -> SimulationBuilder<'static> {
+    implicit_over(model, None).constraints(set.clone())
 }
 
 /// The largest difference of two states.
@@ -107,18 +104,19 @@ fn loops_keep_the_order_2() {
     all.extend((0..12).filter_map(|seed| Some((format!("robot {seed}"), random_loops(seed)?))));
     for (name, (model, set, q, v)) in &all {
         let time = 0.2;
-        let Ok(expected) = ConstrainedSimulation::new(model, set, time / 1000.0).with_samples_every(0).run(
-            q,
-            v,
-            1000,
-            &mut ZeroTorque,
-            |_| ControlFlow::Continue(()),
-        ) else {
+        let Ok(expected) = SimulationBuilder::new(model)
+            .method(Method::Fixed(ConstraintOptions::default().integrator))
+            .constraints(set.clone())
+            .step(time / 1000.0)
+            .constraint_options(ConstraintOptions::default(), DriftCorrection::default())
+            .build()
+            .unwrap()
+            .run_from(q, v, 1000, RunOptions::new().sample_every(0))
+        else {
             continue;
         };
-        let expected = expected.motion;
         let error = |steps: usize| {
-            let run = run_watched(model, held(model, set), (q, v), (time / steps as f64, steps), |_| {});
+            let run = run_watched(held(model, set), (q, v), (time / steps as f64, steps), |_| {});
             let drift = constraint_drift(model, &mut Workspace::new(model), set, &run.q, &run.v);
             assert!(drift.position < 1e-11, "{name}: {drift:?}");
             let off = apart(model, (&expected.q, &expected.v), (&run.q, &run.v));
@@ -167,16 +165,10 @@ fn a_gear_beside_stops_friction_and_ground() {
     let masses = [1.0, 2.0];
     let total = masses[0] + masses[1];
     for ground in [None, Some(Ground::level(-100.0))] {
-        let make = |model: &Model, set: &ConstraintSet| {
-            let implicit = held(model, set);
-            match ground {
-                Some(ground) => implicit.with_contacts(model, ContactSet::new(model, &[ground]).unwrap()),
-                None => implicit,
-            }
-        };
+        let make = |model: &Model, set: &ConstraintSet| implicit_over(model, ground).constraints(set.clone());
         let a = (masses[1] - masses[0]) / total * G;
         let (model, set) = hoist(masses, PassiveForces::default(), Limits::default());
-        let run = run_watched(&model, make(&model, &set), (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |moment| {
+        let run = run_watched(make(&model, &set), (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |moment| {
             assert!((moment.q[0] + moment.q[1]).abs() < 1e-12, "{:?}", moment.q);
         });
         assert!(
@@ -190,12 +182,12 @@ fn a_gear_beside_stops_friction_and_ground() {
             "{:?}",
             run.ledger
         );
-        let mut implicit = make(&model, &set);
+        let mut implicit = stepper(make(&model, &set));
         let (mut q, mut v, mut workspace) = ([0.0; 2], [0.0; 2], StepWorkspace::new(&model));
         for _ in 0..3 {
             let none = StepForces::new(&[0.0; 2], true);
             implicit.step(&model, &mut workspace, &none, 1e-3, &mut q, &mut v).unwrap();
-            let all: Vec<(&str, f64)> = implicit.constraint_forces().collect();
+            let all: Vec<(&str, f64)> = implicit.constraint_forces();
             let expected = 2.0 * masses[0] * masses[1] / total * G;
             assert_eq!(all.len(), 1);
             // The first step knows no force before it, and its row yields by 1e-10.
@@ -203,7 +195,7 @@ fn a_gear_beside_stops_friction_and_ground() {
         }
 
         let (model, set) = hoist(masses, PassiveForces::default(), Limits::new(-1.0, 0.4));
-        let run = run_watched(&model, make(&model, &set), (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |_| {});
+        let run = run_watched(make(&model, &set), (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |_| {});
         // What comes to rest within 1e-6 of a stop goes there with a time constant of 0.1 s, of which five have passed.
         assert!((run.q[0] - 0.4).abs() < 1e-8 && (run.q[0] + run.q[1]).abs() < 1e-12, "{:?}", run.q);
         assert!(run.v.iter().all(|v| v.abs() < 1e-7), "{:?}", run.v);
@@ -218,7 +210,7 @@ fn a_gear_beside_stops_friction_and_ground() {
         let with = |part: f64| {
             let passive = PassiveForces::default().with_friction(0.5 * part * difference);
             let (model, set) = hoist(masses, passive, Limits::default());
-            run_watched(&model, make(&model, &set), (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |_| {})
+            run_watched(make(&model, &set), (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |_| {})
         };
         let (sticks, slides) = (with(1.001), with(0.5));
         assert!(sticks.q.iter().chain(&sticks.v).all(|x| x.abs() < 1e-12), "{:?} {:?}", sticks.q, sticks.v);
@@ -239,7 +231,7 @@ fn a_ring_against_its_stop() {
     let [a, b] = ["a", "b"].map(|frame| model.frame(frame).unwrap());
     let set = ConstraintSet::new(&model, [("pin", Closure::between(a, b, &Closure::BALL).into())]).unwrap();
     let mut most = f64::NEG_INFINITY;
-    let run = run_watched(&model, held(&model, &set), (&q, &[0.0; 3]), (1e-3, 5000), |moment| {
+    let run = run_watched(held(&model, &set), (&q, &[0.0; 3]), (1e-3, 5000), |moment| {
         most = most.max(moment.q[2]);
         let drift = constraint_drift(&model, &mut Workspace::new(&model), &set, moment.q, moment.v);
         assert!(drift.position < 1e-11, "{drift:?}");
@@ -301,10 +293,11 @@ fn a_weld_is_one_body() {
     both_v.extend([v[0] + v[4] * 0.25, v[1] - v[3] * 0.25, v[2], v[3], v[4], v[5]]);
     let (h, mut flight, mut ends) = (1e-3, Vec::new(), Vec::new());
     let note = |list: &mut Vec<Vec<f64>>, moment: &Moment<'_>| list.push(moment.q[..7].to_vec());
-    let alone = Implicit::new(&one).with_contacts(&one, contacts(&one));
-    let alone = run_watched(&one, alone, (&q, &v), (h, 3000), |moment| note(&mut flight, moment));
-    let welded = held(&two, &set).with_contacts(&two, contacts(&two));
-    let run = run_watched(&two, welded, (&both_q, &both_v), (h, 3000), |moment| note(&mut ends, moment));
+    let alone = run_watched(implicit_on(&one, contacts(&one)), (&q, &v), (h, 3000), |moment| {
+        note(&mut flight, moment);
+    });
+    let welded = implicit_on(&two, contacts(&two)).constraints(set.clone());
+    let run = run_watched(welded, (&both_q, &both_v), (h, 3000), |moment| note(&mut ends, moment));
     // In the air, and through the first impact.
     for step in [0, 100, 150] {
         let off = flight[step].iter().zip(&ends[step]).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
@@ -329,8 +322,8 @@ fn the_alternating_method_agrees_with_equalities() {
     let [top, high] = ["top", "high"].map(|frame| model.frame(frame).unwrap());
     let set =
         ConstraintSet::new(&model, [("pin", Closure::between(top, high, &Closure::BALL).into())]).unwrap();
-    let mut implicit =
-        held(&model, &set).with_contacts(&model, ContactSet::new(&model, &[Ground::level(0.0)]).unwrap());
+    let over = implicit_over(&model, Some(Ground::level(0.0)));
+    let mut implicit = stepper(over.constraints(set));
     let mut q = vec![0.0, 0.0, 0.08, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.33, 0.0, 0.0, 0.0, 1.0];
     let mut v = vec![0.5, 0.2, 0.0, 0.0, 0.0, 0.0, 0.5, 0.2, 0.0, 0.3, 0.2, 0.5];
     let (mut workspace, mut compared, mut unsettled) = (StepWorkspace::new(&model), 0, 0);
@@ -376,14 +369,14 @@ fn a_blade_by_a_row_without_position() {
     let speed = v0 - a_g / w * (1.0 - cos);
     let off = [(4e-3, 250), (2e-3, 500)].map(|(h, steps)| {
         let (mut q, mut v) = (neutral(&model), vec![v0, 0.0, w]);
-        let (mut implicit, mut workspace) = (held(&model, &set), StepWorkspace::new(&model));
+        let (mut implicit, mut workspace) = (stepper(held(&model, &set)), StepWorkspace::new(&model));
         for _ in 0..steps {
             let none = StepForces::new(&[0.0; 3], true);
             implicit.step(&model, &mut workspace, &none, h, &mut q, &mut v).unwrap();
         }
         let qd = KnifeEdge::velocity(&vector![x, y, w * time], speed, w);
         let side = edge.side_force(&vector![x, y, w * time], &qd, &vector![0.0, 0.0, 0.0]);
-        let (name, force) = implicit.constraint_forces().next().unwrap();
+        let (name, force) = implicit.constraint_forces()[0];
         assert_eq!(name, "blade.y");
         println!("h = {h}: way off {:e}, force off {:e}", (q[0] - x).hypot(q[1] - y), force + side);
         // The row is along the body's y, the side force against it.
@@ -411,13 +404,17 @@ fn a_coin_rolls() {
     let (workspace, options) = (&mut Workspace::new(&model), ConstraintOptions::default());
     project_position(&model, workspace, &set, &options, 1e-13, &mut q).unwrap();
     project_velocity(&model, workspace, &set, &options, &q, &mut v).unwrap();
-    let expected = ConstrainedSimulation::new(&model, &set, 1e-4)
-        .with_samples_every(0)
-        .run(&q, &v, 5000, &mut ZeroTorque, |_| ControlFlow::Continue(()))
+    let expected = SimulationBuilder::new(&model)
+        .method(Method::Fixed(ConstraintOptions::default().integrator))
+        .constraints(set.clone())
+        .step(1e-4)
+        .constraint_options(ConstraintOptions::default(), DriftCorrection::default())
+        .build()
         .unwrap()
-        .motion;
+        .run_from(&q, &v, 5000, RunOptions::new().sample_every(0))
+        .unwrap();
     let error = |h: f64, steps: usize| {
-        let run = run_watched(&model, held(&model, &set), (&q, &v), (h, steps), |_| {});
+        let run = run_watched(held(&model, &set), (&q, &v), (h, steps), |_| {});
         apart(&model, (&expected.q, &expected.v), (&run.q, &run.v))
     };
     let (coarse, fine) = (error(1e-3, 500), error(5e-4, 1000));
@@ -429,7 +426,7 @@ fn a_coin_rolls() {
 #[test]
 fn rows_that_say_the_same_are_left_out() {
     let (model, set, q) = four_bars(0.6);
-    let once = run_watched(&model, held(&model, &set), (&q, &[0.0; 3]), (1e-3, 500), |_| {});
+    let once = run_watched(held(&model, &set), (&q, &[0.0; 3]), (1e-3, 500), |_| {});
     let mut robot = model.description().clone();
     // An axis off by what six digits leave.
     robot.joints[2].parent_from_joint = Pose::from_xyz_rpy([0.5, 0.0, 0.0], [1e-7, 0.0, 1e-7]);
@@ -437,15 +434,15 @@ fn rows_that_say_the_same_are_left_out() {
     let [a, b] = ["a", "b"].map(|frame| model.frame(frame).unwrap());
     let pin = || Closure::between(a, b, &Closure::BALL).into();
     let set = ConstraintSet::new(&model, [("pin", pin()), ("again", pin())]).unwrap();
-    let twice = run_watched(&model, held(&model, &set), (&q, &[0.0; 3]), (1e-3, 500), |_| {});
+    let twice = run_watched(held(&model, &set), (&q, &[0.0; 3]), (1e-3, 500), |_| {});
     let off = apart(&model, (&once.q, &once.v), (&twice.q, &twice.v));
     assert!(off < 1e-5 && once.v[0].abs() > 0.1, "{off} {:?}", once.v);
-    let mut implicit = held(&model, &set);
+    let mut implicit = stepper(held(&model, &set));
     let (mut q, mut v) = (q, vec![0.0; 3]);
     let none = StepForces::new(&[0.0; 3], true);
     implicit.step(&model, &mut StepWorkspace::new(&model), &none, 1e-3, &mut q, &mut v).unwrap();
-    let zero = implicit.constraint_forces().filter(|(_, force)| *force == 0.0).count();
-    assert_eq!(zero, 4, "{:?}", implicit.constraint_forces().collect::<Vec<_>>());
+    let zero = implicit.constraint_forces().iter().filter(|(_, force)| *force == 0.0).count();
+    assert_eq!(zero, 4, "{:?}", implicit.constraint_forces());
 }
 
 /// A run refuses a start that is off, by the row's name; a single step takes it and brings it back over 0.1 s.
@@ -453,11 +450,13 @@ fn rows_that_say_the_same_are_left_out() {
 fn a_start_off_the_loop() {
     let (model, set, mut q) = four_bars(0.6);
     q[2] += 0.01;
-    let simulation = Simulation::new(&model, held(&model, &set), 1e-3);
     let failure: Result<Run, _> =
-        simulation.run(&q, &[0.0; 3], 10, &mut ZeroTorque, |_| ControlFlow::Continue(()));
+        held(&model, &set).build().unwrap().run_from(&q, &[0.0; 3], 10, RunOptions::new());
     match failure.unwrap_err().error {
-        RunError::Step { source: IntegratorError::OffConstraint { quantity, name, error }, .. } => {
+        RunError::Step {
+            source: MethodError::Integrator(IntegratorError::OffConstraint { quantity, name, error }),
+            ..
+        } => {
             assert!(quantity == "position" && name.starts_with("pin.") && error > 1e-4, "{name} {error}");
         }
         other => panic!("{other:?}"),
@@ -465,7 +464,7 @@ fn a_start_off_the_loop() {
     let drift =
         |q: &[f64]| constraint_drift(&model, &mut Workspace::new(&model), &set, q, &[0.0; 3]).position;
     let (start, mut v) = (drift(&q), vec![0.0; 3]);
-    let (mut implicit, mut workspace) = (held(&model, &set), StepWorkspace::new(&model));
+    let (mut implicit, mut workspace) = (stepper(held(&model, &set)), StepWorkspace::new(&model));
     for _ in 0..100 {
         implicit
             .step(&model, &mut workspace, &StepForces::new(&[0.0; 3], true), 1e-3, &mut q, &mut v)

@@ -1,16 +1,12 @@
 //! Contact with height fields against half-spaces, closed forms and laws.
 
 use std::f64::consts::{FRAC_PI_4, FRAC_PI_6};
-use std::ops::ControlFlow;
 
+use crate::dropped::{body, implicit_on, run_on, soft_on};
 use dynamics::SplitMix64;
-use multibody::{
-    ContactError, ContactSet, Ground, HeightField, Implicit, Model, MujocoEuler, Pose, Shape, Simulation,
-    SoftConstraints, Surface, Workspace, ZeroTorque,
-};
+use multibody::simulator::RunOptions;
+use multibody::{ContactError, ContactSet, Ground, HeightField, Model, Pose, Shape, Surface, Workspace};
 use nalgebra::Vector3;
-
-use crate::dropped::{body, run_on};
 
 const G: f64 = 9.81;
 
@@ -145,9 +141,10 @@ fn a_block_slides_as_the_surfaces_say() {
         let speed = |v: &[f64]| Vector3::from_row_slice(&v[..3]).norm();
         let rigid = run_on(&model, contacts(), (&q, &[0.0; 6]), (1e-3, 500), |_| {});
         assert!((speed(&rigid.v) - 0.5 * expected).abs() < 1e-9, "{friction}: {:?}", rigid.v);
-        let soft = SoftConstraints::new(&model, 1e-3).unwrap().with_ground(&model, contacts()).unwrap();
-        let run = Simulation::new(&model, MujocoEuler::new(&model, soft), 1e-3)
-            .run(&q, &[0.0; 6], 500, &mut ZeroTorque, |_| ControlFlow::Continue(()))
+        let run = soft_on(&model, contacts(), 1e-3)
+            .build()
+            .unwrap()
+            .run_from(&q, &[0.0; 6], 500, RunOptions::new())
             .unwrap();
         // It sinks first, and creeps where it sticks.
         assert!((speed(&run.v) - 0.5 * expected).abs() < 2e-2, "{friction}, MuJoCo's law: {:?}", run.v);
@@ -163,21 +160,15 @@ fn a_ball_settles_in_a_valley() {
         let contacts = || set(&model, &[]).with_height_field(&valley(angle).with_friction(0.3)).unwrap();
         let high = radius / angle.cos();
         let q = [0.03, 0.05, high + 0.1, 0.0, 0.0, 0.0, 1.0];
-        let implicit = Implicit::new(&model).with_contacts(&model, contacts());
-        let simulation = Simulation::new(&model, implicit, 1e-3).with_samples_every(0);
-        let end =
-            simulation.run(&q, &[0.0; 6], 6000, &mut ZeroTorque, |_| ControlFlow::Continue(())).unwrap();
+        let mut simulation = implicit_on(&model, contacts()).build().unwrap();
+        let end = simulation.run_from(&q, &[0.0; 6], 6000, RunOptions::new().sample_every(0)).unwrap();
         assert!(end.q[0].abs() < 1e-9 && (end.q[2] - high).abs() < 1e-9, "{angle}: {:?}", end.q);
         assert!(end.v.iter().all(|v| v.abs() < 1e-9), "{angle}: {:?}", end.v);
         let [x, y, z] = end.contact_forces[0];
         assert!(x.abs() < 1e-6 && y.abs() < 1e-6 && (z - G).abs() < 1e-6, "{angle}: {x} {y} {z}");
 
-        let soft = SoftConstraints::new(&model, 1e-3).unwrap();
-        let soft = soft.with_ground(&model, contacts()).unwrap();
-        let euler = MujocoEuler::new(&model, soft);
-        let simulation = Simulation::new(&model, euler, 1e-3).with_samples_every(0);
-        let end =
-            simulation.run(&q, &[0.0; 6], 6000, &mut ZeroTorque, |_| ControlFlow::Continue(())).unwrap();
+        let mut simulation = soft_on(&model, contacts(), 1e-3).build().unwrap();
+        let end = simulation.run_from(&q, &[0.0; 6], 6000, RunOptions::new().sample_every(0)).unwrap();
         assert!((end.q[2] - high).abs() < 5e-3, "{angle}: {:?}", end.q);
     }
 }

@@ -1,24 +1,18 @@
 //! Stiff damping, springs, dry friction and stops in one step: orders, closed forms, bounds, books.
 
-use std::ops::ControlFlow;
-
 use crate::common::damped_tree;
 use dynamics::{Integrator, MassProperties, SplitMix64};
+use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder};
 use multibody::{
-    Actuation, ActuatorDescription, ConstantTorque, Implicit, JointDescription, JointKind, Limits,
-    LinkDescription, Mimic, Model, Moment, PassiveForces, Pose, RandomRobotOptions, RobotDescription, Run,
-    Simulation, StepForces, StepWorkspace, Stepper, TendonDescription, Transmission, ZeroTorque, difference,
-    pendulum, random_robot, random_state, step,
+    ActuatorDescription, ConstantTorque, Implicit, JointDescription, JointKind, Limits, LinkDescription,
+    Mimic, Model, PassiveForces, Pose, RandomRobotOptions, RobotDescription, Run, StepForces, StepWorkspace,
+    Stepper, TendonDescription, Transmission, difference, pendulum, random_robot, random_state, step,
 };
 use nalgebra::{Matrix3, Vector3};
 
-fn go_on(_: &Moment<'_>) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
 fn let_go(model: &Model, q: &[f64], v: &[f64], h: f64, steps: usize) -> Run {
-    let simulation = Simulation::new(model, Implicit::new(model), h).with_samples_every(0);
-    simulation.run(q, v, steps, &mut ZeroTorque, go_on).unwrap()
+    let mut simulation = SimulationBuilder::new(model).method(Method::Implicit).step(h).build().unwrap();
+    simulation.run_from(q, v, steps, RunOptions::new().sample_every(0)).unwrap()
 }
 
 /// A sled of mass m on a straight rail, its direction and passive forces given.
@@ -140,8 +134,12 @@ fn stops_stop() {
     // Within the step in which it arrives it may stop short of it.
     assert!(run.q[0] <= 0.5 && run.q[0] > 0.5 - 3e-3 && run.v[0] == 0.0, "{:?} {:?}", run.q, run.v);
     assert!((run.ledger.dissipated() - 9.0).abs() < 1e-12, "{:?}", run.ledger);
-    let free = Simulation::new(&model, Implicit::new(&model).without_stops(), 1e-3)
-        .run(&[0.0], &[3.0], 1000, &mut ZeroTorque, go_on)
+    let free = SimulationBuilder::new(&model)
+        .method(Method::Implicit)
+        .without(Effect::Limits)
+        .build()
+        .unwrap()
+        .run_from(&[0.0], &[3.0], 1000, RunOptions::new())
         .unwrap();
     assert!((free.q[0] - 3.0).abs() < 1e-12);
 }
@@ -263,8 +261,8 @@ fn damping_moves_what_has_no_inertia() {
     robot.joints[0].passive.damping = 0.0;
     robot.joints[0].passive.stiffness = 0.0;
     let model = Model::new(robot).unwrap();
-    let simulation = Simulation::new(&model, Implicit::new(&model), 1e-3);
-    let failure = simulation.run(&[0.0], &[0.0], 10, &mut ZeroTorque, go_on).unwrap_err();
+    let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).step(1e-3).build().unwrap();
+    let failure = simulation.run_from(&[0.0], &[0.0], 10, RunOptions::new()).unwrap_err();
     assert!(failure.to_string().contains("hinge"), "{failure}");
 }
 
@@ -298,12 +296,12 @@ fn drives_are_implicit() {
             Model::new(robot).unwrap()
         };
         let run = |model: &Model, h: f64, steps: usize| {
-            let actuation = Actuation::new(model).unwrap();
-            let implicit =
-                Implicit::new(model).with_actuation(&actuation, &vec![0.2; actuation.control_count()]);
             let state = random_state(model, &mut SplitMix64::new(seed));
-            let simulation = Simulation::new(model, implicit, h).with_samples_every(0);
-            simulation.run(&state.q, &state.v, steps, &mut ZeroTorque, go_on).unwrap()
+            let mut simulation =
+                SimulationBuilder::new(model).method(Method::Implicit).step(h).build().unwrap();
+            let controls = vec![0.2; simulation.control_names().count()];
+            simulation.set_controls(&controls);
+            simulation.run_from(&state.q, &state.v, steps, RunOptions::new().sample_every(0)).unwrap()
         };
         let soft = driven(1.0);
         let (coarse, fine) = (run(&soft, 1e-3, 500), run(&soft, 5e-4, 1000));
@@ -348,10 +346,18 @@ fn a_stiff_cable_acts_along_itself_alone() {
     cable.passive = PassiveForces::default().with_spring(1e8, 0.0).with_damping(1e5);
     robot.tendons.push(cable);
     let model = Model::new(robot).unwrap();
-    let implicit = Implicit::new(&model).with_actuation(&Actuation::new(&model).unwrap(), &[]);
     let (h, steps) = (1e-3, 500);
-    let run = Simulation::new(&model, implicit, h)
-        .run(&[0.0; 3], &[0.0; 3], steps, &mut ConstantTorque(tau.to_vec()), go_on)
+    let run = SimulationBuilder::new(&model)
+        .method(Method::Implicit)
+        .step(h)
+        .build()
+        .unwrap()
+        .run_from(
+            &[0.0; 3],
+            &[0.0; 3],
+            steps,
+            RunOptions::new().controller(&mut ConstantTorque(tau.to_vec())),
+        )
         .unwrap();
     let t = h * steps as f64;
     for n in [[2.0, 1.0, 0.0], [0.0, 1.0, 4.0], [1.0, 0.0, -2.0]] {

@@ -1,12 +1,13 @@
 //! A and B by differences against the exact ones of explicit rows, and, through contact, against closed forms.
 
 use crate::common::{Robot, families};
-use crate::dropped::body;
+use crate::dropped::{body, implicit_on, soft_on, stepper};
 use dynamics::{Integrator, MassProperties};
+use multibody::simulator::SimulationStepper;
 use multibody::{
-    Base, CallbackError, ContactSet, DifferenceError, Ground, Implicit, LinearizeStepWorkspace,
-    LinkDescription, LinkShape, Model, MujocoEuler, Pose, RobotDescription, Shape, ShapeRole,
-    SoftConstraints, StepForces, StepWorkspace, Stepper, linearize_by_differences, linearize_step, pendulum,
+    Base, CallbackError, ContactSet, DifferenceError, Ground, LinearizeStepWorkspace, LinkDescription,
+    LinkShape, Model, Pose, RobotDescription, Shape, ShapeRole, StepForces, StepWorkspace, Stepper,
+    linearize_by_differences, linearize_step, pendulum,
 };
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
@@ -62,7 +63,7 @@ fn explicit_rows_have_the_exact_slopes() {
 }
 
 /// A brick of 1 kg that lies on the ground or slides over it.
-fn brick(v: [f64; 6]) -> (Model, Implicit, [f64; 7], [f64; 6]) {
+fn brick(v: [f64; 6]) -> (Model, SimulationStepper, [f64; 7], [f64; 6]) {
     let mut robot = RobotDescription::new("brick");
     robot.base = Base::Floating;
     let mass = MassProperties::new(1.0, Vector3::zeros(), Matrix3::identity() * 5e-3).unwrap();
@@ -71,7 +72,7 @@ fn brick(v: [f64; 6]) -> (Model, Implicit, [f64; 7], [f64; 6]) {
     robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
     let model = Model::new(robot).unwrap();
     let ground = ContactSet::new(&model, &[Ground::level(0.0).with_friction(0.5)]).unwrap();
-    let mut implicit = Implicit::new(&model).with_contacts(&model, ground);
+    let mut implicit = stepper(implicit_on(&model, ground));
     let (mut q, mut v) = ([0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 1.0], v);
     let (w, none) = (&mut StepWorkspace::new(&model), [0.0; 6]);
     for _ in 0..5 {
@@ -121,7 +122,7 @@ fn a_sliding_brick_is_braked_along_its_velocity() {
 
 /// A slide of a block of 2 kg over the ground: pushed with F for 0.2 s, then let go, in steps of 2 ms for 1 s; where it ends and, by the chain
 /// of A and B, ∂x/∂F.
-fn pushed<S: Stepper + Clone>(push: f64, stepper_of: impl Fn(&Model, ContactSet) -> S) -> (f64, f64) {
+fn pushed(push: f64, stepper_of: impl Fn(&Model, ContactSet) -> SimulationStepper) -> (f64, f64) {
     let mut robot = body(8e-3, Shape::Box { size: [0.2, 0.2, 0.1] });
     robot.links[0].mass_properties =
         Some(MassProperties::new(2.0, Vector3::zeros(), Matrix3::identity() * 8e-3).unwrap());
@@ -153,11 +154,8 @@ fn pushed<S: Stepper + Clone>(push: f64, stepper_of: impl Fn(&Model, ContactSet)
 /// v = (F/m − μ g) T. MuJoCo's law lets the block rock, so that its corners leave the ground and come back.
 #[test]
 fn a_chain_of_steps_is_the_derivative_of_the_slide() {
-    let implicit = |model: &Model, contacts| Implicit::new(model).with_contacts(model, contacts);
-    let soft = |model: &Model, contacts| {
-        let law = SoftConstraints::new(model, 2e-3).unwrap();
-        MujocoEuler::new(model, law.with_ground(model, contacts).unwrap())
-    };
+    let implicit = |model: &Model, contacts| stepper(implicit_on(model, contacts));
+    let soft = |model: &Model, contacts| stepper(soft_on(model, contacts, 2e-3));
     let (push, mass, friction, time) = (15.0, 2.0, 0.3, 0.2);
     let speed = (push / mass - friction * G) * time;
     let closed_form = 0.5 * time * time / mass + speed * time / (mass * friction * G);

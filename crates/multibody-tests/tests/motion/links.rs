@@ -2,11 +2,13 @@
 
 use std::ops::ControlFlow;
 
+use crate::dropped::{implicit_on, stepper};
 use dynamics::MassProperties;
+use multibody::simulator::RunOptions;
 use multibody::{
-    ContactError, ContactSet, Ground, Implicit, JointDescription, JointKind, LinkDescription, LinkShape,
-    Model, Moment, Pose, RobotDescription, Run, Shape, ShapeRole, Simulation, StepForces, StepWorkspace,
-    Stepper, Workspace, ZeroTorque, admm, centroidal_momentum,
+    ContactError, ContactSet, Ground, JointDescription, JointKind, LinkDescription, LinkShape, Model, Moment,
+    Pose, RobotDescription, Run, Shape, ShapeRole, StepForces, StepWorkspace, Stepper, Workspace, admm,
+    centroidal_momentum,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -50,13 +52,14 @@ fn run_watched(
     (h, steps): (f64, usize),
     mut watch: impl FnMut(&Moment<'_>) -> bool,
 ) -> Run {
-    let implicit = Implicit::new(model).with_contacts(model, contacts.clone());
-    let observer = |moment: &Moment<'_>| {
+    let mut observer = |moment: &Moment<'_>| {
         if watch(moment) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     };
-    Simulation::new(model, implicit, h)
-        .with_samples_every(0)
-        .run(q, v, steps, &mut ZeroTorque, observer)
+    implicit_on(model, contacts.clone())
+        .step(h)
+        .build()
+        .unwrap()
+        .run_from(q, v, steps, RunOptions::new().sample_every(0).observer(&mut observer))
         .unwrap()
 }
 
@@ -227,7 +230,7 @@ fn momentum_stays() {
     let model = Model::new(robot).unwrap();
     let contacts = ContactSet::new(&model, &[]).unwrap().with_links(&model);
     assert_eq!(contacts.pairs().count(), 12, "{:?}", contacts.left_out_pairs());
-    let mut implicit = Implicit::new(&model).with_contacts(&model, contacts);
+    let mut implicit = stepper(implicit_on(&model, contacts));
     let (mut workspace, mut dynamics) = (StepWorkspace::new(&model), Workspace::new(&model));
     let mut q = multibody::neutral(&model);
     let mut v = vec![0.0; model.nv()];

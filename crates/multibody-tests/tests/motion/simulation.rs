@@ -4,19 +4,21 @@ use std::ops::ControlFlow;
 
 use crate::common::damped_tree;
 use dynamics::{Integrator, PdHold, Reach2R, SplitMix64, hold};
+use multibody::simulator::{Effect, Method, RunOptions, Simulation, SimulationBuilder};
 use multibody::{
     ConstantTorque, Controller, ControllerError, GravityAt, GravityCompensatedPd, JointDescription,
     JointKind, Limits, LinkDescription, Model, Moment, PassiveForces, Pose, RobotDescription, Run, RunError,
-    Simulation, ZeroTorque, gravity, neutral, random_state,
+    gravity, neutral, random_state,
 };
 use nalgebra::{Matrix3, Vector3, vector};
 
-fn go_on(_: &Moment<'_>) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
-fn simulation(model: &Model, integrator: Integrator, step: f64) -> Simulation<'_> {
-    Simulation::new(model, integrator, step).with_samples_every(10)
+fn simulation(model: &Model, integrator: Integrator, step: f64) -> Simulation {
+    SimulationBuilder::new(model)
+        .method(Method::Fixed(integrator))
+        .without(Effect::EffortLimits)
+        .step(step)
+        .build()
+        .unwrap()
 }
 
 fn two_link_arm() -> RobotDescription {
@@ -49,7 +51,14 @@ fn the_books_balance_to_the_order_of_the_row() {
         for row in Integrator::ALL {
             let (h, steps) = (2e-3, 250);
             let mut run = |h: f64, steps: usize| -> Run {
-                simulation(&model, row, h).run(&state.q, &state.v, steps, &mut torque, go_on).unwrap()
+                simulation(&model, row, h)
+                    .run_from(
+                        &state.q,
+                        &state.v,
+                        steps,
+                        RunOptions::new().sample_every(10).controller(&mut torque),
+                    )
+                    .unwrap()
             };
             let (coarse, fine) = (run(h, steps), run(h / 2.0, 2 * steps));
             let (work, dissipated) = (fine.ledger.work().abs(), fine.ledger.dissipated());
@@ -81,7 +90,7 @@ fn damping_takes_all_the_energy_out() {
     let model = Model::new(robot).unwrap();
     for row in Integrator::ALL {
         let run = simulation(&model, row, 1e-3)
-            .run(&neutral(&model), &[3.0, -2.0, 4.0], 30_000, &mut ZeroTorque, go_on)
+            .run_from(&neutral(&model), &[3.0, -2.0, 4.0], 30_000, RunOptions::new().sample_every(10))
             .unwrap();
         let ledger = &run.ledger;
         assert!(ledger.now() < 1e-6 * ledger.start(), "{row}: {} J left", ledger.now());
@@ -99,7 +108,12 @@ fn the_held_arm_is_the_chapter_s() {
     let (target, stiffness, damping) = ([1.6, 0.4], [60.0, 30.0], [20.0, 6.0]);
     let mut control = GravityCompensatedPd::new(&model, &target, &stiffness, &damping).unwrap();
     let run = simulation(&model, Integrator::RungeKutta4, 1e-3)
-        .run(&[1.0, -0.4], &[0.0, 0.0], 4000, &mut control, go_on)
+        .run_from(
+            &[1.0, -0.4],
+            &[0.0, 0.0],
+            4000,
+            RunOptions::new().sample_every(10).controller(&mut control),
+        )
         .unwrap();
     let chapter = PdHold {
         target: target.into(),
@@ -131,7 +145,7 @@ fn gravity_at_the_state_lets_the_arm_float() {
         .with_gravity_at(GravityAt::State)
         .with_limits(&limits);
     let run = simulation(&model, Integrator::RungeKutta4, 1e-3)
-        .run(&[0.7, 0.9], &[0.0, 0.0], 1000, &mut control, go_on)
+        .run_from(&[0.7, 0.9], &[0.0, 0.0], 1000, RunOptions::new().sample_every(10).controller(&mut control))
         .unwrap();
     // Rounding of g, 1e-15 N·m, over a second.
     assert!((run.q[0] - 0.7).abs() < 1e-13 && (run.q[1] - 0.9).abs() < 1e-13, "{:?}", run.q);
@@ -147,7 +161,7 @@ fn samples_are_kept_at_the_stride() {
     let model = Model::new(two_link_arm()).unwrap();
     let mut ramp = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.fill(t);
     let run = simulation(&model, Integrator::RungeKutta4, 0.01)
-        .run(&[0.1, 0.2], &[0.0, 0.0], 25, &mut ramp, go_on)
+        .run_from(&[0.1, 0.2], &[0.0, 0.0], 25, RunOptions::new().sample_every(10).controller(&mut ramp))
         .unwrap();
     let times: Vec<f64> = run.trajectory.iter().map(|sample| sample.time).collect();
     assert_eq!(times, [0.0, 0.1, 0.2, 0.25]);
@@ -163,11 +177,16 @@ fn samples_are_kept_at_the_stride() {
 #[test]
 fn an_interrupted_run_keeps_what_it_did() {
     let model = Model::new(two_link_arm()).unwrap();
-    let stop_at_17 = |moment: &Moment<'_>| {
+    let mut stop_at_17 = |moment: &Moment<'_>| {
         if moment.step == 17 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let run = simulation(&model, Integrator::RungeKutta4, 0.01)
-        .run(&[0.1, 0.2], &[0.0, 0.0], 1000, &mut ZeroTorque, stop_at_17)
+        .run_from(
+            &[0.1, 0.2],
+            &[0.0, 0.0],
+            1000,
+            RunOptions::new().sample_every(10).observer(&mut stop_at_17),
+        )
         .unwrap();
     assert!(run.interrupted && run.steps == 17);
     assert_eq!(run.trajectory.sample(run.trajectory.len() - 1).time, 0.17);
@@ -180,7 +199,12 @@ fn a_blow_up_is_an_error_that_keeps_the_samples() {
     let model = Model::new(two_link_arm()).unwrap();
     let mut runaway = |_: f64, _: &[f64], v: &[f64], tau: &mut [f64]| tau[1] = 1e4 * v[1] + 1.0;
     let failure = simulation(&model, Integrator::RungeKutta4, 0.01)
-        .run(&[0.1, 0.2], &[0.0, 0.0], 100_000, &mut runaway, go_on)
+        .run_from(
+            &[0.1, 0.2],
+            &[0.0, 0.0],
+            100_000,
+            RunOptions::new().sample_every(10).controller(&mut runaway),
+        )
         .unwrap_err();
     let RunError::Diverged { coordinate, step, time, .. } = &failure.error else { panic!("{failure}") };
     assert!(coordinate == "elbow" || coordinate == "shoulder", "{failure}");
@@ -195,7 +219,7 @@ fn a_blow_up_is_an_error_that_keeps_the_samples() {
         tau[1] = if t > 0.045 { f64::NAN } else { 0.0 };
     };
     let failure = simulation(&model, Integrator::RungeKutta4, 0.01)
-        .run(&[0.1, 0.2], &[0.0, 0.0], 100, &mut broken, go_on)
+        .run_from(&[0.1, 0.2], &[0.0, 0.0], 100, RunOptions::new().sample_every(10).controller(&mut broken))
         .unwrap_err();
     assert_eq!(failure.until.steps, 5);
     let message = failure.to_string();
@@ -224,12 +248,16 @@ fn a_controller_that_fails_ends_the_run() {
     };
     let mut seen = 0;
     let mut simulation = simulation(&model, Integrator::RungeKutta4, 0.01);
-    simulation.sample_every = 1;
     let failure = simulation
-        .run(&[0.1, 0.2], &[0.0, 0.0], 100, &mut hot, |_| {
-            seen += 1;
-            ControlFlow::Continue(())
-        })
+        .run_from(
+            &[0.1, 0.2],
+            &[0.0, 0.0],
+            100,
+            RunOptions::new().controller(&mut hot).observer(&mut |_| {
+                seen += 1;
+                ControlFlow::Continue(())
+            }),
+        )
         .unwrap_err();
     assert_eq!(
         failure.to_string(),
@@ -247,7 +275,9 @@ fn a_controller_that_fails_ends_the_run() {
     // An error of the library keeps its type on its way through a closure.
     let mut inner = ConstantTorque(vec![f64::NAN, 0.0]);
     let mut outer = |t: f64, q: &[f64], v: &[f64], tau: &mut [f64]| inner.torque(t, q, v, tau);
-    let failure = simulation.run(&[0.1, 0.2], &[0.0, 0.0], 1, &mut outer, go_on).unwrap_err();
+    let failure = simulation
+        .run_from(&[0.1, 0.2], &[0.0, 0.0], 1, RunOptions::new().sample_every(10).controller(&mut outer))
+        .unwrap_err();
     let RunError::Controller { source: ControllerError::NotFinite { index: 0, .. }, .. } = &failure.error
     else {
         panic!("{failure}")
@@ -261,7 +291,7 @@ fn a_run_from_no_configuration_does_not_start() {
     q[6] = 0.5;
     let v = vec![0.0; model.nv()];
     let failure = simulation(&model, Integrator::RungeKutta4, 0.01)
-        .run(&q, &v, 10, &mut ZeroTorque, go_on)
+        .run_from(&q, &v, 10, RunOptions::new().sample_every(10))
         .unwrap_err();
     assert!(matches!(failure.error, RunError::Configuration(_)), "{failure}");
     assert!(failure.until.trajectory.is_empty() && failure.until.steps == 0);
@@ -276,7 +306,12 @@ fn a_boxed_controller_holds_the_weight() {
     gravity(&model, &mut multibody::Workspace::new(&model), &[0.7, 0.9], &mut weight);
     let mut controller: Box<dyn Controller> = Box::new(ConstantTorque(weight));
     let run = simulation(&model, Integrator::VariationalMidpoint, 1e-3)
-        .run(&[0.7, 0.9], &[0.0, 0.0], 100, controller.as_mut(), go_on)
+        .run_from(
+            &[0.7, 0.9],
+            &[0.0, 0.0],
+            100,
+            RunOptions::new().sample_every(10).controller(controller.as_mut()),
+        )
         .unwrap();
     assert!((run.q[0] - 0.7).abs() < 1e-13 && (run.q[1] - 0.9).abs() < 1e-13, "{:?}", run.q);
 }

@@ -1,32 +1,26 @@
 //! What is stated of surfaces under MuJoCo's law: friction as under the rigid law, restitution refused.
 
-use std::ops::ControlFlow;
-
-use multibody::{
-    ContactError, ContactSet, Ground, HeightField, Implicit, Model, MujocoEuler, Shape, Simulation,
-    SoftConstraints, Stepper, ZeroTorque,
-};
-
-use crate::dropped::body;
+use crate::dropped::{body, implicit_on, soft_on};
+use multibody::simulator::{RunOptions, SimulationBuilder};
+use multibody::{ContactError, ContactSet, Ground, HeightField, Model, Shape, SoftConstraints};
 
 const G: f64 = 9.81;
 
 /// The speed of a block with this friction, after 0.1 s on level ground from 0.5 m/s.
-fn speed_after<S: Stepper + Clone>(
+fn speed_after(
     own: f64,
     ground: Ground,
-    stepper_of: impl Fn(&Model, ContactSet) -> S,
-) -> f64
-where
-    S::Error: 'static,
-{
+    builder_of: impl Fn(&Model, ContactSet) -> SimulationBuilder<'static>,
+) -> f64 {
     let mut robot = body(2e-3, Shape::Box { size: [0.2, 0.2, 0.1] });
     robot.shapes[0].surface.friction = [own, 0.0, 0.0];
     let model = Model::new(robot).unwrap();
-    let stepper = stepper_of(&model, ContactSet::new(&model, &[ground]).unwrap());
+    let contacts = ContactSet::new(&model, &[ground]).unwrap();
     let start = [0.0, 0.0, 0.0495, 0.0, 0.0, 0.0, 1.0];
-    let run = Simulation::new(&model, stepper, 1e-3)
-        .run(&start, &[0.5, 0.0, 0.0, 0.0, 0.0, 0.0], 100, &mut ZeroTorque, |_| ControlFlow::Continue(()))
+    let run = builder_of(&model, contacts)
+        .build()
+        .unwrap()
+        .run_from(&start, &[0.5, 0.0, 0.0, 0.0, 0.0, 0.0], 100, RunOptions::new())
         .unwrap();
     run.v[0]
 }
@@ -34,11 +28,7 @@ where
 /// On a ground that states no friction each shape's own counts, under both laws; one that the ground states stands for both.
 #[test]
 fn friction_means_the_same_under_both_laws() {
-    let rigid = |model: &Model, contacts| Implicit::new(model).with_contacts(model, contacts);
-    let soft = |model: &Model, contacts| {
-        let law = SoftConstraints::new(model, 1e-3).unwrap();
-        MujocoEuler::new(model, law.with_ground(model, contacts).unwrap())
-    };
+    let soft = |model: &Model, contacts| soft_on(model, contacts, 1e-3);
     let bare = Ground::level(0.0);
     for (own, ground, friction) in [
         (0.1, bare, 0.1),
@@ -47,7 +37,7 @@ fn friction_means_the_same_under_both_laws() {
         (0.4, bare.with_friction(0.05), 0.05),
     ] {
         let expected = 0.5 - friction * G * 0.1;
-        let (by_rigid, by_soft) = (speed_after(own, ground, rigid), speed_after(own, ground, soft));
+        let (by_rigid, by_soft) = (speed_after(own, ground, implicit_on), speed_after(own, ground, soft));
         // It begins half a millimetre deep; the rigid law lifts it out of the ground meanwhile, which presses it no harder.
         assert!((by_rigid - expected).abs() < 1e-9, "{own}: {by_rigid} {expected}");
         // The soft law lets it bob by what is not yet in balance: a few per cent of its weight.

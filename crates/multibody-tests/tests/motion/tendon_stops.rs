@@ -1,13 +1,12 @@
 //! Limits of tendons' lengths as stops, against closed forms.
 
+use crate::dropped::{implicit_over, run_watched};
 use dynamics::MassProperties;
 use multibody::{
-    Actuation, ContactSet, Ground, Implicit, JointDescription, JointKind, Limits, LinkDescription, LinkShape,
-    Model, Moment, PassiveForces, Pose, RobotDescription, Run, Shape, ShapeRole, TendonDescription,
+    Ground, JointDescription, JointKind, Limits, LinkDescription, LinkShape, Model, Moment, PassiveForces,
+    Pose, RobotDescription, Run, Shape, ShapeRole, TendonDescription,
 };
 use nalgebra::{Matrix3, Vector3};
-
-use crate::dropped::run_watched;
 
 const G: f64 = 9.81;
 
@@ -46,11 +45,7 @@ fn run(
     watch: impl FnMut(&Moment<'_>),
 ) -> Run {
     let model = Model::new(robot.clone()).unwrap();
-    let mut implicit = Implicit::new(&model);
-    if let Some(ground) = ground {
-        implicit = implicit.with_contacts(&model, ContactSet::new(&model, &[ground]).unwrap());
-    }
-    run_watched(&model, implicit, (&[0.0; 2], &v), steps, watch)
+    run_watched(implicit_over(&model, ground), (&[0.0; 2], &v), steps, watch)
 }
 
 const FAR_BELOW: fn() -> Ground = || Ground::level(-100.0);
@@ -143,12 +138,7 @@ fn a_cable_rubs() {
             let mut robot = pair([0.0, 0.0, -1.0], masses, [1.0, 1.0], f64::INFINITY, [Limits::default(); 2]);
             robot.tendons[0].passive = PassiveForces::default().with_friction(friction);
             let model = Model::new(robot).unwrap();
-            let actuation = Actuation::new(&model).unwrap();
-            let mut implicit = Implicit::new(&model).with_actuation(&actuation, &[]);
-            if let Some(ground) = ground {
-                implicit = implicit.with_contacts(&model, ContactSet::new(&model, &[ground]).unwrap());
-            }
-            run_watched(&model, implicit, (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |_| {})
+            run_watched(implicit_over(&model, ground), (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |_| {})
         };
         let sticks = run(1.001 * carries);
         let expected = (masses[0] - masses[1]) / (masses[0] + masses[1]) * G;

@@ -1,6 +1,8 @@
 //! One simulation: what acts, by which method, and steps from outside against runs.
 
 mod acts;
+#[cfg(feature = "adaptive")]
+mod adaptive;
 mod hopper;
 mod measurements;
 mod momentum;

@@ -84,7 +84,7 @@ pub fn mass_rank(model: &Model, workspace: &mut Workspace, q: &[f64]) -> usize {
 /// Refuses a configuration in which M(q) is singular, in the time of [`mass_rank`]; it allocates only to say so.
 ///
 /// For loops that call [`forward_dynamics`](crate::forward_dynamics), which takes every q as it is. Runs
-/// ([`Simulation`](crate::Simulation) and its kin) and the methods of [`Model`] call it themselves.
+/// ([`Simulation`](crate::simulator::Simulation)) and the methods of [`Model`] call it themselves.
 ///
 /// ```
 /// use multibody::{Model, Workspace, check_rank, pendulum};

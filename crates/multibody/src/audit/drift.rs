@@ -1,9 +1,8 @@
 //! The energy of a free motion, by every integrator.
 
-use std::ops::ControlFlow;
-
-use crate::{Simulation, ZeroTorque};
 use dynamics::Integrator;
+
+use crate::simulator::{Effect, Method, RunOptions, SimulationBuilder};
 
 use super::check::Check;
 use super::probe::{Probe, State};
@@ -70,12 +69,13 @@ fn milliseconds(step: f64) -> String {
 
 /// max |E − E₀| \[J\]; infinite for a run that fails.
 fn drift(probe: &Probe<'_>, state: &State, integrator: Integrator, step: f64) -> f64 {
-    let simulation =
-        Simulation::new(probe.model, integrator, step).with_dissipation(false).with_samples_every(0);
+    let free = SimulationBuilder::new(probe.model).method(Method::Fixed(integrator)).conservative();
+    let tree = free.without(Effect::Equalities).without(Effect::Springs);
+    let Ok(mut simulation) = tree.step(step).build() else { return f64::INFINITY };
     // At most 0.2 s / 7 µs.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let steps = (DURATION / step).round() as usize;
-    let run = simulation.run(&state.q, &state.v, steps, &mut ZeroTorque, |_| ControlFlow::Continue(()));
+    let run = simulation.run_from(&state.q, &state.v, steps, RunOptions::new().sample_every(0));
     run.map_or(f64::INFINITY, |run| run.ledger.max_imbalance())
 }
 

@@ -2,9 +2,6 @@
 
 use thiserror::Error;
 
-use super::ConstrainedRun;
-use crate::RunError;
-
 /// Why constraints do not fit a robot.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -203,18 +200,6 @@ pub enum ConstrainedMotionError {
         /// By how much.
         error: f64,
     },
-}
-
-/// A constrained run that ended in an error, with all that it did until then.
-#[derive(Clone, Debug, Error)]
-#[error("{error}")]
-#[non_exhaustive]
-pub struct ConstrainedRunFailure {
-    /// What went wrong.
-    #[source]
-    pub error: RunError<ConstrainedMotionError>,
-    /// The run up to the last good state.
-    pub until: ConstrainedRun,
 }
 
 /// Refuses a vector with an entry that is not finite.

@@ -14,40 +14,13 @@ impl Implicit {
     /// ([`constraint_forces`](Self::constraint_forces)). A robot's own are [`ConstraintSet::from_equalities`].
     ///
     /// At the end of a step A v = 0, and φ = 0 to 1e-12 m or rad; they do no work. Rows that depend on others to 1e-5 of their length are left out. A
-    /// [`Simulation`](crate::Simulation) refuses a start that is off by more than that; single steps take it, and its φ dies out with a time
+    /// [`Simulation`](crate::simulator::Simulation) refuses a start that is off by more than that; single steps take it, and its φ dies out with a time
     /// constant of 0.1 s.
-    ///
-    /// ```
-    /// use multibody::{ConstraintSet, Equality, EqualityDescription, Implicit, Limits, Model, Pose, Simulation, ZeroTorque};
-    /// use multibody::{JointDescription, JointKind, LinkDescription, RobotDescription};
-    /// use dynamics::MassProperties;
-    /// use std::ops::ControlFlow;
-    /// // Two sleds of 1 kg fall, geared so that one rises as the other falls half as far, until the falling one meets its stop.
-    /// let mut robot = RobotDescription::new("hoist");
-    /// robot.links.push(LinkDescription::new("world", None));
-    /// for (name, lower) in [("left", -0.2), ("right", -10.0)] {
-    ///     robot.links.push(LinkDescription::new(name, MassProperties::point(1.0, nalgebra::Vector3::zeros())?));
-    ///     let kind = JointKind::Prismatic { axis: [0.0, 0.0, 1.0] };
-    ///     let slide = JointDescription::new(format!("slide_{name}"), kind, "world", name, Pose::IDENTITY);
-    ///     robot.joints.push(slide.with_limits(Limits::new(lower, 10.0)));
-    /// }
-    /// let joint = |name: &str| (name.to_owned(), 0.0);
-    /// let polynomial = [0.0, -0.5, 0.0, 0.0, 0.0];
-    /// let gear = Equality::Joints { joint: joint("slide_right"), leader: Some(joint("slide_left")), polynomial };
-    /// robot.equalities.push(EqualityDescription::new("gear", gear));
-    /// let model = Model::new(robot)?;
-    /// let gear = ConstraintSet::from_equalities(&model)?;
-    /// let implicit = Implicit::new(&model).with_constraints(&model, &gear);
-    /// let simulation = Simulation::new(&model, implicit, 1e-3);
-    /// let run = simulation.run(&[0.0; 2], &[0.0; 2], 1000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
-    /// assert!((run.q[0] + 0.2).abs() < 1e-8 && (run.q[1] + 0.5 * run.q[0]).abs() < 1e-12); // at rest on the stop, the gear held
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     ///
     /// # Panics
     /// If the set is another robot's.
     #[track_caller]
-    pub fn with_constraints(self, model: &Model, constraints: &ConstraintSet) -> Self {
+    pub(crate) fn with_constraints(self, model: &Model, constraints: &ConstraintSet) -> Self {
         constraints.check_robot(model);
         if constraints.is_empty() {
             return self;

@@ -1,83 +1,8 @@
-//! A run under constraints: the loop of every run, and the drift of its steps.
-
-use std::ops::ControlFlow;
+//! Steps under constraints, and the drift that they leave.
 
 use super::step::step_in;
-use super::{
-    ConstrainedMotionError, ConstrainedRunFailure, ConstraintDrift, ConstraintOptions, ConstraintSet,
-    DriftCorrection,
-};
-use crate::motion::simulate::Course;
-use crate::{
-    Controller, Event, Model, Moment, Run, RunFailure, SingularMass, StepError, StepFault, StepForces,
-    StepWorkspace, Stepper, Workspace,
-};
-
-/// How a constrained run is made.
-#[derive(Clone, Copy, Debug)]
-#[non_exhaustive]
-pub struct ConstrainedSimulation<'a> {
-    /// The robot.
-    pub model: &'a Model,
-    /// Its constraints.
-    pub constraints: &'a ConstraintSet,
-    /// How the constrained motion is computed, and by which integrator.
-    pub options: ConstraintOptions,
-    /// What is done about drift; nothing more in the variational rows, which hold the constraint themselves.
-    pub correction: DriftCorrection,
-    /// The step, which is also the control period \[s\].
-    pub step: f64,
-    /// Whether the joints' damping and friction act.
-    pub dissipation: bool,
-    /// A sample is kept every so many steps; the first and the last state always, only they if this is 0.
-    pub sample_every: usize,
-}
-
-impl<'a> ConstrainedSimulation<'a> {
-    /// Steps of that length \[s\] by the default options; damping and friction act, every state is kept, drift is
-    /// corrected as by default.
-    pub fn new(model: &'a Model, constraints: &'a ConstraintSet, step: f64) -> Self {
-        Self {
-            model,
-            constraints,
-            options: ConstraintOptions::default(),
-            correction: DriftCorrection::default(),
-            step,
-            dissipation: true,
-            sample_every: 1,
-        }
-    }
-
-    /// With another way to compute the motion, or another integrator.
-    pub fn with_options(self, options: ConstraintOptions) -> Self {
-        Self { options, ..self }
-    }
-
-    /// With something else done about drift.
-    pub fn with_correction(self, correction: DriftCorrection) -> Self {
-        Self { correction, ..self }
-    }
-
-    /// Whether the joints' damping and friction act.
-    pub fn with_dissipation(self, dissipation: bool) -> Self {
-        Self { dissipation, ..self }
-    }
-
-    /// A sample is kept every so many steps; the first and the last state always, only they if this is 0.
-    pub fn with_samples_every(self, steps: usize) -> Self {
-        Self { sample_every: steps, ..self }
-    }
-}
-
-/// What a constrained run did.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct ConstrainedRun {
-    /// Samples, books, state at the end; constraint forces do no work, so they do not appear in the books.
-    pub motion: Run,
-    /// What the steps did to the constraint.
-    pub record: ConstraintRecord,
-}
+use super::{ConstrainedMotionError, ConstraintDrift, ConstraintOptions, ConstraintSet, DriftCorrection};
+use crate::{Model, SingularMass, StepError, StepFault, StepForces, StepWorkspace, Stepper, Workspace};
 
 /// What the steps of a run did to the constraint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -91,63 +16,6 @@ pub struct ConstraintRecord {
     pub energy_removed: f64,
     /// The smallest rank of A met; it falls in a singular position.
     pub smallest_rank: usize,
-}
-
-impl ConstrainedSimulation<'_> {
-    /// Runs `steps` steps from (q0, v0), which must be on the constraint to 1e-6, or to
-    /// [`ConstraintOptions::dependence`]. The controller is asked at
-    /// the start of each step; the observer sees each of these instants and the end, and may break off.
-    ///
-    /// # Errors
-    /// [`ConstrainedRunFailure`] with what was computed until then, and the cause: as
-    /// [`Simulation::run`](crate::Simulation::run) says, of a start off the constraint
-    /// [`ConstrainedMotionError::OffConstraint`], of a step what [`constrained_step`](super::constrained_step) says.
-    ///
-    /// # Panics
-    /// If q0 or v0 has the wrong length.
-    #[track_caller]
-    pub fn run(
-        &self,
-        q0: &[f64],
-        v0: &[f64],
-        steps: usize,
-        controller: &mut (impl Controller + ?Sized),
-        observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
-    ) -> Result<ConstrainedRun, Box<ConstrainedRunFailure>> {
-        self.run_with_events(q0, v0, steps, controller, &mut [], observer)
-    }
-
-    /// As [`run`](Self::run), with events watched for all along, as
-    /// [`Simulation::run_with_events`](crate::Simulation::run_with_events) says. Between the ends of a step the state
-    /// is on the constraint to the interpolation's order, at a terminal event as at any step's end.
-    ///
-    /// # Errors
-    /// As [`run`](Self::run), and where the function of an event fails or is not finite.
-    ///
-    /// # Panics
-    /// If q0 or v0 has the wrong length.
-    #[track_caller]
-    pub fn run_with_events(
-        &self,
-        q0: &[f64],
-        v0: &[f64],
-        steps: usize,
-        controller: &mut (impl Controller + ?Sized),
-        events: &mut [Event<'_>],
-        observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
-    ) -> Result<ConstrainedRun, Box<ConstrainedRunFailure>> {
-        let Self { model, constraints, options, correction, step, dissipation, sample_every } = *self;
-        let course = Course { model, step, dissipation, sample_every, base: (0, 0.0) };
-        let mut stepper = ConstrainedStepper::new(constraints.clone(), options, correction);
-        match course.run(&mut stepper, (q0, v0), steps, controller, events, observer) {
-            Ok(motion) => Ok(ConstrainedRun { motion, record: stepper.record }),
-            Err(failure) => {
-                let RunFailure { error, until } = *failure;
-                let until = ConstrainedRun { motion: until, record: stepper.record };
-                Err(Box::new(ConstrainedRunFailure { error, until }))
-            }
-        }
-    }
 }
 
 /// Steps of an explicit or variational row that hold constraints, and the record of what they did.

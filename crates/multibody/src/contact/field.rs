@@ -229,9 +229,8 @@ impl ContactSet {
     /// [`ContactError`]: its friction, restitution or pose is none.
     ///
     /// ```
-    /// use multibody::{Base, ContactSet, HeightField, Implicit, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape};
-    /// use multibody::{ShapeRole, Simulation, ZeroTorque};
-    /// use std::ops::ControlFlow;
+    /// use multibody::{Base, ContactSet, HeightField, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape};
+    /// use multibody::{ShapeRole, simulator::{RunOptions, SimulationBuilder}};
     /// let mut robot = RobotDescription::new("ball");
     /// robot.base = Base::Floating;
     /// let mass = dynamics::MassProperties::new(1.0, nalgebra::Vector3::zeros(), nalgebra::Matrix3::identity() * 4e-3)?;
@@ -241,9 +240,9 @@ impl ContactSet {
     /// // A valley along y, 45 degrees on both sides.
     /// let valley = HeightField::new(2, 3, [1.0, 1.0], vec![1.0, 0.0, 1.0, 1.0, 0.0, 1.0])?;
     /// let contacts = ContactSet::new(&model, &[])?.with_height_field(&valley)?;
-    /// let simulation = Simulation::new(&model, Implicit::new(&model).with_contacts(&model, contacts), 1e-3);
+    /// let mut simulation = SimulationBuilder::new(&model).contacts(contacts).build()?;
     /// let q = [0.0, 0.0, 0.15, 0.0, 0.0, 0.0, 1.0];
-    /// let run = simulation.run(&q, &[0.0; 6], 500, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+    /// let run = simulation.run_from(&q, &[0.0; 6], 500, RunOptions::new())?;
     /// assert!((run.q[2] - 0.1 * 2.0f64.sqrt()).abs() < 1e-6); // it lies on both sides
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

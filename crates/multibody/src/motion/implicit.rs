@@ -48,30 +48,31 @@ use crate::{
 /// γ = 1 − 1/√2: L-stable, with the smaller error of the two such values.
 const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 
-/// Steps with stiff joints, dry friction and stops; a [`Stepper`] for [`Simulation`](crate::Simulation). It remembers the
+/// Steps with stiff joints, dry friction and stops; a [`Stepper`], by which a [`Simulation`](crate::simulator::Simulation) takes the steps of
+/// [`Method::Implicit`](crate::simulator::Method::Implicit), with all else that the description states. It remembers the
 /// last step's friction and the forces of stops, from which the next step starts.
 ///
 /// | what | how it acts |
 /// | --- | --- |
 /// | damping, springs of joints | implicit, order 2, stable for any h |
 /// | friction of joints and tendons | sticks truly; sliding of order 2 between its turns |
-/// | limits of positions, of ball joints' angles, and of tendons' lengths | inelastic stops, unless taken out by [`without_stops`](Self::without_stops) |
-/// | closed loops, coupled joints | held by multipliers, where there are some: [`with_constraints`](Self::with_constraints) |
-/// | the ground | rigid contact with Coulomb's friction, where there is one: [`with_contacts`](Self::with_contacts) |
+/// | limits of positions, of ball joints' angles, and of tendons' lengths | inelastic stops, unless [`Effect::Limits`](crate::simulator::Effect::Limits) is switched off |
+/// | closed loops, coupled joints | held by multipliers, where there are some |
+/// | the ground | rigid contact with Coulomb's friction, where there is one |
 /// | τ, gravity, C v | as in an explicit step of order 2 |
 ///
 /// Damping and friction act where [`StepForces::dissipation`] says so. What each takes out: [`Run::losses`](crate::Run::losses).
 ///
 /// ```
-/// use multibody::{Implicit, Limits, Model, PassiveForces, Simulation, ZeroTorque, pendulum};
-/// use std::ops::ControlFlow;
+/// use multibody::{Limits, Model, PassiveForces, pendulum};
+/// use multibody::simulator::{Method, RunOptions, SimulationBuilder};
 /// let mut robot = pendulum(2.0, 0.5);
 /// // Damping that no explicit step of 1 ms survives (its own time is I/d = 0.17 ms), friction, and a stop.
 /// robot.joints[0].passive = PassiveForces::default().with_damping(1000.0).with_friction(0.5);
 /// robot.joints[0].limits = Limits::new(-0.2, 0.004);
 /// let model = Model::new(robot)?;
-/// let simulation = Simulation::new(&model, Implicit::new(&model), 1e-3);
-/// let run = simulation.run(&[0.0], &[0.0], 2000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+/// let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).build()?;
+/// let run = simulation.run(2000, RunOptions::new())?;
 /// assert_eq!((run.q[0], run.v[0]), (0.004, 0.0)); // it sank onto its stop and rests there
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -184,30 +185,16 @@ impl Implicit {
     }
 
     /// Position limits are not enforced.
-    pub fn without_stops(self) -> Self {
+    pub(crate) fn without_stops(self) -> Self {
         Self { has_stops: false, ..self }
     }
 
     /// With tendons, carried weight and actuators at these controls ([`Actuation`]), their stiffness and damping implicit.
     ///
-    /// ```
-    /// use multibody::{Actuation, ActuatorDescription, Implicit, Model, Simulation, Transmission, ZeroTorque, pendulum};
-    /// use std::ops::ControlFlow;
-    /// let mut robot = pendulum(2.0, 0.5);
-    /// let servo = ActuatorDescription::new("servo", Transmission::joint("hinge", 1.0)).servo(1e6, 1e5);
-    /// robot.actuators.push(servo);
-    /// let model = Model::new(robot)?;
-    /// let implicit = Implicit::new(&model).with_actuation(&Actuation::new(&model)?, &[0.4]);
-    /// let run = Simulation::new(&model, implicit, 1e-2)
-    ///     .run(&[0.0], &[0.0], 200, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
-    /// assert!((run.q[0] - 0.4).abs() < 1e-5); // no explicit step of 10 ms survives these gains
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
     /// # Panics
     /// If there is not one control for each actuator.
     #[track_caller]
-    pub fn with_actuation(mut self, actuation: &Actuation, controls: &[f64]) -> Self {
+    pub(crate) fn with_actuation(mut self, actuation: &Actuation, controls: &[f64]) -> Self {
         self.joints.add_gains(actuation);
         self.factor.couple(self.joints.couplings());
         let actuation = actuation.clone().without_tendon_friction();

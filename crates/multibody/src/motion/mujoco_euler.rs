@@ -24,22 +24,18 @@ use crate::{
 /// A [`Stepper`] by MuJoCo's semi-implicit Euler step: order 1, constraints that yield ([`SoftConstraints`]).
 ///
 /// ```
-/// use multibody::{ContactSet, Ground, LinkShape, Model, MujocoEuler, Pose, Shape, ShapeRole, Simulation, SoftConstraints, ZeroTorque};
-/// use multibody::{Base, LinkDescription, RobotDescription};
-/// use dynamics::MassProperties;
-/// use std::ops::ControlFlow;
+/// use multibody::{Base, Ground, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape, ShapeRole};
+/// use multibody::simulator::{Method, RunOptions, SimulationBuilder};
 /// let mut robot = RobotDescription::new("brick");
 /// robot.base = Base::Floating;
-/// let brick = MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
+/// let brick = dynamics::MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
 /// robot.links.push(LinkDescription::new("brick", brick));
 /// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
 /// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
 /// let model = Model::new(robot)?;
-/// let ground = ContactSet::new(&model, &[Ground::level(0.0)])?;
-/// let law = SoftConstraints::new(&model, 1e-3)?.with_ground(&model, ground)?;
-/// let simulation = Simulation::new(&model, MujocoEuler::new(&model, law), 1e-3);
+/// let mut simulation = SimulationBuilder::new(&model).method(Method::Mujoco).ground(Ground::level(0.0)).build()?;
 /// let q = [0.0, 0.0, 0.06, 0.0, 0.0, 0.0, 1.0];
-/// let run = simulation.run(&q, &[0.0; 6], 2000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+/// let run = simulation.run_from(&q, &[0.0; 6], 2000, RunOptions::new())?;
 /// assert!(run.q[2] < 0.05 && run.q[2] > 0.0495); // it rests a little below the surface
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -99,7 +95,7 @@ impl MujocoEuler {
     /// # Panics
     /// If there is not one control for each actuator.
     #[track_caller]
-    pub fn with_actuation(mut self, actuation: &Actuation, controls: &[f64]) -> Self {
+    pub(crate) fn with_actuation(mut self, actuation: &Actuation, controls: &[f64]) -> Self {
         let actuation = actuation.clone().without_tendon_friction();
         self.drive = Some(Drive::new(self.tau.len(), &actuation, controls));
         self
@@ -114,23 +110,8 @@ impl MujocoEuler {
     }
 
     /// A step ends with [`IntegratorError::Interrupted`] soon after this flag is set, and leaves q and v as they were: as
-    /// [`Implicit::with_interrupt`](crate::Implicit::with_interrupt).
-    ///
-    /// ```
-    /// use dynamics::IntegratorError;
-    /// use multibody::{Model, MujocoEuler, SoftConstraints, StepForces, StepWorkspace, Stepper, pendulum};
-    /// use std::sync::Arc;
-    /// use std::sync::atomic::AtomicBool;
-    /// let model = Model::new(pendulum(2.0, 0.5))?;
-    /// let law = SoftConstraints::new(&model, 1e-3)?;
-    /// let mut stepper = MujocoEuler::new(&model, law).with_interrupt(Arc::new(AtomicBool::new(true)));
-    /// let (mut q, mut v) = ([0.3], [0.0]);
-    /// let forces = StepForces::new(&[0.0], true);
-    /// let stopped = stepper.step(&model, &mut StepWorkspace::new(&model), &forces, 1e-3, &mut q, &mut v);
-    /// assert_eq!((stopped, q), (Err(IntegratorError::Interrupted), [0.3]));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn with_interrupt(mut self, flag: Arc<AtomicBool>) -> Self {
+    /// [`SimulationBuilder::interrupt`](crate::simulator::SimulationBuilder::interrupt).
+    pub(crate) fn with_interrupt(mut self, flag: Arc<AtomicBool>) -> Self {
         self.interrupt = Interrupt::new(flag);
         self.law.watch(&self.interrupt);
         self

@@ -79,7 +79,7 @@ impl Kinds {
     /// The effects that act by this stepper.
     pub(super) fn acting(&self, stepper: &SimulationStepper, effort: Option<&[f64]>) -> Vec<Effect> {
         let holds_all = matches!(stepper.kind, StepperKind::Implicit(_) | StepperKind::Mujoco(_));
-        let drives = holds_all || matches!(stepper.kind, StepperKind::Actuated(_));
+        let drives = stepper.drives();
         let holds_equalities = holds_all || matches!(stepper.kind, StepperKind::Constrained(_));
         let is_limited = effort.is_some_and(|effort| effort.iter().any(|limit| limit.is_finite()));
         let all = [
@@ -93,6 +93,34 @@ impl Kinds {
             (Effect::LinkContacts, holds_all && self.link_contacts),
         ];
         all.into_iter().filter(|(_, acts)| *acts).map(|(effect, _)| effect).collect()
+    }
+
+    /// Whether dry friction acts.
+    #[cfg(feature = "adaptive")]
+    pub(super) fn has_friction(&self) -> bool {
+        self.friction
+    }
+
+    /// Without damping and friction.
+    #[cfg(feature = "adaptive")]
+    pub(super) fn without_dissipation(self) -> Self {
+        Self { dissipates: false, friction: false, ..self }
+    }
+
+    /// What adaptive steps do not do.
+    #[cfg(feature = "adaptive")]
+    pub(super) fn list_left_out_by_adaptive(&self, left_out: &mut Vec<String>) {
+        let all = [
+            (self.friction, "damping and dry friction"),
+            (self.limits, "position limits"),
+            (self.contacts, "contacts"),
+            (self.actuators, "actuators"),
+            (self.springs, "tendons, springs of ball and free joints and compensated weight"),
+            (self.equalities, "equalities"),
+        ];
+        let found = all.into_iter().filter(|(is_there, _)| *is_there);
+        left_out
+            .extend(found.map(|(_, what)| format!("{what}: `adaptive` does not know them, `implicit` does")));
     }
 
     /// What a row of the table of integrators does not do.

@@ -3,15 +3,14 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::acting::Kinds;
-use super::method::{SimulationStepper, StepperKind};
-use super::{Effect, Method, Simulation, SimulationError};
-use crate::constraint::{ConstrainedStepper, ConstraintOptions, DriftCorrection};
-use crate::motion::simulate::ActuatedStepper;
-use crate::{
-    Actuation, ConstraintSet, ContactSet, Ground, HeightField, Implicit, LinkShape, Model, MujocoEuler,
-    SoftConstraints,
-};
+#[cfg(doc)]
+use super::Simulation;
+use super::own_stepper::OwnStepper;
+use super::{Effect, Method};
+#[cfg(feature = "adaptive")]
+use crate::AdaptiveOptions;
+use crate::constraint::{ConstraintOptions, DriftCorrection};
+use crate::{ConstraintSet, ContactSet, Ground, HeightField, LinkShape, Model, Stepper};
 
 /// The step where none is given \[s\].
 const STEP: f64 = 1e-3;
@@ -50,21 +49,24 @@ type FieldOf<'a> = Box<dyn FnMut(&LinkShape) -> Result<HeightField, String> + Se
 pub struct SimulationBuilder<'a> {
     pub(super) model: Arc<Model>,
     pub(super) step: f64,
-    method: Option<Method>,
-    switched_off: Vec<Effect>,
-    grounds: Vec<Ground>,
-    fields: Vec<HeightField>,
-    points_of: PointsOf<'a>,
-    field_of: FieldOf<'a>,
-    contacts: Option<ContactSet>,
-    constraints: Option<ConstraintSet>,
-    options: ConstraintOptions,
-    correction: DriftCorrection,
-    interrupt: Option<Arc<AtomicBool>>,
+    pub(super) method: Option<Method>,
+    pub(super) switched_off: Vec<Effect>,
+    pub(super) grounds: Vec<Ground>,
+    pub(super) fields: Vec<HeightField>,
+    pub(super) points_of: PointsOf<'a>,
+    pub(super) field_of: FieldOf<'a>,
+    pub(super) contacts: Option<ContactSet>,
+    pub(super) constraints: Option<ConstraintSet>,
+    pub(super) options: ConstraintOptions,
+    pub(super) correction: DriftCorrection,
+    #[cfg(feature = "adaptive")]
+    pub(super) adaptive: AdaptiveOptions,
+    pub(super) own: Option<OwnStepper>,
+    pub(super) interrupt: Option<Arc<AtomicBool>>,
     pub(super) ignored_pairs: Vec<(String, String)>,
     pub(super) only_pairs: Option<Vec<(String, String)>>,
-    is_ground_given: bool,
-    are_constraints_given: bool,
+    pub(super) is_ground_given: bool,
+    pub(super) are_constraints_given: bool,
 }
 
 impl<'a> SimulationBuilder<'a> {
@@ -97,6 +99,9 @@ impl<'a> SimulationBuilder<'a> {
             constraints: None,
             options: ConstraintOptions::of_files(),
             correction: DriftCorrection::Position { tolerance: ON_EQUALITIES },
+            #[cfg(feature = "adaptive")]
+            adaptive: AdaptiveOptions::default(),
+            own: None,
             interrupt: None,
             ignored_pairs: Vec::new(),
             only_pairs: None,
@@ -115,6 +120,87 @@ impl<'a> SimulationBuilder<'a> {
     #[must_use]
     pub fn method(self, method: Method) -> Self {
         Self { method: Some(method), ..self }
+    }
+
+    /// By a method of one's own, which knows what acts beside τ: of what the description states, damping and friction are switched by
+    /// [`StepForces::dissipation`](crate::StepForces::dissipation), and effort limits hold.
+    ///
+    /// ```
+    /// use multibody::{CallbackError, Model, StepForces, StepWorkspace, Stepper, forward_dynamics, integrate, pendulum};
+    /// use multibody::simulator::{RunOptions, SimulationBuilder};
+    ///
+    /// /// v₁ = v₀ + h a(q₀, v₀), q₁ = q₀ ⊕ h v₁.
+    /// #[derive(Clone)]
+    /// struct Euler;
+    ///
+    /// impl Stepper for Euler {
+    ///     type Error = CallbackError;
+    ///     fn step(
+    ///         &mut self,
+    ///         model: &Model,
+    ///         workspace: &mut StepWorkspace,
+    ///         forces: &StepForces<'_>,
+    ///         h: f64,
+    ///         q: &mut [f64],
+    ///         v: &mut [f64],
+    ///     ) -> Result<(), CallbackError> {
+    ///         let mut a = vec![0.0; v.len()];
+    ///         forward_dynamics(model, workspace.dynamics(), q, v, forces.tau, &mut a);
+    ///         v.iter_mut().zip(&a).for_each(|(v, a)| *v += h * a);
+    ///         let (start, way) = (q.to_vec(), v.iter().map(|v| h * v).collect::<Vec<_>>());
+    ///         integrate(model, &start, &way, q);
+    ///         Ok(())
+    ///     }
+    /// }
+    ///
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let mut simulation = SimulationBuilder::new(&model).stepper(Euler).step(1e-4).build()?;
+    /// let run = simulation.run(1000, RunOptions::new())?;
+    /// assert!(run.ledger.drift() < 1e-3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn stepper<S>(self, stepper: S) -> Self
+    where
+        S: Stepper<Error: Send + Sync + 'static> + Clone + Send + Sync + 'static,
+    {
+        Self { own: Some(OwnStepper::new(stepper)), method: Some(Method::Own), ..self }
+    }
+
+    /// By adaptive steps of high order: the state at each [`step`](Self::step) is as accurate as the tolerance, whatever the step's length, and
+    /// events are located as accurately. They know rigid bodies, springs and damping of joints, torques and wrenches; all else is left out, and damping too
+    /// where a joint has dry friction.
+    ///
+    /// A [run](Simulation::run) takes steps across its samples. Without an observer it evaluates the samples alone that are kept.
+    ///
+    /// ```
+    /// use multibody::{AdaptiveOptions, Base, Event, LinkDescription, Model, RobotDescription, neutral};
+    /// use multibody::simulator::{RunOptions, SimulationBuilder};
+    /// use nalgebra::Vector3;
+    /// // A brick thrown up at 3 m/s from 1 m: when is it at the top, and when on the floor?
+    /// let mut robot = RobotDescription::new("brick");
+    /// robot.base = Base::Floating;
+    /// let brick = dynamics::MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1))?;
+    /// robot.links.push(LinkDescription::new("brick", brick));
+    /// let model = Model::new(robot)?;
+    /// let mut q = neutral(&model);
+    /// q[2] = 1.0;
+    /// let mut events = [
+    ///     Event::new("top", |_, _: &[f64], v: &[f64]| v[2]).falling(),
+    ///     Event::touchdown("floor", &model, model.frame("brick").expect("a link"), 0.0).terminal(),
+    /// ];
+    /// let options = AdaptiveOptions { tolerance: 1e-12, ..AdaptiveOptions::default() };
+    /// let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(0.1).build()?;
+    /// simulation.reset(&q, &[0.0, 0.0, 3.0, 0.0, 0.0, 0.0])?;
+    /// let run = simulation.run(100, RunOptions::new().events(&mut events))?;
+    /// assert!((run.events[0].time - 3.0 / 9.81).abs() < 1e-12);
+    /// assert!((run.time - (3.0 + (9.0f64 + 2.0 * 9.81).sqrt()) / 9.81).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[cfg(feature = "adaptive")]
+    #[must_use]
+    pub fn adaptive(self, options: AdaptiveOptions) -> Self {
+        Self { adaptive: options, method: Some(Method::Adaptive), ..self }
     }
 
     /// Without this effect.
@@ -177,12 +263,54 @@ impl<'a> SimulationBuilder<'a> {
     }
 
     /// With these contacts instead of those of the description.
+    ///
+    /// ```
+    /// use multibody::{Base, ContactSet, Ground, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape, ShapeRole};
+    /// use multibody::simulator::{RunOptions, SimulationBuilder};
+    /// let mut robot = RobotDescription::new("brick");
+    /// robot.base = Base::Floating;
+    /// let brick = dynamics::MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
+    /// robot.links.push(LinkDescription::new("brick", brick));
+    /// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
+    /// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
+    /// let model = Model::new(robot)?;
+    /// let ground = ContactSet::new(&model, &[Ground::level(0.0)])?;
+    /// let mut simulation = SimulationBuilder::new(&model).contacts(ground).build()?;
+    /// // Dropped from 20 cm, turning.
+    /// let (q, v) = ([0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0], [0.3, 0.0, 0.0, 1.0, 2.0, 0.0]);
+    /// let run = simulation.run_from(&q, &v, 2000, RunOptions::new())?;
+    /// assert!((run.q[2] - 0.05).abs() < 1e-9 && run.v.iter().all(|v| v.abs() < 1e-9)); // it lies on its face
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn contacts(self, contacts: ContactSet) -> Self {
         Self { contacts: Some(contacts), ..self }
     }
 
-    /// With these constraints instead of the equalities of the description.
+    /// With these constraints instead of the equalities of the description ([`ConstraintSet::from_equalities`]). At the end of a step A v = 0, and φ = 0 to 1e-12 m or
+    /// rad; they do no work. A start that is off is refused.
+    ///
+    /// ```
+    /// use multibody::{ConstraintSet, Coupling, JointDescription, JointKind, Limits, LinkDescription, Model, Pose, RobotDescription};
+    /// use multibody::simulator::{RunOptions, SimulationBuilder};
+    /// // Two sleds of 1 kg fall, geared so that one rises as the other falls half as far, until the falling one meets its stop.
+    /// let mut robot = RobotDescription::new("hoist");
+    /// robot.links.push(LinkDescription::new("world", None));
+    /// for (name, lower) in [("left", -0.2), ("right", -10.0)] {
+    ///     let mass = dynamics::MassProperties::point(1.0, nalgebra::Vector3::zeros())?;
+    ///     robot.links.push(LinkDescription::new(name, mass));
+    ///     let kind = JointKind::Prismatic { axis: [0.0, 0.0, 1.0] };
+    ///     let slide = JointDescription::new(name, kind, "world", name, Pose::IDENTITY);
+    ///     robot.joints.push(slide.with_limits(Limits::new(lower, 10.0)));
+    /// }
+    /// let model = Model::new(robot)?;
+    /// let gear = Coupling::new(&model, &[("left", 0.5), ("right", 1.0)], 0.0)?;
+    /// let gear = ConstraintSet::new(&model, [("gear", gear.into())])?;
+    /// let mut simulation = SimulationBuilder::new(&model).constraints(gear).build()?;
+    /// let run = simulation.run(1000, RunOptions::new())?;
+    /// assert!((run.q[0] + 0.2).abs() < 1e-8 && (run.q[1] + 0.5 * run.q[0]).abs() < 1e-12); // at rest on the stop, the gear held
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn constraints(self, constraints: ConstraintSet) -> Self {
         Self { constraints: Some(constraints), ..self }
@@ -194,7 +322,23 @@ impl<'a> SimulationBuilder<'a> {
         Self { options, correction, ..self }
     }
 
-    /// A run ends soon after this flag is set, even in the middle of a long step, which is taken back: as [`Implicit::with_interrupt`].
+    /// A step ends with [`IntegratorError::Interrupted`](dynamics::IntegratorError::Interrupted) soon after this flag is set, by another thread or a signal's handler, and a run ends
+    /// there. Every loop of the solvers of implicit, adaptive and MuJoCo's steps looks at it. The state is then that of the step's start: with the flag cleared the
+    /// same step can be taken again. Copies of the simulation share the flag.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum, simulator::{Method, SimulationBuilder}};
+    /// use std::sync::Arc;
+    /// use std::sync::atomic::{AtomicBool, Ordering};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let flag = Arc::new(AtomicBool::new(true));
+    /// let builder = SimulationBuilder::new(&model).method(Method::Implicit);
+    /// let mut simulation = builder.interrupt(Arc::clone(&flag)).build()?;
+    /// assert!(simulation.step().is_err() && simulation.q() == [0.0]);
+    /// flag.store(false, Ordering::Relaxed);
+    /// simulation.step()?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn interrupt(self, flag: Arc<AtomicBool>) -> Self {
         Self { interrupt: Some(flag), ..self }
@@ -202,181 +346,5 @@ impl<'a> SimulationBuilder<'a> {
 
     pub(super) fn acts(&self, effect: Effect) -> bool {
         !self.switched_off.contains(&effect)
-    }
-
-    /// Sets the simulation up, at the [configuration of the file](Model::initial_configuration) and at rest.
-    ///
-    /// # Errors
-    /// [`SimulationError`]: the step, a ground, a surface or a set of constraints is invalid, or the method does not know what was given.
-    pub fn build(mut self) -> Result<Simulation, SimulationError> {
-        if !(self.step > 0.0 && self.step.is_finite()) {
-            return Err(SimulationError::Step { step: self.step });
-        }
-        let model = Arc::clone(&self.model);
-        let mut left_out = Vec::new();
-        let contacts = self.contact_set(&mut left_out)?;
-        self.are_constraints_given = self.constraints.is_some();
-        let constraints = match self.constraints.take() {
-            Some(constraints) => constraints,
-            None if self.acts(Effect::Equalities) => ConstraintSet::from_equalities(&model)?,
-            None => ConstraintSet::default(),
-        };
-        let constraints = Some(constraints).filter(|set| !set.is_empty());
-        let actuation = self.actuation()?;
-        let link_contacts = contacts.as_ref().is_some_and(|set| set.pairs().next().is_some());
-        let touch = (contacts.is_some(), link_contacts);
-        let kinds = Kinds::of(&self, touch, constraints.is_some(), actuation.as_ref());
-        let (method, reason) = match self.method {
-            Some(method) => (method, "as asked for".to_owned()),
-            None => kinds.method(&model),
-        };
-        if let Method::Fixed(row) = method {
-            kinds.list_left_out(row, &mut left_out);
-        }
-        self.check_method(method)?;
-        let stepper = self.stepper(method, (contacts.clone(), constraints), actuation.as_ref())?;
-        let effort = self
-            .acts(Effect::EffortLimits)
-            .then(|| model.coordinate_limits().iter().map(|limits| limits.effort).collect::<Vec<f64>>());
-        let dissipates = self.acts(Effect::Dissipation);
-        // Explicit rows that hold their forces over a step leave the actuators out.
-        let actuation =
-            actuation.filter(|_| !matches!(stepper.kind, StepperKind::Row(_) | StepperKind::Constrained(_)));
-        let acting = kinds.acting(&stepper, effort.as_deref());
-        let parts = super::stepping::Parts {
-            acting,
-            model,
-            step: self.step,
-            method: (method, reason),
-            dissipates,
-            effort,
-            stepper,
-            actuation,
-            left_out,
-            contacts,
-        };
-        Ok(Simulation::of_parts(parts))
-    }
-
-    /// Refuses a method that does not know what was asked for.
-    fn check_method(&self, method: Method) -> Result<(), SimulationError> {
-        let problem = match method {
-            Method::Fixed(_) if self.is_ground_given => "knows no contact; `implicit` and `mujoco` do",
-            Method::Mujoco if self.are_constraints_given => {
-                "holds the equalities of the file alone; `implicit` and `rk4` hold others"
-            }
-            Method::Mujoco if !self.acts(Effect::Limits) => {
-                "holds position limits by its law; `implicit` can leave them out"
-            }
-            Method::Mujoco if !self.acts(Effect::Equalities) => {
-                "holds the equalities of the file by its law; `implicit` can leave them out"
-            }
-            _ => return Ok(()),
-        };
-        Err(SimulationError::Method { method: method.name(), problem: problem.into() })
-    }
-
-    /// The contacts that there can be; `None` where there are none.
-    fn contact_set(&mut self, left_out: &mut Vec<String>) -> Result<Option<ContactSet>, SimulationError> {
-        let has_ground = !(self.grounds.is_empty() && self.fields.is_empty());
-        self.is_ground_given = has_ground || self.contacts.is_some();
-        if !self.acts(Effect::Contacts) {
-            return if self.is_ground_given { Err(SimulationError::GroundWithoutContacts) } else { Ok(None) };
-        }
-        let set = if let Some(set) = self.contacts.take() {
-            set
-        } else {
-            let description = self.model.description();
-            if description.shapes.is_empty() && !has_ground {
-                let set = ContactSet::new(&self.model, &[])?;
-                return self.of_pairs(set).map(|_| None);
-            }
-            let mut set = ContactSet::with_meshes(&self.model, &self.grounds, &mut self.points_of)?
-                .with_described_planes(&self.model)?
-                .with_described_height_fields(&self.model, &mut self.field_of)?;
-            for field in &self.fields {
-                set = set.with_height_field(field)?;
-            }
-            if self.acts(Effect::LinkContacts) { set.with_links(&self.model) } else { set }
-        };
-        let set = self.of_pairs(set)?;
-        if has_ground && !set.has_shapes() {
-            let (robot, left_out) = (self.model.name().to_owned(), set.left_out().to_vec());
-            return Err(SimulationError::NothingTouches { robot, left_out });
-        }
-        let has_support = set.ground_count() + set.height_field_count() > 0;
-        if has_support {
-            left_out.extend(set.left_out().iter().map(|shape| format!("contact with the ground of {shape}")));
-        }
-        left_out.extend(set.left_out_pairs().iter().map(|pair| format!("contact of {pair}")));
-        let touches = (has_support && set.has_shapes()) || set.pairs().next().is_some();
-        Ok(Some(set).filter(|_| touches))
-    }
-
-    /// What drives the robot beside τ; `None` where nothing does.
-    fn actuation(&self) -> Result<Option<Actuation>, SimulationError> {
-        let all = Actuation::new(&self.model)?;
-        let all = if self.acts(Effect::Actuators) { all } else { all.without_actuators() };
-        let all = if self.acts(Effect::Springs) { all } else { all.without_springs() };
-        let all = if self.acts(Effect::Dissipation) { all } else { all.without_dissipation() };
-        Ok(Some(all).filter(|actuation| !actuation.is_empty()))
-    }
-
-    fn stepper(
-        &self,
-        method: Method,
-        (contacts, constraints): (Option<ContactSet>, Option<ConstraintSet>),
-        actuation: Option<&Actuation>,
-    ) -> Result<SimulationStepper, SimulationError> {
-        let model = &*self.model;
-        let at_zero = |actuation: &Actuation| vec![0.0; actuation.control_count()];
-        let kind = match method {
-            Method::Fixed(row) => match (constraints, actuation) {
-                (Some(constraints), _) => {
-                    let options = ConstraintOptions { integrator: row, ..self.options };
-                    let stepper = ConstrainedStepper::new(constraints, options, self.correction);
-                    StepperKind::Constrained(Box::new(stepper))
-                }
-                (None, Some(actuation)) if row.is_explicit() => {
-                    StepperKind::Actuated(Box::new(ActuatedStepper::new(actuation.clone(), model.nv(), row)))
-                }
-                (None, _) => StepperKind::Row(row),
-            },
-            Method::Implicit => {
-                let mut implicit = Implicit::new(model);
-                if let Some(flag) = &self.interrupt {
-                    implicit = implicit.with_interrupt(Arc::clone(flag));
-                }
-                if !self.acts(Effect::Limits) {
-                    implicit = implicit.without_stops();
-                }
-                if let Some(contacts) = contacts {
-                    implicit = implicit.with_contacts(model, contacts);
-                }
-                if let Some(constraints) = &constraints {
-                    implicit = implicit.with_constraints(model, constraints);
-                }
-                if let Some(actuation) = actuation {
-                    implicit = implicit.with_actuation(actuation, &at_zero(actuation));
-                }
-                StepperKind::Implicit(Box::new(implicit))
-            }
-            Method::Mujoco => {
-                let impratio = model.description().impratio.unwrap_or(1.0);
-                let mut law = SoftConstraints::new(model, self.step)?.with_impratio(impratio);
-                if let Some(contacts) = contacts {
-                    law = law.with_ground(model, contacts)?;
-                }
-                let mut stepper = MujocoEuler::new(model, law);
-                if let Some(flag) = &self.interrupt {
-                    stepper = stepper.with_interrupt(Arc::clone(flag));
-                }
-                if let Some(actuation) = actuation {
-                    stepper = stepper.with_actuation(actuation, &at_zero(actuation));
-                }
-                StepperKind::Mujoco(Box::new(stepper))
-            }
-        };
-        Ok(SimulationStepper { kind })
     }
 }

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::constraint::{ConstrainedMotionError, ConstraintSetError};
 use crate::motion::simulate::{ActuatedStepError, RunError, StepError, StepFault};
-use crate::{ContactError, Model, ModelError};
+use crate::{CallbackError, ContactError, Model, ModelError};
 
 /// Why a simulation could not be made.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -42,6 +42,10 @@ pub enum SimulationError {
         /// Shapes that are left out, each with the reason.
         left_out: Vec<String>,
     },
+    /// The tolerance or the control period of adaptive steps is invalid.
+    #[cfg(feature = "adaptive")]
+    #[error(transparent)]
+    Adaptive(#[from] crate::AdaptiveOptionsError),
     /// The law of the method could not be set up.
     #[error(transparent)]
     Law(#[from] DynamicsError),
@@ -70,11 +74,23 @@ pub enum MethodError {
     /// Of explicit and variational steps under equalities.
     #[error(transparent)]
     Constrained(#[from] ConstrainedMotionError),
+    /// Of a stepper of one's own.
+    #[error(transparent)]
+    Own(#[from] CallbackError),
+    /// Of adaptive steps.
+    #[cfg(feature = "adaptive")]
+    #[error(transparent)]
+    Adaptive(#[from] crate::AdaptiveStepError),
 }
 
 impl StepError for MethodError {
     fn is_interruption(&self) -> bool {
-        matches!(self, Self::Integrator(error) if error.is_interruption())
+        match self {
+            Self::Integrator(error) => error.is_interruption(),
+            #[cfg(feature = "adaptive")]
+            Self::Adaptive(error) => error.is_interruption(),
+            _ => false,
+        }
     }
 
     fn fault(self, model: &Model) -> StepFault<Self> {
@@ -89,6 +105,9 @@ impl StepError for MethodError {
             Self::Integrator(error) => widened(error, model),
             Self::Actuated(error) => widened(error, model),
             Self::Constrained(error) => widened(error, model),
+            Self::Own(error) => StepFault::Other(Self::Own(error)),
+            #[cfg(feature = "adaptive")]
+            Self::Adaptive(error) => widened(error, model),
         }
     }
 }

@@ -16,6 +16,20 @@ impl Simulation {
 
     /// The controls of the actuators in the next steps, in the order of [`control_names`](Self::control_names).
     ///
+    /// ```
+    /// use multibody::{ActuatorDescription, Model, Transmission, pendulum};
+    /// use multibody::simulator::{Method, SimulationBuilder};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let servo = ActuatorDescription::new("servo", Transmission::joint("hinge", 1.0)).servo(1e6, 1e5);
+    /// robot.actuators.push(servo);
+    /// let mut simulation = SimulationBuilder::new(&Model::new(robot)?).step(1e-2).build()?;
+    /// assert_eq!(simulation.method(), Method::Implicit); // no explicit step of 10 ms survives these gains
+    /// simulation.set_controls(&[0.4]);
+    /// simulation.run_for(2.0)?;
+    /// assert!((simulation.q()[0] - 0.4).abs() < 1e-5);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Panics
     /// If their number is wrong.
     #[track_caller]

@@ -7,11 +7,14 @@ use dynamics::{EnergyLedger, Integrator};
 use thiserror::Error;
 
 use super::MethodError;
+use super::own_stepper::OwnStepper;
 use crate::constraint::ConstrainedStepper;
+#[cfg(feature = "adaptive")]
+use crate::motion::simulate::AdaptiveStepper;
 use crate::motion::simulate::{ActuatedStepper, Losses, Stepper};
 use crate::{
-    ActiveSet, ConstraintRecord, ContactLaws, ContactPoint, Implicit, Model, MujocoEuler, SingularMass,
-    StepForces, StepWorkspace, Workspace,
+    ActiveSet, ConstraintRecord, ContactLaws, ContactPoint, ContactProblem, Implicit, Model, MujocoEuler,
+    SingularMass, StepForces, StepWorkspace, Workspace,
 };
 
 /// How the steps of a simulation are taken.
@@ -24,6 +27,12 @@ pub enum Method {
     Implicit,
     /// MuJoCo's Euler steps under its law of constraints that yield: [`MujocoEuler`].
     Mujoco,
+    /// Steps of high order, as long as a tolerance allows: [`AdaptiveOptions`](crate::AdaptiveOptions). The simulation's step is the time
+    /// between samples.
+    #[cfg(feature = "adaptive")]
+    Adaptive,
+    /// A method of one's own: [`SimulationBuilder::stepper`](super::SimulationBuilder::stepper).
+    Own,
 }
 
 impl Method {
@@ -38,10 +47,13 @@ impl Method {
             Self::Fixed(row) => row.name(),
             Self::Implicit => "implicit",
             Self::Mujoco => "mujoco",
+            #[cfg(feature = "adaptive")]
+            Self::Adaptive => "adaptive",
+            Self::Own => "own",
         }
     }
 
-    /// The names of all methods.
+    /// The names of all methods that are chosen by their names.
     ///
     /// ```
     /// use multibody::simulator::Method;
@@ -49,7 +61,12 @@ impl Method {
     /// ```
     pub fn names() -> impl Iterator<Item = &'static str> {
         let rows = Integrator::ALL.into_iter().map(Integrator::name);
-        rows.chain([Self::Implicit.name(), Self::Mujoco.name()])
+        rows.chain([
+            Self::Implicit.name(),
+            Self::Mujoco.name(),
+            #[cfg(feature = "adaptive")]
+            Self::Adaptive.name(),
+        ])
     }
 }
 
@@ -67,6 +84,8 @@ impl FromStr for Method {
         match name {
             "implicit" => Ok(Self::Implicit),
             "mujoco" => Ok(Self::Mujoco),
+            #[cfg(feature = "adaptive")]
+            "adaptive" => Ok(Self::Adaptive),
             _ => Integrator::from_name(name)
                 .map(Self::Fixed)
                 .map_err(|_| UnknownMethod { name: name.to_owned() }),
@@ -94,6 +113,9 @@ pub(super) enum StepperKind {
     Constrained(Box<ConstrainedStepper>),
     Implicit(Box<Implicit>),
     Mujoco(Box<MujocoEuler>),
+    #[cfg(feature = "adaptive")]
+    Adaptive(Box<AdaptiveStepper>),
+    Own(OwnStepper),
 }
 
 /// Calls a method of whichever stepper it is.
@@ -105,6 +127,9 @@ macro_rules! each {
             StepperKind::Constrained($own) => $call,
             StepperKind::Implicit($own) => $call,
             StepperKind::Mujoco($own) => $call,
+            #[cfg(feature = "adaptive")]
+            StepperKind::Adaptive($own) => $call,
+            StepperKind::Own($own) => $call,
         }
     };
 }
@@ -121,28 +146,62 @@ impl SimulationStepper {
     /// Holds controls over the next step: each stepper at the activations that it evaluates, those at the step's start, its middle, or along it.
     pub(super) fn set_controls(&mut self, controls: &[f64], start: &[f64], middle: &[f64]) {
         match &mut self.kind {
-            StepperKind::Row(_) | StepperKind::Constrained(_) => {}
             StepperKind::Actuated(stepper) => stepper.set_controls(controls, start),
             StepperKind::Implicit(stepper) => stepper.set_controls(middle),
             StepperKind::Mujoco(stepper) => stepper.set_controls(start),
+            _ => {}
         }
     }
 
-    /// Contacts at the end of the last step.
-    pub(super) fn contacts(&self) -> Vec<ContactPoint<'_>> {
+    /// Whether it evaluates actuators and springs beside those of joints.
+    pub(super) fn drives(&self) -> bool {
+        matches!(self.kind, StepperKind::Actuated(_) | StepperKind::Implicit(_) | StepperKind::Mujoco(_))
+    }
+
+    /// Contacts at the end of the last step, with their forces.
+    pub fn contacts(&self) -> Vec<ContactPoint<'_>> {
         match &self.kind {
-            StepperKind::Row(_) | StepperKind::Actuated(_) | StepperKind::Constrained(_) => Vec::new(),
             StepperKind::Implicit(stepper) => stepper.contact_points().collect(),
             StepperKind::Mujoco(stepper) => stepper.law().contact_points().collect(),
+            _ => Vec::new(),
         }
     }
 
     /// The links that can touch a ground.
     pub(super) fn ground_links(&self) -> &[String] {
         match &self.kind {
-            StepperKind::Row(_) | StepperKind::Actuated(_) | StepperKind::Constrained(_) => &[],
             StepperKind::Implicit(stepper) => stepper.ground_links(),
             StepperKind::Mujoco(stepper) => stepper.law().ground_links(),
+            _ => &[],
+        }
+    }
+
+    /// The last step's contacts as one complementarity problem, with the solution that was taken: for comparison with other methods. `None` where
+    /// nothing touched, and of methods that do not solve one; of a step that was divided, its last part.
+    ///
+    /// ```
+    /// use multibody::{Base, Ground, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape, ShapeRole, admm};
+    /// use multibody::simulator::SimulationBuilder;
+    /// let mut robot = RobotDescription::new("brick");
+    /// robot.base = Base::Floating;
+    /// let brick = dynamics::MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
+    /// robot.links.push(LinkDescription::new("brick", brick));
+    /// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
+    /// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
+    /// let model = Model::new(robot)?;
+    /// let mut simulation = SimulationBuilder::new(&model).ground(Ground::level(0.0)).build()?;
+    /// // It lies flat and slides along y.
+    /// simulation.reset(&[0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 1.0], &[0.0, 0.5, 0.0, 0.0, 0.0, 0.0])?;
+    /// simulation.step()?;
+    /// let problem = simulation.contact_problem().unwrap();
+    /// let other = admm::solve(&problem, &admm::Options::default());
+    /// assert!((problem.velocity - other.velocity).amax() < 1e-9); // two methods, one motion
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn contact_problem(&self) -> Option<ContactProblem> {
+        match &self.kind {
+            StepperKind::Implicit(stepper) => stepper.contact_problem(),
+            _ => None,
         }
     }
 
@@ -153,8 +212,9 @@ impl SimulationStepper {
         }
     }
 
-    /// The multipliers of the equalities, the mean over the last step, where the method has them.
-    pub(super) fn constraint_forces(&self) -> Vec<(&str, f64)> {
+    /// The multiplier of each row of the equalities by its name, the mean over the last step, where the method has them
+    /// \[N, or N·m of a turn\].
+    pub fn constraint_forces(&self) -> Vec<(&str, f64)> {
         match &self.kind {
             StepperKind::Implicit(stepper) => stepper.constraint_forces().collect(),
             _ => Vec::new(),
@@ -162,6 +222,8 @@ impl SimulationStepper {
     }
 }
 
+// One stepper has the errors of a simulation already.
+#[allow(clippy::useless_conversion)]
 impl Stepper for SimulationStepper {
     type Error = MethodError;
 
@@ -177,7 +239,7 @@ impl Stepper for SimulationStepper {
         q: &[f64],
         v: &[f64],
     ) -> Result<(), MethodError> {
-        each!(&mut self.kind, own => own.check_start(model, workspace, h, q, v).map_err(MethodError::from))
+        each!(&mut self.kind, own => own.check_start(model, workspace, h, q, v).map_err(Into::into))
     }
 
     fn check_mass(
@@ -198,7 +260,7 @@ impl Stepper for SimulationStepper {
         q: &mut [f64],
         v: &mut [f64],
     ) -> Result<(), MethodError> {
-        each!(&mut self.kind, own => own.step(model, workspace, forces, h, q, v).map_err(MethodError::from))
+        each!(&mut self.kind, own => own.step(model, workspace, forces, h, q, v).map_err(Into::into))
     }
 
     fn losses(&self) -> Option<Losses> {

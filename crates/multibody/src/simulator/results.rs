@@ -4,10 +4,10 @@ use dynamics::EnergyLedger;
 
 use super::Simulation;
 use crate::motion::simulate::Losses;
-use crate::{ConstraintRecord, ContactLaws, ContactPoint, Run, Stepper};
+use crate::{ConstraintRecord, ContactLaws, ContactPoint, ContactProblem, Run, Stepper};
 
 impl Simulation {
-    /// The mean acceleration of the last step, (v₁ − v₀)/h, zero before the first \[rad/s² or m/s²\].
+    /// The mean acceleration of the last step, (v₁ − v₀)/h, zero before the first \[rad/s² or m/s²\]; of adaptive steps that at the end.
     pub fn acceleration(&self) -> &[f64] {
         self.mean_acceleration()
     }
@@ -89,6 +89,11 @@ impl Simulation {
         self.stepper.contacts()
     }
 
+    /// The last step's contacts as one complementarity problem: [`SimulationStepper::contact_problem`](super::SimulationStepper::contact_problem).
+    pub fn contact_problem(&self) -> Option<ContactProblem> {
+        self.stepper.contact_problem()
+    }
+
     /// The force of the ground on each link that can touch it, along the world's axes, the mean over the last step \[N\].
     pub fn ground_forces(&self) -> &[[f64; 3]] {
         self.stepper.contact_forces()
@@ -116,7 +121,26 @@ impl Simulation {
         (total > 0.0).then(|| sum.map(|sum| sum / total))
     }
 
-    /// The multiplier of each row of the equalities by its name, the mean over the last step \[N, or N·m of a turn\], where the method has them.
+    /// The multiplier of each row of the equalities by its name, the mean over the last step \[N, or N·m of a turn\], where the method has them: the force of row k is
+    /// Aₖᵀλₖ. 0 of a row that depends on others.
+    ///
+    /// ```
+    /// use multibody::{Base, Closure, ConstraintSet, LinkDescription, Model, RobotDescription};
+    /// use multibody::simulator::{Method, SimulationBuilder};
+    /// // A bead of 2 kg on a floating base, held at the world's origin: the hold carries its weight.
+    /// let mut robot = RobotDescription::new("bead");
+    /// robot.base = Base::Floating;
+    /// let ball = dynamics::MassProperties::new(2.0, nalgebra::Vector3::zeros(), nalgebra::Matrix3::identity());
+    /// robot.links.push(LinkDescription::new("bead", ball.ok()));
+    /// let model = Model::new(robot)?;
+    /// let hold = Closure::point_contact(model.frame_named("bead")?, [0.0; 3]);
+    /// let set = ConstraintSet::new(&model, [("hold", hold.into())])?;
+    /// let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).constraints(set).build()?;
+    /// simulation.step()?;
+    /// let (name, force) = simulation.constraint_forces()[2];
+    /// assert!(name == "hold.z" && (force - 2.0 * 9.81).abs() < 1e-8); // a row yields by 1e-10 in the first step
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn constraint_forces(&self) -> Vec<(&str, f64)> {
         self.stepper.constraint_forces()
     }

@@ -4,13 +4,50 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::error::StepFailure;
-use super::run_options::Observer;
-use super::stepping::{Memory, note_acceleration};
-use super::{MethodError, RunOptions, Simulation};
+use super::step_inputs::note_acceleration;
+use super::stepping::Memory;
+use super::{MethodError, Observer, RunOptions, Simulation};
 use crate::motion::simulate::{Between, StepError, Watch};
-use crate::{Controller, Model, Moment, Run, RunError, RunFailure, StepForces, Stepper, Trajectory};
+use crate::{Controller, Model, Run, RunError, RunFailure, StepForces, Stepper, Trajectory};
 
 impl Simulation {
+    /// `steps` steps from (q, v) at time 0, with the inputs that are held: a [`reset`](Self::reset) of the state, and a [`run`](Self::run).
+    ///
+    /// # Errors
+    /// As [`reset`](Self::reset) and [`run`](Self::run). Where there is no start from (q, v), the run in the failure has no samples.
+    ///
+    /// # Panics
+    /// If v has the wrong length.
+    ///
+    /// ```
+    /// use multibody::{Base, LinkDescription, Model, RobotDescription, neutral};
+    /// use multibody::simulator::{RunOptions, SimulationBuilder};
+    /// let mut robot = RobotDescription::new("brick");
+    /// robot.base = Base::Floating;
+    /// let brick = dynamics::MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
+    /// robot.links.push(LinkDescription::new("brick", brick));
+    /// let model = Model::new(robot)?;
+    /// let mut simulation = SimulationBuilder::new(&model).build()?;
+    /// let run = simulation.run_from(&neutral(&model), &[0.0; 6], 1000, RunOptions::new().sample_every(100))?;
+    /// // Free fall for a second.
+    /// assert_eq!(run.trajectory.len(), 11);
+    /// assert!((run.q[2] + 9.81 / 2.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[track_caller]
+    pub fn run_from(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        steps: usize,
+        options: RunOptions<'_, '_>,
+    ) -> Result<Run, Box<RunFailure<MethodError>>> {
+        self.restart((q, v), 0.0, steps)?;
+        self.activations.fill(0.0);
+        self.limited.fill(0);
+        self.run(steps, options)
+    }
+
     /// `steps` steps from where the simulation is, with samples, events and peaks of this run alone.
     ///
     /// # Errors
@@ -33,13 +70,21 @@ impl Simulation {
     ) -> Result<Run, Box<RunFailure<MethodError>>> {
         let RunOptions { controller, events, observer, sample_every } = options;
         let model = Arc::clone(&self.model);
-        self.run.trajectory = Trajectory::new(&model, samples_of(steps, sample_every));
+        self.run.trajectory =
+            Trajectory::new(&model, self.course(&model, sample_every, self.base).samples_of(steps));
         self.run.events.clear();
         self.run.peak_torque.fill(0.0);
         (self.run.interrupted, self.run.ended_by_event) = (false, false);
         let done = Watch::start(events.unwrap_or(&mut []), self.run.time, &self.run.q, &self.run.v)
             .map_err(RunError::from)
-            .and_then(|watch| self.advance(&model, steps, sample_every, (controller, watch, observer)));
+            .and_then(|watch| {
+                let seen_by = (controller, watch, observer);
+                #[cfg(feature = "adaptive")]
+                if self.is_adaptive() {
+                    return self.follow(steps, sample_every, seen_by);
+                }
+                self.advance(&model, steps, sample_every, seen_by)
+            });
         let empty = Trajectory::new(&model, 0);
         let trajectory = core::mem::replace(&mut self.run.trajectory, empty);
         let until = Run { trajectory, ..self.run.clone() };
@@ -74,23 +119,12 @@ impl Simulation {
             self.begin_step(&course)?;
             let is_last = done == steps || self.run.ended_by_event;
             let (flow, is_kept) = {
-                let moment = Moment {
-                    step: step - first,
-                    time,
-                    q: &self.run.q,
-                    v: &self.run.v,
-                    tau: &self.memory.tau,
-                    ledger: &self.run.ledger,
-                    losses: self.run.losses,
-                    contact_forces: self.stepper.contact_forces(),
-                    actuator_forces: self.stepper.actuator_forces(),
-                    actuator_torques: self.stepper.actuator_torques(),
-                };
+                let moment = self.run.moment(step - first, &self.memory.tau, &self.stepper);
                 let flow = observer.as_mut().map_or(ControlFlow::Continue(()), |observer| observer(&moment));
                 let is_kept = is_last || flow.is_break() || done == 0;
                 let is_kept = is_kept || (sample_every > 0 && done.is_multiple_of(sample_every));
                 if is_kept {
-                    self.run.trajectory.push(&moment);
+                    self.run.keep_sample(&self.memory.tau, &self.stepper);
                 }
                 (flow, is_kept)
             };
@@ -101,30 +135,18 @@ impl Simulation {
             }
             self.check_mass(&course)?;
             let Self { stepper, workspace, run, memory, .. } = self;
-            let Memory { q, v, applied, .. } = &mut *memory;
-            let (before, velocity) = (run.time, run.v.clone());
+            let Memory { q, v, applied, before, .. } = &mut *memory;
+            before.copy_from_slice(&run.v);
             let forces = StepForces::new(applied, self.dissipates);
             let looks = (workspace, &mut watch, &mut between);
             match course.advance_once(run, stepper, looks, &forces, (q, v)) {
                 Err(RunError::Step { source, .. }) if source.is_interruption() => {
                     // As the step was taken back, this state is the last: who watches is told again, as it may have passed it over.
-                    let moment = Moment {
-                        step: step - first,
-                        time,
-                        q: &run.q,
-                        v: &run.v,
-                        tau: &memory.tau,
-                        ledger: &run.ledger,
-                        losses: run.losses,
-                        contact_forces: stepper.contact_forces(),
-                        actuator_forces: stepper.actuator_forces(),
-                        actuator_torques: stepper.actuator_torques(),
-                    };
                     if !is_kept {
-                        run.trajectory.push(&moment);
+                        run.keep_sample(&memory.tau, stepper);
                     }
                     if let Some(observer) = &mut observer {
-                        let _ = observer(&moment);
+                        let _ = observer(&run.moment(step - first, &memory.tau, stepper));
                     }
                     run.interrupted = true;
                     return Ok(());
@@ -138,8 +160,8 @@ impl Simulation {
             for (k, peak) in run.peak_torque.iter_mut().enumerate() {
                 *peak = peak.max((memory.tau[k] + by_actuators.get(k).unwrap_or(&0.0)).abs());
             }
-            let length = if run.ended_by_event { run.time - before } else { self.step };
-            note_acceleration(memory, &velocity, length);
+            let length = if run.ended_by_event { run.time - time } else { self.step };
+            note_acceleration(memory, length);
             if run.ended_by_event {
                 // What follows is counted from the event.
                 self.base = (run.steps, run.time);
@@ -148,9 +170,4 @@ impl Simulation {
         }
         Ok(())
     }
-}
-
-/// Samples that a run of so many steps keeps; memory for a million is taken at once, for more as it comes.
-fn samples_of(steps: usize, sample_every: usize) -> usize {
-    (steps.checked_div(sample_every).unwrap_or(0) + 2).min(1_000_000)
 }

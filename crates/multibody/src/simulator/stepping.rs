@@ -5,16 +5,15 @@ use std::sync::Arc;
 
 use super::error::StepFailure;
 use super::method::SimulationStepper;
-use super::{AppliedWrench, Effect, Method};
+use super::step_inputs::note_acceleration;
+use super::{AppliedWrench, Effect, Method, MethodError};
 use crate::motion::simulate::Course;
-use crate::{
-    Actuation, CallbackError, ContactSet, ControllerError, Model, Run, RunError, StepForces, StepWorkspace,
-};
+use crate::{Actuation, ContactSet, Model, Run, RunFailure, StepForces, StepWorkspace};
 
 /// A robot in time: its state, its inputs, and the steps.
 ///
 /// It is made by a [`SimulationBuilder`](super::SimulationBuilder), which says what acts. The inputs (torques, controls, wrenches on frames) are held until
-/// they are changed. Stepped one by one it gives the bits of one run. A step does not allocate.
+/// they are changed. Stepped one by one it gives the bits of one run, and a step does not allocate; adaptive steps give the same to their tolerance.
 ///
 /// ```
 /// use multibody::{Model, pendulum, simulator::SimulationBuilder};
@@ -39,7 +38,7 @@ pub struct Simulation {
     reason: String,
     pub(super) dissipates: bool,
     /// Of each coordinate, where effort limits act \[N·m or N\].
-    effort: Option<Vec<f64>>,
+    pub(super) effort: Option<Vec<f64>>,
     pub(super) stepper: SimulationStepper,
     /// As it was made.
     fresh: SimulationStepper,
@@ -73,12 +72,14 @@ pub(super) struct Memory {
     pub(super) q: Vec<f64>,
     pub(super) v: Vec<f64>,
     /// The mean acceleration of the last step.
-    acceleration: Vec<f64>,
+    pub(super) acceleration: Vec<f64>,
+    /// The velocity where a step starts.
+    pub(super) before: Vec<f64>,
     /// The torques within their limits, and with the wrenches.
     pub(super) tau: Vec<f64>,
     pub(super) applied: Vec<f64>,
-    middle: Vec<f64>,
-    jacobian: Vec<f64>,
+    pub(super) middle: Vec<f64>,
+    pub(super) jacobian: Vec<f64>,
 }
 
 /// What a builder hands over.
@@ -125,6 +126,7 @@ impl Simulation {
                 q: vec![0.0; nq],
                 v: zeros(),
                 acceleration: zeros(),
+                before: zeros(),
                 tau: zeros(),
                 applied: zeros(),
                 middle: controls.clone(),
@@ -225,6 +227,18 @@ impl Simulation {
         stepper
     }
 
+    /// What takes the steps, as the simulation leaves it, without a copy: with the memory that it has, so that its steps do not allocate.
+    ///
+    /// ```
+    /// use multibody::{Model, Stepper, pendulum, simulator::SimulationBuilder};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// assert_eq!(SimulationBuilder::new(&model).build()?.into_stepper().order(), 4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn into_stepper(self) -> SimulationStepper {
+        self.stepper
+    }
+
     /// Starts anew from (q, v) at time 0, with inputs at zero.
     ///
     /// # Errors
@@ -234,7 +248,7 @@ impl Simulation {
     /// If v has the wrong length.
     #[track_caller]
     pub fn reset(&mut self, q: &[f64], v: &[f64]) -> Result<(), StepFailure> {
-        self.restart(q, v, 0.0)?;
+        self.restart((q, v), 0.0, 1).map_err(|failure| failure.error)?;
         self.inputs.torques.fill(0.0);
         self.inputs.controls.fill(0.0);
         self.inputs.wrenches.clear();
@@ -253,17 +267,25 @@ impl Simulation {
     /// If v has the wrong length.
     #[track_caller]
     pub fn set_state(&mut self, q: &[f64], v: &[f64]) -> Result<(), StepFailure> {
-        self.restart(q, v, self.run.time)
+        self.restart((q, v), self.run.time, 1).map_err(|failure| failure.error)
     }
 
+    /// For so many steps: none need no inverse of M. Where there is no start from (q, v), the failure has neutral at rest as the end of its run, and all is as before.
     #[track_caller]
-    fn restart(&mut self, q: &[f64], v: &[f64], time: f64) -> Result<(), StepFailure> {
+    pub(super) fn restart(
+        &mut self,
+        (q, v): (&[f64], &[f64]),
+        time: f64,
+        steps: usize,
+    ) -> Result<(), Box<RunFailure<MethodError>>> {
         let mut stepper = self.fresh.clone();
         let model = Arc::clone(&self.model);
         let course = self.course(&model, 0, (0, time));
-        let (run, start) = course.open(&mut stepper, &mut self.workspace, (q, v), 1);
-        start?;
-        (self.run, self.stepper, self.base, self.is_checked) = (run, stepper, (0, time), true);
+        let (run, start) = course.open(&mut stepper, &mut self.workspace, (q, v), steps);
+        if let Err(error) = start {
+            return Err(Box::new(RunFailure { error, until: run }));
+        }
+        (self.run, self.stepper, self.base, self.is_checked) = (run, stepper, (0, time), steps > 0);
         self.memory.acceleration.fill(0.0);
         Ok(())
     }
@@ -278,16 +300,21 @@ impl Simulation {
     /// [`RunError`]: an input is not finite, M is singular, an implicit step does not converge, or the motion grows without bound; with time and coordinate. The
     /// state is as before the step then.
     pub fn step(&mut self) -> Result<(), StepFailure> {
+        #[cfg(feature = "adaptive")]
+        if self.is_adaptive() {
+            return self.step_adaptively();
+        }
         let model = Arc::clone(&self.model);
         let course = self.course(&model, 0, self.base);
         self.begin_step(&course)?;
         self.check_mass(&course)?;
         let Self { stepper, workspace, run, memory, .. } = self;
+        memory.before.copy_from_slice(&run.v);
         let forces = StepForces::new(&memory.applied, self.dissipates);
         let end = course.time(run.steps + 1);
         let state = (&mut memory.q[..], &mut memory.v[..]);
         let ledger = course.take(stepper, workspace, run, &forces, self.step, state)?;
-        note_acceleration(memory, &run.v, self.step);
+        note_acceleration(memory, self.step);
         Course::enter(run, stepper, (ledger, end), (&memory.q, &memory.v));
         self.end_step(self.step);
         Ok(())
@@ -317,63 +344,6 @@ impl Simulation {
         (duration / self.step).round() as usize
     }
 
-    /// Checks the inputs, cuts torques off at their limits, and makes generalised forces of wrenches.
-    pub(super) fn begin_step(&mut self, course: &Course<'_>) -> Result<(), StepFailure> {
-        let Self { model, inputs, run, memory, effort, workspace, .. } = self;
-        if let Some(index) = inputs.torques.iter().position(|tau| !tau.is_finite()) {
-            return Err(course.blow_up("the controller's torque", index, run.steps));
-        }
-        memory.tau.copy_from_slice(&inputs.torques);
-        if let Some(effort) = effort {
-            for (tau, limit) in memory.tau.iter_mut().zip(effort.iter()) {
-                *tau = tau.clamp(-limit.max(0.0), limit.max(0.0));
-            }
-        }
-        memory.applied.copy_from_slice(&memory.tau);
-        for wrench in &inputs.wrenches {
-            if !wrench.is_finite() {
-                let frame = &model.frame_of(wrench.frame).name;
-                return Err(bad_input(run, format!("the wrench on frame `{frame}` is not finite")));
-            }
-            let Memory { jacobian, applied, .. } = memory;
-            wrench.add_to(model, workspace.dynamics(), &run.q, jacobian, applied);
-        }
-        if let Some(actuation) = &self.actuation {
-            if let Some(index) = inputs.controls.iter().position(|control| !control.is_finite()) {
-                let name = actuation.control_names().nth(index).unwrap_or_default();
-                let control = inputs.controls[index];
-                return Err(bad_input(run, format!("the control of actuator `{name}` is {control}")));
-            }
-            let half = 0.5 * self.step;
-            actuation.activate(&inputs.controls, 0.0, &mut self.activations);
-            memory.middle.copy_from_slice(&self.activations);
-            actuation.activate(&inputs.controls, half, &mut memory.middle);
-            self.stepper.set_controls(&inputs.controls, &self.activations, &memory.middle);
-        }
-        Ok(())
-    }
-
-    /// The start of a run was looked at when it was set.
-    pub(super) fn check_mass(&mut self, course: &Course<'_>) -> Result<(), StepFailure> {
-        let steps = self.run.steps;
-        if !core::mem::replace(&mut self.is_checked, false) {
-            let checked = course.check_mass(&mut self.stepper, &mut self.workspace, &self.run.q, steps);
-            checked.map_err(|error| course.named(&self.stepper, &self.run, error))?;
-        }
-        Ok(())
-    }
-
-    /// Counts the torques that were cut off, and lets the activations follow their controls for the step's length \[s\].
-    pub(super) fn end_step(&mut self, length: f64) {
-        let Self { limited, inputs, memory, activations, .. } = self;
-        for (k, count) in limited.iter_mut().enumerate() {
-            *count += usize::from(memory.tau[k] != inputs.torques[k]);
-        }
-        if let Some(actuation) = &self.actuation {
-            actuation.activate(&inputs.controls, length, activations);
-        }
-    }
-
     /// The mean acceleration of the last step, (v₁ − v₀)/h.
     pub(super) fn mean_acceleration(&self) -> &[f64] {
         &self.memory.acceleration
@@ -382,17 +352,5 @@ impl Simulation {
     /// The torques of the last step within their limits.
     pub(super) fn limited_torques(&self) -> &[f64] {
         &self.memory.tau
-    }
-}
-
-fn bad_input(run: &Run, message: String) -> StepFailure {
-    let source = ControllerError::Callback(CallbackError::new(message));
-    RunError::Controller { step: run.steps, time: run.time, source }
-}
-
-pub(super) fn note_acceleration(memory: &mut Memory, before: &[f64], h: f64) {
-    let Memory { acceleration, v, .. } = memory;
-    for (k, acceleration) in acceleration.iter_mut().enumerate() {
-        *acceleration = (v[k] - before[k]) / h;
     }
 }

@@ -8,15 +8,16 @@ use multibody::batch::{
     BatchOptions, BatchWorkspace, PolicyInput, RolloutError, RolloutProgress, StepperRollout, Torques,
     rollout_by_stepper,
 };
+use multibody::simulator::{Method, SimulationBuilder, SimulationStepper};
 use multibody::{
-    Base, ContactSet, Ground, Implicit, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape,
-    ShapeRole, StepForces, StepWorkspace, Stepper, random_state,
+    Base, Ground, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape, ShapeRole, StepForces,
+    StepWorkspace, Stepper, random_state,
 };
 use nalgebra::Vector3;
 
 const STEPS: usize = 150;
 
-fn brick() -> (Model, Implicit) {
+fn brick() -> (Model, SimulationStepper) {
     let mut robot = RobotDescription::new("brick");
     robot.base = Base::Floating;
     let mass = MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1)).unwrap();
@@ -24,8 +25,8 @@ fn brick() -> (Model, Implicit) {
     let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
     robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
     let model = Model::new(robot).unwrap();
-    let ground = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap();
-    let implicit = Implicit::new(&model).with_contacts(&model, ground);
+    let builder = SimulationBuilder::new(&model).method(Method::Implicit).ground(Ground::level(0.0));
+    let implicit = builder.build().unwrap().stepper();
     (model, implicit)
 }
 

@@ -2,14 +2,14 @@
 //! on wheels.
 
 use std::error::Error;
-use std::ops::ControlFlow;
 
 use dynamics::{KnifeEdge, MassProperties, PlanarBody, SplitMix64};
+use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder};
 use multibody::{
-    Base, Baumgarte, Closure, ConstrainedSimulation, ConstrainedStepReport, ConstraintOptions, ConstraintSet,
+    Base, Baumgarte, Closure, ConstrainedStepReport, ConstraintDrift, ConstraintOptions, ConstraintSet,
     DriftCorrection, FrameDescription, JointDescription, JointKind, LinkDescription, LoopClosure, Model,
     NoSlip, Plane, Pose, RedundantRows, RobotDescription, RollingDisc, RollingRow, RunError, StepForces,
-    Workspace, ZeroTorque, constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step,
+    Workspace, constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step,
     constraint_drift, frame_pose, neutral, project_position, project_velocity,
 };
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, matrix, vector};
@@ -249,19 +249,23 @@ fn three_ways_with_drift() -> Tested {
     let loops: Vec<LoopClosure> = serde_json::from_str(PIN)?;
     let set = ConstraintSet::from_loops(&model, &loops)?;
     let (q, v) = start(&model, &set)?;
-    let run = |correction, stabilization| {
+    let run = |correction, stabilization| -> Result<ConstraintDrift, Box<dyn Error>> {
         let options = ConstraintOptions { stabilization, ..Default::default() };
-        let simulation = ConstrainedSimulation::new(&model, &set, 5e-3)
-            .with_options(options)
-            .with_correction(correction)
-            .with_dissipation(false)
-            .with_samples_every(0);
-        simulation.run(&q, &v, 2000, &mut ZeroTorque, |_| ControlFlow::Continue(()))
+        let mut simulation = SimulationBuilder::new(&model)
+            .method(Method::Fixed(options.integrator))
+            .constraints(set.clone())
+            .step(5e-3)
+            .without(Effect::Dissipation)
+            .constraint_options(options, correction)
+            .build()
+            .unwrap();
+        simulation.run_from(&q, &v, 2000, RunOptions::new().sample_every(0))?;
+        simulation.constraint_record().map(|record| record.drift).ok_or_else(|| "no record".into())
     };
-    let free = run(DriftCorrection::None, None)?.record.drift;
-    let pulled = run(DriftCorrection::None, Some(Baumgarte { rate: 50.0 }))?.record.drift;
-    let velocity = run(DriftCorrection::Velocity, None)?.record.drift;
-    let position = run(DriftCorrection::Position { tolerance: 1e-12 }, None)?.record.drift;
+    let free = run(DriftCorrection::None, None)?;
+    let pulled = run(DriftCorrection::None, Some(Baumgarte { rate: 50.0 }))?;
+    let velocity = run(DriftCorrection::Velocity, None)?;
+    let position = run(DriftCorrection::Position { tolerance: 1e-12 }, None)?;
     println!("none {free:?}\nBaumgarte {pulled:?}\nvelocity {velocity:?}\nposition {position:?}");
     assert!(free.position > 10.0 * pulled.position, "{free:?} {pulled:?}");
     assert!(velocity.velocity < 1e-12 && velocity.position < free.position, "{velocity:?}");
@@ -277,34 +281,40 @@ fn a_controller_that_fails_ends_a_constrained_run() -> Tested {
     let loops: Vec<LoopClosure> = serde_json::from_str(PIN)?;
     let set = ConstraintSet::from_loops(&model, &loops)?;
     let (q, v) = start(&model, &set)?;
-    let simulation = ConstrainedSimulation::new(&model, &set, 1e-3)
-        .with_correction(DriftCorrection::Position { tolerance: 1e-12 })
-        .with_dissipation(false)
-        .with_samples_every(0);
+    let mut simulation = SimulationBuilder::new(&model)
+        .method(Method::Fixed(ConstraintOptions::default().integrator))
+        .constraints(set.clone())
+        .step(1e-3)
+        .without(Effect::Dissipation)
+        .constraint_options(ConstraintOptions::default(), DriftCorrection::Position { tolerance: 1e-12 })
+        .build()
+        .unwrap();
     let mut stop = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
         tau.fill(0.0);
         if t < 0.0195 { Ok(()) } else { Err("the brake is on") }
     };
-    let failure = simulation.run(&q, &v, 100, &mut stop, |_| ControlFlow::Continue(())).unwrap_err();
+    let failure = simulation
+        .run_from(&q, &v, 100, RunOptions::new().sample_every(0).controller(&mut stop))
+        .unwrap_err();
     assert_eq!(failure.to_string(), "the controller gave no torque at t = 0.02 s (step 20): the brake is on");
-    assert!(failure.until.motion.steps == 20 && failure.until.motion.q != q, "{:?}", failure.until);
-    assert!(failure.until.motion.q.iter().chain(&failure.until.motion.v).all(|x| x.is_finite()));
-    assert!(failure.until.record.drift.position <= 1e-12 && failure.until.motion.ledger.kinetic() > 0.0);
+    assert!(failure.until.steps == 20 && failure.until.q != q, "{:?}", failure.until);
+    assert!(failure.until.q.iter().chain(&failure.until.v).all(|x| x.is_finite()));
+    let record = simulation.constraint_record().ok_or("no record")?;
+    assert!(record.drift.position <= 1e-12 && failure.until.ledger.kinetic() > 0.0);
 
     let mut broken = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
         tau.fill(0.0);
         tau[1] = if t < 0.0015 { 0.0 } else { f64::NEG_INFINITY };
     };
-    let failure = simulation.run(&q, &v, 100, &mut broken, |_| ControlFlow::Continue(())).unwrap_err();
+    let failure = simulation
+        .run_from(&q, &v, 100, RunOptions::new().sample_every(0).controller(&mut broken))
+        .unwrap_err();
     let RunError::NotFinite { quantity: "the controller's torque", coordinate, step: 2, .. } = &failure.error
     else {
         panic!("{failure}")
     };
     assert_eq!(coordinate, &model.coordinate_names()[1]);
-    assert!(
-        failure.to_string().contains("t = 0.002 s (step 2)") && failure.until.motion.steps == 2,
-        "{failure}"
-    );
+    assert!(failure.to_string().contains("t = 0.002 s (step 2)") && failure.until.steps == 2, "{failure}");
     Ok(())
 }
 
@@ -314,11 +324,15 @@ fn a_start_off_the_constraint_is_refused() -> Tested {
     let model = linkage()?;
     let loops: Vec<LoopClosure> = serde_json::from_str(PIN)?;
     let set = ConstraintSet::from_loops(&model, &loops)?;
-    let error = ConstrainedSimulation::new(&model, &set, 1e-3)
-        .with_correction(DriftCorrection::Velocity)
-        .with_dissipation(false)
-        .with_samples_every(0)
-        .run(&[0.0; 3], &[0.0; 3], 1, &mut ZeroTorque, |_| ControlFlow::Continue(()))
+    let error = SimulationBuilder::new(&model)
+        .method(Method::Fixed(ConstraintOptions::default().integrator))
+        .constraints(set.clone())
+        .step(1e-3)
+        .without(Effect::Dissipation)
+        .constraint_options(ConstraintOptions::default(), DriftCorrection::Velocity)
+        .build()
+        .unwrap()
+        .run_from(&[0.0; 3], &[0.0; 3], 1, RunOptions::new().sample_every(0))
         .unwrap_err();
     assert!(error.to_string().contains("the position error of row `pin.x`"), "{error}");
     // A linkage that cannot be assembled: the error names a row, and q stays.
@@ -426,22 +440,22 @@ fn coin_rolls_for_a_minute() -> Tested {
     let disc = RollingDisc::on_floor(model.frame("coin").ok_or("no coin")?, [0.0, 1.0, 0.0], r);
     let set = ConstraintSet::new(&model, [("floor", disc.into())])?;
     let (q, v) = rolling_start(&model, &set, 0.35, [0.5, 12.0, 1.5])?;
-    let run = ConstrainedSimulation::new(&model, &set, 2e-3)
-        .with_correction(DriftCorrection::Position { tolerance: 1e-12 })
-        .with_dissipation(false)
-        .with_samples_every(0)
-        .run(&q, &v, 30_000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
-    println!(
-        "{:?}, per step {:?}, energy {:e}",
-        run.record.drift,
-        run.record.step_drift,
-        run.motion.ledger.drift()
-    );
-    assert_eq!((run.motion.steps, run.record.smallest_rank), (30_000, 3));
-    assert!(run.record.drift.velocity < 1e-10, "{:?}", run.record.drift);
-    assert!(run.record.drift.position <= 1e-12, "{:?}", run.record.drift);
+    let mut simulation = SimulationBuilder::new(&model)
+        .method(Method::Fixed(ConstraintOptions::default().integrator))
+        .constraints(set.clone())
+        .step(2e-3)
+        .without(Effect::Dissipation)
+        .constraint_options(ConstraintOptions::default(), DriftCorrection::Position { tolerance: 1e-12 })
+        .build()
+        .unwrap();
+    let run = simulation.run_from(&q, &v, 30_000, RunOptions::new().sample_every(0))?;
+    let record = simulation.constraint_record().ok_or("no record")?;
+    println!("{:?}, per step {:?}, energy {:e}", record.drift, record.step_drift, run.ledger.drift());
+    assert_eq!((run.steps, record.smallest_rank), (30_000, 3));
+    assert!(record.drift.velocity < 1e-10, "{:?}", record.drift);
+    assert!(record.drift.position <= 1e-12, "{:?}", record.drift);
     // Order 4 at 2 ms and 12 rad/s: (0.024)⁴ = 3e-7 a radian of error constant one, bounded, not exact.
-    assert!(run.motion.ledger.drift() < 1e-6, "{}", run.motion.ledger.drift());
+    assert!(run.ledger.drift() < 1e-6, "{}", run.ledger.drift());
     Ok(())
 }
 

@@ -4,12 +4,13 @@ use std::error::Error;
 use std::ops::ControlFlow;
 
 use dynamics::{Integrator, MassProperties, SplitMix64};
+use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder};
 use multibody::{
-    Base, Baumgarte, Closure, ClosureRow, ConstrainedMotionError, ConstrainedSimulation, ConstraintOptions,
-    ConstraintSet, Coupling, DriftCorrection, FrameDescription, JointKinds, LinkDescription, LoopClosure,
-    Model, Pose, RandomRobotOptions, RedundantRows, RobotDescription, RollingDisc, StepForces, StepWorkspace,
-    Workspace, ZeroTorque, center_of_mass, centroidal_momentum, constrained_step, constraint_drift,
-    difference, frame_pose, neutral, project_position, project_velocity, random_robot, random_state, step,
+    Base, Baumgarte, Closure, ClosureRow, ConstrainedMotionError, ConstraintOptions, ConstraintSet, Coupling,
+    DriftCorrection, FrameDescription, JointKinds, LinkDescription, LoopClosure, Model, Pose,
+    RandomRobotOptions, RedundantRows, RobotDescription, RollingDisc, StepForces, StepWorkspace, Workspace,
+    center_of_mass, centroidal_momentum, constrained_step, constraint_drift, difference, frame_pose, neutral,
+    project_position, project_velocity, random_robot, random_state, step,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -113,31 +114,40 @@ fn four_bar_neither_opens_nor_drifts() -> Tested {
     let (model, set, state) = four_bar()?;
     for (row, h, steps) in [(VARIATIONAL[0], 4e-3, 50_000), (VARIATIONAL[1], 8e-3, 15_000)] {
         let run = |h: f64, steps: usize| -> Result<(f64, f64, f64), Box<dyn Error>> {
-            let simulation = ConstrainedSimulation::new(&model, &set, h)
-                .with_options(options(row))
-                .with_correction(DriftCorrection::None)
-                .with_dissipation(false)
-                .with_samples_every(0);
+            let mut simulation = SimulationBuilder::new(&model)
+                .method(Method::Fixed(options(row).integrator))
+                .constraints(set.clone())
+                .step(h)
+                .without(Effect::Dissipation)
+                .constraint_options(options(row), DriftCorrection::None)
+                .build()
+                .unwrap();
             let (mut first, mut last) = (0.0f64, 0.0f64);
-            let run = simulation.run(&state.q, &state.v, steps, &mut ZeroTorque, |moment| {
-                let error = moment.ledger.imbalance().abs();
-                if moment.step <= steps / 10 {
-                    first = first.max(error);
-                }
-                if moment.step > steps - steps / 10 {
-                    last = last.max(error);
-                }
-                ControlFlow::Continue(())
-            })?;
-            let turned = run.motion.q.iter().fold(1.0, |most: f64, q| most.max(q.abs()));
+            let run = simulation.run_from(
+                &state.q,
+                &state.v,
+                steps,
+                RunOptions::new().sample_every(0).observer(&mut |moment| {
+                    let error = moment.ledger.imbalance().abs();
+                    if moment.step <= steps / 10 {
+                        first = first.max(error);
+                    }
+                    if moment.step > steps - steps / 10 {
+                        last = last.max(error);
+                    }
+                    ControlFlow::Continue(())
+                }),
+            )?;
+            let record = simulation.constraint_record().ok_or("no record")?;
+            let turned = run.q.iter().fold(1.0, |most: f64, q| most.max(q.abs()));
             assert!(
-                run.record.drift.position < 8.0 * f64::EPSILON * turned,
+                record.drift.position < 8.0 * f64::EPSILON * turned,
                 "{row}: {:?}, {turned}",
-                run.record.drift
+                record.drift
             );
-            assert!(run.record.drift.velocity < 1e-13, "{row}: {:?}", run.record.drift);
-            assert!(run.record.energy_removed == 0.0 && run.record.smallest_rank == 2);
-            Ok((first, last, run.motion.ledger.start()))
+            assert!(record.drift.velocity < 1e-13, "{row}: {:?}", record.drift);
+            assert!(record.energy_removed == 0.0 && record.smallest_rank == 2);
+            Ok((first, last, run.ledger.start()))
         };
         let (first, last, scale) = run(h, steps)?;
         let (halved, ..) = run(h / 2.0, steps / 10)?;
@@ -386,27 +396,33 @@ fn a_rolling_coin_is_reversible_and_keeps_its_rows() -> Tested {
         assert!(off < 1e-12, "{row}: {off:e}");
 
         let (steps, mut first, mut last) = (15_000, 0.0f64, 0.0f64);
-        let simulation = ConstrainedSimulation::new(&model, &set, 4e-3)
-            .with_options(options(row))
-            .with_correction(DriftCorrection::None)
-            .with_dissipation(false)
-            .with_samples_every(0);
-        let run = simulation.run(&state.q, &state.v, steps, &mut ZeroTorque, |moment| {
-            let error = moment.ledger.imbalance().abs();
-            if moment.step <= steps / 10 {
-                first = first.max(error);
-            }
-            if moment.step > steps - steps / 10 {
-                last = last.max(error);
-            }
-            ControlFlow::Continue(())
-        })?;
-        println!("{row:22} energy error {first:.2e} J first, {last:.2e} J last, {:?}", run.record.drift);
-        assert!(
-            run.record.drift.position < 1e-13 && run.record.drift.velocity < 1e-12,
-            "{:?}",
-            run.record.drift
-        );
+        let mut simulation = SimulationBuilder::new(&model)
+            .method(Method::Fixed(options(row).integrator))
+            .constraints(set.clone())
+            .step(4e-3)
+            .without(Effect::Dissipation)
+            .constraint_options(options(row), DriftCorrection::None)
+            .build()
+            .unwrap();
+        let run = simulation.run_from(
+            &state.q,
+            &state.v,
+            steps,
+            RunOptions::new().sample_every(0).observer(&mut |moment| {
+                let error = moment.ledger.imbalance().abs();
+                if moment.step <= steps / 10 {
+                    first = first.max(error);
+                }
+                if moment.step > steps - steps / 10 {
+                    last = last.max(error);
+                }
+                ControlFlow::Continue(())
+            }),
+        )?;
+        assert_eq!(run.steps, steps);
+        let record = simulation.constraint_record().ok_or("no record")?;
+        println!("{row:22} energy error {first:.2e} J first, {last:.2e} J last, {:?}", record.drift);
+        assert!(record.drift.position < 1e-13 && record.drift.velocity < 1e-12, "{:?}", record.drift);
         assert!(last < 1.5 * first, "{row}: {first:e} {last:e}");
     }
     Ok(())
@@ -441,12 +457,15 @@ fn dependent_rows_are_dropped_or_refused() -> Tested {
 fn wrong_steps_are_refused() -> Tested {
     let (model, set, state) = four_bar()?;
     let attempt = |options: ConstraintOptions, h: f64| {
-        let simulation = ConstrainedSimulation::new(&model, &set, h)
-            .with_options(options)
-            .with_correction(DriftCorrection::None)
-            .with_dissipation(false)
-            .with_samples_every(0);
-        let run = simulation.run(&state.q, &state.v, 200, &mut ZeroTorque, |_| ControlFlow::Continue(()));
+        let mut simulation = SimulationBuilder::new(&model)
+            .method(Method::Fixed(options.integrator))
+            .constraints(set.clone())
+            .step(h)
+            .without(Effect::Dissipation)
+            .constraint_options(options, DriftCorrection::None)
+            .build()
+            .unwrap();
+        let run = simulation.run_from(&state.q, &state.v, 200, RunOptions::new().sample_every(0));
         run.expect_err("a refusal").to_string()
     };
     let fed_back =

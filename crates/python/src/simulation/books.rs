@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::dynamics::EnergyLedger;
-use robot_dynamics::{AdaptiveRun, Losses};
+use robot_dynamics::{AdaptiveRecord, Losses};
 
 use crate::numbers::{object, record};
 
@@ -41,7 +41,7 @@ pub(super) fn ledger_of<'py>(py: Python<'py>, ledger: &EnergyLedger) -> PyResult
 }
 
 /// What the steps of an adaptive run were.
-pub(super) fn statistics_of<'py>(py: Python<'py>, run: &AdaptiveRun) -> PyResult<Bound<'py, PyDict>> {
+pub(super) fn statistics_of<'py>(py: Python<'py>, run: &AdaptiveRecord) -> PyResult<Bound<'py, PyDict>> {
     record(
         py,
         [

@@ -2,12 +2,19 @@
 
 use std::collections::HashMap;
 use std::ffi::CString;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::simulator::{Effect, Method, Simulation, SimulationBuilder, StepFailure};
-use robot_dynamics::{CallbackError, ControllerError, DriftCorrection, Ground, HeightField, Pose};
+use robot_dynamics::simulator::{
+    Effect, Method, Simulation, SimulationBuilder, SimulationError, StepFailure,
+};
+use robot_dynamics::{
+    AdaptiveOptions, CallbackError, ControlTiming, ControllerError, DriftCorrection, Ground, HeightField,
+    Pose,
+};
 
 use super::ground::GroundFields;
 use crate::constraints::{Constraints, options_of};
@@ -25,6 +32,9 @@ pub(crate) struct Setup {
     constraints: Option<Py<Constraints>>,
     stabilization: Option<f64>,
     correction: String,
+    tolerance: Option<f64>,
+    control_period: Option<f64>,
+    interrupt: Option<Arc<AtomicBool>>,
     ignored_pairs: Vec<(String, String)>,
     only_pairs: Option<Vec<(String, String)>>,
 }
@@ -34,7 +44,9 @@ impl PartialEq for Setup {
         let own = |setup: &Self| setup.constraints.as_ref().map(Py::as_ptr);
         let Self { step, integrator, without, conservative, ground, stabilization, correction, .. } = self;
         let Self { ignored_pairs, only_pairs, .. } = self;
-        own(self) == own(other)
+        let steps = |setup: &Self| (setup.tolerance, setup.control_period);
+        steps(self) == steps(other)
+            && own(self) == own(other)
             && (*step, *conservative, *stabilization) == (other.step, other.conservative, other.stabilization)
             && (integrator, without, ground) == (&other.integrator, &other.without, &other.ground)
             && (correction, ignored_pairs, only_pairs)
@@ -53,6 +65,9 @@ impl Setup {
             constraints: None,
             stabilization: None,
             correction: "position".into(),
+            tolerance: None,
+            control_period: None,
+            interrupt: None,
             ignored_pairs: Vec::new(),
             only_pairs: None,
         };
@@ -66,6 +81,8 @@ impl Setup {
                 "constraints" => setup.constraints = value.extract()?,
                 "stabilization" => setup.stabilization = value.extract()?,
                 "correction" => setup.correction = value.extract()?,
+                "tolerance" => setup.tolerance = value.extract()?,
+                "control_period" => setup.control_period = value.extract()?,
                 "ignore_contacts" => setup.ignored_pairs = value.extract()?,
                 "only_contacts" => setup.only_pairs = value.extract()?,
                 other => return Err(PyValueError::new_err(format!("a simulation has no option {other:?}"))),
@@ -80,11 +97,57 @@ impl Setup {
         self
     }
 
+    pub(crate) fn step(&self) -> f64 {
+        self.step
+    }
+
+    pub(crate) fn is_adaptive(&self) -> bool {
+        self.integrator.as_deref() == Some(Method::Adaptive.name())
+    }
+
+    /// Refuses steps as long as a tolerance allows, where each step is one of `step`.
+    pub(crate) fn refuse_adaptive(self, py: Python<'_>) -> PyResult<Self> {
+        if !self.is_adaptive() {
+            return Ok(self);
+        }
+        let names: Vec<&str> = Method::names().filter(|name| *name != Method::Adaptive.name()).collect();
+        Err(Class::Simulation.error(
+            py,
+            format!(
+                "integrator='adaptive' has steps as long as its tolerance allows: `Robot.simulate` runs it; there are {}",
+                names.join(", ")
+            ),
+        ))
+    }
+
+    /// With torques that are held for so long \[s\], unless the arguments say how long.
+    pub(crate) fn holding(mut self, period: Option<f64>) -> Self {
+        self.control_period = self.control_period.or(period);
+        self
+    }
+
+    /// With a flag that ends adaptive steps.
+    pub(crate) fn interrupted_by(mut self, flag: Arc<AtomicBool>) -> Self {
+        self.interrupt = Some(flag);
+        self
+    }
+
     /// The simulation. On a ground that was given, what does not touch it is told in one warning.
     pub(crate) fn build(&self, py: Python<'_>, robot: &Robot) -> PyResult<Simulation> {
         let mut builder = robot_dynamics::simulation(&robot.model).step(self.step);
         if let Some(name) = &self.integrator {
             builder = builder.method(method_of(py, name)?);
+        }
+        if self.is_adaptive() {
+            let held = |period| ControlTiming::Held { period };
+            builder = builder.adaptive(AdaptiveOptions {
+                tolerance: self.tolerance.unwrap_or(1e-9),
+                control: self.control_period.map_or(ControlTiming::Continuous, held),
+                ..AdaptiveOptions::default()
+            });
+            if let Some(flag) = &self.interrupt {
+                builder = builder.interrupt(Arc::clone(flag));
+            }
         }
         if self.conservative {
             builder = builder.conservative();
@@ -110,7 +173,7 @@ impl Setup {
             correction_of(&self.correction)?;
         }
         let simulation = py.detach(|| builder.build()).map_err(|error| match error {
-            robot_dynamics::simulator::SimulationError::Step { .. } => Class::Simulation.error(py, error),
+            SimulationError::Step { .. } | SimulationError::Adaptive(_) => Class::Simulation.error(py, error),
             other => PyValueError::new_err(other.to_string()),
         })?;
         self.warn_of_left_out(py, &simulation)?;
@@ -158,18 +221,11 @@ impl Setup {
     }
 }
 
-/// A method by its name; `adaptive` has steps of its own length and is run by `simulate` alone.
 fn method_of(py: Python<'_>, name: &str) -> PyResult<Method> {
     name.parse().map_err(|_| {
         let names: Vec<&str> = Method::names().collect();
-        let said = if name == "adaptive" {
-            "integrator='adaptive' has steps as long as its tolerance allows: `Robot.simulate` runs it; "
-                .to_owned()
-        } else {
-            format!("there is no integrator {name:?}; ")
-        };
-        Class::Simulation
-            .error(py, format!("{said}there are {}, and adaptive in `simulate`", names.join(", ")))
+        let said = format!("there is no integrator {name:?}; there are {}", names.join(", "));
+        Class::Simulation.error(py, said)
     })
 }
 

@@ -1,12 +1,12 @@
 //! A loop declared beside a robot file: the two-armed robot's hands hold each other.
 
 use std::error::Error;
-use std::ops::ControlFlow;
 use std::path::Path;
 
+use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder};
 use multibody::{
-    ConstrainedSimulation, ConstraintOptions, ConstraintSet, Coupling, DriftCorrection, GravityCompensatedPd,
-    LoopClosure, Workspace, ZeroTorque, frame_pose, neutral, project_position,
+    ConstraintOptions, ConstraintSet, Coupling, DriftCorrection, GravityCompensatedPd, LoopClosure,
+    Workspace, frame_pose, neutral, project_position,
 };
 
 #[test]
@@ -38,35 +38,25 @@ fn dual_arm_holds_its_own_hand() -> Result<(), Box<dyn Error>> {
 
     // Let go: hand in hand the arms fall, and the books close.
     let rest = vec![0.0; model.nv()];
-    let simulation = ConstrainedSimulation::new(&model, &set, 5e-4)
-        .with_options(options)
-        .with_correction(DriftCorrection::Position { tolerance: 1e-12 })
-        .with_dissipation(false)
-        .with_samples_every(0);
-    let fall = simulation.run(&q, &rest, 2000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
-    println!(
-        "fall: {:?}, energy {:e}, K {} J",
-        fall.record.drift,
-        fall.motion.ledger.drift(),
-        fall.motion.ledger.kinetic()
-    );
-    assert_eq!(fall.record.smallest_rank, 4);
-    assert!(
-        fall.record.drift.position <= 1e-12 && fall.record.drift.velocity < 1e-10,
-        "{:?}",
-        fall.record.drift
-    );
-    assert!(
-        fall.motion.ledger.kinetic() > 10.0 && fall.motion.ledger.drift() < 1e-6,
-        "{:?}",
-        fall.motion.ledger
-    );
+    let mut simulation = SimulationBuilder::new(&model)
+        .method(Method::Fixed(options.integrator))
+        .constraints(set.clone())
+        .step(5e-4)
+        .without(Effect::Dissipation)
+        .constraint_options(options, DriftCorrection::Position { tolerance: 1e-12 })
+        .build()?;
+    let fall = simulation.run_from(&q, &rest, 2000, RunOptions::new().sample_every(0))?;
+    let record = *simulation.constraint_record().ok_or("no constraint")?;
+    println!("fall: {:?}, energy {:e}, K {} J", record.drift, fall.ledger.drift(), fall.ledger.kinetic());
+    assert_eq!(record.smallest_rank, 4);
+    assert!(record.drift.position <= 1e-12 && record.drift.velocity < 1e-10, "{:?}", record.drift);
+    assert!(fall.ledger.kinetic() > 10.0 && fall.ledger.drift() < 1e-6, "{:?}", fall.ledger);
 
     // With gravity-compensated motors at the pose it is held: no force in the grasp is needed, none moves it.
     let gains = (vec![200.0; model.nv()], vec![20.0; model.nv()]);
     let mut pd = GravityCompensatedPd::new(&model, &q, &gains.0, &gains.1)?;
-    let hold = simulation.run(&q, &rest, 200, &mut pd, |_| ControlFlow::Continue(()))?;
-    let moved = hold.motion.q.iter().zip(&q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let hold = simulation.run_from(&q, &rest, 200, RunOptions::new().sample_every(0).controller(&mut pd))?;
+    let moved = hold.q.iter().zip(&q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(moved < 1e-9, "{moved}");
     Ok(())
 }

@@ -50,8 +50,8 @@ impl<'a, S> StepperRollout<'a, S> {
     }
 }
 
-/// [`rollout`](super::rollout) by any [`Stepper`], such as [`Implicit`](crate::Implicit) with contacts, or
-/// [`MujocoEuler`](crate::MujocoEuler): one state after the other on each thread, in scalar code.
+/// [`rollout`](super::rollout) by any [`Stepper`], such as that of a simulation ([`Simulation::stepper`](crate::simulator::Simulation::stepper)),
+/// with contacts and actuators: one state after the other on each thread, in scalar code.
 ///
 /// Shapes, progress and cancelling are those of [`rollout`](super::rollout). Each state is moved by a copy of the stepper and by
 /// nothing of the others, so that the results are the same bits for any number of threads. Copies and the threads' memory are allocated in
@@ -60,7 +60,8 @@ impl<'a, S> StepperRollout<'a, S> {
 /// ```
 /// use dynamics::MassProperties;
 /// use multibody::batch::{BatchWorkspace, StepperRollout, Torques, rollout_by_stepper};
-/// use multibody::{Base, ContactSet, Ground, Implicit, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape};
+/// use multibody::simulator::SimulationBuilder;
+/// use multibody::{Base, Ground, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape};
 /// use multibody::ShapeRole;
 /// use std::ops::ControlFlow;
 /// let mut robot = RobotDescription::new("brick");
@@ -70,12 +71,11 @@ impl<'a, S> StepperRollout<'a, S> {
 /// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
 /// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
 /// let model = Model::new(robot)?;
-/// let ground = ContactSet::new(&model, &[Ground::level(0.0)])?;
-/// let implicit = Implicit::new(&model).with_contacts(&model, ground);
+/// let stepper = SimulationBuilder::new(&model).ground(Ground::level(0.0)).build()?.stepper();
 /// // Ten bricks, dropped flat from 5 to 14 cm.
 /// let mut q: Vec<f64> = (5..15).flat_map(|cm| [0.0, 0.0, 0.05 + 0.01 * f64::from(cm), 0.0, 0.0, 0.0, 1.0]).collect();
 /// let mut v = vec![0.0; 60];
-/// let second = StepperRollout::new(&implicit, 1e-3, 1000);
+/// let second = StepperRollout::new(&stepper, 1e-3, 1000);
 /// let go_on = |_| ControlFlow::Continue(());
 /// let workspace = BatchWorkspace::new(&model);
 /// rollout_by_stepper(&model, &workspace, &second, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;

@@ -263,26 +263,7 @@ impl Implicit {
 
     /// The multiplier of each constraint's row by its name, the mean over the last step \[N, or N·m of a turn\]: the force of row k is Aₖᵀλₖ. 0 of a row that depends
     /// on others. Empty without [`with_constraints`](Self::with_constraints).
-    ///
-    /// ```
-    /// use multibody::*;
-    /// // A bead of 2 kg on a floating base, held at the world's origin: the hold carries its weight.
-    /// let mut robot = RobotDescription::new("bead");
-    /// robot.base = Base::Floating;
-    /// let ball = dynamics::MassProperties::new(2.0, nalgebra::Vector3::zeros(), nalgebra::Matrix3::identity());
-    /// robot.links.push(LinkDescription::new("bead", ball.ok()));
-    /// let model = Model::new(robot)?;
-    /// let hold = Closure::point_contact(model.frame_named("bead")?, [0.0; 3]);
-    /// let set = ConstraintSet::new(&model, [("hold", hold.into())])?;
-    /// let mut implicit = Implicit::new(&model).with_constraints(&model, &set);
-    /// let (mut q, mut v) = (neutral(&model), vec![0.0; 6]);
-    /// let none = StepForces::new(&[0.0; 6], true);
-    /// implicit.step(&model, &mut StepWorkspace::new(&model), &none, 1e-3, &mut q, &mut v)?;
-    /// let (name, force) = implicit.constraint_forces().nth(2).unwrap();
-    /// assert!(name == "hold.z" && (force - 2.0 * 9.81).abs() < 1e-8); // a row yields by 1e-10 in the first step
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn constraint_forces(&self) -> impl Iterator<Item = (&str, f64)> {
+    pub(crate) fn constraint_forces(&self) -> impl Iterator<Item = (&str, f64)> {
         let (names, impulses) = match &self.equalities {
             Some(equalities) => (&equalities.names[..], &equalities.memory.impulses[..]),
             None => (&[][..], &[][..]),

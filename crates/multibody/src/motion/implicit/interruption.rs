@@ -18,24 +18,7 @@ impl Implicit {
     /// A step ends with [`IntegratorError::Interrupted`] soon after this flag is set, by another thread or a signal's handler. Every loop of the solvers
     /// looks at it. q, v and all that goes on from step to step are then those of the step's start: with the flag cleared the same step can be
     /// taken again. Copies of the stepper share the flag.
-    ///
-    /// ```
-    /// use dynamics::IntegratorError;
-    /// use multibody::{Implicit, Model, StepForces, StepWorkspace, Stepper, pendulum};
-    /// use std::sync::Arc;
-    /// use std::sync::atomic::{AtomicBool, Ordering};
-    /// let model = Model::new(pendulum(2.0, 0.5))?;
-    /// let flag = Arc::new(AtomicBool::new(true));
-    /// let mut implicit = Implicit::new(&model).with_interrupt(Arc::clone(&flag));
-    /// let (mut workspace, forces) = (StepWorkspace::new(&model), StepForces::new(&[0.0], true));
-    /// let (mut q, mut v) = ([0.3], [0.0]);
-    /// let stopped = implicit.step(&model, &mut workspace, &forces, 1e-3, &mut q, &mut v);
-    /// assert_eq!((stopped, q, v), (Err(IntegratorError::Interrupted), [0.3], [0.0]));
-    /// flag.store(false, Ordering::Relaxed);
-    /// implicit.step(&model, &mut workspace, &forces, 1e-3, &mut q, &mut v)?;
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn with_interrupt(mut self, flag: Arc<AtomicBool>) -> Self {
+    pub(crate) fn with_interrupt(mut self, flag: Arc<AtomicBool>) -> Self {
         self.interrupt = Interrupt::new(flag);
         self.impulses.watch(&self.interrupt);
         if let Some(contacts) = &mut self.contacts {

@@ -108,6 +108,28 @@ pub enum RunError<E = IntegratorError> {
     },
 }
 
+impl<E> RunError<E> {
+    /// With the error of a step as another one.
+    #[cfg_attr(not(feature = "adaptive"), allow(dead_code))]
+    pub(crate) fn map<F>(self, of: impl FnOnce(E) -> F) -> RunError<F> {
+        match self {
+            Self::BadStep { step } => RunError::BadStep { step },
+            Self::Configuration(source) => RunError::Configuration(source),
+            Self::NotFinite { quantity, coordinate, step, time } => {
+                RunError::NotFinite { quantity, coordinate, step, time }
+            }
+            Self::Diverged { coordinate, speed, step, time, suggested_step, cause } => {
+                RunError::Diverged { coordinate, speed, step, time, suggested_step, cause }
+            }
+            Self::SingularMass { step, time, source } => RunError::SingularMass { step, time, source },
+            Self::Controller { step, time, source } => RunError::Controller { step, time, source },
+            Self::EventNotFinite { name, time, value } => RunError::EventNotFinite { name, time, value },
+            Self::Event { name, time, source } => RunError::Event { name, time, source },
+            Self::Step { step, time, source } => RunError::Step { step, time, source: of(source) },
+        }
+    }
+}
+
 impl<E> From<NoValue> for RunError<E> {
     fn from(NoValue { name, time, cause }: NoValue) -> Self {
         match cause {

@@ -1,16 +1,11 @@
-//! The loop of every run with fixed steps: torque, sample, observer, step, books.
+//! A run, and its steps with their checks.
 
 use std::ops::ControlFlow;
 
 use dynamics::EnergyLedger;
 
-use super::between::Between;
-use super::event::Watch;
 use super::ledger::{fastest, open_start};
-use super::{
-    Controller, ControllerError, Event, EventOccurrence, Losses, RunError, RunFailure, StepError, StepFault,
-    Stepper, Trajectory,
-};
+use super::{EventOccurrence, Losses, RunError, StepError, StepFault, Stepper, Trajectory};
 use crate::model::length::check_length;
 use crate::{ContactLaws, Model, SingularMass, StepForces, StepWorkspace, check_configuration};
 
@@ -61,7 +56,7 @@ pub struct Run {
     /// When it ended, since the start \[s\].
     pub time: f64,
     /// Whether it ended early: by the observer, or by a flag that its steps look at
-    /// ([`Implicit::with_interrupt`](crate::Implicit::with_interrupt)).
+    /// ([`SimulationBuilder::interrupt`](crate::simulator::SimulationBuilder::interrupt)).
     pub interrupted: bool,
     /// Whether a terminal event ended it, the last of [`events`](Self::events).
     pub ended_by_event: bool,
@@ -75,13 +70,34 @@ pub struct Run {
     pub v: Vec<f64>,
 }
 
-/// See [`Controller::torque`].
-type Torque<'a> = &'a mut dyn FnMut(f64, &[f64], &[f64], &mut [f64]) -> Result<(), ControllerError>;
+impl Run {
+    /// What an observer sees where the run is, after so many steps.
+    pub(crate) fn moment<'a>(&'a self, step: usize, tau: &'a [f64], stepper: &'a impl Stepper) -> Moment<'a> {
+        Moment {
+            step,
+            time: self.time,
+            q: &self.q,
+            v: &self.v,
+            tau,
+            ledger: &self.ledger,
+            losses: self.losses,
+            contact_forces: stepper.contact_forces(),
+            actuator_forces: stepper.actuator_forces(),
+            actuator_torques: stepper.actuator_torques(),
+        }
+    }
 
-/// What looks at each control instant, and may end the run.
-type Observer<'a> = &'a mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>;
+    /// Adds the state where the run is to its samples.
+    pub(crate) fn keep_sample(&mut self, tau: &[f64], stepper: &impl Stepper) {
+        let Self { trajectory, time, q, v, ledger, .. } = self;
+        trajectory.push(*time, (q, v), tau, ledger, stepper.contact_forces());
+    }
+}
 
-/// A run with fixed steps, whatever takes them.
+/// What sees the state at the start of each step and at the end, and may break off.
+pub type Observer<'a> = &'a mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>;
+
+/// The steps of a run, whatever takes them.
 pub(crate) struct Course<'a> {
     pub(crate) model: &'a Model,
     pub(crate) step: f64,
@@ -92,45 +108,6 @@ pub(crate) struct Course<'a> {
 }
 
 impl Course<'_> {
-    /// See [`Simulation::run_with_events`](super::Simulation::run_with_events).
-    #[track_caller]
-    pub(crate) fn run<S: Stepper + Clone>(
-        &self,
-        stepper: &mut S,
-        (q0, v0): (&[f64], &[f64]),
-        steps: usize,
-        controller: &mut (impl Controller + ?Sized),
-        events: &mut [Event<'_>],
-        mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
-    ) -> Result<Run, Box<RunFailure<S::Error>>> {
-        let mut torque = |t: f64, q: &[f64], v: &[f64], tau: &mut [f64]| controller.torque(t, q, v, tau);
-        self.run_by(stepper, (q0, v0), steps, &mut torque, events, &mut observer)
-    }
-
-    /// A program compiles it once for a kind of step, not for every controller and observer.
-    #[track_caller]
-    fn run_by<S: Stepper + Clone>(
-        &self,
-        stepper: &mut S,
-        (q0, v0): (&[f64], &[f64]),
-        steps: usize,
-        torque: Torque<'_>,
-        events: &mut [Event<'_>],
-        observer: Observer<'_>,
-    ) -> Result<Run, Box<RunFailure<S::Error>>> {
-        let model = self.model;
-        let mut workspace = StepWorkspace::new(model);
-        let (mut run, start) = self.open(stepper, &mut workspace, (q0, v0), steps);
-        let done = start.and_then(|()| {
-            let mut watch = Watch::start(events, 0.0, &run.q, &run.v)?;
-            self.advance(&mut run, stepper, steps, (&mut workspace, &mut watch), torque, observer)
-        });
-        match done {
-            Ok(()) => Ok(run),
-            Err(error) => Err(Box::new(RunFailure { error, until: run })),
-        }
-    }
-
     /// The run at its start, and whether it can go on from there; a start that is invalid is replaced by neutral at rest.
     #[track_caller]
     pub(crate) fn open<S: Stepper>(
@@ -182,82 +159,6 @@ impl Course<'_> {
             .check_start(self.model, &mut workspace.dynamics, self.step, q0, v0)
             .map_err(|error| self.step_failed(error, 0))?;
         if steps == 0 { Ok(()) } else { self.check_mass(stepper, workspace, q0, 0) }
-    }
-
-    fn advance<S: Stepper + Clone>(
-        &self,
-        run: &mut Run,
-        stepper: &mut S,
-        steps: usize,
-        (workspace, watch): (&mut StepWorkspace, &mut Watch<'_, '_>),
-        torque: Torque<'_>,
-        observer: Observer<'_>,
-    ) -> Result<(), RunError<S::Error>> {
-        let mut tau = vec![0.0; self.model.nv()];
-        let (mut q, mut v) = (run.q.clone(), run.v.clone());
-        let mut between = Between::new(self.model, stepper.order());
-        for done in 0..=steps {
-            let time = run.time;
-            torque(time, &run.q, &run.v, &mut tau).map_err(|source| RunError::Controller {
-                step: done,
-                time,
-                source,
-            })?;
-            if let Some(index) = first_not_finite(&tau) {
-                return Err(self.blow_up("the controller's torque", index, done));
-            }
-            let moment = Moment {
-                step: done,
-                time,
-                q: &run.q,
-                v: &run.v,
-                tau: &tau,
-                ledger: &run.ledger,
-                losses: run.losses,
-                contact_forces: stepper.contact_forces(),
-                actuator_forces: stepper.actuator_forces(),
-                actuator_torques: stepper.actuator_torques(),
-            };
-            let flow = observer(&moment);
-            let last = done == steps || run.ended_by_event || flow.is_break();
-            let is_sampled = done == 0 || (self.sample_every > 0 && done % self.sample_every == 0);
-            if last || is_sampled {
-                run.trajectory.push(&moment);
-            }
-            if last {
-                run.interrupted = done < steps && !run.ended_by_event;
-                return Ok(());
-            }
-            if done > 0 {
-                let checked = self.check_mass(stepper, workspace, &run.q, done);
-                checked.map_err(|error| self.named(stepper, run, error))?;
-            }
-            note_peaks(&mut run.peak_torque, &tau);
-            let forces = StepForces::new(&tau, self.dissipation);
-            let memory = (&mut *workspace, &mut *watch, &mut between);
-            match self.advance_once(run, stepper, memory, &forces, (&mut q, &mut v)) {
-                Err(RunError::Step { source, .. }) if source.is_interruption() => {
-                    if !is_sampled {
-                        run.trajectory.push(&Moment {
-                            step: done,
-                            time,
-                            q: &run.q,
-                            v: &run.v,
-                            tau: &tau,
-                            ledger: &run.ledger,
-                            losses: run.losses,
-                            contact_forces: stepper.contact_forces(),
-                            actuator_forces: stepper.actuator_forces(),
-                            actuator_torques: stepper.actuator_torques(),
-                        });
-                    }
-                    run.interrupted = true;
-                    return Ok(());
-                }
-                taken => taken?,
-            }
-        }
-        Ok(())
     }
 
     /// One step of `h` \[s\] from where the run is, to (q, v), and the books after it.
@@ -348,8 +249,8 @@ impl Course<'_> {
         }
     }
 
-    /// Samples a run of so many steps will keep; memory for a million is taken at once, for more as it comes.
-    fn samples_of(&self, steps: usize) -> usize {
+    /// Samples that a run of so many steps keeps; memory for a million is taken at once, for more as it comes.
+    pub(crate) fn samples_of(&self, steps: usize) -> usize {
         (steps.checked_div(self.sample_every).unwrap_or(0) + 2).min(1_000_000)
     }
 }
@@ -358,8 +259,4 @@ impl Course<'_> {
 
 fn first_not_finite(x: &[f64]) -> Option<usize> {
     x.iter().position(|x| !x.is_finite())
-}
-
-fn note_peaks(peaks: &mut [f64], tau: &[f64]) {
-    peaks.iter_mut().zip(tau).for_each(|(peak, tau)| *peak = peak.max(tau.abs()));
 }

@@ -9,13 +9,13 @@ use super::{CallbackError, Losses, record_step};
 use crate::algorithms::rank::check_rank;
 use crate::{ActiveSet, ContactLaws, Model, SingularMass, StepForces, StepWorkspace, Workspace, step};
 
-/// What takes the steps of a [`Simulation`](crate::Simulation): a row of the table of integrators, or a method of your
-/// own.
+/// What takes the steps of a [`Simulation`](crate::simulator::Simulation): a row of the table of integrators, or a method of your
+/// own ([`SimulationBuilder::stepper`](crate::simulator::SimulationBuilder::stepper)).
 ///
 /// ```
-/// use multibody::{CallbackError, Model, Simulation, StepForces, Stepper, StepWorkspace, ZeroTorque};
-/// use multibody::{RandomRobotOptions, forward_dynamics, integrate, neutral, random_robot};
-/// use std::ops::ControlFlow;
+/// use multibody::{CallbackError, Model, StepForces, Stepper, StepWorkspace};
+/// use multibody::{RandomRobotOptions, forward_dynamics, integrate, random_robot};
+/// use multibody::simulator::{RunOptions, SimulationBuilder};
 ///
 /// /// v₁ = v₀ + h a(q₀ ⊕ ½h v₀, v₀), q₁ = q₀ ⊕ ½h v₀ ⊕ ½h v₁: leapfrog.
 /// #[derive(Clone)]
@@ -47,8 +47,8 @@ use crate::{ActiveSet, ContactLaws, Model, SingularMass, StepForces, StepWorkspa
 /// }
 ///
 /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
-/// let run = Simulation::new(&model, Leapfrog, 1e-4)
-///     .run(&neutral(&model), &vec![0.0; model.nv()], 100, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+/// let mut simulation = SimulationBuilder::new(&model).stepper(Leapfrog).step(1e-4).build()?;
+/// let run = simulation.run(100, RunOptions::new())?;
 /// assert!(run.ledger.drift() < 1e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -125,19 +125,15 @@ pub trait Stepper {
     /// stiff a servo is. Explicit methods take Simpson's rule over the step's ends and middle.
     ///
     /// ```
-    /// use multibody::{Actuation, ActuatorDescription, Implicit, Model, StepForces, StepWorkspace, Stepper, Transmission};
-    /// use multibody::{energy_ledger, pendulum};
+    /// use multibody::{ActuatorDescription, Model, Stepper, Transmission, pendulum};
+    /// use multibody::simulator::{Method, SimulationBuilder};
     /// let mut robot = pendulum(2.0, 0.5);
     /// robot.actuators.push(ActuatorDescription::new("motor", Transmission::joint("hinge", 50.0)));
-    /// let model = Model::new(robot)?;
-    /// let mut implicit = Implicit::new(&model).with_actuation(&Actuation::new(&model)?, &[0.25]);
-    /// let (mut workspace, mut q, mut v) = (StepWorkspace::new(&model), [0.3], [0.0]);
-    /// let mut ledger = energy_ledger(&model, workspace.dynamics(), &q, &v);
-    /// let forces = StepForces::new(&[0.0], true);
-    /// implicit.step(&model, &mut workspace, &forces, 1e-3, &mut q, &mut v)?;
-    /// implicit.record(&model, &mut workspace, &mut ledger, (&[0.3], &[0.0]), (&q, &v), &forces, 1e-3);
-    /// assert_eq!(implicit.actuator_forces(), [0.25]); // N m at the motor's shaft
-    /// assert_eq!(implicit.actuator_torques(), [50.0 * 0.25]); // N m at the joint
+    /// let mut simulation = SimulationBuilder::new(&Model::new(robot)?).method(Method::Implicit).build()?;
+    /// simulation.set_controls(&[0.25]);
+    /// simulation.step()?;
+    /// assert_eq!(simulation.actuator_forces(), [0.25]); // N m at the motor's shaft
+    /// assert_eq!(simulation.actuator_torques(), [50.0 * 0.25]); // N m at the joint
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     fn actuator_forces(&self) -> &[f64] {

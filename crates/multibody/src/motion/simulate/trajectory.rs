@@ -1,6 +1,7 @@
 //! The samples of a run, in flat arrays.
 
-use super::Moment;
+use dynamics::EnergyLedger;
+
 use crate::Model;
 
 /// Samples of a run: time, state, torque and energies, one row each.
@@ -33,7 +34,7 @@ pub struct Sample<'a> {
     pub kinetic: f64,
     /// V \[J\].
     pub potential: f64,
-    /// The ground's force on each link that can touch it \[N\]: [`Moment::contact_forces`].
+    /// The ground's force on each link that can touch it \[N\]: [`Moment::contact_forces`](crate::Moment::contact_forces).
     pub contact_forces: &'a [[f64; 3]],
 }
 
@@ -61,14 +62,21 @@ impl Trajectory {
         }
     }
 
-    pub(crate) fn push(&mut self, moment: &Moment<'_>) {
-        self.times.push(moment.time);
-        self.q.extend_from_slice(moment.q);
-        self.v.extend_from_slice(moment.v);
-        self.tau.extend_from_slice(moment.tau);
-        self.kinetic.push(moment.ledger.kinetic());
-        self.potential.push(moment.ledger.potential());
-        self.contact_forces.extend_from_slice(moment.contact_forces);
+    pub(crate) fn push(
+        &mut self,
+        time: f64,
+        (q, v): (&[f64], &[f64]),
+        tau: &[f64],
+        ledger: &EnergyLedger,
+        contact_forces: &[[f64; 3]],
+    ) {
+        self.times.push(time);
+        self.q.extend_from_slice(q);
+        self.v.extend_from_slice(v);
+        self.tau.extend_from_slice(tau);
+        self.kinetic.push(ledger.kinetic());
+        self.potential.push(ledger.potential());
+        self.contact_forces.extend_from_slice(contact_forces);
     }
 
     /// Adds the torques of actuators, once they are known, to the last sample's.

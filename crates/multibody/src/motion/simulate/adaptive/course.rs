@@ -3,211 +3,256 @@
 use std::ops::ControlFlow;
 
 use super::super::divergence::{GROWN, LOST};
-use super::super::event::{Event, Watch};
+use super::super::event::Watch;
 use super::super::ledger::fastest;
-use super::error::AdaptiveError;
-use super::method::AdaptiveMethod;
-use super::motion::{Motion, TORQUE, Trouble};
-use super::stepper::{Advance, Stepper};
-use super::{AdaptiveEnd, AdaptiveRun, AdaptiveSimulation, ControlTiming};
+use super::super::run::Observer;
+use super::super::{Controller, Run, RunError};
+use super::error::AdaptiveStepError;
+use super::motion::{Applied, Motion, TORQUE, Trouble};
+use super::stepper::{Advance, StepSequence};
+use super::{AdaptiveStepper, ControlTiming};
 use crate::algorithms::energy::energies;
 use crate::algorithms::rank::check_rank;
-use crate::{Controller, Model, Moment, Workspace};
+use crate::{Model, Workspace};
 
-/// A run under way.
-pub(super) struct Course<'r, 'a, O> {
-    pub simulation: &'r AdaptiveSimulation<'a>,
-    pub workspace: Workspace,
-    pub run: &'r mut AdaptiveRun,
-    /// Samples shown.
-    pub samples: usize,
-    pub observer: &'r mut O,
+/// A run of adaptive steps: its samples are instants of one grid, between which the steps are as long as the tolerance allows.
+pub(crate) struct Course<'r, 'o> {
+    pub(crate) model: &'r Model,
+    pub(crate) stepper: &'r mut AdaptiveStepper,
+    pub(crate) workspace: &'r mut Workspace,
+    pub(crate) run: &'r mut Run,
+    /// Whether the joints' damping acts.
+    pub(crate) dissipation: bool,
+    /// A sample is kept every so many instants; the first and the last always, only they if this is 0.
+    pub(crate) sample_every: usize,
+    pub(crate) observer: Option<Observer<'o>>,
+    /// Of each coordinate, instants at which its torque was cut off.
+    pub(crate) limited: &'r mut [usize],
+    /// The torques at the last sample, within their limits.
+    pub(crate) tau: &'r mut [f64],
+    /// That of the end.
+    pub(crate) acceleration: &'r mut [f64],
 }
 
-impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
-    /// From the first time to the last, or to what ends it.
-    pub(super) fn follow(
+impl Course<'_, '_> {
+    /// Over so many instants from where the run is, or to what ends it. `time` tells when an instant is, counted from the first, which is now.
+    pub(crate) fn follow(
         &mut self,
-        (start, end): (f64, f64),
-        between: &mut impl Iterator<Item = f64>,
-        controller: &mut dyn Controller,
-        events: &mut [Event<'_>],
-    ) -> Result<(), AdaptiveError> {
-        let AdaptiveSimulation { model, dissipation, control, .. } = *self.simulation;
-        if !(start.is_finite() && end.is_finite() && start < end) {
-            return Err(AdaptiveError::Times { index: 1, time: end, before: start });
-        }
-        let q = self.run.q.clone();
-        self.check_mass(start, &q)?;
-        self.run.method = self.simulation.method.chosen(model, &mut self.workspace, &q, dissipation);
-        let energy = if self.run.method == AdaptiveMethod::Implicit {
-            1.0 + self.run.ledger.start().abs()
-        } else {
-            1.0
-        };
-        let motion = Motion::new(model, dissipation, energy);
+        instants: usize,
+        time_of: &dyn Fn(usize) -> f64,
+        applied: Applied<'_>,
+        watch: &mut Watch<'_, '_>,
+    ) -> Result<(), RunError<AdaptiveStepError>> {
+        let model = self.model;
+        let (start, end) = (self.run.time, time_of(instants));
+        self.check_mass(start, &self.run.q.clone())?;
+        self.stepper.choose(model, self.workspace, (&self.run.q, &self.run.v), self.dissipation);
+        let motion = Motion::new(model, self.dissipation, self.stepper.energy, applied);
         let mut held = None;
-        match control {
-            ControlTiming::Continuous => motion.control(controller),
-            ControlTiming::Held { period } => held = Some(HeldControl { controller, period, next: 0, start }),
+        if let ControlTiming::Held { period } = self.stepper.options.control
+            && let Some(controller) = motion.take_controller()
+        {
+            held = Some(HeldControl { controller, period, next: 0, start });
         }
         let mut tau = vec![0.0; model.nv()];
         if let Some(held) = &mut held {
-            held.ask(&self.run.q, &self.run.v, &mut tau, model)?;
+            held.ask(self.run, &mut tau, model, None)?;
             motion.hold(&tau);
         }
         let y: Vec<f64> = [&self.run.q[..], &self.run.v, &[0.0, 0.0]].concat();
-        let mut watch = Watch::start(events, start, &self.run.q, &self.run.v)?;
-        if self.sample(&motion, start, &y, false)?.is_break() {
+        let account = [self.run.ledger.work(), self.run.ledger.dissipated()];
+        let mut samples = Samples { first: self.run.steps, seen: 0, account, is_started: false };
+        let flow = self.sample(&motion, &mut samples, (0, start), &y, instants == 0)?;
+        if instants == 0 {
+            self.run.interrupted = false;
+        }
+        if instants == 0 || flow.is_break() {
             return Ok(());
         }
-        let mut stepper = Stepper::start(self.run.method, self.simulation, &motion, (start, end), &y)?;
-        let mut count = 1;
-        let mut sample = next_time(between, &mut count, start, end)?;
+        let step = self.run.steps;
+        let mut steps = StepSequence::start(self.stepper, &motion, (start, end), &y)
+            .map_err(|trouble| trouble.at(model, start, step))?;
+        let done = self.take(&mut steps, &motion, (instants, time_of), (held, tau), (watch, &mut samples));
+        self.stepper.record.statistics.add(&steps.statistics);
+        self.stepper.wanted = steps.wanted();
+        if done.is_ok() {
+            motion.acceleration(steps.t, steps.y(), self.acceleration);
+        }
+        done
+    }
+
+    fn take(
+        &mut self,
+        steps: &mut StepSequence,
+        motion: &Motion<'_, '_>,
+        (instants, time_of): (usize, &dyn Fn(usize) -> f64),
+        (mut held, mut tau): (Option<HeldControl<'_>>, Vec<f64>),
+        (watch, samples): (&mut Watch<'_, '_>, &mut Samples),
+    ) -> Result<(), RunError<AdaptiveStepError>> {
+        let model = self.model;
+        let end = time_of(instants);
+        // With an observer, which sees them all, every instant is a sample; else those that are kept.
+        let stride = match (&self.observer, self.sample_every) {
+            (Some(_), _) => 1,
+            (None, 0) => instants,
+            (None, every) => every,
+        };
+        let mut next = stride.min(instants);
         loop {
             let target = held.as_ref().map_or(end, |held| held.instant().min(end));
-            let advanced = stepper.advance(&motion, target);
-            self.run.statistics = stepper.statistics;
-            if advanced != Ok(Advance::Moved) {
-                // What the steps since the last sample came to is not lost.
-                if stepper.t > self.run.time {
-                    let _ = self.sample(&motion, stepper.t, stepper.y(), true);
-                }
-                if advanced.is_err() {
-                    // Where M is singular the reason is that, whatever stopped the step.
-                    self.check_mass(stepper.t, &stepper.y()[..model.nq()])?;
-                    if stepper.statistics.accepted > 0
-                        && !matches!(advanced, Err(AdaptiveError::Controller { .. }))
-                    {
-                        self.check_growth((stepper.from, stepper.t), stepper.y(), GROWN)?;
-                    }
-                }
-                advanced?;
-                self.run.end = AdaptiveEnd::Interrupted;
-                return Ok(());
-            }
-            self.note_quaternions(stepper.y());
-
-            let (from, to) = (stepper.from, stepper.t);
-            if let Err(grown) = self.check_growth((from, to), stepper.y(), LOST) {
-                let _ = self.sample(&motion, to, stepper.y(), true);
-                return Err(grown);
-            }
-            let found = watch.look(from, to, &mut |t, q, v| motion.split(&stepper.interpolate(t), q, v))?;
-            let last = found.iter().position(|found| found.is_terminal);
-            let stop = last.map(|index| found[index].occurrence.time);
-            while sample <= to && stop.is_none_or(|stop| sample < stop) && sample < end {
-                if self.sample(&motion, sample, &stepper.interpolate(sample), false)?.is_break() {
+            match steps.advance(motion, target, self.stepper.interrupt.as_deref()) {
+                Ok(Advance::Moved) => {}
+                Ok(Advance::Interrupted) => {
+                    // What the steps since the last sample came to is not lost.
+                    self.sample_rest(steps, motion, samples);
+                    self.run.interrupted = true;
                     return Ok(());
                 }
-                sample = next_time(between, &mut count, sample, end)?;
-                stepper.since = 0;
+                Err(trouble) => {
+                    self.sample_rest(steps, motion, samples);
+                    // Where M is singular the reason is that, whatever stopped the step.
+                    self.check_mass(steps.t, &steps.y()[..model.nq()])?;
+                    if steps.statistics.accepted > 0 && !matches!(trouble, Trouble::Controller(_)) {
+                        self.check_growth(steps, GROWN)?;
+                    }
+                    return Err(trouble.at(model, steps.t, self.run.steps));
+                }
+            }
+            self.stepper.note_quaternions(model, steps.y());
+
+            let (from, to) = (steps.from, steps.t);
+            if let Err(grown) = self.check_growth(steps, LOST) {
+                self.sample_rest(steps, motion, samples);
+                return Err(grown);
+            }
+            let found = watch.look(from, to, &mut |t, q, v| motion.split(&steps.interpolate(t), q, v))?;
+            let last = found.iter().position(|found| found.is_terminal);
+            let stop = last.map(|index| found[index].occurrence.time);
+            while time_of(next) <= to && stop.is_none_or(|stop| time_of(next) < stop) && next < instants {
+                let time = time_of(next);
+                if self.sample(motion, samples, (next, time), &steps.interpolate(time), false)?.is_break() {
+                    return Ok(());
+                }
+                next = (next + stride).min(instants);
+                steps.since = 0;
             }
             let kept = last.map_or(found.len(), |index| index + 1);
             self.run.events.extend(found.into_iter().take(kept).map(|found| found.occurrence));
             if let Some(time) = stop {
-                let _ = self.sample(&motion, time, &stepper.interpolate(time), true)?;
-                self.run.end = AdaptiveEnd::Event;
+                let _ =
+                    self.sample(motion, samples, (samples.seen + 1, time), &steps.interpolate(time), true)?;
+                (self.run.ended_by_event, self.run.interrupted) = (true, false);
                 return Ok(());
             }
             if to >= end {
-                let _ = self.sample(&motion, end, stepper.y(), true)?;
-                self.run.end = AdaptiveEnd::Finished;
+                let _ = self.sample(motion, samples, (instants, end), steps.y(), true)?;
+                self.run.interrupted = false;
                 return Ok(());
             }
-            if let Err(singular) = self.check_mass(to, &stepper.y()[..model.nq()]) {
-                let _ = self.sample(&motion, to, stepper.y(), true)?;
+            if let Err(singular) = self.check_mass(to, &steps.y()[..model.nq()]) {
+                let _ = self.sample(motion, samples, (samples.seen + 1, to), steps.y(), true)?;
                 return Err(singular);
             }
             if let Some(held) = held.as_mut().filter(|held| to >= held.instant()) {
                 let (mut q, mut v) = (Vec::new(), Vec::new());
-                motion.split(stepper.y(), &mut q, &mut v);
-                held.ask(&q, &v, &mut tau, model)?;
+                motion.split(steps.y(), &mut q, &mut v);
+                held.ask(self.run, &mut tau, model, Some((&q, &v)))?;
                 motion.hold(&tau);
-                stepper.restart(&motion)?;
-                stepper.since = 0;
+                steps.restart(motion).map_err(|trouble| trouble.at(model, steps.t, self.run.steps))?;
+                steps.since = 0;
             }
         }
     }
 
     /// # Errors
-    /// [`AdaptiveError::Diverged`]: in the last step a coordinate has moved by more than this \[rad or m\].
-    fn check_growth(&self, (from, to): (f64, f64), y: &[f64], most: f64) -> Result<(), AdaptiveError> {
-        let model = self.simulation.model;
-        let v = &y[model.nq()..model.nq() + model.nv()];
+    /// [`AdaptiveStepError::Diverged`]: in the last step a coordinate has moved by more than this \[rad or m\].
+    fn check_growth(&self, steps: &StepSequence, most: f64) -> Result<(), RunError<AdaptiveStepError>> {
+        let model = self.model;
+        let v = &steps.y()[model.nq()..model.nq() + model.nv()];
         let Some(&speed) = v.get(fastest(v)) else { return Ok(()) };
-        let step = to - from;
+        let step = steps.t - steps.from;
         if speed.abs() * step <= most {
             return Ok(());
         }
         let coordinate = model.coordinate_names().get(fastest(v)).cloned().unwrap_or_default();
-        Err(AdaptiveError::Diverged { coordinate, speed, time: to, step })
+        let source = AdaptiveStepError::Diverged { coordinate, speed, step };
+        Err(RunError::Step { step: self.run.steps, time: steps.t, source })
+    }
+
+    /// A last sample where the steps are, if they are beyond the one before.
+    fn sample_rest(&mut self, steps: &StepSequence, motion: &Motion<'_, '_>, samples: &mut Samples) {
+        if steps.t > self.run.time {
+            let _ = self.sample(motion, samples, (samples.seen + 1, steps.t), steps.y(), true);
+        }
     }
 
     /// Enters the state y at `time` into everything that is kept, and shows it.
     ///
     /// # Errors
-    /// [`AdaptiveError::Controller`], [`AdaptiveError::NotFinite`]: no torque or energy there; nothing is entered then.
+    /// [`RunError::Controller`], [`RunError::NotFinite`]: no torque or energy there; nothing is entered then.
     fn sample(
         &mut self,
         motion: &Motion<'_, '_>,
-        time: f64,
+        samples: &mut Samples,
+        (instant, time): (usize, f64),
         y: &[f64],
         is_last: bool,
-    ) -> Result<ControlFlow<()>, AdaptiveError> {
-        let (model, run) = (self.simulation.model, &mut *self.run);
-        let mut tau = vec![0.0; model.nv()];
+    ) -> Result<ControlFlow<()>, RunError<AdaptiveStepError>> {
+        let (model, run) = (self.model, &mut *self.run);
+        let tau = &mut *self.tau;
         let (mut q, mut v) = (Vec::new(), Vec::new());
         motion.split(y, &mut q, &mut v);
-        motion.torque(time, &q, &v, &mut tau).map_err(|trouble| trouble.at(model, time))?;
-        let (kinetic, potential) = energies(model, &mut self.workspace, &q, &v);
-        let [work, dissipated] = [y[y.len() - 2], y[y.len() - 1]].map(|book| motion.energy * book);
+        let step = run.steps;
+        let failed = |trouble: Trouble| trouble.at(model, time, step);
+        motion.torque(time, &q, &v, tau).map_err(failed)?;
+        let (kinetic, potential) = energies(model, self.workspace, &q, &v);
+        let [work, dissipated] = [y[y.len() - 2], y[y.len() - 1]].map(|account| motion.energy * account);
         if !(kinetic + potential - work + dissipated).is_finite() {
-            return Err(Trouble::NotFinite("the energy", fastest(&v)).at(model, time));
+            return Err(failed(Trouble::NotFinite("the energy", fastest(&v))));
         }
         (run.q, run.v) = (q, v);
-        run.ledger.enter(kinetic, potential, work, dissipated);
-        for (peak, tau) in run.peak_torque.iter_mut().zip(&tau) {
+        run.ledger.enter(kinetic, potential, samples.account[0] + work, samples.account[1] + dissipated);
+        for (peak, tau) in run.peak_torque.iter_mut().zip(&*tau) {
             *peak = peak.max(tau.abs());
         }
         run.time = time;
-        let step = self.samples;
-        self.samples += 1;
-        let moment = Moment {
-            step,
-            time,
-            q: &run.q,
-            v: &run.v,
-            tau: &tau,
-            ledger: &run.ledger,
-            losses: None,
-            contact_forces: &[],
-            actuator_forces: &[],
-            actuator_torques: &[],
-        };
-        let flow = (self.observer)(&moment);
-        if self.simulation.keep_samples || step == 0 || is_last || flow.is_break() {
-            run.trajectory.push(&moment);
+        run.steps = samples.first + instant;
+        samples.seen = instant;
+        let moment = run.moment(instant, tau, &*self.stepper);
+        let flow = self.observer.as_mut().map_or(ControlFlow::Continue(()), |observer| observer(&moment));
+        let is_first = !core::mem::replace(&mut samples.is_started, true);
+        let is_in_step = self.sample_every > 0 && instant.is_multiple_of(self.sample_every);
+        let is_kept = is_in_step || is_first || is_last || flow.is_break();
+        if !is_last && !flow.is_break() {
+            motion.count_limited(self.limited);
         }
-        if flow.is_break() {
-            run.end = AdaptiveEnd::Interrupted;
+        if is_kept {
+            run.keep_sample(tau, &*self.stepper);
         }
+        run.interrupted = flow.is_break();
         Ok(flow)
     }
 
     /// Refuses to go on from a configuration in which M is singular.
-    fn check_mass(&mut self, time: f64, q: &[f64]) -> Result<(), AdaptiveError> {
-        check_rank(self.simulation.model, &mut self.workspace, q)
-            .map_err(|source| AdaptiveError::SingularMass { time, source })
+    fn check_mass(&mut self, time: f64, q: &[f64]) -> Result<(), RunError<AdaptiveStepError>> {
+        let step = self.run.steps;
+        check_rank(self.model, self.workspace, q).map_err(|source| RunError::SingularMass {
+            step,
+            time,
+            source,
+        })
     }
+}
 
-    fn note_quaternions(&mut self, y: &[f64]) {
-        for joint in self.simulation.model.joints().iter().filter(|joint| joint.nq > joint.nv) {
-            let four = &y[joint.q_index + joint.nq - 4..joint.q_index + joint.nq];
-            let off = (four.iter().map(|x| x * x).sum::<f64>().sqrt() - 1.0).abs();
-            self.run.quaternion_error = self.run.quaternion_error.max(off);
-        }
-    }
+/// The samples of a run so far.
+struct Samples {
+    /// Steps of the simulation before it.
+    first: usize,
+    /// The instant of the last.
+    seen: usize,
+    /// Work and dissipation before it \[J\].
+    account: [f64; 2],
+    is_started: bool,
 }
 
 /// A controller asked once a period.
@@ -225,25 +270,22 @@ impl HeldControl<'_> {
         self.start + self.next as f64 * self.period
     }
 
-    fn ask(&mut self, q: &[f64], v: &[f64], tau: &mut [f64], model: &Model) -> Result<(), AdaptiveError> {
-        let time = self.instant();
-        self.controller
-            .torque(time, q, v, tau)
-            .map_err(|source| AdaptiveError::Controller { time, source })?;
+    /// Asks at this state, or at that of the run.
+    fn ask(
+        &mut self,
+        run: &Run,
+        tau: &mut [f64],
+        model: &Model,
+        state: Option<(&[f64], &[f64])>,
+    ) -> Result<(), RunError<AdaptiveStepError>> {
+        let (time, step) = (self.instant(), run.steps);
+        let (q, v) = state.unwrap_or((&run.q, &run.v));
+        self.controller.torque(time, q, v, tau).map_err(|source| RunError::Controller {
+            step,
+            time,
+            source,
+        })?;
         self.next += 1;
-        Trouble::of(TORQUE, tau).map_or(Ok(()), |trouble| Err(trouble.at(model, time)))
+        Trouble::of(TORQUE, tau).map_or(Ok(()), |trouble| Err(trouble.at(model, time, step)))
     }
-}
-
-/// The next time to sample at: the end when there is none in between.
-fn next_time(
-    between: &mut impl Iterator<Item = f64>,
-    count: &mut usize,
-    before: f64,
-    end: f64,
-) -> Result<f64, AdaptiveError> {
-    let Some(time) = between.next() else { return Ok(end) };
-    let index = *count;
-    *count += 1;
-    if time > before && time < end { Ok(time) } else { Err(AdaptiveError::Times { index, time, before }) }
 }

@@ -3,9 +3,10 @@
 use std::cell::RefCell;
 
 use differential_equations::prelude::ODE;
+use dynamics::{DynamicsError, IntegratorError};
 
-use super::super::{Controller, ControllerError};
-use super::error::AdaptiveError;
+use super::super::{Controller, ControllerError, RunError};
+use super::error::AdaptiveStepError;
 use crate::space::configuration_rate::configuration_rate;
 use crate::{Model, Workspace, dissipation, forward_dynamics, normalize_quaternions};
 
@@ -16,16 +17,42 @@ use crate::{Model, Workspace, dissipation, forward_dynamics, normalize_quaternio
 pub(super) struct Motion<'a, 'c> {
     pub model: &'a Model,
     pub dissipation: bool,
-    /// The unit of the books \[J\]: an implicit step is solved for to one absolute error in all of y.
+    /// The unit of the energy account \[J\]: an implicit step is solved for to one absolute error in all of y.
     pub energy: f64,
     scratch: RefCell<Scratch<'c>>,
 }
 
+/// Adds generalized forces at q.
+type Wrenches<'c> = &'c mut dyn FnMut(&[f64], &mut [f64]);
+
+/// What acts on the joints from outside.
+#[derive(Default)]
+pub(crate) struct Applied<'c> {
+    /// Asked at every evaluation; `None` while τ is held.
+    pub(crate) controller: Option<&'c mut dyn Controller>,
+    /// τ where it is held.
+    pub(crate) torques: &'c [f64],
+    /// The limits of |τ|, where they act.
+    pub(crate) effort: Option<&'c [f64]>,
+    /// Adds the generalized forces of wrenches at q.
+    pub(crate) wrenches: Option<Wrenches<'c>>,
+}
+
+impl<'c> Applied<'c> {
+    /// These torques alone.
+    pub(crate) fn held(torques: &'c [f64]) -> Self {
+        Self { torques, ..Self::default() }
+    }
+}
+
 struct Scratch<'c> {
     workspace: Workspace,
-    /// Asked at every evaluation; none while τ is held.
-    controller: Option<&'c mut dyn Controller>,
+    applied: Applied<'c>,
+    /// As asked for, and within the limits.
+    asked: Vec<f64>,
     tau: Vec<f64>,
+    /// With the wrenches.
+    total: Vec<f64>,
     q: Vec<f64>,
     lost: Vec<f64>,
     force: Vec<f64>,
@@ -34,13 +61,15 @@ struct Scratch<'c> {
     trouble: Option<Trouble>,
 }
 
-/// Why there is no rate at a state.
+/// Why there is no rate at a state, or no step from it.
 #[derive(Clone, Debug)]
 pub(super) enum Trouble {
     /// Entry so of this quantity is not finite.
     NotFinite(&'static str, usize),
     /// The controller failed.
     Controller(ControllerError),
+    /// No step is small enough, or too many were taken.
+    Step(AdaptiveStepError),
 }
 
 impl Trouble {
@@ -49,56 +78,91 @@ impl Trouble {
         x.iter().position(|x| !x.is_finite()).map(|index| Self::NotFinite(quantity, index))
     }
 
-    /// As an error at a time.
-    pub(super) fn at(self, model: &Model, time: f64) -> AdaptiveError {
+    /// As an error of a run at a time, after so many steps of the run.
+    pub(super) fn at(self, model: &Model, time: f64, step: usize) -> RunError<AdaptiveStepError> {
         match self {
             Self::NotFinite(quantity, index) => {
                 let coordinate = model.coordinate_names().get(index).cloned().unwrap_or_default();
-                AdaptiveError::NotFinite { quantity, coordinate, time }
+                RunError::NotFinite { quantity, coordinate, step, time }
             }
-            Self::Controller(source) => AdaptiveError::Controller { time, source },
+            Self::Controller(source) => RunError::Controller { step, time, source },
+            Self::Step(source) => RunError::Step { step, time, source },
+        }
+    }
+
+    /// As an error of a step.
+    pub(super) fn of_step(self) -> AdaptiveStepError {
+        match self {
+            Self::NotFinite(quantity, index) => {
+                IntegratorError::Dynamics(DynamicsError::NonFinite { quantity, index }).into()
+            }
+            // Held torques have no controller.
+            Self::Controller(_) => IntegratorError::Interrupted.into(),
+            Self::Step(error) => error,
         }
     }
 }
 
 impl<'a, 'c> Motion<'a, 'c> {
-    pub(super) fn new(model: &'a Model, dissipation: bool, energy: f64) -> Self {
+    pub(super) fn new(model: &'a Model, dissipation: bool, energy: f64, applied: Applied<'c>) -> Self {
         let nothing = vec![0.0; model.nv()];
-        Self {
+        let motion = Self {
             model,
             dissipation,
             energy,
             scratch: RefCell::new(Scratch {
                 workspace: Workspace::new(model),
-                controller: None,
+                asked: nothing.clone(),
                 tau: nothing.clone(),
+                total: nothing.clone(),
                 q: vec![0.0; model.nq()],
                 lost: nothing.clone(),
                 force: nothing,
                 evaluations: 0,
                 trouble: None,
+                applied,
             }),
-        }
+        };
+        let torques = motion.scratch.borrow().applied.torques;
+        motion.hold(torques);
+        motion
     }
 
-    /// Lets a controller be asked at every evaluation.
-    pub(super) fn control(&self, controller: &'c mut dyn Controller) {
-        self.scratch.borrow_mut().controller = Some(controller);
+    /// Takes the controller, which is then asked no more.
+    pub(super) fn take_controller(&self) -> Option<&'c mut dyn Controller> {
+        self.scratch.borrow_mut().applied.controller.take()
     }
 
     /// Holds τ.
     pub(super) fn hold(&self, tau: &[f64]) {
-        self.scratch.borrow_mut().tau.copy_from_slice(tau);
+        let mut scratch = self.scratch.borrow_mut();
+        scratch.asked.copy_from_slice(tau);
+        scratch.bound();
     }
 
-    /// τ at a state: the controller's, or what is held.
+    /// τ at a state: the controller's, or what is held; within the limits.
     pub(super) fn torque(&self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), Trouble> {
         let mut scratch = self.scratch.borrow_mut();
-        match &mut scratch.controller {
-            Some(controller) => controller.torque(t, q, v, tau).map_err(Trouble::Controller)?,
-            None => tau.copy_from_slice(&scratch.tau),
+        scratch.ask(t, q, v).map_err(Trouble::Controller)?;
+        tau.copy_from_slice(&scratch.tau);
+        Trouble::of(TORQUE, &scratch.asked).map_or(Ok(()), Err)
+    }
+
+    /// Counts the torques that were cut off when they were asked for last.
+    pub(super) fn count_limited(&self, limited: &mut [usize]) {
+        let scratch = self.scratch.borrow();
+        for (k, count) in limited.iter_mut().enumerate() {
+            *count += usize::from(scratch.tau[k] != scratch.asked[k]);
         }
-        Trouble::of(TORQUE, tau).map_or(Ok(()), Err)
+    }
+
+    /// The acceleration at y.
+    #[allow(clippy::ptr_arg)] // the methods' type of state
+    pub(super) fn acceleration(&self, t: f64, y: &Vec<f64>, acceleration: &mut [f64]) {
+        let mut rate = vec![0.0; y.len()];
+        self.diff(t, y, &mut rate);
+        let nq = self.model.nq();
+        acceleration.copy_from_slice(&rate[nq..nq + acceleration.len()]);
     }
 
     pub(super) fn evaluations(&self) -> usize {
@@ -121,6 +185,26 @@ impl<'a, 'c> Motion<'a, 'c> {
     }
 }
 
+impl Scratch<'_> {
+    /// τ of the controller, if there is one.
+    fn ask(&mut self, t: f64, q: &[f64], v: &[f64]) -> Result<(), ControllerError> {
+        let Some(controller) = &mut self.applied.controller else { return Ok(()) };
+        controller.torque(t, q, v, &mut self.asked)?;
+        self.bound();
+        Ok(())
+    }
+
+    /// Cuts the torques off at their limits.
+    fn bound(&mut self) {
+        self.tau.copy_from_slice(&self.asked);
+        if let Some(effort) = self.applied.effort {
+            for (tau, limit) in self.tau.iter_mut().zip(effort) {
+                *tau = tau.clamp(-limit.max(0.0), limit.max(0.0));
+            }
+        }
+    }
+}
+
 /// What a torque is called in errors.
 pub(super) const TORQUE: &str = "the controller's torque";
 
@@ -129,35 +213,40 @@ impl ODE<f64, Vec<f64>> for Motion<'_, '_> {
         let model = self.model;
         let (nq, nv) = (model.nq(), model.nv());
         let mut scratch = self.scratch.borrow_mut();
-        let Scratch { workspace, controller, tau, q, lost, force, evaluations, trouble } = &mut *scratch;
-        *evaluations += 1;
+        scratch.evaluations += 1;
+        let mut q = core::mem::take(&mut scratch.q);
         q.copy_from_slice(&y[..nq]);
-        normalize_quaternions(model, q);
+        normalize_quaternions(model, &mut q);
         let v = &y[nq..nq + nv];
-        if let Some(controller) = controller
-            && let Err(error) = controller.torque(t, q, v, tau)
-        {
+        let asked = scratch.ask(t, &q, v);
+        scratch.q = q;
+        if let Err(error) = asked {
             // No rate: the step is taken back.
-            trouble.get_or_insert(Trouble::Controller(error));
+            scratch.trouble.get_or_insert(Trouble::Controller(error));
             rate.fill(f64::NAN);
             return;
         }
+        let Scratch { workspace, applied, asked, tau, total, q, lost, force, trouble, .. } = &mut *scratch;
+        total.copy_from_slice(tau);
+        if let Some(wrenches) = &mut applied.wrenches {
+            wrenches(q, total);
+        }
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let (q_rate, rest) = rate.split_at_mut(nq);
-        let (acceleration, books) = rest.split_at_mut(nv);
-        books.copy_from_slice(&[dot(tau, v) / self.energy, 0.0]);
+        let (acceleration, account) = rest.split_at_mut(nv);
+        account.copy_from_slice(&[dot(total, v) / self.energy, 0.0]);
         if self.dissipation {
             dissipation(model, v, lost);
-            books[1] = dot(lost, v) / self.energy;
-            force.iter_mut().zip(&*tau).zip(&*lost).for_each(|((f, tau), b)| *f = tau - b);
+            account[1] = dot(lost, v) / self.energy;
+            force.iter_mut().zip(&*total).zip(&*lost).for_each(|((f, tau), b)| *f = tau - b);
         } else {
-            force.copy_from_slice(tau);
+            force.copy_from_slice(total);
         }
         // The raw quaternion: then its length stays exactly what it is.
         configuration_rate(model, &y[..nq], v, q_rate);
         forward_dynamics(model, workspace, q, v, force, acceleration);
         if trouble.is_none() {
-            *trouble = Trouble::of(TORQUE, tau).or_else(|| Trouble::of("the acceleration", acceleration));
+            *trouble = Trouble::of(TORQUE, asked).or_else(|| Trouble::of("the acceleration", acceleration));
         }
     }
 }

@@ -2,14 +2,14 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::error::AdaptiveError;
+use super::error::AdaptiveStepError;
 use super::local_error::least_accurate;
 use super::method::{AdaptiveMethod, Steps};
 use super::motion::{Motion, Trouble};
-use super::{AdaptiveSimulation, StepStatistics};
+use super::{AdaptiveStepper, StepStatistics};
 
 /// The integration so far.
-pub(super) struct Stepper<'a> {
+pub(super) struct StepSequence {
     kind: AdaptiveMethod,
     method: Box<dyn Steps>,
     tolerance: f64,
@@ -22,7 +22,6 @@ pub(super) struct Stepper<'a> {
     most_steps: usize,
     /// Steps tried since the last sample or control instant.
     pub since: usize,
-    interrupt: Option<&'a AtomicBool>,
     /// What went wrong in the last step tried.
     trouble: Option<Trouble>,
     pub statistics: StepStatistics,
@@ -37,49 +36,47 @@ pub(super) enum Advance {
     Interrupted,
 }
 
-impl<'a> Stepper<'a> {
+impl StepSequence {
     /// At y(t₀), before the first step.
     pub(super) fn start(
-        kind: AdaptiveMethod,
-        simulation: &AdaptiveSimulation<'a>,
+        stepper: &AdaptiveStepper,
         motion: &Motion<'_, '_>,
         (t, end): (f64, f64),
         y: &[f64],
-    ) -> Result<Self, AdaptiveError> {
-        let AdaptiveSimulation { tolerance, max_steps, interrupt, .. } = *simulation;
-        let mut stepper = Self {
+    ) -> Result<Self, Trouble> {
+        let (kind, tolerance) = (stepper.record.method, stepper.options.tolerance);
+        let mut sequence = Self {
             kind,
-            method: kind.start(tolerance, 0.0),
+            method: kind.start(tolerance, stepper.wanted.min(end - t)),
             tolerance,
             end,
             from: t,
             t,
             wanted: end - t,
-            most_steps: max_steps,
+            most_steps: stepper.options.max_steps,
             since: 0,
-            interrupt,
             trouble: None,
             statistics: StepStatistics::default(),
         };
-        stepper.begin(motion, &y.to_vec())?;
-        stepper.wanted = stepper.method.h();
-        Ok(stepper)
+        sequence.begin(motion, &y.to_vec())?;
+        sequence.wanted = sequence.method.h();
+        Ok(sequence)
     }
 
     /// Starts anew from the present state: the forces have jumped.
-    pub(super) fn restart(&mut self, motion: &Motion<'_, '_>) -> Result<(), AdaptiveError> {
+    pub(super) fn restart(&mut self, motion: &Motion<'_, '_>) -> Result<(), Trouble> {
         let y = self.method.y().clone();
         self.restart_from(motion, &y)
     }
 
     #[allow(clippy::ptr_arg)] // as begin
-    fn restart_from(&mut self, motion: &Motion<'_, '_>, y: &Vec<f64>) -> Result<(), AdaptiveError> {
+    fn restart_from(&mut self, motion: &Motion<'_, '_>, y: &Vec<f64>) -> Result<(), Trouble> {
         self.method = self.kind.start(self.tolerance, self.wanted.min(self.end - self.t));
         self.begin(motion, y)
     }
 
     #[allow(clippy::ptr_arg)] // the method's type of state
-    fn begin(&mut self, motion: &Motion<'_, '_>, y: &Vec<f64>) -> Result<(), AdaptiveError> {
+    fn begin(&mut self, motion: &Motion<'_, '_>, y: &Vec<f64>) -> Result<(), Trouble> {
         if self.method.begin(motion, self.t, self.end, y) {
             return Ok(());
         }
@@ -88,7 +85,7 @@ impl<'a> Stepper<'a> {
     }
 
     /// y at the end of the last step.
-    pub(super) fn y(&self) -> &[f64] {
+    pub(super) fn y(&self) -> &Vec<f64> {
         self.method.y()
     }
 
@@ -103,9 +100,14 @@ impl<'a> Stepper<'a> {
     }
 
     /// One accepted step, to `target` at most.
-    pub(super) fn advance(&mut self, motion: &Motion<'_, '_>, target: f64) -> Result<Advance, AdaptiveError> {
+    pub(super) fn advance(
+        &mut self,
+        motion: &Motion<'_, '_>,
+        target: f64,
+        interrupt: Option<&AtomicBool>,
+    ) -> Result<Advance, Trouble> {
         loop {
-            if self.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed)) {
+            if interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed)) {
                 return Ok(Advance::Interrupted);
             }
             let left = target - self.t;
@@ -119,12 +121,11 @@ impl<'a> Stepper<'a> {
                 return Err(self.failed(motion, self.y()));
             }
             if self.since >= self.most_steps {
-                return Err(AdaptiveError::TooManySteps {
+                return Err(Trouble::Step(AdaptiveStepError::TooManySteps {
                     steps: self.since,
-                    time: self.t,
                     step: self.wanted,
                     coordinate: least_accurate(motion, self.t, self.y(), self.wanted),
-                });
+                }));
             }
             self.since += 1;
             motion.take_trouble();
@@ -167,21 +168,24 @@ impl<'a> Stepper<'a> {
         16.0 * f64::EPSILON * self.t.abs().max(self.end.abs())
     }
 
+    /// The step that the tolerance allows next \[s\].
+    pub(super) fn wanted(&self) -> f64 {
+        self.wanted
+    }
+
     /// Why no step can be taken from y: a number that is not finite, or forces that are not smooth.
-    fn failed(&self, motion: &Motion<'_, '_>, y: &[f64]) -> AdaptiveError {
-        match motion.take_trouble().or_else(|| self.trouble.clone()) {
-            Some(trouble) => trouble.at(motion.model, self.t),
-            None => AdaptiveError::StepTooSmall {
-                time: self.t,
-                step: self.wanted.min(self.least()),
-                coordinate: least_accurate(motion, self.t, y, self.wanted.min(self.least())),
-            },
-        }
+    fn failed(&self, motion: &Motion<'_, '_>, y: &[f64]) -> Trouble {
+        motion.take_trouble().or_else(|| self.trouble.clone()).unwrap_or_else(|| {
+            let step = self.wanted.min(self.least());
+            let coordinate = least_accurate(motion, self.t, y, step);
+            Trouble::Step(AdaptiveStepError::StepTooSmall { step, coordinate })
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::{AdaptiveOptions, Applied};
     use super::*;
     use crate::{Base, Model, RandomRobotOptions, random_robot, random_state};
 
@@ -194,25 +198,23 @@ mod tests {
         let model = Model::new(random_robot(7, &options)).unwrap();
         let state = random_state(&model, &mut dynamics::SplitMix64::new(7));
         let y: Vec<f64> = [&state.q[..], &state.v, &[0.0, 0.0]].concat();
-        let motion = Motion::new(&model, false, 1.0);
+        let rest = vec![0.0; model.nv()];
+        let motion = Motion::new(&model, false, 1.0, Applied::held(&rest));
         let errors = [0.07, 0.05].map(|h| {
-            let at = |tolerance, max_steps| AdaptiveSimulation {
-                tolerance,
-                max_steps,
-                ..AdaptiveSimulation::of(&model)
+            let at = |tolerance, max_steps| {
+                let method = AdaptiveMethod::Explicit;
+                let options = AdaptiveOptions { tolerance, method, max_steps, ..AdaptiveOptions::default() };
+                AdaptiveStepper::new(options, None)
             };
-            let mut step =
-                Stepper::start(AdaptiveMethod::Explicit, &at(1e-2, 10), &motion, (0.0, h), &y).unwrap();
+            let mut step = StepSequence::start(&at(1e-2, 10), &motion, (0.0, h), &y).unwrap();
             step.wanted = h;
-            step.advance(&motion, h).unwrap();
+            step.advance(&motion, h, None).unwrap();
             assert_eq!((step.t, step.statistics.rejected), (h, 0), "one step of {h} s");
             let off = |fraction: f64| {
                 let t = fraction * h;
-                let mut exact =
-                    Stepper::start(AdaptiveMethod::Explicit, &at(1e-13, 1000), &motion, (0.0, t), &y)
-                        .unwrap();
+                let mut exact = StepSequence::start(&at(1e-13, 1000), &motion, (0.0, t), &y).unwrap();
                 while exact.t < t {
-                    exact.advance(&motion, t).unwrap();
+                    exact.advance(&motion, t, None).unwrap();
                 }
                 let found = step.interpolate(t);
                 found.iter().zip(exact.y()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)

@@ -1,0 +1,139 @@
+//! Adaptive steps as a method of the one simulation.
+
+use dynamics::Integrator;
+use multibody::simulator::{AppliedWrench, Effect, Method, RunOptions, Simulation, SimulationBuilder};
+use multibody::{AdaptiveOptions, ControlTiming, Limits, Model, Moment, PassiveForces, neutral, pendulum};
+use multibody::{RandomRobotOptions, StepForces, StepWorkspace, Stepper, random_robot};
+
+fn to(tolerance: f64) -> AdaptiveOptions {
+    AdaptiveOptions { tolerance, ..AdaptiveOptions::default() }
+}
+
+/// A random robot with damping; its limits and efforts are left out.
+fn builder(seed: u64) -> SimulationBuilder<'static> {
+    let mut robot = random_robot(seed, &RandomRobotOptions { massless: 0.0, ..Default::default() });
+    for joint in &mut robot.joints {
+        joint.passive = PassiveForces::default().with_damping(0.05);
+    }
+    SimulationBuilder::new(&Model::new(robot).unwrap()).without(Effect::EffortLimits)
+}
+
+/// From neutral with speeds, torques and a wrench on the last link, which turns with it.
+fn start(simulation: &mut Simulation) {
+    let (q, nv) = (neutral(simulation.model()), simulation.model().nv());
+    let v: Vec<f64> = (0..nv).map(|k| 0.3 * (k as f64).cos()).collect();
+    simulation.reset(&q, &v).unwrap();
+    let torques: Vec<f64> = (0..nv).map(|k| 0.1 * (k as f64 + 1.0).sin()).collect();
+    simulation.set_torques(&torques);
+    let model = simulation.model();
+    let last = model.frame(&model.frames().last().unwrap().name).unwrap();
+    let axes = multibody::simulator::ReferenceFrame::Local;
+    let wrench = AppliedWrench { frame: last, axes, force: [0.3, -0.2, 0.5], moment: [0.0, 0.1, 0.05] };
+    simulation.set_wrenches(&[wrench]);
+}
+
+/// Steps, runs and small steps of order 4 come to one state. The account closes: the work of the wrench is in it.
+#[test]
+fn steps_runs_and_small_fixed_steps_agree() {
+    for seed in 0..4 {
+        let mut run = builder(seed).adaptive(to(1e-11)).step(0.05).build().unwrap();
+        let mut steps = run.clone();
+        let row = Method::Fixed(Integrator::RungeKutta4);
+        let [mut coarse, mut fine] = [2e-4, 1e-4].map(|h| builder(seed).method(row).step(h).build().unwrap());
+        for simulation in [&mut run, &mut steps, &mut coarse, &mut fine] {
+            start(simulation);
+        }
+        let ran = run.run(4, RunOptions::new()).unwrap();
+        steps.run_for(0.2).unwrap();
+        coarse.run_for(0.2).unwrap();
+        fine.run_for(0.2 - 1e-4).unwrap();
+        let before = fine.acceleration().to_vec();
+        fine.step().unwrap();
+        assert_eq!((run.steps(), steps.steps(), steps.time()), (4, 4, run.time()));
+        for (k, q) in run.q().iter().enumerate() {
+            assert!((q - steps.q()[k]).abs() < 1e-9, "robot {seed}: {:?} {:?}", run.q(), steps.q());
+            // Steps of one length hold the wrench's generalized force: an error of first order in h, which extrapolation removes, and h² = 4e-8 times
+            // derivatives of some units.
+            let extrapolated = 2.0 * fine.q()[k] - coarse.q()[k];
+            assert!((q - extrapolated).abs() < 1e-7, "robot {seed}: {q} {extrapolated}");
+        }
+        assert!(ran.ledger.max_imbalance() < 1e-9 && steps.ledger().max_imbalance() < 1e-9);
+        assert!((ran.ledger.work() - steps.ledger().work()).abs() < 1e-9);
+        // The acceleration is that of the end; those of the fine steps are of their middles.
+        for ((a, mean), before) in run.acceleration().iter().zip(fine.acceleration()).zip(before) {
+            let end = 1.5 * mean - 0.5 * before;
+            assert!((a - end).abs() < 1e-3 * (1.0 + end.abs()), "{a} {end}");
+        }
+    }
+}
+
+/// A snapshot brings back the length of the next step, too: the same bits.
+#[test]
+fn restored_steps_have_the_same_bits() {
+    let mut simulation = builder(1).adaptive(to(1e-8)).step(0.01).build().unwrap();
+    start(&mut simulation);
+    simulation.run_for(0.1).unwrap();
+    let snapshot = simulation.snapshot();
+    simulation.run_for(0.1).unwrap();
+    let first = (simulation.q().to_vec(), *simulation.adaptive_record().unwrap());
+    simulation.restore(&snapshot);
+    simulation.run_for(0.1).unwrap();
+    assert_eq!((simulation.q().to_vec(), *simulation.adaptive_record().unwrap()), first);
+}
+
+/// Torques are cut off at the effort limit, asked all along and once a period, and counted at each sample.
+#[test]
+fn effort_limits_hold() {
+    let mut robot = pendulum(2.0, 0.5);
+    robot.joints[0].limits = Limits::default().with_effort(3.0);
+    let model = Model::new(robot).unwrap();
+    for control in [ControlTiming::Continuous, ControlTiming::Held { period: 0.1 }] {
+        let options = AdaptiveOptions { control, ..to(1e-10) };
+        let ends = [3.0, 50.0].map(|torque| {
+            let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(0.1).build().unwrap();
+            let mut push = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau[0] = torque;
+            let run =
+                simulation.run_from(&[0.1], &[0.0], 5, RunOptions::new().controller(&mut push)).unwrap();
+            assert_eq!((run.peak_torque[0], simulation.applied_torques()), (3.0, &[3.0][..]));
+            let count = if torque > 3.0 { 5 } else { 0 };
+            assert_eq!(simulation.steps_at_effort_limits(), [count]);
+            run.q
+        });
+        assert_eq!(ends[0], ends[1]);
+    }
+}
+
+/// Without an observer the samples that are kept are all that is evaluated; with one it sees every step.
+#[test]
+fn observers_see_every_step() {
+    let model = Model::new(pendulum(2.0, 0.5)).unwrap();
+    let mut simulation = SimulationBuilder::new(&model).adaptive(to(1e-9)).step(0.01).build().unwrap();
+    let mut seen = Vec::new();
+    let mut observer = |moment: &Moment<'_>| {
+        seen.push(moment.time);
+        std::ops::ControlFlow::Continue(())
+    };
+    let options = RunOptions::new().sample_every(4).observer(&mut observer);
+    let run = simulation.run_from(&[0.3], &[0.0], 10, options).unwrap();
+    let times: Vec<f64> = run.trajectory.iter().map(|sample| sample.time).collect();
+    assert_eq!(seen, (0..=10).map(|k| f64::from(k) * 0.01).collect::<Vec<_>>());
+    assert_eq!(times, [0, 4, 8, 10].map(|k: u32| f64::from(k) * 0.01));
+    let alone = simulation.run_from(&[0.3], &[0.0], 10, RunOptions::new().sample_every(4)).unwrap();
+    assert_eq!(alone.trajectory, run.trajectory);
+}
+
+/// As a stepper of batches it takes the steps of the simulation.
+#[test]
+fn the_stepper_takes_the_same_steps() {
+    let mut simulation = builder(2).adaptive(to(1e-10)).step(0.02).build().unwrap();
+    let model = simulation.model().clone();
+    let (mut q, mut v) = (neutral(&model), vec![0.2; model.nv()]);
+    simulation.reset(&q, &v).unwrap();
+    simulation.step().unwrap();
+    let rest = vec![0.0; model.nv()];
+    let (forces, workspace) = (StepForces::new(&rest, true), &mut StepWorkspace::new(&model));
+    simulation.stepper().step(&model, workspace, &forces, 0.02, &mut q, &mut v).unwrap();
+    for (found, expected) in q.iter().chain(&v).zip(simulation.q().iter().chain(simulation.v())) {
+        assert!((found - expected).abs() < 1e-14 * (1.0 + expected.abs()), "{found} {expected}");
+    }
+}
