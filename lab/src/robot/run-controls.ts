@@ -5,8 +5,8 @@ import { slider, type Slider } from '../controls/slider.ts';
 import { html } from '../element.ts';
 import type { Robot, RobotCoordinate } from '../../lib/dynamics/index.ts';
 import { INTEGRATORS } from '../widgets/integrators.ts';
-import { acting } from './acting.ts';
-import { actuators } from './actuators.ts';
+import type { Acting } from './acting.ts';
+import type { Actuators } from './actuators.ts';
 
 /** The library's choice, and its methods by their names. */
 const METHODS: readonly (readonly [string, string])[] = [
@@ -16,6 +16,8 @@ const METHODS: readonly (readonly [string, string])[] = [
 export interface RunControls {
   elements: HTMLElement[];
   readonly h: number;
+  /** Fetches the switches of what acts and the actuators, before the first robot is shown. */
+  ready(): Promise<void>;
   /** For a robot that was just loaded: the longest step that it bears, its motors at rest. */
   suit(robot: Robot): void;
   /** What is said of the simulation, which was set up anew. */
@@ -43,17 +45,17 @@ export function runControls(robot: () => Robot | undefined, say: (text: string) 
     } catch (error) {
       say(error instanceof Error ? error.message : String(error));
     }
-    effects.show(now);
+    effects?.show(now);
   };
   const choose = (of: Robot): void => {
-    const next = { method: method.value, h: stepLength.value / 1000, off: effects.off };
+    const next = { method: method.value, h: stepLength.value / 1000, off: effects?.off ?? off };
     try {
       of.choose(next.method === 'auto' ? '' : next.method, next.h, next.off);
       taken = next;
     } catch (error) {
       method.set(taken.method);
       stepLength.set(1000 * taken.h);
-      effects.set(taken.off);
+      effects?.set(taken.off);
       throw error;
     }
   };
@@ -67,8 +69,11 @@ export function runControls(robot: () => Robot | undefined, say: (text: string) 
       if (holding.on) of.holdAt(of.held, frequency.value, ratio.value);
     });
   };
-  const effects = acting(changed);
-  const servos = actuators(robot);
+  let effects: Acting | undefined;
+  let servos: Actuators | undefined;
+  /** What an address switched off before the switches had come. */
+  let off: string[] = [];
+  const panels = html('div');
   const holding = toggle('Motors hold the pose', false, () => { withRobot(hold); });
   const method = choice<string>('Method', METHODS, 'auto', changed);
   const stepLength = slider({ label: 'Step h', unit: 'ms', min: 0.1, max: 10, step: 0.1, value: 1, onInput: changed });
@@ -77,38 +82,47 @@ export function runControls(robot: () => Robot | undefined, say: (text: string) 
   const motors = html('details', {}, html('summary', {}, 'Method and gains'),
     html('div', { class: 'folded' }, method.element, stepLength.element, frequency.element, ratio.element));
   return {
-    elements: [holding.element, effects.element, servos.element, motors],
+    elements: [holding.element, panels, motors],
     get h() { return stepLength.value / 1000; },
+    async ready() {
+      if (effects !== undefined) return;
+      const { acting, actuators } = await import('./panels.ts');
+      [effects, servos] = [acting(changed), actuators(robot)];
+      effects.set(off);
+      panels.replaceChildren(effects.element, servos.element);
+    },
     suit(of) {
       try {
         choose(of);
       } catch {
         // What suited the robot before does not suit this one.
         method.set('auto');
-        effects.set([]);
+        effects?.set([]);
         choose(of);
       }
       stepLength.set(1000 * of.steadyStep());
       taken.h = stepLength.value / 1000;
-      servos.suit(of);
-      effects.show(of);
+      servos?.suit(of);
+      effects?.show(of);
     },
-    show: effects.show,
+    show(of) { effects?.show(of); },
     grip(of) {
       if (holding.on || of.held.length > 0) hold(of);
     },
-    draw: servos.draw,
+    draw(of) { servos?.draw(of); },
     shared(of) {
       const held = of?.held ?? [];
       return {
-        h: stepLength.value / 1000, off: effects.off.join('.'), method: method.value, frequency: frequency.value, ratio: ratio.value,
-        ...(held.length > 0 ? { hold: 1, ...numbered('to', held) } : {}), ...servos.shared(of),
+        h: stepLength.value / 1000, off: (effects?.off ?? off).join('.'),
+        method: method.value, frequency: frequency.value, ratio: ratio.value,
+        ...(held.length > 0 ? { hold: 1, ...numbered('to', held) } : {}), ...servos?.shared(of),
       };
     },
     restore(values) {
       // Older links say that friction is off by a number.
       const friction = numberFrom(values, 'friction', 1) === 0 ? ['dissipation'] : [];
-      effects.set([...(values.get('off') ?? '').split('.'), ...friction]);
+      off = [...(values.get('off') ?? '').split('.').filter((name) => name !== ''), ...friction];
+      effects?.set(off);
       method.set(wordFrom(values, 'method', METHODS.map(([name]) => name), 'auto'));
       frequency.set(Math.min(40, Math.max(0, numberFrom(values, 'frequency', 20))));
       ratio.set(Math.min(2, Math.max(0, numberFrom(values, 'ratio', 1))));
@@ -118,7 +132,7 @@ export function runControls(robot: () => Robot | undefined, say: (text: string) 
       if (values.has('h')) stepLength.set(1000 * Math.min(0.01, Math.max(1e-4, numberFrom(values, 'h', 1e-3))));
       withRobot((now) => {
         choose(now);
-        servos.restoreOn(now, values);
+        servos?.restoreOn(now, values);
         if (holding.on) now.holdAt(numbersFrom(values, 'to', now.q), frequency.value, ratio.value);
       });
     },

@@ -63,8 +63,7 @@ export const WORDS = {
     lede: 'Choose a robot, open a URDF or MJCF file, or drop one anywhere on the page, alone or in a folder or zip with its meshes. '
       + 'It never leaves your machine. Take hold of a link and pull: while it runs, a spring follows your hand; while it rests, '
       + 'the joints give way. The ellipsoid at your hand is the mass you feel, direction by direction. What floats falls on the ground, '
-      + 'and links touch each other; the arrows are the forces of the contacts. Everything that the file states acts, unless you switch '
-      + 'it off. Links glow by the term of M q̈ + C q̇ + g that you choose.',
+      + 'links touch each other; the arrows are what pushes them. Links glow by the term of M q̈ + C q̇ + g that you choose.',
   },
   'integrator-race': {
     title: 'Integrator race',

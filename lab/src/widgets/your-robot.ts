@@ -16,11 +16,10 @@ import type { MeshFiles } from '../robot/mesh-files.ts';
 import { goOn } from '../robot/pace.ts';
 import { poseSliders, runControls } from '../robot/run-controls.ts';
 import { type Hand, type Stage, VIEWS } from '../robot/stage.ts';
-import { robotBooks } from '../robot/robot-books.ts';
+import type { RobotReadings } from '../robot/robot-books.ts';
 import { includes, read, type Source } from '../robot/source.ts';
-import { torqueTable } from '../robot/torque-table.ts';
+import type { TorqueTable } from '../robot/torque-table.ts';
 import { frame, type Widget } from './frame.ts';
-import { reportTable } from './load-report.ts';
 
 // The one file that opens without a server carries one module, which every browser takes.
 const MODULES = { portable, simd128: import.meta.env.MODE === 'single' ? undefined : simd128 };
@@ -41,8 +40,8 @@ export function yourRobot(): Widget {
 
   const scene = html('div', { class: 'scene' });
   const report = html('div', { class: 'report' });
-  const torques = torqueTable();
-  const numbers = robotBooks();
+  let [torques, numbers]: [TorqueTable?, RobotReadings?] = [];
+  const [table, energies] = [html('div'), html('div')];
   const plots = plotGroup();
   const energyPlot = plot({
     group: plots, title: 'Energy', unit: 'J', height: 150,
@@ -93,7 +92,9 @@ export function yourRobot(): Widget {
     if (robots === undefined) return;
     clock.pause();
     let loaded: Robot;
+    const { reportTable, robotBooks, torqueTable } = await import('../robot/panels.ts');
     try {
+      await controls.ready();
       loaded = await read(robots, next, floating.on);
     } catch (error) {
       clock.say(`This file was not loaded. ${error instanceof Error ? error.message : String(error)}`);
@@ -106,6 +107,8 @@ export function yourRobot(): Widget {
     for (const one of gallery) one.element.setAttribute('aria-pressed', String(one.name === next.name));
     loaded.setGround(ground.on);
     for (const one of [controls, layers]) one.suit(loaded);
+    [torques, numbers] = [torques ?? torqueTable(), numbers ?? robotBooks()];
+    [table, energies].forEach((place, i) => { place.replaceChildren([torques!, numbers!][i]!.element); });
     torques.show(loaded);
     ground.element.hidden = !loaded.floats || loaded.ownGround;
     put(loaded.startPose());
@@ -140,9 +143,9 @@ export function yourRobot(): Widget {
     if (beat % 6 !== 0) return;
     pose.draw(robot.q);
     controls.draw(robot);
-    torques.draw(robot);
+    torques?.draw(robot);
     layers.write();
-    numbers.draw(robot);
+    numbers?.draw(robot);
   };
   const clock = transport({
     step: () => controls.h,
@@ -233,9 +236,9 @@ export function yourRobot(): Widget {
           button('Open a file…', () => { file.click(); }), button('Open a folder…', () => { folder.click(); }),
           button('Start pose', () => { if (robot !== undefined) { put(robot.startPose()); stage?.fit(); } })),
         file, folder, floating.element, ground.element, ...controls.elements, pose.element),
-      numbers.element,
+      energies,
     ],
-    below: [html('div', { class: 'plots' }, energyPlot.element), torques.element, report],
+    below: [html('div', { class: 'plots' }, energyPlot.element), table, report],
     equations: [
       { name: 'hold', code: 'multibody::gravity', says: 'by Newton–Euler recursion' },
       { name: 'forward', code: 'multibody::forward_dynamics', says: 'by articulated bodies, O(n)' },

@@ -1,0 +1,6 @@
+// What a robot's controls need once a robot is there.
+export { acting } from './acting.ts';
+export { actuators } from './actuators.ts';
+export { robotBooks } from './robot-books.ts';
+export { torqueTable } from './torque-table.ts';
+export { reportTable } from '../widgets/load-report.ts';
