@@ -14,7 +14,8 @@ import { dropped, fileInput } from '../robot/handed.ts';
 import { layerToggles } from '../robot/layer-toggles.ts';
 import type { MeshFiles } from '../robot/mesh-files.ts';
 import { goOn } from '../robot/pace.ts';
-import { poseSliders, runControls } from '../robot/run-controls.ts';
+import { runControls } from '../robot/run-controls.ts';
+import type { PoseSliders } from '../robot/pose-sliders.ts';
 import { type Hand, type Stage, VIEWS } from '../robot/stage.ts';
 import type { RobotReadings } from '../robot/robot-books.ts';
 import { includes, read, type Source } from '../robot/source.ts';
@@ -40,21 +41,19 @@ export function yourRobot(): Widget {
 
   const scene = html('div', { class: 'scene' });
   const report = html('div', { class: 'report' });
-  let [torques, numbers]: [TorqueTable?, RobotReadings?] = [];
-  const [table, energies] = [html('div'), html('div')];
+  let [torques, numbers, pose]: [TorqueTable?, RobotReadings?, PoseSliders?] = [];
+  const [table, energies, posed] = [html('div'), html('div'), html('div')];
   const plots = plotGroup();
   const energyPlot = plot({
     group: plots, title: 'Energy', unit: 'J', height: 150,
     lines: [{ name: 'K', tone: 'second' }, { name: 'V', tone: 'muted', dashed: true }, { name: 'E', tone: 'accent' }],
   });
   const controls = runControls(() => robot, (text) => { clock.say(text); });
-  const pose = poseSliders((place, value) => {
+  const turn = (place: number, value: number): void => {
     clock.pause();
     if (robot === undefined) return;
-    const q = robot.q;
-    q[place] = value;
-    put(q);
-  }, () => { draw(); });
+    put(robot.q.map((x, i) => (i === place ? value : x)));
+  };
 
   /** The robot at rest in a pose, from where Reset begins again. */
   const put = (q: Float64Array, v?: Float64Array): void => {
@@ -92,7 +91,7 @@ export function yourRobot(): Widget {
     if (robots === undefined) return;
     clock.pause();
     let loaded: Robot;
-    const { reportTable, robotBooks, torqueTable } = await import('../robot/panels.ts');
+    const { poseSliders, reportTable, robotBooks, torqueTable } = await import('../robot/panels.ts');
     try {
       await controls.ready();
       loaded = await read(robots, next, floating.on);
@@ -107,8 +106,8 @@ export function yourRobot(): Widget {
     for (const one of gallery) one.element.setAttribute('aria-pressed', String(one.name === next.name));
     loaded.setGround(ground.on);
     for (const one of [controls, layers]) one.suit(loaded);
-    [torques, numbers] = [torques ?? torqueTable(), numbers ?? robotBooks()];
-    [table, energies].forEach((place, i) => { place.replaceChildren([torques!, numbers!][i]!.element); });
+    [torques, numbers, pose] = [torques ?? torqueTable(), numbers ?? robotBooks(), pose ?? poseSliders(turn, () => { draw(); })];
+    [table, energies, posed].forEach((place, i) => { place.replaceChildren([torques!, numbers!, pose!][i]!.element); });
     torques.show(loaded);
     ground.element.hidden = !loaded.floats || loaded.ownGround;
     put(loaded.startPose());
@@ -141,7 +140,7 @@ export function yourRobot(): Widget {
       energyPlot.draw(t!, [k!, v!, k!.map((kinetic, i) => kinetic + v![i]!)]);
     }
     if (beat % 6 !== 0) return;
-    pose.draw(robot.q);
+    pose?.draw(robot.q);
     controls.draw(robot);
     torques?.draw(robot);
     layers.write();
@@ -235,7 +234,7 @@ export function yourRobot(): Widget {
         buttonRow('File',
           button('Open a file…', () => { file.click(); }), button('Open a folder…', () => { folder.click(); }),
           button('Start pose', () => { if (robot !== undefined) { put(robot.startPose()); stage?.fit(); } })),
-        file, folder, floating.element, ground.element, ...controls.elements, pose.element),
+        file, folder, floating.element, ground.element, ...controls.elements, posed),
       energies,
     ],
     below: [html('div', { class: 'plots' }, energyPlot.element), table, report],
