@@ -1,4 +1,4 @@
-"""Learns to swing up a pendulum whose motor is too weak to lift it, by an evolution strategy, in ten seconds on a CPU.
+"""Learns to swing up a pendulum whose motor is too weak to lift it, by an evolution strategy, in half a minute on a CPU.
 
 A policy is a small network. In each generation 128 policies, pairs of opposite changes of the present one, are tried at once, four
 episodes each: 512 environments that step together. The policies' ranks say in which direction to go (Salimans and others,
