@@ -1,6 +1,7 @@
 //! The runs of `testdata/same_motion`, stepped and in one run, against the table that every front end is compared with.
 #![cfg(feature = "convex")]
 
+use std::fmt::Write;
 use std::fs;
 use std::path::PathBuf;
 
@@ -17,7 +18,8 @@ fn the_table_holds_the_librarys_states() {
     let runs: Value = serde_json::from_str(&fs::read_to_string(folder().join("runs.json")).unwrap()).unwrap();
     let mut lines = String::new();
     for run in runs.as_array().unwrap() {
-        let (name, steps) = (run["name"].as_str().unwrap(), number(&run["steps"]) as usize);
+        let name = run["name"].as_str().unwrap();
+        let steps = usize::try_from(run["steps"].as_u64().unwrap()).unwrap();
         let mut stepped = started(run);
         let mut whole = stepped.clone();
         for _ in 0..steps {
@@ -34,7 +36,7 @@ fn the_table_holds_the_librarys_states() {
             stepped.contacts().len()
         );
         let digits: Vec<String> = stepped.q().iter().chain(stepped.v()).map(f64::to_string).collect();
-        lines += &format!("{name}\t{}\n", digits.join(" "));
+        writeln!(lines, "{name}\t{}", digits.join(" ")).unwrap();
     }
     let table = folder().join("states.tsv");
     if std::env::var_os("REGENERATE").is_some() {
@@ -75,8 +77,8 @@ fn the_runs_cover_what_can_act() {
 fn started(run: &Value) -> Simulation {
     let file =
         PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots").join(run["file"].as_str().unwrap());
-    let mut options = Options::default();
-    options.floating_base = run["floating_base"].as_bool().unwrap_or(false);
+    let is_floating = run["floating_base"].as_bool().unwrap_or(false);
+    let options = if is_floating { Options::default().with_floating_base() } else { Options::default() };
     let model =
         load_with(&file, &options).unwrap_or_else(|error| panic!("{}: {error}", file.display())).model;
     let mut builder = simulation(&model).step(number(&run["step"]));

@@ -60,13 +60,12 @@ fn state_after(run: &Value, file: &str) -> Result<Vec<f64>, LabError> {
     }
     let coordinates = robot.coordinates();
     for (joint, value) in entries(&run["pose"]) {
-        match value.as_array() {
+        if let Some(list) = value.as_array() {
             // Of the base, which is first.
-            Some(list) => list.iter().zip(&mut q).for_each(|(x, q)| *q = number(x)),
-            None => {
-                let place = coordinates.iter().find(|one| one.name == *joint).and_then(|one| one.place);
-                q[place.expect("a joint with one number") as usize] = number(value);
-            }
+            list.iter().zip(&mut q).for_each(|(x, q)| *q = number(x));
+        } else {
+            let place = coordinates.iter().find(|one| one.name == *joint).and_then(|one| one.place);
+            q[place.expect("a joint with one number") as usize] = number(value);
         }
     }
     for (joint, value) in entries(&run["velocity"]) {

@@ -265,14 +265,19 @@ fn what_is_left_is_orthogonal_to_what_is_fitted() -> Tested {
         let random = &mut SplitMix64::new(robot.seed ^ 0x0f17);
         let mut record = MotionRecord::new(model, false);
         let (mut rows, mut torques) = (Vec::new(), Vec::new());
-        let workspace = &mut Workspace::new(model);
+        let (workspace, parameters) =
+            (&mut Workspace::new(model), DVector::from_vec(inertial_parameters(model)));
         for _ in 0..40 + 20 * model.moving_links().count() / nv {
             let state = random_state(model, random);
             let mut regressor = vec![0.0; nv * columns];
             joint_torque_regressor(model, workspace, &state.q, &state.v, &state.a, &mut regressor);
             record.push(&state.q, &state.v, &state.a, &state.tau)?;
+            // Of the torques, what inertial parameters have no part in: armature and springs.
+            let mut whole = vec![0.0; nv];
+            inverse_dynamics(model, workspace, &state.q, &state.v, &state.a, &mut whole);
+            let shown = DMatrix::from_row_slice(nv, columns, &regressor) * &parameters;
+            torques.extend((0..nv).map(|k| state.tau[k] - (whole[k] - shown[k])));
             rows.extend(regressor);
-            torques.extend(state.tau);
         }
         let all = DMatrix::from_row_slice(torques.len(), columns, &rows);
         let found = base.identify(&record)?;

@@ -363,7 +363,7 @@ impl ContactImpulses {
                 let seen = self.seen_on_face(&active.point);
                 let (number, point) = (active.point.number, active.point);
                 let total = Total { number, impulse: h * world, angular: h * moment, point, seen };
-                self.memory.add_impulse(summed, total);
+                self.memory.add_impulse(summed, &total);
                 carried.push(Carried { number: active.point.number, force, shift, seen });
             }
         }

@@ -14,7 +14,7 @@ use super::touch::Placed;
 pub(super) const MOST_MEETING: usize = 9;
 
 /// By how much the directions are turned: across none of them lies an edge that is along an axis, whose two ends would be equally far out \[rad\].
-const ODD: f64 = 0.2;
+const ODD: f64 = 0.3;
 
 /// Two shapes, where they are.
 #[allow(clippy::large_enum_variant)] // one at a time, on the stack

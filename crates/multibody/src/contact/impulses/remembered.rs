@@ -125,14 +125,14 @@ impl Remembered {
     }
 
     /// Adds to a contact's sum; `known` of the sums are in order, and what is new goes behind them.
-    pub(super) fn add_impulse(&mut self, known: usize, new: Total) {
+    pub(super) fn add_impulse(&mut self, known: usize, new: &Total) {
         match self.totals[..known].binary_search_by_key(&new.number, |total| total.number) {
             Ok(at) => {
                 let total = &mut self.totals[at];
                 let (impulse, angular) = (total.impulse + new.impulse, total.angular + new.angular);
-                *total = Total { impulse, angular, ..new };
+                *total = Total { impulse, angular, ..*new };
             }
-            Err(_) => self.totals.push(new),
+            Err(_) => self.totals.push(*new),
         }
     }
 }

@@ -41,6 +41,13 @@ struct Root {
     target: Vector3<f64>,
 }
 
+/// Of a body on slides alone: its axes in the world, and the directions that it slides along.
+#[derive(Clone)]
+struct Slides {
+    rotation: Matrix3<f64>,
+    along: Vec<Vector3<f64>>,
+}
+
 impl FreeTranslations {
     pub(super) fn new(model: &Model) -> Self {
         let bodies = &model.bodies;
@@ -48,13 +55,12 @@ impl FreeTranslations {
         for (i, body) in bodies.iter().enumerate().rev().filter(|(_, body)| body.parent != WORLD) {
             mass[body.parent] += mass[i];
         }
-        // Of what only slides, its axes and those that it slides along.
-        let mut sliding: Vec<Option<(Matrix3<f64>, Vec<Vector3<f64>>)>> = vec![None; bodies.len()];
+        let mut sliding: Vec<Option<Slides>> = vec![None; bodies.len()];
         let mut roots = Vec::new();
         for (i, body) in bodies.iter().enumerate() {
-            let at_world = Some((Matrix3::identity(), Vec::new()));
+            let at_world = Some(Slides { rotation: Matrix3::identity(), along: Vec::new() });
             let carrier = if body.parent == WORLD { at_world } else { sliding[body.parent].clone() };
-            let Some((carrier, mut axes)) = carrier else { continue };
+            let Some(Slides { rotation: carrier, along: mut axes }) = carrier else { continue };
             let is_slide = !body.motion.turns() && body.motion.nv() == 1;
             let is_free = body.motion.chart() == Chart::Placement;
             let own = &model.dofs[body.dof..body.dof + body.motion.nv()];
@@ -82,7 +88,7 @@ impl FreeTranslations {
                     continue;
                 }
                 axes.push(axis);
-                sliding[i] = Some((turned, axes));
+                sliding[i] = Some(Slides { rotation: turned, along: axes });
             }
             // What only slides keeps its momentum as it is.
             let turns = (i..bodies.len()).any(|k| bodies[k].motion.turns() && is_carried_by(bodies, k, i));
