@@ -350,13 +350,16 @@ fn array_of_counts<'py>(py: Python<'py>, counts: &[usize]) -> PyResult<Bound<'py
 
 /// How many steps a time takes.
 fn steps_of(py: Python<'_>, duration: f64, step: f64) -> PyResult<usize> {
+    if !(step > 0.0 && step.is_finite()) {
+        let message = format!("the step must be positive and finite, got {step} s");
+        return Err(Class::Simulation.error(py, message));
+    }
     let steps = (duration / step).round();
-    if step > 0.0 && duration >= 0.0 && (0.0..1e12).contains(&steps) {
+    if duration >= 0.0 && (0.0..1e12).contains(&steps) {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // looked at above
         return Ok(steps as usize);
     }
-    Err(Class::Simulation.error(
-        py,
-        format!("duration = {duration} s and step = {step} s: both must be finite, the step positive"),
-    ))
+    let message =
+        format!("the duration must be finite, not negative, and less than 1e12 steps, got {duration} s");
+    Err(Class::Simulation.error(py, message))
 }
