@@ -158,7 +158,7 @@ OF_SIMULATION = {
 # Classes from which the Python half derives.
 BASES = ("Robot", "Simulation", "SimulationBatch")
 
-# What can be set, with the type that it takes.
+# The attributes that can be set, with the type that each takes.
 SETTERS = {
     ("Simulation", "controls"): "Numbers | Mapping[str, float]",
     ("Simulation", "torques"): "Numbers",

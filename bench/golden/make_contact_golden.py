@@ -24,7 +24,7 @@ import golden_file  # noqa: E402
 FOLDER = environment.ROOT / "testdata" / "mjcf" / "contacts"
 # How long a file is simulated, and how often a step is kept.
 STEPS, EVERY = 150, 10
-# Of the velocities at the start [m/s and rad/s].
+# Standard deviation of the velocities at the start [m/s and rad/s].
 SPEED = 0.1
 
 

@@ -203,7 +203,7 @@ class Robot:
     def _joints(self) -> list[Any]:
         """Joints in the order of their coordinates, as the fields of `robot_dynamics.Joint`."""
     def _left_out(self) -> list[str]:
-        """What the default simulation leaves out, one line for each reason, or why there is no such simulation."""
+        """The features that the default simulation leaves out, one line for each reason, or why there is no such simulation."""
     def _linearize_step(self, q: Any, v: Any, tau: Any, controls: Any, **options: Any) -> Any:
         """See `linearize_step`."""
     def _lock(self, joints: Any) -> Any:
@@ -255,7 +255,7 @@ class Robot:
     def _with_sensors(self, sensors: Any) -> Any:
         """See `with_sensors`."""
     def _with_wrenches(self, row: Any, q: Any, v: Any, x: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
-        """What `row` says of states under wrenches: `inverse_dynamics`, `forward_dynamics`, `joint_reactions`,
+        """The results of `row` for states under wrenches: `inverse_dynamics`, `forward_dynamics`, `joint_reactions`,
         `inverse_dynamics_derivatives` or `forward_dynamics_derivatives`; `x` is a or τ.
         """
     def _xla_handle(self) -> int:
@@ -1124,10 +1124,10 @@ class Simulation:
         """
     @property
     def left_out(self) -> tuple[str, ...]:
-        """What the robot's file states and this simulation leaves out, each with the reason."""
+        """The features that the robot's file states and this simulation leaves out, each with the reason."""
     @property
     def losses(self) -> Any:
-        """What damping, friction, stops, sliding and impacts took, where the method tells them apart [J]."""
+        """The energy that damping, friction, stops, sliding and impacts took, where the method tells them apart [J]."""
     @property
     def method(self) -> str:
         """The method by which steps are taken."""
@@ -1161,7 +1161,7 @@ class Simulation:
         """Steps since the last reset."""
     @property
     def steps_at_effort_limits(self) -> list[int]:
-        """Of each coordinate, in how many steps its torque was cut off at the effort limit."""
+        """The number of steps in which each coordinate's torque was cut off at the effort limit."""
     @property
     def time(self) -> float:
         """The time [s]."""

@@ -281,7 +281,7 @@ class Constraining(_native.Robot):
     ) -> SupportedTorque:
         """The torques of a motion of a robot that stands, with forces in their cones of friction that carry it.
 
-        Of all such those with the least |τ|² + `force_weight` · |λ|². `actuated` (nv,) says which coordinates are driven,
+        The result has the least |τ|² + `force_weight` · |λ|² of all such. `actuated` (nv,) says which coordinates are driven,
         `robot.actuated_dofs` where it is not given. `constraints` are closed loops, which may pull as well.
 
         >>> dog = rd.example("quadruped", floating_base=True)

@@ -113,7 +113,7 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         raise NotImplementedError
 
     def torques(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What the motors do for actions within [−1, 1], (num_envs, nv); nothing if actuators of the file act."""
+        """The torques of the motors for actions within [−1, 1], (num_envs, nv); zero if actuators of the file act."""
         torques = np.zeros_like(self.v)
         if len(self.control_range) == 0:
             torques[:, self.robot.actuated_dofs] = actions * self.effort[self.robot.actuated_dofs]

@@ -5,7 +5,7 @@ dimensions, which broadcast as everywhere in this package. Reverse mode is vecto
 Jacobian or M; forward mode multiplies with the slopes. A gradient by q is by its nq numbers; of a quaternion it is that
 of a function that depends on its direction alone, so an optimiser's step has to be normalised (`Robot.normalize`).
 Second derivatives are refused. Results of an invalid state (not finite, a quaternion not of unit length, a singular M) are
-NaN, and those of the other states are right; so it is for parameters that are not finite. What is wrong with a whole program
+NaN, and those of the other states are right; so it is for parameters that are not finite. A mistake in a whole program
 raises an error of this package. A robot that was called stays in memory; Ctrl-C is heard when a call has ended.
 
     import jax, jax.numpy as jnp
@@ -105,7 +105,7 @@ def rollout(
     q (..., nq), v (..., nv) or none for 0, tau (..., nv) held over all steps or (..., steps, nv), with one dimension more
     than the states. `parameters` (n,) or (..., n) are those of the robot that moves, as `Robot.parameters()` lists them:
     inertias, damping, friction, springs, gravity; friction's sign is held. Reverse mode computes the states again from
-    √steps checkpoints. What acts, and what has no gradients and is left out or refused, is as in `Robot.rollout_pullback`.
+    √steps checkpoints. Effects act as in `Robot.rollout_pullback`; those without gradients are left out or refused.
     """
     import jax.numpy as jnp
 

@@ -19,8 +19,8 @@ def load(
 ) -> Robot:
     """The robot of a file, of any format that the library reads.
 
-    What looks wrong in a file is taken as written, with a `LoadWarning` that says by how much it is off. There is one
-    warning for each kind, with the number of places and the first of them. What has no meaning is refused with a `LoadError`
+    The library takes suspicious values in a file as written, with a `LoadWarning` that says by how much they are off. There is one
+    warning for each kind, with the number of places and the first of them. Content without a meaning raises a `LoadError`
     that lists all of it, by line. `robot.report` has every finding.
 
     - `floating_base` frees the root link: six more degrees of freedom, seven more numbers in q.

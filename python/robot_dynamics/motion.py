@@ -18,7 +18,7 @@ from robot_dynamics.numbers import Numbers
 
 Array: TypeAlias = NDArray[np.float64]
 Correction: TypeAlias = Literal["none", "velocity", "position"]
-"""What an explicit row projects after each step under constraints."""
+"""The quantities that an explicit row projects after each step under constraints."""
 Controller: TypeAlias = Callable[[float, Array, Array], Numbers]
 """τ of (t, q, v)."""
 
@@ -150,7 +150,7 @@ class Motion:
     method: str = "rk4"
     """By which method the steps were taken."""
     left_out: tuple[str, ...] = field(default=(), repr=False)
-    """What the robot's file states and the motion leaves out, each with the reason."""
+    """The features that the robot's file states and the motion leaves out, each with the reason."""
     steps_at_effort_limits: Array | None = field(default=None, repr=False)
     """(nv,): in how many steps the torque that was asked for was cut off at the effort limit."""
     actuator_forces: Array | None = field(default=None, repr=False)
@@ -293,7 +293,7 @@ class Moving(_native.Robot):
         named), equalities, and contact with the world's geometry and between links. `without` switches effects off by name
         (``dissipation``, ``limits``, ``effort-limits``, ``springs``, ``actuators``, ``equalities``, ``contacts``, ``link-contacts``);
         `dissipation` and `stops` are the first two of them. `conservative` is the textbook's free motion: no damping, friction, limits,
-        actuators or contact. What the method cannot do is left out and listed in `Motion.left_out`.
+        actuators or contact. Effects that the method does not support are left out; `Motion.left_out` lists them.
 
         `tau` is held over each step, within the joints' effort limits: none, (nv,) for all steps, (steps, nv) for each, or a function of
         (t, q, v) that gives (nv,). Every `sample_every`-th step is a sample; so are the first and the last.
@@ -400,7 +400,7 @@ class Moving(_native.Robot):
         """Moves states q (..., nq) and v (..., nv) over so many steps, each on its own, by all threads.
 
         `tau` is (..., nv), held over all steps, or (..., steps, nv), one for each; with one dimension more than the
-        states it is the latter. Every `stride`-th state is kept, none for 0. What acts, and by which method, is as in `simulate`. Explicit
+        states it is the latter. Every `stride`-th state is kept, none for 0. The effects and the method are as in `simulate`. Explicit
         methods without actuators and springs (``integrator="rk4"``, ``"semi-implicit-euler"``, ...) move many states at once, float32 in
         float32; they know no limits and no contact. Others move one state after the other on each thread. The results are the
         same bits for any number of threads.

@@ -78,7 +78,7 @@ class Pulling(_native.Robot):
         The states on the way are computed again from a checkpoint at every `spacing`-th step: 0 for √steps, the least
         memory, `steps` for keeping all. `parameters` asks for the gradient by `parameters()`, too.
 
-        The motion is that of `rollout` with the same arguments. What the file states acts, as everywhere, and two things differ as they have
+        The motion is that of `rollout` with the same arguments. The effects of the file act, as everywhere. Two things differ as they have
         no gradients here, in `step_pullback` and in `robot_dynamics.jax` and `robot_dynamics.torch`: `integrator` is an explicit
         method, ``"rk4"`` unless given, and so position limits and contact are left out (``rd.Simulation(robot, integrator="rk4").left_out``
         lists them); actuators, equalities and the springs of tendons and ball joints are refused by name, unless `without` leaves them out.

@@ -65,7 +65,7 @@ class LoadReport:
 
     @cached_property
     def left_out(self) -> tuple[str, ...]:
-        """What the file states and the default simulation leaves out, one line for each reason. A simulation is set up to tell it.
+        """The features that the file states and the default simulation leaves out, one line for each reason. This sets up a simulation.
 
         >>> rd.example("quadruped").report.left_out
         ()

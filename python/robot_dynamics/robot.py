@@ -160,7 +160,7 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
 
     @cached_property
     def actuated_dofs(self) -> NDArray[np.bool_]:
-        """Which degrees of freedom motors drive (nv,): all but those of floating joints, unless set by `with_actuated_joints`.
+        """The degrees of freedom that motors drive (nv,): all but those of floating joints, unless set by `with_actuated_joints`.
 
         `GravityCompensatedPd`, `ComputedTorque` and `TaskControl` give no torque to the others, and inverse dynamics under constraints or on
         supports leaves them free.

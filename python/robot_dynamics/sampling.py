@@ -31,7 +31,7 @@ class Mppi:
     each with random numbers of its own: the plan has the same bits whoever computes a group. `run` computes them, all
     cores of this process where it is not given; `robot_dynamics.ray.Workers.map` is a cluster.
 
-    What acts, and by which method, is as in `Robot.rollout`. Where everything that matters is smooth,
+    The effects and the method are as in `Robot.rollout`. Where everything that matters is smooth,
     ``integrator="semi-implicit-euler"`` is the quickest: it moves many samples at once, without position limits and contact.
 
     Williams, Aldrich, Theodorou, *Model Predictive Path Integral Control*, 2017, without its price on the noise.

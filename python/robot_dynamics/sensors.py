@@ -1,4 +1,4 @@
-"""What a robot's sensors show, and the force and moment that each joint transmits."""
+"""The values of a robot's sensors, and the force and moment that each joint transmits."""
 
 from __future__ import annotations
 

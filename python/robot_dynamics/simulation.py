@@ -34,7 +34,7 @@ class ContactPoint(NamedTuple):
     other_shape: str
     """The other shape or the ground, by its name in the file."""
     ground: int | None
-    """Which of the grounds, height fields after the planes; `None` for a link."""
+    """The number of the ground, height fields after the planes; `None` for a link."""
     point: Array
     """Where, in the world (3,) [m]."""
     normal: Array

@@ -103,8 +103,8 @@ def rollout(
 
     q (..., nq), v (..., nv) or none for 0, tau (..., nv) held over all steps or (..., steps, nv), with one dimension more
     than the states. `parameters` (n,) are those of the robot to move, as `Robot.parameters()` lists them: `robot` gives the
-    geometry. The way back computes the states again from √steps checkpoints, in O(n) a step. What acts, and what has no
-    gradients and is left out or refused, is as in `Robot.rollout_pullback`.
+    geometry. The way back computes the states again from √steps checkpoints, in O(n) a step. Effects act as in
+    `Robot.rollout_pullback`; those without gradients are left out or refused.
     """
     _check_torch()
     import torch

@@ -65,7 +65,7 @@ def show(robot: Robot, trajectory: Any, *, step: float | None, open_browser: boo
 
 
 def drawn(robot: Robot) -> list[Drawn]:
-    """What is drawn: of each link its visual shapes, or its collision shapes where it has none.
+    """The drawn shapes: the visual shapes of each link, or its collision shapes where it has none.
 
     The box of a link's inertia is drawn for a link with nothing but meshes that cannot be drawn, and for all links of a robot
     without shapes. A mesh cannot be drawn if its file was not found or has a format that meshcat does not read; a warning

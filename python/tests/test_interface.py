@@ -1,4 +1,4 @@
-"""What `help`, signatures and error messages show of the public names."""
+"""The view of the public names in `help`, signatures and error messages."""
 
 import builtins
 import importlib
@@ -13,10 +13,10 @@ import pytest
 import robot_dynamics as rd
 
 LONGEST = 750
-"""Of a signature as `inspect.signature` prints it [characters]; that of `Robot.simulate` is the longest."""
+"""The limit of a signature as `inspect.signature` prints it [characters]; that of `Robot.simulate` is the longest."""
 
 LONGEST_TYPE = 90
-"""Of the type of one argument or result [characters]: an alias is shown by its name."""
+"""The limit of the type of one argument or result [characters]: an alias is shown by its name."""
 
 MODULES = ("arrow", "casadi", "gym", "jax", "parquet", "ray", "sampling", "torch")
 

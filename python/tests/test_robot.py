@@ -174,7 +174,7 @@ def test_no_file_that_was_read_is_written_over(panda: rd.Robot, tmp_path: Path) 
     hard.hardlink_to(part)
     (tmp_path / "arm.c").symlink_to(part)
     before = part.read_text(), main.read_text()
-    # What is made of a robot comes from the same files.
+    # Robots that are made of a robot come from the same files.
     for one in (robot, pickle.loads(pickle.dumps(robot)), robot.lock(robot.joints[0].name)):
         for path in (main, part, hard):
             with pytest.raises(ValueError, match="which the robot was read from"):

@@ -35,7 +35,7 @@ def test_python_takes_the_librarys_steps() -> None:
 
 
 def options(run: dict[str, Any]) -> dict[str, Any]:
-    """What a run and a simulation take alike."""
+    """The options that a run and a simulation share."""
     return {
         "step": run["step"],
         "integrator": run.get("method"),

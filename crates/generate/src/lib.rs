@@ -26,7 +26,7 @@
 // Texts are what this crate makes: of which pieces is read more easily without `write!`.
 #![allow(clippy::format_collect, clippy::format_push_string)]
 
-// What files and functions are called,
+// The names of files and functions,
 mod names;
 
 // the functions, over the number that writes expressions,

@@ -1,4 +1,4 @@
-//! What files and functions of generated code are called.
+//! Names of the files and functions of generated code.
 
 use crate::Target;
 

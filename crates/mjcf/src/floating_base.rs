@@ -1,4 +1,4 @@
-//! Which body floats where a floating base is asked for.
+//! The body that floats where a floating base is asked for.
 
 use std::collections::{HashMap, HashSet};
 

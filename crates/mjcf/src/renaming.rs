@@ -7,7 +7,7 @@ use crate::tree::{Id, Node, Tree};
 /// How much copies may make of a file: names count one each.
 pub(crate) const MOST: usize = 2_000_000;
 
-/// What a name is of: `body`, `joint`, `site`, `geom`, `frame`, `tendon`, `actuator`.
+/// The sort of object that a name belongs to: `body`, `joint`, `site`, `geom`, `frame`, `tendon`, `actuator`.
 pub(crate) type Sort = &'static str;
 
 /// The sections outside bodies whose elements name what is in bodies, those first that others name.
@@ -38,10 +38,10 @@ const REFERENCES: &[(&str, Sort)] = &[
     ("geom2", "geom"),
 ];
 
-/// Of attributes that name something of a sort which another attribute gives.
+/// Attributes that name an object, each with the attribute that gives its sort.
 const BY_SORT: [(&str, &str); 2] = [("objname", "objtype"), ("refname", "reftype")];
 
-/// What sort of thing an attribute of the element names.
+/// The sort of object that an attribute of the element names.
 fn sort_of(node: &Node, attribute: &str) -> Option<Sort> {
     if let Some((_, sort)) = REFERENCES.iter().find(|(own, _)| *own == attribute) {
         return Some(sort);

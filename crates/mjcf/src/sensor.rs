@@ -85,7 +85,7 @@ impl Reader<'_> {
         self.push(line, place, Treatment::Ignored { physics: false }, why.into());
     }
 
-    /// What the sensor is on; `None`, with an error or a note, where that is not there or not in the model.
+    /// The object that the sensor is on; `None`, with an error or a note, where it is missing or not in the model.
     fn sensor_object(
         &mut self,
         element: &Element,
@@ -194,7 +194,7 @@ impl Reader<'_> {
         })
     }
 
-    /// What `objtype` and `objname` name, or `reftype` and `refname`; `turns`: whether its axes count.
+    /// The object that `objtype` and `objname` name, or `reftype` and `refname`; `turns`: whether its axes count.
     fn frame_object(
         &mut self,
         element: &Element,

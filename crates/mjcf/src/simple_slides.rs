@@ -10,8 +10,8 @@ use crate::mass::Mass;
 const SAME_PLACE: f64 = 1e-14;
 const SAME_MOMENT: f64 = 1e-12;
 
-/// Of each body, whether the law weighs it by its mass alone: it hangs in the world or on a body that is fixed there, carries no other body, moves on
-/// slides along its own axes, and has its inertia in its own frame.
+/// Whether the law weighs each body by its mass alone. Such a body hangs in the world or on a body that is fixed there, and carries no other body.
+/// It moves on slides along its own axes, and has its inertia in its own frame.
 pub(crate) fn weighed_by_mass(bodies: &[Body], masses: &[Mass]) -> Vec<bool> {
     let mut carries = vec![false; bodies.len()];
     for body in bodies.iter().skip(1) {

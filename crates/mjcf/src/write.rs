@@ -87,7 +87,7 @@ struct Writing<'r> {
     /// Of each connection, the names of its sites; of each link that an actuator acts on, its site.
     connections: HashMap<usize, [String; 2]>,
     link_sites: HashMap<&'r str, String>,
-    /// Of sites that are zones of sensors, their forms.
+    /// The forms of the sites that are zones of sensors.
     zones: HashMap<String, &'r Shape>,
     /// The shapes on each link, with the name of the mesh or height field of those that have one.
     shapes: HashMap<&'r str, Vec<(&'r LinkShape, Option<String>)>>,

@@ -80,7 +80,7 @@ use crate::{LinkShape, Model, Pose, Shape, ShapeRole, Surface, Workspace};
 pub struct ContactSet {
     robot: Identity,
     grounds: Vec<(Ground, [Vector3<f64>; 3])>,
-    /// Of each ground with a surface of its own: the surface of each shape that touches it together with the ground's.
+    /// One entry for each ground, `None` without a surface of its own: the surface of each shape that touches it together with the ground's.
     ground_surfaces: Vec<Option<Vec<Option<Surface>>>>,
     /// The names of the grounds in the file; empty where a ground has none.
     ground_names: Vec<String>,

@@ -46,7 +46,7 @@ pub struct SensorSet {
     values: usize,
 }
 
-/// What is computed for some sensors alone.
+/// The quantities that are computed for some sensors alone.
 #[derive(Clone, Copy, Debug, Default)]
 struct Needs {
     energy: bool,
@@ -98,7 +98,7 @@ impl PointForce {
     }
 }
 
-/// What sensors are evaluated from.
+/// The inputs that sensors are evaluated from.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct SensorInputs<'a> {

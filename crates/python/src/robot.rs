@@ -234,7 +234,7 @@ impl Robot {
             .collect()
     }
 
-    /// What the default simulation leaves out, one line for each reason, or why there is no such simulation.
+    /// The features that the default simulation leaves out, one line for each reason, or why there is no such simulation.
     fn _left_out(&self, py: Python<'_>) -> Vec<String> {
         if self.model.nv() == 0 {
             return Vec::new();

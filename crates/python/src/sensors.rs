@@ -1,4 +1,4 @@
-//! What a robot's sensors show.
+//! The values of a robot's sensors.
 
 use pyo3::prelude::*;
 use robot_dynamics::{

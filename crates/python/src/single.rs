@@ -93,7 +93,7 @@ pub(crate) fn attempt(
     if results.iter().all(|result| is_finite(result)) {
         return Ok(());
     }
-    // Of the rows only those about the centre of mass divide by the mass.
+    // Only the rows about the centre of mass divide by the mass.
     if model.mass() == 0.0 && is_about_mass(row.name) {
         let error = robot_dynamics::MotionError::NoMass { robot: model.name().to_owned() };
         return Err((Class::State, error.to_string()));

@@ -35,7 +35,7 @@ pub fn file_read_at(destination: impl AsRef<Path>, files: &[PathBuf]) -> Option<
     files.iter().map(PathBuf::as_path).find(|file| identity(file) == destination)
 }
 
-/// What makes two paths the same file.
+/// The identity of a file: two paths with the same identity are the same file.
 #[derive(Debug, PartialEq, Eq)]
 enum Identity {
     /// A file that is there: device and inode.

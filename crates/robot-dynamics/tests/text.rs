@@ -112,7 +112,7 @@ fn elements_and_attributes_have_the_text() {
     }
 }
 
-/// Of Markdown there is no reader here: what the rules of CommonMark and of GitHub's tables say of each letter.
+/// Without a reader of Markdown, this test applies the rules of CommonMark and of GitHub's tables to each letter.
 #[test]
 fn markdown_has_no_markup_of_a_name() {
     for text in texts() {

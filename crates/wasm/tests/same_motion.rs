@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde_json::Value;
 use wasm::{LabError, Robot};
 
-/// What `conservative` switches off.
+/// The effects that `conservative` switches off.
 const LOSSY: [&str; 5] = ["dissipation", "limits", "effort-limits", "actuators", "contacts"];
 
 #[test]
@@ -61,7 +61,7 @@ fn state_after(run: &Value, file: &str) -> Result<Vec<f64>, LabError> {
     let coordinates = robot.coordinates();
     for (joint, value) in entries(&run["pose"]) {
         if let Some(list) = value.as_array() {
-            // Of the base, which is first.
+            // This list holds the numbers of the base, which is first.
             list.iter().zip(&mut q).for_each(|(x, q)| *q = number(x));
         } else {
             let place = coordinates.iter().find(|one| one.name == *joint).and_then(|one| one.place);

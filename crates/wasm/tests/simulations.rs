@@ -278,7 +278,7 @@ fn given_meshes_touch() -> Result<(), LabError> {
     Ok(())
 }
 
-/// What the file states acts, by the method of the library with its reason, and is switched off by name; what cannot be done is said.
+/// The effects that the file states act, by the library's method with its reason. Each is switched off by name, and the lab says what it cannot do.
 #[test]
 fn what_acts_is_the_librarys() -> Result<(), LabError> {
     let mut robot = Robot::load(include_str!("../../../robots/hand.xml"), false, false)?;

@@ -1,4 +1,4 @@
-// What acts on a robot: a switch for each effect that its file states, and what the simulation leaves out.
+// The effects that act on a robot: a switch for each effect that its file states, and a list of those that the simulation leaves out.
 import { toggle, type Toggle } from '../controls/choice.ts';
 import { html } from '../element.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';

@@ -1,4 +1,4 @@
-// What a robot's controls need once a robot is there.
+// The modules that a robot's controls need once a robot is there.
 export { acting } from './acting.ts';
 export { actuators } from './actuators.ts';
 export { poseSliders } from './pose-sliders.ts';

@@ -95,7 +95,7 @@ export function runControls(robot: () => Robot | undefined, say: (text: string) 
       try {
         choose(of);
       } catch {
-        // What suited the robot before does not suit this one.
+        // The choices for the robot before do not suit this one.
         method.set('auto');
         effects?.set([]);
         choose(of);

@@ -1,4 +1,4 @@
-//! What the default simulation of a robot does with what the file states.
+//! The default simulation of a robot: its method, and the features of the file that act or are left out.
 
 use std::fmt::Write;
 

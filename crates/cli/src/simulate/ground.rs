@@ -151,7 +151,7 @@ impl Floor {
     }
 }
 
-/// What links can touch beside grounds, in words.
+/// The number of pairs of shapes that may touch beside grounds, in words.
 pub(crate) fn touching_links(setup: &Setup) -> Option<String> {
     let contacts = setup.simulation.contact_set()?;
     match contacts.pairs().count() {

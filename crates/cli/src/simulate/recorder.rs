@@ -112,9 +112,9 @@ impl Recorder {
         }
     }
 
-    /// What an energy error is compared with, and its name: the ledger's scale, or of a motion that motors drive or losses slow down the energy that
-    /// was moved. Of a motion that blew up, whose
-    /// largest K says nothing, |E₀|, or the K that nine tenths of the samples stay below.
+    /// The scale of an energy error, and its name: the ledger's scale, unless the motion gains or loses energy or blew up.
+    /// If motors drive a motion or losses slow it down, the scale is the energy that was moved. If it blew up, its largest K says nothing:
+    /// the scale is then |E₀|, or the K that nine tenths of the samples stay below.
     pub(crate) fn energy_scale(&self, ledger: &EnergyLedger, blew_up: bool) -> (f64, &'static str) {
         let start = ledger.start().abs();
         if !blew_up && !ledger.is_conservative() {

@@ -23,7 +23,7 @@ impl Setup {
     /// Everything that the file states, but for what is switched off; motors that hold a pose take the place of the file's actuators.
     ///
     /// # Errors
-    /// What was asked for does not go together.
+    /// The arguments do not go together.
     pub(crate) fn choose(arguments: &Arguments, model: &Model, is_held: bool) -> Result<Self, Failure> {
         let mut builder = robot_dynamics::simulation(model).step(arguments.step);
         builder = builder.interrupt(interruption::shared_flag());

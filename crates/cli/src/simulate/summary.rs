@@ -119,7 +119,7 @@ impl Summary<'_> {
         text
     }
 
-    /// What acts beside motors and actuators.
+    /// The effects that act beside motors and actuators.
     fn passive_forces(&self) -> String {
         if self.arguments.conservative {
             return "conservative: no damping, friction, limits, actuators or contact".into();

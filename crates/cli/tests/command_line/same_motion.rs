@@ -41,7 +41,7 @@ fn the_last_row_is_the_librarys_state() {
     }
 }
 
-/// What a user writes for this run.
+/// The arguments that a user writes for this run.
 fn arguments(run: &Value) -> Vec<String> {
     let step = run["step"].as_f64().unwrap();
     let duration = (step * run["steps"].as_f64().unwrap()).to_string();

@@ -376,7 +376,7 @@ fn adaptive_options_that_do_not_fit_are_refused() {
     );
     let error = refused(&["quadruped.urdf", "--integrator", "adaptive", "--ground"]);
     assert!(error.contains("--ground goes with --integrator implicit or mujoco"), "{error}");
-    // What adaptive steps do not know is left out and listed.
+    // Adaptive steps leave out the effects that they do not support, and the text lists them.
     let run = ["simulate", "gripper.urdf", "--integrator", "adaptive", "--duration", "0.1"];
     let text = folder.output(&run, "");
     assert!(text.contains("without damping and dry friction: `adaptive` does not know them"), "{text}");

@@ -36,7 +36,7 @@ const WGSL: &str = "alias break case const const_assert continue continuing defa
     try type typedef typeid typename typeof union unless unorm unsafe unsized use using varying virtual volatile wgsl where \
     with writeonly yield f32 i32 u32 vec2 array main _ __";
 
-/// What ends or begins a comment, a line, a string or an escape in some language, turns its direction, or is nothing.
+/// Texts that end or begin a comment, a line, a string or an escape in some language, turn its direction, or are empty.
 const HOSTILE: [&str; 24] = [
     "*/ int x = 1; /*",
     "/* ",
@@ -201,7 +201,7 @@ fn hostile_names_are_text_in_every_file() {
             "python3",
             &["-c", "import json, sys; json.loads(sys.argv[1])", &golden.file("golden.json").unwrap().text],
         );
-        // Of the kernels' text no compiler is there to say: each comment ends where it should.
+        // No compiler is there to check the kernels' text: each comment ends where it should.
         let kernels = generate(&model, &of(Target::Cuda)).unwrap();
         for file in kernels.files.iter().filter(|file| file.name.ends_with(".cu")) {
             assert_eq!(file.text.matches("/*").count(), file.text.matches("*/").count(), "{hostile:?}");

@@ -68,7 +68,7 @@ impl Writing<'_> {
         self.xml.end();
     }
 
-    /// What the sensor is on, in the format's attributes; or why the format cannot say it.
+    /// The object that the sensor is on, in the format's attributes; or why the format cannot state it.
     fn sensor_attributes(
         &self,
         sensor: &SensorDescription,

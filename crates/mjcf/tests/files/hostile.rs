@@ -92,7 +92,7 @@ fn replicates_of_replicates_are_bounded() {
     let empty = format!("<mujoco><worldbody>{open}{}</worldbody></mujoco>", "</replicate>".repeat(10));
     let error = quickly("empty replicates", &empty).expect_err("too many");
     assert!(matches!(only(&error), MjcfError::TooMany { .. }), "{error}");
-    // What is deep in a copy counts.
+    // Elements deep in a copy count.
     let geoms = "<geom size='.1'/>".repeat(10);
     let deep = format!(
         "<mujoco><worldbody><replicate count='500000'><body><freejoint/>{geoms}</body></replicate></worldbody></mujoco>"

@@ -253,7 +253,7 @@ fn poor_data_are_refused() -> Tested {
     Ok(())
 }
 
-/// What is left of noisy torques is orthogonal to every column that a base parameter stands for: the normal equations, which know no singular values.
+/// The normal equations, without singular values: the residual of noisy torques is orthogonal to every column that a base parameter stands for.
 ///
 /// Tolerance: rounding of sums over the rows, times the condition of columns of length 1, which is below 1e4 here.
 #[test]
@@ -272,7 +272,7 @@ fn what_is_left_is_orthogonal_to_what_is_fitted() -> Tested {
             let mut regressor = vec![0.0; nv * columns];
             joint_torque_regressor(model, workspace, &state.q, &state.v, &state.a, &mut regressor);
             record.push(&state.q, &state.v, &state.a, &state.tau)?;
-            // Of the torques, what inertial parameters have no part in: armature and springs.
+            // Armature and springs depend on no inertial parameter: the torques are taken without them.
             let mut whole = vec![0.0; nv];
             inverse_dynamics(model, workspace, &state.q, &state.v, &state.a, &mut whole);
             let shown = DMatrix::from_row_slice(nv, columns, &regressor) * &parameters;

@@ -1,4 +1,4 @@
-//! What each joint transmits, against the momentum of the links beyond it and against inverse dynamics.
+//! The wrench that each joint transmits, against the momentum of the links beyond it and against inverse dynamics.
 //!
 //! The first route takes the links' poses from the Lagrange recipe's kinematics over numbers that carry two
 //! time derivatives, and the mass of each link from the description: nothing of it is merged, turned or

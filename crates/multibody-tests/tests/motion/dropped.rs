@@ -38,7 +38,7 @@ pub(crate) fn soft_on(model: &Model, contacts: ContactSet, h: f64) -> Simulation
     SimulationBuilder::new(model).method(Method::Mujoco).contacts(contacts).step(h)
 }
 
-/// What takes the steps, for steps from states of one's own.
+/// The stepper of a simulation, for steps from states of one's own.
 pub(crate) fn stepper(builder: SimulationBuilder<'_>) -> SimulationStepper {
     builder.build().unwrap().stepper()
 }

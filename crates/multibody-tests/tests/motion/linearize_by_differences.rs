@@ -168,7 +168,7 @@ fn a_chain_of_steps_is_the_derivative_of_the_slide() {
     ];
     for ((_, chain), whole) in chains.into_iter().zip(whole) {
         assert!((chain - whole).abs() < 1e-5 * whole, "{chain} {whole}");
-        // Of order h: a step of 500 in which the block comes to rest.
+        // The difference is of order h: in one step of 500 the block comes to rest.
         assert!((chain - closed_form).abs() < 2e-2 * closed_form, "{chain} {closed_form}");
     }
 }

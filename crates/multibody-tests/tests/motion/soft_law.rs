@@ -1,4 +1,4 @@
-//! What is stated of surfaces under MuJoCo's law: friction as under the rigid law, restitution refused.
+//! Surfaces under MuJoCo's law: friction as under the rigid law, restitution refused.
 
 use crate::dropped::{body, implicit_on, soft_on};
 use multibody::simulator::{RunOptions, SimulationBuilder};

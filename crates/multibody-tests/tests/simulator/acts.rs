@@ -1,4 +1,4 @@
-//! What acts, by which method, and what is left out.
+//! The effects that act, the method, and the features that are left out.
 
 use dynamics::Integrator;
 use multibody::simulator::{Effect, Method, SimulationBuilder, SimulationError};

@@ -33,7 +33,7 @@ fn check(simulation: &mut Simulation, mass: f64, steps: u32) {
     for k in 0..3 {
         let expected = mass * (after[k] - before[k]) - mass * gravity[k] * time;
         for impulse in [of_links[k], of_points[k]] {
-            // What the contact solver leaves over some thousand steps.
+            // Tolerance: the residual of the contact solver over some thousand steps.
             assert!((impulse - expected).abs() < 1e-10, "axis {k}: {impulse} {expected}");
         }
     }

@@ -1,4 +1,4 @@
-//! What sensors show of actuators, tendons and springs.
+//! The quantities of actuators, tendons and springs that sensors show.
 
 use super::law::within;
 use super::placement_spring::PlacementSpring;

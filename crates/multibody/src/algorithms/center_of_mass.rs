@@ -1,7 +1,7 @@
 //! The centre of mass of what moves.
 //!
-//! Links fixed to the world have no part in it: c = Σ m c_i / Σ m over the moving bodies, whose mass is [`Model::mass`]. Of a robot whose
-//! moving bodies have no mass it is that of all links. A robot without mass has no centre of mass; the numbers are then NaN.
+//! Links fixed to the world have no part in it: c = Σ m c_i / Σ m over the moving bodies, whose mass is [`Model::mass`]. If the
+//! moving bodies have no mass, it is that of all links. A robot without mass has no centre of mass; the numbers are then NaN.
 
 use dynamics::Scalar;
 

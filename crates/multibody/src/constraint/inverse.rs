@@ -156,7 +156,7 @@ struct Split {
 }
 
 impl Split {
-    /// Of a B whose columns are not longer than 1, so that 1 is the size of what its singular values are compared with.
+    /// The split of a B with columns no longer than 1, so that 1 is the size that its singular values are compared with.
     fn of(b: &DMatrix<f64>) -> Self {
         let (m, n) = b.shape();
         if m == 0 || n == 0 {

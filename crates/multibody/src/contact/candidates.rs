@@ -18,10 +18,10 @@ const MOST_NAMED: usize = 1 << 22;
 /// All pairs of so few shapes are made at once, so that steps allocate nothing.
 const FEW: usize = 64;
 
-/// Which shapes may touch which by their file, beside named pairs.
+/// The shapes that may touch each other by their file, beside named pairs.
 #[derive(Clone, Debug)]
 pub(super) struct Candidates {
-    /// Of each shape: the number of its link, the body that carries it, and whether it hangs on that by a joint.
+    /// One entry for each shape: the number of its link, the body that carries it, and whether it hangs on that by a joint.
     links: Vec<usize>,
     carriers: Vec<usize>,
     hangs: Vec<bool>,
@@ -49,7 +49,7 @@ impl Candidates {
             [[a, b], [b, a]]
         });
         let excluded = excluded.collect();
-        // What floats is carried by nothing.
+        // No body carries a floating body.
         let hangs = |body: usize| body != WORLD && model.bodies[body].motion.nv() < 6;
         let hangs = shapes.iter().map(|shape| hangs(shape.body)).collect();
         let is_scenery = shapes.iter().map(|shape| is_scenery(model, shape)).collect();
@@ -83,7 +83,7 @@ impl Candidates {
     }
 }
 
-/// What is near each other at the last look.
+/// The shapes and pairs that are near each other at the last search.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sweep {
     /// The pairs that were made so far, by their numbers.

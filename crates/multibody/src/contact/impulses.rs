@@ -87,7 +87,7 @@ pub(crate) struct ContactImpulses {
     begun: Vec<Begun>,
     /// What touched in the last step a face of a height field that it is no longer above.
     gone: Vec<Carried>,
-    /// Of each contact of the last step whether it was found again; the pairs of the contacts that there are, rising.
+    /// Whether each contact of the last step was found again; the pairs of the present contacts, rising.
     seen: Vec<bool>,
     touching_pairs: Vec<usize>,
     /// How deep the deepest point is, as last looked at \[m\].

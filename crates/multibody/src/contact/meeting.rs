@@ -65,7 +65,7 @@ impl ContactSet {
             one.meet(two, placed, within, |point| choose(&mut best, point, &placed[0]));
         }
         let mut points = best.map(|best: Option<(f64, Nearest)>| best.map(|(_, point)| (point, true)));
-        // Which of the points is the deepest is decided by rounding: it has that number only where it is none of the outermost.
+        // Rounding decides which point is the deepest, so it has the number of the deepest only where it is not one of the outermost.
         for k in (0..MOST_MEETING).rev() {
             let before = if k == 0 { 1..MOST_MEETING } else { 1..k };
             let is_known =

@@ -17,7 +17,7 @@ pub struct ContactPoint<'a> {
     pub other_link: Option<&'a str>,
     /// The other shape or the ground, by its name in the file; empty where it has none.
     pub other_shape: &'a str,
-    /// Which of the grounds, height fields after the half-spaces; `None` for a link.
+    /// The number of the ground, height fields after the half-spaces; `None` for a link.
     pub ground: Option<usize>,
     /// Where, in the world \[m\].
     pub point: [f64; 3],

@@ -82,12 +82,12 @@ pub struct SoftConstraints {
     speeds: Vec<f64>,
     forces: Vec<f64>,
     contacts: Vec<SoftContact>,
-    /// Of those that were found: the shape, and what it touches.
+    /// One entry for each contact that was found: the shape, and what it touches.
     found: Vec<(usize, Against)>,
-    /// Of each contact its first row.
+    /// The first row of each contact.
     starts: Vec<usize>,
     active: ActiveSet,
-    /// What is to act, where that is not found.
+    /// The limits and contacts that are to act, where they are given and not found.
     fixed: Option<ActiveSet>,
     /// B and K d r of each block's rows.
     asked: Vec<Asked>,

@@ -1,4 +1,4 @@
-//! Which degrees of freedom motors drive.
+//! The degrees of freedom that motors drive.
 
 use crate::joint::kind::JointKind;
 use crate::model::surgery::SurgeryError;
@@ -51,7 +51,7 @@ pub(crate) fn check_actuated(description: &RobotDescription) -> Result<(), Model
 }
 
 impl Model {
-    /// Which degrees of freedom motors drive, nv entries: those of all joints but floating ones, unless the description says it by
+    /// The degrees of freedom that motors drive, nv entries: those of all joints but floating ones, unless the description says it by
     /// [`RobotDescription::set_actuated_joints`]. A mimic joint that is driven drives the coordinate that it follows.
     ///
     /// [`GravityCompensatedPd`](crate::GravityCompensatedPd), [`ComputedTorque`](crate::ComputedTorque) and

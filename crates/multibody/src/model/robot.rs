@@ -27,7 +27,7 @@ pub struct Model {
     pub(crate) dofs: Vec<Dof>,
     pub(crate) nq: usize,
     pub(crate) nv: usize,
-    /// Of all links.
+    /// The mass of all links.
     pub(crate) mass: f64,
     /// Σ m c of the links fixed to the world, along its axes \[kg·m\].
     pub(crate) fixed_first_moment: [f64; 3],

@@ -12,9 +12,9 @@ use crate::Shape;
 pub struct SensorDescription {
     /// Its name, unique among sensors.
     pub name: String,
-    /// What it measures.
+    /// The quantity that it measures.
     pub kind: SensorKind,
-    /// What it is on.
+    /// The object that it is on.
     pub object: SensorObject,
     /// The frame whose axes and motion the values are relative to; `None` for the world. Sensors of a frame's
     /// pose and velocity have one; that of [`SensorKind::InsideSite`] is the frame of its zone.
@@ -58,7 +58,7 @@ impl<T: Into<String>> From<T> for SensorObject {
     }
 }
 
-/// What a sensor's object is.
+/// The sort of a sensor's object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ObjectSort {
     Robot,
@@ -72,7 +72,7 @@ pub(crate) enum ObjectSort {
 
 macro_rules! kinds {
     ($($(#[$doc:meta])* $variant:ident($name:literal, $size:literal, $sort:ident))*) => {
-        /// What a sensor measures. In brackets: how many numbers, and their units.
+        /// The quantity that a sensor measures. In brackets: how many numbers, and their units.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
         #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]

@@ -20,10 +20,10 @@ pub(crate) struct Drive {
     half: Vec<f64>,
 }
 
-/// What the actuators gave in a step: see [`Stepper::actuator_forces`](crate::Stepper::actuator_forces).
+/// The forces of the actuators in a step: see [`Stepper::actuator_forces`](crate::Stepper::actuator_forces).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ActuatorLoad {
-    /// Of each actuator \[N·m or N\].
+    /// One entry for each actuator \[N·m or N\].
     pub(crate) forces: Vec<f64>,
     /// On each coordinate \[N·m or N\].
     pub(crate) torques: Vec<f64>,

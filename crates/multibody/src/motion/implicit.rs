@@ -126,7 +126,7 @@ struct Memory {
     /// Forces of the drive, and those that go on from the step before.
     driven: Vec<f64>,
     carried: Vec<f64>,
-    /// Of the smooth part, both stages' forces but for C v and gravity.
+    /// The forces of the smooth part at both stages, but for C v and gravity.
     applied: Vec<f64>,
     /// M̂, packed.
     matrix: Vec<f64>,

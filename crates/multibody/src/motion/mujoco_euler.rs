@@ -149,7 +149,7 @@ impl Stepper for MujocoEuler {
         self.law.dissipates(forces.dissipation);
         let solved = self.law.forward(model, dynamics, q, v, &self.tau, &[], &mut self.acceleration);
         if self.interrupt.is_set() {
-            // What Newton's method left is no acceleration to start the next one from.
+            // The acceleration of an interrupted Newton's method is not a start for the next one.
             self.law.cool();
             return Err(IntegratorError::Interrupted);
         }

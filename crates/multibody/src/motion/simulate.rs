@@ -1,4 +1,4 @@
-//! What a run is made of: steppers, controllers, events, samples and the energy account.
+//! The parts of a run: steppers, controllers, events, samples and the energy account.
 
 mod actuated;
 #[cfg(feature = "adaptive")]

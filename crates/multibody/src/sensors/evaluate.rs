@@ -238,7 +238,7 @@ fn touch(
     sum
 }
 
-/// What acts on each link from outside, along the world's axes, about its origin.
+/// The external wrench on each link, along the world's axes, about its origin.
 fn gather_external(model: &Model, memory: &mut SensorMemory, wrenches: &[PointForce]) {
     memory.external.fill(0.0);
     for wrench in wrenches {

@@ -1,4 +1,4 @@
-//! What each sensor reads, its names resolved.
+//! The quantity that each sensor reads, its names resolved.
 
 use core::ops::Range;
 

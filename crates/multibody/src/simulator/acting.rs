@@ -1,4 +1,4 @@
-//! Which forces act, and which method they ask for.
+//! The forces that act, and the method that they ask for.
 
 use dynamics::Integrator;
 
@@ -107,7 +107,7 @@ impl Kinds {
         Self { dissipates: false, friction: false, ..self }
     }
 
-    /// What adaptive steps do not do.
+    /// Lists the effects that adaptive steps leave out.
     #[cfg(feature = "adaptive")]
     pub(super) fn list_left_out_by_adaptive(&self, left_out: &mut Vec<String>) {
         let all = [
@@ -123,7 +123,7 @@ impl Kinds {
             .extend(found.map(|(_, what)| format!("{what}: `adaptive` does not know them, `implicit` does")));
     }
 
-    /// What a row of the table of integrators does not do.
+    /// Lists the effects that a row of the table of integrators leaves out.
     pub(super) fn list_left_out(&self, row: Integrator, left_out: &mut Vec<String>) {
         let name = row.name();
         let mut leave = |is_there: bool, what: &str| {

@@ -11,7 +11,7 @@ use crate::motion::simulate::{AdaptiveCourse, AdaptiveStepError, Applied, Watch}
 use crate::{AdaptiveRecord, Controller, RunError, Trajectory, Workspace};
 
 impl Simulation {
-    /// What adaptive steps did since the last reset; `None` of other methods.
+    /// The record of adaptive steps since the last reset; `None` for other methods.
     ///
     /// ```
     /// use multibody::{AdaptiveOptions, Model, pendulum, simulator::SimulationBuilder};

@@ -137,7 +137,7 @@ impl SimulationBuilder<'_> {
         Ok(Some(set).filter(|_| touches))
     }
 
-    /// What drives the robot beside τ; `None` where nothing does.
+    /// The actuation that drives the robot beside τ; `None` where it is empty.
     fn actuation(&self) -> Result<Option<Actuation>, SimulationError> {
         let all = Actuation::new(&self.model)?;
         let all = if self.acts(Effect::Actuators) { all } else { all.without_actuators() };

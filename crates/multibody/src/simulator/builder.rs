@@ -1,4 +1,4 @@
-//! What acts in a simulation, and by which method its steps are taken.
+//! The builder of a simulation: the effects that act, and the method that takes the steps.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -27,7 +27,7 @@ type FieldOf<'a> = Box<dyn FnMut(&LinkShape) -> Result<HeightField, String> + Se
 /// Decides what acts in a [`Simulation`] and by which method.
 ///
 /// **What acts**: everything that the description states, unless it is switched off by name ([`without`](Self::without)) or by
-/// [`conservative`](Self::conservative). What the chosen method cannot do is left out and listed in [`Simulation::left_out`].
+/// [`conservative`](Self::conservative). Effects that the chosen method does not support are left out; [`Simulation::left_out`] lists them.
 ///
 /// **The method**, unless one is given: `rk4` where everything is smooth and not stiff, `implicit` elsewhere. [`Simulation::reason`] says why.
 ///

@@ -1,4 +1,4 @@
-//! What a description states and a simulation may leave out, by name.
+//! The effects that a description states and a simulation may leave out, by name.
 
 use core::fmt;
 use core::str::FromStr;

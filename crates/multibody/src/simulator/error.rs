@@ -31,7 +31,7 @@ pub enum SimulationError {
     Method {
         /// Its name.
         method: &'static str,
-        /// What it cannot do, and what can.
+        /// The request that it does not support, and the methods that do.
         problem: String,
     },
     /// A ground was given, and the robot has no shape that can touch it.
@@ -68,16 +68,16 @@ pub enum MethodError {
     /// As for any step.
     #[error(transparent)]
     Integrator(#[from] IntegratorError),
-    /// Of explicit steps with actuators and springs.
+    /// An error of explicit steps with actuators and springs.
     #[error(transparent)]
     Actuated(#[from] ActuatedStepError),
-    /// Of explicit and variational steps under equalities.
+    /// An error of explicit and variational steps under equalities.
     #[error(transparent)]
     Constrained(#[from] ConstrainedMotionError),
-    /// Of a stepper of one's own.
+    /// An error of a stepper of one's own.
     #[error(transparent)]
     Own(#[from] CallbackError),
-    /// Of adaptive steps.
+    /// An error of adaptive steps.
     #[cfg(feature = "adaptive")]
     #[error(transparent)]
     Adaptive(#[from] crate::AdaptiveStepError),

@@ -1,4 +1,4 @@
-//! What acts from outside in the next steps.
+//! Inputs from outside in the next steps.
 
 use super::{AppliedWrench, Simulation};
 use crate::model::length::check_length;

@@ -1,4 +1,4 @@
-//! Which links of a simulation may touch, by lists of pairs.
+//! Lists of the pairs of links that may touch.
 
 use super::{SimulationBuilder, SimulationError};
 use crate::ContactSet;

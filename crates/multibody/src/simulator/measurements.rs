@@ -1,4 +1,4 @@
-//! What is measured at the end of a step: sensors, and what joints transmit.
+//! Measurements at the end of a step: sensors, and the wrenches that joints transmit.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -71,7 +71,7 @@ impl Simulation {
         set.names().enumerate().map(|(k, name)| (name.to_owned(), values[set.range(k)].to_vec())).collect()
     }
 
-    /// What acts on links from outside the tree: contacts, on both links, and wrenches.
+    /// The forces on links from outside the tree: contacts, on both links, and wrenches.
     fn point_forces(&self, workspace: &mut Workspace) -> Vec<PointForce> {
         let model = &*self.model;
         let mut forces = Vec::new();

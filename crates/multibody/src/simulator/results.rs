@@ -1,4 +1,4 @@
-//! What the last step came to, beside the state.
+//! Results of the last step, beside the state.
 
 use dynamics::EnergyLedger;
 
@@ -27,7 +27,7 @@ impl Simulation {
         self.stepper.actuator_torques()
     }
 
-    /// Of each coordinate, in how many steps the torque that was asked for was cut off at its effort limit.
+    /// The number of steps in which each coordinate's requested torque was cut off at its effort limit.
     ///
     /// ```
     /// use multibody::{Limits, Model, pendulum, simulator::SimulationBuilder};
@@ -43,7 +43,7 @@ impl Simulation {
         &self.limited
     }
 
-    /// What the last run did, with the state now.
+    /// The record of the last run, with the state now.
     pub fn record(&self) -> &Run {
         &self.run
     }
@@ -104,7 +104,7 @@ impl Simulation {
         self.stepper.ground_links()
     }
 
-    /// What the steps did to the equalities since the last reset, where an explicit or variational row holds them.
+    /// The record of the equalities since the last reset, where an explicit or variational row holds them.
     pub fn constraint_record(&self) -> Option<&ConstraintRecord> {
         self.stepper.constraint_record()
     }

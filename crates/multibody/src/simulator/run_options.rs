@@ -11,7 +11,7 @@ use crate::{Controller, Event, Moment};
 pub struct RunOptions<'r, 'e> {
     /// Gives the torques at the start of each step; without it those of [`Simulation::set_torques`](super::Simulation::set_torques) are held.
     pub controller: Option<&'r mut dyn Controller>,
-    /// What is watched for.
+    /// The events to look for.
     pub events: Option<&'r mut [Event<'e>]>,
     /// Sees the state at the start of each step and at the end, and may break off.
     pub observer: Option<Observer<'r>>,

@@ -163,7 +163,7 @@ impl Simulation {
             let length = if run.ended_by_event { run.time - time } else { self.step };
             note_acceleration(memory, length);
             if run.ended_by_event {
-                // What follows is counted from the event.
+                // Later steps are counted from the event.
                 self.base = (run.steps, run.time);
             }
             self.end_step(length);

@@ -1,4 +1,4 @@
-//! What a step begins and ends with: inputs that are checked and cut off, activations, the mean acceleration.
+//! The start and the end of a step: inputs that are checked and cut off, activations, the mean acceleration.
 
 use super::Simulation;
 use super::error::StepFailure;

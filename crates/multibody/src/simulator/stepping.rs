@@ -37,7 +37,7 @@ pub struct Simulation {
     method: Method,
     reason: String,
     pub(super) dissipates: bool,
-    /// Of each coordinate, where effort limits act \[N·m or N\].
+    /// One entry for each coordinate, where effort limits act \[N·m or N\].
     pub(super) effort: Option<Vec<f64>>,
     pub(super) stepper: SimulationStepper,
     /// As it was made.
@@ -59,7 +59,7 @@ pub struct Simulation {
     pub(super) memory: Memory,
 }
 
-/// What acts from outside, held until it is changed.
+/// Inputs from outside, held until they are changed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Inputs {
     pub(super) torques: Vec<f64>,
@@ -82,7 +82,7 @@ pub(super) struct Memory {
     pub(super) jacobian: Vec<f64>,
 }
 
-/// What a builder hands over.
+/// The parts that a builder makes a simulation of.
 pub(super) struct Parts {
     pub(super) model: Arc<Model>,
     pub(super) step: f64,
@@ -174,7 +174,7 @@ impl Simulation {
         &self.reason
     }
 
-    /// What the description states and this simulation leaves out, each with the reason.
+    /// The features that the description states and this simulation leaves out, each with the reason.
     pub fn left_out(&self) -> &[String] {
         &self.left_out
     }
@@ -203,7 +203,7 @@ impl Simulation {
         self.dissipates
     }
 
-    /// What takes the steps, as it was made, with controls at these values: for batches and linearised steps from states of their own.
+    /// The stepper, as it was made, with controls at these values: for batches and linearised steps from states of their own.
     ///
     /// ```
     /// use multibody::{Model, StepForces, StepWorkspace, Stepper, pendulum, simulator::SimulationBuilder};
@@ -227,7 +227,7 @@ impl Simulation {
         stepper
     }
 
-    /// What takes the steps, as the simulation leaves it, without a copy: with the memory that it has, so that its steps do not allocate.
+    /// The stepper, as the simulation leaves it, without a copy: it keeps its memory, so that its steps do not allocate.
     ///
     /// ```
     /// use multibody::{Model, Stepper, pendulum, simulator::SimulationBuilder};

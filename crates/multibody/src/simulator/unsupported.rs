@@ -1,4 +1,4 @@
-//! What a description states and a simulation leaves out, grouped.
+//! Features that a description states and a simulation leaves out, grouped by reason.
 
 use core::fmt;
 
@@ -11,7 +11,7 @@ use super::Simulation;
 pub struct UnsupportedFeatures {
     /// Why.
     pub reason: String,
-    /// What is left out, in the order of the description.
+    /// The features that are left out, in the order of the description.
     pub features: Vec<String>,
 }
 
@@ -30,7 +30,7 @@ impl fmt::Display for UnsupportedFeatures {
 }
 
 impl Simulation {
-    /// What the description states and this simulation leaves out ([`left_out`](Self::left_out)), one entry for each reason.
+    /// The features that the description states and this simulation leaves out ([`left_out`](Self::left_out)), one entry for each reason.
     ///
     /// ```
     /// use dynamics::Integrator;

@@ -83,7 +83,7 @@ const FORWARD_DYNAMICS_DERIVATIVES: Row = Row {
 
 #[pymethods]
 impl Robot {
-    /// What `row` says of states under wrenches: `inverse_dynamics`, `forward_dynamics`, `joint_reactions`,
+    /// The results of `row` for states under wrenches: `inverse_dynamics`, `forward_dynamics`, `joint_reactions`,
     /// `inverse_dynamics_derivatives` or `forward_dynamics_derivatives`; `x` is a or τ.
     #[pyo3(signature = (row, q, v, x, frames, wrenches, *, out, threads))]
     fn _with_wrenches<'py>(

@@ -5,7 +5,7 @@ use robot_dynamics::{ContactError, ContactSet, height_field};
 
 use crate::robot::Robot;
 
-/// What the ground is, by the fields of the Python classes.
+/// The ground, by the fields of the Python classes.
 #[derive(Debug, PartialEq, FromPyObject)]
 pub(crate) enum GroundFields {
     /// z \[m\], slope \[rad\], friction and restitution.

@@ -1,4 +1,4 @@
-//! What a simulation is made of, by the arguments of the Python half.
+//! The parts of a simulation, by the arguments of the Python half.
 
 use std::collections::HashMap;
 use std::ffi::CString;
@@ -229,7 +229,7 @@ fn method_of(py: Python<'_>, name: &str) -> PyResult<Method> {
     })
 }
 
-/// What is projected after each step under constraints.
+/// The projection after each step under constraints.
 fn correction_of(word: &str) -> PyResult<DriftCorrection> {
     match word {
         "none" => Ok(DriftCorrection::None),

@@ -40,7 +40,7 @@ type ContactFields<'py> = (
 );
 
 impl Simulation {
-    /// Of a robot, as it is.
+    /// The simulation of a robot, as it is.
     pub(super) fn of(robot: Py<Robot>, stepped: Stepped) -> Self {
         let wrenches = stepped.wrenches().to_vec();
         Self { robot, stepped, wrenches }
@@ -87,7 +87,7 @@ impl Simulation {
         self.stepped.reason()
     }
 
-    /// What the robot's file states and this simulation leaves out, each with the reason.
+    /// The features that the robot's file states and this simulation leaves out, each with the reason.
     #[getter]
     fn left_out<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         PyTuple::new(py, self.stepped.left_out())
@@ -129,7 +129,7 @@ impl Simulation {
         array(py, self.stepped.applied_torques())
     }
 
-    /// Of each coordinate, in how many steps its torque was cut off at the effort limit.
+    /// The number of steps in which each coordinate's torque was cut off at the effort limit.
     #[getter]
     fn steps_at_effort_limits(&self) -> Vec<usize> {
         self.stepped.steps_at_effort_limits().to_vec()
@@ -345,7 +345,7 @@ impl Simulation {
         ledger_of(py, self.stepped.ledger())
     }
 
-    /// What damping, friction, stops, sliding and impacts took, where the method tells them apart [J].
+    /// The energy that damping, friction, stops, sliding and impacts took, where the method tells them apart [J].
     #[getter]
     fn losses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         losses_of(py, self.stepped.losses())

@@ -69,7 +69,7 @@ impl Robot {
         Ok(steady)
     }
 
-    /// What an imbalance is measured against \[J\].
+    /// The energy that an imbalance is measured against \[J\].
     pub(crate) fn energy_at_stake(&self) -> f64 {
         let ledger = self.simulation.ledger();
         [ledger.start(), ledger.now(), ledger.work(), ledger.dissipated()]

@@ -1,4 +1,4 @@
-//! What a person chose of a robot's motion, and the simulation that the library makes of it.
+//! The options that a person chose for a robot's motion, and the simulation that the library makes of them.
 //!
 //! The library decides what acts and by which method: here are the options of its builder, no more.
 
@@ -23,7 +23,7 @@ pub(crate) struct Choice {
     pub(crate) method: Option<Method>,
     /// \[s\].
     pub(crate) step: f64,
-    /// What is switched off.
+    /// The effects that are switched off.
     pub(crate) off: Vec<Effect>,
     /// Whether level ground lies under a robot that floats and whose file has no ground.
     pub(crate) ground: bool,
@@ -94,7 +94,7 @@ impl Robot {
         self.simulation.acting().iter().map(|effect| effect.name().to_owned()).collect()
     }
 
-    /// What the file states, or the page lays, and the simulation leaves out: each kind once, with the reason and a count.
+    /// The features that the file states, or the page lays, and the simulation leaves out: each kind once, with the reason and a count.
     #[wasm_bindgen(getter, js_name = leftOut)]
     pub fn left_out(&self) -> Vec<String> {
         let all = self.simulation.left_out().iter().chain(&self.notes).map(String::as_str);
@@ -134,13 +134,13 @@ impl Robot {
         Ok(())
     }
 
-    /// What acts with nothing switched off, by the method that knows everything.
+    /// The effects that act with nothing switched off, by the method that supports all of them.
     pub(crate) fn everything(&self) -> Result<Vec<Effect>, LabError> {
         let all = Choice { method: Some(Method::Implicit), off: Vec::new(), ..self.choice.clone() };
         Ok(self.build(&all)?.0.acting().to_vec())
     }
 
-    /// What the library makes of a choice, and why what the page lays is left out. Motors that hold a pose take the place of the file's actuators.
+    /// The simulation of a choice, and why it leaves out what the page lays. Motors that hold a pose take the place of the file's actuators.
     pub(crate) fn build(&self, choice: &Choice) -> Result<(Simulation, Vec<String>), LabError> {
         let (shapes, meshes) = (Arc::clone(&self.model), self.meshes.clone());
         let corners = move |shape: &LinkShape| {

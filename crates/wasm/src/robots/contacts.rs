@@ -10,8 +10,8 @@ const DROP: f64 = 0.1;
 
 #[wasm_bindgen]
 impl Robot {
-    /// Where the robot touches and what it feels there, six numbers a contact: the point \[m\], the force on the link \[N\], in the world. Of two links that touch,
-    /// the opposite acts on the other.
+    /// The points where the robot touches and the forces there, six numbers a contact, in the world: the point \[m\], the force on the link \[N\].
+    /// If two links touch, the opposite force acts on the other.
     #[wasm_bindgen(js_name = contactForces)]
     pub fn contact_forces(&self) -> Vec<f64> {
         self.simulation.contacts().iter().flat_map(|one| one.point.into_iter().chain(one.force)).collect()

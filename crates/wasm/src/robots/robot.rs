@@ -32,7 +32,7 @@ pub struct Robot {
     pub(crate) poses: Vec<FramePose>,
     pub(crate) choice: Choice,
     pub(crate) simulation: Simulation,
-    /// What acts with everything on.
+    /// The effects that act with everything on.
     pub(crate) stated: Vec<Effect>,
     /// Why something that the page lays is left out.
     pub(crate) notes: Vec<String>,
@@ -47,7 +47,7 @@ pub struct Robot {
     pub(crate) controls: ControlLine,
     pub(crate) hold: Option<Hold>,
     pub(crate) hand: Option<Hand>,
-    /// What the hand gives, nv entries.
+    /// The generalised forces of the hand, nv entries.
     pub(crate) pull: Vec<f64>,
     pub(crate) last: Option<Step>,
     pub(crate) samples: Samples<4>,

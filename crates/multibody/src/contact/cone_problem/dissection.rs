@@ -1,6 +1,6 @@
 //! An order of the nodes of a graph in which a matrix with its entries fills in little and its elimination tree is low: nested dissection.
 //!
-//! What separates a set into two parts comes first, then each part in the same way **(George 1973)**; separators are levels of the distance from a node at the
+//! The separator of a set comes first, then each of the two parts in the same way **(George 1973)**. Separators are levels of the distance from a node at the
 //! edge of the set. Rows are eliminated from the last to the first.
 
 use core::ops::Range;
@@ -14,16 +14,16 @@ const NONE: usize = usize::MAX;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Dissection {
     names: Vec<usize>,
-    /// Of each name its node.
+    /// The node of each name.
     nodes: Vec<usize>,
     edges: Vec<[usize; 2]>,
-    /// Of each node where its neighbours begin, and one more.
+    /// The first index of each node's neighbours, and one more.
     begins: Vec<usize>,
     neighbors: Vec<usize>,
     /// The nodes of the sets that are still to be divided, one set after the other, and where they are.
     open: Vec<usize>,
     sets: Vec<Range<usize>>,
-    /// Of each node the set that it is in, and its level there.
+    /// The set that each node is in, and its level there.
     inside: Vec<usize>,
     levels: Vec<usize>,
     queue: Vec<usize>,
@@ -128,7 +128,7 @@ impl Dissection {
         let number = set.start;
         let first = self.open[number];
         self.walk(first, number);
-        // What the walk did not reach is a set by itself.
+        // The nodes that the walk did not reach are a set by themselves.
         if self.queue.len() < set.len() {
             self.split(set, |level| level != NONE, None);
             return;

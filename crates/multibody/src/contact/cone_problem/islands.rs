@@ -20,14 +20,14 @@ const FEW_TREES: usize = 4;
 /// The parts of a problem, and the memory of their solution.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Islands {
-    /// Of each coordinate the number of its tree; of each tree its first entry in `members`, and one more.
+    /// The number of each coordinate's tree; the first entry of each tree in `members`, and one more.
     trees: Vec<usize>,
     begins: Vec<usize>,
     /// The coordinates tree by tree, rising.
     members: Vec<usize>,
-    /// Of each tree another one of its part, itself at the end of the chain.
+    /// Another tree of the same part for each tree; the tree at the end of the chain names itself.
     leaders: Vec<usize>,
-    /// Of each tree the number of its part, at its leader.
+    /// The number of each tree's part, at its leader.
     numbers: Vec<usize>,
     /// The trees and the blocks part by part, and where each part's begin, and one more.
     part_trees: Grouped,

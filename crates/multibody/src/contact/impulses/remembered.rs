@@ -15,9 +15,9 @@ pub(crate) struct Remembered {
     pub(super) carried: Vec<Carried>,
     /// Whether something was hit in the last step, here or on a joint's stop: then its forces do not go on.
     pub(super) was_impact: bool,
-    /// Of each link, the impulse of the whole step so far \[N·s\].
+    /// The impulse on each link in the whole step so far \[N·s\].
     pub(super) impulses: Vec<[f64; 3]>,
-    /// Of each contact, the impulse of the whole step so far, in rising order of their numbers.
+    /// The impulse of each contact in the whole step so far, in rising order of their numbers.
     pub(super) totals: Vec<Total>,
 }
 

@@ -1,4 +1,4 @@
-//! Which limits and contacts act at a state, and states at which the same ones are to act.
+//! The limits and contacts that act at a state, and states at which the same ones are to act.
 //!
 //! A constraint of this law enters with the force of its damping, B ṙ, all at once. So v̇ jumps where one begins or ends to act, and only with
 //! the active set held is it differentiable.
@@ -59,7 +59,7 @@ impl ActiveLimits<'_> {
 }
 
 impl SoftConstraints {
-    /// What acted at the last state.
+    /// The limits and contacts that acted at the last state.
     pub(crate) fn active_set(&self) -> &ActiveSet {
         &self.active
     }

@@ -6,7 +6,7 @@ use crate::{Model, MotionError, Workspace, mass_matrix};
 
 /// M split into the actuated coordinates a and the others u, on which no motor acts: 0 = M_uu a_u + M_ua a_a + h_u.
 ///
-/// What is left when a_u is eliminated is a robot of the coordinates a alone, with
+/// The elimination of a_u leaves a robot of the coordinates a alone, with
 /// M̃ = M_aa − M_au M_uu⁻¹M_ua, h̃ = h_a − M_au M_uu⁻¹h_u and J̃ = J_a − J_u M_uu⁻¹M_ua, the generalised Jacobian.
 /// Sources: Spong, *Partial feedback linearization of underactuated mechanical systems* (1994); Umetani, Yoshida, *Resolved motion rate
 /// control of space manipulators with generalized Jacobian matrix* (1989).

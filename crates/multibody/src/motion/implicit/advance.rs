@@ -18,7 +18,7 @@ pub(super) const PARTS: u32 = 16;
 /// Being moved back onto a stop from further beyond it than this can make energy \[rad or m\].
 const BEYOND: f64 = 1e-6;
 
-/// What begins further below the ground or beyond a stop than this and comes back changes the energy by more than the scheme's error \[rad or m\].
+/// The return from deeper than this below the ground or beyond a stop changes the energy by more than the scheme's error \[rad or m\].
 const DEEP: f64 = 1e-4;
 
 /// Whether a step that ends beyond a stop may be taken as it is.
@@ -178,7 +178,7 @@ impl Implicit {
         check_finite("v after the step", v1)?;
         self.kept.see(v1);
         integrate(model, q, displacement, q1);
-        // What goes back from where the step began moves weight without a force.
+        // The return from a deep start moves weight without a force.
         let is_deep = contacts.as_ref().is_some_and(|contacts| contacts.start_depth() > DEEP)
             || stops.iter().any(|stop| stop.gap(q) < -DEEP);
         let mut energy = |workspace: &mut Workspace, q: &[f64], v: &[f64]| {

@@ -1,6 +1,6 @@
 //! Linear momentum of what can be translated freely.
 //!
-//! Of a body that nothing ties to the world, and of all that it carries, m Δċ = ∫ΣF dt. A step of order 2 in coordinates whose axes
+//! A body that nothing ties to the world, with all that it carries, obeys m Δċ = ∫ΣF dt. A step of order 2 in coordinates whose axes
 //! turn with the body keeps that to O(h³) only, and to O(h) of an impulse. So each step ends with a translation of the whole tree, at the
 //! velocity that restores it: no joint's rate, no angular velocity and no relative velocity within the tree changes.
 //! Slides next to the world, without forces that depend on their own motion, count as well: there along their axes.
@@ -18,11 +18,11 @@ use crate::{Model, Workspace};
 /// Below this part of one, the cosine of two slides' axes is rounding.
 const SQUARE: f64 = 1e-12;
 
-/// What can be translated, and its momenta in a step.
+/// The bodies that can be translated, and the momenta in a step.
 #[derive(Clone, Debug)]
 pub(super) struct FreeTranslations {
     roots: Vec<Root>,
-    /// Of each body with all that it carries, along the world's axes \[N·s\].
+    /// The momentum of each body with all that it carries, along the world's axes \[N·s\].
     momenta: Vec<Vector3<f64>>,
 }
 
@@ -33,15 +33,15 @@ struct Root {
     /// Its first coordinate in v, and how many translate it: one, or three.
     first: usize,
     count: usize,
-    /// Of the body and of what it carries \[kg\].
+    /// The mass of the body and of all that it carries \[kg\].
     mass: f64,
     /// The axes of what carries it, in the world.
     carrier: Matrix3<f64>,
-    /// What its momentum is to be at the step's end \[N·s\].
+    /// The momentum to reach at the step's end \[N·s\].
     target: Vector3<f64>,
 }
 
-/// Of a body on slides alone: its axes in the world, and the directions that it slides along.
+/// The axes in the world of a body on slides alone, and the directions that it slides along.
 #[derive(Clone)]
 struct Slides {
     rotation: Matrix3<f64>,
@@ -90,14 +90,14 @@ impl FreeTranslations {
                 axes.push(axis);
                 sliding[i] = Some(Slides { rotation: turned, along: axes });
             }
-            // What only slides keeps its momentum as it is.
+            // Bodies that only slide keep their momentum as it is.
             let turns = (i..bodies.len()).any(|k| bodies[k].motion.turns() && is_carried_by(bodies, k, i));
             if is_plain && turns && mass[i] > 0.0 {
                 let (first, target) = (own[0].coordinate, Vector3::zeros());
                 roots.push(Root { body: i, first, count, mass: mass[i], carrier, target });
             }
         }
-        // What is carried is translated before its carrier.
+        // A carried body is translated before its carrier.
         roots.reverse();
         let momenta = if roots.is_empty() { Vec::new() } else { vec![Vector3::zeros(); bodies.len()] };
         Self { roots, momenta }

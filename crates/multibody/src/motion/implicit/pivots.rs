@@ -1,7 +1,7 @@
 //! The order in which rows of equalities are looked at, by how much each adds to those that hold.
 //!
-//! Of rows that depend on each other the step needs those that are nearly orthogonal: two corners of a sole move alike across the line between them,
-//! but for the turn of a step, and along it they do not. The order is that of a Cholesky factor of A M̂⁻¹Aᵀ with pivots, where the first of several good rows
+//! If rows depend on each other, the step needs those that are nearly orthogonal. Two corners of a sole move alike across the line between them,
+//! but for the turn of a step; along it they do not. The order is that of a Cholesky factor of A M̂⁻¹Aᵀ with pivots, where the first of several good rows
 //! comes first, so that the choice seldom changes from step to step.
 
 use super::stiff_factor::StiffFactor;
@@ -21,7 +21,7 @@ pub(super) struct Pivots {
     /// The square of what each row has beside those that were taken.
     left: Vec<f64>,
     is_done: Vec<bool>,
-    /// Of each row that was taken its column of the factor.
+    /// The column of the factor for each row that was taken.
     columns: Vec<f64>,
 }
 

@@ -27,7 +27,7 @@ pub enum DifferenceError<E> {
     Step(E),
     /// The step jumps on both sides of the state: it has no derivative.
     Discontinuous {
-        /// Which of `q`, `v` and `tau` was moved.
+        /// The quantity that was moved: `q`, `v` or `tau`.
         quantity: &'static str,
         /// The moved coordinate.
         coordinate: String,

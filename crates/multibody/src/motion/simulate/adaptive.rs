@@ -26,7 +26,7 @@ use crate::algorithms::energy::energies;
 use crate::model::length::check_length;
 use crate::{Model, StepForces, StepWorkspace, Workspace};
 
-/// What the steps of adaptive runs were.
+/// Statistics of the steps of adaptive runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct StepStatistics {
@@ -57,13 +57,13 @@ impl StepStatistics {
     }
 }
 
-/// What adaptive steps did since the start.
+/// The record of adaptive steps since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct AdaptiveRecord {
     /// How the steps were taken: explicit or implicit, once it is chosen.
     pub method: AdaptiveMethod,
-    /// What the steps were.
+    /// The statistics of the steps.
     pub statistics: StepStatistics,
     /// max | |quaternion| − 1 | at the ends of the steps, before q was normalised: a measure of the error.
     pub quaternion_error: f64,

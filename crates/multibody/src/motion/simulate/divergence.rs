@@ -19,7 +19,7 @@ pub(super) const GROWN: f64 = 10.0;
 /// A step in which no coordinate turns further than this resolves the motion \[rad or m\].
 const RESOLVED: f64 = 0.1;
 
-/// What a step has to be short for: [`RunError::Diverged`].
+/// The reason why a step has to be short: [`RunError::Diverged`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DivergenceCause {

@@ -53,7 +53,7 @@ pub enum RunError<E = IntegratorError> {
         time: f64,
         /// A step that should do \[s\]; see the cause.
         suggested_step: f64,
-        /// What it was chosen by.
+        /// The cause by which that step was chosen.
         cause: DivergenceCause,
     },
     /// Some motion moves no inertia in the configuration reached, so no acceleration follows from the forces.

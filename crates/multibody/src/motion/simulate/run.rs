@@ -71,7 +71,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// What an observer sees where the run is, after so many steps.
+    /// The observer's view of the run at its present state, after so many steps.
     pub(crate) fn moment<'a>(&'a self, step: usize, tau: &'a [f64], stepper: &'a impl Stepper) -> Moment<'a> {
         Moment {
             step,
@@ -94,7 +94,7 @@ impl Run {
     }
 }
 
-/// What sees the state at the start of each step and at the end, and may break off.
+/// A callback that sees the state at the start of each step and at the end, and may break off.
 pub type Observer<'a> = &'a mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>;
 
 /// The steps of a run, whatever takes them.

@@ -9,7 +9,7 @@ use super::{CallbackError, Losses, record_step};
 use crate::algorithms::rank::check_rank;
 use crate::{ActiveSet, ContactLaws, Model, SingularMass, StepForces, StepWorkspace, Workspace, step};
 
-/// What takes the steps of a [`Simulation`](crate::simulator::Simulation): a row of the table of integrators, or a method of your
+/// The method that takes the steps of a [`Simulation`](crate::simulator::Simulation): a row of the table of integrators, or one of your
 /// own ([`SimulationBuilder::stepper`](crate::simulator::SimulationBuilder::stepper)).
 ///
 /// ```

@@ -61,7 +61,7 @@ impl MotionLimits {
     #[track_caller]
     pub fn position_beyond(&self, model: &Model, q: &[f64]) -> Option<(usize, f64)> {
         check_length("q", q.len(), model.nq());
-        // What a spline through a waypoint at the limit is off by rounding.
+        // Rounding takes a spline through a waypoint at the limit this far beyond it.
         let slack = |limit: f64| 1e-9 * limit.abs().max(1.0);
         let places = model.joints().iter().filter(|joint| joint.nq == joint.nv);
         let places =

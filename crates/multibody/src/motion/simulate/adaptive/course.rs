@@ -26,7 +26,7 @@ pub(crate) struct Course<'r, 'o> {
     /// A sample is kept every so many instants; the first and the last always, only they if this is 0.
     pub(crate) sample_every: usize,
     pub(crate) observer: Option<Observer<'o>>,
-    /// Of each coordinate, instants at which its torque was cut off.
+    /// The number of instants at which each coordinate's torque was cut off.
     pub(crate) limited: &'r mut [usize],
     /// The torques at the last sample, within their limits.
     pub(crate) tau: &'r mut [f64],
@@ -103,7 +103,7 @@ impl Course<'_, '_> {
             match steps.advance(motion, target, self.stepper.interrupt.as_deref()) {
                 Ok(Advance::Moved) => {}
                 Ok(Advance::Interrupted) => {
-                    // What the steps since the last sample came to is not lost.
+                    // The results of the steps since the last sample are not lost.
                     self.sample_rest(steps, motion, samples);
                     self.run.interrupted = true;
                     return Ok(());

@@ -25,7 +25,7 @@ pub(super) struct Motion<'a, 'c> {
 /// Adds generalized forces at q.
 type Wrenches<'c> = &'c mut dyn FnMut(&[f64], &mut [f64]);
 
-/// What acts on the joints from outside.
+/// Inputs that act on the joints from outside.
 #[derive(Default)]
 pub(crate) struct Applied<'c> {
     /// Asked at every evaluation; `None` while τ is held.
