@@ -301,12 +301,12 @@ def test_pairs_of_links_that_never_touch(tmp_path: Any) -> None:
 def test_report_tells_sensors_and_what_a_simulation_leaves_out() -> None:
     eggs = "".join(
         f'<body name="{name}" pos="{x} 0 1"><freejoint/><site name="{name}"/><geom type="ellipsoid" size="0.1 0.2 0.3"/></body>'
-        for x, name in enumerate("abc")
+        for x, name in enumerate("abcd")
     )
     text = f'<mujoco><worldbody>{eggs}</worldbody><sensor><gyro name="turn" site="a"/></sensor></mujoco>'
     report = rd.loads(text).report
     assert report.sensors == (("turn", "gyro"),)
-    assert len(report.left_out) == 1 and "and 1 more" in report.left_out[0]
+    assert len(report.left_out) == 1 and "and 4 more" in report.left_out[0]
     assert "sensor turn: gyro" in str(report) and report.left_out[0] in str(report)
 def test_adaptive_steps_from_outside_are_those_of_a_run_to_their_tolerance() -> None:
     robot = load("panda")

@@ -15,14 +15,16 @@ pub struct UnsupportedFeatures {
     pub features: Vec<String>,
 }
 
-/// Features that are named before the rest is counted.
+/// So many features are all named; of more, the first ones are named and the rest is counted.
+const ALL: usize = 5;
 const NAMED: usize = 2;
 
 impl fmt::Display for UnsupportedFeatures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { reason, features } = self;
-        let named = features.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
-        match features.len().saturating_sub(NAMED) {
+        let count = if features.len() > ALL { NAMED } else { features.len() };
+        let named = features[..count].join(", ");
+        match features.len() - count {
             0 => write!(f, "{named}: {reason}"),
             others => write!(f, "{named} and {others} more: {reason}"),
         }
@@ -85,8 +87,10 @@ mod tests {
 
     #[test]
     fn many_features_are_counted() {
-        let features = ["one", "two", "three", "four"].map(String::from).to_vec();
-        let group = UnsupportedFeatures { reason: "no room".into(), features };
-        assert_eq!(group.to_string(), "one, two and 2 more: no room");
+        let features = ["one", "two", "three", "four", "five", "six"].map(String::from).to_vec();
+        let few = UnsupportedFeatures { reason: "no room".into(), features: features[..3].to_vec() };
+        assert_eq!(few.to_string(), "one, two, three: no room");
+        let many = UnsupportedFeatures { reason: "no room".into(), features };
+        assert_eq!(many.to_string(), "one, two and 4 more: no room");
     }
 }
