@@ -19,7 +19,7 @@ impl Simulation {
     /// let mut simulation = SimulationBuilder::new(&model).adaptive(AdaptiveOptions::default()).build()?;
     /// simulation.run_for(0.1)?;
     /// let record = simulation.adaptive_record().expect("steps are adaptive");
-    /// assert_eq!((record.statistics.accepted, record.method.order()), (100, 9)); // no step goes across a millisecond here
+    /// assert!(record.statistics.accepted >= 100 && record.method.order() == 9); // no step goes across a millisecond here
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn adaptive_record(&self) -> Option<&AdaptiveRecord> {

@@ -53,7 +53,8 @@ pub fn robot_parity_values(text: &str, floating_base: bool) -> Result<Vec<String
     let target = neutral(&model);
     GravityCompensatedPd::new(&model, &target, &gains, &gains)?.torque(0.0, &start, &speeds, &mut torques)?;
     line("torques that hold", &torques);
-    for name in Method::names() {
+    // The lab's modules have no adaptive steps, which a build of all features has.
+    for name in Method::names().filter(|name| *name != "adaptive") {
         // In this pose links overlap, and what that does magnifies rounding.
         let builder = simulation(&model).without(Effect::Contacts);
         let mut stepped = builder.method(name.parse()?).step(1e-4).build()?;
