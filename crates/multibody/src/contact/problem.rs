@@ -42,7 +42,7 @@ impl ContactLaw {
 /// The nonlinear complementarity problem of a step's contacts, and the library's answer: which impulses p, with c = G p + g, fulfil the laws?
 ///
 /// G = A M̂⁻¹Aᵀ (Delassus), g = A v the velocities that the rows would have without these impulses, A the rows' Jacobian.
-/// [`Implicit::contact_problem`](crate::Implicit::contact_problem) gives that of the last step.
+/// [`Simulation::contact_problem`](crate::simulator::Simulation::contact_problem) gives that of the last step.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct ContactProblem {

@@ -12,7 +12,7 @@ use crate::motion::simulate::AdaptiveStepper;
 use crate::{Actuation, ConstraintSet, ContactSet, Implicit, MujocoEuler, SoftConstraints};
 
 impl SimulationBuilder<'_> {
-    /// Sets the simulation up, at the [configuration of the file](Model::initial_configuration) and at rest.
+    /// Sets the simulation up, at the [configuration of the file](crate::Model::initial_configuration) and at rest.
     ///
     /// # Errors
     /// [`SimulationError`]: the step, a ground, a surface or a set of constraints is invalid, or the method does not know what was given.

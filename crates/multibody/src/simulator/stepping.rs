@@ -242,7 +242,7 @@ impl Simulation {
     /// Starts anew from (q, v) at time 0, with inputs at zero.
     ///
     /// # Errors
-    /// [`RunError`]: q is invalid, v is not finite, the state is off the equalities, or M is singular there. The simulation is as before then.
+    /// [`RunError`](crate::RunError): q is invalid, v is not finite, the state is off the equalities, or M is singular there. The simulation is as before then.
     ///
     /// # Panics
     /// If v has the wrong length.
@@ -297,7 +297,7 @@ impl Simulation {
     /// One step.
     ///
     /// # Errors
-    /// [`RunError`]: an input is not finite, M is singular, an implicit step does not converge, or the motion grows without bound; with time and coordinate. The
+    /// [`RunError`](crate::RunError): an input is not finite, M is singular, an implicit step does not converge, or the motion grows without bound; with time and coordinate. The
     /// state is as before the step then.
     pub fn step(&mut self) -> Result<(), StepFailure> {
         #[cfg(feature = "adaptive")]
