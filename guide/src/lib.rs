@@ -18,7 +18,7 @@ macro_rules! pages {
 }
 
 pages! {
-    index start load control invert differentiate constrain identify time simulate contact sensors batch cluster
+    index start load control invert differentiate constrain identify time simulate push sensors batch cluster
     publish conventions verified speed command library examples
 }
 
