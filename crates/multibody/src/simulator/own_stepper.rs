@@ -1,6 +1,7 @@
 //! Steps by a method of one's own.
 
 use core::fmt;
+use core::ops::{Deref, DerefMut};
 
 use dynamics::{DynamicsError, EnergyLedger, IntegratorError};
 
@@ -29,6 +30,20 @@ impl Clone for OwnStepper {
     }
 }
 
+impl Deref for OwnStepper {
+    type Target = dyn AnyStepper;
+
+    fn deref(&self) -> &Self::Target {
+        &*self.0
+    }
+}
+
+impl DerefMut for OwnStepper {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut *self.0
+    }
+}
+
 impl fmt::Debug for OwnStepper {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("OwnStepper").finish_non_exhaustive()
@@ -36,7 +51,7 @@ impl fmt::Debug for OwnStepper {
 }
 
 /// A stepper that can be copied behind a pointer.
-trait AnyStepper: Stepper<Error = MethodError> + Send + Sync {
+pub(super) trait AnyStepper: Stepper<Error = MethodError> + Send + Sync {
     fn copy(&self) -> Box<dyn AnyStepper>;
 }
 
@@ -66,79 +81,6 @@ fn widened<E: StepError + Send + Sync + 'static>(error: E, model: &Model) -> Met
     }
 }
 
-/// Passes each call on.
-macro_rules! passed_on {
-    () => {
-        fn order(&self) -> u32 {
-            self.0.order()
-        }
-
-        fn check_mass(
-            &mut self,
-            model: &Model,
-            workspace: &mut Workspace,
-            q: &[f64],
-        ) -> Result<(), SingularMass> {
-            self.0.check_mass(model, workspace, q)
-        }
-
-        fn losses(&self) -> Option<Losses> {
-            self.0.losses()
-        }
-
-        fn contact_forces(&self) -> &[[f64; 3]] {
-            self.0.contact_forces()
-        }
-
-        fn actuator_forces(&self) -> &[f64] {
-            self.0.actuator_forces()
-        }
-
-        fn actuator_torques(&self) -> &[f64] {
-            self.0.actuator_torques()
-        }
-
-        fn explicit_gains(
-            &self,
-            model: &Model,
-            dissipation: bool,
-            stiffness: &mut [f64],
-            damping: &mut [f64],
-        ) {
-            self.0.explicit_gains(model, dissipation, stiffness, damping);
-        }
-
-        fn active_set(&self) -> Option<ActiveSet> {
-            self.0.active_set()
-        }
-
-        fn fix_active_set(&mut self, set: Option<ActiveSet>) {
-            self.0.fix_active_set(set);
-        }
-
-        fn contact_laws(&self) -> Option<ContactLaws> {
-            self.0.contact_laws()
-        }
-
-        fn stored_energy(&mut self, q: &[f64]) -> f64 {
-            self.0.stored_energy(q)
-        }
-
-        fn record(
-            &mut self,
-            model: &Model,
-            workspace: &mut StepWorkspace,
-            ledger: &mut EnergyLedger,
-            from: (&[f64], &[f64]),
-            to: (&[f64], &[f64]),
-            forces: &StepForces<'_>,
-            h: f64,
-        ) {
-            self.0.record(model, workspace, ledger, from, to, forces, h);
-        }
-    };
-}
-
 impl<S: Stepper<Error: Send + Sync + 'static>> Stepper for Widened<S> {
     type Error = MethodError;
 
@@ -165,34 +107,65 @@ impl<S: Stepper<Error: Send + Sync + 'static>> Stepper for Widened<S> {
         self.0.step(model, workspace, forces, h, q, v).map_err(|error| widened(error, model))
     }
 
-    passed_on!();
-}
+    fn order(&self) -> u32 {
+        self.0.order()
+    }
 
-impl Stepper for OwnStepper {
-    type Error = MethodError;
-
-    fn check_start(
+    fn check_mass(
         &mut self,
         model: &Model,
         workspace: &mut Workspace,
-        h: f64,
         q: &[f64],
-        v: &[f64],
-    ) -> Result<(), MethodError> {
-        self.0.check_start(model, workspace, h, q, v)
+    ) -> Result<(), SingularMass> {
+        self.0.check_mass(model, workspace, q)
     }
 
-    fn step(
+    fn losses(&self) -> Option<Losses> {
+        self.0.losses()
+    }
+
+    fn contact_forces(&self) -> &[[f64; 3]] {
+        self.0.contact_forces()
+    }
+
+    fn actuator_forces(&self) -> &[f64] {
+        self.0.actuator_forces()
+    }
+
+    fn actuator_torques(&self) -> &[f64] {
+        self.0.actuator_torques()
+    }
+
+    fn explicit_gains(&self, model: &Model, dissipation: bool, stiffness: &mut [f64], damping: &mut [f64]) {
+        self.0.explicit_gains(model, dissipation, stiffness, damping);
+    }
+
+    fn active_set(&self) -> Option<ActiveSet> {
+        self.0.active_set()
+    }
+
+    fn fix_active_set(&mut self, set: Option<ActiveSet>) {
+        self.0.fix_active_set(set);
+    }
+
+    fn contact_laws(&self) -> Option<ContactLaws> {
+        self.0.contact_laws()
+    }
+
+    fn stored_energy(&mut self, q: &[f64]) -> f64 {
+        self.0.stored_energy(q)
+    }
+
+    fn record(
         &mut self,
         model: &Model,
         workspace: &mut StepWorkspace,
+        ledger: &mut EnergyLedger,
+        from: (&[f64], &[f64]),
+        to: (&[f64], &[f64]),
         forces: &StepForces<'_>,
         h: f64,
-        q: &mut [f64],
-        v: &mut [f64],
-    ) -> Result<(), MethodError> {
-        self.0.step(model, workspace, forces, h, q, v)
+    ) {
+        self.0.record(model, workspace, ledger, from, to, forces, h);
     }
-
-    passed_on!();
 }
