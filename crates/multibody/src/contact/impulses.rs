@@ -377,7 +377,6 @@ impl ContactImpulses {
 /// Whether they are one point of one pair.
 fn is_same(one: &TouchingPoint, other: &TouchingPoint) -> bool {
     one.against == other.against
-        && one.shape == other.shape
         && matches!(one.against, Against::Pair(_))
         && (one.at - other.at).norm_squared() < SAME * SAME
 }

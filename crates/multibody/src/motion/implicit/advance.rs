@@ -58,9 +58,7 @@ impl Implicit {
         whole: Whole,
     ) -> Result<bool, IntegratorError> {
         self.check_interrupt()?;
-        if !self.translations.is_empty() {
-            self.translations.begin(model, workspace, h, (q, v));
-        }
+        self.translations.begin(model, workspace, h, (q, v));
         self.smooth(model, workspace, tau, h, (q, v))?;
         let Self {
             joints,
@@ -104,9 +102,7 @@ impl Implicit {
             if whole == Whole::OrNothing && (meets || stops.iter().any(is_new)) {
                 return Ok(false);
             }
-            if !translations.is_empty() {
-                translations.restore(model, workspace, joints, q1, v1);
-            }
+            translations.restore(model, workspace, joints, q1, v1);
             // For impulses g = ½h: their positions are ½h of their velocities, so that damping takes from them what it books. Contacts have a
             // problem with a factor of its own.
             if equalities.is_some() || !contacts.as_ref().is_some_and(ContactImpulses::touches) {
@@ -186,8 +182,11 @@ impl Implicit {
             let stored = drive.as_mut().map_or(0.0, |drive| drive.stored_energy(q));
             of_motion.kinetic() + of_motion.potential() + stored
         };
-        let energy_before = if is_deep { energy(workspace, q1, v1) } else { 0.0 };
-        uncorrected.copy_from_slice(q1);
+        let mut energy_before = 0.0;
+        if is_deep {
+            energy_before = energy(workspace, q1, v1);
+            uncorrected.copy_from_slice(q1);
+        }
         if let Some(contacts) = contacts {
             let left = returns(h);
             for lifted in 0..MOST_LIFTS {
@@ -233,9 +232,7 @@ impl Implicit {
             self.last.corrections += work + energy_before - energy(workspace, q1, v1);
         }
         check_finite("q after the step", q1)?;
-        if !translations.is_empty() {
-            translations.restore(model, workspace, joints, q1, v1);
-        }
+        translations.restore(model, workspace, joints, q1, v1);
         // A solver that was interrupted left no result.
         if self.interrupt.is_set() {
             return Err(IntegratorError::Interrupted);

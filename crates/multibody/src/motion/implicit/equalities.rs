@@ -7,6 +7,7 @@
 use dynamics::{DynamicsError, IntegratorError};
 
 use super::Implicit;
+use super::impulses::along;
 use super::pivots::Pivots;
 use super::stiff_factor::StiffFactor;
 use crate::contact::{EqualityRow, EqualityRows, Interrupt, returns};
@@ -236,7 +237,7 @@ impl Equalities {
     ) -> Result<(), IntegratorError> {
         self.rows.place(model, workspace, q);
         for (row, name) in self.rows.rows().iter().zip(&self.names) {
-            let speed: f64 = row.terms.iter().map(|&(k, factor)| factor * v[k]).sum();
+            let speed = along(&row.terms, v);
             for (quantity, value) in [("position", row.error.unwrap_or(0.0)), ("velocity", speed)] {
                 if value.is_nan() || value.abs() > NEAR {
                     return Err(IntegratorError::OffConstraint {

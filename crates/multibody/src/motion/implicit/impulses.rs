@@ -339,6 +339,6 @@ fn is_on_at(stop: &Stop, held: &[f64], gap: f64) -> bool {
 }
 
 /// The velocity, or another vector's part, along a row.
-fn along(terms: &[(usize, f64)], x: &[f64]) -> f64 {
+pub(super) fn along(terms: &[(usize, f64)], x: &[f64]) -> f64 {
     terms.iter().map(|(k, factor)| factor * x[*k]).sum()
 }

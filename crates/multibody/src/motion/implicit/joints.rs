@@ -56,6 +56,8 @@ pub(super) struct Joints {
     /// Springs that pull back; one that pushes away is left to the explicit part.
     pub(super) stiffness: Vec<f64>,
     pub(super) stops: Vec<Stop>,
+    /// Whether each coordinate has a stop of its own.
+    is_bounded: Vec<bool>,
     /// What impulses act along, each the coordinates with their factors: every coordinate, then the tendons with bounds or friction, then the ball joints with
     /// bounds, whose factors turn with them.
     pub(super) rows: Vec<Vec<(usize, f64)>>,
@@ -81,6 +83,7 @@ impl Joints {
             friction: vec![0.0; nv],
             stiffness: vec![0.0; nv],
             stops: Vec::new(),
+            is_bounded: vec![false; nv],
             rows: (0..nv).map(|k| vec![(k, 1.0)]).collect(),
             driven_stiffness: vec![0.0; nv],
             driven_damping: vec![0.0; nv],
@@ -113,6 +116,7 @@ impl Joints {
                 if bound.is_finite() {
                     let length = Length::Coordinate(stretch.q);
                     joints.stops.push(Stop { row: stretch.v, length, bound, sign });
+                    joints.is_bounded[stretch.v] = true;
                 }
             }
         }
@@ -180,7 +184,7 @@ impl Joints {
             || self.friction[k] != 0.0
             || self.slopes(k) != (0.0, 0.0)
             || self.couplings.iter().any(is_coupled)
-            || self.stops.iter().any(|stop| stop.row == k)
+            || self.is_bounded[k]
     }
 
     /// Whether damping and friction act.

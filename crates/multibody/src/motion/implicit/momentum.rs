@@ -52,9 +52,13 @@ impl FreeTranslations {
     pub(super) fn new(model: &Model) -> Self {
         let bodies = &model.bodies;
         let mut mass: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
+        let mut turns: Vec<bool> = bodies.iter().map(|body| body.motion.turns()).collect();
         for (i, body) in bodies.iter().enumerate().rev().filter(|(_, body)| body.parent != WORLD) {
             mass[body.parent] += mass[i];
+            turns[body.parent] |= turns[i];
         }
+        let mut uses = vec![0; model.nv];
+        model.dofs.iter().for_each(|dof| uses[dof.coordinate] += 1);
         let mut sliding: Vec<Option<Slides>> = vec![None; bodies.len()];
         let mut roots = Vec::new();
         for (i, body) in bodies.iter().enumerate() {
@@ -73,7 +77,7 @@ impl FreeTranslations {
                 dof.ratio == 1.0
                     && dof.passive.armature == 0.0
                     && dof.passive.stiffness == 0.0
-                    && model.dofs.iter().filter(|other| other.coordinate == dof.coordinate).count() == 1
+                    && uses[dof.coordinate] == 1
                     && !model.rotors.iter().any(|rotor| rotor.roots(&model.dofs).any(is_tied))
             });
             if is_slide {
@@ -91,8 +95,7 @@ impl FreeTranslations {
                 sliding[i] = Some(Slides { rotation: turned, along: axes });
             }
             // Bodies that only slide keep their momentum as it is.
-            let turns = (i..bodies.len()).any(|k| bodies[k].motion.turns() && is_carried_by(bodies, k, i));
-            if is_plain && turns && mass[i] > 0.0 {
+            if is_plain && turns[i] && mass[i] > 0.0 {
                 let (first, target) = (own[0].coordinate, Vector3::zeros());
                 roots.push(Root { body: i, first, count, mass: mass[i], carrier, target });
             }
@@ -103,7 +106,7 @@ impl FreeTranslations {
         Self { roots, momenta }
     }
 
-    /// Whether there are none.
+    /// Whether no body can be translated freely.
     pub(super) fn is_empty(&self) -> bool {
         self.roots.is_empty()
     }
@@ -158,6 +161,9 @@ impl FreeTranslations {
     }
 
     fn find_momenta(&mut self, model: &Model, workspace: &mut Workspace, (q, v): (&[f64], &[f64])) {
+        if self.is_empty() {
+            return;
+        }
         let tree = &mut workspace.tree;
         place_screws(model, tree, q);
         move_screws(model, tree, v);
@@ -183,13 +189,6 @@ impl Root {
         let position = Position { angle: 0.0, sine: 0.0, cosine: 1.0, q, start: body.q_index };
         self.carrier * rotation_of(&body.motion.place(&rest, &position))
     }
-}
-
-fn is_carried_by(bodies: &[Body], mut body: usize, carrier: usize) -> bool {
-    while body != WORLD && body > carrier {
-        body = bodies[body].parent;
-    }
-    body == carrier
 }
 
 fn axis_of(axes: &Matrix3<f64>, count: usize, k: usize) -> Vector3<f64> {

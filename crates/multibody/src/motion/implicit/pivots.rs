@@ -4,6 +4,7 @@
 //! but for the turn of a step; along it they do not. The order is that of a Cholesky factor of A M̂⁻¹Aᵀ with pivots, where the first of several good rows
 //! comes first, so that the choice seldom changes from step to step.
 
+use super::impulses::along;
 use super::stiff_factor::StiffFactor;
 use crate::contact::EqualityRow;
 
@@ -47,7 +48,7 @@ impl Pivots {
             response.fill(0.0);
             row.terms.iter().for_each(|&(k, factor)| response[k] = factor);
             factor.solve(response);
-            let square = along(row, response);
+            let square = along(&row.terms, response);
             self.left[i] = square;
             // NaN stays.
             self.lengths[i] = square.max(0.0).sqrt() + 0.0 * square;
@@ -82,7 +83,7 @@ impl Pivots {
             let (earlier, mut entry) = (&self.columns[..begin], 0.0);
             if !self.is_done[i] {
                 let known: f64 = earlier.chunks_exact(count).map(|column| column[i] * column[taken]).sum();
-                entry = (along(row, response) - known) / root;
+                entry = (along(&row.terms, response) - known) / root;
                 self.left[i] -= entry * entry;
             } else if i == taken {
                 entry = root;
@@ -90,9 +91,4 @@ impl Pivots {
             self.columns.push(entry);
         }
     }
-}
-
-/// aᵀx.
-fn along(row: &EqualityRow, x: &[f64]) -> f64 {
-    row.terms.iter().map(|&(k, factor)| factor * x[k]).sum()
 }
