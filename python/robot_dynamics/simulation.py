@@ -200,7 +200,7 @@ class SimulationBatch(_native.SimulationBatch):
         only_contacts: Sequence[tuple[str, str]] | None = None,
         threads: int | None = None,
     ) -> Self:
-        """So many simulations of a robot at its neutral configuration, at rest."""
+        """So many simulations of a robot, at rest in the configuration in which its file places it."""
         return super().__new__(
             cls,
             robot,
@@ -216,7 +216,7 @@ class SimulationBatch(_native.SimulationBatch):
         )
 
     def reset(self, q: Numbers | None = None, v: Numbers | None = None, *, where: Sequence[int] | None = None) -> None:
-        """Starts anew at time 0 from q and v, neutral and at rest where not given, the simulations of the numbers in `where`, or all.
+        """Starts anew at time 0 from q and v, as the file places the robot and at rest where not given, the simulations of the numbers in `where`, or all.
 
         q is (count, nq), or (nq,) for all of them; v as well. Torques, controls and wrenches of these are zero afterwards.
         """

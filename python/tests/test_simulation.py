@@ -236,6 +236,9 @@ def test_wrong_inputs_are_named() -> None:
 def test_simulations_of_a_batch_are_single_ones() -> None:
     robot = rd.loads(BALL)
     batch = rd.SimulationBatch(robot, 3, threads=2)
+    placed = batch.q
+    batch.reset()
+    assert (batch.q == placed).all() and (placed == rd.Simulation(robot).q).all() and placed[0, 2] == 0.3
     q = np.tile(robot.neutral(), (3, 1))
     q[:, 2] += [0.0, 0.05, 0.1]
     v = np.zeros((3, robot.nv))

@@ -119,11 +119,11 @@ impl SimulationBatch {
                 "there is no simulation {number}: the batch has {count}"
             )));
         }
-        let rows = |name: &str, object: Option<&Bound<'_, PyAny>>, neutral: Vec<f64>| match object {
-            Some(object) => rows_of(py, name, object, (which.len(), neutral.len())),
-            None => Ok(vec![neutral; which.len()]),
+        let rows = |name: &str, object: Option<&Bound<'_, PyAny>>, default: Vec<f64>| match object {
+            Some(object) => rows_of(py, name, object, (which.len(), default.len())),
+            None => Ok(vec![default; which.len()]),
         };
-        let q = rows("q", q, robot_dynamics::neutral(model))?;
+        let q = rows("q", q, model.initial_configuration())?;
         let v = rows("v", v, vec![0.0; model.nv()])?;
         for (row, q) in q.iter().enumerate() {
             check_configuration(model, q)
