@@ -4,13 +4,13 @@ use std::error::Error;
 use std::ops::ControlFlow;
 
 use dynamics::{Integrator, MassProperties, SplitMix64};
-use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder};
+use multibody::simulator::{Effect, Method, RunOptions, Simulation, SimulationBuilder};
 use multibody::{
     Base, Baumgarte, Closure, ClosureRow, ConstrainedMotionError, ConstraintOptions, ConstraintSet, Coupling,
     DriftCorrection, FrameDescription, JointKinds, LinkDescription, LoopClosure, Model, Pose,
-    RandomRobotOptions, RedundantRows, RobotDescription, RollingDisc, StepForces, StepWorkspace, Workspace,
-    center_of_mass, centroidal_momentum, constrained_step, constraint_drift, difference, frame_pose, neutral,
-    project_position, project_velocity, random_robot, random_state, step,
+    RandomRobotOptions, RedundantRows, RobotDescription, RollingDisc, Run, StepForces, StepWorkspace,
+    Workspace, center_of_mass, centroidal_momentum, constrained_step, constraint_drift, difference,
+    frame_pose, neutral, project_position, project_velocity, random_robot, random_state, step,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -105,6 +105,40 @@ fn random_loop(seed: u64) -> Result<(Model, ConstraintSet, State), Box<dyn Error
     Ok((model, set, State { q: state.q, v }))
 }
 
+/// A run of so many steps of h without dissipation, and the largest error of the energy in its first tenth and in its last \[J\].
+fn energy_errors(
+    model: &Model,
+    set: &ConstraintSet,
+    state: &State,
+    row: Integrator,
+    (h, steps): (f64, usize),
+) -> Result<(Simulation, Run, [f64; 2]), Box<dyn Error>> {
+    let mut simulation = SimulationBuilder::new(model)
+        .method(Method::Fixed(row))
+        .constraints(set.clone())
+        .step(h)
+        .without(Effect::Dissipation)
+        .constraint_options(options(row), DriftCorrection::None)
+        .build()?;
+    let (mut first, mut last) = (0.0f64, 0.0f64);
+    let run = simulation.run_from(
+        &state.q,
+        &state.v,
+        steps,
+        RunOptions::new().sample_every(0).observer(&mut |moment| {
+            let error = moment.ledger.imbalance().abs();
+            if moment.step <= steps / 10 {
+                first = first.max(error);
+            }
+            if moment.step > steps - steps / 10 {
+                last = last.max(error);
+            }
+            ControlFlow::Continue(())
+        }),
+    )?;
+    Ok((simulation, run, [first, last]))
+}
+
 /// The linkage: φ and A v at the end of every step are rounding, and the energy does not drift in fifty thousand
 /// steps: its error in the last tenth is that of the first. Halving the step divides it by 2^order.
 ///
@@ -114,30 +148,7 @@ fn four_bar_neither_opens_nor_drifts() -> Tested {
     let (model, set, state) = four_bar()?;
     for (row, h, steps) in [(VARIATIONAL[0], 4e-3, 50_000), (VARIATIONAL[1], 8e-3, 15_000)] {
         let run = |h: f64, steps: usize| -> Result<(f64, f64, f64), Box<dyn Error>> {
-            let mut simulation = SimulationBuilder::new(&model)
-                .method(Method::Fixed(options(row).integrator))
-                .constraints(set.clone())
-                .step(h)
-                .without(Effect::Dissipation)
-                .constraint_options(options(row), DriftCorrection::None)
-                .build()
-                .unwrap();
-            let (mut first, mut last) = (0.0f64, 0.0f64);
-            let run = simulation.run_from(
-                &state.q,
-                &state.v,
-                steps,
-                RunOptions::new().sample_every(0).observer(&mut |moment| {
-                    let error = moment.ledger.imbalance().abs();
-                    if moment.step <= steps / 10 {
-                        first = first.max(error);
-                    }
-                    if moment.step > steps - steps / 10 {
-                        last = last.max(error);
-                    }
-                    ControlFlow::Continue(())
-                }),
-            )?;
+            let (simulation, run, [first, last]) = energy_errors(&model, &set, &state, row, (h, steps))?;
             let record = simulation.constraint_record().ok_or("no record")?;
             let turned = run.q.iter().fold(1.0, |most: f64, q| most.max(q.abs()));
             assert!(
@@ -395,30 +406,8 @@ fn a_rolling_coin_is_reversible_and_keeps_its_rows() -> Tested {
         // Velocities of 12 rad/s, φ to 1e-16 m over 4 ms.
         assert!(off < 1e-12, "{row}: {off:e}");
 
-        let (steps, mut first, mut last) = (15_000, 0.0f64, 0.0f64);
-        let mut simulation = SimulationBuilder::new(&model)
-            .method(Method::Fixed(options(row).integrator))
-            .constraints(set.clone())
-            .step(4e-3)
-            .without(Effect::Dissipation)
-            .constraint_options(options(row), DriftCorrection::None)
-            .build()
-            .unwrap();
-        let run = simulation.run_from(
-            &state.q,
-            &state.v,
-            steps,
-            RunOptions::new().sample_every(0).observer(&mut |moment| {
-                let error = moment.ledger.imbalance().abs();
-                if moment.step <= steps / 10 {
-                    first = first.max(error);
-                }
-                if moment.step > steps - steps / 10 {
-                    last = last.max(error);
-                }
-                ControlFlow::Continue(())
-            }),
-        )?;
+        let steps = 15_000;
+        let (simulation, run, [first, last]) = energy_errors(&model, &set, &state, row, (4e-3, steps))?;
         assert_eq!(run.steps, steps);
         let record = simulation.constraint_record().ok_or("no record")?;
         println!("{row:22} energy error {first:.2e} J first, {last:.2e} J last, {:?}", record.drift);
