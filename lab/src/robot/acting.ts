@@ -40,7 +40,7 @@ export function acting(onChange: () => void): Acting {
       const now = new Set(robot.acting());
       for (const [name, one] of switches) {
         one.element.hidden = !stated.includes(name);
-        // Without all contacts there are none between links.
+        // Links touch nothing while contacts are switched off.
         one.element.classList.toggle('idle', one.on && !now.has(name));
       }
       element.hidden = stated.length === 0;

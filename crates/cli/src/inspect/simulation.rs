@@ -11,7 +11,7 @@ use serde::Serialize;
 const MOST_FREEDOMS: usize = 1000;
 const MOST_SHAPES: usize = 10_000;
 
-/// The default simulation, or why there is none to speak of.
+/// The default simulation, or the reason why none is set up.
 #[derive(Serialize)]
 pub(crate) struct DefaultSimulation {
     method: Option<&'static str>,

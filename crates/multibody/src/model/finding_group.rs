@@ -120,7 +120,7 @@ fn quoted_length(text: &str) -> usize {
     text.len()
 }
 
-/// The length in bytes of the number at the beginning, 0 where there is none.
+/// The length in bytes of the number at the beginning; 0 if the text begins otherwise.
 fn number_length(text: &str) -> usize {
     let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
     let sign = usize::from(text.starts_with(['-', '+']));

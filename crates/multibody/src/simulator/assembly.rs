@@ -100,7 +100,7 @@ impl SimulationBuilder<'_> {
         Err(SimulationError::Method { method: method.name(), problem: problem.into() })
     }
 
-    /// The contacts that there can be; `None` where there are none.
+    /// The shapes and grounds that can touch; `None` if nothing can.
     fn contact_set(&mut self, left_out: &mut Vec<String>) -> Result<Option<ContactSet>, SimulationError> {
         let has_ground = !(self.grounds.is_empty() && self.fields.is_empty());
         self.is_ground_given = has_ground || self.contacts.is_some();

@@ -48,10 +48,10 @@ pub struct RobotControl {
     /// Its name.
     #[wasm_bindgen(readonly)]
     pub name: String,
-    /// The least control; infinite where there is none.
+    /// The lower bound of the control; infinite if it is not bounded.
     #[wasm_bindgen(readonly)]
     pub lower: f64,
-    /// The most.
+    /// The upper bound.
     #[wasm_bindgen(readonly)]
     pub upper: f64,
 }
