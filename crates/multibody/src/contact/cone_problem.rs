@@ -23,6 +23,7 @@ mod rows;
 mod shifts;
 mod solution;
 mod square;
+mod sweeps;
 
 use core::ops::Range;
 
@@ -30,9 +31,8 @@ use self::islands::Islands;
 use self::projection::Slopes;
 use self::rows::Rows;
 use self::shifts::Search;
-use self::solution::YIELD;
+use self::sweeps::Sweeps;
 use super::interrupt::Interrupt;
-use super::law::ContactViolation;
 use crate::factor::paths::{Paths, usual_entries};
 use crate::factor::sparse;
 
@@ -114,6 +114,7 @@ pub(crate) struct ConeProblem {
     known: Known,
     search: Search,
     islands: Islands,
+    sweeps: Sweeps,
     /// Ends a solution without a result.
     pub(super) interrupt: Interrupt,
     /// Newton steps of the last solution.
@@ -171,6 +172,7 @@ impl ConeProblem {
             known: Known::default(),
             search: Search::new(n),
             islands: Islands::default(),
+            sweeps: Sweeps::default(),
             interrupt: Interrupt::default(),
             rounds: 0,
             is_coulomb: true,
@@ -305,24 +307,6 @@ impl ConeProblem {
     /// Each block's set, and how many rows it has.
     pub(super) fn sets(&self) -> impl Iterator<Item = (Set, usize)> + '_ {
         self.blocks.iter().map(|block| (block.set, block.rows.len()))
-    }
-
-    /// How far the contacts, which begin at these rows, are from their laws, with c₀ + A x in place of the c that Newton's method carried along.
-    pub(super) fn violation(&mut self, contacts: impl Iterator<Item = usize>) -> ContactViolation {
-        let (mut speeds, x) = (core::mem::take(&mut self.change), core::mem::take(&mut self.x));
-        self.find_products(&x, &mut speeds);
-        self.x = x;
-        speeds.iter_mut().zip(&self.start).for_each(|(speed, start)| *speed += start);
-        let (mut worst, mut blocks) = (ContactViolation::default(), self.blocks.iter());
-        for row in contacts {
-            // Blocks and contacts are in the same order.
-            let Some(block) = blocks.by_ref().find(|block| block.rows.start == row) else { break };
-            let friction = if let Set::Cone(slope) = block.set { slope } else { 0.0 };
-            let (c, p) = (&speeds[block.rows.clone()], &self.multiplier[block.rows.clone()]);
-            worst = worst.max(&ContactViolation::of(friction, block.softness / YIELD, c, p));
-        }
-        self.change = speeds;
-        worst
     }
 
     /// Adds Aᵀp to `to`, of the rows' multipliers.

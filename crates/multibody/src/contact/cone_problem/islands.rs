@@ -4,6 +4,8 @@
 //! part, its tolerances are relative to its own speeds, and a part that is hard to solve costs the others nothing. In a part of many trees the trees are put in
 //! an order in which little is filled in ([`Dissection`]).
 
+use core::ops::Range;
+
 use super::ConeProblem;
 use super::dissection::Dissection;
 use crate::factor::sparse::{self, NONE};
@@ -35,6 +37,8 @@ pub(super) struct Islands {
     dissection: Dissection,
     /// The present part: its coordinates, and of each coordinate its number there; λ.
     coordinates: Vec<usize>,
+    /// Where each tree's coordinates are among them.
+    ranges: Vec<Range<usize>>,
     local: Vec<usize>,
     carrier: Vec<usize>,
     support: Vec<usize>,
@@ -89,6 +93,7 @@ impl Islands {
             part_blocks: Grouped { begins: room(), items: blocks() },
             dissection: Dissection::new(n),
             coordinates: room(),
+            ranges: Vec::with_capacity(n + 1),
             local: room(),
             carrier: room(),
             support: room(),
@@ -188,6 +193,9 @@ impl ConeProblem {
         let is_solved = (0..parts).all(|number| {
             islands.place(number, self);
             part.take_part(self, &islands, number);
+            if islands.part_trees.group(number).len() >= FEW_TREES {
+                part.begin_by_sweeps();
+            }
             let is_solved = part.solve_rigid();
             self.enter_part(&part, &islands, number);
             is_solved
@@ -227,6 +235,7 @@ impl ConeProblem {
             }
         }
         self.paths.choose(carrier);
+        self.sweeps.trees.clone_from(&islands.ranges);
         let Self { paths, mass, .. } = self;
         mass.clear();
         mass.resize(paths.size(), 0.0);
@@ -286,11 +295,12 @@ impl Islands {
     /// Puts the coordinates of a part in order, with their λ.
     fn place(&mut self, number: usize, problem: &ConeProblem) {
         let Self { trees, begins, members, part_trees, part_blocks, .. } = self;
-        let Self { dissection, coordinates, local, carrier, support: own, .. } = self;
+        let Self { dissection, coordinates, ranges, local, carrier, support: own, .. } = self;
         let of_part = part_trees.group(number);
         let blocks = || part_blocks.group(number).iter().map(|index| &problem.blocks[*index]);
         let support_of = |block: &super::Block| &problem.support[block.support.clone()];
         coordinates.clear();
+        ranges.clear();
         let order = if of_part.len() < FEW_TREES {
             of_part
         } else {
@@ -305,7 +315,9 @@ impl Islands {
             dissection.order()
         };
         for &tree in order {
+            let begin = coordinates.len();
             coordinates.extend_from_slice(&members[begins[tree]..begins[tree + 1]]);
+            ranges.push(begin..coordinates.len());
         }
         local.resize(trees.len(), NONE);
         carrier.clear();

@@ -6,7 +6,9 @@ use super::entries::{map, sum};
 use super::projection::{
     Place, Slopes, is_between, place_of, project, project_to_border, project_with_slopes,
 };
+use super::solution::YIELD;
 use super::{ConeProblem, Set};
+use crate::contact::law::ContactViolation;
 
 impl ConeProblem {
     /// p at x + t δ, and the slopes of each row or cone; whether each acts as in the last factor. `first`: what stuck or slid at p̄ is taken to go on so, wherever
@@ -22,6 +24,27 @@ impl ConeProblem {
         let mut pull = 0.0;
         run_here(Evaluate { problem: self, t, pull: &mut pull });
         pull
+    }
+
+    /// How far the contacts, which begin at these rows, are from their laws, with c₀ + A x in place of the c that Newton's method carried along.
+    pub(in crate::contact) fn violation(
+        &mut self,
+        contacts: impl Iterator<Item = usize>,
+    ) -> ContactViolation {
+        let (mut speeds, x) = (core::mem::take(&mut self.change), core::mem::take(&mut self.x));
+        self.find_products(&x, &mut speeds);
+        self.x = x;
+        speeds.iter_mut().zip(&self.start).for_each(|(speed, start)| *speed += start);
+        let (mut worst, mut blocks) = (ContactViolation::default(), self.blocks.iter());
+        for row in contacts {
+            // Blocks and contacts are in the same order.
+            let Some(block) = blocks.by_ref().find(|block| block.rows.start == row) else { break };
+            let friction = if let Set::Cone(slope) = block.set { slope } else { 0.0 };
+            let (c, p) = (&speeds[block.rows.clone()], &self.multiplier[block.rows.clone()]);
+            worst = worst.max(&ContactViolation::of(friction, block.softness / YIELD, c, p));
+        }
+        self.change = speeds;
+        worst
     }
 
     /// (A δ)ᵀp of the present p, without what acts already.

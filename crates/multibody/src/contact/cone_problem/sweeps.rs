@@ -1,0 +1,450 @@
+//! Where the solution of many contacts begins: sweeps over them, each solved by itself with the others as they are.
+//!
+//! With W = A M⁻¹Aᵀ, a block b has the velocity c_b + W_bb Δp where only its own impulse changes. Its law there is a problem of a few numbers:
+//! it lifts off, sticks, or slides with c_n = 0 and c_t against p_t. One after the other, again and again, that is the nonlinear
+//! Gauss-Seidel method **(Jean 1999)**. It needs no factor that couples trees: M⁻¹Aᵀ of a block has entries at its own trees only. Its answer is
+//! near the solution within few sweeps, and converges slowly from there; Newton's method, which follows, does the opposite.
+
+use core::ops::Range;
+
+use number::dispatch::{Call, Hardware, run_here};
+
+use super::projection::{norm, project};
+use super::solution::YIELD;
+use super::{ConeProblem, MOST_ROWS, Set};
+
+/// Fewer cones are left to Newton's method.
+const MANY_CONES: usize = 8;
+
+/// Most sweeps, and the change of a velocity that ends them, as a part of the largest one.
+const SWEEPS: usize = 100;
+const NEAR: f64 = 1e-6;
+
+/// Most repetitions for the slip of one contact, and what ends them, as a part of its impulse.
+const SLIPS: usize = 20;
+const CLOSE: f64 = 1e-9;
+
+/// Memory of the sweeps.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sweeps {
+    /// The coordinates of each tree, one tree after the other.
+    pub(super) trees: Vec<Range<usize>>,
+    /// The number of each coordinate's tree.
+    tree_of: Vec<usize>,
+    /// L of each tree, M = L Lᵀ, square, one after the other.
+    factors: Vec<f64>,
+    begins: Vec<usize>,
+    /// The trees of each block.
+    block_trees: Vec<usize>,
+    /// For each block its trees, its M⁻¹Aᵀ, row by row, and its W.
+    blocks: Vec<Places>,
+    responses: Vec<f64>,
+    inertia: Vec<f64>,
+    column: Vec<f64>,
+}
+
+/// Where the entries of a block begin.
+#[derive(Clone, Debug)]
+struct Places {
+    trees: Range<usize>,
+    response: usize,
+    width: usize,
+    inertia: usize,
+}
+
+impl ConeProblem {
+    /// p̄ and s near the solution, where there are many cones; they stay as they are where they are near it already.
+    pub(super) fn begin_by_sweeps(&mut self) {
+        let cones = self.blocks.iter().filter(|block| matches!(block.set, Set::Cone(_))).count();
+        if cones < MANY_CONES {
+            return;
+        }
+        self.choose_softness();
+        if self.is_near() {
+            return;
+        }
+        let mut sweeps = core::mem::take(&mut self.sweeps);
+        if sweeps.prepare(self) {
+            run_here(Sweep { problem: self, sweeps: &sweeps });
+            // With very large friction they may diverge.
+            if !self.multiplier.iter().all(|p| p.is_finite()) {
+                self.multiplier.fill(0.0);
+                self.blocks.iter_mut().for_each(|block| block.shift = 0.0);
+            }
+        }
+        self.sweeps = sweeps;
+    }
+
+    /// Whether nothing but p̄ acts, and that by the laws: each block's p̄ is then the projection of p̄ − (c₀ + s n)/w, w of the softness.
+    fn is_near(&self) -> bool {
+        let Self { blocks, start, multiplier, counted, force, .. } = self;
+        if multiplier != counted || force.iter().any(|force| *force != 0.0) {
+            return false;
+        }
+        let (mut most, mut speed) = (0.0_f64, f64::MIN_POSITIVE);
+        for block in blocks {
+            let (c, p) = (&start[block.rows.clone()], &multiplier[block.rows.clone()]);
+            let moved = block.softness / YIELD;
+            let mut next = [0.0; MOST_ROWS];
+            let next = &mut next[..p.len()];
+            next.iter_mut().zip(p).zip(c).for_each(|((next, p), c)| *next = p - c / moved);
+            match block.set {
+                Set::Interval(lower, upper) => next[0] = next[0].max(lower).min(upper),
+                Set::Cone(slope) => {
+                    next[0] -= slope * norm(&c[1..]) / moved;
+                    project(slope, next);
+                }
+            }
+            for ((next, p), c) in next.iter().zip(p).zip(c) {
+                most = most.max((next - p).abs() * moved);
+                speed = speed.max(c.abs()).max(p.abs() * moved);
+            }
+        }
+        most <= NEAR * speed
+    }
+
+    #[inline(always)]
+    fn sweep(&mut self, sweeps: &Sweeps) {
+        let Self { blocks, support, entries, start, multiplier, counted, force, x, interrupt, .. } = self;
+        // x = M⁻¹(Aᵀ(p̄ − what acts already) − f).
+        x.iter_mut().zip(&*force).for_each(|(x, force)| *x = -force);
+        sweeps.solve_trees(x);
+        for (block, places) in blocks.iter().zip(&sweeps.blocks) {
+            for (r, row) in block.rows.clone().enumerate() {
+                let counted = counted.get(row).copied().unwrap_or(0.0);
+                sweeps.push(places, r, multiplier[row] - counted, x);
+            }
+        }
+        for _ in 0..SWEEPS {
+            if interrupt.is_set() {
+                return;
+            }
+            let (mut most, mut speed) = (0.0_f64, f64::MIN_POSITIVE);
+            for (block, places) in blocks.iter_mut().zip(&sweeps.blocks) {
+                let support = &support[block.support.clone()];
+                let rows = block.rows.len();
+                let p = &mut multiplier[block.rows.clone()];
+                let inertia = &sweeps.inertia[places.inertia..][..rows * rows];
+                let (mut c, mut before) = ([0.0; MOST_ROWS], [0.0; MOST_ROWS]);
+                before[..rows].copy_from_slice(p);
+                let of_rows = entries[block.entries..].chunks_exact(support.len().max(1));
+                for ((c, row), start) in c.iter_mut().zip(of_rows).zip(&start[block.rows.clone()]) {
+                    *c = start + support.iter().zip(row).map(|(&k, a)| a * x[k]).sum::<f64>();
+                }
+                let slip = solve_block(block.set, inertia, &c[..rows], p);
+                if let Set::Cone(slope) = block.set {
+                    block.shift = slope * slip;
+                }
+                for r in 0..rows {
+                    let change = p[r] - before[r];
+                    if change != 0.0 {
+                        sweeps.push(places, r, change, x);
+                        most = most.max((change * inertia[r * rows + r]).abs());
+                    }
+                    speed = speed.max(c[r].abs()).max((p[r] * inertia[r * rows + r]).abs());
+                }
+            }
+            if most <= NEAR * speed {
+                break;
+            }
+        }
+    }
+}
+
+/// `ConeProblem::sweep`.
+struct Sweep<'a> {
+    problem: &'a mut ConeProblem,
+    sweeps: &'a Sweeps,
+}
+
+impl Call for Sweep<'_> {
+    #[inline(always)]
+    fn call<H: Hardware>(self) {
+        self.problem.sweep(self.sweeps);
+    }
+}
+
+impl Sweeps {
+    /// The responses of the blocks; false where M is not positive definite, or a number is not finite.
+    fn prepare(&mut self, problem: &ConeProblem) -> bool {
+        let ConeProblem { n, blocks, support, entries, paths, mass, .. } = problem;
+        let Self { trees, tree_of, factors, begins, block_trees, blocks: places, responses, inertia, column } =
+            self;
+        tree_of.clear();
+        tree_of.resize(*n, 0);
+        factors.clear();
+        begins.clear();
+        for (number, tree) in trees.iter().enumerate() {
+            tree_of[tree.clone()].fill(number);
+            let (size, begin) = (tree.len(), factors.len());
+            begins.push(begin);
+            factors.resize(begin + size * size, 0.0);
+            let factor = &mut factors[begin..];
+            for row in tree.clone() {
+                let (columns, entries) = paths.entries_of(row, mass);
+                for (&column, entry) in
+                    columns.iter().zip(entries).filter(|(column, _)| tree.contains(column))
+                {
+                    factor[(row - tree.start) * size + column - tree.start] = *entry;
+                }
+            }
+            if !factor_dense(factor, size) {
+                return false;
+            }
+        }
+        for list in [&mut *responses, inertia] {
+            list.clear();
+        }
+        block_trees.clear();
+        places.clear();
+        for block in blocks {
+            let (own, first) = (&support[block.support.clone()], block_trees.len());
+            for &k in own {
+                if block_trees[first..].last() != Some(&tree_of[k]) {
+                    block_trees.push(tree_of[k]);
+                }
+            }
+            let width = block_trees[first..].iter().map(|tree| trees[*tree].len()).sum();
+            let (rows, response, begin) = (block.rows.len(), responses.len(), inertia.len());
+            responses.resize(response + rows * width, 0.0);
+            inertia.resize(begin + rows * rows, 0.0);
+            for (r, row) in entries[block.entries..].chunks_exact(own.len().max(1)).take(rows).enumerate() {
+                let mut at = response + r * width;
+                let mut next = 0;
+                for &tree in &block_trees[first..] {
+                    let range = trees[tree].clone();
+                    column.clear();
+                    column.resize(range.len(), 0.0);
+                    while next < own.len() && range.contains(&own[next]) {
+                        column[own[next] - range.start] = row[next];
+                        next += 1;
+                    }
+                    solve_dense(&factors[begins[tree]..], column);
+                    responses[at..at + range.len()].copy_from_slice(column);
+                    at += range.len();
+                }
+            }
+            for (i, row) in entries[block.entries..].chunks_exact(own.len().max(1)).take(rows).enumerate() {
+                for j in 0..rows {
+                    let response = &responses[response + j * width..][..width];
+                    let (mut at, mut tree, mut sum) = (0, first, 0.0);
+                    for (&k, a) in own.iter().zip(row) {
+                        while !trees[block_trees[tree]].contains(&k) {
+                            at += trees[block_trees[tree]].len();
+                            tree += 1;
+                        }
+                        sum += a * response[at + k - trees[block_trees[tree]].start];
+                    }
+                    inertia[begin + i * rows + j] = sum;
+                }
+            }
+            places.push(Places { trees: first..block_trees.len(), response, width, inertia: begin });
+        }
+        true
+    }
+
+    /// x ← M⁻¹x.
+    #[inline(always)]
+    fn solve_trees(&self, x: &mut [f64]) {
+        for (tree, &begin) in self.trees.iter().zip(&self.begins) {
+            solve_dense(&self.factors[begin..], &mut x[tree.clone()]);
+        }
+    }
+
+    /// Adds what an impulse on the block's row r changes of x.
+    #[inline(always)]
+    fn push(&self, places: &Places, r: usize, impulse: f64, x: &mut [f64]) {
+        let mut response = &self.responses[places.response + r * places.width..][..places.width];
+        for &tree in &self.block_trees[places.trees.clone()] {
+            let range = self.trees[tree].clone();
+            let (own, rest) = response.split_at(range.len());
+            x[range].iter_mut().zip(own).for_each(|(x, response)| *x += impulse * response);
+            response = rest;
+        }
+    }
+}
+
+/// The impulse of one block by its law, from its velocity c under the impulse p; its slip, 0 where it sticks.
+#[inline(always)]
+fn solve_block(set: Set, inertia: &[f64], c: &[f64], p: &mut [f64]) -> f64 {
+    let rows = c.len();
+    match set {
+        Set::Interval(lower, upper) => {
+            if inertia[0] > 0.0 {
+                p[0] = (p[0] - c[0] / inertia[0]).max(lower).min(upper);
+            }
+            0.0
+        }
+        Set::Cone(slope) => {
+            if inertia[0] <= 0.0 {
+                return 0.0;
+            }
+            let mut free = [0.0; MOST_ROWS];
+            for i in 0..rows {
+                let own: f64 = (0..rows).map(|j| inertia[i * rows + j] * p[j]).sum();
+                free[i] = c[i] - own;
+            }
+            if free[0] >= 0.0 {
+                p.fill(0.0);
+                return norm(&free[1..rows]);
+            }
+            let mut stuck = free.map(|c| -c);
+            let mut factor = [0.0; MOST_ROWS * MOST_ROWS];
+            factor[..rows * rows].copy_from_slice(inertia);
+            if factor_dense(&mut factor, rows) {
+                solve_dense(&factor, &mut stuck[..rows]);
+                if norm(&stuck[1..rows]) <= slope * stuck[0] {
+                    p.copy_from_slice(&stuck[..rows]);
+                    return 0.0;
+                }
+            }
+            slip(slope, inertia, &free[..rows], p)
+        }
+    }
+}
+
+/// The impulse of a contact that slides; how fast it does.
+#[inline(always)]
+fn slip(slope: f64, inertia: &[f64], free: &[f64], p: &mut [f64]) -> f64 {
+    let rows = free.len();
+    let along = |r: usize, p: &[f64]| free[r] + (0..rows).map(|j| inertia[r * rows + j] * p[j]).sum::<f64>();
+    let side: f64 = (1..rows).map(|r| inertia[r * rows + r]).fold(0.0, f64::max);
+    let mut speeds = [0.0; MOST_ROWS];
+    for _ in 0..SLIPS {
+        let before = p[0];
+        p[0] = (p[0] - along(0, p) / inertia[0]).max(0.0);
+        let mut changed = (p[0] - before).abs();
+        for r in 1..rows {
+            speeds[r] = along(r, p);
+        }
+        let mut next = [0.0; MOST_ROWS];
+        for r in 1..rows {
+            next[r] = p[r] - speeds[r] / side;
+        }
+        let length = norm(&next[1..rows]);
+        let shrink = if length > slope * p[0] { slope * p[0] / length } else { 1.0 };
+        for r in 1..rows {
+            changed = changed.max((shrink * next[r] - p[r]).abs());
+            p[r] = shrink * next[r];
+        }
+        if changed <= CLOSE * p[0] {
+            break;
+        }
+    }
+    for r in 1..rows {
+        speeds[r] = along(r, p);
+    }
+    norm(&speeds[1..rows])
+}
+
+/// L of a square matrix of which the lower half is given; false where it is not positive definite.
+#[inline(always)]
+fn factor_dense(a: &mut [f64], n: usize) -> bool {
+    for i in 0..n {
+        for j in 0..=i {
+            let known: f64 = (0..j).map(|k| a[i * n + k] * a[j * n + k]).sum();
+            let left = a[i * n + j] - known;
+            if i > j {
+                a[i * n + j] = left / a[j * n + j];
+            } else if left > 0.0 && left.is_finite() {
+                a[i * n + i] = left.sqrt();
+            } else {
+                return false;
+            }
+        }
+    }
+    true
+}
+
+/// x ← (L Lᵀ)⁻¹x.
+#[inline(always)]
+fn solve_dense(factor: &[f64], x: &mut [f64]) {
+    let n = x.len();
+    for i in 0..n {
+        let known: f64 = (0..i).map(|k| factor[i * n + k] * x[k]).sum();
+        x[i] = (x[i] - known) / factor[i * n + i];
+    }
+    for i in (0..n).rev() {
+        let known: f64 = (i + 1..n).map(|k| factor[k * n + i] * x[k]).sum();
+        x[i] = (x[i] - known) / factor[i * n + i];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::factor::sparse::NONE;
+    use dynamics::SplitMix64;
+
+    /// Trees of three coordinates, each pair of neighbours with a few cones, and a bound on each tree.
+    fn chain(seed: u64, trees: usize) -> ConeProblem {
+        let mut random = SplitMix64::new(seed);
+        let n = 3 * trees;
+        let mut matrix = vec![0.0; n * n];
+        for tree in 0..trees {
+            let root: Vec<f64> = (0..9).map(|_| random.uniform(-1.0, 1.0)).collect();
+            for i in 0..3 {
+                for j in 0..3 {
+                    let square: f64 = (0..3).map(|k| root[3 * i + k] * root[3 * j + k]).sum();
+                    matrix[(3 * tree + i) * n + 3 * tree + j] = square + if i == j { 0.3 } else { 0.0 };
+                }
+            }
+        }
+        let mut problem = ConeProblem::new(n);
+        for first in 0..trees - 1 {
+            for _ in 0..2 {
+                let row = problem.push(Set::Cone(random.uniform(0.1, 0.9)), 3, 3 * first..3 * first + 6);
+                problem.last().1.iter_mut().for_each(|entry| *entry = random.uniform(-1.0, 1.0));
+                problem.start[row] = random.uniform(-1.0, 0.2);
+            }
+        }
+        for tree in 0..trees {
+            let row = problem.push(Set::Interval(0.0, f64::INFINITY), 1, core::iter::once(3 * tree));
+            problem.last().1[0] = 1.0;
+            problem.start[row] = random.uniform(-0.5, 0.5);
+        }
+        problem.force.iter_mut().for_each(|force| *force = random.uniform(-1.0, 1.0));
+        let carrier: Vec<usize> = (0..n).map(|k| k.checked_sub(1).unwrap_or(NONE)).collect();
+        problem.take(&matrix, &carrier);
+        problem.sweeps.trees = (0..trees).map(|tree| 3 * tree..3 * tree + 3).collect();
+        problem
+    }
+
+    /// Newton's method has the same answer from there as from nothing, and needs less than half of its steps.
+    #[test]
+    fn sweeps_lead_near_the_solution() {
+        let (mut solved, mut by_sweeps, mut cold) = (0, 0, 0);
+        for seed in 0..200 {
+            let mut without = chain(seed, 8);
+            let mut with = without.clone();
+            with.begin_by_sweeps();
+            assert!(without.solve_rigid() && with.solve_rigid(), "seed {seed}");
+            // Coulomb's law has several solutions here and there, or none that is found.
+            let is_same = without.x.iter().zip(&with.x).all(|(a, b)| (a - b).abs() < 1e-7 * (1.0 + a.abs()));
+            if !(without.is_coulomb && with.is_coulomb && is_same) {
+                continue;
+            }
+            solved += 1;
+            (by_sweeps, cold) = (by_sweeps + with.rounds, cold + without.rounds);
+        }
+        assert!(solved > 100, "{solved} of 200");
+        assert!(2 * by_sweeps < cold, "{by_sweeps} Newton steps, {cold} without");
+    }
+
+    /// Where the multipliers are the solution's nothing is swept: they keep their bits.
+    #[test]
+    fn the_solution_stays_as_it_is() {
+        let mut problem = chain(3, 8);
+        assert!(problem.solve_rigid());
+        let mut x = vec![0.0; problem.n];
+        problem.find_impulses(&mut x);
+        // What acts already makes nothing move that should not.
+        let found = problem.multiplier.clone();
+        let velocity = problem.x.clone();
+        problem.force.fill(0.0);
+        problem.counted.clone_from(&found);
+        problem.add_speeds(&velocity);
+        problem.begin_by_sweeps();
+        assert_eq!(problem.multiplier, found);
+    }
+}
