@@ -39,12 +39,20 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         let inspection = serde_json::to_string(&Inspection::of(&model, &report, &singular, &simulation));
         print_json(&(inspection.map_err(Failure::new)? + "\n"))?;
     } else {
-        let mut parts = vec![head(&model), tree(&model), coordinates(&model)];
-        parts.extend(beside::parts(&model));
-        parts.extend(singular.text().map(|text| format!("Mass matrix: {}\n", one_line(&text))));
-        parts.push(simulation.text());
-        parts.push(load_report(&report, arguments.all));
-        print(&parts.join("\n"))?;
+        // Each part is printed once it is made: for a robot of many links all of them would take much memory.
+        print(&head(&model))?;
+        print("\n")?;
+        print(&tree(&model))?;
+        print("\n")?;
+        print(&coordinates(&model))?;
+        for part in beside::parts(&model) {
+            print(&format!("\n{part}"))?;
+        }
+        if let Some(text) = singular.text() {
+            print(&format!("\nMass matrix: {}\n", one_line(&text)))?;
+        }
+        print(&format!("\n{}", simulation.text()))?;
+        print_load_report(&report, arguments.all)?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -153,21 +161,32 @@ fn coordinates(model: &Model) -> String {
     if model.nv() == 0 {
         return "No joint moves.\n".into();
     }
-    format!("Joints in the order of q and v (rad or m, s, N·m or N; - where unlimited):\n{}", table.text())
+    let head = "Joints in the order of q and v (rad or m, s, N·m or N; - where unlimited):";
+    format!("{head}\n{}", table.text())
 }
 
-fn load_report(report: &LoadReport, all: bool) -> String {
+/// The text of a report that is printed at once [bytes].
+const PRINTED_AT_ONCE: usize = 1 << 16;
+
+fn print_load_report(report: &LoadReport, all: bool) -> Result<(), Failure> {
     let counts = &report.counts;
-    let mut text =
-        format!("Load report: {}; {} of shape only\n", counts.sums(), count(counts.not_dynamics, "element"));
+    let mut text = format!(
+        "\nLoad report: {}; {} of shape only\n",
+        counts.sums(),
+        count(counts.not_dynamics, "element")
+    );
     let listed = report.findings.iter().filter(|finding| all || finding.treatment() != Treatment::Read);
     for finding in listed {
         let (line, place, treatment) = (finding.line(), finding.place(), finding.treatment());
         let (place, message) = (one_line(place), one_line(finding.message()));
         let _ = writeln!(text, "  {}: line {line}: {place}: {treatment}: {message}", finding.severity());
+        if text.len() > PRINTED_AT_ONCE {
+            print(&text)?;
+            text.clear();
+        }
     }
     if counts.unlisted > 0 {
         let _ = writeln!(text, "  and {} more", counts.unlisted);
     }
-    text
+    print(&text)
 }

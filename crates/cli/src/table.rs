@@ -2,9 +2,14 @@
 
 use multibody::text::one_line;
 
-/// A table being filled; the first row is the head.
+/// A table being filled; the first row is the head. A robot may have a million joints, so that cells share one text.
 pub(crate) struct Table {
-    rows: Vec<Vec<String>>,
+    /// All cells, row by row.
+    text: String,
+    /// Where each cell ends in it.
+    ends: Vec<usize>,
+    /// Of each column the most characters of a cell.
+    widths: Vec<usize>,
     /// Whether a column is flush right, as numbers are.
     right: Vec<bool>,
 }
@@ -12,37 +17,44 @@ pub(crate) struct Table {
 impl Table {
     /// A table with this head; a column whose head starts with `>` is flush right.
     pub(crate) fn new(head: &[&str]) -> Self {
-        let right = head.iter().map(|cell| cell.starts_with('>')).collect();
-        let head = head.iter().map(|cell| cell.trim_start_matches('>').to_string()).collect();
-        Self { rows: vec![head], right }
+        let right: Vec<bool> = head.iter().map(|cell| cell.starts_with('>')).collect();
+        let mut table = Self { text: String::new(), ends: Vec::new(), widths: vec![0; right.len()], right };
+        table.row(head.iter().map(|cell| cell.trim_start_matches('>').to_owned()));
+        table
     }
 
     pub(crate) fn row(&mut self, cells: impl IntoIterator<Item = String>) {
-        let row: Vec<String> = cells.into_iter().map(|cell| one_line(&cell).into_owned()).collect();
-        assert_eq!(row.len(), self.right.len(), "a table row has as many cells as the head");
-        self.rows.push(row);
+        let first = self.ends.len();
+        for cell in cells {
+            let cell = one_line(&cell);
+            if let Some(width) = self.widths.get_mut(self.ends.len() - first) {
+                *width = cell.chars().count().max(*width);
+            }
+            self.text.push_str(&cell);
+            self.ends.push(self.text.len());
+        }
+        assert_eq!(self.ends.len() - first, self.right.len(), "a table row has as many cells as the head");
     }
 
-    /// The table's lines, each indented by two spaces.
-    fn lines(&self) -> Vec<String> {
-        let width =
-            |column: usize| self.rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-        let widths: Vec<usize> = (0..self.right.len()).map(width).collect();
-        let cell = |column: usize, text: &str| {
-            let padding = " ".repeat(widths[column] - text.chars().count());
-            if self.right[column] { padding + text } else { text.to_string() + &padding }
-        };
-        let line = |row: &Vec<String>| {
-            let cells: Vec<String> =
-                row.iter().enumerate().map(|(column, text)| cell(column, text)).collect();
-            format!("  {}", cells.join("  ")).trim_end().to_string()
-        };
-        self.rows.iter().map(line).collect()
-    }
-
-    /// The lines, each ended.
+    /// The lines, each indented by two spaces and ended.
     pub(crate) fn text(&self) -> String {
-        self.lines().join("\n") + "\n"
+        let (mut text, mut start) = (String::new(), 0);
+        for row in self.ends.chunks(self.right.len()) {
+            let line = text.len();
+            for ((&end, &width), &right) in row.iter().zip(&self.widths).zip(&self.right) {
+                let cell = &self.text[start..end];
+                let padding = width - cell.chars().count();
+                let (before, after) = if right { (padding, 0) } else { (0, padding) };
+                text.push_str("  ");
+                text.extend(core::iter::repeat_n(' ', before));
+                text.push_str(cell);
+                text.extend(core::iter::repeat_n(' ', after));
+                start = end;
+            }
+            text.truncate(line + text[line..].trim_end().len());
+            text.push('\n');
+        }
+        text
     }
 }
 

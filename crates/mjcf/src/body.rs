@@ -15,7 +15,7 @@ pub(crate) struct Body {
     /// Index of the body it is in; of the world its own.
     pub(crate) parent: usize,
     pub(crate) parent_from_body: Isometry3<f64>,
-    pub(crate) inertial: Option<Inertial>,
+    pub(crate) inertial: Option<Box<Inertial>>,
     pub(crate) joints: Vec<Joint>,
     pub(crate) geoms: Vec<Geom>,
     pub(crate) sites: Vec<Site>,

@@ -150,6 +150,7 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     reader.poses(&places, &actuators, &mut robot);
     reader.sensors(&bodies, &places, &mut robot);
     reader.derived(&bodies, &places, &actuators, &mut robot);
+    drop((bodies, masses, places, actuators));
     reader.list_unread();
     free_base(&mut reader, &mut robot);
 

@@ -52,7 +52,7 @@ impl Reader<'_> {
     }
 
     fn mass(&mut self, body: &Body) -> Mass {
-        let written = body.inertial.as_ref();
+        let written = body.inertial.as_deref();
         let from_geoms = match self.compiler(&body.element).inertia_from_geoms {
             FromGeoms::Always => true,
             FromGeoms::Never => false,

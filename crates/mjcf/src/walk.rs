@@ -121,7 +121,7 @@ impl Reader<'_> {
                     );
                     self.as_written(&element, message);
                 } else {
-                    bodies[around.body].inertial = Some(self.inertial(element));
+                    bodies[around.body].inertial = Some(Box::new(self.inertial(element)));
                 }
             }
             "joint" | "freejoint" if is_world => {
@@ -131,17 +131,17 @@ impl Reader<'_> {
             "joint" => {
                 let element = self.element(node, around.class);
                 let joint = self.joint(&element, name, &around.frame);
-                bodies[around.body].joints.push(joint);
+                push(&mut bodies[around.body].joints, joint);
             }
             "freejoint" => {
                 let element = self.plain(node);
                 let joint = self.free_joint(&element, name);
-                bodies[around.body].joints.push(joint);
+                push(&mut bodies[around.body].joints, joint);
             }
             "geom" => {
                 let element = self.element(node, around.class);
                 let geom = self.geom(element, name, &around.frame);
-                bodies[around.body].geoms.push(geom);
+                push(&mut bodies[around.body].geoms, geom);
             }
             "site" => {
                 let element = self.element(node, around.class);
@@ -155,7 +155,7 @@ impl Reader<'_> {
                 };
                 if !name.is_empty() {
                     let body_from_site = around.frame * placement;
-                    bodies[around.body].sites.push(Site { name, element, body_from_site });
+                    push(&mut bodies[around.body].sites, Site { name, element, body_from_site });
                 }
             }
             // Told by the account of what is not read.
@@ -235,6 +235,14 @@ impl Reader<'_> {
         }
         self.push(element.line, element.place, Treatment::Read, format!("{count} copies"));
     }
+}
+
+/// Adds to what a body has. Most have one of a kind, for which a vector would take memory of four.
+fn push<T>(list: &mut Vec<T>, item: T) {
+    if list.is_empty() {
+        list.reserve_exact(1);
+    }
+    list.push(item);
 }
 
 /// In the middle between two points, z from the second to the first.
