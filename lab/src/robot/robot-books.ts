@@ -12,7 +12,8 @@ export function robotBooks(): RobotReadings {
   const numbers = readings('Energy books', [
     ['t', 't', 's'], ['mass', 'mass', 'kg'], ['dof', 'freedoms', ''], ['K', 'K', 'J'], ['V', 'V', 'J'], ['E', 'E', 'J'],
     ['work', 'work put in', 'J'], ['lost', 'lost to damping', 'J'], ['friction', 'to friction', 'J'],
-    ['stops', 'to stops', 'J'], ['sliding', 'to sliding', 'J'], ['impacts', 'to impacts', 'J'], ['off', 'unaccounted', 'J'],
+    ['stops', 'to stops', 'J'], ['corrections', 'to corrections', 'J'], ['sliding', 'to sliding', 'J'], ['impacts', 'to impacts', 'J'],
+    ['off', 'unaccounted', 'J'],
   ]);
   const limited = html('p', { class: 'cost', hidden: true });
   return {
@@ -21,11 +22,12 @@ export function robotBooks(): RobotReadings {
       const cut = robot.stepsAtLimit;
       limited.hidden = cut === 0;
       if (cut > 0) limited.textContent = `In ${String(cut)} steps a torque was cut off at its effort limit.`;
-      const { kinetic, potential, energy, work, damping, friction, stops, sliding, impacts, unaccounted } = robot.books;
+      const { kinetic, potential, energy, work, damping, friction, stops, corrections, sliding, impacts, unaccounted } =
+        robot.books;
       numbers.draw({
         t: show(robot.time, 2), mass: show(robot.totalMass, 2), dof: String(robot.v.length), K: show(kinetic), V: show(potential),
         E: show(energy), work: show(work), lost: show(damping), friction: show(friction), stops: show(stops),
-        sliding: show(sliding), impacts: show(impacts), off: scientific(unaccounted),
+        corrections: show(corrections), sliding: show(sliding), impacts: show(impacts), off: scientific(unaccounted),
       });
     },
   };

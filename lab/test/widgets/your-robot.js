@@ -17,15 +17,12 @@ export default {
       const names = await person.section.getByRole('toolbar', { name: 'Robots' }).getByRole('button').allTextContents();
       assert.ok(names.length >= 14);
       await person.section.getByText('Method and gains').click();
-      await person.section.getByText('What acts').click();
       for (const name of names) {
         await shows(person, name);
         const { parts, spread } = await stage(person).evaluate(({ dataset }) => dataset);
         assert.ok(Number(parts) > 2, `${name}: ${parts} parts`);
         assert.ok(Number(spread) > 0.6 && Number(spread) <= 1, `${name} reaches to ${spread} of the picture`);
         await person.types('Step h', 0.5);
-        // Its pelvis and abdomen press on each other as it lands, and their energy is not yet accounted for to a thousandth.
-        if (name === 'Humanoid') await person.flips('Contacts between links');
         await person.press('Step');
         await person.press('Play');
         await person.waits(0.3);
@@ -37,7 +34,6 @@ export default {
         const through = await sum(person, ['K', 'lost', 'friction', 'stops', 'sliding', 'impacts']);
         const off = Math.abs(await person.reads('off'));
         assert.ok(off < 1e-3 * through + 1e-3, `${name}: ${off} J of ${through} J`);
-        if (name === 'Humanoid') await person.flips('Contacts between links');
       }
     }, { viewport: { width: 520, height: 640 } }),
 

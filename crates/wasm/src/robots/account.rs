@@ -36,6 +36,9 @@ pub struct RobotBooks {
     /// By stops.
     #[wasm_bindgen(readonly)]
     pub stops: f64,
+    /// By moving back what began a step beyond a stop or within another shape; negative where that put energy in.
+    #[wasm_bindgen(readonly)]
+    pub corrections: f64,
     /// By friction where it slides.
     #[wasm_bindgen(readonly)]
     pub sliding: f64,
@@ -92,7 +95,7 @@ impl Robot {
     #[wasm_bindgen(getter)]
     pub fn books(&self) -> RobotBooks {
         let (ledger, losses) = (self.simulation.ledger(), self.simulation.losses());
-        let Losses { damping, friction, stops, sliding, impacts, .. } =
+        let Losses { damping, friction, stops, corrections, sliding, impacts, .. } =
             losses.unwrap_or_else(|| everything_to_damping(ledger.dissipated()));
         RobotBooks {
             kinetic: ledger.kinetic(),
@@ -104,6 +107,7 @@ impl Robot {
             damping,
             friction,
             stops,
+            corrections,
             sliding,
             impacts,
             unaccounted: ledger.imbalance(),
