@@ -22,7 +22,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use multibody::simulator::{Effect, Method};
 use multibody::text::one_line;
-use multibody::{Controller, Model, Moment};
+use multibody::{Controller, Model, StepInfo};
 
 use self::csv::Beside;
 use self::files::Files;
@@ -173,10 +173,9 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     let mut observer = Observer { recorder, files, progress: &progress, steps, step: arguments.step };
     let clock = Instant::now();
     let controller = hold.as_mut().map(|hold| &mut hold.controller as &mut dyn Controller);
-    let ran =
-        run::run(arguments, &model, &start, (&mut setup, drive.as_ref()), steps, controller, |moment| {
-            observer.see(moment)
-        });
+    let ran = run::run(arguments, &model, &start, (&mut setup, drive.as_ref()), steps, controller, |info| {
+        observer.see(info)
+    });
     let seconds = clock.elapsed().as_secs_f64();
     progress.finish_and_clear();
 
@@ -283,14 +282,14 @@ struct Observer<'a> {
 }
 
 impl Observer<'_> {
-    fn see(&mut self, moment: &Moment<'_>) -> ControlFlow<()> {
-        self.recorder.see(moment);
-        let is_interrupted = interruption::interrupted() && moment.step < self.steps;
+    fn see(&mut self, info: &StepInfo<'_>) -> ControlFlow<()> {
+        self.recorder.see(info);
+        let is_interrupted = interruption::interrupted() && info.step < self.steps;
         // A sample between two instants is where a limit ended the run.
-        let is_stop = (moment.time - moment.step as f64 * self.step).abs() > 1e-9 * self.step;
-        self.files.see(moment, is_interrupted || is_stop || moment.step == self.steps)?;
-        if moment.step.is_multiple_of(1024) {
-            self.progress.set_position(moment.step as u64);
+        let is_stop = (info.time - info.step as f64 * self.step).abs() > 1e-9 * self.step;
+        self.files.see(info, is_interrupted || is_stop || info.step == self.steps)?;
+        if info.step.is_multiple_of(1024) {
+            self.progress.set_position(info.step as u64);
         }
         if is_interrupted { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

@@ -141,10 +141,10 @@ pub(crate) fn figure() -> Result<Figure, Box<dyn Error>> {
             &q,
             &v,
             10_000,
-            RunOptions::new().sample_every(0).observer(&mut |moment| {
-                let drift = constraint_drift(&model, workspace, &set, moment.q, moment.v);
-                gap.push((moment.time, drift.position));
-                energy.push((moment.time, moment.ledger.imbalance().abs() / moment.ledger.start().abs()));
+            RunOptions::new().sample_every(0).observer(&mut |info| {
+                let drift = constraint_drift(&model, workspace, &set, info.q, info.v);
+                gap.push((info.time, drift.position));
+                energy.push((info.time, info.ledger.imbalance().abs() / info.ledger.start().abs()));
                 ControlFlow::Continue(())
             }),
         )?;

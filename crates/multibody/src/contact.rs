@@ -33,7 +33,6 @@ pub use law::{ContactLaws, ContactViolation};
 pub use point::ContactPoint;
 pub use problem::{ContactLaw, ContactProblem};
 pub use soft::{ActiveSet, SoftConstraints, SoftContact};
-pub use touch::Touch;
 
 pub(crate) use cone_problem::{ConeProblem, Set};
 pub(crate) use equality::{EqualityRow, EqualityRows, Forbidden, Relation, Rolling, Site};
@@ -263,7 +262,7 @@ impl ContactSet {
         &self.left_out
     }
 
-    /// The links that can touch the ground, in the order of [`Moment::contact_forces`](crate::Moment::contact_forces).
+    /// The links that can touch the ground, in the order of [`StepInfo::contact_forces`](crate::StepInfo::contact_forces).
     pub fn links(&self) -> &[String] {
         &self.links
     }

@@ -165,7 +165,7 @@ pub use constraint::{
 };
 pub use contact::{
     ActiveSet, ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet,
-    ContactViolation, Ground, HeightField, SoftConstraints, SoftContact, Touch,
+    ContactViolation, Ground, HeightField, SoftConstraints, SoftContact,
 };
 pub use control::inverse_kinematics::{
     FrameTarget, InverseKinematicsError, InverseKinematicsOptions, InverseKinematicsSolution,
@@ -230,8 +230,8 @@ pub use motion::pullback::{
 };
 pub use motion::simulate::{
     ActuatedStepError, CallbackError, ConstantTorque, Controller, ControllerError, DivergenceCause, Event,
-    EventOccurrence, GravityAt, GravityCompensatedPd, Losses, Moment, Outcome, Run, RunError, RunFailure,
-    Sample, StepError, StepFault, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
+    EventOccurrence, GravityAt, GravityCompensatedPd, Losses, Outcome, Run, RunError, RunFailure, Sample,
+    StepError, StepFault, StepInfo, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
 };
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{

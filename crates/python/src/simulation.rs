@@ -19,7 +19,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use robot_dynamics::simulator::{RunOptions, Simulation, StepFailure};
 use robot_dynamics::{
-    CallbackError, ControllerError, Event, LinearizeStepWorkspace, Model, Moment, Run, StepForces,
+    CallbackError, ControllerError, Event, LinearizeStepWorkspace, Model, Run, StepForces, StepInfo,
     StepWorkspace, Stepper, linearize_by_differences, linearize_step,
 };
 
@@ -187,11 +187,11 @@ impl Robot {
         let mut run = |events: Vec<EventFields>| {
             let events = &mut events_of(self, events, stop_at_limits);
             let last = steps;
-            let mut observer = |moment: &Moment<'_>| {
+            let mut observer = |info: &StepInfo<'_>| {
                 let is_kept =
-                    moment.step == last || (sample_every > 0 && moment.step.is_multiple_of(sample_every));
-                if is_kept || moment.step == 0 {
-                    actuators.extend_from_slice(moment.actuator_forces);
+                    info.step == last || (sample_every > 0 && info.step.is_multiple_of(sample_every));
+                if is_kept || info.step == 0 {
+                    actuators.extend_from_slice(info.actuator_forces);
                 }
                 watch.look()
             };

@@ -79,11 +79,11 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
         &READY,
         &rest,
         2000,
-        RunOptions::new().sample_every(0).controller(&mut control).observer(&mut |moment| {
-            let hand = frame_pose(&model, workspace, moment.q, frame).translation;
-            let wanted = circle(moment.time).position;
-            let used = moment.tau.iter().zip(&limits).map(|(tau, limit)| tau / limit.effort).collect();
-            moments.push((moment.time, std::array::from_fn(|k| hand[k] - wanted[k]), used));
+        RunOptions::new().sample_every(0).controller(&mut control).observer(&mut |info| {
+            let hand = frame_pose(&model, workspace, info.q, frame).translation;
+            let wanted = circle(info.time).position;
+            let used = info.tau.iter().zip(&limits).map(|(tau, limit)| tau / limit.effort).collect();
+            moments.push((info.time, std::array::from_fn(|k| hand[k] - wanted[k]), used));
             ControlFlow::Continue(())
         }),
     )?;

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use multibody::text::csv_cell;
-use multibody::{Losses, Model, Moment};
+use multibody::{Losses, Model, StepInfo};
 
 use crate::columns::{self, Column};
 use crate::output_file::OutputFile;
@@ -73,25 +73,25 @@ impl CsvFile {
     }
 
     /// The row of this moment, if it is its turn or the last.
-    pub(crate) fn see(&mut self, moment: &Moment<'_>, is_last: bool) -> std::io::Result<()> {
+    pub(crate) fn see(&mut self, info: &StepInfo<'_>, is_last: bool) -> std::io::Result<()> {
         use std::fmt::Write as _;
-        if !moment.step.is_multiple_of(self.every) && !is_last || self.rows > 0 && moment.step == self.last {
+        if !info.step.is_multiple_of(self.every) && !is_last || self.rows > 0 && info.step == self.last {
             return Ok(());
         }
-        let ledger = moment.ledger;
+        let ledger = info.ledger;
         let energies =
             [ledger.kinetic(), ledger.potential(), ledger.kinetic() + ledger.potential(), ledger.imbalance()];
         self.line.clear();
-        let _ = write!(self.line, "{:?}", moment.time);
-        let losses = numbers(&moment.losses.unwrap_or_default());
-        let (losses, contact) = (&losses[..self.losses], moment.contact_forces.as_flattened());
-        for x in [moment.q, moment.v, moment.tau, &energies, losses, contact].into_iter().flatten() {
+        let _ = write!(self.line, "{:?}", info.time);
+        let losses = numbers(&info.losses.unwrap_or_default());
+        let (losses, contact) = (&losses[..self.losses], info.contact_forces.as_flattened());
+        for x in [info.q, info.v, info.tau, &energies, losses, contact].into_iter().flatten() {
             // The shortest digits that read back as the same number.
             let _ = write!(self.line, ",{x:?}");
         }
         self.line.push('\n');
         self.file.write_all(self.line.as_bytes())?;
-        (self.last, self.rows) = (moment.step, self.rows + 1);
+        (self.last, self.rows) = (info.step, self.rows + 1);
         Ok(())
     }
 

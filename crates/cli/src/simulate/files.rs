@@ -4,7 +4,7 @@ use std::io::{self, ErrorKind, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use multibody::{Model, Moment};
+use multibody::{Model, StepInfo};
 
 use super::csv::{Beside, CsvFile};
 use super::plot::Plot;
@@ -66,12 +66,12 @@ impl Files {
     }
 
     /// Writes the row of this moment; breaks off when it cannot be written.
-    pub(crate) fn see(&mut self, moment: &Moment<'_>, is_last: bool) -> ControlFlow<()> {
+    pub(crate) fn see(&mut self, info: &StepInfo<'_>, is_last: bool) -> ControlFlow<()> {
         let Some((csv, _)) = &mut self.csv else { return ControlFlow::Continue(()) };
-        match csv.see(moment, is_last) {
+        match csv.see(info, is_last) {
             Ok(()) => ControlFlow::Continue(()),
             Err(error) => {
-                self.trouble = Some((error, moment.time));
+                self.trouble = Some((error, info.time));
                 ControlFlow::Break(())
             }
         }

@@ -1,7 +1,7 @@
 //! What is kept of a run, however long: thinned samples for the plot and the table, and the extremes.
 
 use dynamics::EnergyLedger;
-use multibody::{Model, Moment};
+use multibody::{Model, StepInfo};
 
 use super::csv::numbers;
 
@@ -72,11 +72,11 @@ impl Recorder {
     }
 
     /// Takes note of one moment.
-    pub(crate) fn see(&mut self, moment: &Moment<'_>) {
+    pub(crate) fn see(&mut self, info: &StepInfo<'_>) {
         // Compiled unoptimised, as the command is, an index is much faster than an iterator, and a comparison than a call.
         let (extremes, limits, mut k) = (&mut self.extremes[..], &self.limits[..], 0);
-        while k < moment.q.len() {
-            let (q, extremes, (lower, upper)) = (moment.q[k], &mut extremes[k], limits[k]);
+        while k < info.q.len() {
+            let (q, extremes, (lower, upper)) = (info.q[k], &mut extremes[k], limits[k]);
             if q < extremes.least {
                 extremes.least = q;
             }
@@ -84,28 +84,28 @@ impl Recorder {
                 extremes.most = q;
             }
             if (q < lower || q > upper) && extremes.left_limits.is_none() {
-                extremes.left_limits = Some(moment.time);
+                extremes.left_limits = Some(info.time);
             }
             k += 1;
         }
         let (peaks, mut k) = (&mut self.peak_speed[..], 0);
-        while k < moment.v.len() {
-            let speed = if moment.v[k] < 0.0 { -moment.v[k] } else { moment.v[k] };
+        while k < info.v.len() {
+            let speed = if info.v[k] < 0.0 { -info.v[k] } else { info.v[k] };
             if speed > peaks[k] {
                 peaks[k] = speed;
             }
             k += 1;
         }
-        self.worst_error = self.worst_error.max(moment.ledger.imbalance().abs());
-        self.is_apart = !moment.step.is_multiple_of(self.stride);
+        self.worst_error = self.worst_error.max(info.ledger.imbalance().abs());
+        self.is_apart = !info.step.is_multiple_of(self.stride);
         if self.is_apart {
             match &mut self.latest {
-                Some(latest) => latest.take(moment, self.worst_error),
-                None => self.latest = Some(Sample::of(moment, self.worst_error)),
+                Some(latest) => latest.take(info, self.worst_error),
+                None => self.latest = Some(Sample::of(info, self.worst_error)),
             }
             return;
         }
-        self.samples.push(Sample::of(moment, self.worst_error));
+        self.samples.push(Sample::of(info, self.worst_error));
         self.worst_error = 0.0;
         if self.samples.len() == 2 * MOST {
             self.thin();
@@ -158,26 +158,26 @@ impl Recorder {
 }
 
 impl Sample {
-    fn of(moment: &Moment<'_>, worst_error: f64) -> Self {
-        let contact = vec![0.0; moment.contact_forces.len()];
+    fn of(info: &StepInfo<'_>, worst_error: f64) -> Self {
+        let contact = vec![0.0; info.contact_forces.len()];
         let (time, kinetic, potential, error, losses) = (0.0, 0.0, 0.0, 0.0, [0.0; 6]);
         let mut sample =
-            Self { time, q: moment.q.to_vec(), kinetic, potential, error, worst_error, losses, contact };
-        sample.take(moment, worst_error);
+            Self { time, q: info.q.to_vec(), kinetic, potential, error, worst_error, losses, contact };
+        sample.take(info, worst_error);
         sample
     }
 
-    fn take(&mut self, moment: &Moment<'_>, worst_error: f64) {
-        self.time = moment.time;
-        self.q.copy_from_slice(moment.q);
-        self.kinetic = moment.ledger.kinetic();
-        self.potential = moment.ledger.potential();
-        self.error = moment.ledger.imbalance();
+    fn take(&mut self, info: &StepInfo<'_>, worst_error: f64) {
+        self.time = info.time;
+        self.q.copy_from_slice(info.q);
+        self.kinetic = info.ledger.kinetic();
+        self.potential = info.ledger.potential();
+        self.error = info.ledger.imbalance();
         self.worst_error = worst_error;
-        self.losses = numbers(&moment.losses.unwrap_or_default());
+        self.losses = numbers(&info.losses.unwrap_or_default());
         let (sizes, mut k) = (&mut self.contact[..], 0);
         while k < sizes.len() {
-            let [x, y, z] = moment.contact_forces[k];
+            let [x, y, z] = info.contact_forces[k];
             sizes[k] = (x * x + y * y + z * z).sqrt();
             k += 1;
         }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use multibody::simulator::{Method, MethodError, RunOptions, StepFailure};
 use multibody::{
-    AdaptiveRecord, AdaptiveStepError, Controller, Event, Model, Moment, Run, RunError, SingularMass,
+    AdaptiveRecord, AdaptiveStepError, Controller, Event, Model, Run, RunError, SingularMass, StepInfo,
 };
 
 use super::Arguments;
@@ -31,7 +31,7 @@ pub(crate) fn run(
     (setup, drive): (&mut Setup, Option<&Drive>),
     steps: usize,
     controller: Option<&mut dyn Controller>,
-    mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+    mut observer: impl FnMut(&StepInfo<'_>) -> ControlFlow<()>,
 ) -> Ran {
     let simulation = &mut setup.simulation;
     let mut limits = stops(arguments, model);

@@ -275,9 +275,9 @@ fn the_posture_keeps_the_elbow() -> Tested {
             &READY,
             push.as_slice(),
             10_000,
-            RunOptions::new().sample_every(0).controller(&mut control).observer(&mut |moment| {
-                farthest = crate::common::max_difference(moment.q, &READY).max(farthest);
-                let x = frame_pose(&model, w, moment.q, hand).translation;
+            RunOptions::new().sample_every(0).controller(&mut control).observer(&mut |info| {
+                farthest = crate::common::max_difference(info.q, &READY).max(farthest);
+                let x = frame_pose(&model, w, info.q, hand).translation;
                 off = crate::common::max_difference(&x, &place).max(off);
                 ControlFlow::Continue(())
             }),
@@ -386,8 +386,8 @@ fn a_moving_pose_is_followed() -> Tested {
         &READY,
         &[0.0; 7],
         3000,
-        RunOptions::new().sample_every(0).controller(&mut control).observer(&mut |moment| {
-            let (found, wanted) = (frame_pose(&model, w, moment.q, hand), reference(moment.time).pose);
+        RunOptions::new().sample_every(0).controller(&mut control).observer(&mut |info| {
+            let (found, wanted) = (frame_pose(&model, w, info.q, hand), reference(info.time).pose);
             off = off.max(crate::common::max_difference(&found.translation, &wanted.translation));
             off = off.max(angle_between(&found.rotation, &wanted.rotation));
             ControlFlow::Continue(())

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use dynamics::{Integrator, MassProperties};
 use multibody::simulator::{Method, RunOptions, SimulationBuilder};
 use multibody::{
-    ActuatorDescription, JointDescription, JointKind, LinkDescription, Model, Moment, Pose, RobotDescription,
-    Transmission, pendulum,
+    ActuatorDescription, JointDescription, JointKind, LinkDescription, Model, Pose, RobotDescription,
+    StepInfo, Transmission, pendulum,
 };
 use nalgebra::Vector3;
 
@@ -49,8 +49,8 @@ impl Impulse {
         Self { h, range, sum: 0.0, largest: 0.0 }
     }
 
-    fn see(&mut self, moment: &Moment<'_>) -> ControlFlow<()> {
-        let ([force], [torque]) = (moment.actuator_forces, moment.actuator_torques) else {
+    fn see(&mut self, info: &StepInfo<'_>) -> ControlFlow<()> {
+        let ([force], [torque]) = (info.actuator_forces, info.actuator_torques) else {
             panic!("one actuator on one coordinate");
         };
         if self.range.is_infinite() {
@@ -68,7 +68,7 @@ fn by_method(model: &Model, steps: usize, method: Method) -> f64 {
     let mut impulse = Impulse::new(DURATION / steps as f64, f64::INFINITY);
     let mut simulation = SimulationBuilder::new(model).method(method).step(impulse.h).build().unwrap();
     simulation.set_controls(&[0.8]);
-    let mut see = |moment: &Moment<'_>| impulse.see(moment);
+    let mut see = |info: &StepInfo<'_>| impulse.see(info);
     let run = simulation.run(steps, RunOptions::new().observer(&mut see)).unwrap();
     assert!(run.v[0].abs() > 0.1 && impulse.largest > 1.0, "{} {}", run.v[0], impulse.largest);
     (impulse.sum - MASS * run.v[0]).abs()
@@ -79,7 +79,7 @@ fn by_explicit(model: &Model, steps: usize, range: f64) -> (f64, f64) {
     let row = Method::Fixed(Integrator::RungeKutta4);
     let mut simulation = SimulationBuilder::new(model).step(impulse.h).method(row).build().unwrap();
     simulation.set_controls(&[0.8]);
-    let mut see = |moment: &Moment<'_>| impulse.see(moment);
+    let mut see = |info: &StepInfo<'_>| impulse.see(info);
     let run = simulation.run(steps, RunOptions::new().observer(&mut see)).unwrap();
     ((impulse.sum - MASS * run.v[0]).abs(), impulse.largest)
 }
@@ -129,8 +129,8 @@ fn at_rest_actuators_carry_the_weight() {
     let mut last = 0.0;
     let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).step(1e-2).build().unwrap();
     simulation.set_controls(&[1.0]);
-    let mut observer = |moment: &Moment<'_>| {
-        last = moment.actuator_torques[0];
+    let mut observer = |info: &StepInfo<'_>| {
+        last = info.actuator_torques[0];
         ControlFlow::Continue(())
     };
     let run = simulation.run(2000, RunOptions::new().observer(&mut observer)).unwrap();

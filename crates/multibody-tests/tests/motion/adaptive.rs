@@ -13,7 +13,7 @@ use multibody::simulator::{
 use multibody::{
     AdaptiveMethod, AdaptiveOptions, AdaptiveOptionsError, AdaptiveStepError, Base, ConstantTorque,
     ControlTiming, Controller, Event, GravityCompensatedPd, JointDescription, JointKind, Limits,
-    LinkDescription, Model, Moment, PassiveForces, Pose, RobotDescription, Run, RunError, RunFailure,
+    LinkDescription, Model, PassiveForces, Pose, RobotDescription, Run, RunError, RunFailure, StepInfo,
     StepStatistics, ZeroTorque, difference, neutral, random_state,
 };
 use nalgebra::{Matrix3, Vector3};
@@ -269,8 +269,8 @@ fn crossings_within_a_step_are_found() {
 #[test]
 fn an_interrupted_run_keeps_what_it_did() {
     let model = pendulum();
-    let mut stop = |moment: &Moment<'_>| {
-        if moment.step == 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    let mut stop = |info: &StepInfo<'_>| {
+        if info.step == 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let run = free(&model, to(1e-9), 0.1)
         .run_from(&[0.3], &[0.0], 100, RunOptions::new().observer(&mut stop))

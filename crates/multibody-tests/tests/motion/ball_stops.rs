@@ -39,8 +39,8 @@ fn a_pendulum_comes_to_rest_at_its_limit() {
     let start = 0.05_f64;
     let q = [0.6 * (0.5 * start).sin(), 0.8 * (0.5 * start).sin(), 0.0, (0.5 * start).cos()];
     for ground in [None, Some(Ground::level(-10.0))] {
-        let run = run_watched(implicit_over(&model, ground), (&q, &[0.0; 3]), (1e-3, 3000), |moment| {
-            assert!(angle(moment.q) < most + 1e-8, "{}", angle(moment.q) - most);
+        let run = run_watched(implicit_over(&model, ground), (&q, &[0.0; 3]), (1e-3, 3000), |info| {
+            assert!(angle(info.q) < most + 1e-8, "{}", angle(info.q) - most);
         });
         assert!((angle(&run.q) - most).abs() < 1e-8, "{}", angle(&run.q) - most);
         assert!(run.v.iter().all(|v| v.abs() < 1e-9), "{:?}", run.v);

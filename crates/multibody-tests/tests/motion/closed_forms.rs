@@ -43,9 +43,9 @@ fn bouncing_error(h: f64, steps: usize) -> f64 {
     let contacts = ContactSet::new(&model, &[ground]).unwrap();
     let energy = 10.0 * G * 5.0;
     let (mut sum, mut count) = (0.0, 0);
-    run_on(&model, contacts, (&placed(&[[0.0, 0.0, 5.0]]), &[0.0; 6]), (h, steps), |moment| {
-        let speed: f64 = moment.v[..3].iter().map(|v| v * v).sum();
-        let own = 5.0 * speed + 10.0 * G * moment.q[2];
+    run_on(&model, contacts, (&placed(&[[0.0, 0.0, 5.0]]), &[0.0; 6]), (h, steps), |info| {
+        let speed: f64 = info.v[..3].iter().map(|v| v * v).sum();
+        let own = 5.0 * speed + 10.0 * G * info.q[2];
         sum += (49.0 * (own - energy)).powi(2);
         count += 1;
     });
@@ -90,9 +90,9 @@ fn depth_error(n: usize, (h, steps): (f64, usize)) -> (f64, f64, f64) {
         (0..n * n * n).map(of).sum::<f64>()
     };
     let (mut before, mut rise) = (f64::INFINITY, 0.0_f64);
-    run_on(&model, contacts, (&placed(&at), &vec![0.0; 6 * at.len()]), (h, steps), |moment| {
+    run_on(&model, contacts, (&placed(&at), &vec![0.0; 6 * at.len()]), (h, steps), |info| {
         let center = |k: usize| {
-            let q = &moment.q[7 * k..];
+            let q = &info.q[7 * k..];
             Vector3::new(q[0] + 10.0 * k as f64, q[1], q[2])
         };
         for k in 0..n * n * n {
@@ -104,7 +104,7 @@ fn depth_error(n: usize, (h, steps): (f64, usize)) -> (f64, f64, f64) {
             }
         }
         count += 1;
-        let now = energy(moment.q, moment.v);
+        let now = energy(info.q, info.v);
         rise = rise.max(now - before);
         before = now;
     });
@@ -182,11 +182,11 @@ fn elastic(n: usize, (h, steps): (f64, usize)) {
     let start = energy(&q, &rest);
     let (mut sum, mut seen, mut bounces) = (0.0, 0, 0);
     let mut down = 0.0;
-    let run = run_on(&model, contacts, (&q, &rest), (h, steps), |moment| {
-        sum += (energy(moment.q, moment.v) - start).powi(2);
+    let run = run_on(&model, contacts, (&q, &rest), (h, steps), |info| {
+        sum += (energy(info.q, info.v) - start).powi(2);
         seen += 1;
-        bounces += usize::from(down < 0.0 && moment.v[2] > 0.0);
-        down = moment.v[2];
+        bounces += usize::from(down < 0.0 && info.v[2] > 0.0);
+        down = info.v[2];
     });
     let error = sum / f64::from(seen);
     println!(
@@ -283,13 +283,13 @@ fn painleves_rod_jams_without_gaining_energy() {
     };
     let first = energy(&q, &v);
     let (mut before, mut rise, mut after_one) = (first, 0.0_f64, None);
-    let run = run_on(&model, contacts, (&q, &v), (1e-3, 1000), |moment| {
-        let now = energy(moment.q, moment.v);
+    let run = run_on(&model, contacts, (&q, &v), (1e-3, 1000), |info| {
+        let now = energy(info.q, info.v);
         (rise, before) = (rise.max(now - before), now);
-        if moment.step == 1 {
-            after_one = Some((now, moment.v.to_vec()));
+        if info.step == 1 {
+            after_one = Some((now, info.v.to_vec()));
         }
-        assert!(moment.q[2] > -1e-9, "{:?}", moment.q);
+        assert!(info.q[2] > -1e-9, "{:?}", info.q);
     });
     let laws = run.contact_laws.unwrap();
     println!(
@@ -364,14 +364,14 @@ fn roll(side: usize, (h, steps): (f64, usize)) {
             &q,
             &vec![0.0; 6 * (count + 1)],
             steps,
-            RunOptions::new().sample_every(0).controller(&mut ConstantTorque(tau)).observer(&mut |moment| {
+            RunOptions::new().sample_every(0).controller(&mut ConstantTorque(tau)).observer(&mut |info| {
                 for (body, rate) in [(0, rates[0]), (count, rates[1])] {
                     // Linear velocity along the body's axes.
-                    let turn = &moment.q[7 * body + 3..7 * body + 7];
+                    let turn = &info.q[7 * body + 3..7 * body + 7];
                     let turn =
                         UnitQuaternion::from_quaternion(Quaternion::new(turn[3], turn[0], turn[1], turn[2]));
-                    let v = turn * Vector3::from_column_slice(&moment.v[6 * body..6 * body + 3]);
-                    let expected = Vector3::new(direction[0], direction[1], 0.0) * (rate * moment.time);
+                    let v = turn * Vector3::from_column_slice(&info.v[6 * body..6 * body + 3]);
+                    let expected = Vector3::new(direction[0], direction[1], 0.0) * (rate * info.time);
                     sum += (v - expected).norm_squared();
                 }
                 seen += 1;

@@ -9,9 +9,9 @@ use crate::dropped::{body, implicit_on, run_on, stepper};
 use dynamics::{IntegratorError, SplitMix64};
 use multibody::simulator::RunOptions;
 use multibody::{
-    Base, ContactError, ContactSet, Ground, JointKinds, LinkShape, Model, Moment, Pose, RandomRobotOptions,
-    RobotDescription, Run, Shape, ShapeRole, StepForces, StepWorkspace, Stepper, Surface, Workspace, neutral,
-    pendulum, random_robot,
+    Base, ContactError, ContactSet, Ground, JointKinds, LinkShape, Model, Pose, RandomRobotOptions,
+    RobotDescription, Run, Shape, ShapeRole, StepForces, StepInfo, StepWorkspace, Stepper, Surface,
+    Workspace, neutral, pendulum, random_robot,
 };
 use nalgebra::Vector3;
 
@@ -26,7 +26,7 @@ fn run_watched(
     ground: Ground,
     state: (&[f64], &[f64]),
     steps: (f64, usize),
-    watch: impl FnMut(&Moment<'_>),
+    watch: impl FnMut(&StepInfo<'_>),
 ) -> Run {
     let model = Model::new(robot.clone()).unwrap();
     let contacts = ContactSet::new(&model, &[ground]).unwrap();
@@ -74,12 +74,12 @@ fn a_ball_slides_and_then_rolls() {
     let ground = Ground::level(0.0).with_friction(friction);
     let rolls_at = 2.0 * speed / (7.0 * friction * G);
     let mut highest = 0.0_f64;
-    let run = run_watched(&ball, ground, (&state.0, &state.1), (1e-3, 800), |moment| {
-        highest = highest.max((moment.q[2] - radius).abs());
-        let along = (moment.q[0], moment.time);
-        if moment.time > rolls_at + 2e-3 {
+    let run = run_watched(&ball, ground, (&state.0, &state.1), (1e-3, 800), |info| {
+        highest = highest.max((info.q[2] - radius).abs());
+        let along = (info.q[0], info.time);
+        if info.time > rolls_at + 2e-3 {
             // v is along the ball's own axes, which turn.
-            let (linear, spin) = (Vector3::from_row_slice(&moment.v[..3]).norm(), moment.v[4]);
+            let (linear, spin) = (Vector3::from_row_slice(&info.v[..3]).norm(), info.v[4]);
             assert!((linear - 5.0 / 7.0 * speed).abs() < 3e-4, "{linear} at {along:?}");
             assert!((spin * radius - linear).abs() < 1e-9, "{spin}");
         }
@@ -119,8 +119,8 @@ fn a_ball_bounces() {
     let state = ([0.0, 0.0, radius + height, 0.0, 0.0, 0.0, 1.0], [0.0; 6]);
     let ground = Ground::level(0.0).with_restitution(restitution);
     let (mut peaks, mut last) = (Vec::new(), [f64::INFINITY; 2]);
-    run_watched(&ball, ground, (&state.0, &state.1), (1e-3, 1500), |moment| {
-        let z = moment.q[2] - radius;
+    run_watched(&ball, ground, (&state.0, &state.1), (1e-3, 1500), |info| {
+        let z = info.q[2] - radius;
         if last[0] <= last[1] && last[1] > z && last[1].is_finite() {
             peaks.push(last[1]);
         }
@@ -172,9 +172,9 @@ fn a_ball_at_rest_is_carried_in_every_step() {
             let (angle, height) = (0.03 * f64::from(k), 0.1 + 0.37 * f64::from(k));
             let level = (Ground::level(height), [0.0, 0.0, height + radius, 0.0, 0.0, 0.0, 1.0]);
             for (ground, q) in [level, (Ground::slope(angle).unwrap(), on_slope(angle, radius))] {
-                let run = run_watched(&ball, ground, (&q, &[0.0; 6]), (1e-3, 200), |moment| {
-                    let force = Vector3::from(moment.contact_forces[0]);
-                    let (normal, step) = (Vector3::from(ground.normal), moment.step);
+                let run = run_watched(&ball, ground, (&q, &[0.0; 6]), (1e-3, 200), |info| {
+                    let force = Vector3::from(info.contact_forces[0]);
+                    let (normal, step) = (Vector3::from(ground.normal), info.step);
                     // The force is found to 1e-11 of the weight; that of a step without it would be 0.
                     let off = normal.dot(&force) - G * normal.z;
                     assert!(off.abs() < 1e-9 || step == 0, "R {radius}, {ground:?}, step {step}: {force:?}");
@@ -207,10 +207,10 @@ fn shapes_fall_and_come_to_rest() {
             q[3..].iter_mut().for_each(|q| *q /= norm);
             let v: [f64; 6] = std::array::from_fn(|_| random.uniform(-2.0, 2.0));
             let (mut deepest, mut lost) = (0.0_f64, 0.0);
-            let run = run_watched(&robot, Ground::level(0.1), (&q, &v), (1e-3, 4000), |moment| {
-                let gap = contacts.clearance(&model, &mut workspace, moment.q).unwrap();
+            let run = run_watched(&robot, Ground::level(0.1), (&q, &v), (1e-3, 4000), |info| {
+                let gap = contacts.clearance(&model, &mut workspace, info.q).unwrap();
                 deepest = deepest.min(gap);
-                let dissipated = moment.ledger.dissipated();
+                let dissipated = info.ledger.dissipated();
                 assert!(dissipated >= lost, "{shape:?} {seed}: {dissipated} after {lost}");
                 lost = dissipated;
             });
@@ -263,8 +263,8 @@ fn random_robots_fall() {
         q[2] += 0.2 - contacts.clearance(&model, &mut workspace, &q).unwrap();
         let mut deepest = 0.0_f64;
         let run =
-            run_watched(&robot, Ground::level(0.0), (&q, &vec![0.0; model.nv()]), (1e-3, 1500), |moment| {
-                deepest = deepest.min(contacts.clearance(&model, &mut workspace, moment.q).unwrap());
+            run_watched(&robot, Ground::level(0.0), (&q, &vec![0.0; model.nv()]), (1e-3, 1500), |info| {
+                deepest = deepest.min(contacts.clearance(&model, &mut workspace, info.q).unwrap());
             });
         assert!(deepest > -1e-4, "seed {seed}: {deepest}");
         assert!(run.ledger.max_imbalance() < 0.05 * run.ledger.scale(), "seed {seed}: {:?}", run.ledger);
@@ -276,8 +276,8 @@ fn random_robots_fall() {
 fn a_body_in_the_ground_comes_back() {
     let q = [0.0, 0.0, 0.03, 0.0, 0.0, 0.0, 1.0]; // 2 cm deep
     let mut fastest = 0.0_f64;
-    let run = run_watched(&brick(), Ground::level(0.0), (&q, &[0.0; 6]), (1e-3, 1000), |moment| {
-        fastest = fastest.max(moment.v[2]);
+    let run = run_watched(&brick(), Ground::level(0.0), (&q, &[0.0; 6]), (1e-3, 1000), |info| {
+        fastest = fastest.max(info.v[2]);
     });
     let left = 0.05 - run.q[2];
     assert!((left - 0.02 * (-10.0_f64).exp()).abs() < 1e-9, "{left}");
@@ -365,8 +365,8 @@ fn a_flag_ends_a_run() {
             &q,
             &[0.0; 6],
             100,
-            RunOptions::new().sample_every(0).observer(&mut |moment| {
-                flag.store(moment.step == 30, Ordering::Relaxed);
+            RunOptions::new().sample_every(0).observer(&mut |info| {
+                flag.store(info.step == 30, Ordering::Relaxed);
                 ControlFlow::Continue(())
             }),
         )

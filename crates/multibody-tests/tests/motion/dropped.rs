@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use dynamics::MassProperties;
 use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder, SimulationStepper};
 use multibody::{
-    Base, ContactSet, Ground, LinkDescription, LinkShape, Model, Moment, Pose, RobotDescription, Run, Shape,
-    ShapeRole,
+    Base, ContactSet, Ground, LinkDescription, LinkShape, Model, Pose, RobotDescription, Run, Shape,
+    ShapeRole, StepInfo,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -48,11 +48,11 @@ pub(crate) fn run_watched(
     builder: SimulationBuilder<'_>,
     (q, v): (&[f64], &[f64]),
     (h, steps): (f64, usize),
-    mut watch: impl FnMut(&Moment<'_>),
+    mut watch: impl FnMut(&StepInfo<'_>),
 ) -> Run {
     let mut simulation = builder.step(h).build().unwrap();
-    let mut observer = |moment: &Moment<'_>| {
-        watch(moment);
+    let mut observer = |info: &StepInfo<'_>| {
+        watch(info);
         ControlFlow::Continue(())
     };
     simulation.run_from(q, v, steps, RunOptions::new().sample_every(0).observer(&mut observer)).unwrap()
@@ -64,7 +64,7 @@ pub(crate) fn run_on(
     contacts: ContactSet,
     state: (&[f64], &[f64]),
     steps: (f64, usize),
-    watch: impl FnMut(&Moment<'_>),
+    watch: impl FnMut(&StepInfo<'_>),
 ) -> Run {
     run_watched(implicit_on(model, contacts), state, steps, watch)
 }

@@ -5,10 +5,10 @@ use dynamics::{IntegratorError, KnifeEdge, MassProperties, PlanarBody, SplitMix6
 use multibody::simulator::{Method, MethodError, RunOptions, SimulationBuilder};
 use multibody::{
     Base, Closure, ClosureRow, Constraint, ConstraintOptions, ConstraintSet, ContactSet, Coupling,
-    DriftCorrection, Ground, JointDescription, JointKind, Limits, LinkDescription, LinkShape, Model, Moment,
-    NoSlip, PassiveForces, PolynomialCoupling, Pose, RandomRobotOptions, RobotDescription, RollingDisc, Run,
-    RunError, Shape, ShapeRole, StepForces, StepWorkspace, Stepper, Workspace, admm, constraint_drift,
-    difference, neutral, project_position, project_velocity, random_robot, random_state,
+    DriftCorrection, Ground, JointDescription, JointKind, Limits, LinkDescription, LinkShape, Model, NoSlip,
+    PassiveForces, PolynomialCoupling, Pose, RandomRobotOptions, RobotDescription, RollingDisc, Run,
+    RunError, Shape, ShapeRole, StepForces, StepInfo, StepWorkspace, Stepper, Workspace, admm,
+    constraint_drift, difference, neutral, project_position, project_velocity, random_robot, random_state,
 };
 use nalgebra::{Matrix3, Vector3, vector};
 
@@ -168,8 +168,8 @@ fn a_gear_beside_stops_friction_and_ground() {
         let make = |model: &Model, set: &ConstraintSet| implicit_over(model, ground).constraints(set.clone());
         let a = (masses[1] - masses[0]) / total * G;
         let (model, set) = hoist(masses, PassiveForces::default(), Limits::default());
-        let run = run_watched(make(&model, &set), (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |moment| {
-            assert!((moment.q[0] + moment.q[1]).abs() < 1e-12, "{:?}", moment.q);
+        let run = run_watched(make(&model, &set), (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |info| {
+            assert!((info.q[0] + info.q[1]).abs() < 1e-12, "{:?}", info.q);
         });
         assert!(
             (run.v[0] - a).abs() < 1e-11 && (run.q[0] - 0.5 * a).abs() < 1e-11,
@@ -231,9 +231,9 @@ fn a_ring_against_its_stop() {
     let [a, b] = ["a", "b"].map(|frame| model.frame(frame).unwrap());
     let set = ConstraintSet::new(&model, [("pin", Closure::between(a, b, &Closure::BALL).into())]).unwrap();
     let mut most = f64::NEG_INFINITY;
-    let run = run_watched(held(&model, &set), (&q, &[0.0; 3]), (1e-3, 5000), |moment| {
-        most = most.max(moment.q[2]);
-        let drift = constraint_drift(&model, &mut Workspace::new(&model), &set, moment.q, moment.v);
+    let run = run_watched(held(&model, &set), (&q, &[0.0; 3]), (1e-3, 5000), |info| {
+        most = most.max(info.q[2]);
+        let drift = constraint_drift(&model, &mut Workspace::new(&model), &set, info.q, info.v);
         assert!(drift.position < 1e-11, "{drift:?}");
     });
     assert!(most < q[2] + 0.3 + 1e-9 && (run.q[2] - most).abs() < 1e-9, "{most} {:?}", run.q);
@@ -292,12 +292,12 @@ fn a_weld_is_one_body() {
     let mut both_v = v.to_vec();
     both_v.extend([v[0] + v[4] * 0.25, v[1] - v[3] * 0.25, v[2], v[3], v[4], v[5]]);
     let (h, mut flight, mut ends) = (1e-3, Vec::new(), Vec::new());
-    let note = |list: &mut Vec<Vec<f64>>, moment: &Moment<'_>| list.push(moment.q[..7].to_vec());
-    let alone = run_watched(implicit_on(&one, contacts(&one)), (&q, &v), (h, 3000), |moment| {
-        note(&mut flight, moment);
+    let note = |list: &mut Vec<Vec<f64>>, info: &StepInfo<'_>| list.push(info.q[..7].to_vec());
+    let alone = run_watched(implicit_on(&one, contacts(&one)), (&q, &v), (h, 3000), |info| {
+        note(&mut flight, info);
     });
     let welded = implicit_on(&two, contacts(&two)).constraints(set.clone());
-    let run = run_watched(welded, (&both_q, &both_v), (h, 3000), |moment| note(&mut ends, moment));
+    let run = run_watched(welded, (&both_q, &both_v), (h, 3000), |info| note(&mut ends, info));
     // In the air, and through the first impact.
     for step in [0, 100, 150] {
         let off = flight[step].iter().zip(&ends[step]).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));

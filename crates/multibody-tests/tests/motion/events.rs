@@ -8,14 +8,14 @@ use dynamics::{Integrator, MassProperties, SplitMix64};
 use multibody::simulator::{Effect, Method, RunOptions, Simulation, SimulationBuilder};
 use multibody::{
     Base, ConstraintOptions, ConstraintSet, Coupling, DriftCorrection, Event, JointDescription, JointKind,
-    LinkDescription, Model, Moment, PassiveForces, Pose, RobotDescription, Run, RunError, StepForces,
+    LinkDescription, Model, PassiveForces, Pose, RobotDescription, Run, RunError, StepForces, StepInfo,
     StepWorkspace, difference, neutral, random_state, step,
 };
 use nalgebra::{Matrix3, Vector3};
 
 /// An observer that ends the run.
-fn until(end: f64) -> impl Fn(&Moment<'_>) -> ControlFlow<()> {
-    move |moment| if moment.time < end { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+fn until(end: f64) -> impl Fn(&StepInfo<'_>) -> ControlFlow<()> {
+    move |info| if info.time < end { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
 }
 
 fn simulation(model: &Model, integrator: Integrator, step: f64) -> Simulation {

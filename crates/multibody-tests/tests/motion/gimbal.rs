@@ -43,8 +43,8 @@ fn a_stop_at_the_pole_makes_no_energy() {
     for run in 0..20 {
         let v: Vec<f64> = (0..model.nv()).map(|_| random.uniform(-10.0, 10.0)).collect();
         let q = vec![0.0; model.nq()];
-        let run_of = run_watched(implicit_over(&model, None), (&q, &v), (1e-3, 2000), |moment| {
-            met += usize::from(moment.q[1].max(moment.q[5]) > 1.57);
+        let run_of = run_watched(implicit_over(&model, None), (&q, &v), (1e-3, 2000), |info| {
+            met += usize::from(info.q[1].max(info.q[5]) > 1.57);
         });
         let scale = run_of.ledger.dissipated();
         let off = run_of.ledger.max_imbalance();

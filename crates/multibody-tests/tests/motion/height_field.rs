@@ -72,17 +72,17 @@ fn a_flat_field_is_the_half_space() {
         for seed in 0..3 {
             let (q, v) = thrown(seed, [0.3, -0.2, 0.6]);
             let mut states = Vec::new();
-            run_on(&model, set(&model, &[Ground::level(0.1)]), (&q, &v), (1e-3, 1500), |moment| {
-                states.push((moment.q.to_vec(), moment.v.to_vec(), moment.contact_forces[0]));
+            run_on(&model, set(&model, &[Ground::level(0.1)]), (&q, &v), (1e-3, 1500), |info| {
+                states.push((info.q.to_vec(), info.v.to_vec(), info.contact_forces[0]));
             });
             let mut states = states.into_iter();
             let on_field = set(&model, &[]).with_height_field(&flat).unwrap();
-            let run = run_on(&model, on_field, (&q, &v), (1e-3, 1500), |moment| {
+            let run = run_on(&model, on_field, (&q, &v), (1e-3, 1500), |info| {
                 let (q, v, force) = states.next().unwrap();
-                let off = q.iter().zip(moment.q).chain(v.iter().zip(moment.v));
+                let off = q.iter().zip(info.q).chain(v.iter().zip(info.v));
                 let off = off.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                assert!(off <= 1e-12, "{shape:?}, {seed}, step {}: {off}", moment.step);
-                assert_eq!(force, moment.contact_forces[0], "{shape:?}, {seed}, step {}", moment.step);
+                assert!(off <= 1e-12, "{shape:?}, {seed}, step {}: {off}", info.step);
+                assert_eq!(force, info.contact_forces[0], "{shape:?}, {seed}, step {}", info.step);
             });
             assert!(run.losses.unwrap().impacts > 1.0, "{shape:?}, {seed}: it never touched");
         }
@@ -200,8 +200,8 @@ fn what_leaves_the_field_falls() {
     let contacts = contacts.with_height_field(&field([3, 3], [0.5, 0.5], |_| 0.0)).unwrap();
     // It is over the end after 500.5 steps.
     let state = ([-0.0005, 0.1, 0.0, 0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    let run = run_on(&model, contacts, (&state.0, &state.1), (1e-3, 600), |moment| {
-        assert!(moment.step > 500 || moment.v[2].abs() < 1e-12, "{:?}", moment.v);
+    let run = run_on(&model, contacts, (&state.0, &state.1), (1e-3, 600), |info| {
+        assert!(info.step > 500 || info.v[2].abs() < 1e-12, "{:?}", info.v);
     });
     assert!((run.v[2] + G * 0.1).abs() < 1e-9, "{:?}", run.v);
     assert!((run.v[0] - 1.0).abs() < 1e-12, "{:?}", run.v);
@@ -227,8 +227,8 @@ fn a_ball_rolls_over_a_ridge() {
         let squares = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
         0.5 * (squares(&v[..3]) + 0.4 * radius * radius * squares(&v[3..])) + G * q[2]
     };
-    let run = run_on(&model, contacts, (&q, &v), (1e-4, 4000), |moment| {
-        let gap = clear.clearance(&model, &mut workspace, moment.q).unwrap();
+    let run = run_on(&model, contacts, (&q, &v), (1e-4, 4000), |info| {
+        let gap = clear.clearance(&model, &mut workspace, info.q).unwrap();
         highest = highest.max(gap.abs());
     });
     // h²v²/R a step in the curve, from where it comes back with a time constant of 0.1 s.
@@ -252,9 +252,9 @@ fn shapes_fall_on_random_fields() {
             let clear = contacts.clone();
             let (q, v) = thrown(seed, [0.1, 0.1, 0.6]);
             let (mut deepest, mut lost, mut workspace) = (0.0_f64, 0.0, Workspace::new(&model));
-            let run = run_on(&model, contacts, (&q, &v), (1e-3, 3000), |moment| {
-                deepest = deepest.min(clear.clearance(&model, &mut workspace, moment.q).unwrap_or(0.0));
-                let dissipated = moment.ledger.dissipated();
+            let run = run_on(&model, contacts, (&q, &v), (1e-3, 3000), |info| {
+                deepest = deepest.min(clear.clearance(&model, &mut workspace, info.q).unwrap_or(0.0));
+                let dissipated = info.ledger.dissipated();
                 assert!(dissipated >= lost, "{shape:?} {seed}: {dissipated} after {lost}");
                 lost = dissipated;
             });

@@ -6,8 +6,8 @@ use crate::dropped::{implicit_on, stepper};
 use dynamics::MassProperties;
 use multibody::simulator::RunOptions;
 use multibody::{
-    ContactError, ContactSet, Ground, JointDescription, JointKind, LinkDescription, LinkShape, Model, Moment,
-    Pose, RobotDescription, Run, Shape, ShapeRole, StepForces, StepWorkspace, Stepper, Workspace, admm,
+    ContactError, ContactSet, Ground, JointDescription, JointKind, LinkDescription, LinkShape, Model, Pose,
+    RobotDescription, Run, Shape, ShapeRole, StepForces, StepInfo, StepWorkspace, Stepper, Workspace, admm,
     centroidal_momentum,
 };
 use nalgebra::{Matrix3, Vector3};
@@ -50,10 +50,10 @@ fn run_watched(
     contacts: &ContactSet,
     (q, v): (&[f64], &[f64]),
     (h, steps): (f64, usize),
-    mut watch: impl FnMut(&Moment<'_>) -> bool,
+    mut watch: impl FnMut(&StepInfo<'_>) -> bool,
 ) -> Run {
-    let mut observer = |moment: &Moment<'_>| {
-        if watch(moment) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    let mut observer = |info: &StepInfo<'_>| {
+        if watch(info) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     };
     implicit_on(model, contacts.clone())
         .step(h)
@@ -133,10 +133,10 @@ fn a_ball_leaves_a_ball() {
 
     let (model, contacts) = make(0.0);
     let mut left_at = None;
-    run_watched(&model, &contacts, (&q, &[0.0; 6]), (1e-3, 3000), |moment| {
-        let gap = moment.q[0].hypot(moment.q[2] + reach) - reach;
+    run_watched(&model, &contacts, (&q, &[0.0; 6]), (1e-3, 3000), |info| {
+        let gap = info.q[0].hypot(info.q[2] + reach) - reach;
         assert!(gap > -1e-6, "{gap}");
-        left_at = (gap > 1e-5).then(|| height(moment.q));
+        left_at = (gap > 1e-5).then(|| height(info.q));
         left_at.is_none()
     });
     // v² = 2 g reach (cos θ₀ − cos θ) = g reach cos θ; it is 0.01 mm away a little later.
@@ -147,9 +147,9 @@ fn a_ball_leaves_a_ball() {
     let (model, contacts) = make(5.0);
     let [coarse, fine] = [4e-3, 2e-3].map(|h| {
         let mut off = f64::NAN;
-        let run = run_watched(&model, &contacts, (&q, &[0.0; 6]), (h, 3000), |moment| {
-            let cos = height(moment.q);
-            let square = moment.v[..3].iter().map(|v| v * v).sum::<f64>();
+        let run = run_watched(&model, &contacts, (&q, &[0.0; 6]), (h, 3000), |info| {
+            let cos = height(info.q);
+            let square = info.v[..3].iter().map(|v| v * v).sum::<f64>();
             off = (square - 10.0 / 7.0 * G * reach * (start.cos() - cos)).abs();
             cos > 0.9
         });
@@ -304,10 +304,9 @@ fn balls_in_a_box() {
         })
         .collect();
     let mut deepest = 0.0_f64;
-    let run = run_watched(&model, &contacts, (&placed(&at), &vec![0.0; model.nv()]), (2e-3, 600), |moment| {
-        let center = |k: usize| {
-            Vector3::new(moment.q[7 * k] + 10.0 * k as f64, moment.q[7 * k + 1], moment.q[7 * k + 2])
-        };
+    let run = run_watched(&model, &contacts, (&placed(&at), &vec![0.0; model.nv()]), (2e-3, 600), |info| {
+        let center =
+            |k: usize| Vector3::new(info.q[7 * k] + 10.0 * k as f64, info.q[7 * k + 1], info.q[7 * k + 2]);
         for one in 0..8 {
             deepest =
                 deepest.min(center(one).z - 0.1).min(0.15 - center(one).x.abs().max(center(one).y.abs()));
@@ -381,10 +380,10 @@ fn bricks_fall_on_each_other() {
         v[k] = rate;
     }
     let (mut lost, mut fastest) = (0.0, 0.0_f64);
-    let run = run_watched(&model, &contacts, (&q, &v), (1e-3, 3000), |moment| {
-        assert!(moment.ledger.dissipated() >= lost);
-        lost = moment.ledger.dissipated();
-        fastest = moment.v.iter().fold(fastest, |most, v| most.max(v.abs()));
+    let run = run_watched(&model, &contacts, (&q, &v), (1e-3, 3000), |info| {
+        assert!(info.ledger.dissipated() >= lost);
+        lost = info.ledger.dissipated();
+        fastest = info.v.iter().fold(fastest, |most, v| most.max(v.abs()));
         true
     });
     assert!(fastest < 60.0, "{fastest}");

@@ -7,8 +7,8 @@ use dynamics::{Integrator, PdHold, Reach2R, SplitMix64, hold};
 use multibody::simulator::{Effect, Method, RunOptions, Simulation, SimulationBuilder};
 use multibody::{
     ConstantTorque, Controller, ControllerError, GravityAt, GravityCompensatedPd, JointDescription,
-    JointKind, Limits, LinkDescription, Model, Moment, PassiveForces, Pose, RobotDescription, Run, RunError,
-    gravity, neutral, random_state,
+    JointKind, Limits, LinkDescription, Model, PassiveForces, Pose, RobotDescription, Run, RunError,
+    StepInfo, gravity, neutral, random_state,
 };
 use nalgebra::{Matrix3, Vector3, vector};
 
@@ -177,8 +177,8 @@ fn samples_are_kept_at_the_stride() {
 #[test]
 fn an_interrupted_run_keeps_what_it_did() {
     let model = Model::new(two_link_arm()).unwrap();
-    let mut stop_at_17 = |moment: &Moment<'_>| {
-        if moment.step == 17 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    let mut stop_at_17 = |info: &StepInfo<'_>| {
+        if info.step == 17 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let run = simulation(&model, Integrator::RungeKutta4, 0.01)
         .run_from(

@@ -3,8 +3,8 @@
 use crate::dropped::{implicit_over, run_watched};
 use dynamics::MassProperties;
 use multibody::{
-    Ground, JointDescription, JointKind, Limits, LinkDescription, LinkShape, Model, Moment, PassiveForces,
-    Pose, RobotDescription, Run, Shape, ShapeRole, TendonDescription,
+    Ground, JointDescription, JointKind, Limits, LinkDescription, LinkShape, Model, PassiveForces, Pose,
+    RobotDescription, Run, Shape, ShapeRole, StepInfo, TendonDescription,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -42,7 +42,7 @@ fn run(
     ground: Option<Ground>,
     v: [f64; 2],
     steps: (f64, usize),
-    watch: impl FnMut(&Moment<'_>),
+    watch: impl FnMut(&StepInfo<'_>),
 ) -> Run {
     let model = Model::new(robot.clone()).unwrap();
     run_watched(implicit_over(&model, ground), (&[0.0; 2], &v), steps, watch)
@@ -60,8 +60,8 @@ fn a_cable_stops_what_it_joins() {
     let taut = bound / rate;
     for ground in [None, Some(FAR_BELOW())] {
         let mut longest = 0.0_f64;
-        let run = run(&robot, ground, v, (1e-3, 1000), |moment| {
-            longest = longest.max(factors[0] * moment.q[0] + factors[1] * moment.q[1]);
+        let run = run(&robot, ground, v, (1e-3, 1000), |info| {
+            longest = longest.max(factors[0] * info.q[0] + factors[1] * info.q[1]);
         });
         assert!(longest < bound + 1e-9, "{longest}");
         for k in 0..2 {
@@ -84,8 +84,8 @@ fn atwoods_machine() {
     let robot = pair([0.0, 0.0, -1.0], masses, [1.0, 1.0], 0.0, [Limits::default(); 2]);
     let expected = (masses[0] - masses[1]) / (masses[0] + masses[1]) * G;
     for ground in [None, Some(FAR_BELOW())] {
-        let run = run(&robot, ground, [0.0; 2], (1e-3, 1000), |moment| {
-            assert!((moment.q[0] + moment.q[1]).abs() < 1e-9, "{:?}", moment.q);
+        let run = run(&robot, ground, [0.0; 2], (1e-3, 1000), |info| {
+            assert!((info.q[0] + info.q[1]).abs() < 1e-9, "{:?}", info.q);
         });
         assert!((run.v[0] - expected).abs() < 1e-8 && (run.v[1] + expected).abs() < 1e-8, "{:?}", run.v);
         assert!((run.q[0] - 0.5 * expected).abs() < 1e-8, "{:?}", run.q);
@@ -118,8 +118,8 @@ fn stops_that_say_the_same_hold() {
 #[test]
 fn a_cable_takes_weight_from_the_ground() {
     let robot = pair([0.0, 0.0, -1.0], [1.0, 2.0], [1.0, 1.0], 0.0, [Limits::default(); 2]);
-    let run = run(&robot, Some(Ground::level(-0.4)), [0.0; 2], (1e-3, 6000), |moment| {
-        assert!(moment.q[0] + moment.q[1] < 1e-6, "{:?}", moment.q);
+    let run = run(&robot, Some(Ground::level(-0.4)), [0.0; 2], (1e-3, 6000), |info| {
+        assert!(info.q[0] + info.q[1] < 1e-6, "{:?}", info.q);
     });
     assert!((run.q[1] - 0.3).abs() < 1e-8 && (run.q[0] + 0.3).abs() < 1e-8, "{:?}", run.q);
     assert!(run.v.iter().all(|v| v.abs() < 1e-8), "{:?}", run.v);

@@ -2,7 +2,7 @@
 
 use dynamics::Integrator;
 use multibody::simulator::{AppliedWrench, Effect, Method, RunOptions, Simulation, SimulationBuilder};
-use multibody::{AdaptiveOptions, ControlTiming, Limits, Model, Moment, PassiveForces, neutral, pendulum};
+use multibody::{AdaptiveOptions, ControlTiming, Limits, Model, PassiveForces, StepInfo, neutral, pendulum};
 use multibody::{RandomRobotOptions, StepForces, StepWorkspace, Stepper, random_robot};
 
 fn to(tolerance: f64) -> AdaptiveOptions {
@@ -109,8 +109,8 @@ fn observers_see_every_step() {
     let model = Model::new(pendulum(2.0, 0.5)).unwrap();
     let mut simulation = SimulationBuilder::new(&model).adaptive(to(1e-9)).step(0.01).build().unwrap();
     let mut seen = Vec::new();
-    let mut observer = |moment: &Moment<'_>| {
-        seen.push(moment.time);
+    let mut observer = |info: &StepInfo<'_>| {
+        seen.push(info.time);
         std::ops::ControlFlow::Continue(())
     };
     let options = RunOptions::new().sample_every(4).observer(&mut observer);

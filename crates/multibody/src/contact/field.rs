@@ -223,7 +223,7 @@ impl PlacedField {
 impl ContactSet {
     /// With a height field as a further ground, beside those that there are.
     ///
-    /// In [`Touch::ground`](crate::Touch::ground) height fields are counted after the half-spaces.
+    /// In [`ContactPoint::ground`](crate::ContactPoint::ground) height fields are counted after the half-spaces.
     ///
     /// # Errors
     /// [`ContactError`]: its friction, restitution or pose is none.

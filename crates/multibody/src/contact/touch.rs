@@ -10,22 +10,6 @@ use super::plane::meets_bare;
 use super::{ContactSet, Touching};
 use crate::{Ground, Model};
 
-/// A contact, as a run reports it.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Touch {
-    /// The link that touches.
-    pub link: String,
-    /// The link that it touches; `None` for a ground.
-    pub other: Option<String>,
-    /// Which of the grounds, height fields after the half-spaces; `None` for a link.
-    pub ground: Option<usize>,
-    /// Where, in the world \[m\].
-    pub point: [f64; 3],
-    /// The force on `link`, along the world's axes \[N\]; on `other` acts the opposite.
-    pub force: [f64; 3],
-}
-
 /// What a shape touches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Against {

@@ -44,6 +44,6 @@ pub use ledger::{energy_ledger, record_step};
 pub use losses::Losses;
 pub use pd::{GravityAt, GravityCompensatedPd};
 pub(crate) use run::Course;
-pub use run::{Moment, Observer, Run};
+pub use run::{Observer, Run, StepInfo};
 pub use stepper::{StepError, StepFault, Stepper};
 pub use trajectory::{Sample, Trajectory};

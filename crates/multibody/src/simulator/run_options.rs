@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::motion::simulate::Observer;
-use crate::{Controller, Event, Moment};
+use crate::{Controller, Event, StepInfo};
 
 /// How a run is made beside its length.
 #[derive(Default)]
@@ -72,7 +72,7 @@ impl<'r, 'e> RunOptions<'r, 'e> {
 
     /// With this observer.
     #[must_use]
-    pub fn observer(self, observer: &'r mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>) -> Self {
+    pub fn observer(self, observer: &'r mut dyn FnMut(&StepInfo<'_>) -> ControlFlow<()>) -> Self {
         Self { observer: Some(observer), ..self }
     }
 

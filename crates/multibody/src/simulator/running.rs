@@ -119,8 +119,8 @@ impl Simulation {
             self.begin_step(&course)?;
             let is_last = done == steps || self.run.ended_by_event;
             let (flow, is_kept) = {
-                let moment = self.run.moment(step - first, &self.memory.tau, &self.stepper);
-                let flow = observer.as_mut().map_or(ControlFlow::Continue(()), |observer| observer(&moment));
+                let info = self.run.step_info(step - first, &self.memory.tau, &self.stepper);
+                let flow = observer.as_mut().map_or(ControlFlow::Continue(()), |observer| observer(&info));
                 let is_kept = is_last || flow.is_break() || done == 0;
                 let is_kept = is_kept || (sample_every > 0 && done.is_multiple_of(sample_every));
                 if is_kept {
@@ -146,7 +146,7 @@ impl Simulation {
                         run.keep_sample(&memory.tau, stepper);
                     }
                     if let Some(observer) = &mut observer {
-                        let _ = observer(&run.moment(step - first, &memory.tau, stepper));
+                        let _ = observer(&run.step_info(step - first, &memory.tau, stepper));
                     }
                     run.interrupted = true;
                     return Ok(());

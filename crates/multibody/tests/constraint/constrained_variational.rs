@@ -125,12 +125,12 @@ fn energy_errors(
         &state.q,
         &state.v,
         steps,
-        RunOptions::new().sample_every(0).observer(&mut |moment| {
-            let error = moment.ledger.imbalance().abs();
-            if moment.step <= steps / 10 {
+        RunOptions::new().sample_every(0).observer(&mut |info| {
+            let error = info.ledger.imbalance().abs();
+            if info.step <= steps / 10 {
                 first = first.max(error);
             }
-            if moment.step > steps - steps / 10 {
+            if info.step > steps - steps / 10 {
                 last = last.max(error);
             }
             ControlFlow::Continue(())

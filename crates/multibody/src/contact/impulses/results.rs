@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::ContactImpulses;
-use crate::contact::touch::{Against, TouchingPoint};
-use crate::contact::{ContactLaws, ContactProblem, ContactSet, Touch};
+use crate::contact::touch::TouchingPoint;
+use crate::contact::{ContactLaws, ContactProblem, ContactSet};
 
 impl ContactImpulses {
     /// The step ends as it was last looked at.
@@ -53,18 +53,5 @@ impl ContactImpulses {
 
     pub(in crate::contact) fn set(&self) -> &ContactSet {
         &self.set
-    }
-
-    /// The contacts of the last step.
-    pub(crate) fn touches_at(&self) -> impl Iterator<Item = Touch> + '_ {
-        self.points().map(|(point, (force, _))| {
-            let link_of = |shape: usize| self.set.shapes[shape].link.clone();
-            let (ground, other) = match point.against {
-                Against::Ground(ground) => (Some(ground), None),
-                Against::Field(field) => (Some(self.set.grounds.len() + field), None),
-                Against::Pair(pair) => (None, Some(link_of(self.set.pairs[pair].shapes[1]))),
-            };
-            Touch { link: link_of(point.shape), other, ground, point: point.at.into(), force: force.into() }
-        })
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Implicit;
 use crate::contact::ContactImpulses;
-use crate::{ContactPoint, ContactProblem, ContactSet, Model, Touch};
+use crate::{ContactPoint, ContactProblem, ContactSet, Model};
 
 impl Implicit {
     /// With the ground: contacts that neither sink nor creep, with Coulomb's friction.
@@ -26,11 +26,6 @@ impl Implicit {
     /// The links that can touch a ground.
     pub(crate) fn ground_links(&self) -> &[String] {
         self.contacts.as_ref().map_or(&[], ContactImpulses::ground_links)
-    }
-
-    /// Where the last step left the robot in contact, with the forces there.
-    pub fn touches(&self) -> impl Iterator<Item = Touch> + '_ {
-        self.contacts.iter().flat_map(ContactImpulses::touches_at)
     }
 
     /// The last step's contacts as one complementarity problem, with the answer that was taken: for comparison with other methods.

@@ -12,7 +12,8 @@ use crate::{ContactLaws, Model, SingularMass, StepForces, StepWorkspace, check_c
 /// What an observer sees: the state at a control instant, before the torque acts.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
-pub struct Moment<'a> {
+#[doc(alias = "Moment")]
+pub struct StepInfo<'a> {
     /// Steps done.
     pub step: usize,
     /// Time since the start \[s\].
@@ -62,7 +63,7 @@ pub struct Run {
     pub ended_by_event: bool,
     /// How well the rigid law of contact was kept, where the method solves for it.
     pub contact_laws: Option<ContactLaws>,
-    /// The last of [`Moment::contact_forces`].
+    /// The last of [`StepInfo::contact_forces`].
     pub contact_forces: Vec<[f64; 3]>,
     /// q at the end.
     pub q: Vec<f64>,
@@ -72,8 +73,13 @@ pub struct Run {
 
 impl Run {
     /// The observer's view of the run at its present state, after so many steps.
-    pub(crate) fn moment<'a>(&'a self, step: usize, tau: &'a [f64], stepper: &'a impl Stepper) -> Moment<'a> {
-        Moment {
+    pub(crate) fn step_info<'a>(
+        &'a self,
+        step: usize,
+        tau: &'a [f64],
+        stepper: &'a impl Stepper,
+    ) -> StepInfo<'a> {
+        StepInfo {
             step,
             time: self.time,
             q: &self.q,
@@ -95,7 +101,7 @@ impl Run {
 }
 
 /// A callback that sees the state at the start of each step and at the end, and may break off.
-pub type Observer<'a> = &'a mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>;
+pub type Observer<'a> = &'a mut dyn FnMut(&StepInfo<'_>) -> ControlFlow<()>;
 
 /// The steps of a run, whatever takes them.
 pub(crate) struct Course<'a> {

@@ -112,7 +112,7 @@ pub trait Stepper {
     }
 
     /// The ground's force on each link that can touch it, the mean of the last step, where the method computes contact:
-    /// [`Moment::contact_forces`](crate::Moment::contact_forces).
+    /// [`StepInfo::contact_forces`](crate::StepInfo::contact_forces).
     fn contact_forces(&self) -> &[[f64; 3]] {
         &[]
     }

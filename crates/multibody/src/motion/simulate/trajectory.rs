@@ -34,7 +34,7 @@ pub struct Sample<'a> {
     pub kinetic: f64,
     /// V \[J\].
     pub potential: f64,
-    /// The ground's force on each link that can touch it \[N\]: [`Moment::contact_forces`](crate::Moment::contact_forces).
+    /// The ground's force on each link that can touch it \[N\]: [`StepInfo::contact_forces`](crate::StepInfo::contact_forces).
     pub contact_forces: &'a [[f64; 3]],
 }
 

@@ -218,8 +218,8 @@ impl Course<'_, '_> {
         run.time = time;
         run.steps = samples.first + instant;
         samples.seen = instant;
-        let moment = run.moment(instant, tau, &*self.stepper);
-        let flow = self.observer.as_mut().map_or(ControlFlow::Continue(()), |observer| observer(&moment));
+        let info = run.step_info(instant, tau, &*self.stepper);
+        let flow = self.observer.as_mut().map_or(ControlFlow::Continue(()), |observer| observer(&info));
         let is_first = !core::mem::replace(&mut samples.is_started, true);
         let is_in_step = self.sample_every > 0 && instant.is_multiple_of(self.sample_every);
         let is_kept = is_in_step || is_first || is_last || flow.is_break();
