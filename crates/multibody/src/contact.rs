@@ -123,8 +123,9 @@ struct Touching {
     /// Half the size of a box about its points, along its axes and centred on its origin \[m\].
     extent: Vector3<f64>,
     surface: Surface,
-    /// The planes that it is paired with, by name, each with the surface of that pair. A ground without a name stands for the first.
-    on_planes: Vec<(String, Surface)>,
+    /// The planes and height fields that it is paired with, by name, each with the surface of that pair. A ground without a name stands for
+    /// the first.
+    on_grounds: Vec<(String, Surface)>,
     /// The number of its first point among those of all shapes.
     first: usize,
 }
@@ -207,9 +208,9 @@ impl ContactSet {
         }
         let body = frame.body.unwrap_or(WORLD);
         // The ground has bit 1 of both.
-        let on_planes = stated.on_planes(&shape.name);
+        let on_grounds = stated.on_grounds(&shape.name);
         let has_bit = (surface.contype | surface.conaffinity) & 1 != 0;
-        let touches_ground = (has_bit || !on_planes.is_empty()) && body != WORLD;
+        let touches_ground = (has_bit || !on_grounds.is_empty()) && body != WORLD;
         let form = match &shape.shape {
             Shape::Mesh { .. } => points_of(shape).and_then(|points| Form::of_points(&points)),
             other => Form::new(other).ok_or_else(|| "it is no shape that moves".to_owned()),
@@ -246,7 +247,7 @@ impl ContactSet {
             reach,
             extent,
             surface,
-            on_planes,
+            on_grounds,
             first,
         });
         Ok(())

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use robot_dynamics::simulator::{Method, SimulationBuilder};
 use robot_dynamics::{
-    ContactSet, Ground, Model, Options, StepForces, StepWorkspace, Stepper, Workspace, admm, load_with,
-    mesh_corners, neutral,
+    ContactSet, Ground, Model, Options, StepForces, StepWorkspace, Stepper, Workspace, admm, describe_text,
+    load_with, mesh_corners, neutral,
 };
 
 fn robot(file: &str) -> Model {
@@ -61,4 +61,61 @@ fn dropped_robots_move_as_by_the_alternating_method() {
         let laws = implicit.contact_laws().unwrap();
         assert!(laws.solved >= all && laws.violation.worst() < 1e-5, "{file}: {laws:?}");
     }
+}
+
+/// Bodies that slide on one flat height field lose μg of speed a second, each with the μ of its own pair: that of a `<pair>`, or the larger one of both geoms. A pair
+/// with a plane says nothing of the height field, and masks and exclusions hold for it as for planes.
+#[test]
+fn bodies_on_a_height_field_have_the_friction_of_their_pairs() {
+    let bodies = ["own", "mixed", "paired", "excluded", "masked"];
+    let body = |(k, name): (usize, &&str)| {
+        let (y, masks) = (k as f64 - 2.0, if *name == "masked" { "contype='2' conaffinity='2'" } else { "" });
+        let geom = format!("name='{name}' type='box' size='0.1 0.1 0.02' mass='1' {masks}");
+        format!("<body name='{name}' pos='0 {y} 0.02'><freejoint/><geom {geom} friction='0.7 0 0'/></body>")
+    };
+    let bodies_text: String = bodies.iter().enumerate().map(body).collect();
+    let text = format!(
+        "<mujoco><asset><hfield name='flat' size='5 5 1 1' nrow='3' ncol='3'/></asset>
+         <worldbody>
+           <geom name='abyss' type='plane' size='1 1 1' pos='0 0 -50'/>
+           <body name='land'><geom name='land' type='hfield' hfield='flat' friction='0.4 0 0'/></body>
+           {bodies_text}
+         </worldbody>
+         <contact>
+           <pair geom1='paired' geom2='abyss' friction='0.9 0.9'/>
+           <pair geom1='mixed' geom2='abyss' friction='0.9 0.9'/>
+           <pair geom1='land' geom2='own' friction='0.2 0.2'/>
+           <pair geom1='paired' geom2='land' friction='0.3 0.3'/>
+           <exclude body1='excluded' body2='land'/>
+         </contact></mujoco>"
+    );
+    let robot = describe_text(&text, &Options::default()).unwrap().compile().unwrap();
+    let mut simulation = robot.simulation().method(Method::Implicit).build().unwrap();
+    // Without the feature `convex` boxes are left out of contacts with each other, and no pair with ground.
+    assert!(
+        simulation.left_out().iter().all(|line| line.contains("`convex`")),
+        "{:?}",
+        simulation.left_out()
+    );
+    let mut v = vec![0.0; 30];
+    for k in 0..5 {
+        v[6 * k] = 2.0;
+    }
+    let q = simulation.q().to_vec();
+    simulation.set_state(&q, &v).unwrap();
+    simulation.run_for(0.2).unwrap();
+    for (k, (name, friction)) in bodies.iter().zip([Some(0.2), Some(0.7), Some(0.3), None, None]).enumerate()
+    {
+        let [forward, up] = [0, 2].map(|i| simulation.v()[6 * k + i]);
+        let expected =
+            friction.map_or([2.0, -9.81 * 0.2], |friction: f64| [2.0 - 9.81 * friction * 0.2, 0.0]);
+        // Velocities are along the body's axes, which it keeps; the box touches at its corners from the first step on.
+        assert!(
+            (forward - expected[0]).abs() < 1e-8 && (up - expected[1]).abs() < 1e-8,
+            "{name}: {forward}, {up}"
+        );
+    }
+    let contacts = simulation.contacts();
+    let touching: Vec<_> = contacts.iter().map(|contact| contact.other_shape).collect();
+    assert!(!touching.is_empty() && touching.iter().all(|name| *name == "land"), "{touching:?}");
 }

@@ -11,9 +11,9 @@ use nalgebra::{Matrix3, Vector3};
 
 use self::facets::Facets;
 use super::ground::ContactError;
-use super::soft::mixed;
-use super::{ContactSet, Ground, Touching, described};
-use crate::{LinkShape, Model, Pose, Shape, ShapeRole, Surface};
+use super::plane::{meets_bare, takes_part};
+use super::{ContactSet, Ground, described};
+use crate::{LinkShape, Model, Pose, Shape, Surface};
 
 /// Heights over a rectangle, on a grid, that bodies do not enter from above: below each cell's two triangles is the ground.
 ///
@@ -177,8 +177,12 @@ impl HeightField {
 pub(super) struct PlacedField {
     pub(super) friction: Option<f64>,
     pub(super) restitution: f64,
-    /// Where it has a surface: what that makes with each shape's.
-    surfaces: Option<Vec<Surface>>,
+    /// The link that it is on, where the description has it; else empty.
+    pub(super) link: String,
+    /// The name of its shape, the same.
+    pub(super) name: String,
+    /// Where it has a surface: what that makes with each shape's; none with shapes that it does not touch.
+    pub(super) surfaces: Option<Vec<Option<Surface>>>,
     /// `world_from_field`.
     rotation: Matrix3<f64>,
     origin: Vector3<f64>,
@@ -186,13 +190,20 @@ pub(super) struct PlacedField {
 }
 
 impl PlacedField {
-    fn new(field: &HeightField, shapes: &[Touching]) -> Self {
+    fn new(
+        field: &HeightField,
+        surfaces: Option<Vec<Option<Surface>>>,
+        described: Option<&LinkShape>,
+    ) -> Self {
         let Pose { rotation, translation } = field.world_from_field;
-        let with = |own: Surface| shapes.iter().map(|shape| mixed(&shape.surface, &own)).collect();
+        let (link, name) =
+            described.map(|shape| (shape.link.clone(), shape.name.clone())).unwrap_or_default();
         Self {
+            link,
+            name,
             friction: field.friction,
             restitution: field.restitution,
-            surfaces: field.surface.map(with),
+            surfaces,
             rotation: Matrix3::from_fn(|i, j| rotation[i][j]),
             origin: translation.into(),
             facets: Arc::clone(&field.facets),
@@ -204,14 +215,9 @@ impl PlacedField {
         self.rotation.tr_mul(&(at - self.origin))
     }
 
-    /// What its surface makes with this shape's, if it has one.
-    pub(super) fn surface_with(&self, shape: usize) -> Option<&Surface> {
-        self.surfaces.as_ref().map(|surfaces| &surfaces[shape])
-    }
-
     /// The largest margin of these.
     pub(super) fn margin(&self) -> f64 {
-        self.surfaces.iter().flatten().map(|surface| surface.margin).fold(0.0, f64::max)
+        self.surfaces.iter().flatten().flatten().map(|surface| surface.margin).fold(0.0, f64::max)
     }
 
     /// How many faces it has.
@@ -247,13 +253,36 @@ impl ContactSet {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_height_field(mut self, field: &HeightField) -> Result<Self, ContactError> {
-        field.check()?;
-        self.fields.push(PlacedField::new(field, &self.shapes));
+        let surfaces = field.surface.map(|own| self.surfaces_with(&own, None, &[]));
+        self.add_field(field, surfaces, None)?;
         Ok(self)
+    }
+
+    fn add_field(
+        &mut self,
+        field: &HeightField,
+        surfaces: Option<Vec<Option<Surface>>>,
+        described: Option<&LinkShape>,
+    ) -> Result<(), ContactError> {
+        field.check()?;
+        self.fields.push(PlacedField::new(field, surfaces, described));
+        let index = self.fields.len() - 1;
+        self.let_touch_ground(|set, shape| set.meets_field(shape, index));
+        Ok(())
+    }
+
+    /// Whether a shape touches a height field: by a pair, or by the masks.
+    pub(super) fn meets_field(&self, shape: usize, field: usize) -> bool {
+        match &self.fields[field].surfaces {
+            Some(surfaces) => surfaces[shape].is_some(),
+            None => meets_bare(&self.shapes[shape]),
+        }
     }
 
     /// With the height fields that the robot's description has among the collision shapes of what is fixed to the world: each in the frame of its shape, with the
     /// heights that `field_of` has for it and its surface, unless `field_of` has another, or why it has none. That reason is in [`left_out`](Self::left_out).
+    /// A height field touches a shape where a bit of one's `contype` is in the other's `conaffinity`, with MuJoCo's mix of both surfaces, and where the
+    /// description pairs them, with the pair's surface.
     ///
     /// # Errors
     /// As [`with_height_field`](Self::with_height_field).
@@ -283,9 +312,8 @@ impl ContactSet {
     ) -> Result<Self, ContactError> {
         self.robot.check(model, "the contact set");
         for shape in &model.description().shapes {
-            let is_field = matches!(shape.shape, Shape::HeightField { .. });
             let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { continue };
-            if !is_field || shape.role != ShapeRole::Collision {
+            if !matches!(shape.shape, Shape::HeightField { .. }) || !takes_part(model, shape) {
                 continue;
             }
             let field = match frame.body {
@@ -296,7 +324,10 @@ impl ContactSet {
                 Ok(field) => {
                     let pose = frame.body_from_frame.compose(&shape.link_from_shape);
                     let surface = field.surface.unwrap_or(shape.surface);
-                    self = self.with_height_field(&field.with_pose(pose).with_surface(surface))?;
+                    let field = field.with_pose(pose).with_surface(surface);
+                    let exclusions = &model.description().contact_exclusions;
+                    let surfaces = self.surfaces_with(&surface, Some(shape), exclusions);
+                    self.add_field(&field, Some(surfaces), Some(shape))?;
                 }
                 Err(reason) => self.left_out.push(format!("{}: {reason}", described(shape))),
             }

@@ -7,8 +7,8 @@ use crate::Model;
 use crate::model::error::similar;
 
 impl ContactSet {
-    /// Without contacts between the links of these pairs, whatever their file says, `contact_pairs` among it. A link that planes are on keeps the other one from
-    /// these planes. To be called after the links and the planes are in: [`with_links`](Self::with_links).
+    /// Without contacts between the links of these pairs, whatever their file says, `contact_pairs` among it. A link that planes or height fields are on keeps the
+    /// other one from these. To be called after the links and the planes are in: [`with_links`](Self::with_links).
     ///
     /// ```
     /// use multibody::{ContactSet, LinkShape, Model, Pose, Shape, ShapeRole, pendulum};
@@ -43,8 +43,10 @@ impl ContactSet {
         if let Some(candidates) = &mut self.candidates {
             candidates.exclude(numbers);
         }
-        let Self { ground_links, ground_surfaces, shapes, .. } = &mut self;
-        for (ground, surfaces) in ground_links.iter().zip(ground_surfaces) {
+        let Self { ground_links, ground_surfaces, fields, shapes, .. } = &mut self;
+        let grounds = ground_links.iter().zip(ground_surfaces);
+        let fields = fields.iter_mut().map(|field| (&field.link, &mut field.surfaces));
+        for (ground, surfaces) in grounds.chain(fields) {
             for (shape, surface) in shapes.iter().zip(surfaces.iter_mut().flatten()) {
                 if listed.contains(&[ground.clone(), shape.link.clone()]) {
                     *surface = None;

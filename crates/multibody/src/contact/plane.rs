@@ -16,25 +16,35 @@ impl ContactSet {
         plane: Option<&LinkShape>,
     ) -> Result<(), ContactError> {
         ground.check()?;
-        let together = |own: Surface| -> Vec<Option<Surface>> {
-            let of = |shape: &Touching| {
-                let is_meant = |name: &str| plane.is_none_or(|plane| plane.name == name);
-                let pair =
-                    shape.on_planes.iter().find(|(name, _)| is_meant(name)).map(|(_, surface)| *surface);
-                let by_masks = || have_common_bits(&shape.surface, &own).then(|| mixed(&shape.surface, &own));
-                pair.or_else(by_masks)
-            };
-            self.shapes.iter().map(of).collect()
-        };
-        self.ground_surfaces.push(ground.surface.map(together));
+        let exclusions = &model.description().contact_exclusions;
+        self.ground_surfaces.push(ground.surface.map(|own| self.surfaces_with(&own, plane, exclusions)));
         self.ground_names.push(plane.map_or_else(String::new, |plane| plane.name.clone()));
         self.ground_links.push(plane.map_or_else(String::new, |plane| plane.link.clone()));
         self.grounds.push((ground, ground.axes()));
-        if let Some(plane) = plane {
-            self.keep_from_ground(model, &plane.link);
-        }
-        (0..self.shapes.len()).for_each(|index| self.let_touch_ground(index, self.grounds.len() - 1));
+        let index = self.grounds.len() - 1;
+        self.let_touch_ground(|set, shape| set.meets_ground(shape, index));
         Ok(())
+    }
+
+    /// The surface that each shape makes with a ground of this one: that of their pair, else the mix of both where their masks let them touch. `described` is the
+    /// ground's shape, if the robot's description has it; shapes of links that never touch its link have none, but for those that are paired with it.
+    pub(super) fn surfaces_with(
+        &self,
+        own: &Surface,
+        described: Option<&LinkShape>,
+        exclusions: &[(String, String)],
+    ) -> Vec<Option<Surface>> {
+        let is_excluded = |link: &str| {
+            let is = |one: &str, two: &str| described.is_some_and(|ground| ground.link == one) && link == two;
+            exclusions.iter().any(|(one, two)| is(one, two) || is(two, one))
+        };
+        let of = |shape: &Touching| {
+            let is_meant = |name: &str| described.is_none_or(|ground| ground.name == name);
+            let pair = shape.on_grounds.iter().find(|(name, _)| is_meant(name)).map(|(_, surface)| *surface);
+            let touches = || have_common_bits(&shape.surface, own) && !is_excluded(&shape.link);
+            pair.or_else(|| touches().then(|| mixed(&shape.surface, own)))
+        };
+        self.shapes.iter().map(of).collect()
     }
 
     /// Whether a shape touches a ground: by a pair, or by the masks.
@@ -73,12 +83,8 @@ impl ContactSet {
     pub fn with_described_planes(mut self, model: &Model) -> Result<Self, ContactError> {
         self.robot.check(model, "the contact set");
         for shape in &model.description().shapes {
-            let is_plane = matches!(shape.shape, Shape::Plane { .. });
-            let masks = shape.surface.contype | shape.surface.conaffinity;
-            let is_paired =
-                model.description().contact_pairs.iter().any(|pair| pair.shapes.contains(&shape.name));
             let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { continue };
-            if !is_plane || shape.role != ShapeRole::Collision || (masks == 0 && !is_paired) {
+            if !matches!(shape.shape, Shape::Plane { .. }) || !takes_part(model, shape) {
                 continue;
             }
             if frame.body.is_some() {
@@ -105,47 +111,34 @@ impl ContactSet {
         self.grounds.len()
     }
 
-    /// Takes the shapes of links that never touch this link, which the last ground is on, from it, but for those that are paired with it.
-    fn keep_from_ground(&mut self, model: &Model, link: &str) {
-        let Some((name, Some(surfaces))) = self.ground_names.last().zip(self.ground_surfaces.last_mut())
-        else {
-            return;
-        };
-        for (one, two) in &model.description().contact_exclusions {
-            let other = if one == link { two } else { one };
-            if one != link && two != link {
+    /// Counts the links of shapes that touch a ground among those that touch one.
+    pub(super) fn let_touch_ground(&mut self, touches: impl Fn(&Self, usize) -> bool) {
+        for index in 0..self.shapes.len() {
+            let shape = &self.shapes[index];
+            if shape.on_ground.is_some() || shape.body == crate::model::WORLD || !touches(self, index) {
                 continue;
             }
-            let of_link =
-                self.shapes.iter().zip(surfaces.iter_mut()).filter(|(shape, _)| shape.link == *other);
-            for (_, surface) in
-                of_link.filter(|(shape, _)| shape.on_planes.iter().all(|(plane, _)| plane != name))
-            {
-                *surface = None;
+            let link = shape.link.clone();
+            let number = self.links.iter().position(|own| *own == link).unwrap_or(self.links.len());
+            if number == self.links.len() {
+                self.links.push(link);
             }
+            self.shapes[index].on_ground = Some(number);
         }
-    }
-
-    /// Counts the shape's link among those that touch the ground, if it touches this one.
-    fn let_touch_ground(&mut self, index: usize, ground: usize) {
-        let shape = &self.shapes[index];
-        if shape.on_ground.is_some() || shape.body == crate::model::WORLD || !self.meets_ground(index, ground)
-        {
-            return;
-        }
-        let link = shape.link.clone();
-        let number = self.links.iter().position(|own| *own == link).unwrap_or(self.links.len());
-        if number == self.links.len() {
-            self.links.push(link);
-        }
-        self.shapes[index].on_ground = Some(number);
     }
 }
 
-/// Whether a shape touches a ground or height field without a surface of its own: that has bit 1 of both masks, and stands for planes that shapes are
-/// paired with.
+/// Whether anything can touch a shape of the description: it is for collisions, and a mask or a pair says so.
+pub(super) fn takes_part(model: &Model, shape: &LinkShape) -> bool {
+    let is_paired = || model.description().contact_pairs.iter().any(|pair| pair.shapes.contains(&shape.name));
+    let masks = shape.surface.contype | shape.surface.conaffinity;
+    shape.role == ShapeRole::Collision && (masks != 0 || is_paired())
+}
+
+/// Whether a shape touches a ground or height field without a surface of its own: that has bit 1 of both masks, and stands for planes and height fields that
+/// shapes are paired with.
 pub(super) fn meets_bare(shape: &Touching) -> bool {
-    !shape.on_planes.is_empty() || have_common_bits(&shape.surface, &Surface::default())
+    !shape.on_grounds.is_empty() || have_common_bits(&shape.surface, &Surface::default())
 }
 
 fn have_common_bits(one: &Surface, two: &Surface) -> bool {

@@ -40,7 +40,9 @@ impl ContactSet {
     ) -> ContactPoint<'_> {
         let (ground, other_link, other_shape) = match against {
             Against::Ground(ground) => (Some(ground), None, self.ground_names[ground].as_str()),
-            Against::Field(field) => (Some(self.grounds.len() + field), None, ""),
+            Against::Field(field) => {
+                (Some(self.grounds.len() + field), None, self.fields[field].name.as_str())
+            }
             Against::Pair(pair) => {
                 let other = &self.shapes[self.pairs[pair].shapes[1]];
                 (None, Some(other.link.as_str()), other.name.as_str())

@@ -7,15 +7,15 @@ use super::pair::Pair;
 use super::{ContactError, ContactSet};
 use crate::{ContactPairDescription, LinkShape, Model, RobotDescription, Shape, Surface};
 
-/// The shapes that pairs name, each with the planes that it is paired with and the surfaces of these pairs.
+/// The shapes that pairs name, each with the planes and height fields that it is paired with and the surfaces of these pairs.
 pub(super) struct Stated<'a>(HashMap<&'a str, Vec<(String, Surface)>>);
 
 impl<'a> Stated<'a> {
     /// # Errors
     /// [`ContactError::Surface`]: a number of a pair is none.
     pub(super) fn of(robot: &'a RobotDescription) -> Result<Self, ContactError> {
-        let planes = robot.shapes.iter().filter(|shape| matches!(shape.shape, Shape::Plane { .. }));
-        let planes: HashSet<&str> = planes.map(|shape| shape.name.as_str()).collect();
+        let grounds = robot.shapes.iter().filter(|shape| is_ground(shape));
+        let grounds: HashSet<&str> = grounds.map(|shape| shape.name.as_str()).collect();
         let mut stated = HashMap::new();
         for pair in &robot.contact_pairs {
             let [one, two] = [0, 1].map(|k| pair.shapes[k].as_str());
@@ -26,9 +26,9 @@ impl<'a> Stated<'a> {
                 });
             }
             for (own, other) in [(one, two), (two, one)] {
-                let on_planes: &mut Vec<(String, Surface)> = stated.entry(own).or_default();
-                if planes.contains(other) && on_planes.iter().all(|(plane, _)| plane != other) {
-                    on_planes.push((other.to_owned(), pair.surface()));
+                let on_grounds: &mut Vec<(String, Surface)> = stated.entry(own).or_default();
+                if grounds.contains(other) && on_grounds.iter().all(|(ground, _)| ground != other) {
+                    on_grounds.push((other.to_owned(), pair.surface()));
                 }
             }
         }
@@ -40,10 +40,14 @@ impl<'a> Stated<'a> {
         self.0.contains_key(shape)
     }
 
-    /// The planes that it is paired with, and the surfaces of these pairs.
-    pub(super) fn on_planes(&self, shape: &str) -> Vec<(String, Surface)> {
+    /// The planes and height fields that it is paired with, and the surfaces of these pairs.
+    pub(super) fn on_grounds(&self, shape: &str) -> Vec<(String, Surface)> {
         self.0.get(shape).cloned().unwrap_or_default()
     }
+}
+
+fn is_ground(shape: &LinkShape) -> bool {
+    matches!(shape.shape, Shape::Plane { .. } | Shape::HeightField { .. })
 }
 
 impl ContactSet {
@@ -59,9 +63,8 @@ impl ContactSet {
         for (index, shape) in self.shapes.iter().enumerate().filter(|(_, shape)| !shape.name.is_empty()) {
             numbers.entry(shape.name.clone()).or_insert(index);
         }
-        let has_plane = |names: &[String; 2]| {
-            let is_plane = |shape: &&LinkShape| matches!(shape.shape, Shape::Plane { .. });
-            robot.shapes.iter().filter(is_plane).any(|shape| names.contains(&shape.name))
+        let has_ground = |names: &[String; 2]| {
+            robot.shapes.iter().any(|shape| is_ground(shape) && names.contains(&shape.name))
         };
         for pair in &robot.contact_pairs {
             let found = [0, 1].map(|k| numbers.get(&pair.shapes[k]).copied());
@@ -81,8 +84,8 @@ impl ContactSet {
                         continue;
                     }
                 }
-                // What touches a plane touches the ground.
-                _ if has_plane(&pair.shapes) => continue,
+                // What touches a plane or a height field touches the ground.
+                _ if has_ground(&pair.shapes) => continue,
                 _ => "one of them is no shape for collisions of a kind that is known",
             };
             let ContactPairDescription { shapes: [one, two], .. } = pair;

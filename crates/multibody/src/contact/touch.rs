@@ -6,7 +6,6 @@ use super::form::ABOUT;
 use super::meeting::MOST_MEETING;
 use super::pair::Met;
 use super::placement::Placement;
-use super::plane::meets_bare;
 use super::{ContactSet, Touching};
 use crate::{Ground, Model};
 
@@ -84,7 +83,7 @@ impl ContactSet {
                     outermost.each(&mut look);
                 }
             }
-            if !self.fields.is_empty() && meets_bare(shape) {
+            if !self.fields.is_empty() {
                 let placed = placed.unwrap_or_else(|| Placed::new(shape, placement));
                 self.look_at_fields((index, &placed), within, &mut look);
             }

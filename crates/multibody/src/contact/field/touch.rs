@@ -38,6 +38,9 @@ impl ContactSet {
         for (index, field) in self.fields.iter().enumerate() {
             let meeting = Meeting { set: self, shape, field: index, placed, first };
             first += self.points * field.count();
+            if !self.meets_field(shape, index) {
+                continue;
+            }
             if field.inward(&placed.center).z > field.facets.highest + reach + within {
                 continue;
             }

@@ -64,17 +64,19 @@ impl ContactSet {
 
     /// What is stated of the surface there, if it is; of the coefficient of sliding friction, if it is; and of restitution.
     pub(in crate::contact) fn stated(&self, point: &TouchingPoint) -> (Option<&Surface>, Option<f64>, f64) {
-        let on_plane = self.shapes[point.shape].on_planes.first().map(|(_, surface)| surface);
+        let on_ground = self.shapes[point.shape].on_grounds.first().map(|(_, surface)| surface);
         match point.against {
             Against::Ground(ground) => {
                 let surfaces = self.ground_surfaces[ground].as_ref();
                 let ground = &self.grounds[ground].0;
-                let stated = surfaces.map_or(on_plane, |surfaces| surfaces[point.shape].as_ref());
+                let stated = surfaces.map_or(on_ground, |surfaces| surfaces[point.shape].as_ref());
                 (stated, ground.friction, ground.restitution)
             }
             Against::Field(field) => {
                 let field = &self.fields[field];
-                (on_plane.or(field.surface_with(point.shape)), field.friction, field.restitution)
+                let surfaces = field.surfaces.as_ref();
+                let stated = surfaces.map_or(on_ground, |surfaces| surfaces[point.shape].as_ref());
+                (stated, field.friction, field.restitution)
             }
             Against::Pair(pair) => (Some(&self.pairs[pair].surface), None, self.link_restitution),
         }

@@ -132,8 +132,8 @@ impl ContactSet {
     /// The widest margins of contacts with grounds and of those between links \[m\].
     fn widest_margins(&self) -> [f64; 2] {
         let shapes = self.shapes.iter().map(|shape| {
-            let on_plane = shape.on_planes.first().map(|(_, surface)| surface);
-            on_plane.unwrap_or(&shape.surface).margin
+            let on_ground = shape.on_grounds.first().map(|(_, surface)| surface);
+            on_ground.unwrap_or(&shape.surface).margin
         });
         let mixes = self.ground_surfaces.iter().flatten().flatten().flatten().map(|surface| surface.margin);
         let grounds = shapes.chain(mixes).chain(self.fields.iter().map(super::PlacedField::margin));
