@@ -6,6 +6,7 @@
 
 use mjcf::{FileSet, Options, load, load_among, parse};
 use multibody::conventions::{acceleration_from_mujoco, force_from_mujoco};
+use multibody::simulator::{Method, Simulation, SimulationBuilder};
 use multibody::{
     LinkDescription, Model, PointForce, RobotDescription, SensorDescription, SensorInputs, SensorKind,
     SensorObject, SensorSet, Shape,
@@ -226,4 +227,88 @@ fn sensors_of_a_description_are_written() {
     );
     assert_eq!((back.sensors[0].cutoff, &back.sensors[1].zone), (50.0, &Some(pad)));
     assert_eq!(back.sensors[2].reference, Some("rod".into()));
+}
+
+/// Two links fall onto their upper limits, and a rope between the second one and a slide becomes taut.
+const LIMITED: &str = r#"<mujoco><compiler angle="radian"/><option timestep="0.002"/>
+  <worldbody>
+    <body name="a" pos="0 0 1"><joint name="shoulder" axis="0 1 0" range="-0.5 0.3" damping="0.1" solreflimit="0.03 0.9"/>
+      <geom type="capsule" fromto="0 0 0 0.4 0 0" size="0.03" mass="1.2" contype="0"/>
+      <body name="b" pos="0.4 0 0"><joint name="elbow" axis="0 1 0" range="-1 0.2" margin="0.01" damping="0.05"/>
+        <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02" mass="0.7" contype="0"/></body></body>
+    <body name="c" pos="0 1 0"><joint name="slide" type="slide" axis="0 0 1" damping="2"/>
+      <geom size="0.05" mass="0.4" contype="0"/></body>
+  </worldbody>
+  <tendon><fixed name="rope" range="-0.05 1"><joint joint="slide" coef="1"/><joint joint="elbow" coef="0.1"/></fixed></tendon>
+  <sensor>
+    <jointlimitpos joint="shoulder"/><jointlimitvel joint="shoulder"/><jointlimitfrc joint="shoulder"/>
+    <jointlimitpos joint="elbow"/><jointlimitvel joint="elbow"/><jointlimitfrc joint="elbow"/>
+    <tendonlimitpos tendon="rope"/><tendonlimitvel tendon="rope"/><tendonlimitfrc tendon="rope"/>
+  </sensor></mujoco>"#;
+
+fn limited(method: Method) -> Simulation {
+    let robot = parse(LIMITED, &Options::default()).expect("a robot");
+    assert_eq!(robot.report.counts.ignored, 0, "{}", robot.report);
+    let model = Model::new(robot.description).expect("a model");
+    SimulationBuilder::new(&model).method(method).step(2e-3).build().expect("a simulation")
+}
+
+fn sensed(simulation: &Simulation) -> Vec<f64> {
+    simulation.sensors().into_iter().flat_map(|(_, values)| values).collect()
+}
+
+/// `sensordata` of MuJoCo 4.0.0 (`tolerance="0"`, 200 iterations): positions and velocities of the state after so many steps, and the forces of the last step.
+#[test]
+fn limits_of_a_simulation_show_mujocos_forces() {
+    let mut simulation = limited(Method::Mujoco);
+    let after_120 = [
+        -0.018149807085349245,
+        0.35679598186696304,
+        5.324415219373206,
+        -0.06361626939879748,
+        1.651610221699752,
+        0.8094565545540264,
+        0.0,
+        0.0,
+        0.0,
+    ];
+    let after_200 = [
+        -0.001984784069168466,
+        -0.0024160401538515348,
+        5.7631817613747796,
+        -0.003314478967763093,
+        -4.4706952695820984e-05,
+        1.2924958128483912,
+        -0.0004699251502153362,
+        -0.00022541506781961778,
+        3.902655937818828,
+    ];
+    for (steps, expected) in [(120, after_120), (80, after_200)] {
+        for _ in 0..steps {
+            simulation.step().expect("a step");
+        }
+        for (k, (found, expected)) in sensed(&simulation).iter().zip(expected).enumerate() {
+            assert!(
+                (found - expected).abs() < 1e-10 * expected.abs().max(1.0),
+                "{k}: {found} for {expected}"
+            );
+        }
+    }
+}
+
+/// At rest under the rigid law, the limits carry what gravity asks of the joints, on the limits to rounding.
+#[test]
+fn rigid_limits_show_the_forces_that_carry_the_weight() {
+    let mut simulation = limited(Method::Implicit);
+    simulation.run_for(5.0).expect("a run");
+    let found = sensed(&simulation);
+    let (model, q) = (simulation.model().clone(), simulation.q().to_vec());
+    assert!((q[0] - 0.3).abs() < 1e-9 && (q[1] - 0.2).abs() < 1e-9 && (q[2] + 0.07).abs() < 1e-9, "{q:?}");
+    let held = model.inverse_dynamics(&q, &[0.0; 3], &[0.0; 3]).expect("a state");
+    let tension = 0.4 * 9.81;
+    assert!((held[2] - tension).abs() < 1e-12);
+    // Both upper limits push back; the rope pulls the elbow on.
+    for (sensor, expected) in [(2, -held[0]), (5, -(held[1] - 0.1 * tension)), (8, tension)] {
+        assert!((found[sensor] - expected).abs() < 1e-6, "{sensor}: {} for {expected}", found[sensor]);
+    }
 }

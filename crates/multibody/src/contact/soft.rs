@@ -112,7 +112,12 @@ struct Asked {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Of {
     Friction,
+    /// A limit of a ball joint's angle, or an equality.
     Stop,
+    /// A limit of this coordinate, with the sign of its force times the joint's ratio.
+    Limit(usize, f64),
+    /// The same of the tendon of this number.
+    TendonLimit(usize, f64),
     Contact,
 }
 

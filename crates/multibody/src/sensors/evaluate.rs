@@ -127,9 +127,9 @@ impl SensorSet {
                         limited.map_or(0.0, |(_, side)| side * rate)
                     }
                     SensorKind::JointLimitForce => {
-                        limited.map_or(0.0, |(_, side)| side * force_of(inputs.joint_limit_forces))
+                        side_of_limit(position, *limits) * force_of(inputs.joint_limit_forces)
                     }
-                    _ => limited.map_or(0.0, |(_, side)| side * force_of(inputs.tendon_limit_forces)),
+                    _ => side_of_limit(position, *limits) * force_of(inputs.tendon_limit_forces),
                 };
             }
             Reading::Ball { q: at, v: first } => match sensor.kind {
@@ -267,6 +267,20 @@ fn reaction_in_frame(model: &Model, reactions: &[f64], on: &Sensed, is_force: bo
 fn nearest_limit(position: f64, [lower, upper]: [f64; 2], margin: f64) -> Option<(f64, f64)> {
     let reached = |distance: f64, side: f64| (distance < margin).then_some((distance - margin, side));
     reached(position - lower, 1.0).or_else(|| reached(upper - position, -1.0))
+}
+
+/// The sign of q that leads away from the nearer limit: a limit that pushes may be reached but for rounding. 0 without limits.
+fn side_of_limit(position: f64, [lower, upper]: [f64; 2]) -> f64 {
+    match (position - lower, upper - position) {
+        (below, above) if below.is_infinite() && above.is_infinite() => 0.0,
+        (below, above) => {
+            if below <= above {
+                1.0
+            } else {
+                -1.0
+            }
+        }
+    }
 }
 
 /// Within the sensor's cutoff.

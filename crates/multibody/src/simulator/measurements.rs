@@ -38,7 +38,7 @@ impl Simulation {
     }
 
     /// The values of the description's sensors at the end of the last step, by name, in the file's order. They see the same motion and forces as
-    /// [`joint_reactions`](Self::joint_reactions); forces of position limits are not counted.
+    /// [`joint_reactions`](Self::joint_reactions). Forces of limits are means over the last step, over the last part of one that was divided.
     ///
     /// ```
     /// use multibody::{Model, SensorDescription, SensorKind, pendulum, simulator::SimulationBuilder};
@@ -60,9 +60,11 @@ impl Simulation {
         }
         let wrenches = self.point_forces(&mut Workspace::new(model));
         let forces = self.stepper.actuator_forces();
+        let [joint_limits, tendon_limits] = self.stepper.limit_forces(model);
         let mut inputs = SensorInputs::new(self.q(), self.v(), self.acceleration());
         inputs.time = self.time();
         inputs.wrenches = &wrenches;
+        (inputs.joint_limit_forces, inputs.tendon_limit_forces) = (&joint_limits, &tendon_limits);
         if forces.len() == model.description().actuators.len() {
             inputs.actuator_forces = forces;
         }

@@ -205,6 +205,18 @@ impl SimulationStepper {
         }
     }
 
+    /// The generalized forces of position limits and the forces of tendons' limits in the last step \[N·m or N\]; zeros of a method without limits.
+    pub(super) fn limit_forces(&self, model: &Model) -> [Vec<f64>; 2] {
+        let mut forces = [vec![0.0; model.nv], vec![0.0; model.description.tendons.len()]];
+        let [coordinates, tendons] = &mut forces;
+        match &self.kind {
+            StepperKind::Implicit(stepper) => stepper.add_limit_forces(coordinates, tendons),
+            StepperKind::Mujoco(stepper) => stepper.law().add_limit_forces(coordinates, tendons),
+            _ => {}
+        }
+        forces
+    }
+
     pub(super) fn constraint_record(&self) -> Option<&ConstraintRecord> {
         match &self.kind {
             StepperKind::Constrained(stepper) => Some(&stepper.record),

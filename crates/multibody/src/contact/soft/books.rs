@@ -76,7 +76,7 @@ impl SoftConstraints {
             for row in asked.row..asked.row + asked.rows {
                 let kind = match asked.of {
                     Of::Friction => 0,
-                    Of::Stop => 1,
+                    Of::Stop | Of::Limit(..) | Of::TendonLimit(..) => 1,
                     Of::Contact if row > asked.row => 2,
                     Of::Contact => 3,
                 };
@@ -84,6 +84,19 @@ impl SoftConstraints {
             }
         }
         losses
+    }
+
+    /// Adds the generalized forces of position limits in the last state, and the force of each tendon's limits along its length \[N·m or N\]. The limits of ball
+    /// joints' angles are not among them.
+    pub(crate) fn add_limit_forces(&self, coordinates: &mut [f64], tendons: &mut [f64]) {
+        for asked in &self.asked {
+            let force = self.problem.multiplier[asked.row];
+            match asked.of {
+                Of::Limit(coordinate, factor) => coordinates[coordinate] += factor * force,
+                Of::TendonLimit(tendon, sign) => tendons[tendon] += sign * force,
+                _ => {}
+            }
+        }
     }
 
     /// The contacts of the last state with the grounds and between links, in the order of [`contacts`](Self::contacts) after those given.

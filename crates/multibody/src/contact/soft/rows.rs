@@ -127,6 +127,8 @@ struct Turn {
 /// sign·(ℓ − bound) ≥ 0 of a tendon's length.
 #[derive(Clone, Debug)]
 struct TendonLimit {
+    /// In the description.
+    number: usize,
     length: JointSum,
     /// ∂ℓ/∂q by its coordinates, rising.
     slopes: Vec<(usize, f64)>,
@@ -235,7 +237,9 @@ impl JointRows {
 
     fn add_tendons(&mut self, model: &Model, weights: &InverseWeights) {
         let carrier = coordinate_carriers(model);
-        for (tendon, &weight) in model.description().tendons.iter().zip(&weights.tendons) {
+        for (number, (tendon, &weight)) in
+            model.description().tendons.iter().zip(&weights.tendons).enumerate()
+        {
             let length = tendon_length(model, tendon);
             let slopes = length.row();
             let Some(((last, _), others)) = slopes.split_last() else { continue };
@@ -249,7 +253,7 @@ impl JointRows {
             for (bound, sign) in [(tendon.limits.lower, 1.0), (tendon.limits.upper, -1.0)] {
                 if bound.is_finite() {
                     let (length, slopes, softness) = (length.clone(), slopes.clone(), tendon.softness);
-                    self.tendons.push(TendonLimit { length, slopes, bound, sign, softness, weight });
+                    self.tendons.push(TendonLimit { number, length, slopes, bound, sign, softness, weight });
                     self.keeps_tree &= is_path;
                 }
             }
@@ -282,7 +286,12 @@ impl JointRows {
             let row = problem.push(Set::Interval(0.0, f64::INFINITY), 1, core::iter::once(limit.coordinate));
             problem.last().1[0] = limit.sign * limit.ratio;
             problem.soften(response.softness(limit.weight));
-            asked.push(Asked::new(Of::Stop, row, response.damping, response.spring));
+            asked.push(Asked::new(
+                Of::Limit(limit.coordinate, limit.sign * limit.ratio),
+                row,
+                response.damping,
+                response.spring,
+            ));
         }
         for (number, turn) in self.turns.iter().enumerate() {
             // The angle grows with the part of the angular velocity along the axis, which both frames see alike.
@@ -308,7 +317,12 @@ impl JointRows {
             let response = Response::new(&limit.softness.limit, h, distance);
             let row = problem.push_row(Set::Interval(0.0, f64::INFINITY), limit.sign, &limit.slopes);
             problem.soften(response.softness(limit.weight));
-            asked.push(Asked::new(Of::Stop, row, response.damping, response.spring));
+            asked.push(Asked::new(
+                Of::TendonLimit(limit.number, limit.sign),
+                row,
+                response.damping,
+                response.spring,
+            ));
         }
         let free = Set::Interval(f64::NEG_INFINITY, f64::INFINITY);
         for equal in &self.equalities {

@@ -71,6 +71,8 @@ pub(super) struct Remembered {
     forces: Vec<f64>,
     /// Each row's stop that held it in the last step, by its sign; else 0.
     held: Vec<f64>,
+    /// Each row's force of its stop in the last step, impacts among it \[N·m or N\].
+    stopped: Vec<f64>,
 }
 
 impl Remembered {
@@ -78,6 +80,7 @@ impl Remembered {
         self.carried.copy_from_slice(&other.carried);
         self.forces.copy_from_slice(&other.forces);
         self.held.copy_from_slice(&other.held);
+        self.stopped.copy_from_slice(&other.stopped);
     }
 }
 
@@ -97,6 +100,7 @@ impl Impulses {
                 carried: vec![0.0; most],
                 forces: vec![0.0; model.nv],
                 held: vec![0.0; most],
+                stopped: vec![0.0; most],
             },
             pressed: Vec::with_capacity(most),
             back: Vec::with_capacity(most),
@@ -112,6 +116,11 @@ impl Impulses {
     /// Friction and stops of the step before, which act in the smooth part.
     pub(super) fn forces(&self) -> &[f64] {
         &self.memory.forces
+    }
+
+    /// Each row's force of its stop in the last step.
+    pub(super) fn stop_forces(&self) -> &[f64] {
+        &self.memory.stopped
     }
 
     /// What goes on from step to step.
@@ -143,6 +152,7 @@ impl Impulses {
     ///
     /// What a stop held before and moving others moved away from it goes back as what starts beyond a stop does.
     pub(super) fn choose(&mut self, joints: &Joints, stops: &[Stop], h: f64, (q0, q1): (&[f64], &[f64])) {
+        self.memory.stopped.fill(0.0);
         self.met.clear();
         self.met.resize(self.memory.carried.len(), Met::default());
         for stop in stops {
@@ -315,6 +325,7 @@ impl Impulses {
             let mean = 0.5 * (along(&self.terms[row], v0) + along(&self.terms[row], v1));
             losses.friction -= friction * mean;
             losses.stops -= (whole - friction) * mean;
+            self.memory.stopped[row] = (whole - friction) / h;
             self.memory.carried[row] = if self.pressed[i] && !is_impact { whole } else { friction } / h;
         }
         self.memory.forces.fill(0.0);
@@ -325,6 +336,18 @@ impl Impulses {
             }
         }
         losses
+    }
+}
+
+impl super::Implicit {
+    /// Adds the generalized forces of position limits in the last step, and the force of each tendon's limits along its length: means over the step, over the last
+    /// part of one that was divided \[N·m or N\]. The stops of ball joints' angles are not among them.
+    pub(crate) fn add_limit_forces(&self, coordinates: &mut [f64], tendons: &mut [f64]) {
+        let forces = self.impulses.stop_forces();
+        coordinates.iter_mut().zip(forces).for_each(|(sum, force)| *sum += force);
+        for (row, number) in self.joints.tendon_rows() {
+            tendons[number] += forces[row];
+        }
     }
 }
 

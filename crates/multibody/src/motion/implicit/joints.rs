@@ -73,6 +73,8 @@ pub(super) struct Joints {
     all_friction: Vec<f64>,
     /// Of each tendon with a row, that row and its dry friction.
     tendons: Vec<(usize, f64)>,
+    /// Their numbers in the description.
+    tendon_numbers: Vec<usize>,
 }
 
 impl Joints {
@@ -92,6 +94,7 @@ impl Joints {
             all_damping: vec![0.0; nv],
             all_friction: vec![0.0; nv],
             tendons: Vec::new(),
+            tendon_numbers: Vec::new(),
         };
         for freedom in &model.dofs {
             let (k, square, passive) = (freedom.coordinate, freedom.ratio * freedom.ratio, &freedom.passive);
@@ -120,7 +123,7 @@ impl Joints {
                 }
             }
         }
-        for tendon in &model.description().tendons {
+        for (number, tendon) in model.description().tendons.iter().enumerate() {
             let (lower, upper) = (tendon.limits.lower, tendon.limits.upper);
             let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
             let sum = JointSum::new(model, tendon.offset, terms);
@@ -131,6 +134,7 @@ impl Joints {
                 continue;
             }
             joints.tendons.push((joints.rows.len(), friction));
+            joints.tendon_numbers.push(number);
             for (bound, sign) in [(lower, 1.0), (upper, -1.0)] {
                 if is_bounded && bound.is_finite() {
                     let length = Length::Tendon(sum.clone());
@@ -211,6 +215,11 @@ impl Joints {
 
     pub(super) fn has_friction(&self) -> bool {
         self.friction.iter().any(|friction| *friction > 0.0)
+    }
+
+    /// The rows of tendons, each with its number in the description.
+    pub(super) fn tendon_rows(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.tendons.iter().zip(&self.tendon_numbers).map(|(&(row, _), &number)| (row, number))
     }
 
     pub(super) fn has_stops(&self) -> bool {
