@@ -426,6 +426,7 @@ fn a_coin_rolls() {
 #[test]
 fn rows_that_say_the_same_are_left_out() {
     let (model, set, q) = four_bars(0.6);
+    let (once_model, once_set, start) = (model.clone(), set.clone(), q.clone());
     let once = run_watched(held(&model, &set), (&q, &[0.0; 3]), (1e-3, 500), |_| {});
     let mut robot = model.description().clone();
     // An axis off by what six digits leave.
@@ -441,8 +442,68 @@ fn rows_that_say_the_same_are_left_out() {
     let (mut q, mut v) = (q, vec![0.0; 3]);
     let none = StepForces::new(&[0.0; 3], true);
     implicit.step(&model, &mut StepWorkspace::new(&model), &none, 1e-3, &mut q, &mut v).unwrap();
-    let zero = implicit.constraint_forces().iter().filter(|(_, force)| *force == 0.0).count();
-    assert_eq!(zero, 4, "{:?}", implicit.constraint_forces());
+    // Both share what one of them has; across the plane neither has any.
+    let forces = implicit.constraint_forces();
+    let mut alone = stepper(held(&once_model, &once_set));
+    let (mut q, mut v) = (start, vec![0.0; 3]);
+    alone.step(&once_model, &mut StepWorkspace::new(&once_model), &none, 1e-3, &mut q, &mut v).unwrap();
+    let alone = alone.constraint_forces();
+    let scale = alone.iter().fold(0.0_f64, |most, (_, force)| most.max(force.abs()));
+    for axis in ["x", "y", "z"] {
+        let force = |forces: &[(&str, f64)], name: &str| {
+            forces.iter().find(|(own, _)| *own == format!("{name}.{axis}")).unwrap().1
+        };
+        let [pin, again] = ["pin", "again"].map(|name| force(&forces, name));
+        let whole = force(&alone, "pin");
+        assert!((pin - again).abs() < 1e-12 * scale, "{axis}: {forces:?}");
+        assert!((pin + again - whole).abs() < 1e-5 * scale, "{axis}: {forces:?} for {whole}");
+    }
+    assert_eq!(forces.iter().filter(|(_, force)| *force == 0.0).count(), 2, "{forces:?}");
+}
+
+/// A box on a floating base is connected to the world at the four corners of its sole: each carries a quarter of the weight, and of what pushes the box.
+#[test]
+fn corners_of_a_sole_share_its_load() {
+    let mut robot = RobotDescription::new("shoe");
+    robot.base = Base::Floating;
+    let inertia = Matrix3::from_diagonal(&Vector3::new(0.02, 0.03, 0.04));
+    let mass = MassProperties::new(6.0, Vector3::new(0.0, 0.0, 0.05), inertia).unwrap();
+    robot.links.push(LinkDescription::new("shoe", mass));
+    let corners = [[0.1, 0.04], [0.1, -0.04], [-0.1, 0.04], [-0.1, -0.04]];
+    let names = ["a", "b", "c", "d"];
+    for (name, [x, y]) in names.into_iter().zip(corners) {
+        robot.frames.push(multibody::FrameDescription::new(
+            name,
+            "shoe",
+            Pose::from_translation([x, y, 0.0]),
+        ));
+    }
+    let model = Model::new(robot).unwrap();
+    let held_at = |(name, [x, y]): (&'static str, [f64; 2])| {
+        (name, Closure::point_contact(model.frame(name).unwrap(), [x, y, 0.0]).into())
+    };
+    let set = ConstraintSet::new(&model, names.into_iter().zip(corners).map(held_at)).unwrap();
+    let mut implicit = stepper(held(&model, &set));
+    let (mut q, mut v) = (neutral(&model), vec![0.0; 6]);
+    // A force at the centre of mass, and the moment about the frame's origin that it has there.
+    let tau = [8.0, -4.0, 0.0, 0.05 * 4.0, 0.05 * 8.0, 0.0];
+    for _ in 0..3 {
+        let forces = StepForces::new(&tau, true);
+        implicit.step(&model, &mut StepWorkspace::new(&model), &forces, 1e-3, &mut q, &mut v).unwrap();
+    }
+    let forces = implicit.constraint_forces();
+    let of = |axis: &str| -> Vec<f64> {
+        names.map(|name| forces.iter().find(|(own, _)| *own == format!("{name}.{axis}")).unwrap().1).to_vec()
+    };
+    // The tipping moments 0.05·8 about y and 0.05·4 about x are carried by pairs of corners; along the sole all four push alike. A row yields by 1e-10 of its force.
+    let (weight, pitch, roll) = (6.0 * 9.81 / 4.0, 0.4 / 0.4, 0.2 / 0.16);
+    for (k, [x, y]) in corners.into_iter().enumerate() {
+        let z = weight + pitch * f64::signum(x) - roll * f64::signum(y);
+        let expected = [-2.0, 1.0, z];
+        for (axis, expected) in ["x", "y", "z"].into_iter().zip(expected) {
+            assert!((of(axis)[k] - expected).abs() < 1e-6, "{axis} at {x}, {y}: {forces:?} for {expected}");
+        }
+    }
 }
 
 /// A run refuses a start that is off, by the row's name; a single step takes it and brings it back over 0.1 s.

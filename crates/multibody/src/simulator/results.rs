@@ -122,7 +122,7 @@ impl Simulation {
     }
 
     /// The multiplier of each row of the equalities by its name, the mean over the last step \[N, or N·m of a turn\], where the method has them: the force of row k is
-    /// Aₖᵀλₖ. 0 of a row that depends on others.
+    /// Aₖᵀλₖ. If rows depend on each other, as those of the corners of a sole, they share their forces: λ has the least norm.
     ///
     /// ```
     /// use multibody::{Base, Closure, ConstraintSet, LinkDescription, Model, RobotDescription};

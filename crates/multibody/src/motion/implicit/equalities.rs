@@ -262,13 +262,15 @@ impl Implicit {
         self
     }
 
-    /// The multiplier of each constraint's row by its name, the mean over the last step \[N, or N·m of a turn\]: the force of row k is Aₖᵀλₖ. 0 of a row that depends
-    /// on others. Empty without [`with_constraints`](Self::with_constraints).
+    /// The multiplier of each constraint's row by its name, the mean over the last step \[N, or N·m of a turn\]: the force of row k is Aₖᵀλₖ. Rows that depend on each
+    /// other share their forces: λ has the least norm ([`Pivots::share`]). Empty without [`with_constraints`](Self::with_constraints).
     pub(crate) fn constraint_forces(&self) -> impl Iterator<Item = (&str, f64)> {
         let (names, impulses) = match &self.equalities {
-            Some(equalities) => (&equalities.names[..], &equalities.memory.impulses[..]),
-            None => (&[][..], &[][..]),
+            Some(Equalities { names, memory, rows, pivots, .. }) => {
+                (&names[..], pivots.share(rows.rows(), &memory.impulses, DEPENDENCE))
+            }
+            None => (&[][..], Vec::new()),
         };
-        names.iter().map(String::as_str).zip(impulses.iter().copied())
+        names.iter().map(String::as_str).zip(impulses)
     }
 }

@@ -4,6 +4,8 @@
 //! but for the turn of a step; along it they do not. The order is that of a Cholesky factor of A M̂⁻¹Aᵀ with pivots, where the first of several good rows
 //! comes first, so that the choice seldom changes from step to step.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::impulses::along;
 use super::stiff_factor::StiffFactor;
 use crate::contact::EqualityRow;
@@ -70,6 +72,37 @@ impl Pivots {
         let next = (0..self.left.len()).filter(is_left).find(|i| part(*i) >= AS_GOOD * best)?;
         self.is_done[next] = true;
         Some(next)
+    }
+
+    /// The multipliers λ of least norm that give the same forces Aᵀλ as these: if rows depend on each other, their forces are shared. Turns count by the ratio of the
+    /// longest row of a turn to the longest other one, so that units do not matter; rows shorter than `least` of their constraint's longest have no force.
+    ///
+    /// The columns of the factor are A = L E with independent rows E, so that Aᵀλ is the same where Lᵀλ is. With weights S, Sλ is the projection of the given one on
+    /// the range of S⁻¹L.
+    pub(super) fn share(&self, rows: &[EqualityRow], multipliers: &[f64], least: f64) -> Vec<f64> {
+        let count = rows.len();
+        let rank = self.columns.len() / count.max(1);
+        if rank == 0 || rank == count {
+            return multipliers.to_vec();
+        }
+        let is_turn = |i: usize| rows[i].group % 2 == 1;
+        let longest = |turns: bool| {
+            let own = (0..count).filter(|&i| is_turn(i) == turns);
+            own.fold(0.0_f64, |most, i| most.max(self.lengths[i]))
+        };
+        let weight = |i: usize| match longest(is_turn(i)) {
+            0.0 => 1.0,
+            length => length,
+        };
+        let weights: Vec<f64> = (0..count).map(weight).collect();
+        let is_long = |i: usize| self.lengths[i] > least * self.scales[i];
+        let range = DMatrix::from_fn(count, rank, |i, k| {
+            if is_long(i) { self.columns[k * count + i] / weights[i] } else { 0.0 }
+        });
+        let given = DVector::from_fn(count, |i, _| weights[i] * multipliers[i]);
+        let q = range.qr().q();
+        let shared = &q * q.tr_mul(&given);
+        (0..count).map(|i| if is_long(i) { shared[i] / weights[i] } else { 0.0 }).collect()
     }
 
     /// Takes that row: what others have of it is no longer left of them.
