@@ -75,13 +75,16 @@ impl ConeProblem {
         self.sweeps = sweeps;
     }
 
-    /// Whether nothing but p̄ acts, and that by the laws: each block's p̄ is then the projection of p̄ − (c₀ + s n)/w, w of the softness.
-    fn is_near(&self) -> bool {
-        let Self { blocks, start, multiplier, counted, force, .. } = self;
-        if multiplier != counted || force.iter().any(|force| *force != 0.0) {
+    /// Whether little but p̄ acts, and that by the laws: each block's p̄ is then the projection of p̄ − (c₀ + s n)/w, w of the softness.
+    fn is_near(&mut self) -> bool {
+        let Self { blocks, start, multiplier, counted, force, paths, mass, .. } = self;
+        if multiplier != counted {
             return false;
         }
         let (mut most, mut speed) = (0.0_f64, f64::MIN_POSITIVE);
+        for (k, force) in force.iter().enumerate() {
+            most = most.max((force / *paths.diagonal_of(k, mass)).abs());
+        }
         for block in blocks {
             let (c, p) = (&start[block.rows.clone()], &multiplier[block.rows.clone()]);
             let moved = block.softness / YIELD;
