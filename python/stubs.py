@@ -72,7 +72,6 @@ ARGUMENTS = {
     "snapshot": "Snapshot",
     "number": "int",
     "options": "Any",
-    "simulations": "Sequence[Simulation]",
 }
 
 # Those that are something else for some classes.
@@ -95,7 +94,6 @@ RETURNS = {
     "neutral": "NDArray[np.float64]",
     "random_configuration": "NDArray[np.float64]",
     "example_text": "str",
-    "_step_together": "tuple[NDArray[np.float64], NDArray[np.float64], list[int]]",
     "num_threads": "int",
     "set_num_threads": "None",
     "quantities": "list[tuple[str, list[str], int]]",

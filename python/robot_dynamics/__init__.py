@@ -32,6 +32,7 @@ from robot_dynamics.checks import Audit, Check
 from robot_dynamics.constraints import Closure, Contact, Coupling, NoSlip, PointContact, RollingDisc, Support
 from robot_dynamics.control import Dlqr, InverseKinematicsSolution, OperationalSpace, dlqr
 from robot_dynamics.errors import (
+    BadSimulationsError,
     BadStatesError,
     ColumnError,
     ConstraintError,
@@ -77,6 +78,7 @@ from robot_dynamics.simulation import ContactPoint, Simulation, SimulationBatch
 __all__ = [
     "__version__",
     "Audit",
+    "BadSimulationsError",
     "BadStatesError",
     "BaseParameters",
     "Check",

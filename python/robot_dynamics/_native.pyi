@@ -12,7 +12,7 @@ from robot_dynamics.results import DissipationPullback, ForwardDynamicsDerivativ
 
 _F = TypeVar("_F", np.float64, np.float32)
 
-__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', '__version__', '_html', '_nanoseconds', '_random_robot', '_step_together', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', '__version__', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -24,12 +24,6 @@ def _nanoseconds(robot: Robot, name: str, state: Sequence[Numbers], rounds: int)
 
 def _random_robot(seed: int, joints: int, floating_base: bool) -> str:
     """See `random_robot`."""
-
-def _step_together(simulations: Sequence[Simulation], torques: Numbers, controls: Numbers, count: int, threads: int | None) -> tuple[NDArray[np.float64], NDArray[np.float64], list[int]]:
-    """Takes so many steps of each simulation of one robot, under torques (n, nv) and controls (n, controls) that are held.
-
-    A simulation that fails stays where it failed, and the others go on.
-    """
 
 def _visible(text: str, keeps_lines: bool) -> str:
     """A text with each character that cannot be seen as its escape; ends of lines stay where `keeps_lines`."""
@@ -1183,6 +1177,13 @@ class SimulationBatch:
         """A copy of one simulation, with its state and inputs."""
     def _reset(self, q: Any, v: Any, which: Any) -> Any:
         """See `reset`."""
+    def _set_state(self, q: Any, v: Any, which: Any) -> Any:
+        """See `set_state`."""
+    def _step(self, count: Any, which: Any) -> Any:
+        """See `step`."""
+    @property
+    def control_names(self) -> tuple[str, ...]:
+        """The names of the actuators that act, in the order of `controls`."""
     @property
     def controls(self) -> NDArray[np.float64]:
         """The controls of the actuators that act (count, controls), held until they are set again; (controls,) sets those of all."""
@@ -1191,10 +1192,9 @@ class SimulationBatch:
     @property
     def q(self) -> NDArray[np.float64]:
         """The configurations (count, nq), a copy."""
-    def step(self, count: int = 1) -> None:
-        """Takes so many steps of each simulation, on all threads. A simulation that cannot go on is an error, which names the first one; it stays where its
-        last good step ended, and the others take all steps.
-        """
+    @property
+    def robot(self) -> Robot:
+        """The robot."""
     @property
     def step_size(self) -> float:
         """The step [s]."""

@@ -77,6 +77,33 @@ class SimulationError(RobotDynamicsError, ArithmeticError):
         self.until = until
 
 
+class BadSimulationsError(SimulationError):
+    """Some simulations of a batch could not do what was asked; all others have done it.
+
+    >>> batch = rd.SimulationBatch(rd.example("two_r"), 3)
+    >>> batch.torques = [[0.0, 0.0], [0.0, np.nan], [0.0, 0.0]]
+    >>> try:
+    ...     batch.step(10)
+    ... except rd.BadSimulationsError as error:
+    ...     list(error.errors), [round(time, 3) for time in batch.times]
+    ([1], [0.01, 0.0, 0.01])
+    """
+
+    errors: dict[int, str]
+    """The message of each simulation that failed, by its number, ascending."""
+
+    def __init__(self, message: str, *, errors: dict[int, str]) -> None:
+        super().__init__(message)
+        self.errors = errors
+
+    def __reduce__(self) -> Any:
+        return _bad_simulations, (str(self), self.errors)
+
+
+def _bad_simulations(message: str, errors: dict[int, str]) -> BadSimulationsError:
+    return BadSimulationsError(message, errors=errors)
+
+
 class ConstraintError(RobotDynamicsError, ValueError):
     """Constraints contradict each other, or what is asked of them cannot be."""
 

@@ -24,12 +24,11 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from robot_dynamics import _native
-from robot_dynamics.errors import DescriptionError, SimulationError, StateError
+from robot_dynamics.errors import BadSimulationsError, DescriptionError
 from robot_dynamics.ground import AnyGround
 from robot_dynamics.loading import example, loads
 from robot_dynamics.robot import Robot
-from robot_dynamics.simulation import Simulation
+from robot_dynamics.simulation import SimulationBatch
 
 PENDULUM = """<robot name="pendulum"><link name="stand"/><link name="rod"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
 <inertia ixx="0.0833" iyy="0.0833" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -46,7 +45,8 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
     """Copies of a `Simulation` of one robot; tasks say where they start, what is seen, and what is good.
 
     Everything that the robot's file states acts, as in `Simulation`: contact, position limits, equalities, damping, actuators.
-    `integrator`, `conservative`, `without`, `ground` and other `options` are passed to it, and `simulations` are its copies.
+    `integrator`, `conservative`, `without`, `ground` and other `options` are passed to it; `simulations` is the `SimulationBatch` of its
+    copies.
 
     Actions are numbers in [−1, 1], held over a control step of `substeps` steps of `step` seconds. If actuators of the file act, an
     action (num_envs, actuators) says where in its range each control is; the middle is 0. Otherwise it (num_envs, actuated degrees of
@@ -76,25 +76,24 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
     ) -> None:
         self.robot, self.num_envs, self.horizon = robot, num_envs, horizon
         how: dict[str, Any] = {"integrator": integrator, "conservative": conservative, "without": without, "ground": ground}
-        first = Simulation(robot, step=step, **how, **options)
-        self.simulations = [first, *(first.copy() for _ in range(num_envs - 1))]
-        """One for each environment, for what else a task wants to see: contacts, sensors, forces."""
+        self.simulations = SimulationBatch(robot, num_envs, step=step, threads=threads, **how, **options)
+        """One for each environment; `simulations[k]` is a copy of one, for what else a task wants to see: contacts, sensors, forces."""
         self.effort: NDArray[np.float64] = np.where(robot.actuated_dofs, robot.limits.effort if effort is None else effort, 0.0)
         """Torque of a full action (nv,) [N·m or N]; 0 where no motor is."""
-        self.control_range = _control_range(robot, first.control_names)
+        self.control_range = _control_range(robot, self.simulations.control_names)
         """Least and largest control of each actuator that acts (actuators, 2)."""
         width = len(self.control_range) or int(robot.actuated_dofs.sum())
         if len(self.control_range) == 0 and not np.isfinite(self.effort).all():
             raise DescriptionError(f"robot `{robot.name}` has joints without a limit of effort: give effort= [N·m or N]")
-        self._substeps, self._threads = substeps, threads
+        self._substeps = substeps
         bound = np.full(width, 1.0, np.float32)
         self.single_action_space = gymnasium.spaces.Box(-bound, bound)
         self.single_observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (observations,), np.float32)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.q = np.tile(first.q, (num_envs, 1))
+        self.q = self.simulations.q
         """Configurations (num_envs, nq)."""
-        self.v = np.tile(first.v, (num_envs, 1))
+        self.v = self.simulations.v
         """Velocities (num_envs, nv)."""
         self._age = np.zeros(num_envs, np.int64)
         self._ended = np.zeros(num_envs, bool)
@@ -146,20 +145,24 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
             raise ValueError(f"actions have shape {given.shape}, they must have {self.action_space.shape}")
         again, lost = self._ended.copy(), np.zeros(self.num_envs, bool)
         clipped = np.clip(given, -1.0, 1.0)
-        for k in np.flatnonzero(self._written() & ~again):
+        written = self._written() & ~again
+        if written.any():
             try:
-                self.simulations[k].set_state(self.q[k], self.v[k])
-            except (SimulationError, StateError):
-                lost[k] = True
-        moved = np.flatnonzero(~(again | lost))
-        if len(moved):
-            torques, controls = self.torques(clipped)[moved], self.controls(clipped)[moved]
-            simulations = [self.simulations[k] for k in moved]
-            q, v, failed = _native._step_together(simulations, torques, controls, self._substeps, self._threads)
-            lost[moved[failed]] = True
-            lost[moved] |= ~(np.abs(v) <= RUNAWAY).all(axis=1)
-            kept = ~lost[moved]
-            self.q[moved[kept]], self.v[moved[kept]] = q[kept], v[kept]
+                self.simulations.set_state(self.q[written], self.v[written], where=written)
+            except BadSimulationsError as error:
+                lost[list(error.errors)] = True
+                self.q[lost] = self._known[0][lost]
+        moved = ~(again | lost)
+        if moved.any():
+            self.simulations.torques, self.simulations.controls = self.torques(clipped), self.controls(clipped)
+            try:
+                self.simulations.step(self._substeps, where=None if moved.all() else moved)
+            except BadSimulationsError as error:
+                lost[list(error.errors)] = True
+            q, v = self.simulations.q, self.simulations.v
+            lost |= moved & ~(np.abs(v) <= RUNAWAY).all(axis=1)
+            kept = moved & ~lost
+            self.q[kept], self.v[kept] = q[kept], v[kept]
         self.v[lost] = 0.0
         self._known = (self.q.copy(), self.v.copy())
         self._age += 1
@@ -179,8 +182,7 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
 
     def _restart(self, which: NDArray[np.bool_]) -> None:
         self.start(which)
-        for k in np.flatnonzero(which):
-            self.simulations[k].reset(self.q[k], self.v[k])
+        self.simulations.reset(self.q[which], self.v[which], where=which)
         self._known = (self.q.copy(), self.v.copy())
         self._age[which], self._ended[which] = 0, False
 

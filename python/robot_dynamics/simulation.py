@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from robot_dynamics import _native
 from robot_dynamics import ground as grounds
 from robot_dynamics._native import Constraints
+from robot_dynamics.errors import ShapeError
 from robot_dynamics.ground import AnyGround
 from robot_dynamics.motion import Correction, EnergyLedger, switched_off
 from robot_dynamics.numbers import Numbers
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from robot_dynamics.robot import Robot
 
 Array = NDArray[np.float64]
+Where = Sequence[int] | Sequence[bool] | NDArray[np.intp] | NDArray[np.bool_]
+"""Which simulations of a batch: their numbers, or a truth value for each."""
 
 
 class ContactPoint(NamedTuple):
@@ -94,12 +97,7 @@ class Simulation(_native.Simulation):
         ...
         ValueError: robot `panda` has no link `link3`, which a pair of links names; did you mean `panda_link3`?
         """
-        if tolerance is not None and integrator != "adaptive":
-            raise ValueError(f"tolerance goes with integrator='adaptive'; {integrator or 'the default'!r} takes steps of one length")
-        if isinstance(ignore_contacts, str | PathLike):
-            ignore_contacts = robot._disabled_collisions(ignore_contacts)
-        return super().__new__(
-            cls,
+        options = _options(
             robot,
             step=step,
             integrator=integrator,
@@ -110,9 +108,10 @@ class Simulation(_native.Simulation):
             stabilization=stabilization,
             correction=correction,
             tolerance=tolerance,
-            ignore_contacts=list(ignore_contacts),
-            only_contacts=None if only_contacts is None else list(only_contacts),
+            ignore_contacts=ignore_contacts,
+            only_contacts=only_contacts,
         )
+        return super().__new__(cls, robot, **options)
 
     def reset(
         self,
@@ -169,7 +168,8 @@ class SimulationBatch(_native.SimulationBatch):
 
     Each has its own state, inputs and contacts and is set up once, so that a call of one step costs no more than a step of a long run. The results are
     those of `Simulation`, to the bit. Arguments are those of `Simulation`, and how many there are. `torques` and `controls` are held until they are
-    set again: one row for each simulation, or one for all.
+    set again: one row for each simulation, or one for all. `where` says which simulations are meant: their numbers, or a truth value for each. A
+    simulation that fails stays where it was, the others go on, and the error afterwards has the messages of all that failed (`BadSimulationsError`).
 
     >>> dog = rd.example("quadruped", floating_base=True)
     >>> batch = rd.SimulationBatch(dog, 8, ground=rd.Ground())
@@ -186,7 +186,7 @@ class SimulationBatch(_native.SimulationBatch):
 
     def __new__(
         cls,
-        robot: _native.Robot,
+        robot: Robot,
         count: int,
         *,
         step: float = 1e-3,
@@ -196,36 +196,93 @@ class SimulationBatch(_native.SimulationBatch):
         dissipation: bool = True,
         stops: bool = True,
         ground: AnyGround | None = None,
-        ignore_contacts: Sequence[tuple[str, str]] = (),
+        constraints: Constraints | None = None,
+        stabilization: float | None = None,
+        correction: Correction = "position",
+        tolerance: float | None = None,
+        ignore_contacts: Sequence[tuple[str, str]] | str | PathLike[str] = (),
         only_contacts: Sequence[tuple[str, str]] | None = None,
         threads: int | None = None,
     ) -> Self:
         """So many simulations of a robot, at rest in the configuration in which its file places it."""
-        return super().__new__(
-            cls,
+        options = _options(
             robot,
-            count,
-            threads,
             step=step,
             integrator=integrator,
             conservative=conservative,
             without=switched_off(without, dissipation, stops),
             ground=grounds.native(ground),
-            ignore_contacts=list(ignore_contacts),
-            only_contacts=None if only_contacts is None else list(only_contacts),
+            constraints=constraints,
+            stabilization=stabilization,
+            correction=correction,
+            tolerance=tolerance,
+            ignore_contacts=ignore_contacts,
+            only_contacts=only_contacts,
         )
+        return super().__new__(cls, robot, count, threads, **options)
 
-    def reset(self, q: Numbers | None = None, v: Numbers | None = None, *, where: Sequence[int] | None = None) -> None:
-        """Starts anew at time 0 from q and v, as the file places the robot and at rest where not given, the simulations of the numbers in `where`, or all.
+    def step(self, count: int = 1, *, where: Where | None = None) -> None:
+        """Takes so many steps of each simulation, or of those of `where`, on all threads.
+
+        A simulation that cannot go on stays where its last good step ended, the others take all steps.
+        """
+        self._step(count, None if where is None else self._numbers(where))
+
+    def reset(self, q: Numbers | None = None, v: Numbers | None = None, *, where: Where | None = None) -> None:
+        """Starts anew at time 0 from q and v, as the file places the robot and at rest where not given, all simulations or those of `where`.
 
         q is (count, nq), or (nq,) for all of them; v as well. Torques, controls and wrenches of these are zero afterwards.
         """
-        self._reset(q, v, None if where is None else [int(number) for number in where])
+        self._reset(q, v, None if where is None else self._numbers(where))
+
+    def set_state(self, q: Numbers, v: Numbers, *, where: Where | None = None) -> None:
+        """Goes on from q and v, rows as of `reset`, at the same times with the same inputs: all simulations, or those of `where`.
+
+        The energy accounts begin anew.
+
+        >>> batch = rd.SimulationBatch(rd.example("two_r"), 3)
+        >>> batch.step(5)
+        >>> batch.set_state([0.1, 0.2], [0.0, 0.0], where=[False, True, False])
+        >>> batch.q[1].tolist(), round(batch.times[1], 3)
+        ([0.1, 0.2], 0.005)
+        """
+        self._set_state(q, v, None if where is None else self._numbers(where))
 
     def __getitem__(self, number: int) -> Simulation:
         """A copy of one simulation, with its state and inputs."""
         copy = self._copy(number)
         return _native.Simulation.__new__(Simulation, copy.robot, like=copy)
+
+    def _numbers(self, where: Where) -> list[int]:
+        given = np.asarray(where)
+        if given.dtype == bool:
+            if given.shape != (len(self),):
+                raise ShapeError(f"where has shape {given.shape}, truth values must have ({len(self)},)")
+            given = np.flatnonzero(given)
+        return [int(number) for number in given.tolist()]
+
+
+def _options(
+    robot: Robot,
+    *,
+    integrator: str | None,
+    tolerance: float | None,
+    ignore_contacts: Sequence[tuple[str, str]] | str | PathLike[str],
+    only_contacts: Sequence[tuple[str, str]] | None,
+    **others: Any,
+) -> dict[str, Any]:
+    """The arguments of the native half."""
+    if tolerance is not None and integrator != "adaptive":
+        raise ValueError(f"tolerance goes with integrator='adaptive'; {integrator or 'the default'!r} takes steps of one length")
+    if isinstance(ignore_contacts, str | PathLike):
+        ignore_contacts = robot._disabled_collisions(ignore_contacts)
+    return {
+        **others,
+        "integrator": integrator,
+        "tolerance": tolerance,
+        "ignore_contacts": list(ignore_contacts),
+        "only_contacts": None if only_contacts is None else list(only_contacts),
+    }
 
 
 __all__ = ["ContactPoint", "Simulation", "SimulationBatch"]

@@ -132,6 +132,19 @@ def test_what_blows_up_ends_alone() -> None:
     assert not terminated.any() and rewards[2] == 0.0 and np.abs(envs.v).max() < 10.0
 
 
+def test_simulations_that_cannot_go_on_end_alone() -> None:
+    envs = SwingUp(5)
+    envs.reset(seed=1)
+    envs.q[1], envs.v[3] = np.inf, np.nan
+    before = envs.q.copy()
+    _, _, terminated, truncated, _ = envs.step(np.zeros((5, 1)))
+    assert terminated.tolist() == [False, True, False, True, False] and not truncated.any()
+    assert (envs.q[[0, 2, 4]] != before[[0, 2, 4]]).all() and (envs.v[[1, 3]] == 0.0).all()
+    _, rewards, terminated, _, _ = envs.step(np.zeros((5, 1)))
+    assert not terminated.any() and rewards[1] == rewards[3] == 0.0
+    assert np.isfinite(envs.q).all() and (envs.q == envs.simulations.q).all()
+
+
 def test_targets_can_be_reached() -> None:
     # Joint velocities that bring the frame there, by damped least squares, and torques M (v* − v)/T for them.
     envs = Reach(32, rd.example("panda"), "panda_link8", horizon=10**6)

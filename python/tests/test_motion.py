@@ -22,6 +22,11 @@ def pendulum(length: float = 0.5) -> rd.Robot:
     )
 
 
+PENDULUM = """<robot name="pendulum"><link name="stand"/><link name="rod"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
+<inertia ixx="0.0833" iyy="0.0833" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="hinge" type="continuous"><parent link="stand"/><child link="rod"/><axis xyz="0 1 0"/><dynamics damping="300"/></joint></robot>"""
+
+
 def test_a_pendulum_swings_with_its_period() -> None:
     robot = pendulum()
     crossing = rd.Event("lowest", lambda t, q, v: float(q[0] + np.pi / 2), direction="rising")
@@ -96,6 +101,20 @@ def test_bad_states_of_a_rollout_lose_nobody_else(panda: rd.Robot) -> None:
     expected = panda.rollout(s.q, s.v, steps=10).q
     good = np.arange(40) != 7
     assert error.value.indices.tolist() == [7] and np.array_equal(q[good], expected[good])
+
+
+def test_a_rollout_that_grows_names_joint_time_and_a_step() -> None:
+    # Damping of 300 N m s/rad on 1/3 kg m^2: rk4 at 5 ms takes it too far in each step.
+    robot = rd.loads(PENDULUM)
+    how: dict[str, Any] = {"step": 5e-3, "integrator": "rk4"}
+    q, v = np.zeros((3, 1)), np.array([[0.0], [1.0], [2.0]])
+    with pytest.raises(rd.SimulationError) as single:
+        robot.simulate(q[1], v[1], duration=1.0, **how)
+    with pytest.raises(rd.BadStatesError, match="2 of 3 states are bad, the first is state 1 of") as error:
+        robot.rollout(q, v, steps=200, **how)
+    assert str(single.value) in str(error.value)
+    assert "the motion grows without bound: `hinge`" in str(error.value) and "try a step of" in str(error.value)
+    assert error.value.indices.tolist() == [1, 2]
 
 
 def test_one_step_and_its_slopes(robot: rd.Robot) -> None:

@@ -1,5 +1,6 @@
 """`Simulation`: stepped from outside against one run, its inputs, contacts and results against closed forms."""
 
+import pickle
 from typing import Any
 
 import numpy as np
@@ -263,6 +264,53 @@ def test_simulations_of_a_batch_are_single_ones() -> None:
         batch.reset(q[0], where=[3])
     with pytest.raises(rd.ShapeError, match=r"\(3, 6\) or \(6,\)"):
         batch.torques = np.zeros((2, 6))
+
+
+def test_simulations_of_a_batch_that_fail_leave_the_others_alone() -> None:
+    arm = rd.example("two_r")
+    batch, single = rd.SimulationBatch(arm, 21, threads=2), rd.Simulation(arm)
+    q = arm.random_configuration(21, seed=4)
+    batch.reset(q)
+    torques = np.zeros((21, 2))
+    torques[[3, 17], 1] = [np.nan, np.inf]
+    batch.torques = torques
+    with pytest.raises(rd.BadSimulationsError, match="2 of 21 simulations cannot go on, the first is simulation 3: the controller's torque") as raised:
+        batch.step(30)
+    assert list(raised.value.errors) == [3, 17] and isinstance(raised.value, rd.SimulationError)
+    again = pickle.loads(pickle.dumps(raised.value))
+    assert again.errors == raised.value.errors and str(again) == str(raised.value)
+    assert [round(time, 12) for time in batch.times] == [0.0 if k in (3, 17) else 0.03 for k in range(21)]
+    # Some rows alone, by their numbers and by truth values.
+    batch.torques = np.zeros(2)
+    where = np.arange(21) % 2 == 0
+    batch.step(5, where=where)
+    batch.step(where=[3])
+    steps = [30 * (k not in (3, 17)) + 5 * (k % 2 == 0) + (k == 3) for k in range(21)]
+    assert [round(1000 * time) for time in batch.times] == steps
+    for k in (0, 1, 3, 20):
+        single.reset(q[k])
+        single.step(steps[k])
+        assert (batch.q[k] == single.q).all() and (batch.v[k] == single.v).all()
+    with pytest.raises(rd.ShapeError, match=r"where has shape \(2,\), truth values must have \(21,\)"):
+        batch.step(where=[True, False])
+
+
+def test_states_of_a_batch_are_set_row_by_row() -> None:
+    arm = rd.example("two_r")
+    batch = rd.SimulationBatch(arm, 4)
+    batch.torques = [0.1, 0.0]
+    batch.step(10)
+    before = batch.q
+    with pytest.raises(rd.BadSimulationsError, match="1 of 4 simulations cannot go on from there, the first is simulation 2") as raised:
+        batch.set_state([[0.5, 0.5], [0.0, np.nan]], np.zeros(2), where=[1, 2])
+    assert list(raised.value.errors) == [2]
+    assert (batch.q == [before[0], [0.5, 0.5], before[2], before[3]]).all()
+    assert batch.times == pytest.approx([0.01] * 4) and (batch.torques == [0.1, 0.0]).all()
+    with pytest.raises(rd.BadSimulationsError, match="cannot start there"):
+        batch.reset([np.inf, 0.0], where=[0])
+    batch.reset(where=[False, True, False, False])
+    assert batch.times == pytest.approx([0.01, 0.0, 0.01, 0.01]) and not batch.torques[1].any()
+    assert batch.control_names == () and batch.robot is arm
 
 
 def test_rollouts_keep_their_set_up_and_not_their_inputs() -> None:

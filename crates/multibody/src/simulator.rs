@@ -19,6 +19,8 @@ mod own_stepper;
 mod results;
 mod run_options;
 mod running;
+#[cfg(feature = "batch")]
+pub(crate) mod side_by_side;
 mod state;
 mod step_inputs;
 mod stepping;

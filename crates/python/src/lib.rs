@@ -91,8 +91,6 @@ mod native {
     #[pymodule_export]
     use super::simulation::stepping::{Simulation, Snapshot};
     #[pymodule_export]
-    use super::simulation::together::_step_together;
-    #[pymodule_export]
     use super::threads::{num_threads, set_num_threads};
     #[pymodule_export]
     use super::xla::_xla_handlers;

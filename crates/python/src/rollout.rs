@@ -6,8 +6,9 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::Stepper;
-use robot_dynamics::batch::{Rollout, RolloutError, StepperRollout, Torques, rollout, rollout_by_stepper};
+use robot_dynamics::batch::{self, Rollout, RolloutError, StepperRollout, rollout, rollout_by_stepper};
 use robot_dynamics::dynamics::Integrator;
+use robot_dynamics::simulator::{RunOptions, Simulation};
 
 use crate::errors::Class;
 use crate::ffi::{self, Array, Kind, Number, Slices};
@@ -19,6 +20,7 @@ use crate::robot::Robot;
 use crate::row::{Operand, Width};
 use crate::simulation::set_controls;
 use crate::simulation::setup::Setup;
+use crate::simulation::torques::Torques;
 use crate::threads;
 
 #[pymethods]
@@ -41,7 +43,7 @@ impl Robot {
         const Q: Operand = Operand { name: "q", width: Width::Nq };
         const V: Operand = Operand { name: "v", width: Width::Nv };
         let prepared = Setup::of(options)?.refuse_adaptive(py)?.with_prepared(py, self, |simulation| {
-            set_controls(self, simulation, controls)?;
+            set_controls(self, simulation, controls.clone())?;
             let how = (simulation.step_size(), simulation.dissipates());
             let (method, reason) = (simulation.method(), simulation.reason().to_owned());
             Ok((how, method, reason, simulation.stepper()))
@@ -55,7 +57,15 @@ impl Robot {
         }
         let kind = common_kind(py, &all)?;
         let arrays = all.into_iter().map(|given| given.array).collect();
-        let call = Call { py, robot: self, how, each_step, threads, arrays };
+        // Where a state goes wrong, its simulation says why.
+        let single = || {
+            Setup::of(options)?.with_prepared(py, self, |simulation| {
+                let mut simulation = simulation.clone();
+                set_controls(self, &mut simulation, controls.clone())?;
+                Ok(simulation)
+            })
+        };
+        let call = Call { py, robot: self, how, each_step, threads, arrays, single: &single };
         let is_f32 = kind == Kind::F32;
         match stepper.row() {
             Some(row) if is_f32 => call.run::<f32>(|states, slices| call.moved(row, states, slices)),
@@ -85,6 +95,8 @@ struct Call<'a, 'py> {
     threads: Option<usize>,
     /// q, v and the torques, if any, in the shape of the whole batch.
     arrays: Vec<Bound<'py, PyAny>>,
+    /// A simulation as that of each state.
+    single: &'a dyn Fn() -> PyResult<Simulation>,
 }
 
 impl<'py> Call<'_, 'py> {
@@ -119,7 +131,33 @@ impl<'py> Call<'_, 'py> {
         if bad.is_empty() {
             return Ok(moved);
         }
-        Err(outcome::bad_states(py, &bad, describe_bad(&bad, lead), numbers::object(py, moved)?)?)
+        let reason = self.reason(bad[0])?.unwrap_or_else(|| NOT_FINITE.to_owned());
+        Err(outcome::bad_states(py, &bad, describe_bad(&bad, lead, &reason), numbers::object(py, moved)?)?)
+    }
+
+    /// The error of a simulation from a state of the batch; `None` where it comes to the end.
+    #[cold]
+    fn reason(&self, state: usize) -> PyResult<Option<String>> {
+        let (py, model, steps) = (self.py, &self.robot.model, self.how.steps);
+        let row = |array: &Bound<'py, PyAny>, shape: (usize, usize)| {
+            let rows =
+                array.call_method1("astype", ("f8",))?.call_method1("reshape", ((-1, shape.0, shape.1),))?;
+            PyResult::Ok(numbers::numbers(py, "a row", &rows.get_item(state)?)?.1)
+        };
+        let (q, v) = (row(&self.arrays[0], (1, model.nq()))?, row(&self.arrays[1], (1, model.nv()))?);
+        let nv = model.nv();
+        let mut torques = match self.arrays.get(2) {
+            None => Torques::Held(vec![0.0; nv]),
+            Some(tau) if self.each_step => {
+                Torques::EachStep { rows: row(tau, (steps, nv))?, nv, step: self.how.step }
+            }
+            Some(tau) => Torques::Held(row(tau, (1, nv))?),
+        };
+        let mut simulation = (self.single)()?;
+        // It ends at the end of the batch's motion at the latest, and mostly long before.
+        let run =
+            py.detach(|| simulation.run_from(&q, &v, steps, RunOptions::new().controller(&mut torques)));
+        Ok(run.err().map(|failure| failure.error.to_string()))
     }
 
     /// Moves the states by a row of the table; those that went wrong.
@@ -170,11 +208,11 @@ impl<'py> Call<'_, 'py> {
         self.bad(outcome?)
     }
 
-    fn torques<'a, T>(&self, tau: &'a [T]) -> Torques<'a, T> {
+    fn torques<'a, T>(&self, tau: &'a [T]) -> batch::Torques<'a, T> {
         match self.arrays.len() {
-            2 => Torques::Zero,
-            _ if self.each_step => Torques::EachStep(tau),
-            _ => Torques::Held(tau),
+            2 => batch::Torques::Zero,
+            _ if self.each_step => batch::Torques::EachStep(tau),
+            _ => batch::Torques::Held(tau),
         }
     }
 
@@ -192,14 +230,17 @@ pub(crate) fn threads_for(work: usize) -> usize {
     if work <= 256 { 1 } else { threads::default_count() }
 }
 
-/// What is wrong with some states of a rollout.
+/// The reason of a state where nothing else is known.
+pub(crate) const NOT_FINITE: &str =
+    "a number given or computed for it on the way is not finite; try a smaller step";
+
+/// What is wrong with some states of a rollout, with the reason of the first.
 #[cold]
-pub(crate) fn describe_bad(bad: &[usize], lead: &[usize]) -> String {
+pub(crate) fn describe_bad(bad: &[usize], lead: &[usize], reason: &str) -> String {
     let (count, states) = (bad.len(), lead.iter().product::<usize>());
     let verb = if count == 1 { "is" } else { "are" };
     format!(
-        "{count} of {states} states {verb} bad, the first is state {} of {}: a number given or computed for it on \
-         the way is not finite; try a smaller step; `.result` has the others",
+        "{count} of {states} states {verb} bad, the first is state {} of {}: {reason}; `.result` has the others",
         bad[0],
         shown(lead)
     )

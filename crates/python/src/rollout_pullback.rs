@@ -15,7 +15,7 @@ use crate::numbers;
 use crate::operand::{Given, common_kind, given};
 use crate::outcome;
 use crate::robot::Robot;
-use crate::rollout::{describe_bad, threads_for};
+use crate::rollout::{NOT_FINITE, describe_bad, threads_for};
 use crate::row::{MOST_RESULTS, Operand, Width};
 use crate::simulation::setup::Setup;
 use crate::threads;
@@ -198,7 +198,12 @@ impl<'py> Call<'_, 'py> {
         if bad.is_empty() {
             return Ok(results);
         }
-        Err(outcome::bad_states(py, &bad, describe_bad(&bad, lead), numbers::object(py, results)?)?)
+        Err(outcome::bad_states(
+            py,
+            &bad,
+            describe_bad(&bad, lead, NOT_FINITE),
+            numbers::object(py, results)?,
+        )?)
     }
 
     /// One state, in float64.

@@ -5,8 +5,7 @@ mod books;
 mod ground;
 pub(crate) mod setup;
 pub(crate) mod stepping;
-pub(crate) mod together;
-mod torques;
+pub(crate) mod torques;
 
 use std::collections::HashMap;
 use std::ops::ControlFlow;

@@ -3,6 +3,7 @@
 mod acts;
 #[cfg(feature = "adaptive")]
 mod adaptive;
+mod batch;
 mod hopper;
 mod measurements;
 mod momentum;

@@ -104,10 +104,10 @@ pub(crate) fn energies(model: &Model, workspace: &mut Workspace, q: &[f64], v: &
 
 /// The arguments of [`energies`].
 pub(crate) struct Energies<'a, S> {
-    model: &'a Model,
-    q: &'a [S],
-    v: &'a [S],
-    energies: (&'a mut S, &'a mut S),
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub v: &'a [S],
+    pub energies: (&'a mut S, &'a mut S),
 }
 
 compiled_once!(EnergiesKind, Energies);

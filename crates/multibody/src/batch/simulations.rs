@@ -1,10 +1,16 @@
 //! Many simulations of one robot, stepped together.
 
+mod lanes;
+
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
+use self::lanes::{LaneStep, LaneSteps};
 use super::Threads;
+use super::compute::check_table;
+use crate::simulator::side_by_side::has_lane_steps;
 use crate::simulator::{Simulation, StepFailure};
 
 /// Simulations of one robot, each with its own state, inputs and contacts, stepped together on threads.
@@ -27,16 +33,43 @@ use crate::simulator::{Simulation, StepFailure};
 /// assert!(failed.is_empty() && batch.simulations()[2].q() == simulation.q());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug)]
+///
+/// Where a row of the table with explicit stages takes the steps of a robot without quaternions and followers, several simulations go side by side in the
+/// lanes of a register.
+#[derive(Debug)]
 pub struct SimulationBatch {
     simulations: Vec<Simulation>,
     threads: Threads,
+    /// One for each thread, where steps can be taken in lanes.
+    lanes: Vec<Mutex<LaneSteps>>,
+}
+
+impl Clone for SimulationBatch {
+    fn clone(&self) -> Self {
+        let simulations = self.simulations.clone();
+        Self {
+            lanes: lanes_for(simulations.first(), &self.threads),
+            simulations,
+            threads: self.threads.clone(),
+        }
+    }
+}
+
+fn lanes_for(simulation: Option<&Simulation>, threads: &Threads) -> Vec<Mutex<LaneSteps>> {
+    let Some(simulation) = simulation.filter(|simulation| simulation.lane_row().is_some()) else {
+        return Vec::new();
+    };
+    let model = simulation.shared_model();
+    let has_lanes = has_lane_steps(model) && LaneSteps::new(model).lanes() > 1;
+    let count = if has_lanes { threads.count() } else { 0 };
+    (0..count).map(|_| Mutex::new(LaneSteps::new(model))).collect()
 }
 
 impl SimulationBatch {
     /// So many copies of a simulation as it is now.
     pub fn new(simulation: &Simulation, count: usize, threads: &Threads) -> Self {
-        Self { simulations: vec![simulation.clone(); count], threads: threads.clone() }
+        let lanes = lanes_for(Some(simulation), threads);
+        Self { simulations: vec![simulation.clone(); count], threads: threads.clone(), lanes }
     }
 
     /// The simulations.
@@ -60,21 +93,217 @@ impl SimulationBatch {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn set_threads(&mut self, threads: &Threads) {
+        if self.threads.count() != threads.count() {
+            self.lanes = lanes_for(self.simulations.first(), threads);
+        }
         self.threads = threads.clone();
     }
 
     /// Takes so many steps of each simulation. Returns those that could not go on, by their numbers, in rising order; each is where its last good step
     /// ended, and the others have taken all steps. Where `cancelled` is set meanwhile, each simulation ends after the step that it is in.
     pub fn step(&mut self, steps: usize, cancelled: &AtomicBool) -> Vec<(usize, StepFailure)> {
-        let advance = |(number, simulation): (usize, &mut Simulation)| {
-            let go_on = |_: &usize| !cancelled.load(Ordering::Relaxed);
-            let moved = (0..steps).take_while(go_on).try_for_each(|_| simulation.step());
-            moved.err().map(|failure| (number, failure))
+        self.advance(None, steps, cancelled)
+    }
+
+    /// As [`step`](Self::step), of the simulations whose entry of `which` is set; the others stay as they are.
+    ///
+    /// ```
+    /// use multibody::batch::{SimulationBatch, Threads};
+    /// use multibody::{Model, pendulum, simulator::SimulationBuilder};
+    /// use std::sync::atomic::AtomicBool;
+    /// let simulation = SimulationBuilder::new(&Model::new(pendulum(2.0, 0.5))?).build()?;
+    /// let mut batch = SimulationBatch::new(&simulation, 3, &Threads::start(1)?);
+    /// batch.simulations_mut()[2].set_torques(&[f64::NAN]);
+    /// let failed = batch.step_where(&[true, false, true], 10, &AtomicBool::new(false));
+    /// assert_eq!(failed.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [2]);
+    /// assert_eq!(batch.simulations().iter().map(|own| own.steps()).collect::<Vec<_>>(), [10, 0, 0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If `which` has not one entry for each simulation.
+    #[track_caller]
+    pub fn step_where(
+        &mut self,
+        which: &[bool],
+        steps: usize,
+        cancelled: &AtomicBool,
+    ) -> Vec<(usize, StepFailure)> {
+        self.check_count("which", which.len(), 1);
+        self.for_each(
+            |number, simulation| {
+                if which[number] { advance(simulation, steps, cancelled) } else { Ok(()) }
+            },
+        )
+    }
+
+    /// [`Simulation::reset`] of the simulations whose entry of `which` is set, each from its row of q \[count\]\[nq\] and v \[count\]\[nv\]. Returns those that cannot
+    /// start there, which stay as they were.
+    ///
+    /// ```
+    /// use multibody::batch::{SimulationBatch, Threads};
+    /// use multibody::{Model, pendulum, simulator::SimulationBuilder};
+    /// let simulation = SimulationBuilder::new(&Model::new(pendulum(2.0, 0.5))?).build()?;
+    /// let mut batch = SimulationBatch::new(&simulation, 3, &Threads::start(1)?);
+    /// let failed = batch.reset_where(&[false, true, true], &[0.1, 0.2, f64::NAN], &[0.0; 3]);
+    /// assert_eq!((failed.len(), failed[0].0), (1, 2));
+    /// assert_eq!(batch.simulations().iter().map(|own| own.q()[0]).collect::<Vec<_>>(), [0.0, 0.2, 0.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If a table has not one row for each simulation.
+    #[track_caller]
+    pub fn reset_where(&mut self, which: &[bool], q: &[f64], v: &[f64]) -> Vec<(usize, StepFailure)> {
+        self.place(which, q, v, Simulation::reset)
+    }
+
+    /// [`Simulation::set_state`] of the simulations whose entry of `which` is set, as [`reset_where`](Self::reset_where): time, inputs and activations stay.
+    ///
+    /// ```
+    /// use multibody::batch::{SimulationBatch, Threads};
+    /// use multibody::{Model, pendulum, simulator::SimulationBuilder};
+    /// let mut simulation = SimulationBuilder::new(&Model::new(pendulum(2.0, 0.5))?).build()?;
+    /// simulation.run_for(0.1)?;
+    /// let mut batch = SimulationBatch::new(&simulation, 2, &Threads::start(1)?);
+    /// assert!(batch.set_states_where(&[false, true], &[0.0, 0.3], &[0.0; 2]).is_empty());
+    /// let second = &batch.simulations()[1];
+    /// assert_eq!((second.q(), second.time()), (&[0.3][..], simulation.time()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If a table has not one row for each simulation.
+    #[track_caller]
+    pub fn set_states_where(&mut self, which: &[bool], q: &[f64], v: &[f64]) -> Vec<(usize, StepFailure)> {
+        self.place(which, q, v, Simulation::set_state)
+    }
+
+    #[track_caller]
+    fn place(
+        &mut self,
+        which: &[bool],
+        q: &[f64],
+        v: &[f64],
+        place: fn(&mut Simulation, &[f64], &[f64]) -> Result<(), StepFailure>,
+    ) -> Vec<(usize, StepFailure)> {
+        let Some(first) = self.simulations.first() else { return Vec::new() };
+        let (nq, nv) = (first.q().len(), first.v().len());
+        self.check_count("which", which.len(), 1);
+        self.check_count("q", q.len(), nq);
+        self.check_count("v", v.len(), nv);
+        self.for_each(|k, simulation| {
+            if !which[k] {
+                return Ok(());
+            }
+            place(simulation, &q[k * nq..(k + 1) * nq], &v[k * nv..(k + 1) * nv])
+        })
+    }
+
+    #[track_caller]
+    fn check_count(&self, name: &str, found: usize, width: usize) {
+        check_table(name, found, self.simulations.len(), width);
+    }
+
+    fn advance(
+        &mut self,
+        which: Option<&[bool]>,
+        steps: usize,
+        cancelled: &AtomicBool,
+    ) -> Vec<(usize, StepFailure)> {
+        let is_meant = |number: usize| which.is_none_or(|which| which[number]);
+        let Some(lanes) = self.lanes.first_mut() else {
+            return self.for_each(|number, simulation| {
+                if is_meant(number) { advance(simulation, steps, cancelled) } else { Ok(()) }
+            });
+        };
+        let width = lanes.get_mut().unwrap_or_else(PoisonError::into_inner).lanes();
+        let memory = &self.lanes;
+        let blocks = |(block, simulations): (usize, &mut [Simulation])| {
+            // A thread has its own memory.
+            let own = rayon::current_thread_index().unwrap_or(0) % memory.len();
+            let mut lanes = memory[own].lock().unwrap_or_else(PoisonError::into_inner);
+            let first = block * width;
+            let meant = simulations.iter_mut().enumerate().map(|(k, own)| (first + k, own));
+            advance_side_by_side(&mut lanes, meant.filter(|(k, _)| is_meant(*k)).collect(), steps, cancelled)
         };
         let simulations = &mut self.simulations;
         if self.threads.count() == 1 {
-            return simulations.iter_mut().enumerate().filter_map(advance).collect();
+            return simulations.chunks_mut(width).enumerate().flat_map(blocks).collect();
         }
-        self.threads.install(|| simulations.par_iter_mut().enumerate().filter_map(advance).collect())
+        self.threads.install(|| simulations.par_chunks_mut(width).enumerate().flat_map_iter(blocks).collect())
     }
+
+    /// Does the same to each simulation, on all threads. Returns those that failed, in rising order.
+    fn for_each(
+        &mut self,
+        act: impl Fn(usize, &mut Simulation) -> Result<(), StepFailure> + Sync,
+    ) -> Vec<(usize, StepFailure)> {
+        let act = |(number, simulation): (usize, &mut Simulation)| {
+            act(number, simulation).err().map(|failure| (number, failure))
+        };
+        let simulations = &mut self.simulations;
+        if self.threads.count() == 1 {
+            return simulations.iter_mut().enumerate().filter_map(act).collect();
+        }
+        self.threads.install(|| simulations.par_iter_mut().enumerate().filter_map(act).collect())
+    }
+}
+
+/// So many steps, unless `cancelled` is set meanwhile.
+fn advance(simulation: &mut Simulation, steps: usize, cancelled: &AtomicBool) -> Result<(), StepFailure> {
+    let go_on = |_: &usize| !cancelled.load(Ordering::Relaxed);
+    (0..steps).take_while(go_on).try_for_each(|_| simulation.step())
+}
+
+/// So many steps of simulations that fit in the lanes of a register. Where a step is not that of each alone, those that are left take theirs alone.
+fn advance_side_by_side(
+    lanes: &mut LaneSteps,
+    mut simulations: Vec<(usize, &mut Simulation)>,
+    steps: usize,
+    cancelled: &AtomicBool,
+) -> Vec<(usize, StepFailure)> {
+    let mut failed = Vec::new();
+    let row = simulations.first().and_then(|(_, first)| first.lane_row());
+    let is_alike = |own: &Simulation| own.lane_row() == row && Arc::ptr_eq(own.shared_model(), lanes.model());
+    let are_alike = simulations.iter().all(|(_, own)| is_alike(own));
+    let mut done = 0;
+    if let (Some((row, dissipates, h)), true) = (row, are_alike && simulations.len() > 1 && steps > 0) {
+        keep_good(&mut simulations, &mut failed, Simulation::begin_lane_steps);
+        while done < steps && simulations.len() > 1 && !cancelled.load(Ordering::Relaxed) {
+            lanes.clear();
+            simulations.iter().for_each(|(_, own)| lanes.push(&own.step_start()));
+            let LaneStep { is_same, is_regular } = lanes.step(row, dissipates, h);
+            done += 1;
+            let mut lane = 0;
+            keep_good(&mut simulations, &mut failed, |own| {
+                let (end, energies) = lanes.end(lane);
+                lane += 1;
+                if !is_regular {
+                    own.check_lane_step()?;
+                }
+                if is_same && own.end_lane_step(end, energies) { Ok(()) } else { own.step() }
+            });
+        }
+    }
+    if done < steps {
+        keep_good(&mut simulations, &mut failed, |own| advance(own, steps - done, cancelled));
+    }
+    failed.sort_unstable_by_key(|(number, _)| *number);
+    failed
+}
+
+/// Does something to each simulation, and takes those out that fail.
+fn keep_good(
+    simulations: &mut Vec<(usize, &mut Simulation)>,
+    failed: &mut Vec<(usize, StepFailure)>,
+    mut act: impl FnMut(&mut Simulation) -> Result<(), StepFailure>,
+) {
+    simulations.retain_mut(|(number, own)| match act(own) {
+        Ok(()) => true,
+        Err(failure) => {
+            failed.push((*number, failure));
+            false
+        }
+    });
 }

@@ -2,18 +2,17 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pyo3::exceptions::{PyIndexError, PyValueError};
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use robot_dynamics::batch::SimulationBatch as Stepped;
-use robot_dynamics::check_configuration;
-use robot_dynamics::simulator::Simulation as Single;
+use robot_dynamics::simulator::{Simulation as Single, StepFailure};
 
 use super::setup::Setup;
 use super::stepping::Simulation;
 use crate::errors::Class;
 use crate::interrupts::{FEW_STEPS, interruptible};
-use crate::numbers::{numbers, shaped};
+use crate::numbers::numbers;
 use crate::operand::shown;
 use crate::outcome;
 use crate::robot::Robot;
@@ -49,10 +48,23 @@ impl SimulationBatch {
         self.stepped.simulations().len()
     }
 
+    /// The robot.
+    #[getter]
+    fn robot(&self, py: Python<'_>) -> Py<Robot> {
+        self.robot.clone_ref(py)
+    }
+
     /// The step [s].
     #[getter]
     fn step_size(&self) -> f64 {
         self.stepped.simulations().first().map_or(f64::NAN, Single::step_size)
+    }
+
+    /// The names of the actuators that act, in the order of `controls`.
+    #[getter]
+    fn control_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let first = self.stepped.simulations().first();
+        PyTuple::new(py, first.map_or(Vec::new(), |first| first.control_names().collect()))
     }
 
     /// The configurations (count, nq), a copy.
@@ -76,11 +88,8 @@ impl SimulationBatch {
     /// The torques of the next steps (count, nv), held until they are set again; (nv,) sets those of all [N·m or N].
     #[setter]
     fn set_torques(&mut self, py: Python<'_>, torques: &Bound<'_, PyAny>) -> PyResult<()> {
-        let rows = self.rows(py, "torques", torques, self.robot.get().model.nv())?;
-        for (simulation, row) in self.stepped.simulations_mut().iter_mut().zip(rows) {
-            simulation.set_torques(&row);
-        }
-        Ok(())
+        let width = self.robot.get().model.nv();
+        self.set_each(py, "torques", torques, width, Single::set_torques)
     }
 
     #[getter]
@@ -91,11 +100,7 @@ impl SimulationBatch {
     /// The controls of the actuators that act (count, controls), held until they are set again; (controls,) sets those of all.
     #[setter]
     fn set_controls(&mut self, py: Python<'_>, controls: &Bound<'_, PyAny>) -> PyResult<()> {
-        let rows = self.rows(py, "controls", controls, self.control_count())?;
-        for (simulation, row) in self.stepped.simulations_mut().iter_mut().zip(rows) {
-            simulation.set_controls(&row);
-        }
-        Ok(())
+        self.set_each(py, "controls", controls, self.control_count(), Single::set_controls)
     }
 
     #[getter]
@@ -111,67 +116,63 @@ impl SimulationBatch {
         v: Option<&Bound<'_, PyAny>>,
         which: Option<Vec<usize>>,
     ) -> PyResult<()> {
-        let model = &self.robot.get().model;
-        let count = self.stepped.simulations().len();
-        let which = which.unwrap_or_else(|| (0..count).collect());
-        if let Some(number) = which.iter().find(|number| **number >= count) {
-            return Err(PyIndexError::new_err(format!(
-                "there is no simulation {number}: the batch has {count}"
-            )));
-        }
-        let rows = |name: &str, object: Option<&Bound<'_, PyAny>>, default: Vec<f64>| match object {
-            Some(object) => rows_of(py, name, object, (which.len(), default.len())),
-            None => Ok(vec![default; which.len()]),
-        };
-        let q = rows("q", q, model.initial_configuration())?;
-        let v = rows("v", v, vec![0.0; model.nv()])?;
-        for (row, q) in q.iter().enumerate() {
-            check_configuration(model, q)
-                .map_err(|error| PyValueError::new_err(format!("row {row} of q: {error}")))?;
-        }
-        for ((number, q), v) in which.iter().zip(&q).zip(&v) {
-            self.stepped.simulations_mut()[*number]
-                .reset(q, v)
-                .map_err(|error| Class::Simulation.error(py, format!("simulation {number}: {error}")))?;
-        }
-        Ok(())
+        let places = self.places(py, (q, v), which)?;
+        let stepped = &mut self.stepped;
+        let failed = py.detach(|| stepped.reset_where(&places.which, &places.q, &places.v));
+        self.told(py, "cannot start there", &failed)
     }
 
-    /// Takes so many steps of each simulation, on all threads. A simulation that cannot go on is an error, which names the first one; it stays where its
-    /// last good step ended, and the others take all steps.
-    #[pyo3(signature = (count=1))]
-    fn step(&mut self, py: Python<'_>, count: usize) -> PyResult<()> {
+    /// See `set_state`.
+    fn _set_state(
+        &mut self,
+        py: Python<'_>,
+        q: &Bound<'_, PyAny>,
+        v: &Bound<'_, PyAny>,
+        which: Option<Vec<usize>>,
+    ) -> PyResult<()> {
+        let places = self.places(py, (Some(q), Some(v)), which)?;
+        let stepped = &mut self.stepped;
+        let failed = py.detach(|| stepped.set_states_where(&places.which, &places.q, &places.v));
+        self.told(py, "cannot go on from there", &failed)
+    }
+
+    /// See `step`.
+    fn _step(&mut self, py: Python<'_>, count: usize, which: Option<Vec<usize>>) -> PyResult<()> {
+        let which = which.map(|which| self.mask(&which)).transpose()?;
         // Threads of a process that was forked are its own.
         self.stepped.set_threads(&threads::pool(self.threads)?);
-        let all = self.stepped.simulations().len();
+        let work = self.stepped.simulations().len() * count;
         let stepped = &mut self.stepped;
-        let work = all * count;
-        let failed = interruptible(py, work <= FEW_STEPS / 100, |cancelled: &AtomicBool| {
-            stepped.step(count, cancelled)
+        let failed = interruptible(py, work <= FEW_STEPS / 100, |cancelled: &AtomicBool| match &which {
+            Some(which) => stepped.step_where(which, count, cancelled),
+            None => stepped.step(count, cancelled),
         })?;
-        let Some((first, error)) = failed.first() else { return Ok(()) };
-        let verb = if failed.len() == 1 { "fails" } else { "fail" };
-        let said =
-            format!("{} of {all} simulations {verb}, the first is simulation {first}: {error}", failed.len());
-        Err(Class::Simulation.error(py, said))
+        self.told(py, "cannot go on", &failed)
     }
 
     /// A copy of one simulation, with its state and inputs.
     fn _copy(&self, py: Python<'_>, number: usize) -> PyResult<Simulation> {
-        let simulations = self.stepped.simulations();
-        let simulation = simulations.get(number).ok_or_else(|| {
-            PyIndexError::new_err(format!(
-                "there is no simulation {number}: the batch has {}",
-                simulations.len()
-            ))
-        })?;
+        let simulation = self.stepped.simulations().get(number).ok_or_else(|| self.no_such(number))?;
         Ok(Simulation::of(self.robot.clone_ref(py), simulation.clone()))
     }
+}
+
+/// A row of q and v for each simulation, and which of them are meant.
+struct Places {
+    which: Vec<bool>,
+    q: Vec<f64>,
+    v: Vec<f64>,
 }
 
 impl SimulationBatch {
     fn control_count(&self) -> usize {
         self.stepped.simulations().first().map_or(0, |simulation| simulation.controls().len())
+    }
+
+    #[cold]
+    fn no_such(&self, number: usize) -> PyErr {
+        let count = self.stepped.simulations().len();
+        PyIndexError::new_err(format!("there is no simulation {number}: the batch has {count}"))
     }
 
     /// A row of numbers of each simulation.
@@ -189,31 +190,85 @@ impl SimulationBatch {
         outcome::filled(py, &[simulations.len(), width], &numbers)
     }
 
-    fn rows(
-        &self,
+    /// Sets a row of numbers of each simulation.
+    fn set_each(
+        &mut self,
         py: Python<'_>,
         name: &str,
         object: &Bound<'_, PyAny>,
         width: usize,
-    ) -> PyResult<Vec<Vec<f64>>> {
-        rows_of(py, name, object, (self.stepped.simulations().len(), width))
+        set: impl Fn(&mut Single, &[f64]),
+    ) -> PyResult<()> {
+        let rows = rows_of(py, name, object, (self.stepped.simulations().len(), width))?;
+        for (number, simulation) in self.stepped.simulations_mut().iter_mut().enumerate() {
+            set(simulation, &rows[number * width..(number + 1) * width]);
+        }
+        Ok(())
+    }
+
+    fn mask(&self, numbers: &[usize]) -> PyResult<Vec<bool>> {
+        let mut mask = vec![false; self.stepped.simulations().len()];
+        for &number in numbers {
+            *mask.get_mut(number).ok_or_else(|| self.no_such(number))? = true;
+        }
+        Ok(mask)
+    }
+
+    /// The states at which simulations are put: rows for those of the numbers, one for all, or where the file places the robot, at rest.
+    fn places(
+        &self,
+        py: Python<'_>,
+        (q, v): (Option<&Bound<'_, PyAny>>, Option<&Bound<'_, PyAny>>),
+        numbers: Option<Vec<usize>>,
+    ) -> PyResult<Places> {
+        let model = &self.robot.get().model;
+        let all = self.stepped.simulations().len();
+        let numbers = numbers.unwrap_or_else(|| (0..all).collect());
+        let which = self.mask(&numbers)?;
+        let table = |name: &str, object: Option<&Bound<'_, PyAny>>, default: &[f64]| {
+            let width = default.len();
+            let rows = match object {
+                Some(object) => rows_of(py, name, object, (numbers.len(), width))?,
+                None => default.repeat(numbers.len()),
+            };
+            let mut table = vec![0.0; all * width];
+            for (row, &number) in numbers.iter().enumerate() {
+                table[number * width..(number + 1) * width]
+                    .copy_from_slice(&rows[row * width..(row + 1) * width]);
+            }
+            PyResult::Ok(table)
+        };
+        let (q, v) = (table("q", q, &model.initial_configuration())?, table("v", v, &vec![0.0; model.nv()])?);
+        Ok(Places { which, q, v })
+    }
+
+    /// The error that names the simulations that failed.
+    fn told(&self, py: Python<'_>, verb: &str, failed: &[(usize, StepFailure)]) -> PyResult<()> {
+        let Some((first, error)) = failed.first() else { return Ok(()) };
+        let (some, all) = (failed.len(), self.stepped.simulations().len());
+        let message = format!("{some} of {all} simulations {verb}, the first is simulation {first}: {error}");
+        let errors = PyDict::new(py);
+        for (number, error) in failed {
+            errors.set_item(number, error.to_string())?;
+        }
+        Err(Class::BadSimulations.error_with(py, message, &[("errors", errors.into_any())]))
     }
 }
 
-/// So many rows, or one for all.
+/// So many rows, or one for all, one after the other.
 fn rows_of(
     py: Python<'_>,
     name: &str,
     object: &Bound<'_, PyAny>,
     (count, width): (usize, usize),
-) -> PyResult<Vec<Vec<f64>>> {
+) -> PyResult<Vec<f64>> {
     let (shape, x) = numbers(py, name, object)?;
-    if shape == [width] {
-        return Ok(vec![x; count]);
+    if shape == [count, width] {
+        return Ok(x);
     }
-    let (_, x) = shaped(py, name, object, &[count, width]).map_err(|_| {
-        let asked = format!("{} or ({width},)", shown(&[count, width]));
-        Class::Shape.error(py, format!("{name} has shape {}, it must have {asked}", shown(&shape)))
-    })?;
-    Ok(if width == 0 { vec![Vec::new(); count] } else { x.chunks(width).map(<[f64]>::to_vec).collect() })
+    if shape == [width] {
+        return Ok(x.repeat(count));
+    }
+    let asked = format!("{} or ({width},)", shown(&[count, width]));
+    Err(Class::Shape.error(py, format!("{name} has shape {}, it must have {asked}", shown(&shape))))
 }

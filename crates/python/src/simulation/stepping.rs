@@ -17,7 +17,7 @@ use crate::robot::Robot;
 #[pyclass(subclass, module = "robot_dynamics._native")]
 pub(crate) struct Simulation {
     robot: Py<Robot>,
-    pub(super) stepped: Stepped,
+    stepped: Stepped,
     wrenches: Vec<AppliedWrench>,
 }
 

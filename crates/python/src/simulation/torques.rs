@@ -8,7 +8,7 @@ use crate::numbers::{self, array, shaped};
 use crate::robot::Robot;
 
 /// Where torques come from.
-pub(super) enum Torques<'a> {
+pub(crate) enum Torques<'a> {
     Held(Vec<f64>),
     /// A row for each step.
     EachStep {

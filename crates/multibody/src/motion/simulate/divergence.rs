@@ -45,7 +45,7 @@ impl fmt::Display for DivergenceCause {
 
 impl Course<'_> {
     /// Whether a step to v has moved a coordinate out of all bounds.
-    pub(super) fn is_lost(&self, v: &[f64]) -> bool {
+    pub(crate) fn is_lost(&self, v: &[f64]) -> bool {
         v.iter().any(|v| v.abs() * self.step > LOST)
     }
 

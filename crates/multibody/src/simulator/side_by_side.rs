@@ -1,0 +1,95 @@
+//! Steps of a simulation that are computed beside those of others.
+
+use std::sync::Arc;
+
+use dynamics::Integrator;
+
+use super::error::StepFailure;
+use super::step_inputs::note_acceleration;
+use super::{Method, Simulation};
+use crate::joint::Chart;
+use crate::motion::simulate::Course;
+use crate::space::configuration::stretches;
+use crate::{InstructionSet, Model};
+
+/// The energies at a step's end, and what was put in and taken out during it \[J\].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepEnergies {
+    pub kinetic: f64,
+    pub potential: f64,
+    pub work: f64,
+    pub dissipated: f64,
+}
+
+/// What a step starts from.
+pub(crate) struct StepStart<'a> {
+    pub q: &'a [f64],
+    pub v: &'a [f64],
+    /// The torques within their limits.
+    pub tau: &'a [f64],
+}
+
+/// Whether explicit steps of a robot can be computed in lanes, with the bits of one state: it has plain coordinates alone, and no followers.
+pub(crate) fn has_lane_steps(model: &Model) -> bool {
+    model.nq == model.nv
+        && model.dofs.len() == model.nv
+        && !model.couples_branches
+        && stretches(model).all(|stretch| stretch.chart == Chart::Line)
+}
+
+impl Simulation {
+    /// The robot, which its copies share.
+    pub(crate) fn shared_model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    /// The row of explicit stages that takes the next steps with held torques alone, damping and friction beside it; the step \[s\].
+    pub(crate) fn lane_row(&self) -> Option<(Integrator, bool, f64)> {
+        let Method::Fixed(_) = self.method() else { return None };
+        let row = self.stepper.row().filter(|row| row.is_explicit())?;
+        let is_plain = self.inputs.wrenches.is_empty()
+            && self.actuation.is_none()
+            && self.workspace.dynamics.instruction_set() != InstructionSet::Portable;
+        is_plain.then_some((row, self.dissipates, self.step))
+    }
+
+    /// Checks the torques and cuts them off at their limits; they are held over the steps that follow.
+    pub(crate) fn begin_lane_steps(&mut self) -> Result<(), StepFailure> {
+        let model = Arc::clone(&self.model);
+        self.begin_step(&self.course(&model, 0, self.base))
+    }
+
+    /// Looks at M where a step starts.
+    pub(crate) fn check_lane_step(&mut self) -> Result<(), StepFailure> {
+        let model = Arc::clone(&self.model);
+        self.check_mass(&self.course(&model, 0, self.base))
+    }
+
+    /// Where the next step starts.
+    pub(crate) fn step_start(&self) -> StepStart<'_> {
+        StepStart { q: &self.run.q, v: &self.run.v, tau: &self.memory.applied }
+    }
+
+    /// Enters a step that was taken elsewhere, to (q, v). Refuses one that [`step`](Self::step) would refuse: then all is as before.
+    pub(crate) fn end_lane_step(&mut self, (q, v): (&[f64], &[f64]), energies: StepEnergies) -> bool {
+        let Self { model, run, memory, stepper, .. } = self;
+        let StepEnergies { kinetic, potential, work, dissipated } = energies;
+        let mut ledger = run.ledger;
+        ledger.enter(kinetic, potential, ledger.work() + work, ledger.dissipated() + dissipated);
+        let course =
+            Course { model, step: self.step, dissipation: self.dissipates, sample_every: 0, base: self.base };
+        let is_good = q.iter().chain(v).all(|x| x.is_finite());
+        if !is_good || course.is_lost(v) || !ledger.imbalance().is_finite() {
+            return false;
+        }
+        memory.before.copy_from_slice(&run.v);
+        memory.q.copy_from_slice(q);
+        memory.v.copy_from_slice(v);
+        note_acceleration(memory, self.step);
+        let end = course.time(run.steps + 1);
+        Course::enter(run, stepper, (ledger, end), (q, v));
+        self.end_step(self.step);
+        self.is_checked = false;
+        true
+    }
+}
