@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 use common::{Robot, chain, families};
 use dynamics::{Dual, Integrator, MassProperties};
 use multibody::batch::{self, BatchOptions, BatchWorkspace};
-use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder};
+use multibody::simulator::{Effect, Method, RunOptions, Simulation, SimulationBuilder};
 use multibody::{
     Closure, ConstantTorque, ContactSet, Controller, FrameId, FrameWrench, GravityAt, GravityCompensatedPd,
     Ground, HeightField, Implicit, Inputs, JointDescription, JointKind, JointKinds, LinearizeStepWorkspace,
@@ -533,9 +533,8 @@ fn equalities_allocate_nothing() {
     }
 }
 
-/// Steps with contacts, on the ground and between links, once they have begun.
-#[test]
-fn contacts_allocate_nothing() {
+/// A capsule and three balls above each other.
+fn pile() -> Model {
     let mut robot = RobotDescription::new("pile");
     robot.links.push(LinkDescription::new("world", None));
     for k in 0..4 {
@@ -549,7 +548,13 @@ fn contacts_allocate_nothing() {
             if k == 0 { Shape::Capsule { radius: 0.1, length: 0.1 } } else { Shape::Sphere { radius: 0.1 } };
         robot.shapes.push(LinkShape::new(&name, ShapeRole::Collision, Pose::IDENTITY, shape));
     }
-    let model = Model::new(robot).unwrap();
+    Model::new(robot).unwrap()
+}
+
+/// Steps with contacts, on the ground and between links, once they have begun.
+#[test]
+fn contacts_allocate_nothing() {
+    let model = pile();
     let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap().with_links(&model);
     let field = HeightField::new(2, 3, [1.0, 1.0], vec![0.0, 0.001, 0.0, 0.0, 0.001, 0.0]).unwrap();
     let contacts = contacts.with_height_field(&field).unwrap();
@@ -565,4 +570,28 @@ fn contacts_allocate_nothing() {
     assert_eq!(allocations(|| (0..300).for_each(|_| step())), 0);
     assert!(implicit.contacts().iter().any(|contact| contact.other_link.is_some()));
     assert!(implicit.contacts().iter().any(|contact| contact.ground == Some(1)));
+}
+
+/// A step does not allocate after a reset either, nor after a snapshot was taken back, nor in a copy.
+#[test]
+fn steps_after_a_reset_allocate_nothing() {
+    let model = pile();
+    for method in [Method::Implicit, Method::Mujoco] {
+        let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap().with_links(&model);
+        let builder = SimulationBuilder::new(&model).method(method).contacts(contacts);
+        let mut simulation = builder.build().unwrap();
+        let (q, v) = (simulation.q().to_vec(), simulation.v().to_vec());
+        let count =
+            |simulation: &mut Simulation| allocations(|| (0..300).for_each(|_| simulation.step().unwrap()));
+        count(&mut simulation);
+        let snapshot = simulation.snapshot();
+        assert_eq!(count(&mut simulation), 0, "{method}");
+        simulation.reset(&q, &v).unwrap();
+        assert_eq!(count(&mut simulation), 0, "{method}, after a reset");
+        simulation.set_state(&q, &v).unwrap();
+        assert_eq!(count(&mut simulation), 0, "{method}, after a state was set");
+        simulation.restore(&snapshot);
+        assert_eq!(count(&mut simulation), 0, "{method}, after a restored snapshot");
+        assert_eq!(count(&mut simulation.clone()), 0, "{method}, a copy");
+    }
 }

@@ -38,7 +38,10 @@
 //! Jacobians row-major. [`conventions`] converts to and from others. Every function is generic over
 //! [`Scalar`](dynamics::Scalar): `f64`, `f32`, and dual numbers for derivatives of anything.
 
-// Rooms, each of which uses those before it alone (`cargo xtask tidy` looks). Names in outputs of each kind;
+// Rooms, each of which uses those before it alone (`cargo xtask tidy` looks). Copies that keep their capacity;
+mod clone_in_place;
+
+// names in outputs of each kind;
 pub mod text;
 
 // vectors, rotations, six-vectors;

@@ -10,6 +10,7 @@ use super::placement::Placement;
 use super::soft::mixed;
 use super::{ContactSet, Touching};
 use crate::Model;
+use crate::clone_in_place::clone_in_place;
 use crate::model::WORLD;
 
 /// Pairs that a file or a user names have lower numbers than this, those by the rule this one and higher ones.
@@ -18,21 +19,23 @@ const MOST_NAMED: usize = 1 << 22;
 /// All pairs of so few shapes are made at once, so that steps allocate nothing.
 const FEW: usize = 64;
 
-/// The shapes that may touch each other by their file, beside named pairs.
-#[derive(Clone, Debug)]
-pub(super) struct Candidates {
-    /// One entry for each shape: the number of its link, the body that carries it, and whether it hangs on that by a joint.
-    links: Vec<usize>,
-    carriers: Vec<usize>,
-    hangs: Vec<bool>,
-    /// Whether it stands in the world itself, on a root link without mass, and not on a link that a robot is mounted on.
-    is_scenery: Vec<bool>,
-    /// The numbers of links that do not touch, both ways.
-    excluded: BTreeSet<[usize; 2]>,
-    /// The numbers of links that alone do, both ways; `None`: all.
-    only: Option<BTreeSet<[usize; 2]>>,
-    /// Pairs of shapes that do not, in rising order.
-    left_out: BTreeSet<[usize; 2]>,
+clone_in_place! {
+    /// The shapes that may touch each other by their file, beside named pairs.
+    #[derive(Debug)]
+    pub(super) struct Candidates {
+        /// One entry for each shape: the number of its link, the body that carries it, and whether it hangs on that by a joint.
+        links: Vec<usize>,
+        carriers: Vec<usize>,
+        hangs: Vec<bool>,
+        /// Whether it stands in the world itself, on a root link without mass, and not on a link that a robot is mounted on.
+        is_scenery: Vec<bool>,
+        /// The numbers of links that do not touch, both ways.
+        excluded: BTreeSet<[usize; 2]>,
+        /// The numbers of links that alone do, both ways; `None`: all.
+        only: Option<BTreeSet<[usize; 2]>>,
+        /// Pairs of shapes that do not, in rising order.
+        left_out: BTreeSet<[usize; 2]>,
+    }
 }
 
 impl Candidates {
@@ -83,19 +86,21 @@ impl Candidates {
     }
 }
 
-/// The shapes and pairs that are near each other at the last search.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Sweep {
-    /// The pairs that were made so far, by their numbers.
-    slots: HashMap<usize, usize>,
-    /// How many were named so far.
-    named: usize,
-    /// The shapes by the lower ends of their ranges along an axis.
-    order: Vec<usize>,
-    centers: Vec<Vector3<f64>>,
-    /// The numbers of the pairs that are near, rising, and where they are among the set's pairs.
-    found: Vec<(usize, [usize; 2])>,
-    near: Vec<usize>,
+clone_in_place! {
+    /// The shapes and pairs that are near each other at the last search.
+    #[derive(Debug, Default)]
+    pub(super) struct Sweep {
+        /// The pairs that were made so far, by their numbers.
+        slots: HashMap<usize, usize>,
+        /// How many were named so far.
+        named: usize,
+        /// The shapes by the lower ends of their ranges along an axis.
+        order: Vec<usize>,
+        centers: Vec<Vector3<f64>>,
+        /// The numbers of the pairs that are near, rising, and where they are among the set's pairs.
+        found: Vec<(usize, [usize; 2])>,
+        near: Vec<usize>,
+    }
 }
 
 impl Sweep {

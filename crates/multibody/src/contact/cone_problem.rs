@@ -33,6 +33,7 @@ use self::rows::Rows;
 use self::shifts::Search;
 use self::sweeps::Sweeps;
 use super::interrupt::Interrupt;
+use crate::clone_in_place::clone_in_place;
 use crate::factor::paths::{Paths, usual_entries};
 use crate::factor::sparse;
 
@@ -59,68 +60,70 @@ struct Block {
     shift: f64,
 }
 
-/// The problem, and the memory of its solution.
-#[derive(Clone, Debug)]
-pub(crate) struct ConeProblem {
-    /// How many coordinates.
-    n: usize,
-    blocks: Vec<Block>,
-    /// Which of the blocks are cones.
-    cones: Vec<usize>,
-    support: Vec<usize>,
-    entries: Vec<f64>,
-    /// The same for the loops, once all blocks are there.
-    rows: Rows,
-    is_arranged: bool,
-    /// c₀ for each row.
-    pub(crate) start: Vec<f64>,
-    /// p̄, then p.
-    pub(crate) multiplier: Vec<f64>,
-    /// Multipliers that act already: x is what the others make of them.
-    pub(super) counted: Vec<f64>,
-    /// p without those.
-    missing: Vec<f64>,
-    /// 1/R of each row, and what an impulse on the block moves it by.
-    inverses: Vec<f64>,
-    moved: Vec<f64>,
-    /// The bounds of each row's multiplier, a cone's rows without any.
-    lower: Vec<f64>,
-    upper: Vec<f64>,
-    /// 1/R of each row whose multiplier is between them, 0 of one on a bound; memory for others.
-    weights: Vec<f64>,
-    next: Vec<f64>,
-    /// Of what there is to be moved.
-    start_energy: f64,
-    /// p and c of the present x.
-    p: Vec<f64>,
-    pub(crate) c: Vec<f64>,
-    /// A δ.
-    change: Vec<f64>,
-    /// f.
-    pub(crate) force: Vec<f64>,
-    /// x.
-    pub(crate) x: Vec<f64>,
-    step: Vec<f64>,
-    /// M x + f.
-    drag: Vec<f64>,
-    slope: Vec<f64>,
-    /// M and H, packed.
-    mass: Vec<f64>,
-    hessian: Vec<f64>,
-    weighted: Vec<f64>,
-    paths: Paths,
-    /// ∂p/∂p̄ of each cone.
-    slopes: Vec<Slopes>,
-    known: Known,
-    search: Search,
-    islands: Islands,
-    sweeps: Sweeps,
-    /// Ends a solution without a result.
-    pub(super) interrupt: Interrupt,
-    /// Newton steps of the last solution.
-    pub(crate) rounds: usize,
-    /// Whether the last solution has Coulomb's law, or that of the cones alone.
-    pub(crate) is_coulomb: bool,
+clone_in_place! {
+    /// The problem, and the memory of its solution.
+    #[derive(Debug)]
+    pub(crate) struct ConeProblem {
+        /// How many coordinates.
+        n: usize,
+        blocks: Vec<Block>,
+        /// Which of the blocks are cones.
+        cones: Vec<usize>,
+        support: Vec<usize>,
+        entries: Vec<f64>,
+        /// The same for the loops, once all blocks are there.
+        rows: Rows,
+        is_arranged: bool,
+        /// c₀ for each row.
+        pub(crate) start: Vec<f64>,
+        /// p̄, then p.
+        pub(crate) multiplier: Vec<f64>,
+        /// Multipliers that act already: x is what the others make of them.
+        pub(super) counted: Vec<f64>,
+        /// p without those.
+        missing: Vec<f64>,
+        /// 1/R of each row, and what an impulse on the block moves it by.
+        inverses: Vec<f64>,
+        moved: Vec<f64>,
+        /// The bounds of each row's multiplier, a cone's rows without any.
+        lower: Vec<f64>,
+        upper: Vec<f64>,
+        /// 1/R of each row whose multiplier is between them, 0 of one on a bound; memory for others.
+        weights: Vec<f64>,
+        next: Vec<f64>,
+        /// Of what there is to be moved.
+        start_energy: f64,
+        /// p and c of the present x.
+        p: Vec<f64>,
+        pub(crate) c: Vec<f64>,
+        /// A δ.
+        change: Vec<f64>,
+        /// f.
+        pub(crate) force: Vec<f64>,
+        /// x.
+        pub(crate) x: Vec<f64>,
+        step: Vec<f64>,
+        /// M x + f.
+        drag: Vec<f64>,
+        slope: Vec<f64>,
+        /// M and H, packed.
+        mass: Vec<f64>,
+        hessian: Vec<f64>,
+        weighted: Vec<f64>,
+        paths: Paths,
+        /// ∂p/∂p̄ of each cone.
+        slopes: Vec<Slopes>,
+        known: Known,
+        search: Search,
+        islands: Islands,
+        sweeps: Sweeps,
+        /// Ends a solution without a result.
+        pub(super) interrupt: Interrupt,
+        /// Newton steps of the last solution.
+        pub(crate) rounds: usize,
+        /// Whether the last solution has Coulomb's law, or that of the cones alone.
+        pub(crate) is_coulomb: bool,
+    }
 }
 
 /// What is there for the present x.

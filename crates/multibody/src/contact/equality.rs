@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 use nalgebra::{Matrix3, Vector3};
 
 use super::placement::Placement;
+use crate::clone_in_place::clone_in_place;
 use crate::model::WORLD;
 use crate::space::joint_sum::JointSum;
 use crate::{FrameId, Model, Pose, Workspace};
@@ -91,12 +92,14 @@ pub(crate) struct EqualityRow {
     pub(crate) group: usize,
 }
 
-/// All rows of a robot's equalities.
-#[derive(Clone, Debug)]
-pub(crate) struct EqualityRows {
-    placement: Placement,
-    relations: Vec<Placed>,
-    rows: Vec<EqualityRow>,
+clone_in_place! {
+    /// All rows of a robot's equalities.
+    #[derive(Debug)]
+    pub(crate) struct EqualityRows {
+        placement: Placement,
+        relations: Vec<Placed>,
+        rows: Vec<EqualityRow>,
+    }
 }
 
 #[derive(Clone, Debug)]

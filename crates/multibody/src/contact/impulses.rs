@@ -17,6 +17,7 @@ use super::interrupt::Interrupt;
 use super::placement::{Placement, Twist};
 use super::touch::{Against, TouchingPoint};
 use super::{ConeProblem, ContactSet};
+use crate::clone_in_place::clone_in_place;
 use crate::factor::paths::Paths;
 use crate::{Model, Workspace};
 
@@ -65,36 +66,38 @@ pub(crate) struct ImpulsiveStep<'a> {
     pub(crate) matrix: &'a [f64],
 }
 
-/// Contacts of one robot with its grounds and of its links with each other, step after step.
-#[derive(Clone, Debug)]
-pub(crate) struct ContactImpulses {
-    set: ContactSet,
-    problem: ConeProblem,
-    /// Of positions.
-    lifts: ConeProblem,
-    /// λ of the zeros that contacts between links leave.
-    carrier: Vec<usize>,
-    /// λ with what tendons on their stops join, in lifting.
-    joined: Vec<usize>,
-    /// Where the step starts, and a place further on.
-    start: Placement,
-    placement: Placement,
-    active: Vec<Active>,
-    /// Of each body, where the step starts; and what acts on it.
-    velocities: Vec<Twist>,
-    wrenches: Vec<Twist>,
-    /// What touched in the last step, where this one starts, in the same order.
-    begun: Vec<Begun>,
-    /// What touched in the last step a face of a height field that it is no longer above.
-    gone: Vec<Carried>,
-    /// Whether each contact of the last step was found again; the pairs of the present contacts, rising.
-    seen: Vec<bool>,
-    touching_pairs: Vec<usize>,
-    /// How deep the deepest point is, as last looked at \[m\].
-    depth: f64,
-    /// How deep the deepest of the contacts that the last step found was where that began \[m\].
-    start_depth: f64,
-    memory: Remembered,
+clone_in_place! {
+    /// Contacts of one robot with its grounds and of its links with each other, step after step.
+    #[derive(Debug)]
+    pub(crate) struct ContactImpulses {
+        set: ContactSet,
+        problem: ConeProblem,
+        /// Of positions.
+        lifts: ConeProblem,
+        /// λ of the zeros that contacts between links leave.
+        carrier: Vec<usize>,
+        /// λ with what tendons on their stops join, in lifting.
+        joined: Vec<usize>,
+        /// Where the step starts, and a place further on.
+        start: Placement,
+        placement: Placement,
+        active: Vec<Active>,
+        /// Of each body, where the step starts; and what acts on it.
+        velocities: Vec<Twist>,
+        wrenches: Vec<Twist>,
+        /// What touched in the last step, where this one starts, in the same order.
+        begun: Vec<Begun>,
+        /// What touched in the last step a face of a height field that it is no longer above.
+        gone: Vec<Carried>,
+        /// Whether each contact of the last step was found again; the pairs of the present contacts, rising.
+        seen: Vec<bool>,
+        touching_pairs: Vec<usize>,
+        /// How deep the deepest point is, as last looked at \[m\].
+        depth: f64,
+        /// How deep the deepest of the contacts that the last step found was where that began \[m\].
+        start_depth: f64,
+        memory: Remembered,
+    }
 }
 
 /// A contact of this step.

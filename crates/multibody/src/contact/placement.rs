@@ -6,6 +6,7 @@ use number::View;
 use number::dispatch::{Hardware, Kernel};
 
 use super::coordinates_of;
+use crate::clone_in_place::clone_in_place;
 use crate::model::{Dof, WORLD};
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
 use crate::scratch::tree::TreeMemory;
@@ -17,16 +18,18 @@ use crate::{Frame, FrameId, Model, Workspace};
 /// A velocity and ω, or a force and its moment.
 pub(super) type Twist = [Vector3<f64>; 2];
 
-/// The bodies in one configuration.
-#[derive(Clone, Debug)]
-pub(super) struct Placement {
-    /// `world_from_body`: R by rows, then p.
-    bodies: Vec<[f64; 12]>,
-    /// Of each freedom of the tree: the velocity of its body's origin, and ω.
-    columns: Vec<[f64; 6]>,
-    paths: Vec<Vec<usize>>,
-    /// Of this configuration; NaN before the first.
-    q: Vec<f64>,
+clone_in_place! {
+    /// The bodies in one configuration.
+    #[derive(Debug)]
+    pub(super) struct Placement {
+        /// `world_from_body`: R by rows, then p.
+        bodies: Vec<[f64; 12]>,
+        /// Of each freedom of the tree: the velocity of its body's origin, and ω.
+        columns: Vec<[f64; 6]>,
+        paths: Vec<Vec<usize>>,
+        /// Of this configuration; NaN before the first.
+        q: Vec<f64>,
+    }
 }
 
 impl Placement {

@@ -33,6 +33,7 @@ use super::pair::Pair;
 use super::placement::Placement;
 use super::touch::{Against, TouchingPoint};
 use super::{ConeProblem, ContactError, ContactSet, rows_of};
+use crate::clone_in_place::clone_in_place;
 use crate::factor::sparse::coordinate_carriers;
 use crate::model::identity::Identity;
 use crate::model::length::check_length;
@@ -43,54 +44,56 @@ use crate::{FrameId, Model, Workspace, bias, mass_matrix};
 /// Least friction of a contact that has some.
 const LEAST_FRICTION: f64 = 1e-5;
 
-/// A robot's constraints under MuJoCo's law, which lets each of them give way: limits of positions and of tendons' lengths, dry friction of both,
-/// equalities of joints and connected points, and contacts. For comparison with MuJoCo, and for robots tuned with it; what it gives up is that friction creeps and contacts
-/// sink, each by what `solref` and `solimp` say. The rigid law is that of [`Implicit`](crate::Implicit).
-///
-/// ```
-/// use multibody::{Limits, Model, SoftConstraints, Workspace, pendulum};
-/// let mut robot = pendulum(2.0, 0.5);
-/// robot.joints[0].limits = Limits::new(-0.2, 0.3);
-/// let model = Model::new(robot)?;
-/// let mut soft = SoftConstraints::new(&model, 1e-3)?;
-/// let (mut workspace, mut a) = (Workspace::new(&model), [0.0]);
-/// soft.forward(&model, &mut workspace, &[0.301], &[0.0], &[0.0], &[], &mut a)?; // a milliradian beyond its limit
-/// assert!(a[0] < 0.0 && soft.forces()[0] < 0.0); // it comes back
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct SoftConstraints {
-    robot: Identity,
-    time_step: f64,
-    impratio: f64,
-    /// Whether the joints' damping and friction act.
-    dissipates: bool,
-    /// Whether Newton's method starts from the last state's acceleration.
-    is_warm: bool,
-    weights: InverseWeights,
-    joints: JointRows,
-    ground: Option<ContactSet>,
-    /// The frames of the ground's links, and of the links of all shapes.
-    links: Vec<FrameId>,
-    shapes: Vec<Option<FrameId>>,
-    placement: Placement,
-    problem: ConeProblem,
-    mass: Vec<f64>,
-    /// λ of M's zeros, and of a matrix without any.
-    carriers: [Vec<usize>; 2],
-    transport: Vec<f64>,
-    speeds: Vec<f64>,
-    forces: Vec<f64>,
-    contacts: Vec<SoftContact>,
-    /// One entry for each contact that was found: the shape, and what it touches.
-    found: Vec<(usize, Against)>,
-    /// The first row of each contact.
-    starts: Vec<usize>,
-    active: ActiveSet,
-    /// The limits and contacts that are to act, where they are given and not found.
-    fixed: Option<ActiveSet>,
-    /// B and K d r of each block's rows.
-    asked: Vec<Asked>,
+clone_in_place! {
+    /// A robot's constraints under MuJoCo's law, which lets each of them give way: limits of positions and of tendons' lengths, dry friction of both,
+    /// equalities of joints and connected points, and contacts. For comparison with MuJoCo, and for robots tuned with it; what it gives up is that friction creeps and contacts
+    /// sink, each by what `solref` and `solimp` say. The rigid law is that of [`Implicit`](crate::Implicit).
+    ///
+    /// ```
+    /// use multibody::{Limits, Model, SoftConstraints, Workspace, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.joints[0].limits = Limits::new(-0.2, 0.3);
+    /// let model = Model::new(robot)?;
+    /// let mut soft = SoftConstraints::new(&model, 1e-3)?;
+    /// let (mut workspace, mut a) = (Workspace::new(&model), [0.0]);
+    /// soft.forward(&model, &mut workspace, &[0.301], &[0.0], &[0.0], &[], &mut a)?; // a milliradian beyond its limit
+    /// assert!(a[0] < 0.0 && soft.forces()[0] < 0.0); // it comes back
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[derive(Debug)]
+    pub struct SoftConstraints {
+        robot: Identity,
+        time_step: f64,
+        impratio: f64,
+        /// Whether the joints' damping and friction act.
+        dissipates: bool,
+        /// Whether Newton's method starts from the last state's acceleration.
+        is_warm: bool,
+        weights: InverseWeights,
+        joints: JointRows,
+        ground: Option<ContactSet>,
+        /// The frames of the ground's links, and of the links of all shapes.
+        links: Vec<FrameId>,
+        shapes: Vec<Option<FrameId>>,
+        placement: Placement,
+        problem: ConeProblem,
+        mass: Vec<f64>,
+        /// λ of M's zeros, and of a matrix without any.
+        carriers: [Vec<usize>; 2],
+        transport: Vec<f64>,
+        speeds: Vec<f64>,
+        forces: Vec<f64>,
+        contacts: Vec<SoftContact>,
+        /// One entry for each contact that was found: the shape, and what it touches.
+        found: Vec<(usize, Against)>,
+        /// The first row of each contact.
+        starts: Vec<usize>,
+        active: ActiveSet,
+        /// The limits and contacts that are to act, where they are given and not found.
+        fixed: Option<ActiveSet>,
+        /// B and K d r of each block's rows.
+        asked: Vec<Asked>,
+    }
 }
 
 /// What the rows of one constraint ask for.

@@ -20,6 +20,7 @@ pub(crate) use self::four::{
 };
 use self::sweeps::Run;
 use super::sparse::NONE;
+use crate::clone_in_place::clone_in_place;
 
 /// Paths of at most so many freedoms are gathered; longer ones, of which hardly a robot has any, are followed entry by entry.
 const LONGEST: usize = 64;
@@ -27,18 +28,20 @@ const LONGEST: usize = 64;
 /// Matrices of more rows than this are mostly zeros.
 const LARGE: usize = 512;
 
-/// The zeros of a matrix: which freedoms carry each.
-#[derive(Clone, Debug)]
-pub(crate) struct Paths {
-    carrier: Vec<usize>,
-    /// Of each entry its column, and of what fills up a row 0; where the row of that number begins, in fours.
-    columns: Vec<usize>,
-    starts: Vec<usize>,
-    rows: Vec<Row>,
-    branches: Vec<Branch>,
-    runs: Vec<Run>,
-    /// Whether some path is too long to be gathered.
-    is_long: bool,
+clone_in_place! {
+    /// The zeros of a matrix: which freedoms carry each.
+    #[derive(Debug)]
+    pub(crate) struct Paths {
+        carrier: Vec<usize>,
+        /// Of each entry its column, and of what fills up a row 0; where the row of that number begins, in fours.
+        columns: Vec<usize>,
+        starts: Vec<usize>,
+        rows: Vec<Row>,
+        branches: Vec<Branch>,
+        runs: Vec<Run>,
+        /// Whether some path is too long to be gathered.
+        is_long: bool,
+    }
 }
 
 /// Freedoms each of which carries the next.

@@ -3,30 +3,35 @@
 use dynamics::EnergyLedger;
 
 use super::simulate::{Losses, travel};
+use crate::clone_in_place::clone_in_place;
 use crate::model::length::check_length;
 use crate::{Actuation, ActuationWorkspace, Model, StepForces, StepWorkspace, integrate};
 
-/// Tendons, carried weight and actuators, at controls that are held.
-#[derive(Clone, Debug)]
-pub(crate) struct Drive {
-    actuation: Actuation,
-    workspace: ActuationWorkspace,
-    controls: Vec<f64>,
-    /// The actuators' joint torques where the forces were last computed.
-    torques: Vec<f64>,
-    of_step: ActuatorLoad,
-    driven: Vec<f64>,
-    mean: Vec<f64>,
-    half: Vec<f64>,
+clone_in_place! {
+    /// Tendons, carried weight and actuators, at controls that are held.
+    #[derive(Debug)]
+    pub(crate) struct Drive {
+        actuation: Actuation,
+        workspace: ActuationWorkspace,
+        controls: Vec<f64>,
+        /// The actuators' joint torques where the forces were last computed.
+        torques: Vec<f64>,
+        of_step: ActuatorLoad,
+        driven: Vec<f64>,
+        mean: Vec<f64>,
+        half: Vec<f64>,
+    }
 }
 
-/// The forces of the actuators in a step: see [`Stepper::actuator_forces`](crate::Stepper::actuator_forces).
-#[derive(Clone, Debug, Default)]
-pub(crate) struct ActuatorLoad {
-    /// One entry for each actuator \[N·m or N\].
-    pub(crate) forces: Vec<f64>,
-    /// On each coordinate \[N·m or N\].
-    pub(crate) torques: Vec<f64>,
+clone_in_place! {
+    /// The forces of the actuators in a step: see [`Stepper::actuator_forces`](crate::Stepper::actuator_forces).
+    #[derive(Debug, Default)]
+    pub(crate) struct ActuatorLoad {
+        /// One entry for each actuator \[N·m or N\].
+        pub(crate) forces: Vec<f64>,
+        /// On each coordinate \[N·m or N\].
+        pub(crate) torques: Vec<f64>,
+    }
 }
 
 impl ActuatorLoad {

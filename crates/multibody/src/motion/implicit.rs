@@ -34,6 +34,7 @@ use self::impulses::Impulses;
 use self::joints::Joints;
 use self::momentum::FreeTranslations;
 use self::stiff_factor::StiffFactor;
+use crate::clone_in_place::clone_in_place;
 use crate::contact::{ContactImpulses, ContactMemory, Interrupt};
 use crate::factor::paths::usual_entries;
 use crate::model::length::check_length;
@@ -48,91 +49,97 @@ use crate::{
 /// γ = 1 − 1/√2: L-stable, with the smaller error of the two such values.
 const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 
-/// Steps with stiff joints, dry friction and stops; a [`Stepper`], by which a [`Simulation`](crate::simulator::Simulation) takes the steps of
-/// [`Method::Implicit`](crate::simulator::Method::Implicit), with all else that the description states. It remembers the
-/// last step's friction and the forces of stops, from which the next step starts.
-///
-/// | what | how it acts |
-/// | --- | --- |
-/// | damping, springs of joints | implicit, order 2, stable for any h |
-/// | friction of joints and tendons | sticks truly; sliding of order 2 between its turns |
-/// | limits of positions, of ball joints' angles, and of tendons' lengths | inelastic stops, unless [`Effect::Limits`](crate::simulator::Effect::Limits) is switched off |
-/// | closed loops, coupled joints | held by multipliers, where there are some |
-/// | the ground | rigid contact with Coulomb's friction, where there is one |
-/// | τ, gravity, C v | as in an explicit step of order 2 |
-///
-/// Damping and friction act where [`StepForces::dissipation`] says so. What each takes out: [`Run::losses`](crate::Run::losses).
-///
-/// ```
-/// use multibody::{Limits, Model, PassiveForces, pendulum};
-/// use multibody::simulator::{Method, RunOptions, SimulationBuilder};
-/// let mut robot = pendulum(2.0, 0.5);
-/// // Damping that no explicit step of 1 ms survives (its own time is I/d = 0.17 ms), friction, and a stop.
-/// robot.joints[0].passive = PassiveForces::default().with_damping(1000.0).with_friction(0.5);
-/// robot.joints[0].limits = Limits::new(-0.2, 0.004);
-/// let model = Model::new(robot)?;
-/// let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).build()?;
-/// let run = simulation.run(2000, RunOptions::new())?;
-/// assert_eq!((run.q[0], run.v[0]), (0.004, 0.0)); // it sank onto its stop and rests there
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct Implicit {
-    joints: Joints,
-    factor: StiffFactor,
-    impulses: Impulses,
-    has_stops: bool,
-    losses: Losses,
-    /// Of the last step.
-    last: Losses,
-    drive: Option<Drive>,
-    contacts: Option<ContactImpulses>,
-    equalities: Option<Equalities>,
-    translations: FreeTranslations,
-    memory: Memory,
-    kept: Kept,
-    interrupt: Interrupt,
-    /// Where the step began, if it can be interrupted.
-    begun: Option<Kept>,
-    /// Steps whose budget of parts was spent, and the most energy that their books miss \[J\].
-    unsettled: (usize, f64),
-    /// Of all that moves \[N\].
-    weight: f64,
+clone_in_place! {
+    /// Steps with stiff joints, dry friction and stops; a [`Stepper`], by which a [`Simulation`](crate::simulator::Simulation) takes the steps of
+    /// [`Method::Implicit`](crate::simulator::Method::Implicit), with all else that the description states. It remembers the
+    /// last step's friction and the forces of stops, from which the next step starts.
+    ///
+    /// | what | how it acts |
+    /// | --- | --- |
+    /// | damping, springs of joints | implicit, order 2, stable for any h |
+    /// | friction of joints and tendons | sticks truly; sliding of order 2 between its turns |
+    /// | limits of positions, of ball joints' angles, and of tendons' lengths | inelastic stops, unless [`Effect::Limits`](crate::simulator::Effect::Limits) is switched off |
+    /// | closed loops, coupled joints | held by multipliers, where there are some |
+    /// | the ground | rigid contact with Coulomb's friction, where there is one |
+    /// | τ, gravity, C v | as in an explicit step of order 2 |
+    ///
+    /// Damping and friction act where [`StepForces::dissipation`] says so. What each takes out: [`Run::losses`](crate::Run::losses).
+    ///
+    /// ```
+    /// use multibody::{Limits, Model, PassiveForces, pendulum};
+    /// use multibody::simulator::{Method, RunOptions, SimulationBuilder};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// // Damping that no explicit step of 1 ms survives (its own time is I/d = 0.17 ms), friction, and a stop.
+    /// robot.joints[0].passive = PassiveForces::default().with_damping(1000.0).with_friction(0.5);
+    /// robot.joints[0].limits = Limits::new(-0.2, 0.004);
+    /// let model = Model::new(robot)?;
+    /// let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).build()?;
+    /// let run = simulation.run(2000, RunOptions::new())?;
+    /// assert_eq!((run.q[0], run.v[0]), (0.004, 0.0)); // it sank onto its stop and rests there
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[derive(Debug)]
+    pub struct Implicit {
+        joints: Joints,
+        factor: StiffFactor,
+        impulses: Impulses,
+        has_stops: bool,
+        losses: Losses,
+        /// Of the last step.
+        last: Losses,
+        drive: Option<Drive>,
+        contacts: Option<ContactImpulses>,
+        equalities: Option<Equalities>,
+        translations: FreeTranslations,
+        memory: Memory,
+        kept: Kept,
+        interrupt: Interrupt,
+        /// Where the step began, if it can be interrupted.
+        begun: Option<Kept>,
+        /// Steps whose budget of parts was spent, and the most energy that their books miss \[J\].
+        unsettled: (usize, f64),
+        /// Of all that moves \[N\].
+        weight: f64,
+    }
 }
 
-/// Where a step began.
-#[derive(Clone, Debug)]
-struct Kept {
-    q: Vec<f64>,
-    v: Vec<f64>,
-    /// The highest speed of a coordinate since then.
-    fastest: f64,
-    /// Whether something was met since then, or moved back onto a stop.
-    is_rough: bool,
-    impulses: impulses::Remembered,
-    contacts: Option<ContactMemory>,
-    equalities: Option<equalities::Remembered>,
+clone_in_place! {
+    /// Where a step began.
+    #[derive(Debug)]
+    struct Kept {
+        q: Vec<f64>,
+        v: Vec<f64>,
+        /// The highest speed of a coordinate since then.
+        fastest: f64,
+        /// Whether something was met since then, or moved back onto a stop.
+        is_rough: bool,
+        impulses: impulses::Remembered,
+        contacts: Option<ContactMemory>,
+        equalities: Option<equalities::Remembered>,
+    }
 }
 
-/// Vectors of nv entries.
-#[derive(Clone, Debug)]
-struct Memory {
-    q_rate: [Vec<f64>; 2],
-    acceleration: [Vec<f64>; 2],
-    force: Vec<f64>,
-    stage_v: Vec<f64>,
-    stage_q: Vec<f64>,
-    displacement: Vec<f64>,
-    /// Forces of the drive, and those that go on from the step before.
-    driven: Vec<f64>,
-    carried: Vec<f64>,
-    /// The forces of the smooth part at both stages, but for C v and gravity.
-    applied: Vec<f64>,
-    /// M̂, packed.
-    matrix: Vec<f64>,
-    /// A configuration before it is moved, and before all that is moved back.
-    before: Vec<f64>,
-    uncorrected: Vec<f64>,
+clone_in_place! {
+    /// Vectors of nv entries.
+    #[derive(Debug)]
+    struct Memory {
+        q_rate: [Vec<f64>; 2],
+        acceleration: [Vec<f64>; 2],
+        force: Vec<f64>,
+        stage_v: Vec<f64>,
+        stage_q: Vec<f64>,
+        displacement: Vec<f64>,
+        /// Forces of the drive, and those that go on from the step before.
+        driven: Vec<f64>,
+        carried: Vec<f64>,
+        /// The forces of the smooth part at both stages, but for C v and gravity.
+        applied: Vec<f64>,
+        /// M̂, packed.
+        matrix: Vec<f64>,
+        /// A configuration before it is moved, and before all that is moved back.
+        before: Vec<f64>,
+        uncorrected: Vec<f64>,
+    }
 }
 
 impl Implicit {

@@ -8,6 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use dynamics::{EnergyLedger, IntegratorError, check_finite};
 
+use crate::clone_in_place::clone_in_place;
 use crate::contact::Interrupt;
 use crate::conventions::{acceleration_to_mujoco, velocity_from_mujoco, velocity_to_mujoco};
 use crate::joint::Chart;
@@ -21,43 +22,45 @@ use crate::{
     integrate,
 };
 
-/// A [`Stepper`] by MuJoCo's semi-implicit Euler step: order 1, constraints that yield ([`SoftConstraints`]).
-///
-/// ```
-/// use multibody::{Base, Ground, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape, ShapeRole};
-/// use multibody::simulator::{Method, RunOptions, SimulationBuilder};
-/// let mut robot = RobotDescription::new("brick");
-/// robot.base = Base::Floating;
-/// let brick = dynamics::MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
-/// robot.links.push(LinkDescription::new("brick", brick));
-/// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
-/// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
-/// let model = Model::new(robot)?;
-/// let mut simulation = SimulationBuilder::new(&model).method(Method::Mujoco).ground(Ground::level(0.0)).build()?;
-/// let q = [0.0, 0.0, 0.06, 0.0, 0.0, 0.0, 1.0];
-/// let run = simulation.run_from(&q, &[0.0; 6], 2000, RunOptions::new())?;
-/// assert!(run.q[2] < 0.05 && run.q[2] > 0.0495); // it rests a little below the surface
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct MujocoEuler {
-    law: SoftConstraints,
-    interrupt: Interrupt,
-    drive: Option<Drive>,
-    damping: Vec<f64>,
-    losses: Losses,
-    /// Of the last step.
-    last: Losses,
-    links: Vec<[f64; 3]>,
-    tau: Vec<f64>,
-    driven: Vec<f64>,
-    acceleration: Vec<f64>,
-    /// Of v, then of q.
-    change: Vec<f64>,
-    /// In MuJoCo's coordinates.
-    qvel: Vec<f64>,
-    before: Vec<f64>,
-    q: Vec<f64>,
+clone_in_place! {
+    /// A [`Stepper`] by MuJoCo's semi-implicit Euler step: order 1, constraints that yield ([`SoftConstraints`]).
+    ///
+    /// ```
+    /// use multibody::{Base, Ground, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape, ShapeRole};
+    /// use multibody::simulator::{Method, RunOptions, SimulationBuilder};
+    /// let mut robot = RobotDescription::new("brick");
+    /// robot.base = Base::Floating;
+    /// let brick = dynamics::MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
+    /// robot.links.push(LinkDescription::new("brick", brick));
+    /// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
+    /// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
+    /// let model = Model::new(robot)?;
+    /// let mut simulation = SimulationBuilder::new(&model).method(Method::Mujoco).ground(Ground::level(0.0)).build()?;
+    /// let q = [0.0, 0.0, 0.06, 0.0, 0.0, 0.0, 1.0];
+    /// let run = simulation.run_from(&q, &[0.0; 6], 2000, RunOptions::new())?;
+    /// assert!(run.q[2] < 0.05 && run.q[2] > 0.0495); // it rests a little below the surface
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[derive(Debug)]
+    pub struct MujocoEuler {
+        law: SoftConstraints,
+        interrupt: Interrupt,
+        drive: Option<Drive>,
+        damping: Vec<f64>,
+        losses: Losses,
+        /// Of the last step.
+        last: Losses,
+        links: Vec<[f64; 3]>,
+        tau: Vec<f64>,
+        driven: Vec<f64>,
+        acceleration: Vec<f64>,
+        /// Of v, then of q.
+        change: Vec<f64>,
+        /// In MuJoCo's coordinates.
+        qvel: Vec<f64>,
+        before: Vec<f64>,
+        q: Vec<f64>,
+    }
 }
 
 impl MujocoEuler {

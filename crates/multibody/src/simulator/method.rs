@@ -100,9 +100,25 @@ impl fmt::Display for Method {
 }
 
 /// Takes the steps of a simulation; a [`Stepper`] for batches and linearised steps.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct SimulationStepper {
     pub(super) kind: StepperKind,
+}
+
+impl Clone for SimulationStepper {
+    fn clone(&self) -> Self {
+        Self { kind: self.kind.clone() }
+    }
+
+    /// In the memory that is there, if it is a stepper of the same kind.
+    fn clone_from(&mut self, source: &Self) {
+        match (&mut self.kind, &source.kind) {
+            (StepperKind::Actuated(own), StepperKind::Actuated(source)) => own.clone_from(source),
+            (StepperKind::Implicit(own), StepperKind::Implicit(source)) => own.clone_from(source),
+            (StepperKind::Mujoco(own), StepperKind::Mujoco(source)) => own.clone_from(source),
+            (own, source) => *own = source.clone(),
+        }
+    }
 }
 
 /// By which method.

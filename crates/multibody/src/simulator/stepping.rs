@@ -285,7 +285,9 @@ impl Simulation {
         if let Err(error) = start {
             return Err(Box::new(RunFailure { error, until: run }));
         }
-        (self.run, self.stepper, self.base, self.is_checked) = (run, stepper, (0, time), steps > 0);
+        // In place, so that it keeps the memory that steps have grown.
+        self.stepper.clone_from(&stepper);
+        (self.run, self.base, self.is_checked) = (run, (0, time), steps > 0);
         self.memory.acceleration.fill(0.0);
         Ok(())
     }

@@ -3,6 +3,7 @@
 //! The separator of a set comes first, then each of the two parts in the same way **(George 1973)**. Separators are levels of the distance from a node at the
 //! edge of the set. Rows are eliminated from the last to the first.
 
+use crate::clone_in_place::clone_in_place;
 use core::ops::Range;
 
 /// Sets of so few nodes are not divided.
@@ -10,24 +11,26 @@ const FEW: usize = 3;
 
 const NONE: usize = usize::MAX;
 
-/// Memory of it.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Dissection {
-    names: Vec<usize>,
-    /// The node of each name.
-    nodes: Vec<usize>,
-    edges: Vec<[usize; 2]>,
-    /// The first index of each node's neighbours, and one more.
-    begins: Vec<usize>,
-    neighbors: Vec<usize>,
-    /// The nodes of the sets that are still to be divided, one set after the other, and where they are.
-    open: Vec<usize>,
-    sets: Vec<Range<usize>>,
-    /// The set that each node is in, and its level there.
-    inside: Vec<usize>,
-    levels: Vec<usize>,
-    queue: Vec<usize>,
-    order: Vec<usize>,
+clone_in_place! {
+    /// Memory of it.
+    #[derive(Debug, Default)]
+    pub(super) struct Dissection {
+        names: Vec<usize>,
+        /// The node of each name.
+        nodes: Vec<usize>,
+        edges: Vec<[usize; 2]>,
+        /// The first index of each node's neighbours, and one more.
+        begins: Vec<usize>,
+        neighbors: Vec<usize>,
+        /// The nodes of the sets that are still to be divided, one set after the other, and where they are.
+        open: Vec<usize>,
+        sets: Vec<Range<usize>>,
+        /// The set that each node is in, and its level there.
+        inside: Vec<usize>,
+        levels: Vec<usize>,
+        queue: Vec<usize>,
+        order: Vec<usize>,
+    }
 }
 
 impl Dissection {

@@ -8,6 +8,7 @@ use core::ops::Range;
 
 use super::ConeProblem;
 use super::dissection::Dissection;
+use crate::clone_in_place::clone_in_place;
 use crate::factor::sparse::{self, NONE};
 
 /// A single part of at least so many trees is put in order as well.
@@ -19,37 +20,41 @@ const USUAL_PART: usize = 128;
 /// Parts of fewer trees keep their order.
 const FEW_TREES: usize = 4;
 
-/// The parts of a problem, and the memory of their solution.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Islands {
-    /// The number of each coordinate's tree; the first entry of each tree in `members`, and one more.
-    trees: Vec<usize>,
-    begins: Vec<usize>,
-    /// The coordinates tree by tree, rising.
-    members: Vec<usize>,
-    /// Another tree of the same part for each tree; the tree at the end of the chain names itself.
-    leaders: Vec<usize>,
-    /// The number of each tree's part, at its leader.
-    numbers: Vec<usize>,
-    /// The trees and the blocks part by part, and where each part's begin, and one more.
-    part_trees: Grouped,
-    part_blocks: Grouped,
-    dissection: Dissection,
-    /// The present part: its coordinates, and of each coordinate its number there; λ.
-    coordinates: Vec<usize>,
-    /// Where each tree's coordinates are among them.
-    ranges: Vec<Range<usize>>,
-    local: Vec<usize>,
-    carrier: Vec<usize>,
-    support: Vec<usize>,
-    part: Option<Box<ConeProblem>>,
+clone_in_place! {
+    /// The parts of a problem, and the memory of their solution.
+    #[derive(Debug, Default)]
+    pub(super) struct Islands {
+        /// The number of each coordinate's tree; the first entry of each tree in `members`, and one more.
+        trees: Vec<usize>,
+        begins: Vec<usize>,
+        /// The coordinates tree by tree, rising.
+        members: Vec<usize>,
+        /// Another tree of the same part for each tree; the tree at the end of the chain names itself.
+        leaders: Vec<usize>,
+        /// The number of each tree's part, at its leader.
+        numbers: Vec<usize>,
+        /// The trees and the blocks part by part, and where each part's begin, and one more.
+        part_trees: Grouped,
+        part_blocks: Grouped,
+        dissection: Dissection,
+        /// The present part: its coordinates, and of each coordinate its number there; λ.
+        coordinates: Vec<usize>,
+        /// Where each tree's coordinates are among them.
+        ranges: Vec<Range<usize>>,
+        local: Vec<usize>,
+        carrier: Vec<usize>,
+        support: Vec<usize>,
+        part: Option<Box<ConeProblem>>,
+    }
 }
 
-/// Numbers in groups.
-#[derive(Clone, Debug, Default)]
-struct Grouped {
-    begins: Vec<usize>,
-    items: Vec<usize>,
+clone_in_place! {
+    /// Numbers in groups.
+    #[derive(Debug, Default)]
+    struct Grouped {
+        begins: Vec<usize>,
+        items: Vec<usize>,
+    }
 }
 
 impl Grouped {

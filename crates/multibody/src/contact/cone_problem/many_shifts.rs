@@ -3,21 +3,24 @@
 //! With U = ∂(μ|c_t|)/∂x and V = −AᵀG n/R of the sliding cones, (U H⁻¹V − 1) ds = s − μ|c_t| has as many unknowns as cones slide. With dx = H⁻¹V ds it is
 //! (H − V U) dx = −V (s − μ|c_t|), ds = U dx − (s − μ|c_t|): a matrix with H's zeros, not symmetric, whose size does not depend on how many slide.
 
+use crate::clone_in_place::clone_in_place;
 use number::dispatch::run_here;
 
 use super::projection::norm;
 use super::square::Add;
 use super::{ConeProblem, Set};
 
-/// Memory of it.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Many {
-    lower: Vec<f64>,
-    upper: Vec<f64>,
-    /// −V and U of each sliding cone, one entry for each of its coordinates.
-    pulls: Vec<f64>,
-    turns: Vec<f64>,
-    way: Vec<f64>,
+clone_in_place! {
+    /// Memory of it.
+    #[derive(Debug, Default)]
+    pub(super) struct Many {
+        lower: Vec<f64>,
+        upper: Vec<f64>,
+        /// −V and U of each sliding cone, one entry for each of its coordinates.
+        pulls: Vec<f64>,
+        turns: Vec<f64>,
+        way: Vec<f64>,
+    }
 }
 
 impl ConeProblem {

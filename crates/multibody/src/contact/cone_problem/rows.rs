@@ -5,6 +5,7 @@ use core::ops::Range;
 use number::dispatch::{Call, Hardware, run_here};
 
 use super::{Block, Set};
+use crate::clone_in_place::clone_in_place;
 use crate::factor::paths::{WIDTH, filled_up, fours, fours_mut, product, subtract, with_constant};
 
 /// Blocks over the same coordinates, or blocks of one row over one coordinate each.
@@ -17,17 +18,19 @@ struct Group {
     is_single: bool,
 }
 
-/// A's rows by groups.
-#[derive(Clone, Debug)]
-pub(super) struct Rows {
-    groups: Vec<Group>,
-    entries: Vec<f64>,
-    /// Of each block, where its entries begin.
-    begins: Vec<usize>,
-    /// The blocks of one row over several coordinates.
-    wide: Vec<usize>,
-    /// A vector in the coordinates of a group.
-    gathered: Vec<f64>,
+clone_in_place! {
+    /// A's rows by groups.
+    #[derive(Debug)]
+    pub(super) struct Rows {
+        groups: Vec<Group>,
+        entries: Vec<f64>,
+        /// Of each block, where its entries begin.
+        begins: Vec<usize>,
+        /// The blocks of one row over several coordinates.
+        wide: Vec<usize>,
+        /// A vector in the coordinates of a group.
+        gathered: Vec<f64>,
+    }
 }
 
 impl Rows {

@@ -8,6 +8,7 @@ use super::entries::dot;
 use super::many_shifts::Many;
 use super::projection::{Place, Slopes, norm, place_of};
 use super::{Block, ConeProblem, Set};
+use crate::clone_in_place::clone_in_place;
 use crate::factor::paths::{Four, WIDTH};
 
 /// How near s must be to be kept where the search for it ends.
@@ -19,25 +20,27 @@ const IMAGES: usize = 3;
 /// From so many sliding cones on their s are found with a factor of H's size, which does not grow with them.
 const MANY: usize = 64;
 
-/// Memory of the search for s.
-#[derive(Clone, Debug)]
-pub(super) struct Search {
-    /// For each cone s, and from there the way to μ|c_t|, the last three times.
-    past: [Vec<(f64, f64)>; 3],
-    /// The cones that slide, by their numbers among the cones.
-    pub(super) sliding: Vec<usize>,
-    /// dx/ds of each, for four of them side by side.
-    ways: Vec<Four>,
-    /// ∂F/∂s − 1, and what is to be added to s.
-    slopes: Vec<f64>,
-    pub(super) shifts: Vec<f64>,
-    pub(super) many: Many,
-    /// How far s was from its image the last time.
-    off: f64,
-    /// How many more times the images lead on, before Newton's method is tried again.
-    by_images: usize,
-    /// And the next time.
-    images: usize,
+clone_in_place! {
+    /// Memory of the search for s.
+    #[derive(Debug)]
+    pub(super) struct Search {
+        /// For each cone s, and from there the way to μ|c_t|, the last three times.
+        past: [Vec<(f64, f64)>; 3],
+        /// The cones that slide, by their numbers among the cones.
+        pub(super) sliding: Vec<usize>,
+        /// dx/ds of each, for four of them side by side.
+        ways: Vec<Four>,
+        /// ∂F/∂s − 1, and what is to be added to s.
+        slopes: Vec<f64>,
+        pub(super) shifts: Vec<f64>,
+        pub(super) many: Many,
+        /// How far s was from its image the last time.
+        off: f64,
+        /// How many more times the images lead on, before Newton's method is tried again.
+        by_images: usize,
+        /// And the next time.
+        images: usize,
+    }
 }
 
 impl Search {

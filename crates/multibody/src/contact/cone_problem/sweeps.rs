@@ -12,6 +12,7 @@ use number::dispatch::{Call, Hardware, run_here};
 use super::projection::{norm, project};
 use super::solution::YIELD;
 use super::{ConeProblem, MOST_ROWS, Set};
+use crate::clone_in_place::clone_in_place;
 
 /// Fewer cones are left to Newton's method.
 const MANY_CONES: usize = 8;
@@ -27,26 +28,28 @@ const USEFUL: f64 = 1e-4;
 const SLIPS: usize = 20;
 const CLOSE: f64 = 1e-9;
 
-/// Memory of the sweeps.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Sweeps {
-    /// The coordinates of each tree, one tree after the other.
-    pub(super) trees: Vec<Range<usize>>,
-    /// The number of each coordinate's tree.
-    tree_of: Vec<usize>,
-    /// L of each tree, M = L Lᵀ, square, one after the other.
-    factors: Vec<f64>,
-    begins: Vec<usize>,
-    /// The trees of each block.
-    block_trees: Vec<usize>,
-    /// For each block its trees, its M⁻¹Aᵀ, row by row, and its W.
-    blocks: Vec<Places>,
-    responses: Vec<f64>,
-    inertia: Vec<f64>,
-    column: Vec<f64>,
-    /// p̄ and s before them.
-    multiplier: Vec<f64>,
-    shifts: Vec<f64>,
+clone_in_place! {
+    /// Memory of the sweeps.
+    #[derive(Debug, Default)]
+    pub(super) struct Sweeps {
+        /// The coordinates of each tree, one tree after the other.
+        pub(super) trees: Vec<Range<usize>>,
+        /// The number of each coordinate's tree.
+        tree_of: Vec<usize>,
+        /// L of each tree, M = L Lᵀ, square, one after the other.
+        factors: Vec<f64>,
+        begins: Vec<usize>,
+        /// The trees of each block.
+        block_trees: Vec<usize>,
+        /// For each block its trees, its M⁻¹Aᵀ, row by row, and its W.
+        blocks: Vec<Places>,
+        responses: Vec<f64>,
+        inertia: Vec<f64>,
+        column: Vec<f64>,
+        /// p̄ and s before them.
+        multiplier: Vec<f64>,
+        shifts: Vec<f64>,
+    }
 }
 
 /// Where the entries of a block begin.

@@ -2,23 +2,26 @@
 
 use nalgebra::Vector3;
 
+use crate::clone_in_place::clone_in_place;
 use crate::contact::cone_problem::MOST_ROWS;
 use crate::contact::placement::Placement;
 use crate::contact::touch::TouchingPoint;
 use crate::{ContactLaws, ContactSet};
 
-/// What goes on from step to step.
-#[derive(Clone, Debug)]
-pub(crate) struct Remembered {
-    pub(super) laws: ContactLaws,
-    /// Of the last step, in rising order of their numbers.
-    pub(super) carried: Vec<Carried>,
-    /// Whether something was hit in the last step, here or on a joint's stop: then its forces do not go on.
-    pub(super) was_impact: bool,
-    /// The impulse on each link in the whole step so far \[N·s\].
-    pub(super) impulses: Vec<[f64; 3]>,
-    /// The impulse of each contact in the whole step so far, in rising order of their numbers.
-    pub(super) totals: Vec<Total>,
+clone_in_place! {
+    /// What goes on from step to step.
+    #[derive(Debug)]
+    pub(crate) struct Remembered {
+        pub(super) laws: ContactLaws,
+        /// Of the last step, in rising order of their numbers.
+        pub(super) carried: Vec<Carried>,
+        /// Whether something was hit in the last step, here or on a joint's stop: then its forces do not go on.
+        pub(super) was_impact: bool,
+        /// The impulse on each link in the whole step so far \[N·s\].
+        pub(super) impulses: Vec<[f64; 3]>,
+        /// The impulse of each contact in the whole step so far, in rising order of their numbers.
+        pub(super) totals: Vec<Total>,
+    }
 }
 
 /// A contact's impulse in all parts of a step, along the world's axes; its force, once it is divided by the step's length.

@@ -4,15 +4,18 @@
 //! the active set held is it differentiable.
 
 use super::{Against, ContactSet, Pair, SoftConstraints, SoftContact, TouchingPoint};
+use crate::clone_in_place::clone_in_place;
 use crate::{FrameId, Model};
 
-/// The limits and contacts that act in a step: see [`Stepper::active_set`](crate::Stepper::active_set).
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ActiveSet {
-    /// Numbers of points of the contact set.
-    contacts: Vec<usize>,
-    /// Numbers of limits of joints and tendons.
-    limits: Vec<usize>,
+clone_in_place! {
+    /// The limits and contacts that act in a step: see [`Stepper::active_set`](crate::Stepper::active_set).
+    #[derive(Debug, Default, PartialEq, Eq)]
+    pub struct ActiveSet {
+        /// Numbers of points of the contact set.
+        contacts: Vec<usize>,
+        /// Numbers of limits of joints and tendons.
+        limits: Vec<usize>,
+    }
 }
 
 impl ActiveSet {

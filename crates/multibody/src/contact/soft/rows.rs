@@ -9,6 +9,7 @@ use super::connection::Connection;
 use super::impedance::Response;
 use super::weights::InverseWeights;
 use super::{Asked, Of, State};
+use crate::clone_in_place::clone_in_place;
 use crate::contact::ConeProblem;
 use crate::contact::cone_problem::Set;
 use crate::contact::placement::Placement;
@@ -76,17 +77,19 @@ pub(super) fn tendon_length(model: &Model, tendon: &TendonDescription) -> JointS
     JointSum::new(model, tendon.offset, terms)
 }
 
-/// The constraints of joints and tendons.
-#[derive(Clone, Debug)]
-pub(super) struct JointRows {
-    frictions: Vec<Friction>,
-    limits: Vec<Limit>,
-    turns: Vec<Turn>,
-    tendons: Vec<TendonLimit>,
-    equalities: Vec<Equal>,
-    connections: Vec<Connection>,
-    /// Whether each row moves with freedoms that carry one another.
-    keeps_tree: bool,
+clone_in_place! {
+    /// The constraints of joints and tendons.
+    #[derive(Debug)]
+    pub(super) struct JointRows {
+        frictions: Vec<Friction>,
+        limits: Vec<Limit>,
+        turns: Vec<Turn>,
+        tendons: Vec<TendonLimit>,
+        equalities: Vec<Equal>,
+        connections: Vec<Connection>,
+        /// Whether each row moves with freedoms that carry one another.
+        keeps_tree: bool,
+    }
 }
 
 #[derive(Clone, Debug)]

@@ -1,5 +1,6 @@
 //! min ½xᵀHx + gᵀx with lower ≤ x ≤ upper, H symmetric and positive definite: one answer.
 
+use crate::clone_in_place::clone_in_place;
 use crate::contact::Interrupt;
 use crate::factor::cholesky;
 
@@ -12,21 +13,23 @@ const NEXT_TO: f64 = 1e-10;
 /// By how much the diagonal of what is singular to rounding is made larger: the step then still goes down.
 const SOFTER: f64 = 1e-10;
 
-/// Memory of the problem, dense, n×n.
-#[derive(Clone, Debug, Default)]
-pub(super) struct BoundedProblem {
-    pub(super) matrix: Vec<f64>,
-    pub(super) gradient: Vec<f64>,
-    pub(super) lower: Vec<f64>,
-    pub(super) upper: Vec<f64>,
-    pub(super) x: Vec<f64>,
-    slope: Vec<f64>,
-    trial: Vec<f64>,
-    step: Vec<f64>,
-    free: Vec<usize>,
-    factor: Vec<f64>,
-    /// Ends a solution where it is.
-    pub(super) interrupt: Interrupt,
+clone_in_place! {
+    /// Memory of the problem, dense, n×n.
+    #[derive(Debug, Default)]
+    pub(super) struct BoundedProblem {
+        pub(super) matrix: Vec<f64>,
+        pub(super) gradient: Vec<f64>,
+        pub(super) lower: Vec<f64>,
+        pub(super) upper: Vec<f64>,
+        pub(super) x: Vec<f64>,
+        slope: Vec<f64>,
+        trial: Vec<f64>,
+        step: Vec<f64>,
+        free: Vec<usize>,
+        factor: Vec<f64>,
+        /// Ends a solution where it is.
+        pub(super) interrupt: Interrupt,
+    }
 }
 
 impl BoundedProblem {

@@ -10,6 +10,7 @@ use super::Implicit;
 use super::impulses::along;
 use super::pivots::Pivots;
 use super::stiff_factor::StiffFactor;
+use crate::clone_in_place::clone_in_place;
 use crate::contact::{EqualityRow, EqualityRows, Interrupt, returns};
 use crate::{Model, Workspace};
 
@@ -26,34 +27,38 @@ const NEAR: f64 = DEPENDENCE;
 /// A start less far off is removed at once: by steps that each leave less than is looked at it would grow \[m or rad\].
 const AT_ONCE: f64 = 1e-9;
 
-/// The equalities of a robot, step after step.
-#[derive(Clone, Debug)]
-pub(super) struct Equalities {
-    rows: EqualityRows,
-    names: Vec<String>,
-    /// The rows that hold in this step, those that depend on others left out.
-    active: Vec<usize>,
-    /// Of each row φ where the step starts, 0 where it is next to none.
-    start: Vec<f64>,
-    memory: Remembered,
-    /// λ of a trial.
-    found: Vec<f64>,
-    /// E and E M̂⁻¹ with E M̂⁻¹Eᵀ = 1, row by row of those that hold.
-    forces: Vec<f64>,
-    responses: Vec<f64>,
-    rest: Vec<f64>,
-    pivots: Pivots,
+clone_in_place! {
+    /// The equalities of a robot, step after step.
+    #[derive(Debug)]
+    pub(super) struct Equalities {
+        rows: EqualityRows,
+        names: Vec<String>,
+        /// The rows that hold in this step, those that depend on others left out.
+        active: Vec<usize>,
+        /// Of each row φ where the step starts, 0 where it is next to none.
+        start: Vec<f64>,
+        memory: Remembered,
+        /// λ of a trial.
+        found: Vec<f64>,
+        /// E and E M̂⁻¹ with E M̂⁻¹Eᵀ = 1, row by row of those that hold.
+        forces: Vec<f64>,
+        responses: Vec<f64>,
+        rest: Vec<f64>,
+        pivots: Pivots,
+    }
 }
 
-/// What goes on from step to step.
-#[derive(Clone, Debug)]
-pub(super) struct Remembered {
-    /// λ of the last step, but for impacts \[N or N·m\].
-    carried: Vec<f64>,
-    /// Of the whole step so far \[N·s or N·m·s\].
-    impulses: Vec<f64>,
-    /// Whether `carried` is of a step, or of a trial before the first one.
-    is_begun: bool,
+clone_in_place! {
+    /// What goes on from step to step.
+    #[derive(Debug)]
+    pub(super) struct Remembered {
+        /// λ of the last step, but for impacts \[N or N·m\].
+        carried: Vec<f64>,
+        /// Of the whole step so far \[N·s or N·m·s\].
+        impulses: Vec<f64>,
+        /// Whether `carried` is of a step, or of a trial before the first one.
+        is_begun: bool,
+    }
 }
 
 impl Remembered {

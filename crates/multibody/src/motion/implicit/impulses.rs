@@ -11,6 +11,7 @@ use super::bounded::BoundedProblem;
 use super::joints::{Joints, Stop};
 use super::stiff_factor::StiffFactor;
 use crate::Model;
+use crate::clone_in_place::clone_in_place;
 use crate::contact::{Interrupt, JointRow, QUIET, RETURN_TIME};
 use crate::motion::simulate::Losses;
 
@@ -24,32 +25,34 @@ const ROUNDING: f64 = 1e-12;
 /// answer.
 const SOFTER: f64 = 1e-10;
 
-/// Multipliers of a step, one for each coordinate with friction or on a stop and each tendon on one, and their memory.
-///
-/// A coordinate's friction and stop are one multiplier: −hf ≤ λ ≤ hf for friction alone, and no bound on the side of the stop.
-#[derive(Clone, Debug)]
-pub(super) struct Impulses {
-    /// E's rows, among those of `terms`.
-    rows: Vec<usize>,
-    /// Of every row its coordinates with their factors.
-    terms: Vec<Vec<(usize, f64)>>,
-    /// How many rows are those of joints and tendons: those of equalities follow.
-    own: usize,
-    /// From this row on those of joints turn with them.
-    turning: usize,
-    /// The equalities' rows that hold in this step.
-    held: Vec<usize>,
-    problem: BoundedProblem,
-    column: Vec<f64>,
-    memory: Remembered,
-    /// Of every row its stops that the step meets.
-    met: Vec<Met>,
-    /// For each row, whether it was on a stop when the step began.
-    pressed: Vec<bool>,
-    /// For each row, the velocity with which it goes back to a stop.
-    back: Vec<f64>,
-    /// A configuration before it is moved.
-    before: Vec<f64>,
+clone_in_place! {
+    /// Multipliers of a step, one for each coordinate with friction or on a stop and each tendon on one, and their memory.
+    ///
+    /// A coordinate's friction and stop are one multiplier: −hf ≤ λ ≤ hf for friction alone, and no bound on the side of the stop.
+    #[derive(Debug)]
+    pub(super) struct Impulses {
+        /// E's rows, among those of `terms`.
+        rows: Vec<usize>,
+        /// Of every row its coordinates with their factors.
+        terms: Vec<Vec<(usize, f64)>>,
+        /// How many rows are those of joints and tendons: those of equalities follow.
+        own: usize,
+        /// From this row on those of joints turn with them.
+        turning: usize,
+        /// The equalities' rows that hold in this step.
+        held: Vec<usize>,
+        problem: BoundedProblem,
+        column: Vec<f64>,
+        memory: Remembered,
+        /// Of every row its stops that the step meets.
+        met: Vec<Met>,
+        /// For each row, whether it was on a stop when the step began.
+        pressed: Vec<bool>,
+        /// For each row, the velocity with which it goes back to a stop.
+        back: Vec<f64>,
+        /// A configuration before it is moved.
+        before: Vec<f64>,
+    }
 }
 
 /// Stops of a row that a step meets or began on.
@@ -62,17 +65,19 @@ struct Met {
     way: f64,
 }
 
-/// What goes on from step to step.
-#[derive(Clone, Debug)]
-pub(super) struct Remembered {
-    /// Each row's force in the last step, but for impacts \[N·m or N\].
-    carried: Vec<f64>,
-    /// Together, of each coordinate.
-    forces: Vec<f64>,
-    /// Each row's stop that held it in the last step, by its sign; else 0.
-    held: Vec<f64>,
-    /// Each row's force of its stop in the last step, impacts among it \[N·m or N\].
-    stopped: Vec<f64>,
+clone_in_place! {
+    /// What goes on from step to step.
+    #[derive(Debug)]
+    pub(super) struct Remembered {
+        /// Each row's force in the last step, but for impacts \[N·m or N\].
+        carried: Vec<f64>,
+        /// Together, of each coordinate.
+        forces: Vec<f64>,
+        /// Each row's stop that held it in the last step, by its sign; else 0.
+        held: Vec<f64>,
+        /// Each row's force of its stop in the last step, impacts among it \[N·m or N\].
+        stopped: Vec<f64>,
+    }
 }
 
 impl Remembered {

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::actuation::Coupling;
+use crate::clone_in_place::clone_in_place;
 use crate::joint::Chart;
 use crate::space::configuration::stretches;
 use crate::space::joint_sum::JointSum;
@@ -46,35 +47,37 @@ pub(super) fn turned(at: usize, q: &[f64]) -> Vector3<f64> {
     Quaternion::from_xyzw([0, 1, 2, 3].map(|k| q[at + k])).log().into()
 }
 
-/// Each coordinate's damping, stiffness and friction, with those of its followers, and all stops.
-#[derive(Clone, Debug)]
-pub(super) struct Joints {
-    /// What acts in this step; damping that a file gives with the wrong sign adds energy, as written.
-    pub(super) damping: Vec<f64>,
-    /// Of each row.
-    pub(super) friction: Vec<f64>,
-    /// Springs that pull back; one that pushes away is left to the explicit part.
-    pub(super) stiffness: Vec<f64>,
-    pub(super) stops: Vec<Stop>,
-    /// Whether each coordinate has a stop of its own.
-    is_bounded: Vec<bool>,
-    /// What impulses act along, each the coordinates with their factors: every coordinate, then the tendons with bounds or friction, then the ball joints with
-    /// bounds, whose factors turn with them.
-    pub(super) rows: Vec<Vec<(usize, f64)>>,
-    /// Of servos and tendons, whose forces are not counted here but whose slopes are.
-    driven_stiffness: Vec<f64>,
-    driven_damping: Vec<f64>,
-    /// Of those over several coordinates.
-    couplings: Vec<Coupling>,
-    /// Whether some damping has the wrong sign.
-    pub(super) adds_energy: bool,
-    /// What acts where dissipation does.
-    all_damping: Vec<f64>,
-    all_friction: Vec<f64>,
-    /// Of each tendon with a row, that row and its dry friction.
-    tendons: Vec<(usize, f64)>,
-    /// Their numbers in the description.
-    tendon_numbers: Vec<usize>,
+clone_in_place! {
+    /// Each coordinate's damping, stiffness and friction, with those of its followers, and all stops.
+    #[derive(Debug)]
+    pub(super) struct Joints {
+        /// What acts in this step; damping that a file gives with the wrong sign adds energy, as written.
+        pub(super) damping: Vec<f64>,
+        /// Of each row.
+        pub(super) friction: Vec<f64>,
+        /// Springs that pull back; one that pushes away is left to the explicit part.
+        pub(super) stiffness: Vec<f64>,
+        pub(super) stops: Vec<Stop>,
+        /// Whether each coordinate has a stop of its own.
+        is_bounded: Vec<bool>,
+        /// What impulses act along, each the coordinates with their factors: every coordinate, then the tendons with bounds or friction, then the ball joints with
+        /// bounds, whose factors turn with them.
+        pub(super) rows: Vec<Vec<(usize, f64)>>,
+        /// Of servos and tendons, whose forces are not counted here but whose slopes are.
+        driven_stiffness: Vec<f64>,
+        driven_damping: Vec<f64>,
+        /// Of those over several coordinates.
+        couplings: Vec<Coupling>,
+        /// Whether some damping has the wrong sign.
+        pub(super) adds_energy: bool,
+        /// What acts where dissipation does.
+        all_damping: Vec<f64>,
+        all_friction: Vec<f64>,
+        /// Of each tendon with a row, that row and its dry friction.
+        tendons: Vec<(usize, f64)>,
+        /// Their numbers in the description.
+        tendon_numbers: Vec<usize>,
+    }
 }
 
 impl Joints {

@@ -8,6 +8,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::joints::Joints;
+use crate::clone_in_place::clone_in_place;
 use crate::joint::{Chart, Position};
 use crate::model::{Body, WORLD};
 use crate::spatial::algebra::{M3, V3};
@@ -18,12 +19,14 @@ use crate::{Model, Workspace};
 /// Below this part of one, the cosine of two slides' axes is rounding.
 const SQUARE: f64 = 1e-12;
 
-/// The bodies that can be translated, and the momenta in a step.
-#[derive(Clone, Debug)]
-pub(super) struct FreeTranslations {
-    roots: Vec<Root>,
-    /// The momentum of each body with all that it carries, along the world's axes \[N·s\].
-    momenta: Vec<Vector3<f64>>,
+clone_in_place! {
+    /// The bodies that can be translated, and the momenta in a step.
+    #[derive(Debug)]
+    pub(super) struct FreeTranslations {
+        roots: Vec<Root>,
+        /// The momentum of each body with all that it carries, along the world's axes \[N·s\].
+        momenta: Vec<Vector3<f64>>,
+    }
 }
 
 /// A body on slides alone, or free of the world.

@@ -8,24 +8,27 @@ use nalgebra::{DMatrix, DVector};
 
 use super::impulses::along;
 use super::stiff_factor::StiffFactor;
+use crate::clone_in_place::clone_in_place;
 use crate::contact::EqualityRow;
 
 /// A row that adds at least this part of what the best one adds, in squares, is as good.
 const AS_GOOD: f64 = 0.1;
 
-/// Rows in an order, and the memory for it.
-#[derive(Clone, Debug)]
-pub(super) struct Pivots {
-    /// |aᵢ| in M̂⁻¹, and the longest of the same constraint in the same unit.
-    pub(super) lengths: Vec<f64>,
-    pub(super) scales: Vec<f64>,
-    /// M̂⁻¹aᵢ, row by row.
-    responses: Vec<f64>,
-    /// The square of what each row has beside those that were taken.
-    left: Vec<f64>,
-    is_done: Vec<bool>,
-    /// The column of the factor for each row that was taken.
-    columns: Vec<f64>,
+clone_in_place! {
+    /// Rows in an order, and the memory for it.
+    #[derive(Debug)]
+    pub(super) struct Pivots {
+        /// |aᵢ| in M̂⁻¹, and the longest of the same constraint in the same unit.
+        pub(super) lengths: Vec<f64>,
+        pub(super) scales: Vec<f64>,
+        /// M̂⁻¹aᵢ, row by row.
+        responses: Vec<f64>,
+        /// The square of what each row has beside those that were taken.
+        left: Vec<f64>,
+        is_done: Vec<bool>,
+        /// The column of the factor for each row that was taken.
+        columns: Vec<f64>,
+    }
 }
 
 impl Pivots {

@@ -5,6 +5,7 @@ use dynamics::DynamicsError;
 use super::joints::Joints;
 use crate::actuation::Coupling;
 use crate::algorithms::mass_matrix::{Entries, write_mass_matrix};
+use crate::clone_in_place::clone_in_place;
 use crate::factor::paths::Paths;
 use crate::factor::sparse::{self, coordinate_carriers};
 use crate::{Model, Workspace, integrate, mass_rank, neutral};
@@ -16,20 +17,22 @@ const ARMATURE: f64 = 1e-9;
 /// Below this part of M's diagonal a pivot is nearly none.
 const NEARLY: f64 = 1e-10;
 
-/// M as it is, and M̂ = LᵀDL.
-#[derive(Clone, Debug)]
-pub(super) struct StiffFactor {
-    paths: Paths,
-    /// Whether couplings may join what M does not.
-    is_coupled: bool,
-    /// M, or of its upper triangle what is not always zero; M, and M̂'s factor, packed.
-    mass: Vec<f64>,
-    packed: Vec<f64>,
-    entries: Vec<f64>,
-    /// Whether M is regular in some pose.
-    is_regular: bool,
-    /// Of the last factor, in parts of M's diagonal.
-    armature: f64,
+clone_in_place! {
+    /// M as it is, and M̂ = LᵀDL.
+    #[derive(Debug)]
+    pub(super) struct StiffFactor {
+        paths: Paths,
+        /// Whether couplings may join what M does not.
+        is_coupled: bool,
+        /// M, or of its upper triangle what is not always zero; M, and M̂'s factor, packed.
+        mass: Vec<f64>,
+        packed: Vec<f64>,
+        entries: Vec<f64>,
+        /// Whether M is regular in some pose.
+        is_regular: bool,
+        /// Of the last factor, in parts of M's diagonal.
+        armature: f64,
+    }
 }
 
 impl StiffFactor {

@@ -5,6 +5,7 @@ use dynamics::{DynamicsError, EnergyLedger, Integrator, IntegratorError, Method,
 use super::divergence::{add_actuation_gains, add_passive_gains};
 use super::ledger::travel;
 use super::{StepError, StepFault, Stepper};
+use crate::clone_in_place::clone_in_place;
 use crate::motion::drive::ActuatorLoad;
 use crate::motion::integrate::explicit::{Motion, StageMemory, advance, explicit_names};
 use crate::motion::integrate::{accelerate, check_step};
@@ -49,11 +50,13 @@ impl StepError for ActuatedStepError {
     }
 }
 
-/// The controls of a step, and the activations where it starts.
-#[derive(Clone, Debug)]
-struct Held {
-    controls: Vec<f64>,
-    activations: Vec<f64>,
+clone_in_place! {
+    /// The controls of a step, and the activations where it starts.
+    #[derive(Debug)]
+    struct Held {
+        controls: Vec<f64>,
+        activations: Vec<f64>,
+    }
 }
 
 impl Held {
@@ -67,16 +70,18 @@ impl Held {
     }
 }
 
-/// Takes explicit steps with actuators, tendons and carried weight, whose forces are evaluated at every stage.
-#[derive(Clone, Debug)]
-pub(crate) struct ActuatedStepper {
-    actuation: Actuation,
-    integrator: Integrator,
-    memory: ActuationWorkspace,
-    held: Held,
-    /// Memory for the activations within a step.
-    activations: Vec<f64>,
-    of_step: ActuatorLoad,
+clone_in_place! {
+    /// Takes explicit steps with actuators, tendons and carried weight, whose forces are evaluated at every stage.
+    #[derive(Debug)]
+    pub(crate) struct ActuatedStepper {
+        actuation: Actuation,
+        integrator: Integrator,
+        memory: ActuationWorkspace,
+        held: Held,
+        /// Memory for the activations within a step.
+        activations: Vec<f64>,
+        of_step: ActuatorLoad,
+    }
 }
 
 impl ActuatedStepper {
