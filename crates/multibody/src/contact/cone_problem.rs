@@ -1,9 +1,8 @@
 //! The convex problem of a step: which velocity change do bounds, cones and inertia agree on?
 //!
-//! min over x of ½xᵀMx + fᵀx + Σ ψ(c),  c = c₀ + A x, with multipliers p = −∇ψ(c) in a convex set K, block by block:
-//! p = Π_K(p̄ − c/R), ψ(c) = ½R|p|². With p̄ = 0 this is a contact, bound or row that yields by R for each unit of
-//! impulse **(Todorov 2014)**; with p̄ ← p until p̄ = p, the method of multipliers, nothing of R is left: c lies in K's polar
-//! cone and is orthogonal to p. **(Rockafellar 1976)** M is positive definite, so x is unique.
+//! min over x of ½xᵀMx + fᵀx + Σ ψ(c),  c = c₀ + A x, with multipliers p = −∇ψ(c) in a convex set K, block by block: p = Π_K(p̄ − c/R), ψ(c) = ½R|p|². With
+//! p̄ = 0 this is a contact, bound or row that yields by R for each unit of impulse **(Todorov 2014)**; with p̄ ← p until p̄ = p, the method of multipliers,
+//! nothing of R is left: c lies in K's polar cone and is orthogonal to p. **(Rockafellar 1976)** M is positive definite, so x is unique.
 //!
 //! Newton's method with H = M + AᵀR⁻¹ΠʹA, whose entries are where M's are, if each block moves with freedoms that carry one another:
 //! then H is factored as M is, with the tree's zeros. The line search finds the root of a growing function.
@@ -17,6 +16,7 @@ mod dissection;
 mod entries;
 mod islands;
 mod many_shifts;
+mod one_block;
 mod projection;
 mod response;
 mod rows;
@@ -33,7 +33,6 @@ use self::rows::Rows;
 use self::shifts::Search;
 use self::sweeps::Sweeps;
 use super::interrupt::Interrupt;
-use crate::clone_in_place::clone_in_place;
 use crate::factor::paths::{Paths, usual_entries};
 use crate::factor::sparse;
 
@@ -60,7 +59,7 @@ struct Block {
     shift: f64,
 }
 
-clone_in_place! {
+crate::clone_in_place::clone_in_place! {
     /// The problem, and the memory of its solution.
     #[derive(Debug)]
     pub(crate) struct ConeProblem {
