@@ -207,9 +207,9 @@ impl<S: Scalar> Triple<Lone<S>> for LoneTriple<S> {
     fn spin_gradient(self, alpha: Self) -> [Self; 3] {
         let square = self.dot(self);
         let [mut x, mut y, mut z] = alpha.skew();
-        x.0[0] = x.0[0] - square;
-        y.0[1] = y.0[1] - square;
-        z.0[2] = z.0[2] - square;
+        x.0[0] -= square;
+        y.0[1] -= square;
+        z.0[2] -= square;
         [
             self.times_lane_plus::<0>(self, x),
             self.times_lane_plus::<1>(self, y),

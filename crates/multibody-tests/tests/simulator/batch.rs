@@ -10,9 +10,9 @@ use multibody::{
 };
 
 /// A random robot with limits of effort that some torques exceed.
-fn robot(seed: u64, kinds: JointKinds) -> Model {
-    let options = RandomRobotOptions { joints: 1 + (seed as usize * 3) % 9, kinds, ..Default::default() };
-    let mut robot = random_robot(seed, &options);
+fn robot(number: usize, kinds: JointKinds) -> Model {
+    let options = RandomRobotOptions { joints: 1 + (3 * number) % 9, kinds, ..Default::default() };
+    let mut robot = random_robot(number as u64, &options);
     for joint in &mut robot.joints {
         joint.limits = Limits::default().with_effort(0.8);
     }
@@ -52,13 +52,13 @@ fn assert_same(one: &Simulation, other: &Simulation, case: &str) {
 #[test]
 fn batches_have_the_bits_of_single_simulations() {
     let rows = Integrator::ALL.into_iter().filter(|row| row.is_explicit());
-    for (row, seed) in rows.flat_map(|row| (0..6).map(move |seed| (row, seed))) {
-        let kinds = [JointKinds::SingleFreedom, JointKinds::VectorSpace, JointKinds::All][seed as usize % 3];
-        let model = robot(seed, kinds);
+    for (row, number) in rows.flat_map(|row| (0..6).map(move |number| (row, number))) {
+        let kinds = [JointKinds::SingleFreedom, JointKinds::VectorSpace, JointKinds::All][number % 3];
+        let model = robot(number, kinds);
         let builder = SimulationBuilder::new(&model).method(Method::Fixed(row)).step(2e-3);
-        let simulation = if seed < 3 { builder.build() } else { builder.conservative().build() };
-        let mut single = copies(&simulation.expect("a simulation"), 21, seed);
-        let mut batch = batch_of(&single, 1 + seed as usize % 2);
+        let simulation = if number < 3 { builder.build() } else { builder.conservative().build() };
+        let mut single = copies(&simulation.expect("a simulation"), 21, number as u64);
+        let mut batch = batch_of(&single, 1 + number % 2);
         for steps in [1, 7, 12] {
             assert!(batch.step(steps, &AtomicBool::new(false)).is_empty());
             for own in &mut single {
@@ -66,7 +66,7 @@ fn batches_have_the_bits_of_single_simulations() {
             }
         }
         for (own, other) in single.iter().zip(batch.simulations()) {
-            assert_same(own, other, &format!("{row:?}, robot {seed}"));
+            assert_same(own, other, &format!("{row:?}, robot {number}"));
         }
     }
 }

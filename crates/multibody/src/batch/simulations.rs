@@ -180,13 +180,7 @@ impl SimulationBatch {
     }
 
     #[track_caller]
-    fn place(
-        &mut self,
-        which: &[bool],
-        q: &[f64],
-        v: &[f64],
-        place: fn(&mut Simulation, &[f64], &[f64]) -> Result<(), StepFailure>,
-    ) -> Vec<(usize, StepFailure)> {
+    fn place(&mut self, which: &[bool], q: &[f64], v: &[f64], place: Place) -> Vec<(usize, StepFailure)> {
         let Some(first) = self.simulations.first() else { return Vec::new() };
         let (nq, nv) = (first.q().len(), first.v().len());
         self.check_count("which", which.len(), 1);
@@ -250,6 +244,9 @@ impl SimulationBatch {
     }
 }
 
+/// Puts a simulation at (q, v).
+type Place = fn(&mut Simulation, &[f64], &[f64]) -> Result<(), StepFailure>;
+
 /// So many steps, unless `cancelled` is set meanwhile.
 fn advance(simulation: &mut Simulation, steps: usize, cancelled: &AtomicBool) -> Result<(), StepFailure> {
     let go_on = |_: &usize| !cancelled.load(Ordering::Relaxed);
@@ -272,7 +269,9 @@ fn advance_side_by_side(
         keep_good(&mut simulations, &mut failed, Simulation::begin_lane_steps);
         while done < steps && simulations.len() > 1 && !cancelled.load(Ordering::Relaxed) {
             lanes.clear();
-            simulations.iter().for_each(|(_, own)| lanes.push(&own.step_start()));
+            for (_, own) in &simulations {
+                lanes.push(&own.step_start());
+            }
             let LaneStep { is_same, is_regular } = lanes.step(row, dissipates, h);
             done += 1;
             let mut lane = 0;
