@@ -1,7 +1,7 @@
 //! Every public function of the libraries shows itself at work: its documentation has an example that runs.
 
 /// The crates whose functions strangers call.
-pub(crate) const LIBRARIES: [&str; 11] = [
+pub(crate) const LIBRARIES: [&str; 12] = [
     "dynamics",
     "expression",
     "generate",
@@ -9,6 +9,7 @@ pub(crate) const LIBRARIES: [&str; 11] = [
     "mesh",
     "mjcf",
     "multibody",
+    "native",
     "number",
     "robot-dynamics",
     "urdf",

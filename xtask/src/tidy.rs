@@ -43,6 +43,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("mesh", &["nalgebra", "robust", "stl_io", "tobj"]),
     ("gpu", &["bytemuck", "cudarc", "dynamics", "generate", "multibody", "number", "thiserror", "wgpu"]),
     ("expression", &["number"]),
+    ("native", &["expression", "memmap2", "number", "thiserror"]),
     ("generate", &["dynamics", "expression", "multibody", "number", "robot-dynamics", "thiserror"]),
     ("xml", &["roxmltree", "thiserror"]),
     ("urdf", &["dynamics", "multibody", "nalgebra", "robot-xml", "serde", "thiserror"]),

@@ -1,0 +1,308 @@
+//! A function in machine code.
+
+use core::marker::PhantomData;
+
+use expression::{Arithmetic, Graph, Operand, Precision};
+use number::InstructionSet;
+use number::sine::{RANGE, SHORT_RANGE};
+
+use crate::check::check;
+use crate::code::{Code, Statistics};
+use crate::error::CompileError;
+use crate::page::{Page, Reach, Table};
+use crate::rows::padding;
+use crate::target::{Target, Width};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f64 {}
+    impl Sealed for f32 {}
+}
+
+/// A number that kernels compute with.
+pub trait Float:
+    Copy + PartialOrd + Into<f64> + Send + Sync + core::fmt::Debug + sealed::Sealed + 'static
+{
+    /// Its precision.
+    const PRECISION: Precision;
+
+    /// The nearest number.
+    fn nearest(x: f64) -> Self;
+}
+
+impl Float for f64 {
+    const PRECISION: Precision = Precision::Double;
+    fn nearest(x: f64) -> Self {
+        x
+    }
+}
+
+impl Float for f32 {
+    const PRECISION: Precision = Precision::Single;
+    #[allow(clippy::cast_possible_truncation)]
+    fn nearest(x: f64) -> Self {
+        x as f32
+    }
+}
+
+/// An angle is too large for the sine of machine code: at least 1e5 rad in double precision, 8192 rad in single precision. The results
+/// are not those of the graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "an angle is out of the range of the machine code's sine; compute this state by the library's recursions"
+)]
+pub struct AngleOutOfRange;
+
+/// A graph as machine code, for one state or for several at once.
+///
+/// ```
+/// use expression::{Arithmetic, trace};
+/// use native::{Kernel, Width, best_instructions};
+/// let arithmetic = Arithmetic::default();
+/// let (graph, results) = trace(arithmetic, &[2], |x| vec![vec![x[0][0] * x[0][0] + x[0][1]]]);
+/// let instructions = best_instructions();
+/// let kernel = match Kernel::<f64>::compile(&graph, &results, &[2], arithmetic, instructions, Width::One) {
+///     Ok(kernel) => kernel,
+///     Err(reason) => return Ok(println!("{reason}")), // no encoder for this processor
+/// };
+/// let (mut y, mut scratch) = ([0.0], vec![0.0; kernel.scratch_len()]);
+/// kernel.call(&[&[3.0, 0.5]], &mut [&mut y], &mut scratch)?;
+/// assert_eq!(y, [9.5]);
+/// # Ok::<(), native::AngleOutOfRange>(())
+/// ```
+#[derive(Debug)]
+pub struct Kernel<T> {
+    page: Page,
+    reach: Reach,
+    target: Target,
+    angles: usize,
+    /// Of the scratch memory, what the code itself takes.
+    own_scratch: usize,
+    statistics: Statistics,
+    code: usize,
+    number: PhantomData<fn(T) -> T>,
+}
+
+impl<T: Float> Kernel<T> {
+    /// Compiles the results of a graph whose arguments have these lengths, and checks the code in two random states.
+    ///
+    /// # Errors
+    /// [`CompileError`].
+    pub fn compile(
+        graph: &Graph,
+        results: &[Vec<Operand>],
+        lengths: &[usize],
+        arithmetic: Arithmetic,
+        instructions: InstructionSet,
+        width: Width,
+    ) -> Result<Self, CompileError> {
+        let target = Target { instructions, width, arithmetic };
+        let code = Code::new(graph, results, lengths, target)?;
+        let kernel = Self::load(&code)?;
+        check(&kernel, graph, results, lengths)?;
+        Ok(kernel)
+    }
+
+    /// Makes code executable, without the check of [`compile`](Self::compile).
+    ///
+    /// # Errors
+    /// [`CompileError::Precision`], [`CompileError::NotOnThisProcessor`], [`CompileError::Refused`].
+    pub fn load(code: &Code) -> Result<Self, CompileError> {
+        let target = code.target;
+        let Target { instructions, arithmetic, .. } = target;
+        if arithmetic.precision != T::PRECISION {
+            return Err(CompileError::Precision { found: arithmetic.precision, expected: T::PRECISION });
+        }
+        if !instructions.is_available() {
+            return Err(CompileError::NotOnThisProcessor { instructions });
+        }
+        let page = Page::new(&code.bytes).map_err(|cause| CompileError::Refused { cause })?;
+        let lanes = target.lanes();
+        let table = |&width: &usize| match target.width {
+            Width::One => Table { width, reach: width },
+            Width::Lanes => Table { width, reach: lanes * width + padding(width, lanes) },
+        };
+        let lengths = &code.lengths;
+        let reach = Reach {
+            inputs: lengths.inputs.iter().map(table).collect(),
+            outputs: lengths.outputs.iter().map(table).collect(),
+            scratch: lengths.scratch,
+        };
+        let (statistics, angles) = (code.statistics(), lengths.angles);
+        let own_scratch = lengths.scratch;
+        let code = code.bytes.len();
+        Ok(Self { page, reach, target, angles, own_scratch, statistics, code, number: PhantomData })
+    }
+
+    /// How many states the code computes at once.
+    pub fn lanes(&self) -> usize {
+        self.target.lanes()
+    }
+
+    /// Counts of the code.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// What the code is for.
+    pub fn target(&self) -> Target {
+        self.target
+    }
+
+    /// Bytes of instructions and constants.
+    pub fn code_len(&self) -> usize {
+        self.code
+    }
+
+    /// Numbers of scratch memory that a call needs.
+    pub fn scratch_len(&self) -> usize {
+        match self.target.width {
+            Width::One => self.own_scratch,
+            Width::Lanes => self.own_scratch + self.tables().map(|table| table.reach).sum::<usize>(),
+        }
+    }
+
+    fn tables(&self) -> impl Iterator<Item = &Table> {
+        self.reach.inputs.iter().chain(&self.reach.outputs)
+    }
+
+    /// Computes one state.
+    ///
+    /// # Errors
+    /// [`AngleOutOfRange`]: then the results are not those of the graph.
+    ///
+    /// # Panics
+    /// If an argument, a result or the scratch memory has another length than compiled for, or the kernel is one for lanes.
+    pub fn call(
+        &self,
+        inputs: &[&[T]],
+        outputs: &mut [&mut [T]],
+        scratch: &mut [T],
+    ) -> Result<(), AngleOutOfRange> {
+        assert!(self.target.width == Width::One, "a kernel for lanes computes rows: use `call_rows`");
+        self.check_lengths(1, inputs, outputs, scratch);
+        self.page.run(&self.reach, 0, inputs, outputs, scratch);
+        let is_within = scratch[..self.angles].iter().all(|&largest| Self::is_within(largest));
+        if is_within { Ok(()) } else { Err(AngleOutOfRange) }
+    }
+
+    /// Computes states whose arguments and results are rows of tables. Rows with an angle out of range are passed to `out_of_range`: their
+    /// results are not those of the graph.
+    ///
+    /// # Panics
+    /// If a table has another number of rows, or the scratch memory another length.
+    pub fn call_rows(
+        &self,
+        rows: usize,
+        inputs: &[&[T]],
+        outputs: &mut [&mut [T]],
+        scratch: &mut [T],
+        mut out_of_range: impl FnMut(usize),
+    ) {
+        self.check_lengths(rows, inputs, outputs, scratch);
+        let lanes = self.lanes();
+        let whole = self.tables().zip(inputs.iter().map(|x| x.len()).chain(outputs.iter().map(|x| x.len())));
+        // Blocks of rows in place, as long as each table goes on far enough.
+        let of_table = |(table, length): (&Table, usize)| match length.checked_sub(table.reach) {
+            None => 0,
+            Some(_) if table.width == 0 => usize::MAX,
+            Some(rest) => rest / (lanes * table.width) + 1,
+        };
+        let blocks = whole.map(of_table).min().unwrap_or(rows / lanes).min(rows / lanes);
+        let (own, copies) = scratch.split_at_mut(self.own_scratch);
+        for block in 0..blocks {
+            self.page.run(&self.reach, block * lanes, inputs, outputs, own);
+            self.report(own, |lane| out_of_range(block * lanes + lane), lanes);
+        }
+        let mut row = blocks * lanes;
+        while row < rows {
+            let here = lanes.min(rows - row);
+            self.run_copied(row, here, inputs, outputs, own, copies);
+            self.report(own, |lane| out_of_range(row + lane), here);
+            row += here;
+        }
+    }
+
+    /// Some rows by way of a copy, which goes on behind its last row.
+    fn run_copied(
+        &self,
+        row: usize,
+        count: usize,
+        inputs: &[&[T]],
+        outputs: &mut [&mut [T]],
+        own: &mut [T],
+        mut copies: &mut [T],
+    ) {
+        const MOST: usize = crate::code::MOST_TABLES;
+        let mut tables: [&mut [T]; MOST] = core::array::from_fn(|_| Default::default());
+        for (copy, table) in tables.iter_mut().zip(self.tables()) {
+            (*copy, copies) = core::mem::take(&mut copies).split_at_mut(table.reach);
+        }
+        let (of_inputs, of_outputs) = tables.split_at_mut(inputs.len());
+        for ((copy, input), table) in of_inputs.iter_mut().zip(inputs).zip(&self.reach.inputs) {
+            let width = table.width;
+            for lane in 0..self.lanes() {
+                // Lanes without a state compute the last one again.
+                let from = (row + lane.min(count - 1)) * width;
+                copy[lane * width..][..width].copy_from_slice(&input[from..from + width]);
+            }
+        }
+        let shared: [&[T]; MOST] = core::array::from_fn(|k| of_inputs.get(k).map_or(&[][..], |copy| copy));
+        let of_outputs = &mut of_outputs[..outputs.len()];
+        self.page.run(&self.reach, 0, &shared[..inputs.len()], of_outputs, own);
+        for ((copy, output), table) in of_outputs.iter().zip(outputs).zip(&self.reach.outputs) {
+            let width = table.width;
+            output[row * width..][..count * width].copy_from_slice(&copy[..count * width]);
+        }
+    }
+
+    /// Passes on the first lanes whose angles are out of range.
+    fn report(&self, scratch: &[T], mut out_of_range: impl FnMut(usize), lanes: usize) {
+        let largest = &scratch[..self.angles];
+        if largest.iter().all(|&largest| Self::is_within(largest)) {
+            return;
+        }
+        match self.target.width {
+            Width::One => out_of_range(0),
+            Width::Lanes => {
+                (0..lanes).filter(|&lane| !Self::is_within(largest[lane])).for_each(&mut out_of_range);
+            }
+        }
+    }
+
+    /// Whether the sine takes angles up to this one.
+    fn is_within(largest: T) -> bool {
+        let range = match T::PRECISION {
+            Precision::Double => RANGE,
+            Precision::Single => SHORT_RANGE,
+        };
+        largest.into() < range
+    }
+
+    fn check_lengths(&self, rows: usize, inputs: &[&[T]], outputs: &[&mut [T]], scratch: &[T]) {
+        let Reach { inputs: of_inputs, outputs: of_outputs, .. } = &self.reach;
+        assert!(
+            inputs.len() == of_inputs.len() && outputs.len() == of_outputs.len(),
+            "the kernel has {} arguments and {} results, not {} and {}",
+            of_inputs.len(),
+            of_outputs.len(),
+            inputs.len(),
+            outputs.len()
+        );
+        let expected = |table: &Table| rows.checked_mul(table.width).expect("so many rows fit into memory");
+        for (number, (input, table)) in inputs.iter().zip(of_inputs).enumerate() {
+            let (found, expected) = (input.len(), expected(table));
+            assert!(found == expected, "argument {number} has {found} numbers, not {expected}");
+        }
+        for (number, (output, table)) in outputs.iter().zip(of_outputs).enumerate() {
+            let (found, expected) = (output.len(), expected(table));
+            assert!(found == expected, "result {number} has {found} numbers, not {expected}");
+        }
+        let needed = self.scratch_len();
+        assert!(
+            scratch.len() >= needed,
+            "the scratch memory has {} numbers; a call needs {needed}",
+            scratch.len()
+        );
+    }
+}

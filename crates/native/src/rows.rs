@@ -1,0 +1,187 @@
+//! Rows of several states in memory, and values with a state in each lane: transposed by the code itself.
+//!
+//! A table has the numbers of one state beside each other, a row. As many rows as a register has lanes are read column by column: a
+//! register's worth of each row, transposed. The last columns are read together with those before them. Where a row is shorter than a
+//! register, the numbers read behind it are not used, and those written behind it are overwritten by the row that follows, as rows are
+//! written in order; so that a table goes on behind its last row by [`padding`].
+
+use crate::list::{Address, Base, Binary, Extent, List, Value};
+use crate::target::Target;
+
+/// Numbers behind the last row of a table that a kernel reads or writes.
+pub(crate) fn padding(width: usize, lanes: usize) -> usize {
+    if width <= 1 { 0 } else { lanes.saturating_sub(width) }
+}
+
+/// How rows are made of registers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rows {
+    lanes: usize,
+    size: i32,
+}
+
+impl Rows {
+    pub(crate) fn new(target: Target) -> Self {
+        Self { lanes: target.lanes(), size: target.size() }
+    }
+
+    /// The register of a row that begins at a column.
+    fn address(self, table: usize, width: usize, lane: usize, column: usize) -> Address {
+        let table = u8::try_from(table).expect("the number of tables was checked");
+        let number = i32::try_from(lane * width + column).expect("lengths were checked");
+        Address::new(Base::Table(table), number * self.size, Extent::Register)
+    }
+
+    /// The first columns of registers that cover a row.
+    fn groups(self, width: usize) -> impl Iterator<Item = usize> {
+        let last = width.saturating_sub(self.lanes);
+        (0..width).step_by(self.lanes).map(move |column| column.min(last))
+    }
+
+    /// Rows as columns, or columns as rows; missing ones are not needed.
+    fn transposed(self, list: &mut List, rows: &[Option<Value>]) -> Vec<Option<Value>> {
+        let in_block = usize::try_from(16 / self.size).expect("2 or 4");
+        // Of each group of rows, and of each column of a block: that column of all blocks.
+        let within: Vec<Vec<Option<Value>>> =
+            rows.chunks(in_block).map(|group| within_blocks(list, group)).collect();
+        let mut columns = vec![None; rows.len()];
+        for column in 0..in_block {
+            let group: Vec<Option<Value>> = within.iter().map(|of_group| of_group[column]).collect();
+            let blocks = match group[..] {
+                [a, b] => two_blocks(list, a, b),
+                [a, b, c, d] => four_blocks(list, [a, b, c, d]),
+                _ => unreachable!("registers have two or four blocks of 128 bits"),
+            };
+            for (block, value) in blocks.into_iter().enumerate() {
+                columns[in_block * block + column] = value;
+            }
+        }
+        columns
+    }
+}
+
+/// An operation of two values of which one or both may be missing.
+fn joined(list: &mut List, kind: Binary, a: Option<Value>, b: Option<Value>) -> Option<Value> {
+    let (a, b) = (a.or(b)?, b.or(a)?);
+    Some(list.binary(kind, a, b))
+}
+
+/// Transposes each block of 128 bits: two rows of doubles, or four rows of singles.
+fn within_blocks(list: &mut List, rows: &[Option<Value>]) -> Vec<Option<Value>> {
+    let mut pair = |bytes, a, b| {
+        [joined(list, Binary::InterleaveLow(bytes), a, b), joined(list, Binary::InterleaveHigh(bytes), a, b)]
+    };
+    match *rows {
+        [a, b] => pair(8, a, b).to_vec(),
+        [a, b, c, d] => {
+            let ([low_ab, high_ab], [low_cd, high_cd]) = (pair(4, a, b), pair(4, c, d));
+            [pair(8, low_ab, low_cd), pair(8, high_ab, high_cd)].concat()
+        }
+        _ => unreachable!("blocks of 128 bits have two doubles or four singles"),
+    }
+}
+
+/// Transposes two registers of two blocks.
+fn two_blocks(list: &mut List, a: Option<Value>, b: Option<Value>) -> Vec<Option<Value>> {
+    [Binary::EvenBlocks, Binary::OddBlocks].map(|kind| joined(list, kind, a, b)).to_vec()
+}
+
+/// Transposes four registers of four blocks.
+fn four_blocks(list: &mut List, [a, b, c, d]: [Option<Value>; 4]) -> Vec<Option<Value>> {
+    let mut pair = |a, b| [joined(list, Binary::EvenBlocks, a, b), joined(list, Binary::OddBlocks, a, b)];
+    let ([even_ab, odd_ab], [even_cd, odd_cd]) = (pair(a, b), pair(c, d));
+    let ([first, third], [second, fourth]) = (pair(even_ab, even_cd), pair(odd_ab, odd_cd));
+    vec![first, second, third, fourth]
+}
+
+/// Columns of arguments, read when they are needed first.
+pub(crate) struct Inputs {
+    rows: Rows,
+    /// Of each argument, of each number.
+    columns: Vec<Vec<Option<Value>>>,
+}
+
+impl Inputs {
+    pub(crate) fn new(rows: Rows, lengths: &[usize]) -> Self {
+        Self { rows, columns: lengths.iter().map(|&length| vec![None; length]).collect() }
+    }
+
+    /// A number of an argument.
+    pub(crate) fn column(&mut self, list: &mut List, argument: usize, index: usize) -> Value {
+        if let Some(value) = self.columns[argument][index] {
+            return value;
+        }
+        let Rows { lanes, .. } = self.rows;
+        let width = self.columns[argument].len();
+        if width == 1 {
+            let value = list.value(Some(self.rows.address(argument, width, 0, 0)));
+            self.columns[argument][index] = Some(value);
+            return value;
+        }
+        let begin = (index - index % lanes).min(width.saturating_sub(lanes));
+        let row = |lane| Some(list.value(Some(self.rows.address(argument, width, lane, begin))));
+        let rows: Vec<Option<Value>> = (0..lanes).map(row).collect();
+        let columns = self.rows.transposed(list, &rows);
+        for (number, value) in (begin..width).zip(columns) {
+            // The last columns may have been read before.
+            let column = &mut self.columns[argument][number];
+            *column = column.or(value);
+        }
+        self.columns[argument][index].expect("the column is among those just read")
+    }
+}
+
+/// Columns of results, written when a register's worth of them is there.
+pub(crate) struct Outputs {
+    rows: Rows,
+    /// The table of the first result.
+    first_table: usize,
+    /// Of each result, of each number.
+    columns: Vec<Vec<Option<Value>>>,
+    /// Of each result: the first column of each group, and how many of its columns are missing.
+    missing: Vec<Vec<(usize, usize)>>,
+}
+
+impl Outputs {
+    pub(crate) fn new(rows: Rows, first_table: usize, lengths: impl Iterator<Item = usize> + Clone) -> Self {
+        let columns = lengths.clone().map(|length| vec![None; length]).collect();
+        let missing =
+            lengths.map(|length| rows.groups(length).map(|begin| (begin, rows.lanes.min(length))).collect());
+        Self { rows, first_table, columns, missing: missing.collect() }
+    }
+
+    /// Takes a number of a result.
+    pub(crate) fn finish(&mut self, list: &mut List, result: usize, index: usize, value: Value) {
+        let columns = &mut self.columns[result];
+        columns[index] = Some(value);
+        let (Rows { lanes, .. }, width, table) = (self.rows, columns.len(), self.first_table + result);
+        // Two groups at most: that of the column, and the last one, which may begin earlier.
+        let groups = &mut self.missing[result];
+        let last = groups.len() - 1;
+        let own = (index / lanes).min(last);
+        for group in own..=last {
+            if group != own && group != last {
+                continue;
+            }
+            let (begin, missing) = &mut groups[group];
+            if !(*begin..*begin + lanes).contains(&index) {
+                continue;
+            }
+            *missing -= 1;
+            if *missing > 0 {
+                continue;
+            }
+            if width == 1 {
+                list.store(value, self.rows.address(table, width, 0, 0));
+                continue;
+            }
+            let taken = (*begin..*begin + lanes).map(|column| columns.get(column).copied().flatten());
+            let taken: Vec<Option<Value>> = taken.collect();
+            let rows = self.rows.transposed(list, &taken);
+            for (lane, row) in rows.into_iter().enumerate() {
+                let row = row.expect("a row has at least one column");
+                list.store(row, self.rows.address(table, width, lane, *begin));
+            }
+        }
+    }
+}

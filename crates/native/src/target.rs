@@ -1,0 +1,69 @@
+//! What code is made for: instructions, numbers, and how many states at once.
+
+use expression::{Arithmetic, Precision};
+use number::InstructionSet;
+
+/// How many states one run of the code computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Width {
+    /// One state, in the lowest lane of each register.
+    One,
+    /// As many states as a register has lanes; on ARM as two registers have.
+    Lanes,
+}
+
+/// What the code is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Target {
+    /// Its instructions.
+    pub instructions: InstructionSet,
+    /// How many states at once.
+    pub width: Width,
+    /// How the graph computes.
+    pub arithmetic: Arithmetic,
+}
+
+/// The newest instructions of this processor that there is an encoder for; [`InstructionSet::Portable`] where there are none.
+///
+/// ```
+/// let best = native::best_instructions();
+/// assert!(best.is_available());
+/// ```
+pub fn best_instructions() -> InstructionSet {
+    let has_encoder = |set: &&InstructionSet| {
+        matches!(set, InstructionSet::Avx2 | InstructionSet::Avx512 | InstructionSet::Neon)
+            && set.is_available()
+    };
+    InstructionSet::ALL.iter().rev().find(has_encoder).copied().unwrap_or(InstructionSet::Portable)
+}
+
+impl Target {
+    /// Bytes of a number.
+    pub(crate) fn size(self) -> i32 {
+        match self.arithmetic.precision {
+            Precision::Double => 8,
+            Precision::Single => 4,
+        }
+    }
+
+    /// Bytes of the registers that hold a value's lanes.
+    pub(crate) fn register_bytes(self) -> i32 {
+        match self.instructions {
+            InstructionSet::Avx512 => 64,
+            _ => 32,
+        }
+    }
+
+    /// Bytes from one value of a lane kernel to the next; of one state, a number's.
+    pub(crate) fn value_bytes(self) -> i32 {
+        match self.width {
+            Width::One => self.size(),
+            Width::Lanes => self.register_bytes(),
+        }
+    }
+
+    /// States at once.
+    pub(crate) fn lanes(self) -> usize {
+        usize::try_from(self.value_bytes() / self.size()).expect("a few lanes")
+    }
+}
