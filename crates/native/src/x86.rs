@@ -331,3 +331,6 @@ fn base(address: Address) -> (u8, i32) {
         Base::Table(number) => (TABLE.get(usize::from(number)).copied().unwrap_or(R11), 0),
     }
 }
+
+#[cfg(test)]
+mod tests;
