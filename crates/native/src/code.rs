@@ -181,6 +181,7 @@ fn lowered(
                 outputs.finish(list, result, index, value);
             };
             lowering.graph(source, &mut input, given, &mut finished);
+            outputs.end(&mut lowering.list);
             Extent::Register
         }
     };

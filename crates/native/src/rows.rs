@@ -13,6 +13,10 @@ pub(crate) fn padding(width: usize, lanes: usize) -> usize {
     if width <= 1 { 0 } else { lanes.saturating_sub(width) }
 }
 
+/// Longer rows of results are written from their first number to their last at the end of the program: the processor then fetches the memory
+/// ahead.
+const LONG: usize = 64;
+
 /// How rows are made of registers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rows {
@@ -40,6 +44,9 @@ impl Rows {
 
     /// Rows as columns, or columns as rows; missing ones are not needed.
     fn transposed(self, list: &mut List, rows: &[Option<Value>]) -> Vec<Option<Value>> {
+        if let Some(constant) = constant_of_all(list, rows) {
+            return vec![Some(constant); rows.len()];
+        }
         let in_block = usize::try_from(16 / self.size).expect("2 or 4");
         // Of each group of rows, and of each column of a block: that column of all blocks.
         let within: Vec<Vec<Option<Value>>> =
@@ -58,6 +65,14 @@ impl Rows {
         }
         columns
     }
+}
+
+/// The constant that all rows are, the same in each lane.
+fn constant_of_all(list: &List, rows: &[Option<Value>]) -> Option<Value> {
+    let mut values = rows.iter().flatten().copied();
+    let first = values.next()?;
+    let is_constant = list.homes[first as usize].is_some_and(|address| address.base == Base::Constants);
+    (is_constant && values.all(|value| value == first)).then_some(first)
 }
 
 /// An operation of two values of which one or both may be missing.
@@ -152,36 +167,53 @@ impl Outputs {
 
     /// Takes a number of a result.
     pub(crate) fn finish(&mut self, list: &mut List, result: usize, index: usize, value: Value) {
-        let columns = &mut self.columns[result];
-        columns[index] = Some(value);
-        let (Rows { lanes, .. }, width, table) = (self.rows, columns.len(), self.first_table + result);
-        // Two groups at most: that of the column, and the last one, which may begin earlier.
-        let groups = &mut self.missing[result];
-        let last = groups.len() - 1;
+        self.columns[result][index] = Some(value);
+        if self.columns[result].len() <= LONG {
+            self.write_finished(list, result, index);
+        }
+    }
+
+    /// Writes the results with long rows.
+    pub(crate) fn end(&mut self, list: &mut List) {
+        for result in 0..self.columns.len() {
+            let width = self.columns[result].len();
+            if width > LONG {
+                self.rows.groups(width).for_each(|begin| self.write(list, result, begin));
+            }
+        }
+    }
+
+    /// Writes the registers that a column was the last one of: that of the column, or the last one, which may begin earlier.
+    fn write_finished(&mut self, list: &mut List, result: usize, index: usize) {
+        let lanes = self.rows.lanes;
+        let last = self.missing[result].len() - 1;
         let own = (index / lanes).min(last);
-        for group in own..=last {
-            if group != own && group != last {
-                continue;
+        for group in [Some(own), (own != last).then_some(last)].into_iter().flatten() {
+            let (begin, missing) = &mut self.missing[result][group];
+            if (*begin..*begin + lanes).contains(&index) {
+                *missing -= 1;
+                if *missing == 0 {
+                    let begin = *begin;
+                    self.write(list, result, begin);
+                }
             }
-            let (begin, missing) = &mut groups[group];
-            if !(*begin..*begin + lanes).contains(&index) {
-                continue;
-            }
-            *missing -= 1;
-            if *missing > 0 {
-                continue;
-            }
-            if width == 1 {
-                list.store(value, self.rows.address(table, width, 0, 0));
-                continue;
-            }
-            let taken = (*begin..*begin + lanes).map(|column| columns.get(column).copied().flatten());
-            let taken: Vec<Option<Value>> = taken.collect();
-            let rows = self.rows.transposed(list, &taken);
-            for (lane, row) in rows.into_iter().enumerate() {
-                let row = row.expect("a row has at least one column");
-                list.store(row, self.rows.address(table, width, lane, *begin));
-            }
+        }
+    }
+
+    /// Writes a register's worth of columns of all rows.
+    fn write(&self, list: &mut List, result: usize, begin: usize) {
+        let (columns, lanes) = (&self.columns[result], self.rows.lanes);
+        let (width, table) = (columns.len(), self.first_table + result);
+        if width == 1 {
+            let value = columns[0].expect("the column is finished");
+            return list.store(value, self.rows.address(table, width, 0, 0));
+        }
+        let taken = (begin..begin + lanes).map(|column| columns.get(column).copied().flatten());
+        let taken: Vec<Option<Value>> = taken.collect();
+        let rows = self.rows.transposed(list, &taken);
+        for (lane, row) in rows.into_iter().enumerate() {
+            let row = row.expect("a row has at least one column");
+            list.store(row, self.rows.address(table, width, lane, begin));
         }
     }
 }
