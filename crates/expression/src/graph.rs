@@ -1,9 +1,9 @@
 //! An expression as a graph: each operation once, after those that it reads.
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use crate::Precision;
+use crate::hash::Map;
 
 /// What an operation reads: a constant, or another operation's value or its negative.
 ///
@@ -152,13 +152,13 @@ pub struct Graph {
     pub precision: Precision,
     /// The operations.
     pub nodes: Vec<Operation>,
-    index: HashMap<Operation, u32>,
+    index: Map<Operation, u32>,
 }
 
 impl Graph {
     /// None yet.
     pub fn new(precision: Precision) -> Self {
-        Self { precision, nodes: Vec::new(), index: HashMap::new() }
+        Self { precision, nodes: Vec::new(), index: Map::default() }
     }
 
     /// The value of an operation, which is added if it is new.

@@ -23,6 +23,7 @@ mod precision;
 
 // the operations, and which of them need not be done,
 mod graph;
+mod hash;
 mod rules;
 
 // the number that writes them down,
