@@ -4,6 +4,7 @@ use expression::{Graph, Operand, Operation as Node, Plan, Sine};
 use number::InstructionSet;
 
 use crate::allocate::allocate;
+use crate::arm;
 use crate::error::CompileError;
 use crate::instruction::Instruction;
 use crate::list::{Address, Base, Extent, List};
@@ -12,7 +13,7 @@ use crate::machine::{Counts, Machine};
 use crate::pool::Pool;
 use crate::prelude::Prelude;
 use crate::rows::{Inputs, Outputs, Rows};
-use crate::target::{Target, Width};
+use crate::target::{Target, Width, has_encoder};
 use crate::x86;
 
 /// The most arguments and results together.
@@ -48,6 +49,8 @@ pub struct Code {
     pub(crate) bytes: Vec<u8>,
     pub(crate) parts: Vec<(Target, Vec<Instruction>)>,
     pub(crate) lengths: Lengths,
+    /// Bytes of scratch memory that values have.
+    scratch_end: i32,
     statistics: Statistics,
 }
 
@@ -108,7 +111,14 @@ impl Code {
             counts = counts.plus(allocation.counts);
             parts.push((target, allocation.instructions));
         }
-        let (bytes, code_bytes) = encoded(target, &parts, lengths.len() + results.len(), &pool.bytes);
+        let tables = lengths.len() + results.len();
+        let scratch_end = scratch;
+        let (bytes, code_bytes) = if target.instructions == InstructionSet::Neon {
+            scratch += arm::PRESERVED_BYTES;
+            arm::encoded(target, &parts, tables, scratch_end, &pool.bytes)
+        } else {
+            x86::encoded(target, &parts, tables, &pool.bytes)
+        };
         let statistics = Statistics {
             operations: plan.steps(),
             instructions: parts.iter().map(|part| part.1.len()).sum(),
@@ -125,7 +135,7 @@ impl Code {
             scratch: numbers(scratch),
             angles: numbers(angles),
         };
-        Ok(Self { target, bytes, parts, lengths, statistics })
+        Ok(Self { target, bytes, parts, lengths, scratch_end, statistics })
     }
 
     /// The instructions, followed by the constants that they read.
@@ -133,9 +143,13 @@ impl Code {
         &self.bytes
     }
 
-    /// The instructions as text, one a line, in Intel's syntax.
+    /// The instructions as text, one a line: of x86-64 in Intel's syntax.
     pub fn assembly(&self) -> String {
         let tables = self.lengths.inputs.len() + self.lengths.outputs.len();
+        if self.target.instructions == InstructionSet::Neon {
+            let distance = self.bytes.len() - self.statistics.constant_bytes;
+            return arm::assembly(self.target, &self.parts, tables, self.scratch_end, distance);
+        }
         x86::assembly(&self.parts, tables)
     }
 
@@ -192,22 +206,6 @@ fn lowered(
     (lowering.list.swept(), largest.is_some())
 }
 
-/// Instructions in bytes with the constants behind them, and how many bytes of these are instructions.
-fn encoded(
-    target: Target,
-    parts: &[(Target, Vec<Instruction>)],
-    tables: usize,
-    constants: &[u8],
-) -> (Vec<u8>, usize) {
-    let instructions = parts.iter().map(|part| part.1.len()).sum();
-    let mut encoder = x86::Encoder::new(target, instructions);
-    encoder.begin(tables);
-    for (target, instructions) in parts {
-        encoder.instructions(x86::Lanes::of(*target), instructions);
-    }
-    encoder.finish(constants)
-}
-
 /// Refuses what has no code.
 fn check(
     graph: &Graph,
@@ -216,7 +214,7 @@ fn check(
     target: Target,
 ) -> Result<(), CompileError> {
     let Target { instructions, arithmetic, .. } = target;
-    if !matches!(instructions, InstructionSet::Avx2 | InstructionSet::Avx512) {
+    if !has_encoder(instructions) {
         return Err(CompileError::NoEncoder { instructions });
     }
     if arithmetic.sine == Sine::Platform {

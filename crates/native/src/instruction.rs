@@ -54,6 +54,14 @@ pub(crate) enum Instruction {
         a: Register,
         b: Source,
     },
+    /// a b + c, or c − a b, where no operand is overwritten.
+    FusedApart {
+        is_minus: bool,
+        to: Register,
+        a: Register,
+        b: Register,
+        c: Register,
+    },
     Root {
         to: Register,
         a: Source,

@@ -30,6 +30,7 @@ mod instruction;
 mod machine;
 
 // as bytes,
+mod arm;
 mod code;
 mod x86;
 

@@ -2,6 +2,7 @@
 
 use number::InstructionSet;
 
+use crate::arm;
 use crate::list::Extent;
 use crate::target::{Target, Width};
 
@@ -32,6 +33,8 @@ pub(crate) struct Machine {
     pub(crate) registers: u8,
     /// Whether operands can be in memory, and each of three operands of a multiply-add be overwritten.
     pub(crate) has_memory_operands: bool,
+    /// Whether a multiply-add overwrites none of its operands.
+    pub(crate) has_fused_apart: bool,
     /// Whether one number in memory can be an operand for all lanes.
     pub(crate) has_broadcast: bool,
     /// Pointers of the table that have a register of their own.
@@ -46,13 +49,14 @@ impl Machine {
         let (registers, has_memory_operands, fixed_pointers) = match (target.instructions, target.width) {
             (InstructionSet::Avx512, _) => (32, true, 5),
             // One register, or a pair, is kept for sequences of instructions.
-            (InstructionSet::Neon, Width::One) => (31, false, 12),
-            (InstructionSet::Neon, Width::Lanes) => (15, false, 12),
+            (InstructionSet::Neon, Width::One) => (31, false, arm::FIXED_POINTERS),
+            (InstructionSet::Neon, Width::Lanes) => (15, false, arm::FIXED_POINTERS),
             _ => (16, true, 5),
         };
         Self {
             registers,
             has_memory_operands,
+            has_fused_apart: target.instructions == InstructionSet::Neon && target.width == Width::One,
             has_broadcast: target.instructions == InstructionSet::Avx512,
             fixed_pointers,
             slot_bytes: target.value_bytes(),

@@ -47,6 +47,7 @@ impl Page {
         let mut memory = MmapMut::map_anon(code.len())?;
         memory.copy_from_slice(code);
         let memory = memory.make_exec()?;
+        clear_instruction_cache(&memory);
         Ok(Self { memory })
     }
 
@@ -91,5 +92,30 @@ impl Page {
         // SAFETY: from its pointers on the code reads and writes as much as was checked above. Outputs and scratch memory are borrowed
         // exclusively, so that they overlap neither each other nor an input.
         unsafe { function(tables.as_ptr(), scratch.as_mut_ptr().cast()) };
+    }
+}
+
+/// Instructions of x86-64 are read as they were written.
+#[cfg(not(target_arch = "aarch64"))]
+fn clear_instruction_cache(_: &[u8]) {}
+
+/// Makes written instructions visible to the core that reads instructions, which may have read this memory before (Arm Architecture
+/// Reference Manual, section B2.4.4).
+#[cfg(target_arch = "aarch64")]
+fn clear_instruction_cache(memory: &[u8]) {
+    use core::arch::asm;
+
+    /// The shortest line of any such processor.
+    const LINE: usize = 16;
+    // SAFETY: the addresses are of memory that can be read; cleaning the data cache and invalidating the instruction cache change no number.
+    unsafe {
+        for line in memory.chunks(LINE) {
+            asm!("dc cvau, {}", in(reg) line.as_ptr(), options(nostack, preserves_flags));
+        }
+        asm!("dsb ish", options(nostack, preserves_flags));
+        for line in memory.chunks(LINE) {
+            asm!("ic ivau, {}", in(reg) line.as_ptr(), options(nostack, preserves_flags));
+        }
+        asm!("dsb ish", "isb", options(nostack, preserves_flags));
     }
 }

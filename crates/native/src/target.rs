@@ -30,11 +30,13 @@ pub struct Target {
 /// assert!(best.is_available());
 /// ```
 pub fn best_instructions() -> InstructionSet {
-    let has_encoder = |set: &&InstructionSet| {
-        matches!(set, InstructionSet::Avx2 | InstructionSet::Avx512 | InstructionSet::Neon)
-            && set.is_available()
-    };
-    InstructionSet::ALL.iter().rev().find(has_encoder).copied().unwrap_or(InstructionSet::Portable)
+    let has_code = |set: &&InstructionSet| has_encoder(**set) && set.is_available();
+    InstructionSet::ALL.iter().rev().find(has_code).copied().unwrap_or(InstructionSet::Portable)
+}
+
+/// Whether this crate writes these instructions.
+pub(crate) fn has_encoder(instructions: InstructionSet) -> bool {
+    matches!(instructions, InstructionSet::Avx2 | InstructionSet::Avx512 | InstructionSet::Neon)
 }
 
 impl Target {

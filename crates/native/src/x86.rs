@@ -28,7 +28,7 @@ const TABLE: [u8; 5] = [2, 1, 8, 9, 10];
 
 /// How many lanes of a register instructions work on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Lanes {
+enum Lanes {
     Lowest,
     /// All of 256 bits.
     Half,
@@ -37,7 +37,7 @@ pub(crate) enum Lanes {
 }
 
 impl Lanes {
-    pub(crate) fn of(target: Target) -> Self {
+    fn of(target: Target) -> Self {
         match (target.width, target.instructions) {
             (Width::One, _) => Self::Lowest,
             (Width::Lanes, InstructionSet::Avx512) => Self::All,
@@ -55,11 +55,26 @@ impl Lanes {
     }
 }
 
+/// Instructions in bytes with the constants behind them, and how many bytes of these are instructions.
+pub(crate) fn encoded(
+    target: Target,
+    parts: &[(Target, Vec<Instruction>)],
+    tables: usize,
+    constants: &[u8],
+) -> (Vec<u8>, usize) {
+    let mut encoder = Encoder::new(target, parts.iter().map(|part| part.1.len()).sum());
+    encoder.begin(tables);
+    for (target, instructions) in parts {
+        encoder.instructions(Lanes::of(*target), instructions);
+    }
+    encoder.finish(constants)
+}
+
 /// Code that is being written.
 #[derive(Clone, Debug)]
-pub(crate) struct Encoder {
-    pub(crate) code: Vec<u8>,
-    pub(crate) lanes: Lanes,
+struct Encoder {
+    code: Vec<u8>,
+    lanes: Lanes,
     is_double: bool,
     has_evex: bool,
     /// Where the distance to the constants is written at the end.
@@ -68,7 +83,7 @@ pub(crate) struct Encoder {
 }
 
 impl Encoder {
-    pub(crate) fn new(target: Target, steps: usize) -> Self {
+    fn new(target: Target, steps: usize) -> Self {
         Self {
             code: Vec::with_capacity(8 * steps + 64),
             lanes: Lanes::Lowest,
@@ -80,7 +95,7 @@ impl Encoder {
     }
 
     /// What stands before the first instruction: pointers into registers.
-    pub(crate) fn begin(&mut self, tables: usize) {
+    fn begin(&mut self, tables: usize) {
         // lea rax, [rip + constants]
         self.code.extend_from_slice(&[0x48, 0x8D, 0x05, 0, 0, 0, 0]);
         self.constants = self.code.len();
@@ -99,7 +114,7 @@ impl Encoder {
     }
 
     /// Instructions on so many lanes.
-    pub(crate) fn instructions(&mut self, lanes: Lanes, instructions: &[Instruction]) {
+    fn instructions(&mut self, lanes: Lanes, instructions: &[Instruction]) {
         self.lanes = lanes;
         self.changes_upper_halves |= lanes != Lanes::Lowest;
         for &instruction in instructions {
@@ -108,7 +123,7 @@ impl Encoder {
     }
 
     /// The whole code, with the constants behind it.
-    pub(crate) fn finish(mut self, constants: &[u8]) -> (Vec<u8>, usize) {
+    fn finish(mut self, constants: &[u8]) -> (Vec<u8>, usize) {
         if self.changes_upper_halves {
             // vzeroupper
             self.code.extend_from_slice(&[0xC5, 0xF8, 0x77]);
@@ -178,6 +193,7 @@ impl Encoder {
                 };
                 self.put(opcode, to, a, Self::place(b));
             }
+            Instruction::FusedApart { .. } => unreachable!("multiply-adds overwrite an operand"),
             Instruction::Root { to, a } => {
                 // One state's upper lanes come from the second register; its own avoids waiting for another.
                 let upper = match (self.lanes, a) {

@@ -7,6 +7,12 @@ use crate::list::{Reads, Value};
 impl Allocator<'_> {
     /// a b + c, or c − a b.
     pub(super) fn fused(&mut self, a: Value, b: Value, c: Value, is_minus: bool) -> Register {
+        if self.machine.has_fused_apart {
+            let [left, right, addend] = [a, b, c].map(|value| self.in_register(value));
+            let to = self.destination(&[a, b, c]);
+            self.instructions.push(Instruction::FusedApart { is_minus, to, a: left, b: right, c: addend });
+            return to;
+        }
         if self.machine.has_memory_operands {
             self.fused_over_any(a, b, c, is_minus)
         } else {

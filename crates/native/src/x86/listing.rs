@@ -122,6 +122,7 @@ impl Lister {
                 let [to, a, b] = [self.register(to), self.register(a), self.source(b)];
                 format!("vf{sign}madd{order}{suffix} {to}, {a}, {b}")
             }
+            Instruction::FusedApart { .. } => unreachable!("multiply-adds overwrite an operand"),
             Instruction::Root { to, a } => match (self.lanes, a) {
                 (Lanes::Lowest, Source::Register(upper)) => {
                     format!(
