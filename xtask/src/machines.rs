@@ -26,6 +26,9 @@ const RECURSIONS: [&str; 2] = ["--test", "any_machine"];
 const ELSEWHERE: [&[&str]; 2] =
     [&NUMBERS, &["--package", "robot-dynamics-multibody-tests", RECURSIONS[0], RECURSIONS[1]]];
 
+/// Machine code made in memory, which has the bits of random graphs.
+const NATIVE: [&str; 4] = ["--package", "robot-dynamics-native", "--test", "fuzz"];
+
 /// Whether this is the kind of machine from which the others are emulated.
 const CAN_EMULATE: bool = cfg!(all(target_os = "linux", target_arch = "x86_64"));
 
@@ -48,7 +51,9 @@ pub(crate) fn emulate() -> Result<(), String> {
         numbers.args(NUMBERS);
         let mut recursions = workspace("test");
         recursions.args(RECURSIONS);
-        for mut test in [numbers, recursions] {
+        let mut native = checked(&["test", "--locked"]);
+        native.args(NATIVE);
+        for mut test in [numbers, recursions, native] {
             test.env("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER", format!("qemu-x86_64 -cpu {processor}"));
             step(&format!("machines: {processor}"), test)?;
         }
@@ -57,14 +62,25 @@ pub(crate) fn emulate() -> Result<(), String> {
     install_target(ARM)?;
     // LLVM's older choice of instructions, which takes three quarters of the time.
     let flags = "-C llvm-args=-aarch64-enable-global-isel-at-O=-1";
-    for tests in ELSEWHERE {
+    for tests in ELSEWHERE.into_iter().chain([&NATIVE[..]]) {
         let mut test = unoptimised(ARM, tests);
         test.env("RUSTFLAGS", flags);
         test.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_LINKER", "rust-lld");
         test.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_RUNNER", "qemu-aarch64");
         step("machines: 64-bit ARM", test)?;
     }
+    encodings()?;
     in_node()
+}
+
+/// Encodings of 64-bit ARM against those of LLVM's assembler.
+fn encodings() -> Result<(), String> {
+    if !is_there("llvm-mc") {
+        install_package("machines", "llvm")?;
+    }
+    let mut test = checked(&["test", "--locked", "--package", "robot-dynamics-native", "--lib"]);
+    test.arg("arm");
+    step("machines: encodings of 64-bit ARM", test)
 }
 
 /// Tests for another kind of machine. What runs for seconds would be compiled for minutes otherwise.
