@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use bench::{StateTable, robot_by_name};
-use expression::{Arithmetic, Graph, Operand, Plan, Precision, Traced, trace};
+use expression::{Arithmetic, Graph, Operand, Precision, Traced, trace};
 use multibody::batch::{BatchFloat, BatchOptions, BatchWorkspace};
 use multibody::{InstructionSet, Model, Workspace};
 use native::{Code, Float, Kernel, Target, Width, best_instructions};
@@ -125,7 +125,6 @@ fn compile_times(model: &Model, function: Function) {
     let (graph, results) = traced(model, function, arithmetic);
     let lengths = function.lengths(model);
     let of_trace = milliseconds(|| traced(model, function, arithmetic));
-    let of_plan = milliseconds(|| Plan::new(&graph, &results));
     for width in [Width::One, Width::Lanes] {
         let target = Target { instructions: best_instructions(), width, arithmetic };
         let code = Code::new(&graph, &results, &lengths, target).expect("code");
@@ -135,8 +134,8 @@ fn compile_times(model: &Model, function: Function) {
             Kernel::<f64>::compile(&graph, &results, &lengths, arithmetic, target.instructions, width)
         });
         println!(
-            "  compile {width:?}: trace {of_trace:.2} ms, order {of_plan:.2}, lower, allocate and encode {:.2}, map {of_map:.3}, check {:.2}; {:?}",
-            of_code - of_plan,
+            "  compile {width:?}: trace {of_trace:.2} ms, lower, allocate and encode {:.2}, map {of_map:.3}, check {:.2}; {:?}",
+            of_code,
             whole - of_code - of_map,
             code.statistics()
         );

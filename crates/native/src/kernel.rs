@@ -123,11 +123,8 @@ impl<T: Float> Kernel<T> {
             Width::Lanes => Table { width, reach: lanes * width + padding(width, lanes) },
         };
         let lengths = &code.lengths;
-        let reach = Reach {
-            inputs: lengths.inputs.iter().map(table).collect(),
-            outputs: lengths.outputs.iter().map(table).collect(),
-            scratch: lengths.scratch,
-        };
+        let tables = |lengths: &[usize]| lengths.iter().map(table).collect::<Vec<Table>>();
+        let reach = Reach::new(&tables(&lengths.inputs), &tables(&lengths.outputs), lengths.scratch);
         let (statistics, angles) = (code.statistics(), lengths.angles);
         let own_scratch = lengths.scratch;
         let code = code.bytes.len();
@@ -158,12 +155,10 @@ impl<T: Float> Kernel<T> {
     pub fn scratch_len(&self) -> usize {
         match self.target.width {
             Width::One => self.own_scratch,
-            Width::Lanes => self.own_scratch + self.tables().map(|table| table.reach).sum::<usize>(),
+            Width::Lanes => {
+                self.own_scratch + self.reach.tables().iter().map(|table| table.reach).sum::<usize>()
+            }
         }
-    }
-
-    fn tables(&self) -> impl Iterator<Item = &Table> {
-        self.reach.inputs.iter().chain(&self.reach.outputs)
     }
 
     /// Computes one state.
@@ -173,6 +168,7 @@ impl<T: Float> Kernel<T> {
     ///
     /// # Panics
     /// If an argument, a result or the scratch memory has another length than compiled for, or the kernel is one for lanes.
+    #[inline]
     pub fn call(
         &self,
         inputs: &[&[T]],
@@ -180,8 +176,9 @@ impl<T: Float> Kernel<T> {
         scratch: &mut [T],
     ) -> Result<(), AngleOutOfRange> {
         assert!(self.target.width == Width::One, "a kernel for lanes computes rows: use `call_rows`");
-        self.check_lengths(1, inputs, outputs, scratch);
-        self.page.run(&self.reach, 0, inputs, outputs, scratch);
+        if !self.page.run(&self.reach, inputs, outputs, scratch) {
+            self.refuse_lengths(inputs, outputs, scratch);
+        }
         let is_within = scratch[..self.angles].iter().all(|&largest| Self::is_within(largest));
         if is_within { Ok(()) } else { Err(AngleOutOfRange) }
     }
@@ -201,7 +198,11 @@ impl<T: Float> Kernel<T> {
     ) {
         self.check_lengths(rows, inputs, outputs, scratch);
         let lanes = self.lanes();
-        let whole = self.tables().zip(inputs.iter().map(|x| x.len()).chain(outputs.iter().map(|x| x.len())));
+        let whole = self
+            .reach
+            .tables()
+            .iter()
+            .zip(inputs.iter().map(|x| x.len()).chain(outputs.iter().map(|x| x.len())));
         // Blocks of rows in place, as long as each table goes on far enough.
         let of_table = |(table, length): (&Table, usize)| match length.checked_sub(table.reach) {
             None => 0,
@@ -210,10 +211,9 @@ impl<T: Float> Kernel<T> {
         };
         let blocks = whole.map(of_table).min().unwrap_or(rows / lanes).min(rows / lanes);
         let (own, copies) = scratch.split_at_mut(self.own_scratch);
-        for block in 0..blocks {
-            self.page.run(&self.reach, block * lanes, inputs, outputs, own);
-            self.report(own, |lane| out_of_range(block * lanes + lane), lanes);
-        }
+        self.page.run_blocks(&self.reach, (blocks, lanes), inputs, outputs, own, |scratch, block| {
+            self.report(scratch, |lane| out_of_range(block * lanes + lane), lanes);
+        });
         let mut row = blocks * lanes;
         while row < rows {
             let here = lanes.min(rows - row);
@@ -235,11 +235,11 @@ impl<T: Float> Kernel<T> {
     ) {
         const MOST: usize = crate::code::MOST_TABLES;
         let mut tables: [&mut [T]; MOST] = core::array::from_fn(|_| Default::default());
-        for (copy, table) in tables.iter_mut().zip(self.tables()) {
+        for (copy, table) in tables.iter_mut().zip(self.reach.tables()) {
             (*copy, copies) = core::mem::take(&mut copies).split_at_mut(table.reach);
         }
         let (of_inputs, of_outputs) = tables.split_at_mut(inputs.len());
-        for ((copy, input), table) in of_inputs.iter_mut().zip(inputs).zip(&self.reach.inputs) {
+        for ((copy, input), table) in of_inputs.iter_mut().zip(inputs).zip(self.reach.inputs()) {
             let width = table.width;
             for lane in 0..self.lanes() {
                 // Lanes without a state compute the last one again.
@@ -249,8 +249,9 @@ impl<T: Float> Kernel<T> {
         }
         let shared: [&[T]; MOST] = core::array::from_fn(|k| of_inputs.get(k).map_or(&[][..], |copy| copy));
         let of_outputs = &mut of_outputs[..outputs.len()];
-        self.page.run(&self.reach, 0, &shared[..inputs.len()], of_outputs, own);
-        for ((copy, output), table) in of_outputs.iter().zip(outputs).zip(&self.reach.outputs) {
+        let ran = self.page.run(&self.reach, &shared[..inputs.len()], of_outputs, own);
+        assert!(ran, "copies are as long as the code reaches");
+        for ((copy, output), table) in of_outputs.iter().zip(outputs).zip(self.reach.outputs()) {
             let width = table.width;
             output[row * width..][..count * width].copy_from_slice(&copy[..count * width]);
         }
@@ -271,6 +272,7 @@ impl<T: Float> Kernel<T> {
     }
 
     /// Whether the sine takes angles up to this one.
+    #[inline]
     fn is_within(largest: T) -> bool {
         let range = match T::PRECISION {
             Precision::Double => RANGE,
@@ -279,8 +281,15 @@ impl<T: Float> Kernel<T> {
         largest.into() < range
     }
 
+    /// Says which slice has another length than compiled for.
+    #[cold]
+    fn refuse_lengths(&self, inputs: &[&[T]], outputs: &[&mut [T]], scratch: &[T]) -> ! {
+        self.check_lengths(1, inputs, outputs, scratch);
+        unreachable!("one of the lengths is another")
+    }
+
     fn check_lengths(&self, rows: usize, inputs: &[&[T]], outputs: &[&mut [T]], scratch: &[T]) {
-        let Reach { inputs: of_inputs, outputs: of_outputs, .. } = &self.reach;
+        let (of_inputs, of_outputs) = (self.reach.inputs(), self.reach.outputs());
         assert!(
             inputs.len() == of_inputs.len() && outputs.len() == of_outputs.len(),
             "the kernel has {} arguments and {} results, not {} and {}",

@@ -25,7 +25,7 @@ pub(crate) struct Page {
 }
 
 /// A table of the code.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Table {
     /// Numbers of one state.
     pub(crate) width: usize,
@@ -36,9 +36,38 @@ pub(crate) struct Table {
 /// How far the code reaches from each of its pointers.
 #[derive(Clone, Debug)]
 pub(crate) struct Reach {
-    pub(crate) inputs: Vec<Table>,
-    pub(crate) outputs: Vec<Table>,
-    pub(crate) scratch: usize,
+    /// First the arguments, then the results.
+    tables: [Table; MOST_TABLES],
+    inputs: usize,
+    count: usize,
+    scratch: usize,
+}
+
+impl Reach {
+    /// # Panics
+    /// If there are more tables than a kernel takes, which is checked when the code is made.
+    pub(crate) fn new(inputs: &[Table], outputs: &[Table], scratch: usize) -> Self {
+        let mut tables = [Table::default(); MOST_TABLES];
+        let count = inputs.len() + outputs.len();
+        tables[..inputs.len()].copy_from_slice(inputs);
+        tables[inputs.len()..count].copy_from_slice(outputs);
+        Self { tables, inputs: inputs.len(), count, scratch }
+    }
+
+    #[inline]
+    pub(crate) fn inputs(&self) -> &[Table] {
+        &self.tables[..self.inputs]
+    }
+
+    #[inline]
+    pub(crate) fn outputs(&self) -> &[Table] {
+        &self.tables[self.inputs..self.count]
+    }
+
+    #[inline]
+    pub(crate) fn tables(&self) -> &[Table] {
+        &self.tables[..self.count]
+    }
 }
 
 impl Page {
@@ -51,47 +80,94 @@ impl Page {
         Ok(Self { memory })
     }
 
-    /// Runs the code once, from this row of its tables on.
-    ///
-    /// # Panics
-    /// If a slice is shorter than the code reaches, or there are other numbers of slices.
     #[inline]
+    fn function(&self) -> Function {
+        // SAFETY: the memory holds a whole function of this type, made by this crate for the instructions of this processor. The pointer is
+        // called only while `self` is borrowed.
+        unsafe { core::mem::transmute(self.memory.as_ptr()) }
+    }
+
+    /// Runs the code once, if each slice has as many numbers as the code reaches, and the scratch memory at least as many.
+    #[inline]
+    #[must_use]
     pub(crate) fn run<T>(
         &self,
         reach: &Reach,
-        row: usize,
         inputs: &[&[T]],
         outputs: &mut [&mut [T]],
         scratch: &mut [T],
+    ) -> bool {
+        let mut pointers = [core::ptr::null_mut::<()>(); MOST_TABLES];
+        let mut is_whole = inputs.len() == reach.inputs
+            && outputs.len() == reach.count - reach.inputs
+            && scratch.len() >= reach.scratch;
+        for ((pointer, input), table) in pointers.iter_mut().zip(inputs).zip(reach.inputs()) {
+            is_whole &= input.len() == table.reach;
+            *pointer = input.as_ptr().cast_mut().cast();
+        }
+        for ((pointer, output), table) in
+            pointers[reach.inputs..].iter_mut().zip(outputs.iter_mut()).zip(reach.outputs())
+        {
+            is_whole &= output.len() == table.reach;
+            *pointer = output.as_mut_ptr().cast();
+        }
+        if is_whole {
+            // SAFETY: from its pointers on the code reads and writes as much as was checked above. Outputs and scratch memory are borrowed
+            // exclusively, so that they overlap neither each other nor an input.
+            unsafe { self.function()(pointers.as_ptr(), scratch.as_mut_ptr().cast()) };
+        }
+        is_whole
+    }
+
+    /// Runs the code for blocks of so many rows, from the beginning of each table on, and calls `after` with the scratch memory and the number
+    /// of the block.
+    ///
+    /// # Panics
+    /// If a slice is shorter than the code reaches, or there are other numbers of slices.
+    pub(crate) fn run_blocks<T>(
+        &self,
+        reach: &Reach,
+        (blocks, rows): (usize, usize),
+        inputs: &[&[T]],
+        outputs: &mut [&mut [T]],
+        scratch: &mut [T],
+        mut after: impl FnMut(&[T], usize),
     ) {
+        let Some(last) = blocks.checked_sub(1) else { return };
         assert!(
-            inputs.len() == reach.inputs.len()
-                && outputs.len() == reach.outputs.len()
-                && inputs.len() + outputs.len() <= MOST_TABLES
+            inputs.len() == reach.inputs
+                && outputs.len() == reach.count - reach.inputs
                 && scratch.len() >= reach.scratch,
             "the code has other tables"
         );
-        // Numbers before a row, if the slice holds as much as the code reaches from there on.
-        let begin = |length: usize, table: Table| {
-            let begin = row.checked_mul(table.width)?;
-            (length.checked_sub(begin)? >= table.reach).then_some(begin)
+        // Numbers from a block to the next, if the last one is within the slice.
+        let step = |length: usize, table: &Table| {
+            let step = rows.checked_mul(table.width)?;
+            let end = last.checked_mul(step)?.checked_add(table.reach)?;
+            (length >= end).then_some(step)
         };
-        let mut tables = [core::ptr::null_mut::<()>(); MOST_TABLES];
-        let (of_inputs, of_outputs) = tables.split_at_mut(inputs.len());
-        for ((pointer, input), &table) in of_inputs.iter_mut().zip(inputs).zip(&reach.inputs) {
-            let begin = begin(input.len(), table).expect("the code reaches beyond an argument");
-            *pointer = input[begin..].as_ptr().cast_mut().cast();
+        let mut pointers = [core::ptr::null_mut::<T>(); MOST_TABLES];
+        let mut steps = [0; MOST_TABLES];
+        let (of_inputs, of_outputs) = pointers.split_at_mut(reach.inputs);
+        let (input_steps, output_steps) = steps.split_at_mut(reach.inputs);
+        for (k, (input, table)) in inputs.iter().zip(reach.inputs()).enumerate() {
+            of_inputs[k] = input.as_ptr().cast_mut();
+            input_steps[k] = step(input.len(), table).expect("the code reaches beyond an argument");
         }
-        for ((pointer, output), &table) in of_outputs.iter_mut().zip(outputs).zip(&reach.outputs) {
-            let begin = begin(output.len(), table).expect("the code reaches beyond a result");
-            *pointer = output[begin..].as_mut_ptr().cast();
+        for (k, (output, table)) in outputs.iter_mut().zip(reach.outputs()).enumerate() {
+            of_outputs[k] = output.as_mut_ptr();
+            output_steps[k] = step(output.len(), table).expect("the code reaches beyond a result");
         }
-        // SAFETY: the memory holds a whole function of this type, made by this crate for the instructions of this processor, and lives as
-        // long as `self`.
-        let function: Function = unsafe { core::mem::transmute(self.memory.as_ptr()) };
-        // SAFETY: from its pointers on the code reads and writes as much as was checked above. Outputs and scratch memory are borrowed
-        // exclusively, so that they overlap neither each other nor an input.
-        unsafe { function(tables.as_ptr(), scratch.as_mut_ptr().cast()) };
+        for block in 0..blocks {
+            // SAFETY: from its pointers on the code reads and writes as much as was checked above, as no block is beyond the last. Outputs and
+            // scratch memory are borrowed exclusively, so that they overlap neither each other nor an input.
+            unsafe { self.function()(pointers.as_ptr().cast(), scratch.as_mut_ptr().cast()) };
+            after(scratch, block);
+            for (pointer, &step) in pointers[..reach.count].iter_mut().zip(&steps) {
+                // It is not followed behind the last block.
+                *pointer = pointer.wrapping_add(step);
+            }
+        }
     }
 }
 
