@@ -96,9 +96,10 @@ impl Code {
             Width::One => Prelude::new(target, source, lengths, &mut pool),
             Width::Lanes => None,
         };
-        let no_sines = Given::new();
-        let given = prelude.as_ref().map_or(&no_sines, |prelude| &prelude.given);
-        let angles_before = prelude.as_ref().map_or(0, |prelude| prelude.target.value_bytes());
+        let nothing = Given::default();
+        let given = prelude.as_ref().map_or(&nothing, |prelude| &prelude.given);
+        let with_sines = prelude.as_ref().filter(|prelude| prelude.has_sines);
+        let angles_before = with_sines.map_or(0, |prelude| prelude.target.value_bytes());
         let (list, has_sines) = lowered(target, source, lengths, given, angles_before, &mut pool);
         let size = target.size();
         let angles = angles_before + if has_sines { target.value_bytes() } else { 0 };

@@ -1,6 +1,6 @@
 //! From a graph to a list of operations that a machine has.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use expression::{Graph, Operand, Operation as Node, Precision};
 use number::InstructionSet;
@@ -27,8 +27,14 @@ pub(crate) struct Source<'a> {
     pub(crate) order: &'a [usize],
 }
 
-/// The sine and cosine of a pair that were computed before, by the pair's node.
-pub(crate) type Given = HashMap<usize, (Address, Address)>;
+/// What was computed before.
+#[derive(Debug, Default)]
+pub(crate) struct Given {
+    /// The sine and cosine of a pair, by the pair's node.
+    pub(crate) sines: HashMap<usize, (Address, Address)>,
+    /// Constants that are stored, by result and index.
+    pub(crate) constants: HashSet<(usize, usize)>,
+}
 
 /// Takes the number of a result, by result and index, and its value.
 pub(crate) type Finished<'a> = dyn FnMut(&mut List, (usize, usize), Value) + 'a;
@@ -170,6 +176,9 @@ impl<'a> Lowering<'a> {
         let mut values = vec![NONE; graph.nodes.len()];
         let stored = Stored::new(graph.nodes.len(), results);
         for &(place, bits) in &stored.constants {
+            if given.constants.contains(&place) {
+                continue;
+            }
             let value = self.constant(f64::from_bits(bits));
             finished(&mut self.list, place, value);
         }
@@ -183,7 +192,7 @@ impl<'a> Lowering<'a> {
         for &node in order {
             values[node] = match graph.nodes[node] {
                 Node::SineCosine(angle) => {
-                    let pair = if let Some(&(sine, cosine)) = given.get(&node) {
+                    let pair = if let Some(&(sine, cosine)) = given.sines.get(&node) {
                         (self.list.value(Some(sine)), self.list.value(Some(cosine)))
                     } else {
                         let angle = self.operand(&values, angle);

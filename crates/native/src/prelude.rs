@@ -1,4 +1,4 @@
-//! Sines of several angles of one state at once, before the rest of its program.
+//! What one state's program does in whole registers before the rest: sines of several angles at once, and constants of results.
 
 use expression::{Operand, Operation as Node};
 use number::InstructionSet;
@@ -8,14 +8,16 @@ use crate::lower::{Given, Lowering, Source};
 use crate::pool::Pool;
 use crate::target::{Target, Width};
 
-/// Sines of angles that stand beside each other in an argument.
+/// Sines of angles that stand beside each other in an argument, and equal constants beside each other in a result.
 pub(crate) struct Prelude {
     pub(crate) list: List,
-    /// Where in scratch memory the sines and cosines are.
+    /// Where in scratch memory the sines and cosines are, and which constants are stored.
     pub(crate) given: Given,
     /// Bytes of scratch memory.
     pub(crate) scratch_end: i32,
     pub(crate) target: Target,
+    /// Whether the largest magnitude of an angle is at the beginning of the scratch memory.
+    pub(crate) has_sines: bool,
 }
 
 /// An angle that is a number of an argument.
@@ -35,8 +37,7 @@ impl Prelude {
         Target { instructions, width: Width::Lanes, ..target }
     }
 
-    /// The prelude of a program, if at least two angles share a register. The largest magnitude of an angle is stored at the beginning of
-    /// the scratch memory.
+    /// The prelude of a program, if at least two angles or enough constants share a register.
     pub(crate) fn new(
         target: Target,
         source: Source<'_>,
@@ -50,7 +51,7 @@ impl Prelude {
         let (size, lanes) = (target.size(), target.lanes());
         let angles = angles(source);
         let mut lowering = Lowering::new(target, pool);
-        let mut given = Given::new();
+        let mut given = Given::default();
         let mut rest = &angles[..];
         while let Some(first) = rest.first() {
             let (argument, length) = (first.argument, lengths[first.argument]);
@@ -83,13 +84,36 @@ impl Prelude {
             for angle in group {
                 let lane = i32::try_from(angle.index - from).expect("a few lanes");
                 let at = |begin: i32| Address::new(Base::Scratch, begin + size * lane, Extent::Number);
-                given.insert(angle.node, (at(sines), at(cosines)));
+                given.sines.insert(angle.node, (at(sines), at(cosines)));
             }
         }
-        let largest = lowering.largest_angle?;
-        lowering.list.store(largest, Address::new(Base::Scratch, 0, Extent::Register));
+        store_constants(&mut lowering, source, lengths.len(), &mut given);
+        let has_sines = lowering.largest_angle.is_some();
+        if let Some(largest) = lowering.largest_angle {
+            lowering.list.store(largest, Address::new(Base::Scratch, 0, Extent::Register));
+        }
         let list = lowering.list.swept();
-        Some(Self { list, given, scratch_end, target })
+        (!list.steps.is_empty()).then_some(Self { list, given, scratch_end, target, has_sines })
+    }
+}
+
+/// Stores constants that are equal in a register's worth of numbers beside each other, or more; the last register may reach back.
+fn store_constants(lowering: &mut Lowering<'_>, source: Source<'_>, first_table: usize, given: &mut Given) {
+    let (size, lanes) = (lowering.target.size(), lowering.target.lanes());
+    for (result, numbers) in source.results.iter().enumerate() {
+        let mut begin = 0;
+        for run in numbers.chunk_by(|a, b| a == b) {
+            if let (Some(x), true) = (run[0].known(), run.len() >= lanes) {
+                let constant = lowering.constant(x);
+                for at in (0..run.len()).step_by(lanes) {
+                    let index = begin + at.min(run.len() - lanes);
+                    let place = Lowering::number_at(first_table + result, index, size);
+                    lowering.list.store(constant, Address { extent: Extent::Register, ..place });
+                }
+                given.constants.extend((begin..begin + run.len()).map(|index| (result, index)));
+            }
+            begin += run.len();
+        }
     }
 }
 

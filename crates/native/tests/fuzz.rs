@@ -63,7 +63,7 @@ impl Random {
         let is_short = self.chance(2);
         let arguments = 1 + self.below(5);
         let lengths: Vec<usize> = (0..arguments).map(|_| self.below(if is_short { 4 } else { 20 })).collect();
-        let (mut nodes, mut angles) = (Vec::new(), Vec::new());
+        let mut nodes = Vec::new();
         for (argument, &length) in lengths.iter().enumerate() {
             for index in 0..length {
                 if !self.chance(8) {
@@ -72,9 +72,22 @@ impl Random {
                 }
             }
         }
+        if self.chance(3) {
+            // Sines of numbers of an argument beside each other.
+            for input in nodes.clone() {
+                if !self.chance(3) {
+                    let pair = graph.push(Operation::SineCosine(Operand::Plus(input)));
+                    let halves = [graph.push(Operation::Sine(pair)), graph.push(Operation::Cosine(pair))];
+                    nodes.extend(
+                        halves.iter().filter_map(|half| half.node()).map(|node| u32::try_from(node).unwrap()),
+                    );
+                }
+            }
+        }
         let most = [5, 30, 120, 400][self.below(4)];
         let steps = 1 + self.below(most);
-        while graph.nodes.len() < steps + 2 * arguments {
+        let begin = graph.nodes.len();
+        while graph.nodes.len() < begin + steps {
             let mut read = || self.operand(&graph, &nodes, is_short);
             let [a, b, c] = [read(), read(), read()];
             let operation = match self.below(20) {
@@ -87,7 +100,6 @@ impl Random {
                 18 if self.chance(4) => Operation::Root(a),
                 19 if self.chance(3) => Operation::Sign(a),
                 19 if self.chance(3) => {
-                    angles.push(a);
                     let pair = graph.push(Operation::SineCosine(a));
                     let halves = [graph.push(Operation::Sine(pair)), graph.push(Operation::Cosine(pair))];
                     nodes.extend(
@@ -102,7 +114,14 @@ impl Random {
         }
         let result = |random: &mut Self| {
             let length = random.below(if is_short { 5 } else { 24 });
-            (0..length).map(|_| random.operand(&graph, &nodes, is_short)).collect()
+            let mut numbers: Vec<Operand> =
+                (0..length).map(|_| random.operand(&graph, &nodes, is_short)).collect();
+            if random.chance(2) {
+                // Equal constants beside each other, as a matrix has zeros.
+                let (begin, end) = (random.below(length + 1), random.below(length + 1));
+                numbers[begin.min(end)..begin.max(end)].fill(graph.constant([0.0, -2.5][random.below(2)]));
+            }
+            numbers
         };
         let results: Vec<Vec<Operand>> = (0..=self.below(4)).map(|_| result(self)).collect();
         // Only angles of sines that results need.
