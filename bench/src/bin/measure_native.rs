@@ -3,7 +3,7 @@
 //! `cargo run --release -p bench --bin measure_native [ROBOT…]`
 //!
 //! Each function is traced on a model with exact right angles and regrouped masses, as generated code is, and compiled for one state and for
-//! the lanes of the newest registers. The library and the code run on the same 1024 random states in turns; each number is the median of
+//! the lanes of the newest registers. The library and the code run on the same 1024 random states in turns, by one thread; each number is the median of
 //! the rounds. The largest difference between both is relative to the largest number of a result.
 
 use std::hint::black_box;
@@ -197,7 +197,9 @@ fn batches<T: BatchFloat + Float>(model: &Model, states: &StateTable, function: 
     });
     let [q, v, a, tau] = &tables;
     let mut by_library = vec![T::nearest(0.0); STATES * function.result(model)];
-    let mut workspace = BatchWorkspace::<T>::with_options(model, BatchOptions::default()).expect("threads");
+    let mut options = BatchOptions::default();
+    options.threads = 1;
+    let mut workspace = BatchWorkspace::<T>::with_options(model, options).expect("one thread");
     for instructions in [InstructionSet::Avx2, InstructionSet::Avx512, InstructionSet::Neon] {
         let compiled =
             Kernel::<T>::compile(&graph, &results, &lengths, arithmetic, instructions, Width::Lanes);
