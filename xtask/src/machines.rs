@@ -26,8 +26,8 @@ const RECURSIONS: [&str; 2] = ["--test", "any_machine"];
 const ELSEWHERE: [&[&str]; 2] =
     [&NUMBERS, &["--package", "robot-dynamics-multibody-tests", RECURSIONS[0], RECURSIONS[1]]];
 
-/// Machine code made in memory, which has the bits of random graphs.
-const NATIVE: [&str; 4] = ["--package", "robot-dynamics-native", "--test", "fuzz"];
+/// Machine code made in memory: the bits of random graphs, and kernels as a caller sees them.
+const NATIVE: [&str; 6] = ["--package", "robot-dynamics-native", "--test", "fuzz", "--test", "kernel"];
 
 /// Whether this is the kind of machine from which the others are emulated.
 const CAN_EMULATE: bool = cfg!(all(target_os = "linux", target_arch = "x86_64"));

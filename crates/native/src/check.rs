@@ -58,3 +58,35 @@ pub(crate) fn check<T: Float>(
 pub(crate) fn is_same(a: f64, b: f64) -> bool {
     a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()
 }
+
+#[cfg(test)]
+mod tests {
+    use expression::{Arithmetic, trace};
+
+    use super::*;
+    use crate::code::Code;
+    use crate::target::{Target, Width, best_instructions};
+
+    /// A constant that is changed behind the compiler's back.
+    #[test]
+    fn code_that_computes_something_else_is_refused() {
+        let arithmetic = Arithmetic::default();
+        let (graph, results) =
+            trace(arithmetic, &[1], |x| vec![vec![x[0][0] * expression::Traced(Operand::constant(3.0))]]);
+        for width in [Width::One, Width::Lanes] {
+            let target = Target { instructions: best_instructions(), width, arithmetic };
+            let Ok(mut code) = Code::new(&graph, &results, &[1], target) else {
+                return println!("left out: there is no encoder for this processor");
+            };
+            let kernel = Kernel::<f64>::load(&code).unwrap();
+            assert!(check(&kernel, &graph, &results, &[1]).is_ok());
+            let found = code.bytes.chunks_exact_mut(8).rev().find(|bytes| **bytes == 3.0_f64.to_le_bytes());
+            found
+                .expect("the constant")
+                .copy_from_slice(&f64::from_bits(3.0_f64.to_bits() + 1).to_le_bytes());
+            let kernel = Kernel::<f64>::load(&code).unwrap();
+            let refused = check(&kernel, &graph, &results, &[1]);
+            assert!(matches!(refused, Err(CompileError::Differs { result: 0, index: 0, .. })), "{refused:?}");
+        }
+    }
+}

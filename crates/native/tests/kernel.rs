@@ -1,0 +1,207 @@
+//! Kernels as a caller sees them: lengths, ranges, refusals, threads, memory.
+
+use expression::{Arithmetic, Graph, Operand, Precision, Sine, Traced, trace};
+use native::{AngleOutOfRange, Code, CompileError, Kernel, Target, Width, best_instructions};
+use number::{InstructionSet, Scalar};
+
+/// A kernel, if there is an encoder for this processor.
+fn compiled(
+    lengths: &[usize],
+    width: Width,
+    compute: impl FnOnce(&[Vec<Traced>]) -> Vec<Vec<Traced>>,
+) -> Option<Kernel<f64>> {
+    let arithmetic = Arithmetic::default();
+    let (graph, results) = trace(arithmetic, lengths, compute);
+    match Kernel::compile(&graph, &results, lengths, arithmetic, best_instructions(), width) {
+        Ok(kernel) => Some(kernel),
+        Err(CompileError::NoEncoder { .. }) => {
+            println!("left out: there is no encoder for this processor");
+            None
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// sin x and cos y.
+fn sines(x: &[Vec<Traced>]) -> Vec<Vec<Traced>> {
+    vec![vec![x[0][0].sin_cos().0, x[0][1].sin_cos().1]]
+}
+
+#[test]
+fn angles_out_of_range_are_told() {
+    let Some(kernel) = compiled(&[2], Width::One, sines) else { return };
+    let mut scratch = vec![f64::NAN; kernel.scratch_len()];
+    let mut call = |x: f64, y: f64| kernel.call(&[&[x, y]], &mut [&mut [0.0; 2]], &mut scratch);
+    for far in [1e5, -1e5, 1e300, f64::INFINITY, f64::NEG_INFINITY] {
+        assert_eq!(call(far, 0.0), Err(AngleOutOfRange), "{far}");
+        assert_eq!(call(0.0, far), Err(AngleOutOfRange), "{far}");
+        // NaN hides no other angle.
+        assert_eq!(call(f64::NAN, far), Err(AngleOutOfRange), "{far}");
+        assert_eq!(call(far, f64::NAN), Err(AngleOutOfRange), "{far}");
+    }
+    for near in [1e5_f64.next_down(), -99_999.0, 0.0, f64::NAN] {
+        assert_eq!(call(near, near), Ok(()), "{near}");
+    }
+}
+
+#[test]
+fn rows_with_angles_out_of_range_are_told_one_by_one() {
+    for width in [Width::One, Width::Lanes] {
+        let Some(kernel) = compiled(&[2], width, sines) else { return };
+        let mut scratch = vec![0.0; kernel.scratch_len()];
+        for rows in [1, 3, 7, 8, 20, 41] {
+            let mut angles: Vec<f64> = (0..2 * rows).map(|k| k as f64).collect();
+            let far = [0, rows / 2, rows - 1];
+            for row in far {
+                angles[2 * row + row % 2] = 2e5;
+            }
+            let (mut found, mut results) = (Vec::new(), vec![0.0; 2 * rows]);
+            kernel.call_rows(rows, &[&angles], &mut [&mut results], &mut scratch, |row| found.push(row));
+            let mut expected = far.to_vec();
+            expected.dedup();
+            assert_eq!(found, expected, "{width:?}, {rows} rows");
+            for row in (0..rows).filter(|row| !far.contains(row)) {
+                assert!((results[2 * row] - angles[2 * row].sin()).abs() < 1e-15);
+                assert!((results[2 * row + 1] - angles[2 * row + 1].cos()).abs() < 1e-15);
+            }
+        }
+    }
+}
+
+/// More tables than there are registers for pointers, and tables without numbers.
+#[test]
+fn sixteen_tables_are_read_and_written() {
+    let lengths: Vec<usize> = (0..9).collect();
+    for width in [Width::One, Width::Lanes] {
+        let kernel = compiled(&lengths, width, |x| {
+            let sum = |k: usize| {
+                x.iter().flatten().fold(Traced::zero(), |sum, &y| sum + y * Traced::from_f64(k as f64))
+            };
+            (0..7).map(|k| vec![sum(k); k]).collect()
+        });
+        let Some(kernel) = kernel else { return };
+        let rows = 21;
+        let inputs: Vec<Vec<f64>> =
+            lengths.iter().map(|length| (0..rows * length).map(|k| (k / length) as f64).collect()).collect();
+        let inputs: Vec<&[f64]> = inputs.iter().map(|input| &input[..]).collect();
+        let mut outputs: Vec<Vec<f64>> = (0..7).map(|k| vec![-1.0; rows * k]).collect();
+        let mut scratch = vec![0.0; kernel.scratch_len()];
+        let mut slices: Vec<&mut [f64]> = outputs.iter_mut().map(|output| &mut output[..]).collect();
+        kernel.call_rows(rows, &inputs, &mut slices, &mut scratch, |_| unreachable!("there are no sines"));
+        for (k, output) in outputs.iter().enumerate() {
+            // 36 numbers of all arguments, each the number of its row.
+            assert!(
+                output.iter().enumerate().all(|(at, &x)| x == (36 * k * (at / k)) as f64),
+                "{width:?}, {k}"
+            );
+        }
+    }
+}
+
+#[test]
+fn wrong_lengths_panic_before_anything_is_written() {
+    let Some(kernel) = compiled(&[2], Width::One, sines) else { return };
+    let needed = kernel.scratch_len();
+    let refused = |input: usize, output: usize, scratch: usize| {
+        let (input, mut output, mut scratch) = (vec![0.0; input], vec![7.0; output], vec![0.0; scratch]);
+        let call = || kernel.call(&[&input], &mut [&mut output], &mut scratch);
+        let panic = std::panic::catch_unwind(std::panic::AssertUnwindSafe(call)).expect_err("a panic");
+        assert!(output.iter().all(|&x| x == 7.0));
+        panic.downcast_ref::<String>().cloned().unwrap_or_default()
+    };
+    assert_eq!(refused(1, 2, needed), "argument 0 has 1 numbers, not 2");
+    assert_eq!(refused(3, 2, needed), "argument 0 has 3 numbers, not 2");
+    assert_eq!(refused(2, 1, needed), "result 0 has 1 numbers, not 2");
+    assert!(refused(2, 2, needed - 1).starts_with("the scratch memory has"));
+}
+
+#[test]
+fn graphs_without_code_are_refused() {
+    let arithmetic = Arithmetic::default();
+    let (graph, results) = trace(arithmetic, &[2], |x| vec![vec![x[0][0] + x[0][1]]]);
+    let target = Target { instructions: InstructionSet::Avx2, width: Width::One, arithmetic };
+    let refused = |graph: &Graph, results: &[Vec<Operand>], lengths: &[usize], target| {
+        Code::new(graph, results, lengths, target).expect_err("refused")
+    };
+    let portable = Target { instructions: InstructionSet::Portable, ..target };
+    assert!(matches!(refused(&graph, &results, &[2], portable), CompileError::NoEncoder { .. }));
+    let platform = Target { arithmetic: arithmetic.with_sine(Sine::Platform), ..target };
+    assert!(matches!(refused(&graph, &results, &[2], platform), CompileError::PlatformSine));
+    let single = Target { arithmetic: Arithmetic::new(Precision::Single), ..target };
+    assert!(matches!(refused(&graph, &results, &[2], single), CompileError::Precision { .. }));
+    assert!(matches!(
+        refused(&graph, &results, &[1], target),
+        CompileError::Argument { argument: 0, index: 1, length: 1 }
+    ));
+    assert!(matches!(refused(&graph, &results, &[], target), CompileError::Argument { length: 0, .. }));
+    let many = vec![results[0].clone(); 16];
+    assert!(matches!(
+        refused(&graph, &many, &[2], target),
+        CompileError::TooManyTables { count: 17, most: 16 }
+    ));
+    assert!(matches!(refused(&graph, &results, &[usize::MAX], target), CompileError::TooLarge { .. }));
+    let code = Code::new(&graph, &results, &[2], target).unwrap();
+    assert!(matches!(Kernel::<f32>::load(&code), Err(CompileError::Precision { .. })));
+    let elsewhere = [InstructionSet::Avx2, InstructionSet::Avx512, InstructionSet::Neon];
+    for instructions in elsewhere.into_iter().filter(|set| !set.is_available()) {
+        let code = Code::new(&graph, &results, &[2], Target { instructions, ..target }).unwrap();
+        assert!(matches!(Kernel::<f64>::load(&code), Err(CompileError::NotOnThisProcessor { .. })));
+    }
+}
+
+/// Threads call one kernel while they compile others.
+#[test]
+fn threads_call_a_kernel_while_others_are_compiled() {
+    let square = |x: &[Vec<Traced>]| vec![vec![x[0][0] * x[0][0]]];
+    let Some(kernel) = compiled(&[1], Width::One, square) else { return };
+    std::thread::scope(|scope| {
+        for thread in 0..32 {
+            let kernel = &kernel;
+            scope.spawn(move || {
+                let mut scratch = vec![0.0; kernel.scratch_len()];
+                for k in 0..200 {
+                    let (x, mut y) = (f64::from(thread * 1000 + k), [0.0]);
+                    kernel.call(&[&[x]], &mut [&mut y], &mut scratch).unwrap();
+                    assert_eq!(y[0], x * x);
+                    if k % 20 == 0 {
+                        let plus = move |v: &[Vec<Traced>]| vec![vec![v[0][0] + Traced::from_f64(x)]];
+                        let other = compiled(&[1], Width::One, plus).expect("there is an encoder");
+                        let mut scratch = vec![0.0; other.scratch_len()];
+                        other.call(&[&[1.5]], &mut [&mut y], &mut scratch).unwrap();
+                        assert_eq!(y[0], 1.5 + x);
+                    }
+                }
+            });
+        }
+    });
+}
+
+/// Bytes of memory that can be executed and belong to no file.
+#[cfg(target_os = "linux")]
+fn executable_bytes() -> usize {
+    let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
+    let size = |line: &str| {
+        let fields: Vec<&str> = line.split_whitespace().collect();
+        let (begin, end) = fields[0].split_once('-')?;
+        let is_ours = fields[1].starts_with("r-x") && fields.len() == 5;
+        let [begin, end] = [begin, end].map(|text| usize::from_str_radix(text, 16).unwrap());
+        is_ours.then_some(end - begin)
+    };
+    maps.lines().filter_map(size).sum()
+}
+
+/// A kernel that is dropped gives its memory back. Ten thousand would have 40 MB; other tests have a few at a time, of 4 kB each.
+#[cfg(target_os = "linux")]
+#[test]
+fn dropped_kernels_leave_no_memory() {
+    let make = || compiled(&[1], Width::One, |x| vec![vec![x[0][0] + x[0][0]]]);
+    let kept: Vec<Kernel<f64>> = (0..500).map_while(|_| make()).collect();
+    // An emulator shows its own memory.
+    let is_shown = executable_bytes() >= 500 << 12;
+    if kept.is_empty() || !is_shown {
+        return println!("left out: the system does not show executable memory");
+    }
+    drop(kept);
+    (0..10_000).for_each(|_| drop(make()));
+    assert!(executable_bytes() < 1 << 20);
+}
