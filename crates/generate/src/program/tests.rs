@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use expression::{Precision, interpret};
-use multibody::{Base, RandomRobotOptions, random_robot};
+use multibody::{Base, InstructionSet, RandomRobotOptions, random_robot};
+use native::{CompileError, Float, Kernel, Width};
 
 use super::*;
 
@@ -72,10 +73,49 @@ fn what_is_left_out_changes_no_bit() {
                     assert_eq!(found, case.results, "{name}, {function}, {arithmetic:?}");
                     compared += found.iter().map(Vec::len).sum::<usize>();
                 }
+                if arithmetic.sine == Sine::Own {
+                    match arithmetic.precision {
+                        Precision::Double => machine_code_is_the_same::<f64>(&name, &program, arithmetic),
+                        Precision::Single => machine_code_is_the_same::<f32>(&name, &program, arithmetic),
+                    }
+                }
             }
         }
     }
     assert!(compared > 100_000, "{compared}");
+}
+
+/// Machine code made in memory, of all instructions of this machine, for one state and for several at once, gives what the graph gives.
+fn machine_code_is_the_same<T: Float>(name: &str, program: &Program, arithmetic: Arithmetic) {
+    let Program { graph, results, arguments, cases, .. } = program;
+    let lengths: Vec<usize> = arguments.iter().map(|argument| argument.length).collect();
+    let states = cases.len();
+    let inputs: Vec<Vec<T>> = (0..lengths.len())
+        .map(|k| cases.iter().flat_map(|case| &case.arguments[k]).map(|&x| T::nearest(x)).collect())
+        .collect();
+    let inputs: Vec<&[T]> = inputs.iter().map(|input| &input[..]).collect();
+    for &instructions in InstructionSet::ALL {
+        for width in [Width::One, Width::Lanes] {
+            let what =
+                || format!("{name}, {}, {arithmetic:?}, {instructions:?}, {width:?}", program.function);
+            let compiled = Kernel::<T>::compile(graph, results, &lengths, arithmetic, instructions, width);
+            let kernel = match compiled {
+                Ok(kernel) => kernel,
+                Err(CompileError::NoEncoder { .. } | CompileError::NotOnThisProcessor { .. }) => continue,
+                Err(error) => panic!("{}: {error}", what()),
+            };
+            let mut found: Vec<Vec<T>> =
+                results.iter().map(|result| vec![T::nearest(f64::NAN); states * result.len()]).collect();
+            let mut outputs: Vec<&mut [T]> = found.iter_mut().map(|output| &mut output[..]).collect();
+            let mut scratch = vec![T::nearest(f64::NAN); kernel.scratch_len()];
+            kernel.call_rows(states, &inputs, &mut outputs, &mut scratch, |_| panic!("{}: angles", what()));
+            for (k, found) in found.iter().enumerate() {
+                let found: Vec<f64> = found.iter().map(|&x| x.into()).collect();
+                let expected: Vec<f64> = cases.iter().flat_map(|case| case.results[k].clone()).collect();
+                assert_eq!(found, expected, "{}", what());
+            }
+        }
+    }
 }
 
 /// The values that generated tests hold the code to are the library's own, over its own floats, with the platform's sine: to rounding
