@@ -175,9 +175,33 @@ impl Page {
 #[cfg(not(target_arch = "aarch64"))]
 fn clear_instruction_cache(_: &[u8]) {}
 
+/// Makes written instructions visible to the core that reads instructions, which may have read this memory before.
+#[cfg(all(target_arch = "aarch64", target_vendor = "apple"))]
+fn clear_instruction_cache(memory: &[u8]) {
+    unsafe extern "C" {
+        fn sys_icache_invalidate(start: *const core::ffi::c_void, length: usize);
+    }
+    // SAFETY: a function of the system's library, which changes no number of memory that can be read.
+    unsafe { sys_icache_invalidate(memory.as_ptr().cast(), memory.len()) };
+}
+
+/// Makes written instructions visible to the core that reads instructions, which may have read this memory before.
+#[cfg(all(target_arch = "aarch64", windows))]
+fn clear_instruction_cache(memory: &[u8]) {
+    use core::ffi::c_void;
+
+    #[link(name = "kernel32")]
+    unsafe extern "system" {
+        fn GetCurrentProcess() -> *mut c_void;
+        fn FlushInstructionCache(process: *mut c_void, start: *const c_void, length: usize) -> i32;
+    }
+    // SAFETY: functions of the system's library, which change no number of memory that can be read.
+    unsafe { FlushInstructionCache(GetCurrentProcess(), memory.as_ptr().cast(), memory.len()) };
+}
+
 /// Makes written instructions visible to the core that reads instructions, which may have read this memory before (Arm Architecture
 /// Reference Manual, section B2.4.4).
-#[cfg(target_arch = "aarch64")]
+#[cfg(all(target_arch = "aarch64", not(target_vendor = "apple"), not(windows)))]
 fn clear_instruction_cache(memory: &[u8]) {
     use core::arch::asm;
 
