@@ -98,6 +98,27 @@ fn sixteen_tables_are_read_and_written() {
     }
 }
 
+/// Sixty thousand operations with a thousand values between their uses: offsets of four bytes, and code beyond one megabyte. Each kernel is
+/// compared with its graph when it is compiled.
+#[test]
+fn large_graphs_are_compiled() {
+    for width in [Width::One, Width::Lanes] {
+        let kernel = compiled(&[1000, 1000], width, |x| {
+            let mut values = x[0].clone();
+            for round in 0..60 {
+                for k in 0..1000 {
+                    let other = values[(k * 7 + round) % 1000];
+                    values[k] = values[k] * x[1][(k + round) % 1000]
+                        - other * Traced::from_f64(0.5 + 0.4 / (1 + k) as f64);
+                }
+            }
+            vec![values]
+        });
+        let Some(kernel) = kernel else { return };
+        assert!(kernel.statistics().code_bytes > 1 << 20 && kernel.statistics().spills > 1000);
+    }
+}
+
 #[test]
 fn wrong_lengths_panic_before_anything_is_written() {
     let Some(kernel) = compiled(&[2], Width::One, sines) else { return };
