@@ -12,7 +12,7 @@ use crate::lower::{Given, Lowering, Source};
 use crate::machine::{Counts, Machine};
 use crate::pool::Pool;
 use crate::prelude::Prelude;
-use crate::rows::{Inputs, Outputs, Rows};
+use crate::rows::{Finiteness, Inputs, Outputs, Rows};
 use crate::target::{Target, Width, has_encoder};
 use crate::x86;
 
@@ -62,6 +62,10 @@ pub(crate) struct Lengths {
     pub(crate) scratch: usize,
     /// The first numbers of the scratch memory, where the largest angles are.
     pub(crate) angles: usize,
+    /// Of lanes, where the sums are that are zeros if all results are finite.
+    pub(crate) finite: core::ops::Range<usize>,
+    /// Whether all constants among the results are finite.
+    pub(crate) has_finite_constants: bool,
 }
 
 impl Code {
@@ -103,7 +107,7 @@ impl Code {
         let (list, has_sines) = lowered(target, source, lengths, given, angles_before, &mut pool);
         let size = target.size();
         let angles = angles_before + if has_sines { target.value_bytes() } else { 0 };
-        let mut scratch = prelude.as_ref().map_or(target.value_bytes(), |prelude| prelude.scratch_end);
+        let mut scratch = prelude.as_ref().map_or(2 * target.value_bytes(), |prelude| prelude.scratch_end);
         let mut parts = Vec::new();
         let mut counts = Counts::default();
         let lists = prelude.iter().map(|prelude| (prelude.target, &prelude.list)).chain([(target, &list)]);
@@ -136,6 +140,12 @@ impl Code {
             outputs: results.iter().map(Vec::len).collect(),
             scratch: numbers(scratch),
             angles: numbers(angles),
+            finite: match target.width {
+                Width::One => 0..0,
+                Width::Lanes => target.lanes()..2 * target.lanes(),
+            },
+            has_finite_constants: (results.iter().flatten())
+                .all(|result| result.known().is_none_or(f64::is_finite)),
         };
         Ok(Self { target, bytes, parts, lengths, scratch_end, statistics })
     }
@@ -193,11 +203,17 @@ fn lowered(
             let mut inputs = Inputs::new(rows, lengths);
             let mut outputs = Outputs::new(rows, lengths.len(), source.results.iter().map(Vec::len));
             let mut input = |list: &mut List, argument, index| inputs.column(list, argument, index);
+            let zero = lowering.constant(0.0);
+            let mut finiteness = Finiteness::new(zero);
             let mut finished = |list: &mut List, (result, index): (usize, usize), value| {
+                finiteness.take(list, value);
                 outputs.finish(list, result, index, value);
             };
             lowering.graph(source, &mut input, given, &mut finished);
             outputs.end(&mut lowering.list);
+            let sum = finiteness.sum(&mut lowering.list);
+            let at = largest_angle_at + target.value_bytes();
+            lowering.list.store(sum, Address::new(Base::Scratch, at, Extent::Register));
             Extent::Register
         }
     };

@@ -76,6 +76,8 @@ pub struct Kernel<T> {
     reach: Reach,
     target: Target,
     angles: usize,
+    finite: core::ops::Range<usize>,
+    has_finite_constants: bool,
     /// Of the scratch memory, what the code itself takes.
     own_scratch: usize,
     statistics: Statistics,
@@ -125,10 +127,18 @@ impl<T: Float> Kernel<T> {
         let lengths = &code.lengths;
         let tables = |lengths: &[usize]| lengths.iter().map(table).collect::<Vec<Table>>();
         let reach = Reach::new(&tables(&lengths.inputs), &tables(&lengths.outputs), lengths.scratch);
-        let (statistics, angles) = (code.statistics(), lengths.angles);
-        let own_scratch = lengths.scratch;
-        let code = code.bytes.len();
-        Ok(Self { page, reach, target, angles, own_scratch, statistics, code, number: PhantomData })
+        Ok(Self {
+            page,
+            reach,
+            target,
+            angles: lengths.angles,
+            finite: lengths.finite.clone(),
+            has_finite_constants: lengths.has_finite_constants,
+            own_scratch: lengths.scratch,
+            statistics: code.statistics(),
+            code: code.bytes.len(),
+            number: PhantomData,
+        })
     }
 
     /// How many states the code computes at once.
@@ -183,8 +193,8 @@ impl<T: Float> Kernel<T> {
         if is_within { Ok(()) } else { Err(AngleOutOfRange) }
     }
 
-    /// Computes states whose arguments and results are rows of tables. Rows with an angle out of range are passed to `out_of_range`: their
-    /// results are not those of the graph.
+    /// Computes states whose arguments and results are rows of tables, and returns whether all results are finite. Rows with an angle out of
+    /// range are passed to `out_of_range`: their results are not those of the graph.
     ///
     /// # Panics
     /// If a table has another number of rows, or the scratch memory another length.
@@ -195,7 +205,7 @@ impl<T: Float> Kernel<T> {
         outputs: &mut [&mut [T]],
         scratch: &mut [T],
         mut out_of_range: impl FnMut(usize),
-    ) {
+    ) -> bool {
         self.check_lengths(rows, inputs, outputs, scratch);
         let lanes = self.lanes();
         let whole = self
@@ -211,16 +221,26 @@ impl<T: Float> Kernel<T> {
         };
         let blocks = whole.map(of_table).min().unwrap_or(rows / lanes).min(rows / lanes);
         let (own, copies) = scratch.split_at_mut(self.own_scratch);
+        let mut is_finite = self.has_finite_constants;
         self.page.run_blocks(&self.reach, (blocks, lanes), inputs, outputs, own, |scratch, block| {
             self.report(scratch, |lane| out_of_range(block * lanes + lane), lanes);
+            is_finite &= self.is_finite(scratch);
         });
         let mut row = blocks * lanes;
         while row < rows {
             let here = lanes.min(rows - row);
             self.run_copied(row, here, inputs, outputs, own, copies);
             self.report(own, |lane| out_of_range(row + lane), here);
+            is_finite &= self.is_finite(own);
             row += here;
         }
+        let of_one_state = || outputs.iter().flat_map(|output| output.iter()).all(|&x| x.into().is_finite());
+        is_finite && (self.target.width == Width::Lanes || of_one_state())
+    }
+
+    /// Whether the results of all lanes are finite, but for constants.
+    fn is_finite(&self, scratch: &[T]) -> bool {
+        scratch[self.finite.clone()].iter().all(|&sum| sum.into() == 0.0)
     }
 
     /// Some rows by way of a copy, which goes on behind its last row.

@@ -5,7 +5,9 @@
 //! register, the numbers read behind it are not used, and those written behind it are overwritten by the row that follows, as rows are
 //! written in order; so that a table goes on behind its last row by [`padding`].
 
-use crate::list::{Address, Base, Binary, Extent, List, Value};
+use std::collections::HashSet;
+
+use crate::list::{Address, Base, Binary, Extent, List, Operation, Value};
 use crate::target::Target;
 
 /// Numbers behind the last row of a table that a kernel reads or writes.
@@ -215,5 +217,33 @@ impl Outputs {
             let row = row.expect("a row has at least one column");
             list.store(row, self.rows.address(table, width, lane, begin));
         }
+    }
+}
+
+/// Sums of the results times zero: zeros where all results of a state are finite, else NaN.
+pub(crate) struct Finiteness {
+    zero: Value,
+    /// Taken in turn, as each addition waits for the one before.
+    sums: [Value; 2],
+    taken: HashSet<Value>,
+}
+
+impl Finiteness {
+    pub(crate) fn new(zero: Value) -> Self {
+        Self { zero, sums: [zero; 2], taken: HashSet::new() }
+    }
+
+    /// Takes a result, once; constants are known.
+    pub(crate) fn take(&mut self, list: &mut List, value: Value) {
+        let is_constant = list.homes[value as usize].is_some_and(|address| address.base == Base::Constants);
+        if !is_constant && self.taken.insert(value) {
+            let [next, other] = self.sums;
+            let sum = Operation::Fused { a: value, b: self.zero, c: next, is_minus: false };
+            self.sums = [other, list.push(sum)];
+        }
+    }
+
+    pub(crate) fn sum(&self, list: &mut List) -> Value {
+        list.binary(Binary::Add, self.sums[0], self.sums[1])
     }
 }

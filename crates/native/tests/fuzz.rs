@@ -177,7 +177,9 @@ fn run<T: Float>(
     {
         let inputs: Vec<&[T]> = inputs.iter().map(|input| &input[..]).collect();
         let mut outputs: Vec<&mut [T]> = outputs.iter_mut().map(Guarded::slice).collect();
-        kernel.call_rows(rows, &inputs, &mut outputs, scratch.slice(), |row| far.push(row));
+        let is_finite = kernel.call_rows(rows, &inputs, &mut outputs, scratch.slice(), |row| far.push(row));
+        let mut numbers = outputs.iter().flat_map(|output| output.iter());
+        assert_eq!(is_finite, numbers.all(|&x| x.into().is_finite()));
     }
     scratch.check();
     outputs.iter().for_each(Guarded::check);
