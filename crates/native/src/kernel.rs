@@ -109,6 +109,19 @@ impl<T: Float> Kernel<T> {
     ///
     /// # Errors
     /// [`CompileError::Precision`], [`CompileError::NotOnThisProcessor`], [`CompileError::Refused`].
+    ///
+    /// ```
+    /// use expression::{Arithmetic, trace};
+    /// use native::{Code, Kernel, Target, Width, best_instructions};
+    /// let arithmetic = Arithmetic::default();
+    /// let (graph, results) = trace(arithmetic, &[2], |x| vec![vec![x[0][0] + x[0][1]]]);
+    /// let target = Target { instructions: best_instructions(), width: Width::One, arithmetic };
+    /// if let Ok(code) = Code::new(&graph, &results, &[2], target) {
+    ///     let kernel = Kernel::<f64>::load(&code)?;
+    ///     assert_eq!(kernel.statistics().operations, 1);
+    /// }
+    /// # Ok::<(), native::CompileError>(())
+    /// ```
     pub fn load(code: &Code) -> Result<Self, CompileError> {
         let target = code.target;
         let Target { instructions, arithmetic, .. } = target;
@@ -141,7 +154,7 @@ impl<T: Float> Kernel<T> {
         })
     }
 
-    /// How many states the code computes at once.
+    /// How many states the code computes at once: 1, or the lanes of a register.
     pub fn lanes(&self) -> usize {
         self.target.lanes()
     }
@@ -161,7 +174,7 @@ impl<T: Float> Kernel<T> {
         self.code
     }
 
-    /// Numbers of scratch memory that a call needs.
+    /// Numbers of scratch memory that a call needs; it needs no values in them.
     pub fn scratch_len(&self) -> usize {
         match self.target.width {
             Width::One => self.own_scratch,
@@ -177,7 +190,7 @@ impl<T: Float> Kernel<T> {
     /// [`AngleOutOfRange`]: then the results are not those of the graph.
     ///
     /// # Panics
-    /// If an argument, a result or the scratch memory has another length than compiled for, or the kernel is one for lanes.
+    /// If an argument or a result has another length than compiled for, the scratch memory is too short, or the kernel is one for lanes.
     #[inline]
     pub fn call(
         &self,
@@ -197,7 +210,21 @@ impl<T: Float> Kernel<T> {
     /// range are passed to `out_of_range`: their results are not those of the graph.
     ///
     /// # Panics
-    /// If a table has another number of rows, or the scratch memory another length.
+    /// If a table has another number of rows, or the scratch memory is too short.
+    ///
+    /// ```
+    /// use expression::{Arithmetic, trace};
+    /// use native::{Code, Kernel, Target, Width, best_instructions};
+    /// let arithmetic = Arithmetic::default();
+    /// let (graph, results) = trace(arithmetic, &[2], |x| vec![vec![x[0][0] + x[0][1]]]);
+    /// let instructions = best_instructions();
+    /// if let Ok(kernel) = Kernel::<f64>::compile(&graph, &results, &[2], arithmetic, instructions, Width::Lanes) {
+    ///     let (mut sums, mut scratch) = ([0.0; 3], vec![0.0; kernel.scratch_len()]);
+    ///     let rows = [1.0, 10.0, 2.0, 20.0, 3.0, 30.0]; // three states of two numbers
+    ///     let is_finite = kernel.call_rows(3, &[&rows], &mut [&mut sums], &mut scratch, |row| println!("{row}"));
+    ///     assert!(is_finite && sums == [11.0, 22.0, 33.0]);
+    /// }
+    /// ```
     pub fn call_rows(
         &self,
         rows: usize,

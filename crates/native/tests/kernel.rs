@@ -27,6 +27,13 @@ fn sines(x: &[Vec<Traced>]) -> Vec<Vec<Traced>> {
     vec![vec![x[0][0].sin_cos().0, x[0][1].sin_cos().1]]
 }
 
+/// Threads share kernels.
+const _: fn() = || {
+    fn is_shared<T: Send + Sync>() {}
+    is_shared::<Kernel<f64>>();
+    is_shared::<Kernel<f32>>();
+};
+
 #[test]
 fn angles_out_of_range_are_told() {
     let Some(kernel) = compiled(&[2], Width::One, sines) else { return };
