@@ -43,7 +43,7 @@ impl Hasher for Multiplying {
     fn write_usize(&mut self, word: usize) {
         self.take(word as u64);
     }
-    /// What variants are told apart by.
+    /// The number of a variant.
     fn write_isize(&mut self, word: isize) {
         self.take(word.cast_unsigned() as u64);
     }

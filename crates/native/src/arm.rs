@@ -94,7 +94,7 @@ impl Encoder {
         self.writer.end();
     }
 
-    /// What stands before the first instruction: registers kept, pointers into registers.
+    /// The beginning of the function: registers kept, pointers into registers.
     fn begin(&mut self, tables: usize, distance: u32) {
         self.writer.here(CONSTANTS);
         self.writer.constant(distance);

@@ -62,7 +62,7 @@ pub(crate) struct Lengths {
     pub(crate) scratch: usize,
     /// The first numbers of the scratch memory, where the largest angles are.
     pub(crate) angles: usize,
-    /// Of lanes, where the sums are that are zeros if all results are finite.
+    /// The place of the lanes' sums, which are zeros if all results are finite.
     pub(crate) finite: core::ops::Range<usize>,
     /// Whether all constants among the results are finite.
     pub(crate) has_finite_constants: bool,
@@ -170,7 +170,7 @@ impl Code {
         self.statistics
     }
 
-    /// What the code is for.
+    /// Instructions, width and arithmetic of the code.
     pub fn target(&self) -> Target {
         self.target
     }

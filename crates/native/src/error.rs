@@ -34,7 +34,7 @@ pub enum CompileError {
     /// An argument has another length than the graph reads.
     #[error("the graph reads number {index} of argument {argument}, which has {length} numbers")]
     Argument {
-        /// Which argument.
+        /// The number of the argument.
         argument: usize,
         /// The number that the graph reads.
         index: usize,
@@ -60,7 +60,7 @@ pub enum CompileError {
     /// The operating system refused memory that can be executed.
     #[error("the operating system refused to make memory executable: {cause}")]
     Refused {
-        /// What the system said.
+        /// The system's error.
         cause: std::io::Error,
     },
     /// The code computes something else than the graph says.
@@ -68,9 +68,9 @@ pub enum CompileError {
         "number {index} of result {result} is {found:e} by machine code and {expected:e} by the graph; please report this robot, and use the library's recursions"
     )]
     Differs {
-        /// Which result.
+        /// The number of the result.
         result: usize,
-        /// Which number of it.
+        /// The number within it.
         index: usize,
         /// The value by machine code.
         found: f64,

@@ -12,8 +12,8 @@ pub(crate) enum Source {
     Memory(Address),
 }
 
-/// Which operand of a fused multiply-add is overwritten. With the signs of a product that is subtracted, `a` is the register and `b`
-/// the register or memory.
+/// The operand of a fused multiply-add that is overwritten. `a` is in a register, `b` in a register or in memory; the product is subtracted
+/// where the instruction says so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Form {
     /// to = to b + a.

@@ -78,7 +78,7 @@ pub struct Kernel<T> {
     angles: usize,
     finite: core::ops::Range<usize>,
     has_finite_constants: bool,
-    /// Of the scratch memory, what the code itself takes.
+    /// Numbers of scratch memory that the code itself takes.
     own_scratch: usize,
     statistics: Statistics,
     code: usize,
@@ -164,7 +164,7 @@ impl<T: Float> Kernel<T> {
         self.statistics
     }
 
-    /// What the code is for.
+    /// Instructions, width and arithmetic of the code.
     pub fn target(&self) -> Target {
         self.target
     }

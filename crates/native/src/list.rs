@@ -61,7 +61,7 @@ pub(crate) enum Binary {
     InterleaveLow(u8),
     /// From the upper halves.
     InterleaveHigh(u8),
-    /// Of blocks of 128 bits those with even numbers, first all of one register, then of the other.
+    /// Blocks of 128 bits with even numbers, first all of one register, then of the other.
     EvenBlocks,
     /// Those with odd numbers.
     OddBlocks,

@@ -27,7 +27,7 @@ pub(crate) struct Source<'a> {
     pub(crate) order: &'a [usize],
 }
 
-/// What was computed before.
+/// Results that were computed before.
 #[derive(Debug, Default)]
 pub(crate) struct Given {
     /// The sine and cosine of a pair, by the pair's node.
@@ -231,7 +231,7 @@ impl<'a> Lowering<'a> {
 struct Stored {
     /// Result and index, and whether the negative, sorted by node.
     places: Vec<((usize, usize), bool)>,
-    /// Of each node, where its places begin.
+    /// The first place of each node.
     first: Vec<usize>,
     constants: Vec<((usize, usize), u64)>,
 }

@@ -1,4 +1,4 @@
-//! What an allocation of registers knows of a machine, and what it counts.
+//! Properties of a machine that the allocation of registers needs, and its counts.
 
 use number::InstructionSet;
 
@@ -27,7 +27,7 @@ impl Counts {
     }
 }
 
-/// What an allocation knows of the machine.
+/// Properties of a machine that the allocation of registers needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Machine {
     pub(crate) registers: u8,

@@ -1,4 +1,4 @@
-//! What one state's program does in whole registers before the rest: sines of several angles at once, and constants of results.
+//! Work of one state's program in whole registers, before the rest: sines of several angles at once, and constants of results.
 
 use expression::{Operand, Operation as Node};
 use number::InstructionSet;

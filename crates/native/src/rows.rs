@@ -50,7 +50,7 @@ impl Rows {
             return vec![Some(constant); rows.len()];
         }
         let in_block = usize::try_from(16 / self.size).expect("2 or 4");
-        // Of each group of rows, and of each column of a block: that column of all blocks.
+        // By group of rows and column of a block: that column of all blocks.
         let within: Vec<Vec<Option<Value>>> =
             rows.chunks(in_block).map(|group| within_blocks(list, group)).collect();
         let mut columns = vec![None; rows.len()];
@@ -114,7 +114,7 @@ fn four_blocks(list: &mut List, [a, b, c, d]: [Option<Value>; 4]) -> Vec<Option<
 /// Columns of arguments, read when they are needed first.
 pub(crate) struct Inputs {
     rows: Rows,
-    /// Of each argument, of each number.
+    /// By argument and number.
     columns: Vec<Vec<Option<Value>>>,
 }
 
@@ -153,9 +153,9 @@ pub(crate) struct Outputs {
     rows: Rows,
     /// The table of the first result.
     first_table: usize,
-    /// Of each result, of each number.
+    /// By result and number.
     columns: Vec<Vec<Option<Value>>>,
-    /// Of each result: the first column of each group, and how many of its columns are missing.
+    /// By result: the first column of each group, and how many of its columns are missing.
     missing: Vec<Vec<(usize, usize)>>,
 }
 

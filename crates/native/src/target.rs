@@ -1,4 +1,4 @@
-//! What code is made for: instructions, numbers, and how many states at once.
+//! The target of code: instructions, numbers, and how many states at once.
 
 use expression::{Arithmetic, Precision};
 use number::InstructionSet;
@@ -12,7 +12,7 @@ pub enum Width {
     Lanes,
 }
 
-/// What the code is for.
+/// Instructions, width and arithmetic of code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Target {
     /// Its instructions.

@@ -94,7 +94,7 @@ impl Encoder {
         }
     }
 
-    /// What stands before the first instruction: pointers into registers.
+    /// The beginning of the function: pointers into registers.
     fn begin(&mut self, tables: usize) {
         // lea rax, [rip + constants]
         self.code.extend_from_slice(&[0x48, 0x8D, 0x05, 0, 0, 0, 0]);

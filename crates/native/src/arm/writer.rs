@@ -18,7 +18,7 @@ pub(super) struct Writer {
     pub(super) text: Option<String>,
 }
 
-/// What a load or store moves.
+/// The piece that a load or store moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Piece {
     Single,
