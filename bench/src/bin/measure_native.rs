@@ -11,6 +11,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use bench::{StateTable, robot_by_name};
+use dynamics::Scalar;
 use expression::{Arithmetic, Graph, Operand, Precision, Traced, trace};
 use multibody::batch::{BatchFloat, BatchOptions, BatchWorkspace};
 use multibody::{InstructionSet, Model, Workspace};
@@ -26,10 +27,18 @@ enum Function {
     InverseDynamics,
     ForwardDynamics,
     MassMatrix,
+    InverseDynamicsDerivatives,
+    ForwardDynamicsDerivatives,
 }
 
 impl Function {
-    const ALL: [Self; 3] = [Self::InverseDynamics, Self::ForwardDynamics, Self::MassMatrix];
+    const ALL: [Self; 5] = [
+        Self::InverseDynamics,
+        Self::ForwardDynamics,
+        Self::MassMatrix,
+        Self::InverseDynamicsDerivatives,
+        Self::ForwardDynamicsDerivatives,
+    ];
 
     fn lengths(self, model: &Model) -> Vec<usize> {
         match self {
@@ -38,18 +47,21 @@ impl Function {
         }
     }
 
-    fn result(self, model: &Model) -> usize {
+    fn results(self, model: &Model) -> Vec<usize> {
+        let (nv, square) = (model.nv(), model.nv() * model.nv());
         match self {
-            Self::MassMatrix => model.nv() * model.nv(),
-            _ => model.nv(),
+            Self::MassMatrix => vec![square],
+            Self::InverseDynamics | Self::ForwardDynamics => vec![nv],
+            Self::InverseDynamicsDerivatives => vec![square; 2],
+            Self::ForwardDynamicsDerivatives => vec![square; 3],
         }
     }
 
     /// The columns of a table of states that are its arguments.
     fn arguments(self) -> &'static [usize] {
         match self {
-            Self::InverseDynamics => &[0, 1, 2],
-            Self::ForwardDynamics => &[0, 1, 3],
+            Self::InverseDynamics | Self::InverseDynamicsDerivatives => &[0, 1, 2],
+            Self::ForwardDynamics | Self::ForwardDynamicsDerivatives => &[0, 1, 3],
             Self::MassMatrix => &[0],
         }
     }
@@ -90,19 +102,60 @@ fn traced(model: &Model, function: Function, arithmetic: Arithmetic) -> (Graph, 
     let model = &model.with_right_angles().regrouped();
     trace(arithmetic, &function.lengths(model), |arguments| {
         let w = &mut Workspace::<Traced>::limited(model, InstructionSet::Portable);
-        let mut result = vec![Traced(Operand::ZERO); function.result(model)];
-        match (function, arguments) {
-            (Function::InverseDynamics, [q, v, a]) => {
-                multibody::inverse_dynamics(model, w, q, v, a, &mut result);
-            }
-            (Function::ForwardDynamics, [q, v, tau]) => {
-                multibody::forward_dynamics(model, w, q, v, tau, &mut result);
-            }
-            (Function::MassMatrix, [q]) => multibody::mass_matrix(model, w, q, &mut result),
-            _ => unreachable!("a function has its arguments"),
-        }
-        vec![result]
+        let zeros = |length| vec![Traced(Operand::ZERO); length];
+        let mut results: Vec<Vec<Traced>> = function.results(model).into_iter().map(zeros).collect();
+        let arguments: Vec<&[Traced]> = arguments.iter().map(|argument| &argument[..]).collect();
+        call(function, model, w, &arguments, &mut results);
+        results
     })
+}
+
+/// The library's call for one state.
+fn call<S: Scalar>(
+    function: Function,
+    model: &Model,
+    w: &mut Workspace<S>,
+    arguments: &[&[S]],
+    results: &mut [Vec<S>],
+) {
+    match (function, arguments, results) {
+        (Function::InverseDynamics, [q, v, a], [x]) => multibody::inverse_dynamics(model, w, q, v, a, x),
+        (Function::ForwardDynamics, [q, v, tau], [x]) => {
+            multibody::forward_dynamics(model, w, q, v, tau, x);
+        }
+        (Function::MassMatrix, [q], [x]) => multibody::mass_matrix(model, w, q, x),
+        (Function::InverseDynamicsDerivatives, [q, v, a], [x, y]) => {
+            multibody::inverse_dynamics_derivatives(model, w, q, v, a, x, y);
+        }
+        (Function::ForwardDynamicsDerivatives, [q, v, tau], [x, y, z]) => {
+            multibody::forward_dynamics_derivatives(model, w, q, v, tau, x, y, z);
+        }
+        _ => unreachable!("a function has its arguments and results"),
+    }
+}
+
+/// The library's call for rows.
+fn call_rows<T: BatchFloat>(
+    function: Function,
+    model: &Model,
+    w: &mut BatchWorkspace<T>,
+    arguments: &[&[T]],
+    results: &mut [Vec<T>],
+) {
+    use multibody::batch;
+    let ran = match (function, arguments, results) {
+        (Function::InverseDynamics, [q, v, a], [x]) => batch::inverse_dynamics(model, w, q, v, a, x),
+        (Function::ForwardDynamics, [q, v, tau], [x]) => batch::forward_dynamics(model, w, q, v, tau, x),
+        (Function::MassMatrix, [q], [x]) => batch::mass_matrix(model, w, q, x),
+        (Function::InverseDynamicsDerivatives, [q, v, a], [x, y]) => {
+            batch::inverse_dynamics_derivatives(model, w, q, v, a, x, y)
+        }
+        (Function::ForwardDynamicsDerivatives, [q, v, tau], [x, y, z]) => {
+            batch::forward_dynamics_derivatives(model, w, q, v, tau, x, y, z)
+        }
+        _ => unreachable!("a function has its arguments and results"),
+    };
+    ran.expect("finite results");
 }
 
 fn median(mut times: Vec<f64>) -> f64 {
@@ -147,36 +200,33 @@ fn one_state(model: &Model, states: &StateTable, function: Function) {
     let (graph, results) = traced(model, function, arithmetic);
     let lengths = function.lengths(model);
     let w = &mut Workspace::<f64>::new(model);
-    let mut by_library = vec![0.0; function.result(model)];
-    let mut library = |state: usize, result: &mut [f64]| {
-        let [q, v, a, tau] = states.get(state);
-        match function {
-            Function::InverseDynamics => multibody::inverse_dynamics(model, w, q, v, a, result),
-            Function::ForwardDynamics => multibody::forward_dynamics(model, w, q, v, tau, result),
-            Function::MassMatrix => multibody::mass_matrix(model, w, q, result),
-        }
-    };
+    let mut by_library: Vec<Vec<f64>> =
+        function.results(model).into_iter().map(|length| vec![0.0; length]).collect();
+    let mut by_code = by_library.clone();
+    let columns = function.arguments();
     for instructions in [InstructionSet::Avx2, InstructionSet::Avx512, InstructionSet::Neon] {
         let compiled =
             Kernel::<f64>::compile(&graph, &results, &lengths, arithmetic, instructions, Width::One);
         let Ok(kernel) = compiled else { continue };
         let mut scratch = vec![0.0; kernel.scratch_len()];
-        let mut by_code = vec![0.0; function.result(model)];
-        let mut code = |state: usize, result: &mut [f64]| {
-            let all = states.get(state);
-            let mut arguments = [&[][..]; 3];
-            let columns = function.arguments();
-            arguments.iter_mut().zip(columns).for_each(|(argument, &column)| *argument = all[column]);
-            let ran = kernel.call(&arguments[..columns.len()], &mut [result], &mut scratch);
-            ran.expect("angles in range");
-        };
         let (mut of_library, mut of_code, mut off) = (Vec::new(), Vec::new(), 0.0_f64);
         for _ in 0..ROUNDS {
+            let arguments = |state| columns.iter().map(move |&column| states.get(state)[column]);
             let begin = Instant::now();
-            (0..STATES).for_each(|state| library(state, black_box(&mut by_library)));
+            for state in 0..STATES {
+                let mut slices = [&[][..]; 3];
+                slices.iter_mut().zip(arguments(state)).for_each(|(slice, argument)| *slice = argument);
+                call(function, model, w, &slices[..columns.len()], black_box(&mut by_library));
+            }
             of_library.push(begin.elapsed().as_secs_f64() * 1e9 / STATES as f64);
             let begin = Instant::now();
-            (0..STATES).for_each(|state| code(state, black_box(&mut by_code)));
+            let mut results: Vec<&mut [f64]> = by_code.iter_mut().map(|result| &mut result[..]).collect();
+            for state in 0..STATES {
+                let mut slices = [&[][..]; 3];
+                slices.iter_mut().zip(arguments(state)).for_each(|(slice, argument)| *slice = argument);
+                let ran = kernel.call(&slices[..columns.len()], black_box(&mut results), &mut scratch);
+                ran.expect("angles in range");
+            }
             of_code.push(begin.elapsed().as_secs_f64() * 1e9 / STATES as f64);
             off = off.max(difference(&by_library, &by_code));
         }
@@ -195,8 +245,8 @@ fn batches<T: BatchFloat + Float>(model: &Model, states: &StateTable, function: 
     let tables = [0, 1, 2, 3].map(|column| -> Vec<T> {
         (0..STATES).flat_map(|state| states.get(state)[column]).map(|&x| T::nearest(x)).collect()
     });
-    let [q, v, a, tau] = &tables;
-    let mut by_library = vec![T::nearest(0.0); STATES * function.result(model)];
+    let mut by_library: Vec<Vec<T>> =
+        (function.results(model).into_iter()).map(|length| vec![T::nearest(0.0); STATES * length]).collect();
     let mut options = BatchOptions::default();
     options.threads = 1;
     let mut workspace = BatchWorkspace::<T>::with_options(model, options).expect("one thread");
@@ -211,25 +261,19 @@ fn batches<T: BatchFloat + Float>(model: &Model, states: &StateTable, function: 
         let (mut of_library, mut of_code) = (Vec::new(), Vec::new());
         for _ in 0..ROUNDS {
             let begin = Instant::now();
-            let result = black_box(&mut by_library[..]);
-            let ran = match function {
-                Function::InverseDynamics => {
-                    multibody::batch::inverse_dynamics(model, &mut workspace, q, v, a, result)
-                }
-                Function::ForwardDynamics => {
-                    multibody::batch::forward_dynamics(model, &mut workspace, q, v, tau, result)
-                }
-                Function::MassMatrix => multibody::batch::mass_matrix(model, &mut workspace, q, result),
-            };
-            ran.expect("finite results");
+            call_rows(function, model, &mut workspace, &arguments, black_box(&mut by_library));
             of_library.push(begin.elapsed().as_secs_f64() * 1e9 / STATES as f64);
+            let mut results: Vec<&mut [T]> = by_code.iter_mut().map(|result| &mut result[..]).collect();
             let begin = Instant::now();
-            let result = black_box(&mut by_code[..]);
-            kernel.call_rows(STATES, &arguments, &mut [result], &mut scratch, |row| panic!("row {row}"));
+            let far = |row| panic!("row {row} has an angle out of range");
+            let is_finite = kernel.call_rows(STATES, &arguments, black_box(&mut results), &mut scratch, far);
+            assert!(is_finite);
             of_code.push(begin.elapsed().as_secs_f64() * 1e9 / STATES as f64);
         }
         let (of_library, of_code) = (median(of_library), median(of_code));
-        let double = |x: &Vec<T>| -> Vec<f64> { x.iter().map(|&x| x.into()).collect() };
+        let double = |x: &[Vec<T>]| -> Vec<Vec<f64>> {
+            x.iter().map(|x| x.iter().map(|&x| x.into()).collect()).collect()
+        };
         let (number, off) = match T::PRECISION {
             Precision::Double => ("f64", difference(&double(&by_library), &double(&by_code))),
             Precision::Single => ("f32", difference(&double(&by_library), &double(&by_code))),
@@ -241,9 +285,11 @@ fn batches<T: BatchFloat + Float>(model: &Model, states: &StateTable, function: 
     }
 }
 
-/// The largest difference, relative to the largest number.
-fn difference(x: &[f64], y: &[f64]) -> f64 {
-    let largest = x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let off = x.iter().zip(y).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs()));
-    off / largest
+/// The largest difference, relative to the largest number of each result.
+fn difference(x: &[Vec<f64>], y: &[Vec<f64>]) -> f64 {
+    let of_result = |(x, y): (&Vec<f64>, &Vec<f64>)| {
+        let largest = x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        x.iter().zip(y).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs())) / largest
+    };
+    x.iter().zip(y).map(of_result).fold(0.0, f64::max)
 }
