@@ -92,7 +92,7 @@ impl Code {
         target: Target,
     ) -> Result<Self, CompileError> {
         check(graph, results, lengths, target)?;
-        // A depth-first order needs no fewer registers for any function of a robot that was measured, and takes as long as all the rest.
+        // The order of `Plan` was the trace's for all functions of robots but one, where it led to more stored values.
         let order = as_traced(graph, results);
         let source = Source { graph, results, order: &order };
         let mut pool = Pool::default();
