@@ -1,4 +1,4 @@
-//! Kernels as a caller sees them: lengths, ranges, refusals, threads, memory.
+//! Kernels as a caller sees them: lengths, ranges, refusals and threads.
 
 use expression::{Arithmetic, Graph, Operand, Precision, Sine, Traced, trace};
 use native::{AngleOutOfRange, Code, CompileError, Kernel, Target, Width, best_instructions};
@@ -202,34 +202,4 @@ fn threads_call_a_kernel_while_others_are_compiled() {
             });
         }
     });
-}
-
-/// Bytes of memory that can be executed and belong to no file.
-#[cfg(target_os = "linux")]
-fn executable_bytes() -> usize {
-    let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
-    let size = |line: &str| {
-        let fields: Vec<&str> = line.split_whitespace().collect();
-        let (begin, end) = fields[0].split_once('-')?;
-        let is_ours = fields[1].starts_with("r-x") && fields.len() == 5;
-        let [begin, end] = [begin, end].map(|text| usize::from_str_radix(text, 16).unwrap());
-        is_ours.then_some(end - begin)
-    };
-    maps.lines().filter_map(size).sum()
-}
-
-/// A kernel that is dropped gives its memory back. Ten thousand would have 40 MB; other tests have a few at a time, of 4 kB each.
-#[cfg(target_os = "linux")]
-#[test]
-fn dropped_kernels_leave_no_memory() {
-    let make = || compiled(&[1], Width::One, |x| vec![vec![x[0][0] + x[0][0]]]);
-    let kept: Vec<Kernel<f64>> = (0..500).map_while(|_| make()).collect();
-    // An emulator shows its own memory.
-    let is_shown = executable_bytes() >= 500 << 12;
-    if kept.is_empty() || !is_shown {
-        return println!("left out: the system does not show executable memory");
-    }
-    drop(kept);
-    (0..10_000).for_each(|_| drop(make()));
-    assert!(executable_bytes() < 1 << 20);
 }

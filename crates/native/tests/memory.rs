@@ -1,0 +1,39 @@
+//! Memory of kernels that are dropped. This test is alone in its process: other tests map executable memory as well.
+#![cfg(target_os = "linux")]
+
+use expression::{Arithmetic, trace};
+use native::{Kernel, Width, best_instructions};
+
+/// Bytes of memory that can be executed and belong to no file.
+fn executable_bytes() -> usize {
+    let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
+    let size = |line: &str| {
+        let fields: Vec<&str> = line.split_whitespace().collect();
+        let (begin, end) = fields[0].split_once('-')?;
+        let is_ours = fields[1].starts_with("r-x") && fields.len() == 5;
+        let [begin, end] = [begin, end].map(|text| usize::from_str_radix(text, 16).unwrap());
+        is_ours.then_some(end - begin)
+    };
+    maps.lines().filter_map(size).sum()
+}
+
+fn kernel() -> Option<Kernel<f64>> {
+    let arithmetic = Arithmetic::default();
+    let (graph, results) = trace(arithmetic, &[1], |x| vec![vec![x[0][0] + x[0][0]]]);
+    Kernel::compile(&graph, &results, &[1], arithmetic, best_instructions(), Width::One).ok()
+}
+
+/// A kernel that is dropped gives its memory back. Ten thousand would have 40 MB.
+#[test]
+fn dropped_kernels_leave_no_memory() {
+    let before = executable_bytes();
+    let kept: Vec<Kernel<f64>> = (0..500).map_while(|_| kernel()).collect();
+    // An emulator shows its own memory.
+    let is_shown = executable_bytes() >= before + (500 << 12);
+    if kept.is_empty() || !is_shown {
+        return println!("left out: the system does not show executable memory");
+    }
+    drop(kept);
+    (0..10_000).for_each(|_| drop(kernel()));
+    assert!(executable_bytes() < before + (1 << 20));
+}
