@@ -253,11 +253,11 @@ def effort_limits(robot: Any, conservative: bool, off: Sequence[str]) -> Array |
 
 
 def refuse_for_adaptive(**given: Any) -> None:
-    """Adaptive steps know neither contact nor actuators nor constraints."""
+    """Adaptive steps know neither contact nor constraints."""
     for name, value in given.items():
         if value is not None:
             verb = "go" if name.endswith("s") else "goes"
-            raise ValueError(f"{name} {verb} with integrator='implicit'; 'adaptive' knows no contact, actuators or constraints")
+            raise ValueError(f"{name} {verb} with integrator='implicit'; 'adaptive' knows no contact or constraints")
 
 
 class Moving(_native.Robot):
@@ -326,7 +326,7 @@ class Moving(_native.Robot):
         how = {"duration": duration, "sample_every": sample_every, "events": fields, "stop_at_limits": stop_at_limits}
         try:
             if integrator == "adaptive":
-                refuse_for_adaptive(ground=ground, controls=controls, constraints=constraints)
+                refuse_for_adaptive(ground=ground, constraints=constraints)
             elif tolerance is not None or control_period is not None:
                 raise ValueError(
                     "tolerance and control_period go with integrator='adaptive'; "

@@ -196,8 +196,9 @@ impl Robot {
             };
             let options =
                 RunOptions::new().controller(&mut torques).events(events).sample_every(sample_every);
-            // Adaptive steps look at the flag, and evaluate no more samples than are kept.
-            simulation.run(steps, if is_adaptive { options } else { options.observer(&mut observer) })
+            // Adaptive steps look at the flag, and evaluate no more samples than are kept, unless forces of actuators are.
+            let is_observed = !is_adaptive || simulation.control_names().next().is_some();
+            simulation.run(steps, if is_observed { options.observer(&mut observer) } else { options })
         };
         // Whoever calls Python at each step keeps the interpreter's lock.
         let outcome = if has_callbacks {

@@ -27,10 +27,9 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
             "--tolerance goes with --integrator {adaptive}; {given} takes steps of --step whatever their error"
         )));
     }
-    if is_adaptive && (arguments.ground.is_some() || arguments.controls.is_some()) {
-        let option = if arguments.ground.is_some() { "--ground" } else { "--controls" };
+    if is_adaptive && arguments.ground.is_some() {
         return Err(Failure::new(format!(
-            "{option} goes with --integrator implicit or mujoco; {adaptive} knows neither contact nor actuators"
+            "--ground goes with --integrator implicit or mujoco; {adaptive} knows no contact"
         )));
     }
     Ok(())

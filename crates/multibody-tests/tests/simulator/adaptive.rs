@@ -2,8 +2,11 @@
 
 use dynamics::Integrator;
 use multibody::simulator::{AppliedWrench, Effect, Method, RunOptions, Simulation, SimulationBuilder};
-use multibody::{AdaptiveOptions, ControlTiming, Limits, Model, PassiveForces, StepInfo, neutral, pendulum};
-use multibody::{RandomRobotOptions, StepForces, StepWorkspace, Stepper, random_robot};
+use multibody::{
+    Activation, ActuatorDescription, AdaptiveOptions, ControlTiming, JointKinds, Limits, Model,
+    PassiveForces, RandomRobotOptions, StepForces, StepInfo, StepWorkspace, Stepper, TendonDescription,
+    Transmission, neutral, pendulum, random_robot,
+};
 
 fn to(tolerance: f64) -> AdaptiveOptions {
     AdaptiveOptions { tolerance, ..AdaptiveOptions::default() }
@@ -135,5 +138,57 @@ fn the_stepper_takes_the_same_steps() {
     simulation.stepper().step(&model, workspace, &forces, 0.02, &mut q, &mut v).unwrap();
     for (found, expected) in q.iter().chain(&v).zip(simulation.q().iter().chain(simulation.v())) {
         assert!((found - expected).abs() < 1e-14 * (1.0 + expected.abs()), "{found} {expected}");
+    }
+}
+
+/// A servo that lags behind its control, a tendon with a spring and a damper, and a damped hinge: adaptive steps, steps of order 4 and the energy account
+/// agree. The activation and the actuator's force at the end are those of the laws.
+#[test]
+fn actuators_and_tendons_act() {
+    let options = RandomRobotOptions { massless: 0.0, kinds: JointKinds::Turning, ..Default::default() };
+    let mut robot = random_robot(5, &options);
+    robot.joints.iter_mut().for_each(|joint| joint.passive = PassiveForces::default().with_damping(0.05));
+    let names: Vec<String> = {
+        let model = Model::new(robot.clone()).unwrap();
+        model.joints().iter().filter(|joint| joint.nv == 1).map(|joint| joint.name.clone()).collect()
+    };
+    let mut servo =
+        ActuatorDescription::new("servo", Transmission::joint(names[0].clone(), 1.0)).servo(5.0, 0.5);
+    servo.activation = Activation::Filter { time_constant: 0.05 };
+    robot.actuators.push(servo);
+    let mut cable = TendonDescription::new("cable", [(names[1].clone(), 0.3), (names[2].clone(), -0.2)]);
+    cable.passive = PassiveForces::default().with_spring(20.0, 0.1).with_damping(0.4);
+    robot.tendons.push(cable);
+    let model = Model::new(robot).unwrap();
+    let builder = || SimulationBuilder::new(&model).without(Effect::EffortLimits).without(Effect::Limits);
+    let mut run = builder().adaptive(to(1e-11)).step(0.05).build().unwrap();
+    assert!(run.left_out().is_empty(), "{:?}", run.left_out());
+    assert_eq!(run.acting(), [Effect::Dissipation, Effect::Springs, Effect::Actuators]);
+    let mut steps = run.clone();
+    let mut fixed = builder().method(Method::Fixed(Integrator::RungeKutta4)).step(5e-5).build().unwrap();
+    let v: Vec<f64> = (0..model.nv()).map(|k| 0.3 * (k as f64).cos()).collect();
+    for simulation in [&mut run, &mut steps, &mut fixed] {
+        simulation.reset(&neutral(&model), &v).unwrap();
+        simulation.set_controls(&[0.7]);
+    }
+    let ran = run.run(8, RunOptions::new()).unwrap();
+    steps.run_for(0.4).unwrap();
+    fixed.run_for(0.4).unwrap();
+    for (k, q) in run.q().iter().enumerate() {
+        // h⁴ = 6e-18 times derivatives of some units, and the rounding of 8000 steps.
+        assert!((q - fixed.q()[k]).abs() < 1e-10, "{:?} {:?}", run.q(), fixed.q());
+        assert!((q - steps.q()[k]).abs() < 1e-9, "{:?} {:?}", run.q(), steps.q());
+    }
+    let (ledger, small) = (&ran.ledger, fixed.ledger());
+    assert!(ledger.max_imbalance() < 1e-9 && steps.ledger().max_imbalance() < 1e-9);
+    assert!((ledger.work() - small.work()).abs() < 1e-8 && ledger.work().abs() > 1e-2, "{}", ledger.work());
+    assert!((ledger.dissipated() - small.dissipated()).abs() < 1e-8);
+    let activation = 0.7 * (1.0 - (-0.4_f64 / 0.05).exp());
+    for simulation in [&run, &steps] {
+        assert!((simulation.activations()[0] - activation).abs() < 1e-12);
+        let hinge = model.joints().iter().find(|joint| joint.name == names[0]).unwrap();
+        let (q, v) = (simulation.q()[hinge.q_index], simulation.v()[hinge.v_index]);
+        let force = 5.0 * (activation - q) - 0.5 * v;
+        assert!((simulation.actuator_forces()[0] - force).abs() < 1e-12);
     }
 }

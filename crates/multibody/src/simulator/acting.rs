@@ -114,8 +114,6 @@ impl Kinds {
             (self.friction, "damping and dry friction"),
             (self.limits, "position limits"),
             (self.contacts, "contacts"),
-            (self.actuators, "actuators"),
-            (self.springs, "tendons, springs of ball and free joints and compensated weight"),
             (self.equalities, "equalities"),
         ];
         let found = all.into_iter().filter(|(is_there, _)| *is_there);

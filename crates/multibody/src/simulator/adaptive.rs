@@ -58,6 +58,8 @@ impl Simulation {
             }
         };
         let mut applied = Applied::held(&inputs.torques);
+        applied.driven = stepper.driven_from(run.time);
+        let start = run.time;
         applied.controller = controller.map(|controller| controller as &mut dyn Controller);
         applied.effort = effort.as_deref();
         if !wrenches.is_empty() {
@@ -79,6 +81,9 @@ impl Simulation {
         if is_controlled {
             self.inputs.torques.copy_from_slice(&self.memory.tau);
         }
+        if let Some(actuation) = &self.actuation {
+            actuation.activate(&self.inputs.controls, self.run.time - start, &mut self.activations);
+        }
         if self.run.time != fixed.time(self.run.steps) {
             self.base = (self.run.steps, self.run.time);
         }
@@ -89,6 +94,7 @@ impl Simulation {
     /// One step by adaptive steps; where it fails, all is as before it.
     pub(super) fn step_adaptively(&mut self) -> Result<(), StepFailure> {
         let (run, stepper, base) = (self.run.clone(), self.stepper.clone(), self.base);
+        let activations = self.activations.clone();
         let watch = Watch::start(&mut [], run.time, &run.q, &run.v)?;
         let done = match self.follow(1, 0, (None, watch, None)) {
             Ok(()) if self.run.interrupted => {
@@ -99,6 +105,7 @@ impl Simulation {
         };
         if done.is_err() {
             (self.run, self.stepper, self.base) = (run, stepper, base);
+            self.activations = activations;
         } else {
             self.run.trajectory = Trajectory::new(&self.model, 0);
         }

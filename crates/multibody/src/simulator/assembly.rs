@@ -31,7 +31,8 @@ impl SimulationBuilder<'_> {
             None => ConstraintSet::default(),
         };
         let constraints = Some(constraints).filter(|set| !set.is_empty());
-        let actuation = self.actuation()?;
+        #[cfg_attr(not(feature = "adaptive"), allow(unused_mut))]
+        let mut actuation = self.actuation()?;
         let link_contacts = contacts.as_ref().is_some_and(|set| set.pairs().next().is_some());
         let touch = (contacts.is_some(), link_contacts);
         #[cfg_attr(not(feature = "adaptive"), allow(unused_mut))]
@@ -52,6 +53,7 @@ impl SimulationBuilder<'_> {
                 contacts = None;
                 if kinds.has_friction() {
                     (kinds, dissipates) = (kinds.without_dissipation(), false);
+                    actuation = actuation.map(Actuation::without_dissipation);
                 }
             }
             Method::Implicit | Method::Mujoco | Method::Own => {}
@@ -60,7 +62,7 @@ impl SimulationBuilder<'_> {
         let effort = self
             .acts(Effect::EffortLimits)
             .then(|| model.coordinate_limits().iter().map(|limits| limits.effort).collect::<Vec<f64>>());
-        // Explicit rows that hold their forces over a step leave the actuators out, as adaptive steps do.
+        // Rows that hold equalities, or their forces over a step, leave the actuators out.
         let actuation = actuation.filter(|_| stepper.drives());
         let acting = kinds.acting(&stepper, effort.as_deref());
         let parts = super::stepping::Parts {
@@ -209,7 +211,11 @@ impl SimulationBuilder<'_> {
             }
             #[cfg(feature = "adaptive")]
             Method::Adaptive => {
-                StepperKind::Adaptive(Box::new(AdaptiveStepper::new(self.adaptive, self.interrupt.clone())))
+                let stepper = AdaptiveStepper::new(self.adaptive, self.interrupt.clone());
+                StepperKind::Adaptive(Box::new(match actuation {
+                    Some(actuation) => stepper.with_actuation(actuation, model.nv()),
+                    None => stepper,
+                }))
             }
         };
         Ok(SimulationStepper { kind })

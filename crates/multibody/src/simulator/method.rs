@@ -165,13 +165,20 @@ impl SimulationStepper {
             StepperKind::Actuated(stepper) => stepper.set_controls(controls, start),
             StepperKind::Implicit(stepper) => stepper.set_controls(middle),
             StepperKind::Mujoco(stepper) => stepper.set_controls(start),
+            #[cfg(feature = "adaptive")]
+            StepperKind::Adaptive(stepper) => stepper.set_controls(controls, start),
             _ => {}
         }
     }
 
     /// Whether it evaluates actuators and springs beside those of joints.
     pub(super) fn drives(&self) -> bool {
-        matches!(self.kind, StepperKind::Actuated(_) | StepperKind::Implicit(_) | StepperKind::Mujoco(_))
+        match &self.kind {
+            StepperKind::Actuated(_) | StepperKind::Implicit(_) | StepperKind::Mujoco(_) => true,
+            #[cfg(feature = "adaptive")]
+            StepperKind::Adaptive(stepper) => stepper.is_driven(),
+            _ => false,
+        }
     }
 
     /// Contacts at the end of the last step, with their forces.

@@ -11,7 +11,7 @@ mod stepper;
 pub(crate) use course::Course as AdaptiveCourse;
 pub use error::AdaptiveStepError;
 pub use method::AdaptiveMethod;
-pub(crate) use motion::Applied;
+pub(crate) use motion::{Applied, Driven};
 pub use options::{AdaptiveOptions, AdaptiveOptionsError, ControlTiming};
 
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use self::stepper::{Advance, StepSequence};
 use super::Stepper;
 use crate::algorithms::energy::energies;
 use crate::model::length::check_length;
-use crate::{Model, StepForces, StepWorkspace, Workspace};
+use crate::{Actuation, Model, StepForces, StepWorkspace, Workspace};
 
 /// Statistics of the steps of adaptive runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -85,12 +85,45 @@ pub(crate) struct AdaptiveStepper {
     wanted: f64,
     /// Work and dissipation of the last h \[J\].
     last: [f64; 2],
+    driven: Option<Driven>,
 }
 
 impl AdaptiveStepper {
     pub(crate) fn new(options: AdaptiveOptions, interrupt: Option<Arc<AtomicBool>>) -> Self {
         let record = AdaptiveRecord { method: options.method, ..AdaptiveRecord::default() };
-        Self { options, interrupt, record, is_chosen: false, energy: 1.0, wanted: 0.0, last: [0.0; 2] }
+        let (energy, wanted, last) = (1.0, 0.0, [0.0; 2]);
+        Self { options, interrupt, record, is_chosen: false, energy, wanted, last, driven: None }
+    }
+
+    /// With tendons, carried weight and actuators.
+    pub(crate) fn with_actuation(mut self, actuation: &Actuation, nv: usize) -> Self {
+        self.driven = Some(Driven::new(actuation.clone(), nv));
+        self
+    }
+
+    /// Holds these controls from now on, at these activations.
+    pub(crate) fn set_controls(&mut self, controls: &[f64], activations: &[f64]) {
+        if let Some(driven) = &mut self.driven {
+            driven.set_controls(controls, activations);
+        }
+    }
+
+    pub(crate) fn is_driven(&self) -> bool {
+        self.driven.is_some()
+    }
+
+    /// What acts by laws of the state; the activations that are held are those at the time `start` \[s\].
+    pub(crate) fn driven_from(&mut self, start: f64) -> Option<Driven> {
+        let driven = self.driven.as_mut()?;
+        driven.start = start;
+        Some(driven.clone())
+    }
+
+    /// Leaves the actuators' forces at (t, q, v), and returns the energy that is stored there \[J\].
+    fn drive(&mut self, model: &Model, at: (f64, &[f64], &[f64])) -> f64 {
+        let Some(driven) = &mut self.driven else { return 0.0 };
+        driven.actuate(model, at);
+        driven.actuation.stored_energy(&mut driven.memory, at.1)
     }
 
     /// Chooses between explicit and implicit steps from this state on, unless that is done.
@@ -136,7 +169,8 @@ impl Stepper for AdaptiveStepper {
         check_length("q", q.len(), model.nq());
         check_length("v", v.len(), model.nv());
         self.choose(model, &mut workspace.dynamics, (q, v), forces.dissipation);
-        let motion = Motion::new(model, forces.dissipation, self.energy, Applied::held(forces.tau));
+        let applied = Applied { driven: self.driven_from(0.0), ..Applied::held(forces.tau) };
+        let motion = Motion::new(model, forces.dissipation, self.energy, applied);
         let y = [&*q, &*v, &[0.0, 0.0]].concat();
         let mut steps = StepSequence::start(self, &motion, (0.0, h), &y).map_err(Trouble::of_step)?;
         let moved = loop {
@@ -160,6 +194,21 @@ impl Stepper for AdaptiveStepper {
         Ok(())
     }
 
+    fn stored_energy(&mut self, q: &[f64]) -> f64 {
+        let driven = self.driven.as_mut();
+        driven.map_or(0.0, |driven| driven.actuation.stored_energy(&mut driven.memory, q))
+    }
+
+    /// At the end, not the mean.
+    fn actuator_forces(&self) -> &[f64] {
+        self.driven.as_ref().map_or(&[], |driven| driven.memory.actuator_forces())
+    }
+
+    /// At the end, not the mean.
+    fn actuator_torques(&self) -> &[f64] {
+        self.driven.as_ref().map_or(&[], |driven| &driven.torques)
+    }
+
     /// Work and dissipation are integrated with the motion.
     fn record(
         &mut self,
@@ -169,10 +218,11 @@ impl Stepper for AdaptiveStepper {
         _: (&[f64], &[f64]),
         (q, v): (&[f64], &[f64]),
         _: &StepForces<'_>,
-        _: f64,
+        h: f64,
     ) {
         let (kinetic, potential) = energies(model, &mut workspace.dynamics, q, v);
+        let stored = self.drive(model, (h, q, v));
         let [work, dissipated] = self.last;
-        ledger.enter(kinetic, potential, ledger.work() + work, ledger.dissipated() + dissipated);
+        ledger.enter(kinetic, potential + stored, ledger.work() + work, ledger.dissipated() + dissipated);
     }
 }

@@ -6,7 +6,7 @@ use super::super::divergence::{GROWN, LOST};
 use super::super::event::Watch;
 use super::super::ledger::fastest;
 use super::super::run::Observer;
-use super::super::{Controller, Run, RunError};
+use super::super::{Controller, Run, RunError, Stepper};
 use super::error::AdaptiveStepError;
 use super::motion::{Applied, Motion, TORQUE, Trouble};
 use super::stepper::{Advance, StepSequence};
@@ -206,14 +206,16 @@ impl Course<'_, '_> {
         let failed = |trouble: Trouble| trouble.at(model, time, step);
         motion.torque(time, &q, &v, tau).map_err(failed)?;
         let (kinetic, potential) = energies(model, self.workspace, &q, &v);
+        let potential = potential + self.stepper.drive(model, (time, &q, &v));
         let [work, dissipated] = [y[y.len() - 2], y[y.len() - 1]].map(|account| motion.energy * account);
         if !(kinetic + potential - work + dissipated).is_finite() {
             return Err(failed(Trouble::NotFinite("the energy", fastest(&v))));
         }
         (run.q, run.v) = (q, v);
         run.ledger.enter(kinetic, potential, samples.account[0] + work, samples.account[1] + dissipated);
-        for (peak, tau) in run.peak_torque.iter_mut().zip(&*tau) {
-            *peak = peak.max(tau.abs());
+        let by_actuators = self.stepper.actuator_torques();
+        for (k, peak) in run.peak_torque.iter_mut().enumerate() {
+            *peak = peak.max((tau[k] + by_actuators.get(k).unwrap_or(&0.0)).abs());
         }
         run.time = time;
         run.steps = samples.first + instant;
@@ -228,6 +230,7 @@ impl Course<'_, '_> {
         }
         if is_kept {
             run.keep_sample(tau, &*self.stepper);
+            run.trajectory.add_to_last_tau(by_actuators);
         }
         run.interrupted = flow.is_break();
         Ok(flow)

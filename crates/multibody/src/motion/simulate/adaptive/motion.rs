@@ -8,7 +8,9 @@ use dynamics::{DynamicsError, IntegratorError};
 use super::super::{Controller, ControllerError, RunError};
 use super::error::AdaptiveStepError;
 use crate::space::configuration_rate::configuration_rate;
-use crate::{Model, Workspace, dissipation, forward_dynamics, normalize_quaternions};
+use crate::{
+    Actuation, ActuationWorkspace, Model, Workspace, dissipation, forward_dynamics, normalize_quaternions,
+};
 
 /// y = (q, v, W, D): configuration, velocity, work of τ, and what damping took out, these two in units of [`energy`](Self::energy).
 ///
@@ -36,6 +38,68 @@ pub(crate) struct Applied<'c> {
     pub(crate) effort: Option<&'c [f64]>,
     /// Adds the generalized forces of wrenches at q.
     pub(crate) wrenches: Option<Wrenches<'c>>,
+    /// Actuators, tendons, further springs and carried weight.
+    pub(crate) driven: Option<Driven>,
+}
+
+/// What acts beside τ by laws of the state, under controls that are held.
+#[derive(Clone, Debug)]
+pub(crate) struct Driven {
+    pub(super) actuation: Actuation,
+    pub(super) memory: ActuationWorkspace,
+    controls: Vec<f64>,
+    /// The activations at the time `start` \[s\].
+    activations: Vec<f64>,
+    pub(super) start: f64,
+    /// Those of an evaluation.
+    now: Vec<f64>,
+    /// The generalized forces of all, and of the actuators.
+    force: Vec<f64>,
+    pub(super) torques: Vec<f64>,
+}
+
+impl Driven {
+    pub(super) fn new(actuation: Actuation, nv: usize) -> Self {
+        let zeros = || vec![0.0; actuation.control_count()];
+        Self {
+            memory: actuation.workspace(),
+            controls: zeros(),
+            activations: zeros(),
+            start: 0.0,
+            now: zeros(),
+            force: vec![0.0; nv],
+            torques: vec![0.0; nv],
+            actuation,
+        }
+    }
+
+    /// Holds these controls from now on, at these activations.
+    pub(super) fn set_controls(&mut self, controls: &[f64], activations: &[f64]) {
+        self.controls.copy_from_slice(controls);
+        self.activations.copy_from_slice(activations);
+    }
+
+    /// Adds all forces at t to τ; returns the power that is put in, and the one that is lost \[W\].
+    fn add_to(&mut self, model: &Model, (t, q, v): (f64, &[f64], &[f64]), tau: &mut [f64]) -> (f64, f64) {
+        self.actuate(model, (t, q, v));
+        let Self { actuation, memory, force, torques, .. } = self;
+        force.copy_from_slice(torques);
+        actuation.add_passive(memory, q, v, force);
+        tau.iter_mut().zip(&*force).for_each(|(tau, force)| *tau += force);
+        force.copy_from_slice(torques);
+        actuation.add_unstored(memory, force);
+        (force.iter().zip(v).map(|(force, v)| force * v).sum(), actuation.dissipated_power(q, v))
+    }
+
+    /// Leaves the actuators' forces at t in the memory.
+    pub(super) fn actuate(&mut self, model: &Model, (t, q, v): (f64, &[f64], &[f64])) {
+        let Self { actuation, memory, controls, activations, start, now, torques, .. } = self;
+        now.copy_from_slice(activations);
+        if t > *start {
+            actuation.activate(controls, t - *start, now);
+        }
+        actuation.actuator_torques(model, memory, now, q, v, torques);
+    }
 }
 
 impl<'c> Applied<'c> {
@@ -235,9 +299,14 @@ impl ODE<f64, Vec<f64>> for Motion<'_, '_> {
         let (q_rate, rest) = rate.split_at_mut(nq);
         let (acceleration, account) = rest.split_at_mut(nv);
         account.copy_from_slice(&[dot(total, v) / self.energy, 0.0]);
+        if let Some(driven) = &mut applied.driven {
+            let (power, losses) = driven.add_to(model, (t, q, v), total);
+            account[0] += power / self.energy;
+            account[1] = losses / self.energy;
+        }
         if self.dissipation {
             dissipation(model, v, lost);
-            account[1] = dot(lost, v) / self.energy;
+            account[1] += dot(lost, v) / self.energy;
             force.iter_mut().zip(&*total).zip(&*lost).for_each(|((f, tau), b)| *f = tau - b);
         } else {
             force.copy_from_slice(total);
