@@ -259,6 +259,8 @@ class SimulationBatch(_native.SimulationBatch):
             if given.shape != (len(self),):
                 raise ShapeError(f"where has shape {given.shape}, truth values must have ({len(self)},)")
             given = np.flatnonzero(given)
+        elif given.ndim != 1 or (given.size > 0 and given.dtype.kind not in "iu"):
+            raise TypeError(f"where is {where!r}; it must be a sequence of simulations' numbers, or a truth value for each")
         return [int(number) for number in given.tolist()]
 
 

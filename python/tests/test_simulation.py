@@ -293,6 +293,9 @@ def test_simulations_of_a_batch_that_fail_leave_the_others_alone() -> None:
         assert (batch.q[k] == single.q).all() and (batch.v[k] == single.v).all()
     with pytest.raises(rd.ShapeError, match=r"where has shape \(2,\), truth values must have \(21,\)"):
         batch.step(where=[True, False])
+    for numbers in ([0.5], [[0], [1]]):
+        with pytest.raises(TypeError, match="it must be a sequence of simulations' numbers"):
+            batch.step(where=numbers)  # type: ignore[arg-type]
 
 
 def test_states_of_a_batch_are_set_row_by_row() -> None:
