@@ -147,7 +147,6 @@ def test_adaptive_runs_find_events_and_refuse() -> None:
     for wrong, words in (
         ({"integrator": "rk4", "tolerance": 1e-6}, "go with integrator='adaptive'"),
         ({"integrator": "adaptive", "ground": rd.Ground()}, "ground goes with integrator='implicit'"),
-        ({"integrator": "adaptive", "controls": {}}, "controls go with integrator='implicit'"),
         ({"integrator": "adaptive", "constraints": arm.constraints({})}, "constraints go with integrator='implicit'"),
     ):
         with pytest.raises(ValueError, match=words):
@@ -171,10 +170,10 @@ def test_adaptive_steps_say_what_they_leave_out(panda: rd.Robot) -> None:
     def left_out(robot: rd.Robot, tau: Any = None, **other: Any) -> list[str]:
         return [line.split(":")[0] for line in robot.simulate([0.0], tau=tau, **how, **other).left_out]
 
-    stated = ["position limits", "contacts", "actuators"]
+    stated = ["position limits", "contacts"]
     assert left_out(damped) == stated
     assert left_out(rubbed) == ["damping and dry friction", *stated, "equalities"]
-    assert left_out(rubbed, without=["dissipation", "contacts", "limits", "equalities"]) == ["actuators"]
+    assert left_out(rubbed, without=["dissipation", "contacts", "limits", "equalities"]) == []
     assert left_out(damped, lambda t, q, v: [0.0]) == stated
     assert left_out(rubbed, conservative=True) == ["equalities"]
     # Damping acts where no joint has friction, and its work is in the account.
