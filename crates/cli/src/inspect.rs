@@ -165,7 +165,7 @@ fn coordinates(model: &Model) -> String {
     format!("{head}\n{}", table.text())
 }
 
-/// The text of a report that is printed at once [bytes].
+/// The text of a report that is printed at once \[bytes\].
 const PRINTED_AT_ONCE: usize = 1 << 16;
 
 fn print_load_report(report: &LoadReport, all: bool) -> Result<(), Failure> {
