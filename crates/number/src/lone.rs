@@ -47,6 +47,30 @@ macro_rules! wrapper {
         }
     };
 }
+
+/// The operations of a `Scalar` in which the lanes' order is that of one state.
+macro_rules! scalar_by_lanes {
+    () => {
+        #[inline(always)]
+        fn from_f64(x: f64) -> Self {
+            Self(S::from_f64(x))
+        }
+        #[inline(always)]
+        fn sin_cos(self) -> (Self, Self) {
+            let (sine, cosine) = self.0.sin_cos();
+            (Self(sine), Self(cosine))
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(self.0.sqrt())
+        }
+        #[inline(always)]
+        fn signum0(self) -> Self {
+            Self(self.0.signum0())
+        }
+    };
+}
+
 wrapper!(Lone);
 wrapper!(Unfused);
 
@@ -58,23 +82,7 @@ pub struct Unfused<S>(pub S);
 impl<S: Scalar> Scalar for Unfused<S> {
     type Triple = [Self; 3];
     type Symmetric = [Self; 6];
-    #[inline(always)]
-    fn from_f64(x: f64) -> Self {
-        Self(S::from_f64(x))
-    }
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        let (sine, cosine) = self.0.sin_cos();
-        (Self(sine), Self(cosine))
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self(self.0.sqrt())
-    }
-    #[inline(always)]
-    fn signum0(self) -> Self {
-        Self(self.0.signum0())
-    }
+    scalar_by_lanes!();
 }
 
 /// Lanes of `f64` with the operations and the order of the machine's number for one `f64`, up to signs of zeros.
@@ -85,23 +93,7 @@ pub struct Lone<S>(pub S);
 impl<S: Scalar> Scalar for Lone<S> {
     type Triple = LoneTriple<S>;
     type Symmetric = [LoneTriple<S>; 3];
-    #[inline(always)]
-    fn from_f64(x: f64) -> Self {
-        Self(S::from_f64(x))
-    }
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        let (sine, cosine) = self.0.sin_cos();
-        (Self(sine), Self(cosine))
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self(self.0.sqrt())
-    }
-    #[inline(always)]
-    fn signum0(self) -> Self {
-        Self(self.0.signum0())
-    }
+    scalar_by_lanes!();
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
         Self(self.0.mul_add(a.0, b.0))
