@@ -8,7 +8,7 @@ pub(crate) struct Table {
     text: String,
     /// Where each cell ends in it.
     ends: Vec<usize>,
-    /// Of each column the most characters of a cell.
+    /// The most characters of a cell in each column.
     widths: Vec<usize>,
     /// Whether a column is flush right, as numbers are.
     right: Vec<bool>,

@@ -66,7 +66,7 @@ crate::clone_in_place::clone_in_place! {
         /// How many coordinates.
         n: usize,
         blocks: Vec<Block>,
-        /// Which of the blocks are cones.
+        /// The indices of the blocks that are cones.
         cones: Vec<usize>,
         support: Vec<usize>,
         entries: Vec<f64>,
@@ -90,7 +90,7 @@ crate::clone_in_place::clone_in_place! {
         /// 1/R of each row whose multiplier is between them, 0 of one on a bound; memory for others.
         weights: Vec<f64>,
         next: Vec<f64>,
-        /// Of what there is to be moved.
+        /// The energy that there is to be moved.
         start_energy: f64,
         /// p and c of the present x.
         p: Vec<f64>,

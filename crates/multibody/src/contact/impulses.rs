@@ -72,7 +72,7 @@ clone_in_place! {
     pub(crate) struct ContactImpulses {
         set: ContactSet,
         problem: ConeProblem,
-        /// Of positions.
+        /// The problem of positions.
         lifts: ConeProblem,
         /// λ of the zeros that contacts between links leave.
         carrier: Vec<usize>,
@@ -82,12 +82,12 @@ clone_in_place! {
         start: Placement,
         placement: Placement,
         active: Vec<Active>,
-        /// Of each body, where the step starts; and what acts on it.
+        /// The velocity of each body where the step starts, and the wrench on it.
         velocities: Vec<Twist>,
         wrenches: Vec<Twist>,
-        /// What touched in the last step, where this one starts, in the same order.
+        /// The contacts of the last step where this one starts, in the same order.
         begun: Vec<Begun>,
-        /// What touched in the last step a face of a height field that it is no longer above.
+        /// The contacts of the last step with a face of a height field that they are no longer above.
         gone: Vec<Carried>,
         /// Whether each contact of the last step was found again; the pairs of the present contacts, rising.
         seen: Vec<bool>,

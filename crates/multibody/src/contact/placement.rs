@@ -24,10 +24,10 @@ clone_in_place! {
     pub(super) struct Placement {
         /// `world_from_body`: R by rows, then p.
         bodies: Vec<[f64; 12]>,
-        /// Of each freedom of the tree: the velocity of its body's origin, and ω.
+        /// The velocity of the body's origin, and ω, for each freedom of the tree.
         columns: Vec<[f64; 6]>,
         paths: Vec<Vec<usize>>,
-        /// Of this configuration; NaN before the first.
+        /// The configuration; NaN before the first.
         q: Vec<f64>,
     }
 }

@@ -39,7 +39,7 @@ pub(super) struct LaneSteps {
     extents: Vec<f64>,
 }
 
-/// What a step in lanes came to.
+/// The outcome of a step in lanes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LaneStep {
     /// Whether it has the bits of single steps: not where an angle is beyond the range of the lanes' sine.
@@ -146,7 +146,7 @@ impl Form for OverLanes {
 /// The memory of steps.
 struct Block<S: Scalar> {
     workspace: Workspace<Lone<S>>,
-    /// What recursions read and write.
+    /// The arguments and results of recursions.
     recursion: Vec<Lone<S>>,
     /// The state, the forces and the stages.
     stages: Vec<Unfused<S>>,

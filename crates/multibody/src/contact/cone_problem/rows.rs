@@ -24,7 +24,7 @@ clone_in_place! {
     pub(super) struct Rows {
         groups: Vec<Group>,
         entries: Vec<f64>,
-        /// Of each block, where its entries begin.
+        /// The place where the entries of each block begin.
         begins: Vec<usize>,
         /// The blocks of one row over several coordinates.
         wide: Vec<usize>,

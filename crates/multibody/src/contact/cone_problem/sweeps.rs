@@ -358,7 +358,7 @@ mod tests {
         assert!(problem.solve_rigid());
         let mut x = vec![0.0; problem.n];
         problem.find_impulses(&mut x);
-        // What acts already makes nothing move that should not.
+        // Forces that act already leave the velocities as they should be.
         let found = problem.multiplier.clone();
         let velocity = problem.x.clone();
         problem.force.fill(0.0);

@@ -9,11 +9,11 @@ use crate::contact::touch::TouchingPoint;
 use crate::{ContactLaws, ContactSet};
 
 clone_in_place! {
-    /// What goes on from step to step.
+    /// The memory from step to step.
     #[derive(Debug)]
     pub(crate) struct Remembered {
         pub(super) laws: ContactLaws,
-        /// Of the last step, in rising order of their numbers.
+        /// The contacts of the last step, in rising order of their numbers.
         pub(super) carried: Vec<Carried>,
         /// Whether something was hit in the last step, here or on a joint's stop: then its forces do not go on.
         pub(super) was_impact: bool,
