@@ -234,7 +234,7 @@ pub(crate) fn threads_for(work: usize) -> usize {
 pub(crate) const NOT_FINITE: &str =
     "a number given or computed for it on the way is not finite; try a smaller step";
 
-/// What is wrong with some states of a rollout, with the reason of the first.
+/// The error of some states of a rollout, with the reason of the first.
 #[cold]
 pub(crate) fn describe_bad(bad: &[usize], lead: &[usize], reason: &str) -> String {
     let (count, states) = (bad.len(), lead.iter().product::<usize>());

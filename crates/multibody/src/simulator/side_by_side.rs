@@ -21,7 +21,7 @@ pub(crate) struct StepEnergies {
     pub dissipated: f64,
 }
 
-/// What a step starts from.
+/// The start of a step.
 pub(crate) struct StepStart<'a> {
     pub q: &'a [f64],
     pub v: &'a [f64],
