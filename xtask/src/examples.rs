@@ -1,9 +1,10 @@
 //! Every public function of the libraries shows itself at work: its documentation has an example that runs.
 
 /// The crates whose functions strangers call.
-pub(crate) const LIBRARIES: [&str; 12] = [
+pub(crate) const LIBRARIES: [&str; 13] = [
     "dynamics",
     "expression",
+    "functions",
     "generate",
     "gpu",
     "mesh",

@@ -44,7 +44,11 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("gpu", &["bytemuck", "cudarc", "dynamics", "generate", "multibody", "number", "thiserror", "wgpu"]),
     ("expression", &["number"]),
     ("native", &["expression", "memmap2", "number", "thiserror"]),
-    ("generate", &["dynamics", "expression", "multibody", "number", "robot-dynamics", "thiserror"]),
+    ("functions", &["dynamics", "expression", "multibody", "number", "thiserror"]),
+    (
+        "generate",
+        &["dynamics", "expression", "functions", "multibody", "number", "robot-dynamics", "thiserror"],
+    ),
     ("xml", &["roxmltree", "thiserror"]),
     ("urdf", &["dynamics", "multibody", "nalgebra", "robot-xml", "serde", "thiserror"]),
     ("mjcf", &["dynamics", "multibody", "nalgebra", "robot-mesh", "robot-xml", "thiserror"]),

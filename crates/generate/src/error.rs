@@ -2,32 +2,16 @@
 
 use std::path::PathBuf;
 
-use multibody::{NoSuchFrame, SingularMass};
+use functions::FunctionError;
 use thiserror::Error;
-
-use crate::Function;
 
 /// Why nothing was generated.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum GenerateError {
-    /// No function has this name.
-    #[error("no function `{name}`: {}; of a frame {}; of any but slopes NAME_derivatives, NAME_pullback", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
-    UnknownFunction {
-        /// What was asked for.
-        name: String,
-    },
-    /// Slopes of slopes.
-    #[error(
-        "no function `{function}`: derivatives and pullbacks are generated of functions that are none themselves"
-    )]
-    NoSlopes {
-        /// What was asked for.
-        function: String,
-    },
-    /// The robot has no such frame.
+    /// The robot does not have the function.
     #[error(transparent)]
-    NoSuchFrame(#[from] NoSuchFrame),
+    Function(#[from] FunctionError),
     /// The same name would be given to two functions.
     #[error(
         "two functions would be called `{symbol}`: ask for each function once, and of frames whose names differ in letters or digits"
@@ -41,16 +25,6 @@ pub enum GenerateError {
     Motionless {
         /// Its name.
         robot: String,
-    },
-    /// What inverts M has no value where M is singular.
-    #[error("robot `{robot}` has no `{function}`: {cause}")]
-    Singular {
-        /// The robot's name.
-        robot: String,
-        /// The function's name.
-        function: String,
-        /// The motions that move no inertia.
-        cause: SingularMass,
     },
     /// A value is infinite or none.
     #[error("`{function}` of robot `{robot}` is not finite in random states of it: see `dynamics audit`")]
@@ -108,8 +82,4 @@ pub enum GenerateError {
         /// What the system says.
         cause: std::io::Error,
     },
-}
-
-fn plain_names() -> String {
-    Function::PLAIN.map(|function| function.to_string()).join(", ")
 }

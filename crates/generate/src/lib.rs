@@ -29,20 +29,16 @@
 // The names of files and functions,
 mod names;
 
-// the functions, over the number that writes expressions,
-mod call;
+// the functions, with values that they must give,
 mod error;
-mod function;
 mod program;
-mod table;
 
 // how an expression is written,
 mod layout;
 mod loops;
 
-// its slopes,
+// its sparse slopes,
 mod jacobian;
-mod slopes;
 
 // and written.
 mod body;
@@ -58,10 +54,9 @@ mod testing;
 pub use builder::Builder;
 pub use error::GenerateError;
 pub use expression::{Arithmetic, Precision, Sine, Traced};
-pub use function::Function;
+pub use functions::{Function, FunctionError, Table};
 pub use measure::measure;
 pub use request::{Generated, GeneratedFile, Request, generate};
-pub use table::Table;
 pub use target::{Target, WGSL_WORKGROUP};
 
 /// The examples of the README.

@@ -16,7 +16,6 @@ use expression::{Graph, Operand, Operation, as_traced, most_live};
 use crate::layout::{Carried, Index, Layout, Loop, MOST_STEPS, Piece, Read, Step, Store};
 
 use self::memory::{Memory, Row};
-pub(crate) use self::repeats::LEAST_TURNS;
 use self::repeats::{Repeat, Sequence};
 
 /// The operations in loops, as far as they go; none where these would save less than a third of the operations.

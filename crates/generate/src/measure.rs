@@ -9,15 +9,16 @@ use std::path::Path;
 use std::time::Instant;
 
 use expression::Precision;
+use functions::FunctionMemory;
 use multibody::text::markdown;
-use multibody::{Inputs, InstructionSet, Model, Quantity, QuantityMemory, Workspace};
+use multibody::{Inputs, Model, Quantity, QuantityMemory, Workspace};
 use number::Scalar;
 
 use self::compile::Compiled;
 use crate::heading::{MARK, commented, lines};
 use crate::program::{Case, Program};
 use crate::request::{GeneratedFile, prepare};
-use crate::{Function, GenerateError, Request, Target, call};
+use crate::{Function, GenerateError, Request, Target};
 
 /// Runs of each function of which the fastest counts, and how long one lasts at least [s].
 const RUNS: usize = 7;
@@ -155,26 +156,18 @@ fn librarys<S: Scalar>(
     // Its numbers in a row are taken from M, which is what is computed.
     let function = match &program.function {
         Function::MassMatrixRelated => &Function::MassMatrix,
-        function if function.slopes_of().is_some() => return Ok(None),
+        function if function.is_through_graph() => return Ok(None),
         function => function,
     };
-    let frame = function.frame().map(|name| model.frame_named(name)).transpose()?;
     let rows = |row: &Vec<f64>| row.iter().map(|&x| number(x)).collect();
     let states: Vec<Vec<Vec<S>>> =
         program.cases.iter().map(|case| case.arguments.iter().map(rows).collect()).collect();
-    let mut given: Vec<Vec<&[S]>> =
+    let given: Vec<Vec<&[S]>> =
         states.iter().map(|state| state.iter().map(Vec::as_slice).collect()).collect();
-    for state in &mut given {
-        state.resize(4, &[]);
-    }
-    let lengths =
-        function.results().into_iter().map(|(_, rows, columns, _)| rows.of(model) * columns.of(model));
-    let mut results: Vec<Vec<S>> = lengths.map(|length| vec![S::zero(); length]).collect();
-    let memory = &mut call::Memory::new(function, model, InstructionSet::best());
+    let mut memory = FunctionMemory::new(function, model)?;
     Ok(Some(least(|count| {
         for k in 0..count {
-            let state = &given[k % given.len()];
-            call::compute(function, model, frame, memory, black_box(state), black_box(&mut results));
+            black_box(memory.compute(black_box(&given[k % given.len()])));
         }
     })))
 }

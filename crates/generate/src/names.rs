@@ -1,5 +1,7 @@
 //! Names of the files and functions of generated code.
 
+use functions::identifier;
+
 use crate::Target;
 
 /// Keywords of Rust in any edition, those kept for later included: no module and no crate can have such a name.
@@ -49,17 +51,6 @@ const C_HEADERS: [&str; 32] = [
     "uchar",
     "wchar",
 ];
-
-/// Letters, digits and underscores.
-pub(crate) fn identifier(name: &str) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
-    let text: String = name.chars().map(plain).collect();
-    if text.starts_with(|c: char| c.is_ascii_digit()) || text.is_empty() {
-        format!("robot_{text}")
-    } else {
-        text
-    }
-}
 
 /// The name of a robot's files and functions; and where that is another one than its letters make, why.
 pub(crate) fn of_robot(target: Target, robot: &str) -> (String, Option<&'static str>) {

@@ -1,20 +1,11 @@
 //! A function of one robot, traced, ordered, and with values that it must give.
 
-use expression::{Arithmetic, Graph, Operand, Operation, Plan, Sine, Traced, evaluate, interpret, trace};
-use multibody::{Model, MotionError, RandomState, random_state};
+use expression::{Arithmetic, Graph, Operand, Operation, Plan, Sine, interpret};
+pub(crate) use functions::Argument;
+use multibody::{Model, RandomState, random_state};
 use number::SplitMix64;
 
-use crate::loops::LEAST_TURNS;
-use crate::names::identifier;
-use crate::{Function, GenerateError, call, slopes};
-
-/// An argument.
-#[derive(Clone, Debug)]
-pub(crate) struct Argument {
-    pub(crate) name: &'static str,
-    pub(crate) length: usize,
-    pub(crate) unit: &'static str,
-}
+use crate::{Function, GenerateError};
 
 /// A result, a matrix by rows.
 #[derive(Clone, Debug)]
@@ -58,46 +49,29 @@ pub(crate) struct Case {
 
 impl Program {
     /// # Errors
-    /// [`GenerateError::NoSuchFrame`], [`GenerateError::Singular`], [`GenerateError::NotFinite`].
+    /// [`GenerateError::Function`], [`GenerateError::Differs`], [`GenerateError::NotFinite`].
     pub(crate) fn new(
         function: &Function,
         model: &Model,
         arithmetic: Arithmetic,
         states: usize,
     ) -> Result<Self, GenerateError> {
-        check_mass(function, model)?;
-        let slopes = function.slopes_of();
-        let traced = slopes.map_or(function, |(of, _)| of);
-        if slopes.is_some() && !traced.has_slopes() {
-            return Err(GenerateError::NoSlopes { function: function.to_string() });
-        }
-        let source = &as_traced(traced, model);
-        let compute = call::call::<Traced>(traced, source)?;
-        let argument =
-            |(name, size, unit): crate::function::Argument| Argument { name, length: size.of(model), unit };
-        let arguments: Vec<Argument> = function.arguments().into_iter().map(argument).collect();
-        let outcomes: Vec<Outcome> = (function.results().into_iter())
-            .map(|(name, rows, columns, what)| Outcome {
+        let traced = function.trace(model, arithmetic)?;
+        let arguments = function.arguments(model);
+        let outcomes: Vec<Outcome> = (function.results(model).into_iter())
+            .map(|functions::Outcome { name, rows, columns, what }| Outcome {
                 name: name.into(),
-                rows: rows.of(model),
-                columns: columns.of(model),
+                rows,
+                columns,
                 what,
             })
             .collect();
-        let lengths: Vec<usize> = traced.arguments().iter().map(|(_, size, _)| size.of(model)).collect();
-        let traces = trace(arithmetic, &lengths, &compute);
-        let ((graph, results), plan) = if let Some(slopes) = slopes {
-            slopes::slopes(slopes, source, arithmetic, &traces)
-        } else {
-            let plan = Plan::new(&traces.0, &traces.1);
-            (traces, plan)
-        };
         let (mut cases, mut tolerance) = (Vec::new(), 0.0_f64);
         for inputs in random_arguments(function, model, arithmetic, states) {
-            if let Some(slopes) = slopes {
-                let expected = slopes::expected(slopes, model, &inputs)?;
-                let (found, bounds) = interpret(&graph, &plan, &results, arithmetic, &inputs);
-                let values = evaluate(arithmetic, &inputs[..lengths.len()], &compute);
+            if let Some(expected) = function.slopes_by_dual_numbers(model, &inputs)? {
+                let (found, bounds) =
+                    interpret(&traced.graph, &traced.plan, &traced.results, arithmetic, &inputs);
+                let values = traced.evaluate(&inputs);
                 if !is_within(arithmetic, model.nv(), &values, (&found, &bounds), &expected) {
                     return Err(GenerateError::Differs {
                         robot: model.name().into(),
@@ -110,9 +84,9 @@ impl Program {
                 cases.push(Case { arguments: inputs, results: expected });
                 continue;
             }
-            let results = evaluate(arithmetic, &inputs, &compute);
+            let results = traced.evaluate(&inputs);
             if arithmetic.sine == Sine::Platform {
-                let own = evaluate(arithmetic.with_sine(Sine::Own), &inputs, &compute);
+                let own = traced.evaluate_in(arithmetic.with_sine(Sine::Own), &inputs);
                 tolerance = tolerance.max(doubt(arithmetic, &results, &own));
             }
             cases.push(Case { arguments: inputs, results });
@@ -123,12 +97,12 @@ impl Program {
         };
         let program = Self {
             function: function.clone(),
-            symbol: symbol(function),
+            symbol: function.symbol(),
             arguments,
             outcomes,
-            graph,
-            results,
-            plan,
+            graph: traced.graph,
+            results: traced.results,
+            plan: traced.plan,
             cases,
             entries,
             tolerance,
@@ -182,29 +156,6 @@ pub(crate) struct Counts {
     pub(crate) sines: usize,
 }
 
-/// The robot that is traced, which has the same motion to rounding and leaves less to do.
-fn as_traced(function: &Function, model: &Model) -> Model {
-    let exact = model.with_right_angles();
-    if regroups(function, model) { exact.regrouped() } else { exact }
-}
-
-/// Whether mass is counted with the body that it moves with: where the result stays the same, and no links differ by it that would make
-/// a loop.
-fn regroups(function: &Function, model: &Model) -> bool {
-    function.is_of_equation_of_motion() && model.longest_run_of_equal_links() < LEAST_TURNS
-}
-
-/// Refuses to invert a singular M, as it is in a random state.
-fn check_mass(function: &Function, model: &Model) -> Result<(), GenerateError> {
-    let RandomState { q, .. } = random_state(model, &mut SplitMix64::new(1));
-    match model.check_rank(&q) {
-        Err(MotionError::SingularMass(cause)) if function.inverts_mass() => {
-            Err(GenerateError::Singular { robot: model.name().into(), function: function.to_string(), cause })
-        }
-        _ => Ok(()),
-    }
-}
-
 /// Whether slopes differ by rounding alone: by what operations can be off, and 16 nv roundings of the function's largest value, as
 /// the library works in other frames, where what is nothing here is a sum of such.
 fn is_within(
@@ -234,14 +185,6 @@ fn doubt(arithmetic: Arithmetic, results: &[Vec<f64>], other: &[Vec<f64>]) -> f6
     pairs.fold(0.0_f64, |most, (x, y)| most.max(10.0 * (x - y).abs() + 16.0 * epsilon * x.abs()))
 }
 
-/// The name in generated code, after the robot's.
-pub(crate) fn symbol(function: &Function) -> String {
-    match function.frame() {
-        Some(frame) => format!("{}_{}", function.stem(), identifier(frame)),
-        None => function.stem(),
-    }
-}
-
 /// Arguments of random states, in the arithmetic's precision, always the same.
 fn random_arguments(
     function: &Function,
@@ -253,22 +196,26 @@ fn random_arguments(
     let mut state = || {
         let RandomState { q, v, a, tau } = random_state(model, &mut random);
         let cotangent: Vec<f64> = v.iter().map(|_| random.uniform(-1.0, 1.0)).collect();
-        let has_step = function.arguments().iter().any(|&(name, ..)| name == "h");
+        let arguments = function.arguments(model);
+        let has_step = arguments.iter().any(|argument| argument.name == "h");
         let h = if has_step { vec![random.uniform(1e-4, 1e-2)] } else { Vec::new() };
-        let mut named = |(name, size, _): crate::function::Argument| match name {
+        let is_of_slopes = function.is_through_graph();
+        let mut named = |argument: &Argument| match argument.name {
             "q" => q.clone(),
             "v" => v.clone(),
             "a" => a.clone(),
             "tau" => tau.clone(),
             "h" => h.clone(),
-            _ if function.slopes_of().is_none() => cotangent.clone(),
-            _ => (0..size.of(model)).map(|_| random.uniform(-1.0, 1.0)).collect(),
+            _ if !is_of_slopes => cotangent.clone(),
+            _ => (0..argument.length).map(|_| random.uniform(-1.0, 1.0)).collect(),
         };
         let rounded = |row: Vec<f64>| row.iter().map(|&x| arithmetic.precision.round(x)).collect();
-        function.arguments().into_iter().map(|argument| rounded(named(argument))).collect()
+        arguments.iter().map(|argument| rounded(named(argument))).collect()
     };
     (0..states).map(|_| state()).collect()
 }
 
+#[cfg(test)]
+mod slope_tests;
 #[cfg(test)]
 mod tests;

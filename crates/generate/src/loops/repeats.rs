@@ -11,7 +11,7 @@ use expression::{Graph, Operand, Operation};
 use crate::layout::{Index, Store, difference};
 
 /// Turns of a loop at least: robots with four legs or five fingers are left as they are.
-pub(crate) const LEAST_TURNS: usize = 6;
+const LEAST_TURNS: usize = functions::LEAST_EQUAL_LINKS;
 
 /// Operations that a loop must save.
 const LEAST_SAVED: usize = 32;

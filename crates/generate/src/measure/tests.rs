@@ -27,7 +27,7 @@ fn code_stack_and_times_are_told() {
             assert!(number(2) > 50.0 && number(2) < 20_000.0, "code: {line}");
             assert!(!cfg!(target_arch = "x86_64") || (8.0..2000.0).contains(&number(3)), "stack: {line}");
             assert!(number(4) > 0.5, "time: {line}");
-            let is_alone = function.slopes_of().is_some();
+            let is_alone = function.is_through_graph();
             assert!(fields[5].is_empty() == is_alone && fields[6].is_empty() == is_alone, "{line}");
             assert!(is_alone || (number(6) - number(5) / number(4)).abs() < 0.1 * number(6) + 0.02, "{line}");
         }

@@ -157,7 +157,7 @@ fn published_robots_give_the_librarys_values() {
 fn expects_the_librarys(name: &str, model: &Model, function: &Function, precision: Precision) {
     let arithmetic = Arithmetic::new(precision).with_sine(Sine::Platform);
     let cases = Program::new(function, model, arithmetic, 3).unwrap().cases;
-    let traced = &as_traced(function, model);
+    let traced = &function.traced_model(model);
     let other_frames = in_other_frames(model, function);
     for case in &cases {
         if !other_frames {
@@ -167,7 +167,7 @@ fn expects_the_librarys(name: &str, model: &Model, function: &Function, precisio
         let expected = librarys(model, function, case, precision);
         // What cancels is a sum of what is of M's size, as the states are of order one.
         let least =
-            if regroups(function, model) { largest(&mass_matrix(model, &case.arguments[0])) } else { 0.0 };
+            if function.regroups(model) { largest(&mass_matrix(model, &case.arguments[0])) } else { 0.0 };
         for (found, expected) in case.results.iter().zip(&expected) {
             let size = largest(expected).max(least);
             for (x, y) in found.iter().zip(expected) {
@@ -192,12 +192,12 @@ fn mass_matrix(model: &Model, q: &[f64]) -> Vec<f64> {
 /// What the library gives, over its own floats.
 fn librarys(model: &Model, function: &Function, case: &Case, precision: Precision) -> Vec<Vec<f64>> {
     match precision {
-        Precision::Double => call::call::<f64>(function, model).unwrap()(&case.arguments),
+        Precision::Double => function.compute(model, &case.arguments).unwrap(),
         #[allow(clippy::cast_possible_truncation)] // they are singles
         Precision::Single => {
             let narrow = |row: &Vec<f64>| row.iter().map(|&x| x as f32).collect();
             let arguments: Vec<Vec<f32>> = case.arguments.iter().map(narrow).collect();
-            let found = call::call::<f32>(function, model).unwrap()(&arguments);
+            let found = function.compute::<f32>(model, &arguments).unwrap();
             found.iter().map(|row| row.iter().map(|&x| f64::from(x)).collect()).collect()
         }
     }

@@ -4,24 +4,42 @@ use dynamics::{Integrator, Method};
 use multibody::{FrameId, FramePose, InstructionSet, Model, StepForces, StepStagesWorkspace, Workspace};
 use number::Scalar;
 
-use crate::function::Size;
-use crate::{Function, GenerateError};
+use crate::{Function, FunctionError, Outcome};
 
-/// Computes a function's results, each row-major, from its arguments.
-///
-/// # Errors
-/// [`GenerateError::NoSuchFrame`].
+impl Function {
+    /// Its results, each by rows, from its arguments, by the library's calls over any number.
+    ///
+    /// # Errors
+    /// [`FunctionError::NoSuchFrame`]; [`FunctionError::NoSlopes`] of derivatives and pullbacks that are made from a graph.
+    ///
+    /// ```
+    /// use functions::Function;
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// assert_eq!(Function::MassMatrix.compute::<f64>(&model, &[vec![0.3]])?, [[0.5]]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn compute<S: Scalar>(
+        &self,
+        model: &Model,
+        arguments: &[Vec<S>],
+    ) -> Result<Vec<Vec<S>>, FunctionError> {
+        Ok(call::<S>(self, model)?(arguments))
+    }
+}
+
+/// The function of arguments that [`Function::compute`] computes.
 #[allow(clippy::type_complexity)] // numbers in, numbers out
 pub(crate) fn call<S: Scalar>(
     function: &Function,
     model: &Model,
-) -> Result<impl Fn(&[Vec<S>]) -> Vec<Vec<S>>, GenerateError> {
+) -> Result<impl Fn(&[Vec<S>]) -> Vec<Vec<S>>, FunctionError> {
+    if function.slopes_of().is_some() {
+        return Err(FunctionError::NoSlopes { function: function.to_string() });
+    }
     let frame = function.frame().map(|name| model.frame_named(name)).transpose()?;
     Ok(move |arguments: &[Vec<S>]| {
-        let size = |size: Size| size.of(model);
-        let zeros =
-            |(_, rows, columns, _): &(_, Size, Size, _)| vec![S::zero(); size(*rows) * size(*columns)];
-        let mut results: Vec<Vec<S>> = function.results().iter().map(zeros).collect();
+        let mut results = zeros(function, model);
         let mut arguments: Vec<&[S]> = arguments.iter().map(Vec::as_slice).collect();
         arguments.resize(4, &[]);
         let memory = &mut Memory::new(function, model, InstructionSet::Portable);
@@ -30,21 +48,71 @@ pub(crate) fn call<S: Scalar>(
     })
 }
 
+fn zeros<S: Scalar>(function: &Function, model: &Model) -> Vec<Vec<S>> {
+    let zeros = |outcome: Outcome| vec![S::zero(); outcome.rows * outcome.columns];
+    function.results(model).into_iter().map(zeros).collect()
+}
+
+/// Memory of a function's calls, over the best registers of this machine: to measure them.
+///
+/// ```
+/// use functions::{Function, FunctionMemory};
+/// use multibody::{Model, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let mut memory = FunctionMemory::<f64>::new(&Function::MassMatrix, &model)?;
+/// assert_eq!(memory.compute(&[&[0.3]]), [[0.5]]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct FunctionMemory<'a, S: Scalar> {
+    function: &'a Function,
+    model: &'a Model,
+    frame: Option<FrameId>,
+    memory: Memory<S>,
+    results: Vec<Vec<S>>,
+}
+
+impl<'a, S: Scalar> FunctionMemory<'a, S> {
+    /// For this function of this robot.
+    ///
+    /// # Errors
+    /// As [`Function::compute`].
+    pub fn new(function: &'a Function, model: &'a Model) -> Result<Self, FunctionError> {
+        if function.slopes_of().is_some() {
+            return Err(FunctionError::NoSlopes { function: function.to_string() });
+        }
+        let frame = function.frame().map(|name| model.frame_named(name)).transpose()?;
+        let memory = Memory::new(function, model, InstructionSet::best());
+        Ok(Self { function, model, frame, memory, results: zeros(function, model) })
+    }
+
+    /// The results.
+    ///
+    /// # Panics
+    /// If an argument has another length than [`Function::arguments`] says.
+    pub fn compute(&mut self, arguments: &[&[S]]) -> &[Vec<S>] {
+        let mut four: [&[S]; 4] = [&[]; 4];
+        four[..arguments.len()].copy_from_slice(arguments);
+        let Self { function, model, frame, memory, results } = self;
+        compute(function, model, *frame, memory, &four, results);
+        results
+    }
+}
+
 /// Scratch of the library's calls.
-pub(crate) struct Memory<S: Scalar> {
+struct Memory<S: Scalar> {
     tree: Workspace<S>,
     step: Option<StepStagesWorkspace<S>>,
 }
 
 impl<S: Scalar> Memory<S> {
-    pub(crate) fn new(function: &Function, model: &Model, limit: InstructionSet) -> Self {
+    fn new(function: &Function, model: &Model, limit: InstructionSet) -> Self {
         let step = function.integrator().map(|_| StepStagesWorkspace::limited(model, limit));
         Self { tree: Workspace::limited(model, limit), step }
     }
 }
 
 /// The function's results, four arguments given, those that it has not empty.
-pub(crate) fn compute<S: Scalar>(
+fn compute<S: Scalar>(
     function: &Function,
     model: &Model,
     frame: Option<FrameId>,

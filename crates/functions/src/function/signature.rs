@@ -47,8 +47,8 @@ impl Size {
     }
 
     /// Of the changes of all results, one after the other, matrices by rows.
-    pub(crate) fn of_all_changes(results: &[Outcome]) -> Self {
-        let flat = |&(_, rows, columns, _): &Outcome| match (rows, columns) {
+    pub(crate) fn of_all_changes(results: &[Matrix]) -> Self {
+        let flat = |&(_, rows, columns, _): &Matrix| match (rows, columns) {
             (rows, Self::One) => rows.of_changes(),
             (Self::Nv, Self::Nv) => Self::Square,
             (Self::Fixed(6), Self::Nv) => Self::Jacobian,
@@ -66,29 +66,58 @@ impl Size {
 }
 
 /// An argument: its name, its size, its unit.
-pub(crate) type Argument = (&'static str, Size, &'static str);
+pub(crate) type Row = (&'static str, Size, &'static str);
 
 /// A result: its name, its rows and columns (row-major), what it is.
-pub(crate) type Outcome = (&'static str, Size, Size, &'static str);
+pub(crate) type Matrix = (&'static str, Size, Size, &'static str);
 
-const Q: Argument = ("q", Size::Nq, "configuration [rad, m; quaternions x y z w]");
-const V: Argument = ("v", Size::Nv, "velocity [rad/s, m/s]");
-const A: Argument = ("a", Size::Nv, "acceleration [rad/s², m/s²]");
-const TAU: Argument = ("tau", Size::Nv, "generalized force [N·m, N]");
-const H: Argument = ("h", Size::One, "the step [s]");
-const COTANGENT: Argument = ("cotangent", Size::Nv, "λ, what the result's changes are weighted with");
+/// An argument of a function of one robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Argument {
+    /// Its name.
+    pub name: &'static str,
+    /// How many numbers it has.
+    pub length: usize,
+    /// Its unit.
+    pub unit: &'static str,
+}
 
-const fn vector(name: &'static str, what: &'static str) -> Outcome {
+/// A result of a function of one robot, a matrix by rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outcome {
+    /// Its name.
+    pub name: &'static str,
+    /// Its rows.
+    pub rows: usize,
+    /// Its columns, 1 for a vector.
+    pub columns: usize,
+    /// What it is, with its unit.
+    pub what: &'static str,
+}
+
+const Q: Row = ("q", Size::Nq, "configuration [rad, m; quaternions x y z w]");
+const V: Row = ("v", Size::Nv, "velocity [rad/s, m/s]");
+const A: Row = ("a", Size::Nv, "acceleration [rad/s², m/s²]");
+const TAU: Row = ("tau", Size::Nv, "generalized force [N·m, N]");
+const H: Row = ("h", Size::One, "the step [s]");
+const COTANGENT: Row = ("cotangent", Size::Nv, "λ, what the result's changes are weighted with");
+
+const fn vector(name: &'static str, what: &'static str) -> Matrix {
     (name, Size::Nv, Size::One, what)
 }
 
-const fn square(name: &'static str, what: &'static str) -> Outcome {
+const fn square(name: &'static str, what: &'static str) -> Matrix {
     (name, Size::Nv, Size::Nv, what)
 }
 
 impl Function {
     /// What it gives, as an equation.
-    pub(crate) fn equation(&self) -> String {
+    ///
+    /// ```
+    /// use functions::Function;
+    /// assert_eq!(Function::Bias.equation(), "C(q,v) v + g(q)");
+    /// ```
+    pub fn equation(&self) -> String {
         match self.slopes_of() {
             Some((function, Slopes::Derivatives)) => {
                 format!("the slopes of {function}, along displacements of q")
@@ -145,25 +174,59 @@ impl Function {
         }
     }
 
-    /// Its arguments, in order; a pullback's are those of the function and the weights of the results.
-    pub(crate) fn arguments(&self) -> Vec<Argument> {
+    /// Its arguments for this robot, in order; a pullback's are those of the function and the weights of the results.
+    ///
+    /// ```
+    /// use functions::Function;
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let names: Vec<_> = Function::Bias.arguments(&model).iter().map(|argument| argument.name).collect();
+    /// assert_eq!(names, ["q", "v"]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn arguments(&self, model: &Model) -> Vec<Argument> {
+        let argument = |(name, size, unit): Row| Argument { name, length: size.of(model), unit };
+        self.rows_of_arguments().into_iter().map(argument).collect()
+    }
+
+    /// Its results for this robot, in order.
+    ///
+    /// ```
+    /// use functions::Function;
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let mass = Function::MassMatrix.results(&model)[0];
+    /// assert_eq!((mass.name, mass.rows, mass.columns), ("mass", 1, 1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn results(&self, model: &Model) -> Vec<Outcome> {
+        let outcome = |(name, rows, columns, what): Matrix| Outcome {
+            name,
+            rows: rows.of(model),
+            columns: columns.of(model),
+            what,
+        };
+        self.matrices().into_iter().map(outcome).collect()
+    }
+
+    pub(crate) fn rows_of_arguments(&self) -> Vec<Row> {
         let Some((function, slopes)) = self.slopes_of() else {
             return self.plain_arguments().to_vec();
         };
-        let mut arguments = function.arguments();
+        let mut arguments = function.rows_of_arguments();
         if slopes == Slopes::Pullback {
             let (name, _, what) = COTANGENT;
-            arguments.push((name, Size::of_all_changes(&function.results()), what));
+            arguments.push((name, Size::of_all_changes(&function.matrices()), what));
         }
         arguments
     }
 
     /// The arguments that slopes are by, and their places: all but the length of a step.
-    pub(crate) fn varied(&self) -> impl Iterator<Item = (usize, Argument)> + use<> {
-        self.arguments().into_iter().enumerate().filter(|(_, (name, ..))| *name != H.0)
+    pub(crate) fn varied(&self) -> impl Iterator<Item = (usize, Row)> + use<> {
+        self.rows_of_arguments().into_iter().enumerate().filter(|(_, (name, ..))| *name != H.0)
     }
 
-    fn plain_arguments(&self) -> &'static [Argument] {
+    fn plain_arguments(&self) -> &'static [Row] {
         match self {
             Self::Derivatives(_) | Self::Pullback(_) => unreachable!("those of another"),
             Self::InverseDynamics | Self::InverseDynamicsDerivatives | Self::JointTorqueRegressor => {
@@ -192,14 +255,13 @@ impl Function {
         }
     }
 
-    /// Its results, in order.
-    pub(crate) fn results(&self) -> Vec<Outcome> {
+    pub(crate) fn matrices(&self) -> Vec<Matrix> {
         let Some((function, slopes)) = self.slopes_of() else {
             return self.plain_results().to_vec();
         };
         let (rows, what) = match slopes {
             Slopes::Derivatives => {
-                let results = function.results();
+                let results = function.matrices();
                 (
                     Some(Size::of_all_changes(&results)),
                     "a row for each number of the results, one result after the other",
@@ -207,7 +269,7 @@ impl Function {
             }
             Slopes::Pullback => (None, "the gradient"),
         };
-        let by = |(_, (name, size, _)): (usize, Argument)| {
+        let by = |(_, (name, size, _)): (usize, Row)| {
             let size = size.of_changes();
             rows.map_or((slope_name(name), size, Size::One, what), |rows| {
                 (slope_name(name), rows, size, what)
@@ -216,8 +278,8 @@ impl Function {
         function.varied().map(by).collect()
     }
 
-    fn plain_results(&self) -> &'static [Outcome] {
-        const JACOBIAN: &[Outcome] = &[("jacobian", Size::Fixed(6), Size::Nv, "linear rows, then angular")];
+    fn plain_results(&self) -> &'static [Matrix] {
+        const JACOBIAN: &[Matrix] = &[("jacobian", Size::Fixed(6), Size::Nv, "linear rows, then angular")];
         match self {
             Self::Derivatives(_) | Self::Pullback(_) => unreachable!("those of another"),
             Self::InverseDynamics => const { &[vector("tau", "generalized force [N·m, N]")] },

@@ -3,21 +3,22 @@
 use multibody::{Model, cotangent_from_coordinates, cotangent_to_coordinates};
 use number::Dual;
 
-use crate::function::{Outcome, Slopes};
-use crate::{Function, GenerateError, call};
+use crate::call::call;
+use crate::function::Slopes;
+use crate::{Function, FunctionError, Outcome};
 
 /// The slopes of a function in one state; of a pullback the arguments end with the cotangent.
 ///
 /// # Errors
-/// [`GenerateError::NoSuchFrame`].
-pub(crate) fn expected(
+/// [`FunctionError::NoSuchFrame`].
+pub(crate) fn slopes_by_dual_numbers(
     (function, slopes): (&Function, Slopes),
     model: &Model,
     arguments: &[Vec<f64>],
-) -> Result<Vec<Vec<f64>>, GenerateError> {
-    let compute = call::call::<Dual<f64, 1>>(function, model)?;
-    let results = function.results();
-    let (arguments, cotangent) = arguments.split_at(function.arguments().len());
+) -> Result<Vec<Vec<f64>>, FunctionError> {
+    let compute = call::<Dual<f64, 1>>(function, model)?;
+    let results = function.results(model);
+    let (arguments, cotangent) = arguments.split_at(function.rows_of_arguments().len());
     let mut found = Vec::new();
     for (at, (name, ..)) in function.varied() {
         let directions = if name == "q" { model.nv() } else { arguments[at].len() };
@@ -30,10 +31,10 @@ pub(crate) fn expected(
                 (0..directions).map(|i| f64::from(u8::from(i == direction))).collect()
             };
             given[at].iter_mut().zip(change).for_each(|(x, change)| x.gradient = [change]);
-            let of_result = |(found, (name, ..)): (&Vec<Dual<f64, 1>>, &Outcome)| {
+            let of_result = |(found, outcome): (&Vec<Dual<f64, 1>>, &Outcome)| {
                 let change: Vec<f64> = found.iter().map(|x| x.gradient[0]).collect();
                 let value: Vec<f64> = found.iter().map(|x| x.value).collect();
-                if *name == "q_next" { displacement(model, &value, &change) } else { change }
+                if outcome.name == "q_next" { displacement(model, &value, &change) } else { change }
             };
             compute(&given).iter().zip(&results).flat_map(of_result).collect()
         };

@@ -2,8 +2,7 @@
 
 use multibody::Model;
 
-use crate::Function;
-use crate::program::symbol;
+use crate::{Argument, Function, Outcome, identifier};
 
 /// A table that a function reads or writes for each state, by rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +20,7 @@ impl Table {
     /// Numbers of each state.
     ///
     /// ```
-    /// use generate::Function;
+    /// use functions::Function;
     /// use multibody::{Model, pendulum};
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// assert_eq!(Function::FramePose("bob".into()).writes(&model)[0].width(), 9); // R
@@ -36,7 +35,7 @@ impl Function {
     /// What it reads, in the order of its parameters, and of the bindings of a shader.
     ///
     /// ```
-    /// use generate::Function;
+    /// use functions::Function;
     /// use multibody::{Model, pendulum};
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let names: Vec<_> = Function::Rk4Step.reads(&model).iter().map(|table| table.name).collect();
@@ -44,15 +43,14 @@ impl Function {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn reads(&self, model: &Model) -> Vec<Table> {
-        let argument =
-            |&(name, size, _): &crate::function::Argument| Table { name, rows: size.of(model), columns: 1 };
-        self.arguments().iter().map(argument).collect()
+        let table = |Argument { name, length, .. }| Table { name, rows: length, columns: 1 };
+        self.arguments(model).into_iter().map(table).collect()
     }
 
     /// What it writes, in the order of the parameters and bindings after those that it reads.
     ///
     /// ```
-    /// use generate::Function;
+    /// use functions::Function;
     /// use multibody::{Model, pendulum};
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let names: Vec<_> = Function::Rk4Step.writes(&model).iter().map(|table| table.name).collect();
@@ -60,21 +58,20 @@ impl Function {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn writes(&self, model: &Model) -> Vec<Table> {
-        let outcome = |&(name, rows, columns, _): &crate::function::Outcome| Table {
-            name,
-            rows: rows.of(model),
-            columns: columns.of(model),
-        };
-        self.results().iter().map(outcome).collect()
+        let table = |Outcome { name, rows, columns, .. }| Table { name, rows, columns };
+        self.results(model).into_iter().map(table).collect()
     }
 
     /// Its name in generated code, after the robot's.
     ///
     /// ```
-    /// use generate::Function;
+    /// use functions::Function;
     /// assert_eq!(Function::FramePose("left foot".into()).symbol(), "frame_pose_left_foot");
     /// ```
     pub fn symbol(&self) -> String {
-        symbol(self)
+        match self.frame() {
+            Some(frame) => format!("{}_{}", self.stem(), identifier(frame)),
+            None => self.stem(),
+        }
     }
 }

@@ -7,9 +7,9 @@ use multibody::{InstructionSet, Model, Workspace, cotangent_from_coordinates, co
 use number::Scalar;
 
 use crate::Function;
-use crate::function::{Argument, Size, Slopes};
+use crate::function::{Row, Size, Slopes};
 
-pub(crate) use self::expected::expected;
+pub(crate) use self::expected::slopes_by_dual_numbers;
 
 /// A function, traced, whose slopes are asked for.
 struct Traces<'a> {
@@ -37,12 +37,12 @@ pub(crate) fn slopes(
     let mut inputs = |argument: usize, count: usize| -> Vec<Operand> {
         (0..count).map(|index| graph.input(argument, index)).collect()
     };
-    for (argument, (_, size, _)) in function.arguments().iter().enumerate() {
+    for (argument, (_, size, _)) in function.rows_of_arguments().iter().enumerate() {
         arguments.push(inputs(argument, size.of(model)));
     }
     let of_results = match slopes {
         Slopes::Derivatives => 0,
-        Slopes::Pullback => Size::of_all_changes(&function.results()).of(model),
+        Slopes::Pullback => Size::of_all_changes(&function.matrices()).of(model),
     };
     let cotangent = inputs(arguments.len(), of_results);
     let traces = Traces { function, model, arithmetic, graph: &graph, results, arguments };
@@ -67,12 +67,12 @@ pub(crate) fn slopes(
 impl Traces<'_> {
     /// Where a configuration is among the arguments.
     fn q(&self) -> Option<usize> {
-        self.function.arguments().iter().position(|&(name, ..)| name == "q")
+        self.function.rows_of_arguments().iter().position(|&(name, ..)| name == "q")
     }
 
     /// Which result is a configuration.
     fn q_next(&self) -> Option<usize> {
-        self.function.results().iter().position(|&(name, ..)| name == "q_next")
+        self.function.matrices().iter().position(|&(name, ..)| name == "q_next")
     }
 
     /// Numbers of displacements, or of the argument.
@@ -165,7 +165,7 @@ impl Traces<'_> {
     fn adjoints(&self, graph: &mut Graph, steps: &[usize], weights: &[Operand]) -> Vec<Vec<Operand>> {
         let pairs = self.results.iter().flatten().copied().zip(weights.iter().copied());
         let adjoints = chain::pull_back(graph, steps, pairs, self.arithmetic);
-        let of = |(argument, _): (usize, Argument)| -> Vec<Operand> {
+        let of = |(argument, _): (usize, Row)| -> Vec<Operand> {
             let numbers = self.arguments[argument].iter();
             numbers.map(|&number| adjoints[number.node().expect("an input")]).collect()
         };

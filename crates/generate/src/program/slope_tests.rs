@@ -7,7 +7,6 @@ use multibody::{
 };
 
 use super::*;
-use crate::program::Program;
 use crate::testing::free_robot;
 
 /// All functions that have slopes through the graph, of the last frame those of frames.
@@ -63,49 +62,6 @@ fn slopes_are_those_of_dual_numbers() {
         }
     }
     assert!(compared > 10_000, "{compared}");
-}
-
-/// The three ways to derivatives agree: forward, backward, and, of gravity and bias, the library's recursions.
-#[test]
-fn all_ways_agree() {
-    let (model, arithmetic) = (free_robot(), Arithmetic::default());
-    for function in
-        [Function::Gravity, Function::Bias, Function::SemiImplicitEulerStep, Function::KineticEnergy]
-    {
-        let program = Program::new(&function, &model, arithmetic, 3).unwrap();
-        let mut graph = program.graph.clone();
-        let arguments = (program.arguments.iter().enumerate())
-            .map(|(k, argument)| (0..argument.length).map(|index| graph.input(k, index)).collect())
-            .collect();
-        let traces = Traces {
-            function: &function,
-            model: &model,
-            arithmetic,
-            graph: &graph,
-            results: &program.results,
-            arguments,
-        };
-        let mut ways = vec![traces.forward(), traces.backward()];
-        ways.extend(traces.by_recursions());
-        let is_recursive = matches!(function, Function::Gravity | Function::Bias);
-        assert_eq!(ways.len(), if is_recursive { 3 } else { 2 });
-        for case in &program.cases {
-            let found: Vec<_> = (ways.iter())
-                .map(|(graph, results)| {
-                    interpret(graph, &Plan::new(graph, results), results, arithmetic, &case.arguments)
-                })
-                .collect();
-            for (other, bounds) in &found[1..] {
-                let (first, first_bounds) = &found[0];
-                let all = |x: &[Vec<f64>]| x.concat();
-                let bounds: Vec<f64> =
-                    all(bounds).iter().zip(all(first_bounds)).map(|(x, y)| 2.0 * (x + y)).collect();
-                for ((x, y), bound) in all(first).iter().zip(all(other)).zip(bounds) {
-                    assert!((x - y).abs() <= bound, "{function}: {x:e}, {y:e}, to {bound:e}");
-                }
-            }
-        }
-    }
 }
 
 /// A step's derivatives are A and B of the library's linearised step, and its pullback the library's, for each row that steps are

@@ -1,4 +1,4 @@
-//! What can be generated: the names, arguments and results of the functions.
+//! The names, arguments and results of the functions.
 
 mod signature;
 
@@ -7,8 +7,9 @@ use core::str::FromStr;
 
 use dynamics::Integrator;
 
-pub(crate) use self::signature::{Argument, Outcome, Size};
-use crate::GenerateError;
+pub use self::signature::{Argument, Outcome};
+pub(crate) use self::signature::{Row, Size};
+use crate::FunctionError;
 
 /// A function of a robot, as the library has it under the same name.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -130,7 +131,7 @@ impl Function {
     /// backward, or the recursions, whichever is shorter. Derivatives and pullbacks have none.
     ///
     /// ```
-    /// use generate::Function;
+    /// use functions::Function;
     /// assert_eq!(Function::InverseDynamics.derivatives(), Function::InverseDynamicsDerivatives);
     /// assert_eq!(Function::Gravity.derivatives().to_string(), "gravity_derivatives");
     /// ```
@@ -150,7 +151,7 @@ impl Function {
     /// two to four times the function's operations, whatever its results and arguments.
     ///
     /// ```
-    /// use generate::Function;
+    /// use functions::Function;
     /// let pose = Function::FramePose("hand".into()).pullback();
     /// assert_eq!(pose.to_string(), "frame_pose_pullback:hand");
     /// ```
@@ -172,8 +173,13 @@ impl Function {
         }
     }
 
-    /// Whether it is none of slopes.
-    pub(crate) fn has_slopes(&self) -> bool {
+    /// Whether derivatives and pullbacks of it can be had: it gives none itself.
+    ///
+    /// ```
+    /// use functions::Function;
+    /// assert!(Function::Gravity.has_slopes() && !Function::Gravity.derivatives().has_slopes());
+    /// ```
+    pub fn has_slopes(&self) -> bool {
         !matches!(
             self,
             Self::InverseDynamicsDerivatives
@@ -185,8 +191,24 @@ impl Function {
         )
     }
 
+    /// Whether it gives derivatives or a pullback through the graph of another.
+    ///
+    /// ```
+    /// use functions::Function;
+    /// assert!(Function::Gravity.derivatives().is_through_graph());
+    /// assert!(!Function::InverseDynamics.derivatives().is_through_graph()); // the library's recursions
+    /// ```
+    pub fn is_through_graph(&self) -> bool {
+        self.slopes_of().is_some()
+    }
+
     /// The library's name, without the frame's.
-    pub(crate) fn stem(&self) -> String {
+    ///
+    /// ```
+    /// use functions::Function;
+    /// assert_eq!(Function::FramePose("hand".into()).stem(), "frame_pose");
+    /// ```
+    pub fn stem(&self) -> String {
         match self.slopes_of() {
             Some((function, slopes)) => function.stem() + slopes.suffix(),
             None => self.plain_stem().into(),
@@ -224,8 +246,13 @@ impl Function {
         }
     }
 
-    /// The frame whose it is.
-    pub(crate) fn frame(&self) -> Option<&str> {
+    /// The frame that it belongs to, if there is one.
+    ///
+    /// ```
+    /// use functions::Function;
+    /// assert_eq!(Function::FramePose("hand".into()).frame(), Some("hand"));
+    /// ```
+    pub fn frame(&self) -> Option<&str> {
         match self {
             Self::FramePose(frame)
             | Self::FrameJacobianWorldAligned(frame)
@@ -236,7 +263,12 @@ impl Function {
     }
 
     /// Whether it has no value where M is singular.
-    pub(crate) fn inverts_mass(&self) -> bool {
+    ///
+    /// ```
+    /// use functions::Function;
+    /// assert!(Function::ForwardDynamics.inverts_mass() && !Function::MassMatrix.inverts_mass());
+    /// ```
+    pub fn inverts_mass(&self) -> bool {
         if let Some((function, _)) = self.slopes_of() {
             return function.inverts_mass();
         }
@@ -277,7 +309,13 @@ impl Function {
     }
 
     /// The row of the table of integrators whose step it is.
-    pub(crate) fn integrator(&self) -> Option<Integrator> {
+    ///
+    /// ```
+    /// use dynamics::Integrator;
+    /// use functions::Function;
+    /// assert_eq!(Function::Rk4Step.integrator(), Some(Integrator::RungeKutta4));
+    /// ```
+    pub fn integrator(&self) -> Option<Integrator> {
         match self {
             Self::SemiImplicitEulerStep => Some(Integrator::SemiImplicitEuler),
             Self::Rk4Step => Some(Integrator::RungeKutta4),
@@ -295,10 +333,10 @@ impl fmt::Display for Function {
 }
 
 impl FromStr for Function {
-    type Err = GenerateError;
+    type Err = FunctionError;
 
-    fn from_str(text: &str) -> Result<Self, GenerateError> {
-        let unknown = || GenerateError::UnknownFunction { name: text.into() };
+    fn from_str(text: &str) -> Result<Self, FunctionError> {
+        let unknown = || FunctionError::Unknown { name: text.into() };
         let (stem, frame) = text.split_once(':').map_or((text, None), |(stem, frame)| (stem, Some(frame)));
         let named = |stem: &str| match frame {
             None => Self::PLAIN.into_iter().find(|plain| plain.plain_stem() == stem),
@@ -314,7 +352,7 @@ impl FromStr for Function {
         match Slopes::ALL.into_iter().find_map(of_another) {
             None => Err(unknown()),
             Some((function, _)) if !function.has_slopes() => {
-                Err(GenerateError::NoSlopes { function: text.into() })
+                Err(FunctionError::NoSlopes { function: text.into() })
             }
             Some((function, Slopes::Derivatives)) => Ok(function.derivatives()),
             Some((function, Slopes::Pullback)) => Ok(function.pullback()),

@@ -1,0 +1,43 @@
+//! Why a robot does not have a function.
+
+use multibody::{NoSuchFrame, SingularMass};
+use thiserror::Error;
+
+use crate::Function;
+
+/// Why a robot does not have a function.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FunctionError {
+    /// No function has this name.
+    #[error("no function `{name}`: {}; of a frame {}; of any but slopes NAME_derivatives, NAME_pullback", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
+    Unknown {
+        /// What was asked for.
+        name: String,
+    },
+    /// Slopes of slopes.
+    #[error(
+        "no function `{function}`: derivatives and pullbacks are generated of functions that are none themselves"
+    )]
+    NoSlopes {
+        /// What was asked for.
+        function: String,
+    },
+    /// The robot has no such frame.
+    #[error(transparent)]
+    NoSuchFrame(#[from] NoSuchFrame),
+    /// A function that inverts M has no value where M is singular.
+    #[error("robot `{robot}` has no `{function}`: {cause}")]
+    Singular {
+        /// The robot's name.
+        robot: String,
+        /// The function's name.
+        function: String,
+        /// The motions that move no inertia.
+        cause: SingularMass,
+    },
+}
+
+fn plain_names() -> String {
+    Function::PLAIN.map(|function| function.to_string()).join(", ")
+}

@@ -1,0 +1,70 @@
+//! The ways to slopes against each other.
+
+use expression::interpret;
+use multibody::{Base, JointKind, RandomRobotOptions, RandomState, random_robot, random_state};
+use number::SplitMix64;
+
+use super::*;
+
+/// A robot that nothing holds, with a ball, springs, friction and a follower.
+fn free_robot() -> Model {
+    let options = RandomRobotOptions {
+        joints: 4,
+        base: Base::Floating,
+        mimic: 0.3,
+        passive: 1.0,
+        ..Default::default()
+    };
+    let has_ball = |model: &Model| model.joints().iter().any(|joint| joint.kind == JointKind::Spherical);
+    (0..1000)
+        .map(|seed| Model::new(random_robot(seed, &options)).unwrap())
+        .find(|model| has_ball(model) && model.has_mimic())
+        .unwrap()
+}
+
+/// The three ways to derivatives agree: forward, backward, and, of gravity and bias, the library's recursions.
+#[test]
+fn all_ways_agree() {
+    let (model, arithmetic) = (free_robot(), Arithmetic::default());
+    let mut random = SplitMix64::new(2026);
+    for function in
+        [Function::Gravity, Function::Bias, Function::SemiImplicitEulerStep, Function::KineticEnergy]
+    {
+        let traced = function.trace(&model, arithmetic).unwrap();
+        let mut graph = traced.graph.clone();
+        let arguments = (function.arguments(&model).iter().enumerate())
+            .map(|(k, argument)| (0..argument.length).map(|index| graph.input(k, index)).collect())
+            .collect();
+        let traces = Traces {
+            function: &function,
+            model: &model,
+            arithmetic,
+            graph: &graph,
+            results: &traced.results,
+            arguments,
+        };
+        let mut ways = vec![traces.forward(), traces.backward()];
+        ways.extend(traces.by_recursions());
+        let is_recursive = matches!(function, Function::Gravity | Function::Bias);
+        assert_eq!(ways.len(), if is_recursive { 3 } else { 2 });
+        for _ in 0..3 {
+            let RandomState { q, v, tau, .. } = random_state(&model, &mut random);
+            let state = [q, v, tau, vec![random.uniform(1e-4, 1e-2)]];
+            let given = &state[..function.arguments(&model).len()];
+            let found: Vec<_> = (ways.iter())
+                .map(|(graph, results)| {
+                    interpret(graph, &Plan::new(graph, results), results, arithmetic, given)
+                })
+                .collect();
+            for (other, bounds) in &found[1..] {
+                let (first, first_bounds) = &found[0];
+                let all = |x: &[Vec<f64>]| x.concat();
+                let bounds: Vec<f64> =
+                    all(bounds).iter().zip(all(first_bounds)).map(|(x, y)| 2.0 * (x + y)).collect();
+                for ((x, y), bound) in all(first).iter().zip(all(other)).zip(bounds) {
+                    assert!((x - y).abs() <= bound, "{function}: {x:e}, {y:e}, to {bound:e}");
+                }
+            }
+        }
+    }
+}

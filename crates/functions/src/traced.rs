@@ -1,0 +1,147 @@
+//! A function of one robot as an expression.
+
+use expression::{Arithmetic, Graph, Operand, Plan, Traced, evaluate, trace};
+use multibody::{Model, MotionError, RandomState, random_state};
+use number::SplitMix64;
+
+use crate::call::call;
+use crate::slopes::{slopes, slopes_by_dual_numbers};
+use crate::{Function, FunctionError};
+
+/// Links that follow each other and differ in nothing can be a loop from so many on.
+pub const LEAST_EQUAL_LINKS: usize = 6;
+
+/// A function of one robot as an expression.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct TracedFunction {
+    /// Its operations.
+    pub graph: Graph,
+    /// Its results, a matrix by rows.
+    pub results: Vec<Vec<Operand>>,
+    /// The order of its operations.
+    pub plan: Plan,
+    arithmetic: Arithmetic,
+    /// The function without its slopes, and the robot that is traced.
+    of: Function,
+    model: Model,
+}
+
+impl Function {
+    /// Its expression for this robot.
+    ///
+    /// # Errors
+    /// [`FunctionError::NoSuchFrame`], [`FunctionError::NoSlopes`], [`FunctionError::Singular`].
+    ///
+    /// ```
+    /// use expression::Arithmetic;
+    /// use functions::Function;
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let traced = Function::Gravity.trace(&model, Arithmetic::default())?;
+    /// assert!(traced.plan.steps() < 5); // -m g l cos q
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn trace(&self, model: &Model, arithmetic: Arithmetic) -> Result<TracedFunction, FunctionError> {
+        check_mass(self, model)?;
+        let of_another = self.slopes_of();
+        let of = of_another.map_or(self, |(of, _)| of);
+        if of_another.is_some() && !of.has_slopes() {
+            return Err(FunctionError::NoSlopes { function: self.to_string() });
+        }
+        let source = of.traced_model(model);
+        let compute = call::<Traced>(of, &source)?;
+        let lengths: Vec<usize> = of.arguments(model).iter().map(|argument| argument.length).collect();
+        let traces = trace(arithmetic, &lengths, &compute);
+        drop(compute);
+        let ((graph, results), plan) = if let Some(of_another) = of_another {
+            slopes(of_another, &source, arithmetic, &traces)
+        } else {
+            let plan = Plan::new(&traces.0, &traces.1);
+            (traces, plan)
+        };
+        Ok(TracedFunction { graph, results, plan, arithmetic, of: of.clone(), model: source })
+    }
+
+    /// The robot that is traced: it has the same motion to rounding, and leaves less to do.
+    ///
+    /// ```
+    /// use functions::Function;
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// assert_eq!(Function::Bias.traced_model(&model).nv(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn traced_model(&self, model: &Model) -> Model {
+        let exact = model.with_right_angles();
+        if self.regroups(model) { exact.regrouped() } else { exact }
+    }
+
+    /// Whether mass is counted with the body that it moves with: where the result stays the same, and no links differ by it that would make
+    /// a loop.
+    ///
+    /// ```
+    /// use functions::Function;
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// assert!(Function::Bias.regroups(&model) && !Function::KineticEnergy.regroups(&model));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn regroups(&self, model: &Model) -> bool {
+        self.is_of_equation_of_motion() && model.longest_run_of_equal_links() < LEAST_EQUAL_LINKS
+    }
+
+    /// What derivatives and pullbacks must be: the library's recursions over its dual numbers, in one state. `None` of functions that are no slopes through
+    /// a graph.
+    ///
+    /// # Errors
+    /// [`FunctionError::NoSuchFrame`].
+    ///
+    /// ```
+    /// use functions::Function;
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let slopes = Function::PotentialEnergy.derivatives().slopes_by_dual_numbers(&model, &[vec![0.0]])?;
+    /// assert!((slopes.expect("slopes")[0][0] + 2.0 * 9.81 * 0.5).abs() < 1e-12); // at q = 0 the bob is level with the hinge
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn slopes_by_dual_numbers(
+        &self,
+        model: &Model,
+        arguments: &[Vec<f64>],
+    ) -> Result<Option<Vec<Vec<f64>>>, FunctionError> {
+        self.slopes_of().map(|slopes| slopes_by_dual_numbers(slopes, model, arguments)).transpose()
+    }
+}
+
+impl TracedFunction {
+    /// The function's values in one state, operation by operation; of derivatives and pullbacks those of the function that they are of.
+    ///
+    /// # Panics
+    /// If an argument has another length than [`Function::arguments`] says.
+    pub fn evaluate(&self, arguments: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        self.evaluate_in(self.arithmetic, arguments)
+    }
+
+    /// The same in another arithmetic.
+    ///
+    /// # Panics
+    /// As [`evaluate`](Self::evaluate).
+    pub fn evaluate_in(&self, arithmetic: Arithmetic, arguments: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let compute = call::<Traced>(&self.of, &self.model).expect("it was traced");
+        let own = self.of.rows_of_arguments().len();
+        evaluate(arithmetic, &arguments[..own], compute)
+    }
+}
+
+/// Refuses to invert a singular M, as it is in a random state.
+fn check_mass(function: &Function, model: &Model) -> Result<(), FunctionError> {
+    let RandomState { q, .. } = random_state(model, &mut SplitMix64::new(1));
+    match model.check_rank(&q) {
+        Err(MotionError::SingularMass(cause)) if function.inverts_mass() => {
+            Err(FunctionError::Singular { robot: model.name().into(), function: function.to_string(), cause })
+        }
+        _ => Ok(()),
+    }
+}
