@@ -71,7 +71,7 @@ fn target_parser() -> clap::builder::PossibleValuesParser {
 }
 
 fn parse_function(text: &str) -> Result<Function, String> {
-    text.parse().map_err(|error: ::generate::GenerateError| error.to_string())
+    text.parse().map_err(|error: ::generate::FunctionError| error.to_string())
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {

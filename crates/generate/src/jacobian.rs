@@ -38,7 +38,7 @@ pub(crate) fn jacobian(program: &Program, model: &Model, arithmetic: Arithmetic)
     Program {
         function: program.function.clone(),
         symbol: format!("jac_{}", program.symbol),
-        arguments: program.arguments.iter().map(|x| Argument { unit: "", ..x.clone() }).collect(),
+        arguments: program.arguments.iter().map(|x| Argument { unit: "", ..*x }).collect(),
         outcomes,
         graph,
         results,

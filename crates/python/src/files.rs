@@ -65,7 +65,7 @@ impl Robot {
             .iter()
             .map(|name| name.parse())
             .collect::<Result<Vec<Function>, _>>()
-            .map_err(refused)?;
+            .map_err(|error| refused(error.into()))?;
         let precision = if single { Precision::Single } else { Precision::Double };
         let mut arithmetic = Arithmetic::new(precision);
         if fused {
