@@ -5,12 +5,17 @@
 //! velocity that restores it: no joint's rate, no angular velocity and no relative velocity within the tree changes.
 //! Slides next to the world, without forces that depend on their own motion, count as well: there along their axes.
 
+use dynamics::Scalar;
 use nalgebra::{Matrix3, Vector3};
+use number::View;
+use number::dispatch::{Hardware, Kernel};
 
 use super::joints::Joints;
 use crate::clone_in_place::clone_in_place;
 use crate::joint::{Chart, Position};
 use crate::model::{Body, WORLD};
+use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{M3, V3};
 use crate::spatial::screw::Place;
 use crate::stages::screws::{move_screws, place_screws};
@@ -25,7 +30,7 @@ clone_in_place! {
     pub(super) struct FreeTranslations {
         roots: Vec<Root>,
         /// The momentum of each body with all that it carries, along the world's axes \[N·s\].
-        momenta: Vec<Vector3<f64>>,
+        momenta: Vec<[f64; 3]>,
     }
 }
 
@@ -105,7 +110,7 @@ impl FreeTranslations {
         }
         // A carried body is translated before its carrier.
         roots.reverse();
-        let momenta = if roots.is_empty() { Vec::new() } else { vec![Vector3::zeros(); bodies.len()] };
+        let momenta = if roots.is_empty() { Vec::new() } else { vec![[0.0; 3]; bodies.len()] };
         Self { roots, momenta }
     }
 
@@ -125,7 +130,7 @@ impl FreeTranslations {
         self.find_momenta(model, workspace, (q, v));
         let gravity = Vector3::from(model.gravity());
         for root in &mut self.roots {
-            root.target = self.momenta[root.body] + gravity * (h * root.mass);
+            root.target = Vector3::from(self.momenta[root.body]) + gravity * (h * root.mass);
         }
     }
 
@@ -155,7 +160,7 @@ impl FreeTranslations {
             if coordinates.clone().any(|k| joints.resists(k)) {
                 continue;
             }
-            let missing = root.target - self.momenta[root.body];
+            let missing = root.target - Vector3::from(self.momenta[root.body]);
             let axes = root.axes(&model.bodies[root.body], q);
             for (k, coordinate) in coordinates.enumerate() {
                 v[coordinate] += axis_of(&axes, root.count, k).dot(&missing) / root.mass;
@@ -164,22 +169,42 @@ impl FreeTranslations {
     }
 
     fn find_momenta(&mut self, model: &Model, workspace: &mut Workspace, (q, v): (&[f64], &[f64])) {
-        if self.is_empty() {
-            return;
+        if !self.is_empty() {
+            let momenta = self.momenta.as_flattened_mut();
+            run(&mut workspace.tree, CarriedMomenta { model, q, v, momenta });
         }
-        let tree = &mut workspace.tree;
-        place_screws(model, tree, q);
-        move_screws(model, tree, v);
+    }
+}
+
+/// The linear momentum of each body with all that it carries, along the world's axes, three numbers a body \[N·s\].
+pub(crate) struct CarriedMomenta<'a, S> {
+    model: &'a Model,
+    q: &'a [S],
+    v: &'a [S],
+    momenta: &'a mut [S],
+}
+
+compiled_once!(CarriedMomentaKind, CarriedMomenta);
+
+impl<S: Scalar> Kernel<OverNumber, S> for CarriedMomenta<'_, S> {
+    #[inline(always)]
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
+        let Self { model, q, v, momenta } = self;
+        place_screws(model, tree, N::view(q));
+        move_screws(model, tree, N::view(v));
+        let (momenta, _) = N::view_mut(momenta).as_chunks_mut::<3>();
         for (i, body) in model.bodies.iter().enumerate() {
             let (place, twist) = (&tree.screws.world[i], &tree.screws.twist[i]);
+            let mass = N::from_f64(body.mass);
             let turned = place.rotation * V3::constant(&body.first_moment);
-            let first_moment = turned.add_scaled(body.mass, place.translation);
-            let own = twist.angular.cross(first_moment).add_scaled(body.mass, twist.linear);
-            self.momenta[i] = own.array().into();
+            let first_moment = turned.add_scaled(mass, place.translation);
+            momenta[i] = twist.angular.cross(first_moment).add_scaled(mass, twist.linear).array();
         }
         for (i, body) in model.bodies.iter().enumerate().rev().filter(|(_, body)| body.parent != WORLD) {
-            let own = self.momenta[i];
-            self.momenta[body.parent] += own;
+            let own = momenta[i];
+            for (sum, own) in momenta[body.parent].iter_mut().zip(own) {
+                *sum += own;
+            }
         }
     }
 }
