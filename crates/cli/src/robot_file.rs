@@ -4,7 +4,7 @@ use std::path::{Display, Path, PathBuf};
 
 use multibody::plausibility::WrittenAngles;
 use multibody::{Base, LoadReport, Model};
-use robot_dynamics::{Described, FileError, Options};
+use robot_dynamics::{Described, FileError, Options, with_native_code};
 
 use crate::failure::{Context, Failure};
 use crate::locks::{self, Locks};
@@ -116,7 +116,7 @@ impl RobotFile {
             let locked = description.lock_massless().context(&shown)?;
             tell(format_args!("note: --lock-massless: {}", locks::told(&locked)));
         }
-        let model = Model::new(description).context(shown)?;
+        let model = with_native_code(Model::new(description).context(shown)?);
         Ok(Loaded { model, report, angles })
     }
 

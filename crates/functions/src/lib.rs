@@ -23,14 +23,18 @@ mod table;
 // the library's calls over any number,
 mod call;
 
-// the expressions and their slopes.
+// the expressions and their slopes,
 mod slopes;
 mod traced;
+
+// machine code of them.
+mod native_code;
 
 pub use call::FunctionMemory;
 pub use error::FunctionError;
 pub use function::{Argument, Function, Outcome};
 pub use name::identifier;
+pub use native_code::with_native_code;
 pub use table::Table;
 pub use traced::{LEAST_EQUAL_LINKS, TracedFunction};
 

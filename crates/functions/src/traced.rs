@@ -43,13 +43,13 @@ impl Function {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn trace(&self, model: &Model, arithmetic: Arithmetic) -> Result<TracedFunction, FunctionError> {
-        check_mass(self, model)?;
         let of_another = self.slopes_of();
         let of = of_another.map_or(self, |(of, _)| of);
         if of_another.is_some() && !of.has_slopes() {
             return Err(FunctionError::NoSlopes { function: self.to_string() });
         }
         let source = of.traced_model(model);
+        check_mass(self, &source)?;
         let compute = call::<Traced>(of, &source)?;
         let lengths: Vec<usize> = of.arguments(model).iter().map(|argument| argument.length).collect();
         let traces = trace(arithmetic, &lengths, &compute);

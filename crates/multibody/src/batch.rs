@@ -29,6 +29,7 @@ mod compute;
 mod derivatives;
 mod equation;
 mod kinematics;
+mod native;
 mod pullback;
 mod recursions;
 mod related_mass;

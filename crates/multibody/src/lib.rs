@@ -206,6 +206,9 @@ pub use model::finding_group::FindingGroup;
 pub use model::higher_terms::HigherTerms;
 pub use model::joint_description::{JointDescription, Limits, Mimic, PassiveForces};
 pub use model::named_pose::NamedPose;
+pub use model::native::{NativeCode, NativeFunction, NativeReport, NativeUse};
+#[cfg(feature = "native")]
+pub use model::native::{NativeTrace, Tracer};
 pub use model::pendulum::pendulum;
 pub use model::placement_spring::PlacementSpring;
 pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};

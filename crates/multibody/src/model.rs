@@ -16,6 +16,7 @@ pub(crate) mod joint_description;
 pub(crate) mod length;
 pub(crate) mod mass;
 pub(crate) mod named_pose;
+pub(crate) mod native;
 pub(crate) mod pendulum;
 pub(crate) mod placement_spring;
 pub(crate) mod random_robot;

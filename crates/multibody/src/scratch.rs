@@ -6,6 +6,7 @@ pub(crate) mod derivatives;
 pub(crate) mod extent;
 pub(crate) mod freedoms;
 pub(crate) mod momentum_block;
+pub(crate) mod native;
 pub(crate) mod passes;
 pub(crate) mod pullback;
 pub(crate) mod slope;

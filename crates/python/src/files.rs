@@ -7,7 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use robot_dynamics::output::{file_read_at, write_files};
 use robot_dynamics::text::{lines, one_line, xml};
-use robot_dynamics::{Base, Format, LoadReport, Model, RandomRobotOptions};
+use robot_dynamics::{Base, Format, LoadReport, Model, RandomRobotOptions, with_native_code};
 
 use crate::errors::Class;
 use crate::robot::Robot;
@@ -142,6 +142,6 @@ pub(crate) fn _random_robot(
     let options = RandomRobotOptions { joints, base, ..RandomRobotOptions::default() };
     let description = robot_dynamics::random_robot(seed, &options);
     let model = Model::new(description).map_err(|error| Class::Description.error(py, error))?;
-    let robot = Robot::of(model, LoadReport::default());
+    let robot = Robot::of(with_native_code(model), LoadReport::default());
     robot.state_of(robot.model.description())
 }

@@ -10,7 +10,7 @@ use robot_dynamics::multibody::plausibility::WrittenAngles;
 use robot_dynamics::simulator::Simulation;
 use robot_dynamics::{
     Described, FrameId, JointKind, LoadReport, Model, Options, RobotDescription, SensorSet, describe,
-    describe_text,
+    describe_text, with_native_code,
 };
 
 use crate::errors::Class;
@@ -203,7 +203,7 @@ impl Robot {
                 let (description, report): (RobotDescription, LoadReport) =
                     serde_json::from_str(&text).map_err(|error| refused(&error))?;
                 let model = Model::new(description).map_err(|error| refused(&error))?;
-                Ok(Self::of(model, report))
+                Ok(Self::of(with_native_code(model), report))
             }
         }
     }

@@ -17,6 +17,7 @@
 //! | files that replace none that was read, all of them or none | [`output`] |
 //! | any robot: recursions, derivatives, kinematics, constraints, control, simulation, batches | everything of [`multibody`], at the top of this crate |
 //! | a simulation: everything that the file states, step by step | [`Robot::simulation`], [`simulator`] |
+//! | a robot made in code, with its functions in machine code as a loaded robot has them | `with_native_code` |
 //! | the points of a shape's mesh file, for contact | [`mesh_corners`] |
 //! | the height field of a shape, for contact | [`height_field`] |
 //! | states and results as lines of JSON, with the feature `json` | `json` |
@@ -38,6 +39,8 @@ pub use multibody;
 pub use nalgebra;
 pub use urdf;
 
+#[cfg(feature = "native")]
+pub use functions::with_native_code;
 pub use height_field::height_field;
 pub use load::{
     Described, FileError, LoadError, Robot, describe, describe_among, describe_text, load, load_with,

@@ -63,12 +63,15 @@ pub struct Described {
 }
 
 impl Described {
-    /// Compiles it.
+    /// Compiles it. With the feature `native` its functions have machine code, as by [`with_native_code`](crate::with_native_code).
     ///
     /// # Errors
     /// [`ModelError`] if the robot cannot move as described.
     pub fn compile(self) -> Result<Robot, ModelError> {
-        Ok(Robot { model: Model::new(self.description)?, report: self.report })
+        let model = Model::new(self.description)?;
+        #[cfg(feature = "native")]
+        let model = functions::with_native_code(model);
+        Ok(Robot { model, report: self.report })
     }
 }
 

@@ -18,8 +18,10 @@ use number::View;
 use number::dispatch::{Hardware, Kernel};
 
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
 use crate::model::{Body, WORLD};
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::native::computed_natively;
 use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{M3, Sym3, V3};
 use crate::spatial::screw::{Composite, Flow, Force, Screw};
@@ -70,6 +72,10 @@ pub fn coriolis_matrix<S: Scalar>(
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("the Coriolis matrix", coriolis.len(), model.nv * model.nv);
+    let native = &mut workspace.tree.native;
+    if computed_natively(model, native, NativeFunction::CoriolisMatrix, &[q, v], &mut [&mut *coriolis]) {
+        return;
+    }
     run(&mut workspace.tree, CoriolisMatrix { model, q, v, coriolis });
 }
 

@@ -21,7 +21,9 @@ use crate::algorithms::inverse_dynamics::NewtonEuler;
 use crate::algorithms::mass_matrix::force_in_parent;
 use crate::model::WORLD;
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::native::computed_natively;
 use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{M3, Sym3, V3};
 use crate::spatial::screw::{Articulated, Composite, Force, Pivot};
@@ -68,6 +70,11 @@ pub fn forward_dynamics<S: Scalar>(
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
+    check_length("the acceleration", acceleration.len(), model.nv);
+    let (native, function) = (&mut workspace.tree.native, NativeFunction::ForwardDynamics);
+    if computed_natively(model, native, function, &[q, v, tau], &mut [&mut *acceleration]) {
+        return;
+    }
     if model.couples_branches {
         forward_dynamics_by_cholesky(model, workspace, q, v, tau, acceleration);
     } else {
@@ -105,6 +112,9 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
     check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
     check_length("the acceleration", acceleration.len(), model.nv);
+    if wrenches.is_empty() {
+        return forward_dynamics(model, workspace, q, v, tau, acceleration);
+    }
     if model.couples_branches {
         // τ − (ID at a = 0 under the wrenches), then M a = that.
         let Workspace { tree, dense, .. } = workspace;

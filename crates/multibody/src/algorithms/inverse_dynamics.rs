@@ -16,7 +16,9 @@ use number::dispatch::{Hardware, Kernel};
 pub(crate) use self::along_world_axes::accelerate_bodies as accelerate_along_world_axes;
 pub(crate) use self::in_body_frames::accelerate_bodies;
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::native::computed_natively;
 use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::M3;
 use crate::stages::place::{evaluate_angles, gather, spread};
@@ -155,6 +157,11 @@ pub fn inverse_dynamics_with_wrenches<S: Scalar>(
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
+    let native = &mut workspace.tree.native;
+    let function = NativeFunction::InverseDynamics;
+    if wrenches.is_empty() && computed_natively(model, native, function, &[q, v, a], &mut [&mut *tau]) {
+        return;
+    }
     let ground = upward(model);
     run(
         &mut workspace.tree,
@@ -184,6 +191,10 @@ pub fn bias<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: 
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("bias", bias.len(), model.nv);
+    let native = &mut workspace.tree.native;
+    if computed_natively(model, native, NativeFunction::Bias, &[q, v], &mut [&mut *bias]) {
+        return;
+    }
     run(&mut workspace.tree, NewtonEuler::bias(model, q, v, bias));
 }
 
@@ -216,6 +227,10 @@ pub fn velocity_product<S: Scalar>(
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("product", product.len(), model.nv);
+    let native = &mut workspace.tree.native;
+    if computed_natively(model, native, NativeFunction::VelocityProduct, &[q, v], &mut [&mut *product]) {
+        return;
+    }
     let ground = [0.0; 3];
     let task = NewtonEuler {
         model,
@@ -247,6 +262,10 @@ pub fn velocity_product<S: Scalar>(
 pub fn gravity<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], gravity: &mut [S]) {
     workspace.admit(model, q);
     check_length("gravity", gravity.len(), model.nv);
+    let native = &mut workspace.tree.native;
+    if computed_natively(model, native, NativeFunction::Gravity, &[q], &mut [&mut *gravity]) {
+        return;
+    }
     let ground = upward(model);
     let task =
         NewtonEuler { model, q, v: None, a: None, ground, with_springs: true, wrenches: &[], tau: gravity };

@@ -6,7 +6,9 @@ use crate::Model;
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::algorithms::mass_matrix_factor::Elimination;
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
 use crate::scratch::compiled_once::run;
+use crate::scratch::native::computed_natively;
 use crate::scratch::workspace::{Dense, Workspace};
 
 /// M(q)⁻¹, nv×nv symmetric, row-major, both triangles: column j is the acceleration that a unit force on
@@ -41,6 +43,10 @@ pub fn inverse_mass_matrix<S: Scalar>(
 ) {
     workspace.admit(model, q);
     check_length("the inverse mass matrix", inverse.len(), model.nv * model.nv);
+    let native = &mut workspace.tree.native;
+    if computed_natively(model, native, NativeFunction::InverseMassMatrix, &[q], &mut [&mut *inverse]) {
+        return;
+    }
     let Workspace { tree, dense: Dense { matrix, vector: row, carrier, .. }, .. } = workspace;
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
     run(tree, Elimination { carrier, matrix, inverse: Some((row, inverse)) });

@@ -15,8 +15,10 @@ use number::dispatch::{Hardware, Kernel};
 
 use crate::model::WORLD;
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
 use crate::model::robot::Dof;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::native::computed_natively;
 use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::M3;
 use crate::spatial::screw::{Force, Place};
@@ -46,7 +48,12 @@ use crate::{Model, Workspace};
 #[inline]
 #[track_caller]
 pub fn mass_matrix<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], mass: &mut [S]) {
-    write_mass_matrix(model, workspace, q, mass, Entries::All);
+    workspace.admit(model, q);
+    check_length("the mass matrix", mass.len(), model.nv * model.nv);
+    let native = &mut workspace.tree.native;
+    if !computed_natively(model, native, NativeFunction::MassMatrix, &[q], &mut [&mut *mass]) {
+        write_mass_matrix(model, workspace, q, mass, Entries::All);
+    }
 }
 
 /// These entries of M; of the others of `mass` nothing is read, and what they are afterwards is of no meaning.

@@ -4,6 +4,8 @@ use dynamics::Scalar;
 
 use crate::model::WORLD;
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
+use crate::scratch::native::computed_natively;
 use crate::scratch::tree::TreeMemory;
 use crate::spatial::screw::Force;
 use crate::stages::place::gather;
@@ -42,6 +44,10 @@ pub fn momentum<S: Scalar>(
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("the momentum", momentum.len(), model.nv);
+    let native = &mut workspace.tree.native;
+    if computed_natively(model, native, NativeFunction::Momentum, &[q, v], &mut [&mut *momentum]) {
+        return;
+    }
     collect_momenta(model, &mut workspace.tree, q, v);
     for (index, dof) in model.dofs.iter().enumerate() {
         let rotor = workspace.tree.freedoms.v[index].scale(dof.passive.armature);

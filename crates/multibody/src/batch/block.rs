@@ -3,12 +3,18 @@
 use number::dispatch::{Call, Hardware, LaneKernel, LaneMemory, Make};
 use number::{Float, Form, Scalar, StateLanes};
 
+use crate::model::native::NativeFunction;
 use crate::{Model, Workspace};
 
 /// What is computed of each state.
 pub(super) trait Operation<T>: Copy + Sync {
     /// Numbers of one state's result.
     fn width(self, model: &Model) -> usize;
+
+    /// The function that may have machine code.
+    fn native(self) -> Option<NativeFunction> {
+        None
+    }
 
     /// Every how many-th number of the result tells whether all of it is finite.
     fn watched_step(self, model: &Model) -> usize {

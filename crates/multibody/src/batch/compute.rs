@@ -2,7 +2,9 @@
 
 use super::bad_states::Found;
 use super::block::{self, Operation};
+use super::native::{Number, natively};
 use super::share::for_each_block;
+use super::workspace::BlockMemory;
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
 
@@ -45,7 +47,7 @@ pub(super) fn check_workspace<T: BatchFloat>(model: &Model, workspace: &BatchWor
 
 /// Computes a batch.
 #[track_caller]
-pub(super) fn compute<T: BatchFloat, O: Operation<T>>(
+pub(super) fn compute<T: BatchFloat + Number, O: Operation<T>>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
     operation: O,
@@ -60,6 +62,18 @@ pub(super) fn compute<T: BatchFloat, O: Operation<T>>(
     if output.is_empty() {
         return Ok(());
     }
+    let output = match operation.native() {
+        None => output,
+        Some(function) => {
+            let again = |block: &mut BlockMemory, rows: [&[T]; 3], [output]: [&mut [T]; 1]| {
+                block::compute(block, model, operation, 1, rows, output) == 0
+            };
+            match natively(model, workspace, function, tables, [output], &again) {
+                Ok(result) => return result,
+                Err([output]) => output,
+            }
+        }
+    };
     let bad = Found::default();
     for_each_block(workspace, batch, BLOCKS_PER_CHUNK, [output], &|memory, first, states, [output]| {
         let rows = [0, 1, 2].map(|i| {

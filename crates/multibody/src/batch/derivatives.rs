@@ -8,11 +8,14 @@ use super::block::{
     self, Block, OverLanes, add_poison, bad_lanes, make_room, poison_lanes, read, scatter_all,
 };
 use super::compute::{Tables, check_table, check_workspace};
+use super::native::{Number, natively};
 use super::share::for_each_block;
 use super::within::call;
+use super::workspace::BlockMemory;
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
 use crate::derivatives::{ForwardDynamicsSlopes, InverseDynamicsSlopes};
+use crate::model::native::NativeFunction;
 
 /// Blocks that a thread takes at once, at most: some ten microseconds of work.
 const BLOCKS_PER_CHUNK: usize = 8;
@@ -99,7 +102,7 @@ pub fn forward_dynamics_derivatives<T: BatchFloat>(
 
 /// The derivatives of forward or of inverse dynamics, which have two results.
 #[track_caller]
-pub(super) fn compute<T: BatchFloat, const FORWARD: bool>(
+pub(super) fn compute<T: BatchFloat + Number, const FORWARD: bool>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
     tables: &Tables<'_, T>,
@@ -114,6 +117,19 @@ pub(super) fn compute<T: BatchFloat, const FORWARD: bool>(
     if results[0].is_empty() {
         return Ok(());
     }
+    let again = |block: &mut BlockMemory, rows: [&[T]; 3], results: [&mut [T]; 3]| {
+        let mut bits = 0;
+        block::run(block, Lanewise::<T, FORWARD> { model, states: 1, rows, results, bad: &mut bits });
+        bits == 0
+    };
+    let function = match FORWARD {
+        true => NativeFunction::ForwardDynamicsDerivatives,
+        false => NativeFunction::InverseDynamicsDerivatives,
+    };
+    let results = match natively(model, workspace, function, tables, results, &again) {
+        Ok(result) => return result,
+        Err(results) => results,
+    };
     let bad = Found::default();
     for_each_block(workspace, batch, BLOCKS_PER_CHUNK, results, &|block, first, states, results| {
         let widths = tables.widths;

@@ -11,6 +11,7 @@ use crate::algorithms::forward_dynamics::ArticulatedBodies;
 use crate::algorithms::inverse_dynamics::{NewtonEuler, upward};
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::factor::sparse;
+use crate::model::native::NativeFunction;
 use crate::scratch::compiled_once::{OverNumber, compiled_once};
 use crate::scratch::tree::TreeMemory;
 use crate::scratch::workspace::{Dense, Workspace};
@@ -26,6 +27,14 @@ pub enum Forces {
 impl<T> Operation<T> for Forces {
     fn width(self, model: &Model) -> usize {
         model.nv
+    }
+
+    fn native(self) -> Option<NativeFunction> {
+        Some(match self {
+            Self::Inverse => NativeFunction::InverseDynamics,
+            Self::Bias => NativeFunction::Bias,
+            Self::Gravity => NativeFunction::Gravity,
+        })
     }
 
     #[inline(always)]
@@ -56,6 +65,10 @@ pub(super) struct Acceleration;
 impl<T> Operation<T> for Acceleration {
     fn width(self, model: &Model) -> usize {
         model.nv
+    }
+
+    fn native(self) -> Option<NativeFunction> {
+        Some(NativeFunction::ForwardDynamics)
     }
 
     #[inline(always)]
@@ -123,6 +136,10 @@ impl<T> Operation<T> for InverseMass {
         model.nv * model.nv
     }
 
+    fn native(self) -> Option<NativeFunction> {
+        Some(NativeFunction::InverseMassMatrix)
+    }
+
     /// As for M.
     fn watched_step(self, model: &Model) -> usize {
         model.nv + 1
@@ -165,6 +182,10 @@ pub(super) struct Mass;
 impl<T> Operation<T> for Mass {
     fn width(self, model: &Model) -> usize {
         model.nv * model.nv
+    }
+
+    fn native(self) -> Option<NativeFunction> {
+        Some(NativeFunction::MassMatrix)
     }
 
     /// |M_ij|² ≤ M_ii M_jj: the diagonal tells.

@@ -10,6 +10,7 @@ use super::within::call;
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries, is_plain, related_end};
+use crate::model::native::NativeFunction;
 use crate::scratch::workspace::{Dense, Workspace};
 
 /// The entries of M that [`mass_matrix_related`].
@@ -19,6 +20,10 @@ pub(super) struct RelatedMass;
 impl<T> Operation<T> for RelatedMass {
     fn width(self, model: &Model) -> usize {
         (0..model.nv).map(|i| related_end(model, i) - i).sum()
+    }
+
+    fn native(self) -> Option<NativeFunction> {
+        Some(NativeFunction::MassMatrixRelated)
     }
 
     /// |M_ij|² ≤ M_ii M_jj: the diagonal tells, the first of each row.

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::workspace::BlockMemory;
+use super::workspace::{BlockMemory, ThreadMemory};
 use super::{BatchFloat, BatchWorkspace};
 
 /// Calls `run` with each block: its memory, its first state, how many, and their rows of the results. A thread takes
@@ -14,7 +14,22 @@ pub(super) fn for_each_block<T: BatchFloat, const K: usize>(
     results: [&mut [T]; K],
     run: &(impl Fn(&mut BlockMemory, usize, usize, [&mut [T]; K]) + Sync),
 ) {
-    let (threads, lanes) = (workspace.threads(), workspace.lanes());
+    let states = (workspace.lanes(), blocks);
+    for_each_part(workspace, batch, states, results, &|memory, first, states, results| {
+        run(&mut memory.block, first, states, results);
+    });
+}
+
+/// As [`for_each_block`], with the memory of a thread for so many states at once, and so many times as many that a thread takes at
+/// once, at most.
+pub(super) fn for_each_part<T: BatchFloat, const K: usize>(
+    workspace: &BatchWorkspace<T>,
+    batch: usize,
+    (lanes, blocks): (usize, usize),
+    results: [&mut [T]; K],
+    run: &(impl Fn(&mut ThreadMemory<T>, usize, usize, [&mut [T]; K]) + Sync),
+) {
+    let threads = workspace.threads();
     let chunk = match threads {
         1 => batch,
         _ => (batch.div_ceil(lanes) / (4 * threads)).clamp(1, blocks) * lanes,

@@ -55,7 +55,7 @@ pub struct ThreadError {
 pub struct BatchWorkspace<T: BatchFloat> {
     pool: Pool,
     /// One for each thread, at least one, all made alike.
-    pub(super) blocks: Vec<Mutex<BlockMemory>>,
+    pub(super) memories: Vec<Mutex<ThreadMemory<T>>>,
     lanes: usize,
     instructions: InstructionSet,
     pub(super) robot: Identity,
@@ -127,6 +127,15 @@ fn shared() -> Pool {
 /// A block of the lanes that this machine has.
 pub(super) type BlockMemory = LaneMemory<OverLanes>;
 
+/// What a thread works in.
+#[derive(Debug)]
+pub(super) struct ThreadMemory<T> {
+    pub(super) block: BlockMemory,
+    /// Of machine code.
+    #[cfg_attr(not(feature = "native"), allow(dead_code))]
+    pub(super) native: Vec<T>,
+}
+
 impl<T: BatchFloat> BatchWorkspace<T> {
     /// Memory for this model, for one thread a core.
     pub fn new(model: &Model) -> Self {
@@ -161,14 +170,15 @@ impl<T: BatchFloat> BatchWorkspace<T> {
         let block = || LaneMemory::new::<T>(limit, &Maker(model));
         let first = block();
         let (lanes, instructions) = (first.lanes(), first.instruction_set());
-        let others = (1..threads).map(|_| Mutex::new(block()));
-        let blocks = core::iter::once(Mutex::new(first)).chain(others).collect();
-        Self { pool, blocks, lanes, instructions, robot: model.identity.clone(), of: PhantomData }
+        let others = (1..threads).map(|_| block());
+        let memory = |block| Mutex::new(ThreadMemory { block, native: Vec::new() });
+        let memories = core::iter::once(first).chain(others).map(memory).collect();
+        Self { pool, memories, lanes, instructions, robot: model.identity.clone(), of: PhantomData }
     }
 
     /// How many threads compute.
     pub fn threads(&self) -> usize {
-        self.blocks.len()
+        self.memories.len()
     }
 
     /// How many states one block holds.
@@ -185,10 +195,10 @@ impl<T: BatchFloat> BatchWorkspace<T> {
     ///
     /// The caller does not wait for a thread to wake: on a virtual machine that takes up to a millisecond. One that comes
     /// late finds less left to do.
-    pub(super) fn on_each_thread(&self, work: impl Fn(&mut BlockMemory) + Sync) {
+    pub(super) fn on_each_thread(&self, work: impl Fn(&mut ThreadMemory<T>) + Sync) {
         let run = |k: usize| {
             // A block is all scratch: what a panic left in it is overwritten.
-            work(&mut self.blocks[k].lock().unwrap_or_else(PoisonError::into_inner));
+            work(&mut self.memories[k].lock().unwrap_or_else(PoisonError::into_inner));
         };
         let pool: &ThreadPool = match &self.pool {
             Pool::Caller => return on_enough_stack(|| run(0)),

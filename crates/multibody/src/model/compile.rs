@@ -69,6 +69,8 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
         points,
         massless,
         actuated: Vec::new(),
+        #[cfg(feature = "native")]
+        native: crate::model::native::Native::default(),
         identity: Identity::of(&description),
         description,
     };

@@ -19,7 +19,7 @@ impl Model {
     #[doc(hidden)]
     #[must_use]
     pub fn regrouped(&self) -> Self {
-        let mut model = self.clone();
+        let mut model = self.without_native_code();
         for i in (0..model.bodies.len()).rev() {
             let (below, from) = model.bodies.split_at_mut(i);
             let carried = match from[0].motion {

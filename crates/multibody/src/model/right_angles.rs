@@ -28,7 +28,7 @@ impl Model {
     #[doc(hidden)]
     #[must_use]
     pub fn with_right_angles(&self) -> Self {
-        let mut model = self.clone();
+        let mut model = self.without_native_code();
         model.bodies.iter_mut().for_each(|body| round_right_angles(&mut body.rotation));
         for frame in &mut model.frames {
             round_right_angles(&mut frame.rotation);

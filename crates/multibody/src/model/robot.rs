@@ -45,6 +45,9 @@ pub struct Model {
     pub(crate) massless: Vec<usize>,
     /// See [`Model::actuated_dofs`].
     pub(crate) actuated: Vec<bool>,
+    /// Its functions in machine code.
+    #[cfg(feature = "native")]
+    pub(crate) native: crate::model::native::Native,
 }
 
 /// A joint of the model, with its place in q and v.

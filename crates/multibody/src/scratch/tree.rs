@@ -10,6 +10,7 @@ use crate::scratch::branch_block::BranchBlock;
 use crate::scratch::compiled_once::OverNumber;
 use crate::scratch::derivatives::Scratch;
 use crate::scratch::momentum_block::{MomentumBlock, WIDTH as BLOCK_WIDTH, momentum_blocks};
+use crate::scratch::native::NativeScratch;
 use crate::scratch::pullback;
 use crate::spatial::algebra::{M3, Sym3, V3};
 use crate::spatial::screw::{
@@ -22,6 +23,7 @@ use crate::{InstructionSet, Model};
 pub(crate) struct TreeMemory<S: Scalar> {
     /// Where kernels compute instead, on a machine with a better number than `f64` or `f32`.
     pub(crate) fast: Option<OneState<OverNumber>>,
+    pub(crate) native: NativeScratch<S>,
     pub(crate) angles: Angles<S>,
     pub(crate) freedoms: PerFreedom<S>,
     pub(crate) bodies: InBodies<S>,
@@ -126,7 +128,9 @@ impl Make<OverNumber> for Maker<'_> {
 
 /// A memory over a float, with the machine's number up to a set of instructions.
 fn over_float<T: Float>(maker: &Maker<'_>, limit: InstructionSet) -> TreeMemory<T> {
-    TreeMemory { fast: OneState::new::<T>(limit, maker), ..maker.make() }
+    let fast = OneState::new::<T>(limit, maker);
+    let instructions = fast.as_ref().map_or(InstructionSet::Portable, OneState::instruction_set);
+    TreeMemory { fast, native: NativeScratch::new(instructions), ..maker.make() }
 }
 
 fn over_f64(maker: &Maker<'_>, limit: InstructionSet, made: &mut Option<TreeMemory<f64>>) {
@@ -169,6 +173,7 @@ impl<S: Scalar> TreeMemory<S> {
             Articulated { mass: sym, coupling: m3, coupling_back: m3, inertia: sym, bias: force };
         Self {
             fast: None,
+            native: NativeScratch::new(InstructionSet::Portable),
             angles: Angles {
                 angle: filled(zero, bodies),
                 sine: filled(zero, bodies),

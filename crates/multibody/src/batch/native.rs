@@ -1,0 +1,138 @@
+//! Batches by machine code.
+
+#[cfg(feature = "native")]
+pub(super) use self::compute::natively;
+
+/// Without machine code the recursions compute everything.
+#[cfg(not(feature = "native"))]
+pub(super) use self::absent::{Number, natively};
+#[cfg(feature = "native")]
+pub(super) use crate::model::native::Number;
+
+#[cfg(feature = "native")]
+mod compute {
+    use native::best_instructions;
+
+    use super::Number;
+    use crate::Model;
+    use crate::batch::bad_states::Found;
+    use crate::batch::compute::Tables;
+    use crate::batch::share::for_each_part;
+    use crate::batch::workspace::BlockMemory;
+    use crate::batch::{BadStates, BatchFloat, BatchWorkspace};
+    use crate::model::native::NativeFunction;
+
+    /// States that a call of machine code computes: their rows stay in the cache while they are looked at.
+    const STATES: usize = 128;
+
+    /// So many times as many a thread takes at once, at most.
+    const PARTS_PER_CHUNK: usize = 2;
+
+    /// Sums of 0·x, side by side.
+    const SUMS: usize = 8;
+
+    /// The function of each state, or the results back where there is no machine code. `again` computes one state by the recursion, where an
+    /// angle is out of the range of the code's sine, and returns whether it is good.
+    pub(in crate::batch) fn natively<'a, T: BatchFloat + Number, const K: usize>(
+        model: &Model,
+        workspace: &BatchWorkspace<T>,
+        function: NativeFunction,
+        tables: &Tables<'_, T>,
+        results: [&'a mut [T]; K],
+        again: &(impl Fn(&mut BlockMemory, [&[T]; 3], [&mut [T]; K]) -> bool + Sync),
+    ) -> Result<Result<(), BadStates>, [&'a mut [T]; K]> {
+        let code = model.native.code().filter(|_| workspace.instruction_set() == best_instructions());
+        let Some(kernel) = code.and_then(|code| code.rows::<T>(model, function)) else {
+            return Err(results);
+        };
+        let batch = tables.count(model);
+        let count = tables.names.iter().filter(|name| !name.is_empty()).count();
+        let used = results.iter().filter(|rows| !rows.is_empty()).count();
+        let bad = Found::default();
+        let parts = (STATES, PARTS_PER_CHUNK);
+        for_each_part(workspace, batch, parts, results, &|memory, first, states, mut results| {
+            if memory.native.len() < kernel.scratch_len() {
+                memory.native.resize(kernel.scratch_len(), T::zero());
+            }
+            let rows = |first: usize, states: usize| {
+                [0, 1, 2].map(|i| {
+                    let width = tables.widths[i];
+                    &tables.rows[i][first * width..(first + states) * width]
+                })
+            };
+            let arguments = rows(first, states);
+            let mut far = Vec::new();
+            let mut is_finite = kernel.call_rows(
+                states,
+                &arguments[..count],
+                &mut results[..used],
+                &mut memory.native,
+                |state| {
+                    far.push(state);
+                },
+            );
+            for state in far {
+                let of_state = results.each_mut().map(|rows| row(rows, state, states));
+                is_finite &= again(&mut memory.block, rows(first + state, 1), of_state);
+            }
+            if is_finite && arguments.iter().all(|rows| are_finite(rows)) {
+                return;
+            }
+            for state in 0..states {
+                let results = results.each_mut().map(|rows| row(rows, state, states));
+                let arguments = rows(first + state, 1);
+                if !arguments.iter().all(|row| are_finite(row)) || !results.iter().all(|row| are_finite(row))
+                {
+                    results.into_iter().for_each(|row| row.fill(T::from_f64(f64::NAN)));
+                    bad.add(1, first + state);
+                }
+            }
+        });
+        Ok(bad.into_result(batch))
+    }
+
+    /// A state's row of the rows of some states.
+    fn row<T>(rows: &mut [T], state: usize, states: usize) -> &mut [T] {
+        let width = rows.len() / states;
+        &mut rows[state * width..(state + 1) * width]
+    }
+
+    /// Whether all numbers are finite.
+    fn are_finite<T: BatchFloat>(numbers: &[T]) -> bool {
+        let mut sums = [T::zero(); SUMS];
+        let (eights, rest) = numbers.as_chunks::<SUMS>();
+        for eight in eights {
+            for (sum, &x) in sums.iter_mut().zip(eight) {
+                *sum += x * T::zero();
+            }
+        }
+        for (sum, &x) in sums.iter_mut().zip(rest) {
+            *sum += x * T::zero();
+        }
+        sums.into_iter().all(|sum| sum == T::zero())
+    }
+}
+
+#[cfg(not(feature = "native"))]
+mod absent {
+    use crate::Model;
+    use crate::batch::compute::Tables;
+    use crate::batch::workspace::BlockMemory;
+    use crate::batch::{BadStates, BatchFloat, BatchWorkspace};
+    use crate::model::native::NativeFunction;
+
+    pub(in crate::batch) trait Number {}
+    impl Number for f64 {}
+    impl Number for f32 {}
+
+    pub(in crate::batch) fn natively<'a, T: BatchFloat, const K: usize>(
+        _: &Model,
+        _: &BatchWorkspace<T>,
+        _: NativeFunction,
+        _: &Tables<'_, T>,
+        results: [&'a mut [T]; K],
+        _: &impl Fn(&mut BlockMemory, [&[T]; 3], [&mut [T]; K]) -> bool,
+    ) -> Result<Result<(), BadStates>, [&'a mut [T]; K]> {
+        Err(results)
+    }
+}

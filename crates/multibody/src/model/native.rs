@@ -1,0 +1,177 @@
+//! Machine code in place of the recursions, made when a function is first called.
+//!
+//! A [`Tracer`], which a crate above this one has, writes a function of a model down as an expression; the crate `native` makes machine code
+//! of it. The code is kept with the model, so that from the first call on the bits of a function do not change. Copies of a model share it.
+//! A function stays with its recursion where the expression would be too long, where the processor or the operating system does not allow
+//! code, and where it is switched off.
+
+#[cfg(feature = "native")]
+mod kernels;
+mod report;
+#[cfg(feature = "native")]
+mod size;
+
+#[cfg(feature = "native")]
+use expression::{Arithmetic, Graph, Operand};
+
+#[cfg(feature = "native")]
+pub(crate) use self::kernels::{Native, Number};
+pub use self::report::{NativeCode, NativeReport, NativeUse};
+use crate::Model;
+
+/// A function that may be computed by machine code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum NativeFunction {
+    /// τ = M a + C v + g.
+    InverseDynamics,
+    /// C v + g.
+    Bias,
+    /// g(q), springs included.
+    Gravity,
+    /// C v.
+    VelocityProduct,
+    /// a = M⁻¹(τ − C v − g).
+    ForwardDynamics,
+    /// M(q).
+    MassMatrix,
+    /// The entries of M(q) on and above the diagonal that are not always zero.
+    MassMatrixRelated,
+    /// M(q)⁻¹.
+    InverseMassMatrix,
+    /// C(q, v) of the Christoffel symbols.
+    CoriolisMatrix,
+    /// p = M v.
+    Momentum,
+    /// K(q, v).
+    KineticEnergy,
+    /// V(q).
+    PotentialEnergy,
+    /// ∂τ/∂q, ∂τ/∂v.
+    InverseDynamicsDerivatives,
+    /// ∂a/∂q, ∂a/∂v, ∂a/∂τ.
+    ForwardDynamicsDerivatives,
+}
+
+impl NativeFunction {
+    /// All of them.
+    pub const ALL: [Self; 14] = [
+        Self::InverseDynamics,
+        Self::Bias,
+        Self::Gravity,
+        Self::VelocityProduct,
+        Self::ForwardDynamics,
+        Self::MassMatrix,
+        Self::MassMatrixRelated,
+        Self::InverseMassMatrix,
+        Self::CoriolisMatrix,
+        Self::Momentum,
+        Self::KineticEnergy,
+        Self::PotentialEnergy,
+        Self::InverseDynamicsDerivatives,
+        Self::ForwardDynamicsDerivatives,
+    ];
+
+    /// The name of the library's function.
+    ///
+    /// ```
+    /// assert_eq!(multibody::NativeFunction::MassMatrix.name(), "mass_matrix");
+    /// ```
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::InverseDynamics => "inverse_dynamics",
+            Self::Bias => "bias",
+            Self::Gravity => "gravity",
+            Self::VelocityProduct => "velocity_product",
+            Self::ForwardDynamics => "forward_dynamics",
+            Self::MassMatrix => "mass_matrix",
+            Self::MassMatrixRelated => "mass_matrix_related",
+            Self::InverseMassMatrix => "inverse_mass_matrix",
+            Self::CoriolisMatrix => "coriolis_matrix",
+            Self::Momentum => "momentum",
+            Self::KineticEnergy => "kinetic_energy",
+            Self::PotentialEnergy => "potential_energy",
+            Self::InverseDynamicsDerivatives => "inverse_dynamics_derivatives",
+            Self::ForwardDynamicsDerivatives => "forward_dynamics_derivatives",
+        }
+    }
+}
+
+/// A function of a model as an expression.
+#[cfg(feature = "native")]
+#[derive(Clone, Debug)]
+pub struct NativeTrace {
+    /// Its operations.
+    pub graph: Graph,
+    /// Its results, matrices by rows.
+    pub results: Vec<Vec<Operand>>,
+    /// The lengths of its arguments.
+    pub lengths: Vec<usize>,
+}
+
+/// Writes a function of a model down as an expression, or says why there is none.
+#[cfg(feature = "native")]
+pub type Tracer = fn(&Model, NativeFunction, Arithmetic) -> Result<NativeTrace, String>;
+
+impl Model {
+    /// This model with functions in machine code, of what the tracer writes down when they are first called. The environment variable
+    /// `ROBOT_DYNAMICS_NATIVE=0` switches it off.
+    ///
+    /// ```
+    /// use multibody::{Model, Workspace, mass_matrix, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?.with_tracer(|_, _, _| Err("not traced".into()));
+    /// let mut mass = [0.0];
+    /// mass_matrix(&model, &mut Workspace::new(&model), &[0.3], &mut mass); // by the recursion
+    /// assert_eq!(mass, [0.5]);
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    #[cfg(feature = "native")]
+    #[must_use]
+    pub fn with_tracer(mut self, tracer: Tracer) -> Self {
+        self.native = Native::new(tracer);
+        self
+    }
+
+    /// This model with machine code or without. Without it the recursions compute everything, and results differ by rounding. A model that
+    /// has no tracer, as one that [`Model::new`] makes, is always without.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?.with_native(false);
+    /// assert!(model.native().reason.is_some()); // why the recursions compute
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    #[must_use]
+    #[cfg_attr(not(feature = "native"), allow(unused_mut, unused_variables))]
+    pub fn with_native(mut self, on: bool) -> Self {
+        #[cfg(feature = "native")]
+        self.native.switch(on);
+        self
+    }
+
+    /// A copy to change: code of this model would be wrong for it.
+    #[cfg_attr(not(feature = "native"), allow(unused_mut))]
+    pub(crate) fn without_native_code(&self) -> Self {
+        let mut model = self.clone();
+        #[cfg(feature = "native")]
+        {
+            model.native = Native::default();
+        }
+        model
+    }
+
+    /// Which functions machine code computes, and why the recursions compute the others.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// println!("{}", model.native());
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    pub fn native(&self) -> NativeReport {
+        #[cfg(feature = "native")]
+        return self.native.report();
+        #[cfg(not(feature = "native"))]
+        NativeReport { reason: Some("the feature `native` is off".into()), functions: Vec::new() }
+    }
+}

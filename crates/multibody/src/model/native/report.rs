@@ -1,0 +1,71 @@
+//! Which route computes a function.
+
+use core::fmt;
+
+use crate::{InstructionSet, NativeFunction};
+
+/// Which functions machine code computes, of those that were called.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct NativeReport {
+    /// Why the recursions compute all functions; `None` where machine code is on.
+    pub reason: Option<String>,
+    /// The functions that were called since machine code is on.
+    pub functions: Vec<NativeUse>,
+}
+
+/// How a function that was called is computed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct NativeUse {
+    /// The function.
+    pub function: NativeFunction,
+    /// Its number, `f64` or `f32`.
+    pub number: &'static str,
+    /// Whether it computes several states at once.
+    pub is_batch: bool,
+    /// The instructions of its code, or why its recursion computes.
+    pub route: Result<NativeCode, String>,
+}
+
+/// A function's machine code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct NativeCode {
+    /// What the code needs of the processor.
+    pub instructions: InstructionSet,
+    /// Operations of its expression.
+    pub operations: usize,
+    /// Bytes of code and constants.
+    pub bytes: usize,
+}
+
+impl fmt::Display for NativeReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(reason) = &self.reason {
+            return write!(f, "recursions compute all functions: {reason}");
+        }
+        if self.functions.is_empty() {
+            return write!(f, "machine code is made when a function is first called");
+        }
+        for (index, used) in self.functions.iter().enumerate() {
+            let gap = if index == 0 { "" } else { "\n" };
+            write!(f, "{gap}{used}")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for NativeUse {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { function, number, is_batch, route } = self;
+        let states = if *is_batch { "batches" } else { "one state" };
+        write!(f, "{}, {number}, {states}: ", function.name())?;
+        match route {
+            Ok(NativeCode { instructions, operations, bytes }) => {
+                write!(f, "machine code for {instructions:?}, {operations} operations, {bytes} bytes")
+            }
+            Err(reason) => write!(f, "recursion, {reason}"),
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Calls of a model's machine code.
+
+use dynamics::Scalar;
+
+use crate::model::native::NativeFunction;
+use crate::{InstructionSet, Model};
+
+#[cfg(feature = "native")]
+pub(crate) use self::call::{NativeScratch, computed_natively};
+
+/// Without machine code the recursions compute everything.
+#[cfg(not(feature = "native"))]
+pub(crate) use self::absent::{NativeScratch, computed_natively};
+
+#[cfg(feature = "native")]
+mod call {
+    use core::marker::PhantomData;
+
+    use native::best_instructions;
+    use number::{AsFloat, Form};
+
+    use super::{InstructionSet, Model, NativeFunction, Scalar};
+    use crate::model::native::Number;
+
+    /// The memory that machine code works in.
+    #[derive(Clone, Debug)]
+    pub(crate) struct NativeScratch<S> {
+        /// Whether the instructions that the workspace is limited to are those that code is made for.
+        is_admitted: bool,
+        numbers: Vec<S>,
+    }
+
+    impl<S> NativeScratch<S> {
+        /// For memory whose recursions run on these instructions.
+        pub(crate) fn new(instructions: InstructionSet) -> Self {
+            let best = best_instructions();
+            let is_admitted = instructions == best && best != InstructionSet::Portable;
+            Self { is_admitted, numbers: Vec::new() }
+        }
+    }
+
+    /// What a call takes: memory, arguments, results.
+    struct Given<'a>(PhantomData<&'a ()>);
+
+    impl<'a> Form for Given<'a> {
+        type Over<S: Scalar> = (&'a mut NativeScratch<S>, &'a [&'a [S]], &'a mut [&'a mut [S]]);
+    }
+
+    /// Whether machine code has computed the function. It has not where there is none, over numbers that are no floats, and where an angle
+    /// is out of the range of its sine.
+    #[inline]
+    pub(crate) fn computed_natively<'a, S: Scalar>(
+        model: &Model,
+        scratch: &'a mut NativeScratch<S>,
+        function: NativeFunction,
+        arguments: &'a [&'a [S]],
+        results: &'a mut [&'a mut [S]],
+    ) -> bool {
+        if !const { S::IS_FLOAT } || !scratch.is_admitted || model.native.code().is_none() {
+            return false;
+        }
+        match S::as_float::<Given<'_>>((scratch, arguments, results)) {
+            AsFloat::F64(given) => call_f64(model, function, given),
+            AsFloat::F32(given) => call_f32(model, function, given),
+            AsFloat::Other(_) => false,
+        }
+    }
+
+    type Over<'a, T> = (&'a mut NativeScratch<T>, &'a [&'a [T]], &'a mut [&'a mut [T]]);
+
+    fn call_f64(model: &Model, function: NativeFunction, given: Over<'_, f64>) -> bool {
+        call(model, function, given)
+    }
+
+    fn call_f32(model: &Model, function: NativeFunction, given: Over<'_, f32>) -> bool {
+        call(model, function, given)
+    }
+
+    #[inline(always)]
+    fn call<T: Number + Scalar>(
+        model: &Model,
+        function: NativeFunction,
+        (scratch, arguments, results): Over<'_, T>,
+    ) -> bool {
+        let Some(kernel) = model.native.code().and_then(|code| code.one::<T>(model, function)) else {
+            return false;
+        };
+        if scratch.numbers.len() < kernel.scratch_len() {
+            scratch.numbers.resize(kernel.scratch_len(), T::zero());
+        }
+        kernel.call(arguments, results, &mut scratch.numbers).is_ok()
+    }
+}
+
+#[cfg(not(feature = "native"))]
+mod absent {
+    use core::marker::PhantomData;
+
+    use super::{InstructionSet, Model, NativeFunction, Scalar};
+
+    #[derive(Clone, Debug)]
+    pub(crate) struct NativeScratch<S>(PhantomData<S>);
+
+    impl<S> NativeScratch<S> {
+        pub(crate) fn new(_: InstructionSet) -> Self {
+            Self(PhantomData)
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn computed_natively<S: Scalar>(
+        _: &Model,
+        _: &mut NativeScratch<S>,
+        _: NativeFunction,
+        _: &[&[S]],
+        _: &mut [&mut [S]],
+    ) -> bool {
+        false
+    }
+}
