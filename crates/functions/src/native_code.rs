@@ -27,6 +27,10 @@ pub fn with_native_code(model: Model) -> Model {
 
 /// The expression of one of these functions.
 fn trace(model: &Model, function: NativeFunction, arithmetic: Arithmetic) -> Result<NativeTrace, String> {
+    let is_conservative = matches!(
+        function,
+        NativeFunction::ConservativeSemiImplicitEulerStep | NativeFunction::ConservativeRk4Step
+    );
     let function = match function {
         NativeFunction::InverseDynamics => Function::InverseDynamics,
         NativeFunction::Bias => Function::Bias,
@@ -42,8 +46,14 @@ fn trace(model: &Model, function: NativeFunction, arithmetic: Arithmetic) -> Res
         NativeFunction::PotentialEnergy => Function::PotentialEnergy,
         NativeFunction::InverseDynamicsDerivatives => Function::InverseDynamicsDerivatives,
         NativeFunction::ForwardDynamicsDerivatives => Function::ForwardDynamicsDerivatives,
+        NativeFunction::SemiImplicitEulerStep | NativeFunction::ConservativeSemiImplicitEulerStep => {
+            Function::SemiImplicitEulerStep
+        }
+        NativeFunction::Rk4Step | NativeFunction::ConservativeRk4Step => Function::Rk4Step,
         _ => return Err("which has no expression".into()),
     };
+    let conservative = is_conservative.then(|| model.without_dissipation());
+    let model = conservative.as_ref().unwrap_or(model);
     let lengths = function.arguments(model).iter().map(|argument| argument.length).collect();
     let traced = function.trace(model, arithmetic).map_err(|error| error.to_string())?;
     let mut results = traced.results;

@@ -1,6 +1,8 @@
 //! Motion in time of batches.
 
 mod by_stepper;
+#[cfg(feature = "native")]
+mod native;
 pub(super) mod pullback;
 mod step;
 mod torques;
@@ -21,6 +23,7 @@ use super::bad_states::Found;
 use super::block;
 use super::compiled_once::{Motion, Progress};
 use super::compute::{check_table, check_workspace};
+use super::native::Number;
 use super::share::for_each_block;
 use super::workspace::BlockMemory;
 use super::{BadStates, BatchFloat, BatchWorkspace};
@@ -165,7 +168,7 @@ pub fn rollout<T: BatchFloat>(
 
 /// [`rollout`], where it is compiled.
 #[track_caller]
-pub(super) fn move_states<T: BatchFloat>(
+pub(super) fn move_states<T: BatchFloat + Number>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
     rollout: &Rollout,
@@ -205,21 +208,24 @@ pub(super) fn move_states<T: BatchFloat>(
         cancelled: AtomicBool::new(false),
     };
     let outcome = Outcome::default();
-    for_each_block(
-        workspace,
-        batch,
-        1,
-        [q, v, q_trajectory, v_trajectory],
-        &|block, first, states, tables| {
-            let [q, v, q_trajectory, v_trajectory] = tables;
-            let job = Job { first, states, q, v, q_trajectory, v_trajectory };
-            let (mut bits, mut finished) = (0, false);
-            if !shared.cancelled.load(Ordering::Relaxed) {
-                (bits, finished) = advance(block, model, (rollout, stages), torques, job, &shared);
-            }
-            outcome.add(bits, finished, first..first + states);
-        },
-    );
+    let tables = [q, v, q_trajectory, v_trajectory];
+    #[cfg(feature = "native")]
+    let tables = {
+        let how = (&shared, &outcome);
+        match native::move_natively(model, workspace, (rollout, stages), torques, tables, how) {
+            Ok(()) => return outcome.into_result(batch),
+            Err(tables) => tables,
+        }
+    };
+    for_each_block(workspace, batch, 1, tables, &|block, first, states, tables| {
+        let [q, v, q_trajectory, v_trajectory] = tables;
+        let job = Job { first, states, q, v, q_trajectory, v_trajectory };
+        let (mut bits, mut finished) = (0, false);
+        if !shared.cancelled.load(Ordering::Relaxed) {
+            (bits, finished) = advance(block, model, (rollout, stages), torques, job, &shared);
+        }
+        outcome.add(bits, finished, first..first + states);
+    });
     outcome.into_result(batch)
 }
 

@@ -51,11 +51,19 @@ pub enum NativeFunction {
     InverseDynamicsDerivatives,
     /// ∂a/∂q, ∂a/∂v, ∂a/∂τ.
     ForwardDynamicsDerivatives,
+    /// A step of semi-implicit Euler, τ held over it, damping and friction at its start.
+    SemiImplicitEulerStep,
+    /// The same without damping and friction.
+    ConservativeSemiImplicitEulerStep,
+    /// A step of the classical Runge–Kutta method, τ held over it, damping and friction at each stage.
+    Rk4Step,
+    /// The same without damping and friction.
+    ConservativeRk4Step,
 }
 
 impl NativeFunction {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 18] = [
         Self::InverseDynamics,
         Self::Bias,
         Self::Gravity,
@@ -70,6 +78,10 @@ impl NativeFunction {
         Self::PotentialEnergy,
         Self::InverseDynamicsDerivatives,
         Self::ForwardDynamicsDerivatives,
+        Self::SemiImplicitEulerStep,
+        Self::ConservativeSemiImplicitEulerStep,
+        Self::Rk4Step,
+        Self::ConservativeRk4Step,
     ];
 
     /// The name of the library's function.
@@ -93,6 +105,10 @@ impl NativeFunction {
             Self::PotentialEnergy => "potential_energy",
             Self::InverseDynamicsDerivatives => "inverse_dynamics_derivatives",
             Self::ForwardDynamicsDerivatives => "forward_dynamics_derivatives",
+            Self::SemiImplicitEulerStep => "semi_implicit_euler_step",
+            Self::ConservativeSemiImplicitEulerStep => "conservative_semi_implicit_euler_step",
+            Self::Rk4Step => "rk4_step",
+            Self::ConservativeRk4Step => "conservative_rk4_step",
         }
     }
 }
@@ -156,6 +172,17 @@ impl Model {
         #[cfg(feature = "native")]
         {
             model.native = Native::default();
+        }
+        model
+    }
+
+    /// This robot without damping and friction of its joints, to trace what leaves them out.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn without_dissipation(&self) -> Self {
+        let mut model = self.without_native_code();
+        for dof in &mut model.dofs {
+            (dof.passive.damping, dof.passive.friction) = (0.0, 0.0);
         }
         model
     }

@@ -20,7 +20,7 @@ use crate::scratch::workspace::Workspace;
 use crate::space::retraction::move_along;
 
 /// Steps between two looks at the progress callback.
-const STEPS_PER_LOOK: usize = 64;
+pub(super) const STEPS_PER_LOOK: usize = 64;
 
 /// A rollout of one block.
 pub(super) struct Advance<'a, T> {

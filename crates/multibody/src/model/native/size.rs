@@ -19,7 +19,10 @@ pub(super) fn least_operations(model: &Model, function: NativeFunction) -> usize
         }
         NativeFunction::InverseDynamicsDerivatives => vector + 4 * AN_ENTRY * entries(model),
         NativeFunction::ForwardDynamicsDerivatives => vector + 8 * AN_ENTRY * entries(model),
-        NativeFunction::ForwardDynamics => 2 * vector,
+        NativeFunction::ForwardDynamics
+        | NativeFunction::SemiImplicitEulerStep
+        | NativeFunction::ConservativeSemiImplicitEulerStep => 2 * vector,
+        NativeFunction::Rk4Step | NativeFunction::ConservativeRk4Step => 8 * vector,
         _ => vector,
     }
 }
