@@ -328,6 +328,21 @@ impl Robot {
         self.model.fingerprint()
     }
 
+    /// Which code computes the functions that were called, a line each: machine code, which is made when a function is first
+    /// called, or its recursion, and why.
+    ///
+    /// The environment variable `ROBOT_DYNAMICS_NATIVE=0`, set before the start, leaves all functions to the recursions; results
+    /// then differ by rounding.
+    ///
+    /// >>> robot = rd.example("panda")
+    /// >>> tau = robot.gravity(robot.neutral())
+    /// >>> "gravity, f64, one state" in robot.native or "recursions" in robot.native
+    /// True
+    #[getter]
+    fn native(&self) -> String {
+        self.model.native().to_string()
+    }
+
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| other.get().model.fingerprint() == self.model.fingerprint())
     }

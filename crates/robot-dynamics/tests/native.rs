@@ -11,6 +11,7 @@ use robot_dynamics::{
     Base, InstructionSet, JointKinds, Model, RandomRobotOptions, RandomState, Workspace, load, random_robot,
     random_state, with_native_code,
 };
+use robot_dynamics::{LinearizeStepWorkspace, StepForces, forward_dynamics_pullback, linearize_step};
 use robot_dynamics::{bias, coriolis_matrix, forward_dynamics, gravity, inverse_dynamics, mass_matrix};
 use robot_dynamics::{inverse_mass_matrix, kinetic_energy, momentum, potential_energy, velocity_product};
 
@@ -297,6 +298,41 @@ fn rollouts_by_one_kernel_a_step_are_those_of_the_recursions() {
         }
     }
     assert!(compared > 60, "{compared}");
+}
+
+/// What calls forward and inverse dynamics within does not lean on what their recursions leave in memory.
+#[test]
+fn derivatives_and_pullbacks_are_those_of_the_recursions() {
+    for (name, model) in robots().into_iter().chain(random_robots()) {
+        let plain = model.clone().with_native(false);
+        let (nv, state) = (model.nv(), random_state(&model, &mut SplitMix64::new(3)));
+        let RandomState { q, v, a, tau } = &state;
+        let condition = condition_number(&plain, q);
+        if condition > 1e8 {
+            continue;
+        }
+        let compute = |model: &Model| {
+            let (w, zeros) = (&mut Workspace::new(model), || vec![0.0; nv]);
+            let (mut one, mut two, mut three, mut four) = (zeros(), zeros(), zeros(), zeros());
+            forward_dynamics_pullback(model, w, q, v, tau, a, &mut one, &mut two, &mut three, &mut four);
+            let mut results = vec![one, two, three, four];
+            let step = &mut LinearizeStepWorkspace::new(model);
+            let (mut by_state, mut by_force) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
+            let (row, forces) = (Integrator::RungeKutta4, StepForces::new(tau, true));
+            linearize_step(model, row, step, &forces, 1e-4, q, v, &mut by_state, &mut by_force)
+                .expect("M is regular");
+            results.extend([by_state, by_force]);
+            results
+        };
+        for (index, (found, expected)) in compute(&model).iter().zip(&compute(&plain)).enumerate() {
+            let off = difference(found, expected, 0.0);
+            // M⁻¹ is applied twice.
+            assert!(
+                off < INVERTING * (condition * condition).max(1e3),
+                "{name}, result {index}: {off:e} of {condition:e}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -16,6 +16,8 @@ struct Head<'a> {
     nv: usize,
     tip: &'a str,
     machine: &'a Machine,
+    /// Which functions machine code computes.
+    native: String,
     states: u32,
     seed: u64,
     rounds: usize,
@@ -50,6 +52,7 @@ pub(super) fn lines(results: &Results<'_>) -> Result<String, serde_json::Error> 
         nv: model.nv(),
         tip,
         machine,
+        native: model.native().summary(),
         states: *states,
         seed: *seed,
         rounds: *rounds,

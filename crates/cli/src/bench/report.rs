@@ -77,6 +77,7 @@ impl Results<'_> {
             let lanes = format!("{} lanes of f64, {} of f32", machine.lanes_f64, machine.lanes_f32);
             head.row(["batches".into(), format!("on {}, {lanes}", machine.batch_instructions)]);
         }
+        head.row(["native".into(), model.native().summary()]);
         let times = format!("{states} random ones, seed {seed}; medians of {}", count(*rounds, "round"));
         head.row(["states".into(), format!("{times}, ± half their range")]);
         if let Some(load) = machine.load_before {

@@ -116,14 +116,26 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
         return forward_dynamics(model, workspace, q, v, tau, acceleration);
     }
     if model.couples_branches {
-        // τ − (ID at a = 0 under the wrenches), then M a = that.
-        let Workspace { tree, dense, .. } = workspace;
-        let bias = &mut dense.vector[..];
-        run(tree, NewtonEuler { wrenches, ..NewtonEuler::bias(model, q, v, bias) });
-        solve_with_mass(model, tree, dense, q, tau, acceleration);
+        accelerate_coupled(model, workspace, q, v, tau, wrenches, acceleration);
     } else {
         articulated_body(model, &mut workspace.tree, q, v, tau, wrenches, acceleration);
     }
+}
+
+/// The same where branches are coupled: τ − (ID at a = 0 under the wrenches), then M a = that. Leaves the factor of M in the workspace.
+pub(crate) fn accelerate_coupled<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    tau: &[S],
+    wrenches: &[FrameWrench<S>],
+    acceleration: &mut [S],
+) {
+    let Workspace { tree, dense, .. } = workspace;
+    let bias = &mut dense.vector[..];
+    run(tree, NewtonEuler { wrenches, ..NewtonEuler::bias(model, q, v, bias) });
+    solve_with_mass(model, tree, dense, q, tau, acceleration);
 }
 
 /// The arguments of the articulated-body algorithm.

@@ -40,6 +40,33 @@ pub struct NativeCode {
     pub bytes: usize,
 }
 
+impl NativeReport {
+    /// One line: how many functions machine code computes, and which stay with their recursions.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// assert!(model.native().summary().starts_with("recursions alone"));
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    pub fn summary(&self) -> String {
+        if let Some(reason) = &self.reason {
+            return format!("recursions alone: {reason}");
+        }
+        let names = |is_wanted: fn(&NativeUse) -> bool| {
+            let wanted = self.functions.iter().filter(|used| is_wanted(used));
+            let mut names: Vec<&str> = wanted.map(|used| used.function.name()).collect();
+            names.sort_unstable();
+            names.dedup();
+            names
+        };
+        let (compiled, others) = (names(|used| used.route.is_ok()), names(|used| used.route.is_err()));
+        let count = |n: usize| format!("{n} function{}", if n == 1 { "" } else { "s" });
+        let but = if others.is_empty() { "" } else { "; by recursion, at least in part: " };
+        format!("machine code of {}{but}{}", count(compiled.len()), others.join(", "))
+    }
+}
+
 impl fmt::Display for NativeReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(reason) = &self.reason {
