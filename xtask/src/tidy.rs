@@ -15,7 +15,9 @@ const LAYERS: &[(&str, &[&str])] = &[
         &[
             "differential-equations",
             "dynamics",
+            "expression",
             "nalgebra",
+            "native",
             "number",
             "parry3d-f64",
             "rayon",
@@ -28,6 +30,7 @@ const LAYERS: &[(&str, &[&str])] = &[
         "robot-dynamics",
         &[
             "dynamics",
+            "functions",
             "mjcf",
             "multibody",
             "nalgebra",

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use bench::{BatchName, BatchTask, StateTable, Task, described_robot, named};
+use functions::with_native_code;
 use multibody::batch::{BatchFloat, BatchOptions};
 use multibody::{InstructionSet, Model, Quantity};
 
@@ -30,7 +31,7 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn std::error::Error>> {
         _ => (arguments, false),
     };
     let [robot, states, algorithm, mode, value] = arguments else { return Err(USAGE.into()) };
-    let model = described_robot(robot)?;
+    let model = with_native_code(described_robot(robot)?);
     let states = StateTable::read(states)?;
     if states.count() < BLOCK {
         return Err(format!("{} states; at least {BLOCK} are needed", states.count()).into());

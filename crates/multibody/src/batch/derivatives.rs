@@ -122,9 +122,10 @@ pub(super) fn compute<T: BatchFloat + Number, const FORWARD: bool>(
         block::run(block, Lanewise::<T, FORWARD> { model, states: 1, rows, results, bad: &mut bits });
         bits == 0
     };
-    let function = match FORWARD {
-        true => NativeFunction::ForwardDynamicsDerivatives,
-        false => NativeFunction::InverseDynamicsDerivatives,
+    let function = if FORWARD {
+        NativeFunction::ForwardDynamicsDerivatives
+    } else {
+        NativeFunction::InverseDynamicsDerivatives
     };
     let results = match natively(model, workspace, function, tables, results, &again) {
         Ok(result) => return result,

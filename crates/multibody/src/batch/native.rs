@@ -83,7 +83,9 @@ mod compute {
                 let arguments = rows(first + state, 1);
                 if !arguments.iter().all(|row| are_finite(row)) || !results.iter().all(|row| are_finite(row))
                 {
-                    results.into_iter().for_each(|row| row.fill(T::from_f64(f64::NAN)));
+                    for row in results {
+                        row.fill(T::from_f64(f64::NAN));
+                    }
                     bad.add(1, first + state);
                 }
             }

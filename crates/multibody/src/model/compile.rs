@@ -11,6 +11,7 @@ use crate::model::description::Base;
 use crate::model::identity::Identity;
 use crate::model::joint_description::JointDescription;
 use crate::model::mass::fixed_first_moment;
+use crate::model::native::Native;
 use crate::model::reference_point::{choose_points, travels_far};
 use crate::model::rotor::Rotor;
 use crate::model::segment::Segments;
@@ -47,13 +48,12 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     for body in bodies.iter().filter(|body| body.parent != WORLD) {
         carries[body.parent] = true;
     }
-    let tips = carries.iter().filter(|carries| !**carries).count();
-    let first_angle = if has_mimic { None } else { first_angle(&bodies, nq) };
     let points = choose_points(&mut bodies, &travels);
     let mut model = Model {
         joints,
         frames,
         segments,
+        first_angle: if has_mimic { None } else { first_angle(&bodies, nq) },
         bodies,
         dofs,
         nq,
@@ -64,13 +64,11 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
         rotors,
         has_armature,
         has_springs,
-        tips,
-        first_angle,
+        tips: carries.iter().filter(|carries| !**carries).count(),
         points,
         massless,
         actuated: Vec::new(),
-        #[cfg(feature = "native")]
-        native: crate::model::native::Native::default(),
+        native: Native::default(),
         identity: Identity::of(&description),
         description,
     };

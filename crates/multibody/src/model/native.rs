@@ -5,6 +5,8 @@
 //! A function stays with its recursion where the expression would be too long, where the processor or the operating system does not allow
 //! code, and where it is switched off.
 
+#[cfg(not(feature = "native"))]
+mod absent;
 #[cfg(feature = "native")]
 mod kernels;
 mod report;
@@ -14,6 +16,8 @@ mod size;
 #[cfg(feature = "native")]
 use expression::{Arithmetic, Graph, Operand};
 
+#[cfg(not(feature = "native"))]
+pub(crate) use self::absent::Native;
 #[cfg(feature = "native")]
 pub(crate) use self::kernels::{Native, Number};
 pub use self::report::{NativeCode, NativeReport, NativeUse};
@@ -158,22 +162,14 @@ impl Model {
     /// # Ok::<(), multibody::ModelError>(())
     /// ```
     #[must_use]
-    #[cfg_attr(not(feature = "native"), allow(unused_mut, unused_variables))]
     pub fn with_native(mut self, on: bool) -> Self {
-        #[cfg(feature = "native")]
         self.native.switch(on);
         self
     }
 
     /// A copy to change: code of this model would be wrong for it.
-    #[cfg_attr(not(feature = "native"), allow(unused_mut))]
     pub(crate) fn without_native_code(&self) -> Self {
-        let mut model = self.clone();
-        #[cfg(feature = "native")]
-        {
-            model.native = Native::default();
-        }
-        model
+        Self { native: Native::default(), ..self.clone() }
     }
 
     /// This robot without damping and friction of its joints, to trace what leaves them out.
@@ -196,9 +192,6 @@ impl Model {
     /// # Ok::<(), multibody::ModelError>(())
     /// ```
     pub fn native(&self) -> NativeReport {
-        #[cfg(feature = "native")]
-        return self.native.report();
-        #[cfg(not(feature = "native"))]
-        NativeReport { reason: Some("the feature `native` is off".into()), functions: Vec::new() }
+        self.native.report()
     }
 }

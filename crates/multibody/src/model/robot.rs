@@ -9,6 +9,7 @@ use crate::model::compile::compile;
 use crate::model::error::{NoSuchFrame, similar};
 use crate::model::frame::{Frame, FrameId, refuse_frame};
 use crate::model::identity::Identity;
+use crate::model::native::Native;
 use crate::model::reference_point::ReferencePoints;
 use crate::model::rotor::Rotor;
 use crate::model::segment::Segments;
@@ -46,8 +47,7 @@ pub struct Model {
     /// See [`Model::actuated_dofs`].
     pub(crate) actuated: Vec<bool>,
     /// Its functions in machine code.
-    #[cfg(feature = "native")]
-    pub(crate) native: crate::model::native::Native,
+    pub(crate) native: Native,
 }
 
 /// A joint of the model, with its place in q and v.

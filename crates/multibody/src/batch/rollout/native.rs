@@ -42,11 +42,11 @@ pub(super) fn move_natively<'a, T: BatchFloat + Number>(
     let batch = tables[0].len() / model.nq.max(1);
     for_each_part(workspace, batch, (STATES, 1), tables, &|memory, first, states, tables| {
         let [q, v, q_trajectory, v_trajectory] = tables;
-        let job = Job { first, states, q, v, q_trajectory, v_trajectory };
+        let mut job = Job { first, states, q, v, q_trajectory, v_trajectory };
         let (mut bits, mut finished) = (0, false);
         if !shared.cancelled.load(Ordering::Relaxed) {
             let moving = Moving { kernel, model, rollout, stages, torques };
-            (bits, finished) = moving.advance(memory, job, shared);
+            (bits, finished) = moving.advance(memory, &mut job, shared);
         }
         outcome.add(bits, finished, first..first + states);
     });
@@ -64,7 +64,12 @@ struct Moving<'a, T> {
 
 impl<T: BatchFloat + Number> Moving<'_, T> {
     /// The bits of the bad states, and whether all have come to the end.
-    fn advance(&self, memory: &mut ThreadMemory<T>, job: Job<'_, T>, shared: &Shared<'_>) -> (u32, bool) {
+    fn advance(
+        &self,
+        memory: &mut ThreadMemory<T>,
+        job: &mut Job<'_, T>,
+        shared: &Shared<'_>,
+    ) -> (u32, bool) {
         let Self { kernel, model, rollout, torques, .. } = self;
         let (nq, nv, states) = (model.nq, model.nv, job.states);
         let ThreadMemory { block, native: numbers } = memory;

@@ -1,0 +1,16 @@
+//! Without the feature `native` no model has machine code.
+
+use super::NativeReport;
+
+/// Nothing.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Native(());
+
+#[allow(clippy::unused_self)] // as with the feature
+impl Native {
+    pub(super) fn switch(&mut self, _: bool) {}
+
+    pub(super) fn report(&self) -> NativeReport {
+        NativeReport { reason: Some("the feature `native` is off".into()), functions: Vec::new() }
+    }
+}
