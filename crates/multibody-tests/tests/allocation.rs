@@ -14,15 +14,16 @@ use std::ops::ControlFlow;
 
 use common::{Robot, chain, families};
 use dynamics::{Dual, Integrator, MassProperties};
+use functions::with_native_code;
 use multibody::batch::{self, BatchOptions, BatchWorkspace};
 use multibody::simulator::{Effect, Method, RunOptions, Simulation, SimulationBuilder};
 use multibody::{
     Closure, ConstantTorque, ContactSet, Controller, FrameId, FrameWrench, GravityAt, GravityCompensatedPd,
     Ground, HeightField, Implicit, Inputs, JointDescription, JointKind, JointKinds, LinearizeStepWorkspace,
     LinkDescription, LinkShape, Model, OperationalSpace, OperationalSpaceWorkspace, PointForce, Pose,
-    PoseReference, Quantity, QuantityMemory, RandomRobotOptions, RobotDescription, SensorDescription,
-    SensorInputs, SensorKind, SensorObject, SensorSet, Shape, ShapeRole, StepForces, StepWorkspace, Stepper,
-    TaskControl, TaskGains, TaskReference, Workspace,
+    PoseReference, Quantity, QuantityMemory, RandomRobotOptions, RandomState, RobotDescription,
+    SensorDescription, SensorInputs, SensorKind, SensorObject, SensorSet, Shape, ShapeRole, StepForces,
+    StepWorkspace, Stepper, TaskControl, TaskGains, TaskReference, Workspace,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -95,6 +96,38 @@ fn quantities_allocate_nothing() {
             let count = allocations(|| quantity.compute(model, &mut w, &inputs, &mut memory));
             assert_eq!(count, 0, "{} allocates on \"{}\"", quantity.name(), robot.family);
         }
+    }
+}
+
+/// Machine code is made at the first call of a function; later calls allocate nothing, one state and batches.
+#[test]
+fn machine_code_allocates_at_first_alone() {
+    for robot in robots() {
+        let model = &with_native_code(robot.model.clone());
+        let frames = [model.frame("frame0").unwrap()];
+        let RandomState { q, v, a, tau } = &robot.state;
+        let inputs = Inputs { q, v, a, tau, frames: &frames };
+        let (mut w, mut memory) = (Workspace::new(model), QuantityMemory::new(model));
+        for quantity in Quantity::ALL {
+            quantity.compute(model, &mut w, &inputs, &mut memory);
+            let count = allocations(|| quantity.compute(model, &mut w, &inputs, &mut memory));
+            assert_eq!(count, 0, "{} allocates on \"{}\"", quantity.name(), robot.family);
+        }
+        let (mut options, zeros) = (BatchOptions::default(), vec![0.0; model.nv()]);
+        options.threads = 1;
+        let w = &mut BatchWorkspace::<f64>::with_options(model, options).unwrap();
+        let (mut force, mut end) = (zeros.clone(), (q.clone(), zeros.clone()));
+        let how = batch::Rollout::new(Integrator::SemiImplicitEuler, 1e-6, 3);
+        let go_on = |_| ControlFlow::Continue(());
+        let mut call = || {
+            let (q, v) = (&mut end.0, &mut end.1);
+            let bad = batch::inverse_dynamics(model, w, q, v, a, &mut force);
+            let ended =
+                batch::rollout(model, w, &how, batch::Torques::Zero, q, v, (&mut [], &mut []), &go_on);
+            (bad.is_ok(), ended.is_ok())
+        };
+        assert_eq!(call(), (true, true), "{}", robot.family);
+        assert_eq!(allocations(call), 0, "a batch allocates on \"{}\"", robot.family);
     }
 }
 
