@@ -2,6 +2,7 @@
 
 mod candidates;
 mod closest;
+mod components;
 mod cone_problem;
 #[cfg(feature = "convex")]
 #[path = "contact/convex/parry.rs"]
@@ -34,12 +35,13 @@ pub use point::ContactPoint;
 pub use problem::{ContactLaw, ContactProblem};
 pub use soft::{ActiveSet, SoftConstraints, SoftContact};
 
+pub(crate) use components::{Components, Mark};
 pub(crate) use cone_problem::{ConeProblem, Set};
 pub(crate) use equality::{EqualityRow, EqualityRows, Forbidden, Relation, Rolling, Site};
 pub(crate) use ground::axes;
 pub(crate) use impulses::lift::{Bound, ROUNDING};
 pub(crate) use impulses::{
-    ContactImpulses, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, Remembered as ContactMemory, returns,
+    ContactImpulses, DEEP, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, Remembered as ContactMemory, returns,
 };
 pub(crate) use interrupt::Interrupt;
 
@@ -96,6 +98,8 @@ pub struct ContactSet {
     sweep: Sweep,
     left_out_pairs: Vec<String>,
     overlapping_pairs: Vec<String>,
+    /// Whether searches look at each shape; empty: at all.
+    active: Vec<bool>,
     /// e of every pair.
     link_restitution: f64,
     /// Points of all shapes together.
@@ -176,6 +180,7 @@ impl ContactSet {
             sweep: Sweep::default(),
             left_out_pairs: Vec::new(),
             overlapping_pairs: Vec::new(),
+            active: Vec::new(),
             link_restitution: 0.0,
             points: 0,
         };

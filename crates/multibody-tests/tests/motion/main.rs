@@ -10,6 +10,7 @@ mod adaptive;
 mod bad_input;
 mod ball_stops;
 mod closed_forms;
+mod components;
 mod contact;
 mod divergence;
 mod dropped;

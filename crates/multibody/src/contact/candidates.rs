@@ -272,12 +272,13 @@ impl ContactSet {
             order.extend(0..shapes.len());
         }
         order.sort_unstable_by(|a, b| low(*a).total_cmp(&low(*b)).then(a.cmp(b)));
-        for (at, &first) in order.iter().enumerate() {
+        for (at, &first) in order.iter().enumerate().filter(|(_, first)| self.is_active(**first)) {
             let end = centers[first][axis] + shapes[first].reach + within;
             for &second in order[at + 1..].iter().take_while(|second| low(**second) <= end) {
                 let reach = shapes[first].reach + shapes[second].reach + within;
                 let pair = [first.min(second), first.max(second)];
-                if (centers[first] - centers[second]).norm_squared() <= reach * reach && belong(self, pair) {
+                let is_near = (centers[first] - centers[second]).norm_squared() <= reach * reach;
+                if is_near && self.is_active(second) && belong(self, pair) {
                     found.push((number_of(pair), pair));
                 }
             }

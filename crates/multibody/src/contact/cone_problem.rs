@@ -57,6 +57,8 @@ struct Block {
     softness: f64,
     /// s.
     shift: f64,
+    /// Whether it calls for a solution of the part that it is in.
+    is_due: bool,
 }
 
 crate::clone_in_place::clone_in_place! {
@@ -253,6 +255,7 @@ impl ConeProblem {
             entries,
             softness: 0.0,
             shift: 0.0,
+            is_due: true,
         });
         first
     }
@@ -268,7 +271,8 @@ impl ConeProblem {
         self.start.push(0.0);
         self.multiplier.push(0.0);
         let support = begin..self.support.len();
-        self.blocks.push(Block { set, rows: row..row + 1, support, entries, softness: 0.0, shift: 0.0 });
+        let rows = row..row + 1;
+        self.blocks.push(Block { set, rows, support, entries, softness: 0.0, shift: 0.0, is_due: true });
         row
     }
 
@@ -291,6 +295,13 @@ impl ConeProblem {
     /// R of all blocks.
     pub(crate) fn soften_all(&mut self, softness: f64) {
         self.blocks.iter_mut().for_each(|block| block.softness = softness);
+    }
+
+    /// Whether the last block calls for a solution of the part that it is in; parts without such a block have the solution x = 0.
+    pub(super) fn set_due(&mut self, is_due: bool) {
+        if let Some(block) = self.blocks.last_mut() {
+            block.is_due = is_due;
+        }
     }
 
     /// The s that the last block begins with.

@@ -1,6 +1,8 @@
 //! The impulses of contacts in one step, and their memory.
 
+mod account;
 mod begun;
+mod found;
 pub(crate) mod lift;
 mod relative;
 mod remembered;
@@ -9,17 +11,19 @@ mod results;
 use nalgebra::Vector3;
 
 use self::begun::Begun;
+pub(crate) use self::found::DEEP;
+use self::found::Near;
 use self::relative::directions;
+use self::remembered::Carried;
 pub(crate) use self::remembered::Remembered;
-use self::remembered::{Carried, Total};
 use super::cone_problem::{MOST_ROWS, Set};
 use super::interrupt::Interrupt;
 use super::placement::{Placement, Twist};
-use super::touch::{Against, TouchingPoint};
+use super::touch::TouchingPoint;
 use super::{ConeProblem, ContactSet};
+use crate::Model;
 use crate::clone_in_place::clone_in_place;
 use crate::factor::paths::Paths;
-use crate::{Model, Workspace};
 
 /// What starts below the ground or beyond a stop comes back with this time constant, as does what is left away from it by rounding \[s\].
 pub(crate) const RETURN_TIME: f64 = 0.1;
@@ -29,24 +33,11 @@ pub(crate) fn returns(h: f64) -> f64 {
     (-h / RETURN_TIME).exp()
 }
 
-/// What touches down more slowly than this is no impact for which the step is divided \[m/s\].
-const SLOW: f64 = 0.05;
-
 /// A point that each coordinate moves by less than this along the normal, as one under a hinge, does not move: what is left of its row is rounding \[m/rad or 1\].
 pub(super) const STUCK: f64 = 1e-9;
 
-/// Points of one pair nearer to each other than this are one \[m\].
-const SAME: f64 = 1e-9;
-
 /// Approach slower than this does not bounce, and is no impact \[m/s or rad/s\].
 pub(crate) const QUIET: f64 = 1e-2;
-
-/// Energy that contacts took out of a step, by cause \[J\].
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct ContactLosses {
-    pub(crate) friction: f64,
-    pub(crate) impacts: f64,
-}
 
 /// A row of the problem that a joint or a tendon gives: its coordinates, rising, with their factors, the velocity that it is to have, and the bounds of its
 /// multiplier.
@@ -94,9 +85,11 @@ clone_in_place! {
         touching_pairs: Vec<usize>,
         /// How deep the deepest point is, as last looked at \[m\].
         depth: f64,
-        /// How deep the deepest of the contacts that the last step found was where that began \[m\].
-        start_depth: f64,
         memory: Remembered,
+        /// The contacts of the last step on components that do not move meanwhile.
+        parked: Vec<Carried>,
+        /// What is near each other where components are to move apart.
+        near: Vec<Near>,
     }
 }
 
@@ -104,6 +97,8 @@ clone_in_place! {
 #[derive(Clone, Copy, Debug)]
 struct Active {
     point: TouchingPoint,
+    /// One of the trees that it moves.
+    tree: usize,
     /// Its first row, and how many.
     row: usize,
     rows: usize,
@@ -117,15 +112,16 @@ struct Active {
 }
 
 impl Active {
-    fn new(point: TouchingPoint, known: Option<usize>) -> Self {
+    fn new(point: TouchingPoint, tree: usize, known: Option<usize>) -> Self {
         let (scale, before) = ([1.0; MOST_ROWS], [0.0; MOST_ROWS]);
-        Self { point, row: 0, rows: 1, scale, bias: 0.0, known, before }
+        Self { point, tree, row: 0, rows: 1, scale, bias: 0.0, known, before }
     }
 }
 
 impl ContactImpulses {
-    pub(crate) fn new(model: &Model, set: ContactSet) -> Self {
+    pub(crate) fn new(model: &Model, mut set: ContactSet) -> Self {
         set.robot.check(model, "the contact set");
+        set.look_only((0..set.shapes.len()).map(|_| true));
         let most = set.count().min(64);
         Self {
             problem: ConeProblem::new(model.nv).with_islands(),
@@ -142,8 +138,9 @@ impl ContactImpulses {
             seen: Vec::with_capacity(most),
             touching_pairs: Vec::with_capacity(most),
             depth: 0.0,
-            start_depth: 0.0,
             memory: Remembered::new(most, set.links.len()),
+            parked: Vec::with_capacity(most),
+            near: Vec::with_capacity(most),
             set,
         }
     }
@@ -161,64 +158,7 @@ impl ContactImpulses {
 
     /// Whether forces of the last step go on.
     pub(crate) fn acts(&self) -> bool {
-        !self.memory.was_impact && !self.memory.carried.is_empty()
-    }
-
-    /// Whether something was hit in the last step, here or on a joint's stop.
-    pub(crate) fn was_impact(&self) -> bool {
-        self.memory.was_impact
-    }
-
-    /// Finds the contacts of the step of h that leads to q₁; whether one of them is an impact, and not in the first of so many parts of it.
-    pub(crate) fn find(
-        &mut self,
-        model: &Model,
-        workspace: &mut Workspace,
-        (h, parts): (f64, f64),
-        q1: &[f64],
-    ) -> bool {
-        let Self { set, problem, start, placement, active, gone, seen, begun, start_depth, memory, .. } =
-            self;
-        *start_depth = begun.iter().fold(0.0, |depth: f64, begun| depth.max(-begun.gap));
-        let carried = &memory.carried;
-        seen.clear();
-        seen.resize(carried.len(), false);
-        placement.set(model, workspace, q1);
-        active.clear();
-        gone.clear();
-        problem.clear();
-        let mut is_new = false;
-        set.find_near(model, placement, 0.0);
-        set.look_around(placement, 0.0, |point| {
-            let known = carried.binary_search_by_key(&point.number, |carried| carried.number).ok();
-            if let Some(known) = known {
-                seen[known] = true;
-            } else {
-                let before = set.point(start, point.number).gap;
-                let way = before - point.gap;
-                *start_depth = start_depth.max(-before);
-                is_new |= way > SLOW * h && before * parts > way;
-            }
-            active.push(Active::new(point, known));
-        });
-        // What touched stays, be it a rounding away: gaps near 0 are not decisive for what is looked at, either.
-        for (index, (carried, _)) in carried.iter().zip(seen).enumerate().filter(|(_, (_, seen))| !**seen) {
-            let point = set.point(placement, carried.number);
-            let same = active.iter_mut().find(|other| is_same(&other.point, &point));
-            if let Some(same) = same {
-                // The point has another number now.
-                if same.known.is_none() {
-                    same.known = Some(index);
-                } else {
-                    gone.push(*carried);
-                }
-            } else if point.gap.is_finite() {
-                active.push(Active::new(point, Some(index)));
-            } else if !matches!(point.against, Against::Ground(_)) {
-                gone.push(*carried);
-            }
-        }
-        is_new
+        self.memory.carried.iter().any(|carried| carried.acts)
     }
 
     /// Whether some contact was found.
@@ -309,8 +249,8 @@ impl ContactImpulses {
         }
         let mut bias = point.gap.max(0.0) / RETURN_TIME;
         let before = if let Some(known) = self.active[index].known {
-            let Carried { force, shift, .. } = self.memory.carried[known];
-            if self.acts() {
+            let Carried { force, shift, acts, .. } = self.memory.carried[known];
+            if acts {
                 for r in (0..rows).filter(|r| scale[*r] > 0.0) {
                     self.problem.multiplier[row + r] = h * force[r] / scale[r];
                 }
@@ -329,59 +269,6 @@ impl ContactImpulses {
         (active.row, active.rows, active.scale) = (row, rows, scale);
         (active.bias, active.before) = (bias, before);
     }
-
-    /// The step's losses, −p times the mean of the velocities before and after. The forces are kept for the next step, which they go on in
-    /// unless something was hit here or, `are_joints_hit`, elsewhere.
-    pub(crate) fn account(&mut self, h: f64, are_joints_hit: bool) -> ContactLosses {
-        let mut losses = ContactLosses::default();
-        let meets = |active: &Active| active.known.is_none() && -active.before[0] > QUIET;
-        self.memory.was_impact = are_joints_hit || self.active.iter().any(meets);
-        let mut carried = core::mem::take(&mut self.memory.carried);
-        carried.clear();
-        self.list_touching_pairs();
-        let summed = self.memory.totals.len();
-        for active in &self.active {
-            let before = &active.before;
-            let mut force = [0.0; MOST_ROWS];
-            for r in (0..active.rows).filter(|r| active.scale[*r] > 0.0) {
-                let p = self.problem.multiplier[active.row + r];
-                let bias = if r == 0 { active.bias } else { 0.0 };
-                let after = (self.problem.c[active.row + r] - bias) / active.scale[r];
-                force[r] = p * active.scale[r] / h;
-                let lost = -force[r] * h * 0.5 * (before[r] + after);
-                if r == 0 {
-                    losses.impacts += lost;
-                } else {
-                    losses.friction += lost;
-                }
-            }
-            if force[0] > 0.0 {
-                let (world, moment) = in_world(&active.point, &force);
-                if let (Against::Ground(_) | Against::Field(_), Some(link)) =
-                    (active.point.against, self.set.shapes[active.point.shape].on_ground)
-                {
-                    (0..3).for_each(|k| self.memory.impulses[link][k] += h * world[k]);
-                }
-                let shift = self.problem.shift_of(active.row);
-                let seen = self.seen_on_face(&active.point);
-                let (number, point) = (active.point.number, active.point);
-                let total = Total { number, impulse: h * world, angular: h * moment, point, seen };
-                self.memory.add_impulse(summed, &total);
-                carried.push(Carried { number: active.point.number, force, shift, seen });
-            }
-        }
-        self.memory.totals.sort_unstable_by_key(|total| total.number);
-        carried.sort_unstable_by_key(|carried| carried.number);
-        self.memory.carried = carried;
-        losses
-    }
-}
-
-/// Whether they are one point of one pair.
-fn is_same(one: &TouchingPoint, other: &TouchingPoint) -> bool {
-    one.against == other.against
-        && matches!(one.against, Against::Pair(_))
-        && (one.at - other.at).norm_squared() < SAME * SAME
 }
 
 /// Force and moment along the world's axes.

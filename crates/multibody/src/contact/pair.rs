@@ -229,7 +229,8 @@ impl ContactSet {
         };
         // Pairs with the same second shape follow each other; most are far apart, and their centres tell.
         let mut second = (usize::MAX, Vector3::zeros());
-        for &index in self.sweep.near() {
+        let is_active = |pair: &&usize| self.pairs[**pair].shapes.iter().all(|shape| self.is_active(*shape));
+        for &index in self.sweep.near().iter().filter(is_active) {
             let pair = &self.pairs[index];
             let [one, two] = pair.shapes;
             if second.0 != two {

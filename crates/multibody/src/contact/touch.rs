@@ -47,7 +47,11 @@ pub(super) struct Placed {
 impl ContactSet {
     /// Calls `look` for each point of each shape whose gap to a ground is at most `within` \[m\].
     pub(super) fn look(&self, placement: &Placement, within: f64, mut look: impl FnMut(TouchingPoint)) {
-        for (index, shape) in self.shapes.iter().enumerate().filter(|(_, shape)| shape.on_ground.is_some()) {
+        let is_looked_at =
+            |index: usize, shape: &Touching| shape.on_ground.is_some() && self.is_active(index);
+        for (index, shape) in
+            self.shapes.iter().enumerate().filter(|(index, shape)| is_looked_at(*index, shape))
+        {
             let mut placed = None;
             for (ground_index, (ground, [n, ..])) in self.grounds.iter().enumerate() {
                 if !self.meets_ground(index, ground_index) {
@@ -99,6 +103,18 @@ impl ContactSet {
     ) {
         self.look(placement, within, &mut look);
         self.look_at_pairs(placement, within, look);
+    }
+
+    /// From now on searches find contacts of these shapes alone, one entry for each shape.
+    pub(super) fn look_only(&mut self, is_active: impl Iterator<Item = bool>) {
+        self.active.clear();
+        self.active.extend(is_active);
+    }
+
+    /// Whether searches look at a shape.
+    #[inline]
+    pub(super) fn is_active(&self, shape: usize) -> bool {
+        self.active.get(shape).is_none_or(|active| *active)
     }
 
     /// Makes the pair on which the point of this number is, where it is not there.

@@ -35,6 +35,16 @@ pub(crate) fn coordinate_carriers(model: &Model) -> Vec<usize> {
     freedom_carriers(model)
 }
 
+/// The number of each freedom's tree with these λ, and how many trees there are.
+pub(crate) fn trees(carrier: &[usize]) -> (Vec<usize>, usize) {
+    let (mut trees, mut count) = (Vec::with_capacity(carrier.len()), 0);
+    for &carrier in carrier {
+        trees.push(if carrier == NONE { count } else { trees[carrier] });
+        count += usize::from(carrier == NONE);
+    }
+    (trees, count)
+}
+
 /// λ with the freedoms that carry either of two, these included, counted as carrying one another: the zeros that are left when a matrix also
 /// joins these. Both paths to the root become one, in the order of their numbers; what hangs on them keeps its own.
 ///

@@ -22,32 +22,31 @@ mod equalities;
 mod impulses;
 mod interruption;
 mod joints;
+mod kept;
 mod momentum;
+mod parts;
 mod pivots;
+mod smooth;
 mod stiff_factor;
 
-use dynamics::{DynamicsError, EnergyLedger, IntegratorError};
+use dynamics::{EnergyLedger, IntegratorError};
 use nalgebra::Vector3;
 
 use self::equalities::Equalities;
 use self::impulses::Impulses;
 use self::joints::Joints;
+use self::kept::Kept;
 use self::momentum::FreeTranslations;
 use self::stiff_factor::StiffFactor;
 use crate::clone_in_place::clone_in_place;
-use crate::contact::{ContactImpulses, ContactMemory, Interrupt};
+use crate::contact::{Components, ContactImpulses, Interrupt};
 use crate::factor::paths::usual_entries;
 use crate::model::length::check_length;
 use crate::motion::drive::{Drive, record};
 use crate::motion::integrate::check_step;
 use crate::motion::simulate::{Losses, Stepper};
-use crate::space::displacement_rate::displacement_rate;
-use crate::{
-    Actuation, ContactLaws, Model, SingularMass, StepForces, StepWorkspace, Workspace, bias, integrate,
-};
-
-/// γ = 1 − 1/√2: L-stable, with the smaller error of the two such values.
-const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
+use crate::space::joint_sum::JointSum;
+use crate::{Actuation, ContactLaws, Model, SingularMass, StepForces, StepWorkspace, Workspace};
 
 clone_in_place! {
     /// Steps with stiff joints, dry friction and stops; a [`Stepper`], by which a [`Simulation`](crate::simulator::Simulation) takes the steps of
@@ -87,6 +86,10 @@ clone_in_place! {
         losses: Losses,
         /// Of the last step.
         last: Losses,
+        /// The same of each tree, those of a component at one of its trees.
+        last_of: Vec<Losses>,
+        /// What joins trees, and which of them move.
+        components: Components,
         drive: Option<Drive>,
         contacts: Option<ContactImpulses>,
         equalities: Option<Equalities>,
@@ -96,26 +99,20 @@ clone_in_place! {
         interrupt: Interrupt,
         /// Where the step began, if it can be interrupted.
         begun: Option<Kept>,
+        /// Where it began with its sums of impulses at zero, if there are several trees.
+        start: Kept,
         /// Steps whose budget of parts was spent, and the most energy that their books miss \[J\].
         unsettled: (usize, f64),
-        /// Of all that moves \[N\].
-        weight: f64,
-    }
-}
-
-clone_in_place! {
-    /// Where a step began.
-    #[derive(Debug)]
-    struct Kept {
-        q: Vec<f64>,
-        v: Vec<f64>,
-        /// The highest speed of a coordinate since then.
-        fastest: f64,
-        /// Whether something was met since then, or moved back onto a stop.
-        is_rough: bool,
-        impulses: impulses::Remembered,
-        contacts: Option<ContactMemory>,
-        equalities: Option<equalities::Remembered>,
+        /// \[m/s²\]
+        gravity: f64,
+        /// The least pivot of each tree in the step, in parts of M's diagonal.
+        pivots: Vec<f64>,
+        /// Whether the energy balance of each component does not close, at its first tree.
+        is_off: Vec<bool>,
+        /// Losses of one pass, as [`last_of`](Self::last_of).
+        lost: Vec<Losses>,
+        /// q where a step ends, v where it begins and ends, of a motion of one component alone.
+        alone: [Vec<f64>; 3],
     }
 }
 
@@ -149,22 +146,31 @@ impl Implicit {
         let joints = Joints::new(model);
         let mut impulses = Impulses::new(model, &joints);
         let impulses_kept = impulses.memory().clone();
-        let gravity = Vector3::from(model.description().gravity).norm();
+        let factor = StiffFactor::new(model);
+        let mut components = Components::new(factor.paths().carrier());
+        let tendons = model.description().tendons.iter().map(|tendon| {
+            let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
+            JointSum::new(model, 0.0, terms).row()
+        });
+        let tendons: Vec<_> = tendons.collect();
+        components.unite(tendons.iter().map(Vec::as_slice));
+        // One, where nothing moves.
+        let trees = components.count().max(1);
+        let kept = Kept::new(model, trees, impulses_kept);
         Self {
-            factor: StiffFactor::new(model),
-            kept: Kept {
-                q: vec![0.0; model.nq()],
-                v: zeros(),
-                fastest: 0.0,
-                is_rough: false,
-                impulses: impulses_kept,
-                contacts: None,
-                equalities: None,
-            },
+            factor,
+            start: kept.clone(),
+            kept,
             interrupt: Interrupt::default(),
             begun: None,
             unsettled: (0, 0.0),
-            weight: model.moving_mass() * gravity,
+            gravity: Vector3::from(model.description().gravity).norm(),
+            pivots: vec![0.0; trees],
+            is_off: vec![false; trees],
+            lost: vec![Losses::default(); trees],
+            last_of: vec![Losses::default(); trees],
+            alone: [vec![0.0; model.nq], zeros(), zeros()],
+            components,
             impulses,
             joints,
             has_stops: true,
@@ -204,6 +210,8 @@ impl Implicit {
     pub(crate) fn with_actuation(mut self, actuation: &Actuation, controls: &[f64]) -> Self {
         self.joints.add_gains(actuation);
         self.factor.couple(self.joints.couplings());
+        self.components.unite(self.joints.couplings().iter().map(|coupling| &coupling.row[..]));
+        self.resize_trees();
         let actuation = actuation.clone().without_tendon_friction();
         self.drive = Some(Drive::new(self.memory.force.len(), &actuation, controls));
         self
@@ -215,93 +223,6 @@ impl Implicit {
         if let Some(drive) = &mut self.drive {
             drive.set_controls(controls);
         }
-    }
-
-    /// The smooth part: leaves Θ in `memory.displacement` and v₁ in `memory.stage_v`.
-    fn smooth(
-        &mut self,
-        model: &Model,
-        workspace: &mut Workspace,
-        tau: &[f64],
-        h: f64,
-        (q, v): (&[f64], &[f64]),
-    ) -> Result<(), DynamicsError> {
-        let Self { joints, factor, impulses, drive, contacts, equalities, translations, memory, .. } = self;
-        let Memory {
-            q_rate: [q1, q2],
-            acceleration: [a1, a2],
-            force,
-            stage_v,
-            stage_q: middle,
-            displacement,
-            driven,
-            carried,
-            applied,
-            ..
-        } = memory;
-        let (nv, g) = (v.len(), GAMMA * h);
-        if let Some(contacts) = contacts {
-            contacts.begin(model, workspace, (q, v));
-        }
-        if let Some(equalities) = equalities {
-            equalities.begin(model, workspace, q);
-        }
-        displacement.iter_mut().zip(v).for_each(|(way, v)| *way = 0.5 * h * v);
-        integrate(model, q, displacement, middle);
-        factor.factor(model, workspace, middle, joints, g)?;
-        // What goes on from the step before.
-        carried.copy_from_slice(&impulses.forces()[..nv]);
-        if let Some(contacts) = contacts {
-            contacts.carry(model, workspace, middle, carried);
-        }
-        if let Some(equalities) = equalities {
-            equalities.carry(model, workspace, middle, carried);
-        }
-        impulses.add_turned(&joints.stops, middle, carried);
-        // τ − Cv − g − Dv of the middle at another velocity.
-        applied.fill(0.0);
-        let mut apply = |workspace: &mut Workspace, v: &[f64], to: &mut [f64]| {
-            bias(model, workspace, middle, v, force);
-            match drive {
-                Some(drive) => drive.forces(model, middle, v, driven),
-                None => driven.fill(0.0),
-            }
-            for k in 0..nv {
-                let own = tau[k] + driven[k] + carried[k];
-                applied[k] += own;
-                to[k] += own - force[k] - joints.damping[k] * v[k];
-            }
-        };
-        // M̂ k₁ᵥ = τ − Cv − g − Dv + (½ − γ)hKv; k₁Θ = v + γh k₁ᵥ.
-        a1.fill(0.0);
-        apply(workspace, v, a1);
-        joints.subtract_stiffness(g - 0.5 * h, v, a1);
-        factor.solve(a1);
-        for k in 0..nv {
-            q1[k] = v[k] + g * a1[k];
-            displacement[k] = h * q1[k];
-            stage_v[k] = v[k] + h * a1[k];
-        }
-        // M̂ k₂ᵥ = τ − Cv − g − Dv − 2M k₁ᵥ − K(hk₁Θ − ½hv₀ + γh(Θ̇ − 2k₁Θ)) at v₀ + hk₁ᵥ; k₂Θ = Θ̇ − 2k₁Θ + γh k₂ᵥ.
-        displacement_rate(model, displacement, stage_v, q2);
-        factor.multiply_mass(a1, a2);
-        for a2 in a2.iter_mut() {
-            *a2 *= -2.0;
-        }
-        apply(workspace, stage_v, a2);
-        for k in 0..nv {
-            q2[k] -= 2.0 * q1[k];
-            displacement[k] += g * q2[k] - 0.5 * h * v[k];
-        }
-        joints.subtract_stiffness(1.0, displacement, a2);
-        factor.solve(a2);
-        for k in 0..nv {
-            q2[k] += g * a2[k];
-            displacement[k] = 0.5 * h * (3.0 * q1[k] + q2[k]);
-            stage_v[k] = v[k] + 0.5 * h * (3.0 * a1[k] + a2[k]);
-        }
-        translations.add(model, middle, |k| 0.5 * h * applied[k]);
-        Ok(())
     }
 }
 

@@ -154,10 +154,10 @@ impl ConeProblem {
         if parts == 1 && count < MANY_TREES {
             return false;
         }
-        // Numbers of those that have blocks or a force, in the order of their first trees.
+        // Numbers of those that have a force or blocks that call for a solution, in the order of their first trees.
         islands.numbers.clear();
         islands.numbers.resize(count, NONE);
-        for block in &*blocks {
+        for block in blocks.iter().filter(|block| block.is_due) {
             let leader = islands.leader(islands.trees[support[block.support.start]]);
             islands.numbers[leader] = 0;
         }

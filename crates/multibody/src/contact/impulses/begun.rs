@@ -72,7 +72,7 @@ impl ContactImpulses {
         let Self { set, placement, wrenches, memory, .. } = self;
         placement.set(model, workspace, q);
         wrenches.fill(Default::default());
-        for carried in &memory.carried {
+        for carried in memory.carried.iter().filter(|carried| carried.acts) {
             set.add_wrench(&carried.point(set, placement), &carried.force, wrenches);
         }
         placement.add_forces(model, wrenches, forces);
@@ -91,12 +91,12 @@ impl ContactImpulses {
             set.add_wrench(point, &carried.force.map(|force| h * force), wrenches);
             is_elsewhere = true;
         };
-        for gone in &*gone {
+        for gone in gone.iter().filter(|gone| gone.acts) {
             add(&gone.point(set, placement), gone, h);
         }
         for active in &*active {
             let Some(carried) = active.known.map(|known| &memory.carried[known]) else { continue };
-            if carried.seen.is_some() {
+            if carried.acts && carried.seen.is_some() {
                 add(&carried.point(set, placement), carried, h);
                 add(&active.point, carried, -h);
             }

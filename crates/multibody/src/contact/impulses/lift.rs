@@ -1,6 +1,7 @@
 //! Positions after a step: what is below the ground is lifted out of it.
 
 use super::{Active, ContactImpulses, ImpulsiveStep, STUCK, Set, TouchingPoint, returns};
+use crate::factor::sparse::NONE;
 use crate::{Model, Workspace};
 
 /// Depth that is rounding, before what is below was lifted, and afterwards, when the way was bent \[m or rad\].
@@ -10,7 +11,7 @@ pub(crate) const ROUNDING: [f64; 2] = [1e-12, 1e-10];
 const FAR: f64 = 0.1;
 
 /// Contacts this near take part when another is moved \[m\].
-const NEAR: f64 = 1e-4;
+pub(super) const NEAR: f64 = 1e-4;
 
 /// A stop, as [`ContactImpulses::lift`] sees it.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +60,7 @@ impl ContactImpulses {
         set.look_around(placement, NEAR, |point| {
             *depth = depth.max(-point.gap);
             is_below |= point.gap < -rounding && point.gap - allowed(&point) < -rounding;
-            active.push(Active::new(point, None));
+            active.push(Active::new(point, NONE, None));
         });
         if !(is_below || has_to_move) {
             return false;
@@ -77,12 +78,14 @@ impl ContactImpulses {
                 }
             });
             // What does not move stays where it is.
-            if entries.iter().all(|entry| entry.abs() < STUCK) {
+            let is_stuck = entries.iter().all(|entry| entry.abs() < STUCK);
+            if is_stuck {
                 entries.fill(0.0);
             } else {
                 problem.start[row] = gap;
                 has_to_move |= gap < -rounding;
             }
+            problem.set_due(!is_stuck && gap < -rounding);
         }
         if !has_to_move {
             return false;
@@ -91,10 +94,12 @@ impl ContactImpulses {
         for Bound { terms, sign, gap, holds } in bounds.filter(|bound| bound.gap < FAR) {
             let row = problem.push_row(if holds { line } else { half_line }, sign, terms);
             problem.start[row] = if holds { gap.min(0.0) } else { gap };
+            problem.set_due(gap < -rounding);
         }
         for (terms, gap) in equal {
             let row = problem.push_row(line, 1.0, terms);
             problem.start[row] = gap;
+            problem.set_due(gap.abs() > rounding);
         }
         let is_solved = if problem.find_islands(paths.carrier()) {
             problem.take_packed((paths, matrix), paths.carrier());

@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use super::{ContactImpulses, MOST_ROWS, in_world};
 use crate::contact::placement::{Placement, Twist};
 use crate::contact::touch::{Against, TouchingPoint};
-use crate::contact::{ContactSet, rows_of};
-use crate::factor::sparse;
+use crate::contact::{Components, ContactSet, Touching, rows_of};
+use crate::factor::sparse::{self, NONE};
 use crate::model::{Dof, WORLD};
 use crate::{Model, Surface};
 
@@ -42,6 +42,21 @@ impl ContactSet {
         };
         let sides = [(self.shapes[point.shape].body, 1.0), (other, -1.0)];
         sides.into_iter().filter(|(body, _)| *body != WORLD)
+    }
+
+    /// The tree of a shape, [`NONE`] of one that nothing moves.
+    pub(super) fn tree_of_shape(&self, components: &Components, shape: &Touching) -> usize {
+        shape.coordinates.last().map_or(NONE, |coordinate| components.tree_of(*coordinate))
+    }
+
+    /// The trees of the two sides of a contact.
+    pub(super) fn trees(&self, components: &Components, point: &TouchingPoint) -> [usize; 2] {
+        let tree = |shape: usize| self.tree_of_shape(components, &self.shapes[shape]);
+        let other = match point.against {
+            Against::Ground(_) | Against::Field(_) => NONE,
+            Against::Pair(pair) => tree(self.pairs[pair].shapes[1]),
+        };
+        [tree(point.shape), other]
     }
 
     /// Adds a contact's force and moment to those of the bodies that it acts on, about the world's origin.

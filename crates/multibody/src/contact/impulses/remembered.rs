@@ -15,8 +15,6 @@ clone_in_place! {
         pub(super) laws: ContactLaws,
         /// The contacts of the last step, in rising order of their numbers.
         pub(super) carried: Vec<Carried>,
-        /// Whether something was hit in the last step, here or on a joint's stop: then its forces do not go on.
-        pub(super) was_impact: bool,
         /// The impulse on each link in the whole step so far \[N·s\].
         pub(super) impulses: Vec<[f64; 3]>,
         /// The impulse of each contact in the whole step so far, in rising order of their numbers.
@@ -28,6 +26,8 @@ clone_in_place! {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Total {
     pub(super) number: usize,
+    /// One of the trees that it acts on.
+    pub(super) tree: usize,
     /// \[N·s\]
     pub(super) impulse: Vector3<f64>,
     /// About the contact's point, which moves \[N·m·s\].
@@ -64,6 +64,10 @@ fn point_of(
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Carried {
     pub(super) number: usize,
+    /// The trees that it moves, [`NONE`](crate::factor::sparse::NONE) for the ground.
+    pub(super) trees: [usize; 2],
+    /// Whether it goes on in this step: nothing of its component was hit in the last one.
+    pub(super) acts: bool,
     pub(super) force: [f64; MOST_ROWS],
     pub(super) shift: f64,
     /// Of a pair's face: the point, as the first shape's body sees it.
@@ -71,6 +75,11 @@ pub(super) struct Carried {
 }
 
 impl Carried {
+    /// One of its trees.
+    pub(super) fn tree(&self) -> usize {
+        self.trees[0].min(self.trees[1])
+    }
+
     /// The point on which it acts.
     pub(super) fn point(&self, set: &ContactSet, placement: &Placement) -> TouchingPoint {
         point_of(self.seen.as_ref(), self.number, set, placement)
@@ -91,7 +100,6 @@ impl Remembered {
         Self {
             laws: ContactLaws::default(),
             carried: Vec::with_capacity(contacts),
-            was_impact: false,
             impulses: vec![[0.0; 3]; links],
             totals: Vec::with_capacity(contacts),
         }
@@ -103,8 +111,8 @@ impl Remembered {
     }
 
     pub(crate) fn copy_from(&mut self, other: &Self) {
-        let Self { laws, carried, was_impact, impulses, totals } = self;
-        (*laws, *was_impact) = (other.laws, other.was_impact);
+        let Self { laws, carried, impulses, totals } = self;
+        *laws = other.laws;
         carried.clone_from(&other.carried);
         impulses.copy_from_slice(&other.impulses);
         totals.clone_from(&other.totals);

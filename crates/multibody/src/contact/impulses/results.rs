@@ -13,11 +13,6 @@ impl ContactImpulses {
         *deepest = deepest.max(self.depth);
     }
 
-    /// How deep the deepest of the contacts of this step was where it began \[m\].
-    pub(crate) fn start_depth(&self) -> f64 {
-        self.start_depth
-    }
-
     /// How many contacts there are.
     pub(crate) fn count(&self) -> usize {
         self.active.len()

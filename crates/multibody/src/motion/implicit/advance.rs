@@ -1,25 +1,25 @@
 //! One step: the smooth part, then the impulses of what does not yield, then the positions.
 
+use core::ops::Range;
+
 use dynamics::{DynamicsError, IntegratorError, check_finite};
 
 use super::impulses::land_on_stops;
-use super::{Implicit, Memory, joints};
-use crate::contact::{Bound, ContactImpulses, ImpulsiveStep, ROUNDING, returns};
+use super::kept::{copy_active, copy_positions};
+use super::{Implicit, Memory};
+use crate::contact::{Bound, Components, ContactImpulses, DEEP, ImpulsiveStep, Mark, ROUNDING, returns};
 use crate::motion::simulate::Losses;
 use crate::{Model, Workspace, difference, energy_ledger, integrate};
 
 /// How often what is below the ground or beyond a stop is looked for again, as moving it may move others there.
 const MOST_LIFTS: usize = 4;
 
-/// A step in which something meets a stop or the ground is taken again in so many parts, as what acts before the impact and after it
+/// Components that meet a stop or the ground in a step take it again in so many parts, as what acts before the impact and after it
 /// differs.
 pub(super) const PARTS: u32 = 16;
 
 /// Being moved back onto a stop from further beyond it than this can make energy \[rad or m\].
 const BEYOND: f64 = 1e-6;
-
-/// The return from deeper than this below the ground or beyond a stop changes the energy by more than the scheme's error \[rad or m\].
-const DEEP: f64 = 1e-4;
 
 /// Whether a step that ends beyond a stop may be taken as it is.
 #[derive(Clone, Copy, PartialEq)]
@@ -29,25 +29,8 @@ pub(super) enum Whole {
 }
 
 impl Implicit {
-    /// A step of h, in so many parts where something is met.
-    pub(super) fn advance_whole(
-        &mut self,
-        model: &Model,
-        workspace: &mut Workspace,
-        tau: &[f64],
-        h: f64,
-        (q, v): (&mut [f64], &mut [f64]),
-    ) -> Result<(), IntegratorError> {
-        if !self.advance(model, workspace, tau, h, (q, v), Whole::OrNothing)? {
-            self.kept.is_rough = true;
-            for _ in 0..PARTS {
-                self.advance(model, workspace, tau, h / f64::from(PARTS), (q, v), Whole::AsItIs)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// A step of h; or, where a stop is met in it and that is asked for, none: false then.
+    /// A step of h of the components that move; or, if some meet something in it and that is asked for, false. Then these have the mark, and the step was
+    /// that of the others, which alone move now; where there are no others, all move and no step was taken.
     pub(super) fn advance(
         &mut self,
         model: &Model,
@@ -70,6 +53,10 @@ impl Implicit {
             memory,
             interrupt,
             drive,
+            components,
+            kept,
+            lost,
+            last_of,
             ..
         } = self;
         let Memory {
@@ -83,7 +70,9 @@ impl Implicit {
             applied: external,
             ..
         } = memory;
-        let mut by_impulses = Losses::default();
+        lost.fill(Losses::default());
+        components.clear_found();
+        let mut is_taken_by_all = true;
         let has_stops = self.has_stops && joints.has_stops();
         let may_act = joints.has_friction()
             || has_stops
@@ -95,46 +84,72 @@ impl Implicit {
         let mut is_written = false;
         if may_act {
             integrate(model, q, displacement, q1);
-            let is_new = |stop: &joints::Stop| impulses.meets(stop, q, q1);
-            let meets = contacts
-                .as_mut()
-                .is_some_and(|contacts| contacts.find(model, workspace, (h, f64::from(PARTS)), q1));
-            if whole == Whole::OrNothing && (meets || stops.iter().any(is_new)) {
-                return Ok(false);
+            if let Some(contacts) = contacts {
+                contacts.find(model, workspace, (h, f64::from(PARTS)), q1, components);
+            }
+            if whole == Whole::OrNothing {
+                for stop in stops.iter().filter(|stop| impulses.meets(stop, q, q1)) {
+                    components.set(Mark::Meets, impulses.tree_of(stop.row, components));
+                }
+                if components.has_any(Mark::Meets) {
+                    is_taken_by_all = false;
+                    if let Some(contacts) = contacts.as_mut().filter(|_| !components.is_one()) {
+                        contacts.join_near(model, components);
+                    }
+                    if !components.activate_marked(Mark::Meets, false) {
+                        components.activate_all();
+                        return Ok(false);
+                    }
+                    if let Some(contacts) = contacts {
+                        contacts.leave_inactive(components);
+                    }
+                }
             }
             translations.restore(model, workspace, joints, q1, v1);
+            let touches = contacts.as_ref().is_some_and(ContactImpulses::touches);
+            impulses.turn(stops, q1, v1);
+            impulses.choose(joints, stops, h, (q, q1), components);
             // For impulses g = ½h: their positions are ½h of their velocities, so that damping takes from them what it books. Contacts have a
             // problem with a factor of its own.
-            if equalities.is_some() || !contacts.as_ref().is_some_and(ContactImpulses::touches) {
+            if equalities.is_some() || !touches || impulses.has_rows_apart(components) {
                 factor.stiffen(joints, 0.5 * h)?;
             }
-            impulses.turn(stops, q1, v1);
             if let Some(equalities) = equalities {
                 equalities.place(model, workspace, q1);
-                equalities.choose(factor, interrupt)?;
+                equalities.choose(factor, interrupt, components)?;
                 impulses.hold(equalities);
+                impulses.choose_held();
             }
-            impulses.choose(joints, stops, h, (q, q1));
-            let met = match contacts.as_mut().filter(|contacts| contacts.touches()) {
-                Some(contacts) => {
-                    factor.write(joints, 0.5 * h, matrix);
-                    is_written = true;
-                    let (rows, multipliers) = impulses.rows_beside();
-                    let step = ImpulsiveStep { h, paths: factor.paths(), matrix };
-                    if !contacts.solve(model, step, (v, v1), rows, multipliers, change) {
-                        let quantity = "the impulse of the contacts";
-                        return Err(DynamicsError::NonFinite { quantity, index: 0 }.into());
-                    }
-                    true
+            let mut met = false;
+            if let Some(contacts) = contacts.as_mut().filter(|_| touches) {
+                factor.write(joints, 0.5 * h, matrix);
+                is_written = true;
+                let step = ImpulsiveStep { h, paths: factor.paths(), matrix };
+                let (rows, multipliers) = impulses.rows_beside(components);
+                if !contacts.solve(model, step, (v, v1), rows, multipliers, change) {
+                    let quantity = "the impulse of the contacts";
+                    return Err(DynamicsError::NonFinite { quantity, index: 0 }.into());
                 }
-                None => impulses.solve(factor, v1, change)?,
-            };
+                impulses.take_multipliers(components);
+                if !translations.is_empty() {
+                    contacts.coordinate_impulses(external);
+                }
+                met = true;
+            }
+            if impulses.has_rows_apart(components) {
+                impulses.solve_apart(factor, v1, components, change)?;
+                if !translations.is_empty() {
+                    let product = impulses.multiply_mass_apart(factor, change);
+                    for k in 0..v.len() {
+                        if !components.has(Mark::Touched, components.tree_of(k)) {
+                            external[k] = product[k];
+                        }
+                    }
+                }
+                met = true;
+            }
             if met {
                 if !translations.is_empty() {
-                    match contacts.as_mut().filter(|contacts| contacts.touches()) {
-                        Some(contacts) => contacts.coordinate_impulses(external),
-                        None => factor.multiply_mass(change, external),
-                    }
                     translations.add(model, q1, |k| external[k]);
                 }
                 for k in 0..v.len() {
@@ -142,41 +157,35 @@ impl Implicit {
                     displacement[k] += 0.5 * h * change[k];
                 }
                 impulses.rest(v, v1, displacement);
+                impulses.mark_hits(v, components);
             }
-            let are_hit = met && impulses.are_hit(v);
             if let Some(contacts) = contacts {
-                let lost = contacts.account(h, are_hit);
-                (by_impulses.sliding, by_impulses.impacts) = (lost.friction, lost.impacts);
+                contacts.account(h, components, |leader, loss| {
+                    lost[leader].sliding += loss.friction;
+                    lost[leader].impacts += loss.impacts;
+                });
             }
-            if met {
-                let is_impact = contacts.as_ref().map_or(are_hit, ContactImpulses::was_impact);
-                let lost = impulses.account(joints, h, (v, v1), is_impact);
-                (by_impulses.friction, by_impulses.stops) = (lost.friction, lost.stops);
-                if let Some(equalities) = equalities {
-                    equalities.settle(h, impulses.of_held(), is_impact);
-                }
+            impulses.account(joints, h, (v, v1), components, lost);
+            if let Some(equalities) = equalities.as_mut().filter(|_| met) {
+                equalities.settle(h, impulses.of_held(), components);
             }
         }
         // ∫Dv·v dt as the impulse D∫v dt times the mean velocity: what the step's momentum lost of energy.
-        let damping: f64 =
-            (0..v.len()).map(|k| joints.damping[k] * displacement[k] * 0.5 * (v[k] + v1[k])).sum();
-        // Where stiff damping overshot, friction has the wrong sign over the step: that is taken from damping.
-        let overshot = by_impulses.friction.min(0.0) + by_impulses.stops.min(0.0);
-        let damping = damping + overshot;
-        self.last.damping += if joints.adds_energy { damping } else { damping.max(0.0) };
-        self.last.friction += by_impulses.friction.max(0.0);
-        self.last.stops += by_impulses.stops.max(0.0);
-        // In an impact friction may give what the normal impulses take, and the other way round: together they take. Where contacts
-        // stick or roll, what then is below zero is the scheme's own error, and no energy that comes back.
-        let (sliding, impacts) = (by_impulses.sliding, by_impulses.impacts);
-        self.last.sliding += (sliding + impacts.min(0.0)).max(0.0);
-        self.last.impacts += (impacts + sliding.min(0.0)).max(0.0);
+        for k in (0..v.len()).filter(|k| components.moves(*k)) {
+            let damping = joints.damping[k] * displacement[k] * 0.5 * (v[k] + v1[k]);
+            lost[components.leader(components.tree_of(k))].damping += damping;
+        }
+        for (last, lost) in last_of.iter_mut().zip(&*lost) {
+            add_lost(last, lost, joints.adds_energy);
+        }
         check_finite("v after the step", v1)?;
-        self.kept.see(v1);
+        kept.see(components, v1);
         integrate(model, q, displacement, q1);
         // The return from a deep start moves weight without a force.
-        let is_deep = contacts.as_ref().is_some_and(|contacts| contacts.start_depth() > DEEP)
-            || stops.iter().any(|stop| stop.gap(q) < -DEEP);
+        for stop in stops.iter().filter(|stop| stop.gap(q) < -DEEP) {
+            components.set(Mark::Deep, impulses.tree_of(stop.row, components));
+        }
+        let is_deep = components.has_any(Mark::Deep);
         let mut energy = |workspace: &mut Workspace, q: &[f64], v: &[f64]| {
             let of_motion = energy_ledger(model, workspace, q, v);
             let stored = drive.as_mut().map_or(0.0, |drive| drive.stored_energy(q));
@@ -190,9 +199,9 @@ impl Implicit {
         if let Some(contacts) = contacts {
             let left = returns(h);
             for lifted in 0..MOST_LIFTS {
-                let kept = |stop: &joints::Stop| stop.gap(q1) - stop.gap(q).min(0.0) * left;
-                let bounds = stops.iter().map(|stop| {
-                    let gap = kept(stop);
+                let own = stops.iter().filter(|stop| impulses.is_active(stop.row, components));
+                let bounds = own.map(|stop| {
+                    let gap = stop.gap(q1) - stop.gap(q).min(0.0) * left;
                     // Where that leaves something below, it may move.
                     let holds = lifted == 0 && impulses.holds(stop, gap);
                     Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds }
@@ -211,25 +220,44 @@ impl Implicit {
                     break;
                 }
                 before.copy_from_slice(q1);
-                integrate(model, before, change, q1);
+                move_positions(model, components, change, before, q1);
             }
             contacts.note_depth();
             land_on_stops(stops, q, q1);
-        } else if let Some(equalities) = equalities {
-            self.kept.is_rough |= stops.iter().any(|stop| stop.gap(q1) < -BEYOND);
-            let robot = (model, &mut *workspace);
-            impulses.put_on_equalities(robot, factor, (equalities, stops), h, (q, q1), change)?;
-        } else if has_stops {
-            self.kept.is_rough |= stops.iter().any(|stop| stop.gap(q1) < -BEYOND);
-            impulses.put_on_stops(factor, &joints.stops, h, (q, q1), change, |way, from, to| {
-                integrate(model, from, way, to);
-            })?;
+        } else if equalities.is_some() || has_stops {
+            for stop in stops.iter().filter(|stop| stop.gap(q1) < -BEYOND) {
+                kept.is_rough[impulses.tree_of(stop.row, components)] = true;
+            }
+            if let Some(equalities) = equalities {
+                let robot = (model, &mut *workspace);
+                let rest = (equalities, stops, &*components);
+                impulses.put_on_equalities(robot, factor, rest, h, (q, q1), change)?;
+            } else {
+                let rest = (stops, &*components);
+                impulses.put_on_stops(factor, rest, h, (q, q1), change, |way, from, to| {
+                    move_positions(model, components, way, from, to);
+                })?;
+            }
         }
-        if is_deep {
+        for leader in
+            (0..components.count()).filter(|leader| is_deep && components.leader(*leader) == *leader)
+        {
+            if !components.has(Mark::Deep, leader) || !components.is_active(leader) {
+                continue;
+            }
+            let is_own =
+                |mut own: Range<usize>| own.any(|k| components.leader(components.tree_of(k)) == leader);
+            let corrected = if components.is_one() {
+                &*q1
+            } else {
+                before.copy_from_slice(uncorrected);
+                copy_positions(model, is_own, q1, before);
+                &*before
+            };
             // τ along that way counts as work of the motors.
-            difference(model, uncorrected, q1, change);
+            difference(model, uncorrected, corrected, change);
             let work: f64 = tau.iter().zip(&*change).map(|(tau, way)| tau * way).sum();
-            self.last.corrections += work + energy_before - energy(workspace, q1, v1);
+            last_of[leader].corrections += work + energy_before - energy(workspace, corrected, v1);
         }
         check_finite("q after the step", q1)?;
         translations.restore(model, workspace, joints, q1, v1);
@@ -237,8 +265,30 @@ impl Implicit {
         if self.interrupt.is_set() {
             return Err(IntegratorError::Interrupted);
         }
-        q.copy_from_slice(q1);
-        v.copy_from_slice(v1);
-        Ok(true)
+        copy_active(model, components, (q1, v1), (q, v));
+        Ok(is_taken_by_all)
     }
+}
+
+/// Moves a configuration along a displacement; where there are several trees, joints that are not moved stay to the last digit.
+fn move_positions(model: &Model, components: &Components, way: &[f64], from: &[f64], to: &mut [f64]) {
+    integrate(model, from, way, to);
+    if components.count() > 1 {
+        copy_positions(model, |own| own.map(|k| way[k]).all(|way| way == 0.0), from, to);
+    }
+}
+
+/// Adds the losses of one pass of a component.
+fn add_lost(last: &mut Losses, lost: &Losses, adds_energy: bool) {
+    // Where stiff damping overshot, friction has the wrong sign over the step: that is taken from damping.
+    let overshot = lost.friction.min(0.0) + lost.stops.min(0.0);
+    let damping = lost.damping + overshot;
+    last.damping += if adds_energy { damping } else { damping.max(0.0) };
+    last.friction += lost.friction.max(0.0);
+    last.stops += lost.stops.max(0.0);
+    // In an impact friction may give what the normal impulses take, and the other way round: together they take. Where contacts
+    // stick or roll, what then is below zero is the scheme's own error, and no energy that comes back.
+    let (sliding, impacts) = (lost.sliding, lost.impacts);
+    last.sliding += (sliding + impacts.min(0.0)).max(0.0);
+    last.impacts += (impacts + sliding.min(0.0)).max(0.0);
 }

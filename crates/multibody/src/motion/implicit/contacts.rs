@@ -13,7 +13,9 @@ impl Implicit {
     pub(crate) fn with_contacts(mut self, model: &Model, contacts: ContactSet) -> Self {
         let mut contacts = ContactImpulses::new(model, contacts);
         contacts.watch(&self.interrupt);
-        self.kept.contacts = Some(contacts.memory().anew());
+        for kept in [&mut self.kept, &mut self.start] {
+            kept.contacts = Some(contacts.memory().anew());
+        }
         self.contacts = Some(contacts);
         self
     }

@@ -11,7 +11,7 @@ use super::impulses::along;
 use super::pivots::Pivots;
 use super::stiff_factor::StiffFactor;
 use crate::clone_in_place::clone_in_place;
-use crate::contact::{EqualityRow, EqualityRows, Interrupt, returns};
+use crate::contact::{Components, EqualityRow, EqualityRows, Interrupt, Mark, returns};
 use crate::{Model, Workspace};
 
 /// A row whose part independent of the earlier ones is below this part of its length (both in M̂⁻¹) is left out, and one below this part of the longest of the
@@ -135,7 +135,8 @@ impl Equalities {
         self.rows.place(model, workspace, q);
     }
 
-    /// Chooses the rows that hold, by Gram and Schmidt's method in M̂⁻¹, twice on every row, in the order of [`Pivots`].
+    /// Chooses the rows that hold, by Gram and Schmidt's method in M̂⁻¹, twice on every row, in the order of [`Pivots`], tree by tree. Those of trees that do not move
+    /// are left out at last.
     ///
     /// # Errors
     /// A row is not finite.
@@ -143,8 +144,10 @@ impl Equalities {
         &mut self,
         factor: &StiffFactor,
         interrupt: &Interrupt,
+        components: &Components,
     ) -> Result<(), DynamicsError> {
         let Self { rows, active, pivots, forces, responses, rest, .. } = self;
+        let tree_of = |row: usize| components.tree_of_row(&rows.rows()[row].terms);
         let n = rest.len();
         active.clear();
         forces.clear();
@@ -153,33 +156,45 @@ impl Equalities {
         if let Some(index) = pivots.lengths.iter().position(|length| !length.is_finite()) {
             return Err(DynamicsError::NonFinite { quantity: "a row of the equalities", index });
         }
-        let least = ROUNDING * pivots.lengths.iter().fold(0.0_f64, |most, length| most.max(*length));
-        while let Some(i) = pivots.next() {
-            if interrupt.is_set() {
-                break;
+        for first in 0..rows.rows().len() {
+            // Each tree where its first row is.
+            let tree = tree_of(first);
+            if (0..first).any(|row| tree_of(row) == tree) {
+                continue;
             }
-            rest.fill(0.0);
-            rows.rows()[i].terms.iter().for_each(|&(k, factor)| rest[k] = factor);
-            for _pass in 0..2 {
-                for (force, response) in forces.chunks_exact(n).zip(responses.chunks_exact(n)) {
-                    let component: f64 = response.iter().zip(&*rest).map(|(e, x)| e * x).sum();
-                    rest.iter_mut().zip(force).for_each(|(x, e)| *x -= component * e);
+            let is_own = |row: usize| tree_of(row) == tree;
+            let own = pivots.lengths.iter().enumerate().filter(|(row, _)| is_own(*row));
+            let least = ROUNDING * own.fold(0.0_f64, |most, (_, length)| most.max(*length));
+            let begin = forces.len();
+            while let Some(i) = pivots.next(is_own) {
+                if interrupt.is_set() {
+                    break;
+                }
+                rest.fill(0.0);
+                rows.rows()[i].terms.iter().for_each(|&(k, factor)| rest[k] = factor);
+                for _pass in 0..2 {
+                    let earlier = forces[begin..].chunks_exact(n).zip(responses[begin..].chunks_exact(n));
+                    for (force, response) in earlier {
+                        let component: f64 = response.iter().zip(&*rest).map(|(e, x)| e * x).sum();
+                        rest.iter_mut().zip(force).for_each(|(x, e)| *x -= component * e);
+                    }
+                }
+                let at = responses.len();
+                responses.extend_from_slice(rest);
+                factor.solve(&mut responses[at..]);
+                let square: f64 = responses[at..].iter().zip(&*rest).map(|(x, e)| x * e).sum();
+                let remainder = square.max(0.0).sqrt();
+                if remainder > (DEPENDENCE * pivots.scales[i]).max(least) {
+                    responses[at..].iter_mut().for_each(|x| *x /= remainder);
+                    forces.extend(rest.iter().map(|e| e / remainder));
+                    active.push(i);
+                    pivots.take(rows.rows(), i);
+                } else {
+                    responses.truncate(at);
                 }
             }
-            let at = responses.len();
-            responses.extend_from_slice(rest);
-            factor.solve(&mut responses[at..]);
-            let square: f64 = responses[at..].iter().zip(&*rest).map(|(x, e)| x * e).sum();
-            let remainder = square.max(0.0).sqrt();
-            if remainder > (DEPENDENCE * pivots.scales[i]).max(least) {
-                responses[at..].iter_mut().for_each(|x| *x /= remainder);
-                forces.extend(rest.iter().map(|e| e / remainder));
-                active.push(i);
-                pivots.take(rows.rows(), i);
-            } else {
-                responses.truncate(at);
-            }
         }
+        active.retain(|row| components.is_active(tree_of(*row)));
         active.sort_unstable();
         Ok(())
     }
@@ -200,25 +215,38 @@ impl Equalities {
     }
 
     /// Enters the multipliers that the problem of a step of h found, in the order of the rows that hold. Those of an impact do not go on.
-    pub(super) fn settle(&mut self, h: f64, found: impl Iterator<Item = f64>, is_impact: bool) {
-        let Remembered { carried, impulses, .. } = &mut self.memory;
-        impulses.iter_mut().zip(&*carried).for_each(|(impulse, carried)| *impulse += h * carried);
-        // A row that depends on others now leaves its part to them.
+    pub(super) fn settle(&mut self, h: f64, found: impl Iterator<Item = f64>, components: &Components) {
+        let Self { rows, active, memory, .. } = self;
+        let tree_of = |row: usize| components.tree_of_row(&rows.rows()[row].terms);
+        let Remembered { carried, impulses, .. } = memory;
         let mut next = 0;
-        let is_active = |i: usize, next: &mut usize| {
-            let is = self.active.get(*next) == Some(&i);
-            *next += usize::from(is);
-            is
-        };
-        for (i, carried) in carried.iter_mut().enumerate() {
-            if !is_active(i, &mut next) {
+        for (i, (impulse, carried)) in impulses.iter_mut().zip(carried.iter_mut()).enumerate() {
+            if !components.is_active(tree_of(i)) {
+                continue;
+            }
+            *impulse += h * *carried;
+            // A row that depends on others now leaves its part to them.
+            if active.get(next) == Some(&i) {
+                next += 1;
+            } else {
                 *carried = 0.0;
             }
         }
-        for (&i, multiplier) in self.active.iter().zip(found) {
+        for (&i, multiplier) in active.iter().zip(found) {
             impulses[i] += multiplier;
-            if !is_impact {
+            if !components.has(Mark::Hit, tree_of(i)) {
                 carried[i] += multiplier / h;
+            }
+        }
+    }
+
+    /// Goes back to what was remembered where a step began, of the trees that move.
+    pub(super) fn take_back_active(&mut self, begun: &Remembered, components: &Components) {
+        let Self { rows, memory, .. } = self;
+        for (i, row) in rows.rows().iter().enumerate() {
+            if components.is_active(components.tree_of_row(&row.terms)) {
+                memory.carried[i] = begun.carried[i];
+                memory.impulses[i] = begun.impulses[i];
             }
         }
     }
@@ -261,8 +289,12 @@ impl Implicit {
     /// With these rows, each with its name.
     pub(crate) fn with_equalities(mut self, model: &Model, rows: EqualityRows, names: Vec<String>) -> Self {
         self.impulses.make_room(rows.rows());
+        self.components.unite(rows.rows().iter().map(|row| &row.terms[..]));
+        self.resize_trees();
         let mut equalities = Equalities::new(model, rows, names);
-        self.kept.equalities = Some(equalities.memory().clone());
+        for kept in [&mut self.kept, &mut self.start] {
+            kept.equalities = Some(equalities.memory().clone());
+        }
         self.equalities = Some(equalities);
         self
     }

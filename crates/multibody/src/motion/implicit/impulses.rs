@@ -1,18 +1,16 @@
 //! The impulses of friction, stops and equalities in one step.
 
+mod apart;
 mod held;
 mod landing;
 mod turning;
 
-use dynamics::DynamicsError;
-
 pub(super) use self::landing::land_on_stops;
 use super::bounded::BoundedProblem;
 use super::joints::{Joints, Stop};
-use super::stiff_factor::StiffFactor;
 use crate::Model;
 use crate::clone_in_place::clone_in_place;
-use crate::contact::{Interrupt, JointRow, QUIET, RETURN_TIME};
+use crate::contact::{Components, Interrupt, Mark, QUIET, RETURN_TIME};
 use crate::motion::simulate::Losses;
 
 /// What a stop held still lies on it when it is no further away than this, as moving others moves it a little \[rad or m\].
@@ -42,6 +40,11 @@ clone_in_place! {
         /// The equalities' rows that hold in this step.
         held: Vec<usize>,
         problem: BoundedProblem,
+        /// That of one component, and its rows among those of the step.
+        part: BoundedProblem,
+        part_rows: Vec<usize>,
+        /// Multipliers of the rows beside contacts.
+        beside: Vec<f64>,
         column: Vec<f64>,
         memory: Remembered,
         /// Of every row its stops that the step meets.
@@ -99,6 +102,9 @@ impl Impulses {
             turning: joints.first_turning(),
             held: Vec::new(),
             problem: BoundedProblem::new(most),
+            part: BoundedProblem::new(most),
+            part_rows: Vec::with_capacity(most),
+            beside: Vec::with_capacity(most),
             column: vec![0.0; model.nv],
             met: Vec::with_capacity(most),
             memory: Remembered {
@@ -116,6 +122,7 @@ impl Impulses {
     /// Ends solutions where they are where this flag is set.
     pub(super) fn watch(&mut self, interrupt: &Interrupt) {
         self.problem.interrupt = interrupt.clone();
+        self.part.interrupt = interrupt.clone();
     }
 
     /// Friction and stops of the step before, which act in the smooth part.
@@ -156,8 +163,19 @@ impl Impulses {
     /// Chooses the rows of a step of h from q₀ that leads to q₁, with their bounds.
     ///
     /// What a stop held before and moving others moved away from it goes back as what starts beyond a stop does.
-    pub(super) fn choose(&mut self, joints: &Joints, stops: &[Stop], h: f64, (q0, q1): (&[f64], &[f64])) {
-        self.memory.stopped.fill(0.0);
+    pub(super) fn choose(
+        &mut self,
+        joints: &Joints,
+        stops: &[Stop],
+        h: f64,
+        (q0, q1): (&[f64], &[f64]),
+        components: &Components,
+    ) {
+        for (terms, stopped) in self.terms.iter().zip(&mut self.memory.stopped) {
+            if components.is_active(components.tree_of_row(terms)) {
+                *stopped = 0.0;
+            }
+        }
         self.met.clear();
         self.met.resize(self.memory.carried.len(), Met::default());
         for stop in stops {
@@ -183,12 +201,21 @@ impl Impulses {
             if most <= 0.0 && carried == 0.0 && !met.at_lower && !met.at_upper {
                 continue;
             }
+            if !components.is_active(components.tree_of_row(&self.terms[k])) {
+                continue;
+            }
             self.rows.push(k);
             self.pressed.push(met.was_on);
             self.back.push(met.way / -RETURN_TIME);
             problem.lower.push(if met.at_upper { f64::NEG_INFINITY } else { h * (-most - carried) });
             problem.upper.push(if met.at_lower { f64::INFINITY } else { h * (most - carried) });
         }
+        problem.x.resize(self.rows.len(), 0.0);
+    }
+
+    /// Adds the rows of the equalities that hold.
+    pub(super) fn choose_held(&mut self) {
+        let problem = &mut self.problem;
         for &k in &self.held {
             self.rows.push(k);
             self.pressed.push(false);
@@ -197,82 +224,6 @@ impl Impulses {
             problem.upper.push(f64::INFINITY);
         }
         problem.x.resize(self.rows.len(), 0.0);
-    }
-
-    /// M̂⁻¹Eᵀλ to `change`, from the velocity to which the smooth part leads; false where nothing acts.
-    pub(super) fn solve(
-        &mut self,
-        factor: &StiffFactor,
-        v1: &[f64],
-        change: &mut [f64],
-    ) -> Result<bool, DynamicsError> {
-        if self.rows.is_empty() {
-            self.memory.held.fill(0.0);
-            return Ok(false);
-        }
-        self.problem.make_room();
-        self.fill(factor);
-        for ((gradient, &k), back) in self.problem.gradient.iter_mut().zip(&self.rows).zip(&self.back) {
-            *gradient = along(&self.terms[k], v1) - back;
-        }
-        self.apply(factor, change)?;
-        Ok(true)
-    }
-
-    /// The rows, for a problem that has others beside them, and where their multipliers go.
-    pub(super) fn rows_beside(&mut self) -> (impl Iterator<Item = JointRow<'_>> + '_, &mut [f64]) {
-        let BoundedProblem { lower, upper, x, .. } = &mut self.problem;
-        let bounds = lower.iter().zip(&*upper);
-        let rows = self.rows.iter().zip(&self.back).zip(bounds);
-        let terms = &self.terms;
-        let row = |((&row, &speed), (&lower, &upper)): ((&usize, _), (_, _))| {
-            let terms: &[(usize, f64)] = &terms[row];
-            JointRow { terms, speed, lower, upper }
-        };
-        (rows.map(row), x)
-    }
-
-    /// W = EM̂⁻¹Eᵀ.
-    fn fill(&mut self, factor: &StiffFactor) {
-        let (rows, terms, problem) = (&self.rows, &self.terms, &mut self.problem);
-        let n = rows.len();
-        for (i, &row) in rows.iter().enumerate() {
-            self.column.fill(0.0);
-            for (k, factor) in &terms[row] {
-                self.column[*k] = *factor;
-            }
-            factor.solve(&mut self.column);
-            for (j, &other) in rows.iter().enumerate() {
-                problem.matrix[j * n + i] = along(&terms[other], &self.column);
-            }
-            if row >= self.column.len() {
-                problem.matrix[i * n + i] *= 1.0 + SOFTER;
-            }
-        }
-        for i in 0..n {
-            for j in 0..i {
-                let mean = 0.5 * (problem.matrix[i * n + j] + problem.matrix[j * n + i]);
-                (problem.matrix[i * n + j], problem.matrix[j * n + i]) = (mean, mean);
-            }
-        }
-    }
-
-    /// Solves, and M̂⁻¹Eᵀλ to `change`.
-    fn apply(&mut self, factor: &StiffFactor, change: &mut [f64]) -> Result<(), DynamicsError> {
-        // Numbers that are none have no minimum.
-        if !self.problem.solve() {
-            let pivot = self.problem.matrix.first().copied().unwrap_or(f64::NAN);
-            let coordinate = self.terms[self.rows[0]].first().map_or(0, |(k, _)| *k);
-            return Err(DynamicsError::SingularMass { coordinate, pivot });
-        }
-        change.fill(0.0);
-        for (&row, multiplier) in self.rows.iter().zip(&self.problem.x) {
-            for (k, factor) in &self.terms[row] {
-                change[*k] += factor * multiplier;
-            }
-        }
-        factor.solve(change);
-        Ok(())
     }
 
     /// Sets velocities to what they are but for rounding, of joints that stick and of those on a stop: 0; where they were at rest before
@@ -289,16 +240,19 @@ impl Impulses {
         }
     }
 
-    /// Whether a joint or a tendon runs into a stop in this step from v₀: what others press with then is of the impact, too.
-    pub(super) fn are_hit(&self, v0: &[f64]) -> bool {
-        self.rows.iter().enumerate().any(|(i, &row)| {
+    /// Marks the components of which a joint or a tendon runs into a stop in this step from v₀: what others press with then is of the impact, too.
+    pub(super) fn mark_hits(&self, v0: &[f64], components: &mut Components) {
+        for (i, &row) in self.rows.iter().enumerate() {
             // What lay on its stop glides along it, where the stop turns as a ball joint's.
             let is_new = |row: usize| self.memory.held[row] == 0.0;
-            self.is_on_stop(i)
+            if self.is_on_stop(i)
                 && is_new(row)
                 && self.problem.x[i] != 0.0
                 && along(&self.terms[row], v0).abs() > QUIET
-        })
+            {
+                components.set(Mark::Hit, components.tree_of_row(&self.terms[row]));
+            }
+        }
     }
 
     /// Whether a row's stop may push.
@@ -307,18 +261,22 @@ impl Impulses {
             && (self.problem.lower[i].is_infinite() || self.problem.upper[i].is_infinite())
     }
 
-    /// The step's losses, −λ times the mean of the velocities before and after; what friction can give of λ is friction's,
-    /// the rest the stop's. A loss below zero is of a velocity that overshot. The forces are kept for the next step, those of an impact,
-    /// on a stop or elsewhere, are not.
+    /// Adds the step's losses to those of each component, at its first tree: −λ times the mean of the velocities before and after; what friction can give of λ is
+    /// friction's, the rest the stop's. A loss below zero is of a velocity that overshot. The forces are kept for the next step, those of an impact
+    /// in the component, on a stop or elsewhere, are not.
     pub(super) fn account(
         &mut self,
         joints: &Joints,
         h: f64,
         (v0, v1): (&[f64], &[f64]),
-        is_impact: bool,
-    ) -> Losses {
-        let mut losses = Losses::default();
-        self.memory.held.fill(0.0);
+        components: &Components,
+        losses: &mut [Losses],
+    ) {
+        for (terms, held) in self.terms.iter().zip(&mut self.memory.held) {
+            if components.is_active(components.tree_of_row(terms)) {
+                *held = 0.0;
+            }
+        }
         for (i, &row) in self.rows.iter().enumerate().filter(|(_, row)| **row < self.own) {
             let problem = &self.problem;
             let (whole, most) = (problem.x[i] + h * self.memory.carried[row], h * joints.friction_along(row));
@@ -327,6 +285,8 @@ impl Impulses {
                 self.memory.held[row] = if problem.upper[i].is_infinite() { 1.0 } else { -1.0 };
             }
             let friction = if is_on_stop { whole.max(-most).min(most) } else { whole };
+            let tree = components.tree_of_row(&self.terms[row]);
+            let (losses, is_impact) = (&mut losses[components.leader(tree)], components.has(Mark::Hit, tree));
             let mean = 0.5 * (along(&self.terms[row], v0) + along(&self.terms[row], v1));
             losses.friction -= friction * mean;
             losses.stops -= (whole - friction) * mean;
@@ -340,7 +300,31 @@ impl Impulses {
                 self.memory.forces[*k] += factor * force;
             }
         }
-        losses
+    }
+
+    /// The tree of a row.
+    pub(super) fn tree_of(&self, row: usize, components: &Components) -> usize {
+        components.tree_of_row(&self.terms[row])
+    }
+
+    /// Whether the tree of a row moves.
+    pub(super) fn is_active(&self, row: usize, components: &Components) -> bool {
+        components.is_active(self.tree_of(row, components))
+    }
+
+    /// Goes back to what was remembered where a step began, of the trees that move.
+    pub(super) fn take_back_active(&mut self, begun: &Remembered, components: &Components) {
+        let Remembered { carried, forces, held, stopped } = &mut self.memory;
+        for (row, terms) in self.terms[..self.own].iter().enumerate() {
+            if components.is_active(components.tree_of_row(terms)) {
+                carried[row] = begun.carried[row];
+                held[row] = begun.held[row];
+                stopped[row] = begun.stopped[row];
+            }
+        }
+        for (k, force) in forces.iter_mut().enumerate().filter(|(k, _)| components.moves(*k)) {
+            *force = begun.forces[k];
+        }
     }
 }
 

@@ -64,13 +64,13 @@ impl Pivots {
         }
     }
 
-    /// The row to be looked at next, each once.
-    pub(super) fn next(&mut self) -> Option<usize> {
+    /// The row to be looked at next among these, each once.
+    pub(super) fn next(&mut self, is_own: impl Fn(usize) -> bool) -> Option<usize> {
         let part = |i: usize| {
             let square = self.scales[i] * self.scales[i];
             if square > 0.0 { (self.left[i] / square).max(0.0) } else { 0.0 }
         };
-        let is_left = |i: &usize| !self.is_done[*i];
+        let is_left = |i: &usize| !self.is_done[*i] && is_own(*i);
         let best = (0..self.left.len()).filter(is_left).map(part).fold(0.0, f64::max);
         let next = (0..self.left.len()).filter(is_left).find(|i| part(*i) >= AS_GOOD * best)?;
         self.is_done[next] = true;

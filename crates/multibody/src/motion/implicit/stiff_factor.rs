@@ -30,8 +30,9 @@ clone_in_place! {
         entries: Vec<f64>,
         /// Whether M is regular in some pose.
         is_regular: bool,
-        /// Of the last factor, in parts of M's diagonal.
-        armature: f64,
+        /// The tree of each coordinate, and of the last factor the armature of each tree, in parts of M's diagonal.
+        trees: Vec<usize>,
+        armature: Vec<f64>,
     }
 }
 
@@ -42,7 +43,9 @@ impl StiffFactor {
         paths.choose(&coordinate_carriers(model));
         let (packed, entries) = (vec![0.0; paths.size()], vec![0.0; paths.size()]);
         let (mass, is_regular) = (vec![0.0; n * n], is_regular_somewhere(model));
-        Self { paths, is_coupled: false, mass, packed, entries, is_regular, armature: 0.0 }
+        let trees = sparse::trees(paths.carrier()).0;
+        let armature = vec![0.0; n];
+        Self { paths, is_coupled: false, mass, packed, entries, is_regular, trees, armature }
     }
 
     /// With room for what these couplings add: what carries one of their coordinates counts as carrying the others.
@@ -53,6 +56,7 @@ impl StiffFactor {
         }
         self.is_coupled |= carrier != self.paths.carrier();
         self.paths.choose(&carrier);
+        self.trees = sparse::trees(&carrier).0;
         for entries in [&mut self.packed, &mut self.entries] {
             entries.resize(self.paths.size(), 0.0);
         }
@@ -81,32 +85,42 @@ impl StiffFactor {
     /// # Errors
     /// As [`factor`](Self::factor).
     pub(super) fn stiffen(&mut self, joints: &Joints, g: f64) -> Result<(), DynamicsError> {
-        self.armature = 0.0;
+        self.armature.fill(0.0);
         let watched = self.watched(joints, g);
-        if !self.is_regular || (watched.is_ok() && self.least_pivot() > NEARLY) {
+        if !self.is_regular {
             return watched;
         }
-        self.armature = ARMATURE;
+        let pivots = self.paths.diagonal(&self.entries).zip(self.paths.diagonal(&self.packed));
+        for ((pivot, mass), tree) in pivots.zip(&self.trees) {
+            // NaN as well.
+            if !(pivot / mass > NEARLY && pivot.is_finite()) {
+                self.armature[*tree] = ARMATURE;
+            }
+        }
+        if self.armature.iter().all(|armature| *armature == 0.0) {
+            return watched;
+        }
         self.watched(joints, g)
     }
 
     fn watched(&mut self, joints: &Joints, g: f64) -> Result<(), DynamicsError> {
         self.entries.copy_from_slice(&self.packed);
-        stiffen_entries(&self.paths, joints, (g, self.armature), &mut self.entries);
+        stiffen_entries(&self.paths, joints, (g, &self.trees, &self.armature), &mut self.entries);
         self.paths.factor_by_division(&mut self.entries);
         let pivots = self.paths.diagonal(&self.entries).zip(self.paths.diagonal(&self.packed));
         sparse::check_pivots(pivots)
     }
 
-    /// The sum of M's diagonal.
-    pub(super) fn mass_trace(&self) -> f64 {
-        self.paths.diagonal(&self.packed).sum()
+    /// The sum of M's diagonal, of these coordinates.
+    pub(super) fn mass_trace(&self, is_own: impl Fn(usize) -> bool) -> f64 {
+        let diagonal = self.paths.diagonal(&self.packed).enumerate();
+        diagonal.filter(|(k, _)| is_own(*k)).map(|(_, mass)| mass).sum()
     }
 
-    /// The least pivot, in parts of M's diagonal.
-    pub(super) fn least_pivot(&self) -> f64 {
+    /// The pivots, in parts of M's diagonal.
+    pub(super) fn pivots(&self) -> impl Iterator<Item = f64> {
         let pivots = self.paths.diagonal(&self.entries).zip(self.paths.diagonal(&self.packed));
-        pivots.map(|(pivot, mass)| pivot / mass).fold(f64::INFINITY, f64::min)
+        pivots.map(|(pivot, mass)| pivot / mass)
     }
 
     /// x ← M̂⁻¹x.
@@ -117,7 +131,7 @@ impl StiffFactor {
     /// M̂ as it is, packed, to `matrix`.
     pub(super) fn write(&self, joints: &Joints, g: f64, matrix: &mut Vec<f64>) {
         matrix.clone_from(&self.packed);
-        stiffen_entries(&self.paths, joints, (g, self.armature), matrix);
+        stiffen_entries(&self.paths, joints, (g, &self.trees, &self.armature), matrix);
     }
 
     /// Where the entries are.
@@ -131,12 +145,17 @@ impl StiffFactor {
     }
 }
 
-/// M + gD + g²K of a packed M, with armature in parts of its diagonal.
-fn stiffen_entries(paths: &Paths, joints: &Joints, (g, armature): (f64, f64), entries: &mut [f64]) {
+/// M + gD + g²K of a packed M, with armature of each tree in parts of its diagonal.
+fn stiffen_entries(
+    paths: &Paths,
+    joints: &Joints,
+    (g, trees, armature): (f64, &[usize], &[f64]),
+    entries: &mut [f64],
+) {
     for k in 0..paths.carrier().len() {
         let (diagonal, (stiffness, damping)) = (paths.diagonal_of(k, entries), joints.slopes(k));
         let mass = *diagonal;
-        *diagonal = mass + g * (damping + g * stiffness) + armature * mass;
+        *diagonal = mass + g * (damping + g * stiffness) + armature[trees[k]] * mass;
     }
     for (row, column, entry) in joints.couplings().iter().flat_map(|coupling| coupling.entries(g)) {
         *paths.entry_of(row, column, entries) += entry;

@@ -7,7 +7,7 @@ use super::super::joints::Stop;
 use super::super::stiff_factor::StiffFactor;
 use super::landing::land_on_stops;
 use super::{Impulses, ROUNDING};
-use crate::contact::{EqualityRow, returns};
+use crate::contact::{Components, EqualityRow, returns};
 use crate::{Model, Workspace, integrate};
 
 /// How often φ is looked at again after it was removed, as the way there is bent.
@@ -23,8 +23,12 @@ impl Impulses {
         self.terms.extend(rows.iter().map(|row| row.terms.clone()));
         let most = self.terms.len();
         let interrupt = self.problem.interrupt.clone();
-        self.problem = super::BoundedProblem::new(most);
-        self.problem.interrupt = interrupt;
+        for problem in [&mut self.problem, &mut self.part] {
+            *problem = super::BoundedProblem::new(most);
+            problem.interrupt = interrupt.clone();
+        }
+        self.part_rows = Vec::with_capacity(most);
+        self.beside = Vec::with_capacity(most);
         self.rows = Vec::with_capacity(most);
         self.pressed = Vec::with_capacity(most);
         self.back = Vec::with_capacity(most);
@@ -51,7 +55,7 @@ impl Impulses {
         &mut self,
         (model, workspace): (&Model, &mut Workspace),
         factor: &StiffFactor,
-        (equalities, stops): (&mut Equalities, &[Stop]),
+        (equalities, stops, components): (&mut Equalities, &[Stop], &Components),
         h: f64,
         (q0, q1): (&[f64], &mut [f64]),
         change: &mut [f64],
@@ -61,13 +65,18 @@ impl Impulses {
         for _ in 0..MOST_ROUNDS {
             equalities.place(model, workspace, q1);
             let is_off = equalities.gaps(h).any(|gap| gap.abs() > ROUNDING);
-            if !is_off && stops.iter().all(|stop| gap(stop, q1) >= -ROUNDING) {
+            let own = || {
+                stops
+                    .iter()
+                    .filter(|stop| components.is_active(components.tree_of_row(&self.terms[stop.row])))
+            };
+            if !is_off && own().all(|stop| gap(stop, q1) >= -ROUNDING) {
                 break;
             }
             self.hold(equalities);
             self.rows.clear();
             for stop in stops.iter().filter(|stop| gap(stop, q1) < FAR) {
-                if !self.rows.contains(&stop.row) {
+                if self.is_active(stop.row, components) && !self.rows.contains(&stop.row) {
                     self.rows.push(stop.row);
                 }
             }

@@ -5,7 +5,7 @@ use dynamics::DynamicsError;
 use super::super::joints::{Length, Stop};
 use super::super::stiff_factor::StiffFactor;
 use super::{Impulses, ROUNDING};
-use crate::contact::returns;
+use crate::contact::{Components, returns};
 
 impl Impulses {
     /// Moves `q1` back to the stops that it is beyond, along M̂⁻¹Eᵀ; a start beyond them comes back over some time. What other stops of joints hold
@@ -13,7 +13,7 @@ impl Impulses {
     pub(in super::super) fn put_on_stops(
         &mut self,
         factor: &StiffFactor,
-        stops: &[Stop],
+        (stops, components): (&[Stop], &Components),
         h: f64,
         (q0, q1): (&[f64], &mut [f64]),
         change: &mut [f64],
@@ -21,13 +21,35 @@ impl Impulses {
     ) -> Result<(), DynamicsError> {
         let kept = returns(h);
         let gap = |stop: &Stop, q: &[f64]| stop.gap(q) - stop.gap(q0).min(0.0) * kept;
+        for i in 0..stops.len() {
+            // Each tree where its first stop is.
+            let tree = self.tree_of(stops[i].row, components);
+            if components.is_active(tree) && gap(&stops[i], q1) < 0.0 {
+                self.put_tree_on_stops(factor, (stops, components, tree), gap, q1, change, &mut go)?;
+            }
+        }
+        land_on_stops(stops, q0, q1);
+        Ok(())
+    }
+
+    /// The same of the stops of one tree.
+    fn put_tree_on_stops(
+        &mut self,
+        factor: &StiffFactor,
+        (stops, components, tree): (&[Stop], &Components, usize),
+        gap: impl Fn(&Stop, &[f64]) -> f64,
+        q1: &mut [f64],
+        change: &mut [f64],
+        mut go: impl FnMut(&[f64], &[f64], &mut [f64]),
+    ) -> Result<(), DynamicsError> {
         self.rows.clear();
         self.before.copy_from_slice(q1);
         // Moving one joint may push another beyond its stop: then that joins in.
         loop {
             let known = self.rows.len();
             for stop in stops {
-                if gap(stop, q1) < 0.0 && !self.rows.contains(&stop.row) {
+                let is_own = self.tree_of(stop.row, components) == tree;
+                if is_own && gap(stop, q1) < 0.0 && !self.rows.contains(&stop.row) {
                     self.rows.push(stop.row);
                 }
             }
@@ -37,8 +59,9 @@ impl Impulses {
             // Beside those of tendons they might leave no way.
             if known == 0 && self.rows.iter().all(|row| *row < change.len()) {
                 for stop in stops {
+                    let is_own = self.tree_of(stop.row, components) == tree;
                     let is_held = stop.row < change.len() && self.holds(stop, gap(stop, q1));
-                    if is_held && !self.rows.contains(&stop.row) {
+                    if is_own && is_held && !self.rows.contains(&stop.row) {
                         self.rows.push(stop.row);
                     }
                 }
@@ -64,7 +87,6 @@ impl Impulses {
             self.apply(factor, change)?;
             go(change, &self.before, q1);
         }
-        land_on_stops(stops, q0, q1);
         Ok(())
     }
 }
@@ -90,7 +112,7 @@ mod tests {
 
     use super::super::super::{joints::Joints, stiff_factor::StiffFactor};
     use super::Impulses;
-    use crate::contact::{Bound, ContactImpulses, ImpulsiveStep};
+    use crate::contact::{Bound, Components, ContactImpulses, ImpulsiveStep};
     use crate::{
         ContactSet, Ground, JointDescription, JointKind, Limits, LinkDescription, LinkShape, Model, Pose,
         RobotDescription, Shape, ShapeRole, Workspace, integrate,
@@ -133,7 +155,7 @@ mod tests {
             impulses
                 .put_on_stops(
                     &factor,
-                    &joints.stops,
+                    (&joints.stops, &Components::new(factor.paths().carrier())),
                     1e-3,
                     (&[0.0; 2], &mut q),
                     &mut change,
