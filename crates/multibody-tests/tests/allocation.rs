@@ -32,25 +32,28 @@ struct Counting;
 thread_local! {
     /// Requests by this thread: tests run side by side.
     static REQUESTS: Cell<usize> = const { Cell::new(0) };
+    /// Bytes that they ask for.
+    static BYTES: Cell<usize> = const { Cell::new(0) };
 }
 
-fn count() {
+fn count(size: usize) {
     // Fails only while a thread is being torn down, when nothing is measured.
     let _ = REQUESTS.try_with(|requests| requests.set(requests.get() + 1));
+    let _ = BYTES.try_with(|bytes| bytes.set(bytes.get() + size));
 }
 
 // SAFETY: every method hands its arguments to `System` unchanged and returns what it returns.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
+        count(layout.size());
         unsafe { System.alloc(layout) }
     }
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        count();
+        count(layout.size());
         unsafe { System.alloc_zeroed(layout) }
     }
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count();
+        count(size);
         unsafe { System.realloc(pointer, layout, size) }
     }
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
@@ -627,4 +630,38 @@ fn steps_after_a_reset_allocate_nothing() {
         assert_eq!(count(&mut simulation), 0, "{method}, after a restored snapshot");
         assert_eq!(count(&mut simulation.clone()), 0, "{method}, a copy");
     }
+}
+
+/// An implicit stepper of many free balls on the ground, and its first step, take no matrix of all coordinates: all that they ask for is less than one dense M.
+#[test]
+fn a_stepper_of_many_bodies_has_no_dense_matrix() {
+    let mut robot = RobotDescription::new("many balls");
+    robot.links.push(LinkDescription::new("world", None));
+    for k in 0..500 {
+        let name = format!("ball {k}");
+        let mass = MassProperties::new(1.0, Vector3::zeros(), Matrix3::identity() * 0.004).unwrap();
+        robot.links.push(LinkDescription::new(&name, mass));
+        let at = Pose::from_translation([f64::from(k), 0.0, 0.1 + 1e-4 * f64::from(k % 7)]);
+        robot.joints.push(JointDescription::new(
+            format!("free {k}"),
+            JointKind::Floating,
+            "world",
+            &name,
+            at,
+        ));
+        let shape = Shape::Sphere { radius: 0.1 };
+        robot.shapes.push(LinkShape::new(&name, ShapeRole::Collision, Pose::IDENTITY, shape));
+    }
+    let model = Model::new(robot).unwrap();
+    let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap();
+    let builder = SimulationBuilder::new(&model).method(Method::Implicit).contacts(contacts);
+    let simulation = builder.build().unwrap();
+    let (mut q, mut v, tau) = (simulation.q().to_vec(), simulation.v().to_vec(), vec![0.0; model.nv()]);
+    let (made, mut workspace) = (simulation.stepper(), StepWorkspace::new(&model));
+    let before = BYTES.get();
+    let mut stepper = made.clone();
+    stepper.step(&model, &mut workspace, &StepForces::new(&tau, true), 1e-3, &mut q, &mut v).unwrap();
+    let bytes = BYTES.get() - before;
+    let dense = size_of::<f64>() * model.nv() * model.nv();
+    assert!(bytes < dense, "{bytes} bytes, a dense M takes {dense}");
 }

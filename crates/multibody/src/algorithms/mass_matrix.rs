@@ -71,6 +71,17 @@ pub(crate) fn write_mass_matrix<S: Scalar>(
     run(&mut workspace.tree, CompositeBodies { model, q, mass, entries });
 }
 
+/// Of M's upper triangle the entries of two freedoms of which one carries the other, row by row with nothing in between; where [`is_plain`].
+pub(crate) fn write_packed_mass_matrix(
+    model: &Model,
+    workspace: &mut Workspace,
+    q: &[f64],
+    mass: &mut [f64],
+) {
+    workspace.admit(model, q);
+    run(&mut workspace.tree, CompositeBodies { model, q, mass, entries: Entries::Packed });
+}
+
 /// Row and column of the entries of M on and above the diagonal that are not always zero, as
 /// `batch::mass_matrix_related` writes them: row by row, in a row by column, row ≤ column.
 ///
@@ -113,7 +124,6 @@ pub(crate) enum Entries {
     /// Those of the upper triangle among them. With followers, all.
     RelatedAbove,
     /// The same, one row after the other with nothing in between; where [`is_plain`].
-    #[cfg_attr(not(feature = "batch"), allow(dead_code))]
     Packed,
 }
 

@@ -177,7 +177,9 @@ impl Components {
 
     /// Takes off all trees what the search for contacts marks, and what follows from it.
     pub(crate) fn clear_found(&mut self) {
-        [Mark::Meets, Mark::Touched, Mark::Deep, Mark::Hit].into_iter().for_each(|mark| self.clear(mark));
+        for mark in [Mark::Meets, Mark::Touched, Mark::Deep, Mark::Hit] {
+            self.clear(mark);
+        }
     }
 
     /// Takes this mark off all trees.

@@ -199,6 +199,17 @@ impl Paths {
         }
     }
 
+    /// The same of an upper triangle whose row i, from the diagonal on, begins at `begins[i]` and ends where the next one begins.
+    pub(crate) fn pack_rows(&self, rows: &[f64], begins: &[usize], packed: &mut [f64]) {
+        for (k, at) in self.rows.iter().enumerate() {
+            let columns = &self.columns[at.begin..=at.diagonal];
+            for (entry, &column) in packed[at.begin..].iter_mut().zip(columns) {
+                let place = begins[column] + k - column;
+                *entry = if place < begins[column + 1] { rows[place] } else { 0.0 };
+            }
+        }
+    }
+
     /// Whether other zeros are these.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         self.carrier == other.carrier

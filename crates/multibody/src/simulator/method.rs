@@ -200,7 +200,8 @@ impl SimulationStepper {
     }
 
     /// The last step's contacts as one complementarity problem, with the solution that was taken: for comparison with other methods. `None` where
-    /// nothing touched, and of methods that do not solve one; of a step that was divided, its last part.
+    /// nothing touched, and of methods that do not solve one; of a step that was divided, that of its last part, of the
+    /// components that moved in it.
     ///
     /// ```
     /// use multibody::{Base, Ground, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape, ShapeRole, admm};

@@ -3,9 +3,9 @@
 use super::lift::NEAR;
 use super::remembered::Carried;
 use super::{Active, ContactImpulses, lift};
-use crate::contact::ContactSet;
 use crate::contact::components::{Components, Mark};
 use crate::contact::touch::{Against, TouchingPoint};
+use crate::contact::{ContactSet, Touching};
 use crate::{Model, Workspace};
 
 /// What touches down more slowly than this is no impact for which the step is divided \[m/s\].
@@ -107,7 +107,7 @@ impl ContactImpulses {
         set.look_at_pairs(placement, farthest, |point| {
             if let Against::Pair(pair) = point.against {
                 let shapes = set.pairs[pair].shapes;
-                let trees = shapes.map(|shape| set.tree_of_shape(components, &set.shapes[shape]));
+                let trees = shapes.map(|shape| set.shapes[shape].tree(components));
                 near.push(Near { trees, gap: point.gap, ways: shapes.map(|shape| way(set, shape)) });
             }
         });
@@ -147,7 +147,7 @@ impl ContactImpulses {
         self.memory.carried.extend(own);
         self.memory.totals.retain(|total| !components.is_active(total.tree));
         for shape in &self.set.shapes {
-            let tree = self.set.tree_of_shape(components, shape);
+            let tree = shape.tree(components);
             if let Some(link) = shape.on_ground.filter(|_| components.is_active(tree)) {
                 self.memory.impulses[link] = begun.impulses[link];
             }
@@ -188,7 +188,7 @@ impl ContactImpulses {
     fn look_at_active(&mut self, components: &Components) {
         let mut active = core::mem::take(&mut self.set.active);
         active.clear();
-        let is_active = |shape| components.is_active(self.set.tree_of_shape(components, shape));
+        let is_active = |shape: &Touching| components.is_active(shape.tree(components));
         active.extend(self.set.shapes.iter().map(is_active));
         self.set.active = active;
     }

@@ -10,6 +10,13 @@ use crate::factor::sparse::{self, NONE};
 use crate::model::{Dof, WORLD};
 use crate::{Model, Surface};
 
+impl Touching {
+    /// The tree that moves it, [`NONE`] where nothing does.
+    pub(super) fn tree(&self, components: &Components) -> usize {
+        self.coordinates.last().map_or(NONE, |coordinate| components.tree_of(*coordinate))
+    }
+}
+
 impl ContactSet {
     /// Calls `look` with each freedom that moves the first shape against what it touches, and the velocity and ω of that motion at a point.
     #[inline]
@@ -44,14 +51,9 @@ impl ContactSet {
         sides.into_iter().filter(|(body, _)| *body != WORLD)
     }
 
-    /// The tree of a shape, [`NONE`] of one that nothing moves.
-    pub(super) fn tree_of_shape(&self, components: &Components, shape: &Touching) -> usize {
-        shape.coordinates.last().map_or(NONE, |coordinate| components.tree_of(*coordinate))
-    }
-
     /// The trees of the two sides of a contact.
     pub(super) fn trees(&self, components: &Components, point: &TouchingPoint) -> [usize; 2] {
-        let tree = |shape: usize| self.tree_of_shape(components, &self.shapes[shape]);
+        let tree = |shape: usize| self.shapes[shape].tree(components);
         let other = match point.against {
             Against::Ground(_) | Against::Field(_) => NONE,
             Against::Pair(pair) => tree(self.pairs[pair].shapes[1]),

@@ -7,6 +7,9 @@ use crate::factor::cholesky;
 /// Most rounds; each moves to a point of lower value, and the set of bounds that hold settles in a few.
 const MOST_ROUNDS: usize = 100;
 
+/// Problems of so many unknowns have memory from the beginning.
+const USUAL: usize = 256;
+
 /// Part of the distance between its bounds within which an unknown is on one.
 const NEXT_TO: f64 = 1e-10;
 
@@ -33,8 +36,9 @@ clone_in_place! {
 }
 
 impl BoundedProblem {
-    /// For at most `most` unknowns.
+    /// For at most `most` unknowns; larger problems than usual ones take their memory where they come.
     pub(super) fn new(most: usize) -> Self {
+        let most = most.min(USUAL);
         let zeros = || Vec::with_capacity(most);
         Self {
             matrix: Vec::with_capacity(most * most),

@@ -31,7 +31,7 @@ impl Implicit {
     }
 
     /// The last step's contacts as one complementarity problem, with the answer that was taken: for comparison with other methods.
-    /// `None` where nothing touched; of a step that was divided, its last part.
+    /// `None` where nothing touched; of a step that was divided, that of its last part, of the components that moved in it.
     pub(crate) fn contact_problem(&self) -> Option<ContactProblem> {
         self.contacts.as_ref()?.last_problem()
     }

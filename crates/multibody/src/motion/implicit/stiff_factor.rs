@@ -4,7 +4,9 @@ use dynamics::DynamicsError;
 
 use super::joints::Joints;
 use crate::actuation::Coupling;
-use crate::algorithms::mass_matrix::{Entries, write_mass_matrix};
+use crate::algorithms::mass_matrix::{
+    Entries, is_plain, related_end, write_mass_matrix, write_packed_mass_matrix,
+};
 use crate::clone_in_place::clone_in_place;
 use crate::factor::paths::Paths;
 use crate::factor::sparse::{self, coordinate_carriers};
@@ -13,6 +15,9 @@ use crate::{Model, Workspace, integrate, mass_rank, neutral};
 /// Where M is regular elsewhere but not here, as where hinges come to have one axis, each joint is taken to have this part of the inertia
 /// that it moves as armature: without it no pivot is above its rounding, and with it the motion that has no inertia stays finite.
 const ARMATURE: f64 = 1e-9;
+
+/// With more coordinates than this M takes no room for what is always zero, if no joint follows another and no slide carries a point along.
+const LARGE: usize = 512;
 
 /// Below this part of M's diagonal a pivot is nearly none.
 const NEARLY: f64 = 1e-10;
@@ -24,8 +29,10 @@ clone_in_place! {
         paths: Paths,
         /// Whether couplings may join what M does not.
         is_coupled: bool,
-        /// M, or of its upper triangle what is not always zero; M, and M̂'s factor, packed.
+        /// M, or of its upper triangle what is not always zero, and of many coordinates where possible nothing else; M, and M̂'s factor, packed.
         mass: Vec<f64>,
+        /// Where each row of `mass` begins, and where the next one does, if nothing else is there.
+        begins: Option<Vec<usize>>,
         packed: Vec<f64>,
         entries: Vec<f64>,
         /// Whether M is regular in some pose.
@@ -42,10 +49,12 @@ impl StiffFactor {
         let mut paths = Paths::new(n);
         paths.choose(&coordinate_carriers(model));
         let (packed, entries) = (vec![0.0; paths.size()], vec![0.0; paths.size()]);
-        let (mass, is_regular) = (vec![0.0; n * n], is_regular_somewhere(model));
+        let begins = (n > LARGE && is_plain(model)).then(|| row_begins(model));
+        let size = begins.as_ref().and_then(|begins| begins.last().copied()).unwrap_or(n * n);
+        let (mass, is_regular) = (vec![0.0; size], is_regular_somewhere(model));
         let trees = sparse::trees(paths.carrier()).0;
         let armature = vec![0.0; n];
-        Self { paths, is_coupled: false, mass, packed, entries, is_regular, trees, armature }
+        Self { paths, is_coupled: false, mass, begins, packed, entries, is_regular, trees, armature }
     }
 
     /// With room for what these couplings add: what carries one of their coordinates counts as carrying the others.
@@ -74,9 +83,15 @@ impl StiffFactor {
         joints: &Joints,
         g: f64,
     ) -> Result<(), DynamicsError> {
-        let entries = if self.is_coupled { Entries::All } else { Entries::RelatedAbove };
-        write_mass_matrix(model, workspace, q, &mut self.mass, entries);
-        self.paths.pack_upper(&self.mass, &mut self.packed);
+        let Self { mass, packed, paths, begins, .. } = self;
+        if let Some(begins) = begins {
+            write_packed_mass_matrix(model, workspace, q, mass);
+            paths.pack_rows(mass, begins, packed);
+        } else {
+            let entries = if self.is_coupled { Entries::All } else { Entries::RelatedAbove };
+            write_mass_matrix(model, workspace, q, mass, entries);
+            paths.pack_upper(mass, packed);
+        }
         self.stiffen(joints, g)
     }
 
@@ -162,10 +177,51 @@ fn stiffen_entries(
     }
 }
 
+/// Where the rows of M's upper triangle begin without what is always zero, and where the last one ends.
+fn row_begins(model: &Model) -> Vec<usize> {
+    let mut end = 0;
+    let ends = (0..model.nv).map(|row| {
+        end += related_end(model, row) - row;
+        end
+    });
+    core::iter::once(0).chain(ends).collect()
+}
+
 /// Whether M can be inverted in a pose of no symmetry.
 fn is_regular_somewhere(model: &Model) -> bool {
     let way: Vec<f64> = (0..model.nv).map(|k| (1.0 + k as f64).sqrt().fract() + 0.1).collect();
     let mut q = neutral(model);
     integrate(model, &q.clone(), &way, &mut q);
     mass_rank(model, &mut Workspace::new(model), &q) == model.nv
+}
+
+#[cfg(test)]
+mod tests {
+    use dynamics::SplitMix64;
+
+    use super::{StiffFactor, row_begins};
+    use crate::algorithms::mass_matrix::is_plain;
+    use crate::motion::implicit::joints::Joints;
+    use crate::{Base, JointKinds, Model, RandomRobotOptions, Workspace, random_robot, random_state};
+
+    /// M without room for what is always zero is the same to the last bit.
+    #[test]
+    fn packed_rows_are_the_same_matrix() {
+        for seed in 0..40 {
+            let base = if seed % 2 == 0 { Base::Floating } else { Base::Fixed };
+            let options = RandomRobotOptions { base, kinds: JointKinds::Turning, ..Default::default() };
+            let model = Model::new(random_robot(seed, &options)).unwrap();
+            assert!(is_plain(&model));
+            let (joints, mut workspace) = (Joints::new(&model), Workspace::new(&model));
+            let q = random_state(&model, &mut SplitMix64::new(seed)).q;
+            let mut factors = [StiffFactor::new(&model), StiffFactor::new(&model)];
+            let begins = row_begins(&model);
+            factors[1].mass = vec![f64::NAN; *begins.last().unwrap()];
+            factors[1].begins = Some(begins);
+            let taken = factors.each_mut().map(|factor| {
+                factor.factor(&model, &mut workspace, &q, &joints, 1e-3).map(|()| factor.packed.clone())
+            });
+            assert_eq!(taken[0], taken[1], "seed {seed}");
+        }
+    }
 }

@@ -106,7 +106,7 @@ impl Impulses {
             part.upper[to] = problem.upper[i];
             part.gradient[to] = along(&terms[rows[i]], v1) - back[i];
         }
-        fill(factor, terms, own.iter().map(|i| rows[*i]), column, part);
+        fill(factor, terms, &own.iter().map(|i| rows[*i]), column, part);
         solve(part, &terms[rows[own[0]]])?;
         for (x, &i) in part.x.iter().zip(own) {
             problem.x[i] = *x;
@@ -131,7 +131,7 @@ impl Impulses {
     /// W = EM̂⁻¹Eᵀ of `rows` in `problem`.
     pub(super) fn fill(&mut self, factor: &StiffFactor) {
         let Self { rows, terms, problem, column, .. } = self;
-        fill(factor, terms, rows.iter().copied(), column, problem);
+        fill(factor, terms, &rows.iter().copied(), column, problem);
     }
 }
 
@@ -150,7 +150,7 @@ fn solve(problem: &mut BoundedProblem, first: &[(usize, f64)]) -> Result<(), Dyn
 fn fill(
     factor: &StiffFactor,
     terms: &[Vec<(usize, f64)>],
-    rows: impl ExactSizeIterator<Item = usize> + Clone,
+    rows: &(impl ExactSizeIterator<Item = usize> + Clone),
     column: &mut [f64],
     problem: &mut BoundedProblem,
 ) {
