@@ -26,6 +26,7 @@ mod kept;
 mod momentum;
 mod parts;
 mod pivots;
+mod positions;
 mod smooth;
 mod stiff_factor;
 

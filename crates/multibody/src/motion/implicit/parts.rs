@@ -94,6 +94,7 @@ impl Implicit {
         self.check_interrupt()?;
         let Ok(mut is_apart) = advanced else {
             // It is not known whose numbers were none.
+            self.components.join_all();
             self.start_again(q, v);
             self.divide(model, workspace, forces, h, (q, v))?;
             return Ok(false);
