@@ -29,6 +29,10 @@ const ELSEWHERE: [&[&str]; 2] =
 /// Machine code made in memory: the bits of random graphs, and kernels as a caller sees them.
 const NATIVE: [&str; 6] = ["--package", "robot-dynamics-native", "--test", "fuzz", "--test", "kernel"];
 
+/// Machine code of every function of a few random robots, by the test's names; and the variable that asks for few, with its value.
+const BITS: [&str; 4] = ["--test", "bits", "--", "random_robots"];
+const FEW: (&str, &str) = ("NATIVE_BITS", "few");
+
 /// Whether this is the kind of machine from which the others are emulated.
 const CAN_EMULATE: bool = cfg!(all(target_os = "linux", target_arch = "x86_64"));
 
@@ -58,12 +62,19 @@ pub(crate) fn emulate() -> Result<(), String> {
             step(&format!("machines: {processor}"), test)?;
         }
     }
+    // The other processor has no instructions that machine code is made of.
+    let mut bits = workspace("test");
+    bits.args(BITS).env(FEW.0, FEW.1);
+    bits.env("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER", "qemu-x86_64 -cpu Haswell");
+    step("machines: robots in machine code", bits)?;
     microcontroller()?;
     install_target(ARM)?;
     // LLVM's older choice of instructions, which takes three quarters of the time.
     let flags = "-C llvm-args=-aarch64-enable-global-isel-at-O=-1";
-    for tests in ELSEWHERE.into_iter().chain([&NATIVE[..]]) {
+    let of_functions = [&["--package", "robot-dynamics-functions"], &BITS[..]].concat();
+    for tests in ELSEWHERE.into_iter().chain([&NATIVE[..], &of_functions]) {
         let mut test = unoptimised(ARM, tests);
+        test.env(FEW.0, FEW.1);
         test.env("RUSTFLAGS", flags);
         test.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_LINKER", "rust-lld");
         test.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_RUNNER", "qemu-aarch64");

@@ -1,0 +1,57 @@
+//! Machine code made in memory has the bits of its graph, and the graph has the library's values.
+//!
+//! Every function of every robot is traced as generated code is. One state by one, and as rows of tables, on every set of instructions of
+//! this machine, the code must give each bit that the graph gives operation by operation. In doubles the graph must also give the values of
+//! the library's recursions for the robot as it is described, whose mass is not regrouped and whose right angles are rounded.
+
+mod compare;
+mod extent;
+mod robots;
+
+use multibody::Model;
+
+use crate::compare::Comparison;
+use crate::extent::Extent;
+
+/// Compares every function of these robots, each in a few random states.
+fn compare(robots: impl Iterator<Item = (String, Model)>) -> Comparison {
+    let extent = Extent::asked();
+    let mut comparison = Comparison::default();
+    for (name, model) in robots {
+        comparison.robot(&name, &model, extent);
+    }
+    println!("{comparison:?}");
+    comparison
+}
+
+#[test]
+fn robots_of_the_repository_have_the_bits_of_their_graphs() {
+    let compared = compare(robots::of_repository());
+    // Twenty-five functions of fifteen robots in two precisions.
+    assert!(compared.graphs + compared.left_out >= 15 * 25 * 2, "{compared:?}");
+}
+
+#[test]
+fn published_robots_have_the_bits_of_their_graphs() {
+    let compared = compare(robots::published());
+    assert!(compared.graphs > 300, "{compared:?}");
+}
+
+/// The random robots whose numbers are even, or odd: two tests run beside each other.
+fn compare_random(remainder: usize) {
+    let count = Extent::asked().random_robots;
+    let robots = robots::random(count).enumerate().filter(|(number, _)| number % 2 == remainder);
+    let compared = compare(robots.map(|(_, robot)| robot));
+    // Each robot has ten functions at least, whatever the limit.
+    assert!(compared.graphs >= 10 * (count / 2), "{compared:?}");
+}
+
+#[test]
+fn random_robots_have_the_bits_of_their_graphs() {
+    compare_random(0);
+}
+
+#[test]
+fn other_random_robots_have_the_bits_of_their_graphs() {
+    compare_random(1);
+}
