@@ -93,7 +93,8 @@ where
 
     /// Results that need no computing.
     fn uncomputed(&self, lines: &mut Lines<'_>) {
-        let is_zero = |operand: &Operand| operand.known() == Some(0.0);
+        // Not −0, which has other bits.
+        let is_zero = |operand: &Operand| *operand == Operand::ZERO;
         let zeros = |entries: &[Operand]| entries.iter().filter(|entry| is_zero(entry)).count();
         let cleared: Vec<bool> = self.results.iter().map(|entries| zeros(entries) >= MANY_ZEROS).collect();
         for result in (0..cleared.len()).filter(|&result| cleared[result]) {

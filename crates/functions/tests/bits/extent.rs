@@ -22,7 +22,7 @@ impl Extent {
             Ok("whole") => {
                 Self { random_robots: 200, operations: usize::MAX, of_robot: usize::MAX, is_whole: true }
             }
-            Ok("few") => Self { random_robots: 6, operations: 1000, of_robot: 8000, is_whole: false },
+            Ok("few") => Self { random_robots: 6, operations: 1000, of_robot: 12_000, is_whole: false },
             Ok(other) => panic!("{ASKED}={other}: `whole` and `few` are known"),
             Err(_) => Self { random_robots: 200, operations: 30_000, of_robot: 50_000, is_whole: false },
         }

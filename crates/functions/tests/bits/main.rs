@@ -42,8 +42,8 @@ fn compare_random(remainder: usize) {
     let count = Extent::asked().random_robots;
     let robots = robots::random(count).enumerate().filter(|(number, _)| number % 2 == remainder);
     let compared = compare(robots.map(|(_, robot)| robot));
-    // Each robot has ten functions at least, whatever the limit.
-    assert!(compared.graphs >= 10 * (count / 2), "{compared:?}");
+    // A third of the functions of each robot, in one precision: those of the largest are left out but for a few.
+    assert!(compared.graphs >= 8 * (count / 2), "{compared:?}");
 }
 
 #[test]

@@ -215,7 +215,7 @@ fn function(syntax: Syntax<'_>, program: &Program, request: &Request) -> String 
         format!("{}[{index}] = {text};", program.outcomes[result].name)
     };
     let clear = |result: usize| {
-        let zero = program.results[result].iter().position(|operand| operand.known() == Some(0.0));
+        let zero = program.results[result].iter().position(|operand| *operand == Operand::ZERO);
         let place = distinct[result].places[zero.expect("what is cleared has zeros")];
         format!("{}[{place}] = N::zero();", program.outcomes[result].name)
     };

@@ -6,7 +6,7 @@ use generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate}
 use multibody::Model;
 
 use crate::folder::Folder;
-use crate::robots;
+use crate::{machine_code, robots};
 
 const STRICT: [&str; 7] =
     ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-ffp-contract=off", "-fno-math-errno"];
@@ -20,7 +20,8 @@ fn compilers() -> Vec<&'static str> {
     std::iter::once("cc").chain(["clang"].into_iter().filter(is_there)).collect()
 }
 
-/// Compiles and runs the test that comes with the code; every compiler's program says the same.
+/// Compiles and runs the test that comes with the code; every compiler's program says the same. With the code's own sine, machine code made in
+/// memory has the bits of the compiled functions.
 pub(crate) fn test(
     name: &str,
     model: &Model,
@@ -39,17 +40,30 @@ fn test_by(
     arithmetic: Arithmetic,
     options: &[&str],
 ) -> String {
-    let request = Request::new(Target::C, functions).with_arithmetic(arithmetic).with_name("robot");
-    let folder = Folder::of(name, &generate(model, &request).unwrap());
+    let request = Request::new(Target::C, functions.clone()).with_arithmetic(arithmetic).with_name("robot");
+    let mut generated = generate(model, &request).unwrap();
+    let has_own_sine = arithmetic.sine == Sine::Own;
+    if has_own_sine {
+        let mut caller = generated.files[0].clone();
+        caller.name = "bits.c".into();
+        caller.text = machine_code::caller(model, &functions, arithmetic);
+        generated.files.push(caller);
+    }
+    let folder = Folder::of(name, &generated);
     let told = compilers.iter().map(|&compiler| {
         // Clang's sanitizer is a library that few have installed.
         let options = if compiler == "clang" && options == SANITIZED { &["-O0"] } else { options };
-        let mut arguments = STRICT.to_vec();
-        arguments.extend(options);
-        let program = format!("./test_{compiler}");
-        arguments.extend(["robot.c", "test_robot.c", "-lm", "-o", &program]);
-        folder.compile(compiler, &arguments);
-        folder.run(&program, &[])
+        let compile = |arguments: &[&str]| folder.compile(compiler, &[&STRICT, options, arguments].concat());
+        let object = format!("robot_{compiler}.o");
+        compile(&["-c", "robot.c", "-o", &object]);
+        let test = format!("./test_{compiler}");
+        compile(&["test_robot.c", &object, "-lm", "-o", &test]);
+        if has_own_sine {
+            let bits = format!("./bits_{compiler}");
+            compile(&["bits.c", &object, "-lm", "-o", &bits]);
+            machine_code::check(name, model, &functions, arithmetic, &folder.run(&bits, &[]));
+        }
+        folder.run(&test, &[])
     });
     told.reduce(|one, other| {
         assert_eq!(one, other, "{name}");

@@ -6,6 +6,7 @@ mod cuda;
 mod folder;
 mod lanes;
 mod loops;
+mod machine_code;
 mod microcontroller;
 mod names;
 mod robots;
