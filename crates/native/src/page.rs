@@ -1,6 +1,6 @@
 //! Memory that holds machine code, and the call into it. All unsafe code of this crate is in this file.
 //!
-//! A page is written first and made executable then; it is never both at once. The code was made by [`Code::new`](crate::Code::new): it is
+//! A page is written first and made executable then; it is never both at once, on macOS on ARM for no thread. The code was made by [`Code::new`](crate::Code::new): it is
 //! a function of the System V convention, of two pointers, that
 //! - reads and writes the tables of the first pointer within the lengths that are checked here before each call,
 //! - reads and writes the scratch memory of the second within a length that is checked here,
@@ -21,7 +21,41 @@ type Function = unsafe extern "C" fn(tables: *const *mut (), scratch: *mut ());
 /// Executable memory with the code of one kernel.
 #[derive(Debug)]
 pub(crate) struct Page {
-    memory: Mmap,
+    memory: Memory,
+}
+
+/// Memory that is not written any more.
+#[derive(Debug)]
+enum Memory {
+    /// Made executable after it was written.
+    Mapped(Mmap),
+    #[cfg(all(target_os = "macos", target_arch = "aarch64"))]
+    Jit(jit::JitMemory),
+}
+
+impl Memory {
+    /// Memory with this code.
+    fn new(code: &[u8]) -> std::io::Result<Self> {
+        // Hardened programs that may make code, may so in this memory alone; where the system has none, the other way may be open.
+        #[cfg(all(target_os = "macos", target_arch = "aarch64"))]
+        if let Ok(memory) = jit::JitMemory::new(code) {
+            return Ok(Self::Jit(memory));
+        }
+        let mut memory = MmapMut::map_anon(code.len())?;
+        memory.copy_from_slice(code);
+        let memory = memory.make_exec()?;
+        clear_instruction_cache(&memory);
+        Ok(Self::Mapped(memory))
+    }
+
+    #[inline]
+    fn start(&self) -> *const u8 {
+        match self {
+            Self::Mapped(memory) => memory.as_ptr(),
+            #[cfg(all(target_os = "macos", target_arch = "aarch64"))]
+            Self::Jit(memory) => memory.start(),
+        }
+    }
 }
 
 /// A table of the code.
@@ -73,18 +107,14 @@ impl Reach {
 impl Page {
     /// Writes code into memory of its own and makes that executable.
     pub(crate) fn new(code: &[u8]) -> std::io::Result<Self> {
-        let mut memory = MmapMut::map_anon(code.len())?;
-        memory.copy_from_slice(code);
-        let memory = memory.make_exec()?;
-        clear_instruction_cache(&memory);
-        Ok(Self { memory })
+        Ok(Self { memory: Memory::new(code)? })
     }
 
     #[inline]
     fn function(&self) -> Function {
         // SAFETY: the memory holds a whole function of this type, made by this crate for the instructions of this processor. The pointer is
         // called only while `self` is borrowed.
-        unsafe { core::mem::transmute(self.memory.as_ptr()) }
+        unsafe { core::mem::transmute(self.memory.start()) }
     }
 
     /// Runs the code once, if each slice has as many numbers as the code reaches, and the scratch memory at least as many.
@@ -167,6 +197,79 @@ impl Page {
                 // It is not followed behind the last block.
                 *pointer = pointer.wrapping_add(step);
             }
+        }
+    }
+}
+
+/// Memory for code of macOS on ARM (Apple, *Porting just-in-time compilers to Apple silicon*): each thread may either write all such memory
+/// of its process or execute it, and executes it unless it asks.
+#[cfg(all(target_os = "macos", target_arch = "aarch64"))]
+mod jit {
+    use core::ffi::{c_int, c_void};
+    use core::ptr::NonNull;
+
+    /// `PROT_READ | PROT_WRITE | PROT_EXEC` of `sys/mman.h`.
+    const ALL: c_int = 0x1 | 0x2 | 0x4;
+    /// `MAP_PRIVATE | MAP_ANON | MAP_JIT`.
+    const OF_CODE: c_int = 0x0002 | 0x1000 | 0x0800;
+    /// `MAP_FAILED`.
+    const FAILED: usize = usize::MAX;
+
+    unsafe extern "C" {
+        fn mmap(
+            at: *mut c_void,
+            len: usize,
+            protection: c_int,
+            flags: c_int,
+            file: c_int,
+            offset: i64,
+        ) -> *mut c_void;
+        fn munmap(start: *mut c_void, len: usize) -> c_int;
+        fn pthread_jit_write_protect_np(enabled: c_int);
+    }
+
+    /// Such memory with the code of one kernel.
+    #[derive(Debug)]
+    pub(super) struct JitMemory {
+        start: NonNull<u8>,
+        len: usize,
+    }
+
+    // SAFETY: nobody writes the memory once `new` has returned, and it belongs to the process, not to a thread.
+    unsafe impl Send for JitMemory {}
+    // SAFETY: as above.
+    unsafe impl Sync for JitMemory {}
+
+    impl JitMemory {
+        /// Memory with this code.
+        pub(super) fn new(code: &[u8]) -> std::io::Result<Self> {
+            let len = code.len();
+            // SAFETY: the system finds new memory, which overlaps no other.
+            let start = unsafe { mmap(core::ptr::null_mut(), len, ALL, OF_CODE, -1, 0) };
+            let start = NonNull::new(start.cast::<u8>()).filter(|start| start.addr().get() != FAILED);
+            let Some(start) = start else { return Err(std::io::Error::last_os_error()) };
+            // SAFETY: the memory is as long as the code and nobody else knows it. In between this thread executes no code in such memory: it
+            // only copies, which calls nothing and cannot panic. Other threads go on executing theirs.
+            unsafe {
+                pthread_jit_write_protect_np(0);
+                core::ptr::copy_nonoverlapping(code.as_ptr(), start.as_ptr(), len);
+                pthread_jit_write_protect_np(1);
+            }
+            // SAFETY: the memory was written whole, and is not written any more.
+            super::clear_instruction_cache(unsafe { core::slice::from_raw_parts(start.as_ptr(), len) });
+            Ok(Self { start, len })
+        }
+
+        #[inline]
+        pub(super) fn start(&self) -> *const u8 {
+            self.start.as_ptr()
+        }
+    }
+
+    impl Drop for JitMemory {
+        fn drop(&mut self) {
+            // SAFETY: the memory was mapped with this length, and code in it runs only while `self` is borrowed.
+            unsafe { munmap(self.start.as_ptr().cast(), self.len) };
         }
     }
 }
