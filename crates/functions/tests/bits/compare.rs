@@ -91,6 +91,9 @@ impl Comparison {
         let functions: Vec<Function> = Function::PLAIN.into_iter().chain(of_frame).collect();
         let inverse_dynamics = Function::InverseDynamics.trace(model, Arithmetic::default());
         let unit = inverse_dynamics.unwrap_or_else(|error| panic!("{name}: {error}")).plan.steps();
+        if extent.is_whole {
+            println!("{name}: {} degrees of freedom, {self:?}", model.nv());
+        }
         let (first, mut left) = (self.robots, extent.of_robot);
         self.robots += 1;
         for number in 0..functions.len() {
@@ -168,6 +171,10 @@ impl Comparison {
                 let kernel = match loaded {
                     Ok(kernel) => kernel,
                     Err(CompileError::NoEncoder { .. } | CompileError::NotOnThisProcessor { .. }) => continue,
+                    Err(CompileError::TooLarge { .. }) => {
+                        println!("left out: {} has {} operations", what(), graph.nodes.len());
+                        continue;
+                    }
                     Err(error) => panic!("{}: {error}", what()),
                 };
                 // A whole group of lanes, and a row more.
