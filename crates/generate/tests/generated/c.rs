@@ -40,13 +40,14 @@ fn test_by(
     arithmetic: Arithmetic,
     options: &[&str],
 ) -> String {
-    let request = Request::new(Target::C, functions.clone()).with_arithmetic(arithmetic).with_name("robot");
+    let called = functions.clone();
+    let request = Request::new(Target::C, functions).with_arithmetic(arithmetic).with_name("robot");
     let mut generated = generate(model, &request).unwrap();
     let has_own_sine = arithmetic.sine == Sine::Own;
     if has_own_sine {
         let mut caller = generated.files[0].clone();
         caller.name = "bits.c".into();
-        caller.text = machine_code::caller(model, &functions, arithmetic);
+        caller.text = machine_code::caller(model, &called, arithmetic);
         generated.files.push(caller);
     }
     let folder = Folder::of(name, &generated);
@@ -61,7 +62,7 @@ fn test_by(
         if has_own_sine {
             let bits = format!("./bits_{compiler}");
             compile(&["bits.c", &object, "-lm", "-o", &bits]);
-            machine_code::check(name, model, &functions, arithmetic, &folder.run(&bits, &[]));
+            machine_code::check(name, model, &called, arithmetic, &folder.run(&bits, &[]));
         }
         folder.run(&test, &[])
     });
