@@ -26,8 +26,9 @@ const RECURSIONS: [&str; 2] = ["--test", "any_machine"];
 const ELSEWHERE: [&[&str]; 2] =
     [&NUMBERS, &["--package", "robot-dynamics-multibody-tests", RECURSIONS[0], RECURSIONS[1]]];
 
-/// Machine code made in memory: the bits of random graphs, and kernels as a caller sees them.
-const NATIVE: [&str; 6] = ["--package", "robot-dynamics-native", "--test", "fuzz", "--test", "kernel"];
+/// Machine code made in memory: the bits of random graphs, kernels as a caller sees them, and in a process that is a copy.
+const NATIVE: [&str; 8] =
+    ["--package", "robot-dynamics-native", "--test", "fuzz", "--test", "kernel", "--test", "fork"];
 
 /// Machine code of every function of a few random robots, by the test's names; and the variable that asks for few, with its value.
 const BITS: [&str; 4] = ["--test", "bits", "--", "random_robots"];

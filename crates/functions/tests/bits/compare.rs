@@ -38,7 +38,8 @@ struct State {
 impl State {
     fn random(model: &Model, random: &mut SplitMix64) -> Self {
         let plain = random_state(model, random);
-        let (nv, workspace) = (model.nv(), &mut Workspace::new(model));
+        // Portable workspaces compute by the recursions, not by machine code.
+        let (nv, workspace) = (model.nv(), &mut Workspace::limited(model, InstructionSet::Portable));
         let (mut mass, mut inverse) = (vec![0.0; nv * nv], vec![0.0; nv * nv]);
         multibody::mass_matrix(model, workspace, &plain.q, &mut mass);
         multibody::inverse_mass_matrix(model, workspace, &plain.q, &mut inverse);
