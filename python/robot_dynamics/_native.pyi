@@ -993,6 +993,19 @@ class Robot:
     @property
     def name(self) -> str:
         """The robot's name."""
+    @property
+    def native(self) -> str:
+        """Which code computes the functions that were called, a line each: machine code, which is made when a function is first
+        called, or its recursion, and why.
+
+        The environment variable `ROBOT_DYNAMICS_NATIVE=0`, set before the start, leaves all functions to the recursions; results
+        then differ by rounding.
+
+        >>> robot = rd.example("panda")
+        >>> tau = robot.gravity(robot.neutral())
+        >>> "gravity, f64, one state" in robot.native or "recursions" in robot.native
+        True
+        """
     def neutral(self) -> NDArray[np.float64]:
         """The configuration in which every coordinate is 0 and every quaternion the identity, (nq,).
 

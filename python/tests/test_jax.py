@@ -198,10 +198,10 @@ def test_solutions_have_gradients_by_parameters(name: str, solution: str) -> Non
     assert_allclose(mapped, of_each, rtol=0, atol=sized(robot, arrays[0], of_each))
     many = jnp.stack([p, heavier, p])
     both = jax.vmap(call)(many, *state)
-    assert np.array_equal(both[1], expected[1]) and np.array_equal(both[2], call(p, *state)[2])
+    assert np.array_equal(both[1], call(heavier, *state)[1]) and np.array_equal(both[2], call(p, *state)[2])
     assert np.array_equal(call(many, *state), both)
     over = jax.vmap(call, in_axes=(0, None, None, None))(many, *state)
-    assert over.shape == (3, 3, robot.nv) and np.array_equal(over[1], expected)
+    assert over.shape == (3, 3, robot.nv) and np.array_equal(over[1], call(heavier, *state))
     own = jax.grad(lambda many: (call(many, *state) * weights).sum())(many)
     assert_allclose(own[2], of_each[2], rtol=0, atol=sized(robot, arrays[0], of_each))
     # Forward mode is reverse mode.
@@ -235,7 +235,9 @@ def test_rollouts_have_gradients_by_parameters(torques: str) -> None:
     arrays: Any = [None if x is None else np.asarray(x) for x in (q, v, tau)]
     expected = robot.rollout(*arrays, **(how | EXPLICIT))
     found = jax.jit(call)(p, q, v, tau)
-    assert np.array_equal(found.v, expected.v) and np.array_equal(found.q_trajectory, expected.q_trajectory)
+    # Other parameters are computed by recursion, a robot by its machine code.
+    assert_allclose(found.v, expected.v, rtol=1e-11, atol=1e-12)
+    assert_allclose(found.q_trajectory, expected.q_trajectory, rtol=1e-11, atol=1e-12)
     weights = [np.random.default_rng(3).uniform(-1, 1, x.shape) for x in found]
     names = ("by_position", "by_velocity", "by_position_trajectory", "by_velocity_trajectory")
 

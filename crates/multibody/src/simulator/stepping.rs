@@ -116,8 +116,6 @@ impl Simulation {
         let (nq, nv) = (model.nq(), model.nv());
         let zeros = || vec![0.0; nv];
         let mut workspace = StepWorkspace::new(&model);
-        // Steps beside those of other simulations run through the recursions in lanes, and have the bits of steps alone.
-        workspace.dynamics.by_recursions();
         let controls = vec![0.0; actuation.as_ref().map_or(0, Actuation::control_count)];
         let course = Course { model: &model, step, dissipation: dissipates, sample_every: 0, base: (0, 0.0) };
         let mut opened = stepper.clone();

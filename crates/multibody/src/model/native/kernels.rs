@@ -6,16 +6,9 @@ use expression::Arithmetic;
 use native::{Kernel, Width, best_instructions};
 
 use super::report::{NativeCode, NativeReport, NativeUse};
-use super::size::least_operations;
+use super::size::{estimated_operations, most_operations};
 use super::{NativeFunction, Tracer};
 use crate::{InstructionSet, Model};
-
-/// Code of more operations is fetched for longer than it computes: the recursion, whose code stays in the cache, is as fast (see
-/// `docs/native-code.md`).
-const MOST_OF_ONE_STATE: usize = 20_000;
-
-/// The same for several states, which share what is fetched.
-const MOST_OF_SEVERAL: usize = 30_000;
 
 /// What a model knows of machine code.
 #[derive(Clone, Debug, Default)]
@@ -126,13 +119,9 @@ impl Code {
     #[cold]
     #[inline(never)]
     fn compile<T: Number>(&self, model: &Model, function: NativeFunction, width: Width) -> Slot<T> {
-        let most = match width {
-            Width::One => MOST_OF_ONE_STATE,
-            Width::Lanes => MOST_OF_SEVERAL,
-        };
-        let least = least_operations(model, function);
-        if least > most {
-            return Err(format!("which needs more than {least} operations; machine code pays up to {most}"));
+        let (most, about) = (most_operations(function, width), estimated_operations(model, function));
+        if about > most {
+            return Err(format!("which needs some {about} operations; machine code pays up to {most}"));
         }
         let arithmetic = Arithmetic::new(T::PRECISION).with_fused();
         let super::NativeTrace { graph, results, lengths } = (self.tracer)(model, function, arithmetic)?;

@@ -1,38 +1,46 @@
-//! How long a function's expression is at least, before it is traced.
+//! How long a function's expression may be, and about how long it is before it is traced.
+
+use native::Width;
 
 use crate::model::WORLD;
 use crate::{Model, NativeFunction};
 
-/// Operations a body of functions that pass the tree once or twice, at least.
-const A_PASS: usize = 40;
-
-/// Operations an entry that is not always zero of a matrix, at least.
-const AN_ENTRY: usize = 3;
-
-/// A number of operations that no expression of this function is below, for trees of some size.
-pub(super) fn least_operations(model: &Model, function: NativeFunction) -> usize {
-    let vector = A_PASS * model.bodies.len();
-    match function {
-        NativeFunction::MassMatrix | NativeFunction::MassMatrixRelated => vector + AN_ENTRY * entries(model),
-        NativeFunction::CoriolisMatrix | NativeFunction::InverseMassMatrix => {
-            vector + 2 * AN_ENTRY * entries(model)
-        }
-        NativeFunction::InverseDynamicsDerivatives => vector + 4 * AN_ENTRY * entries(model),
-        NativeFunction::ForwardDynamicsDerivatives => vector + 8 * AN_ENTRY * entries(model),
-        NativeFunction::ForwardDynamics
-        | NativeFunction::SemiImplicitEulerStep
-        | NativeFunction::ConservativeSemiImplicitEulerStep => 2 * vector,
-        NativeFunction::Rk4Step | NativeFunction::ConservativeRk4Step => 8 * vector,
-        _ => vector,
+/// Code of more operations is fetched for longer than it computes: the recursion, whose code stays in the cache, is as fast. Measured on
+/// chains of 8 to 64 links (docs/native-code.md).
+pub(super) fn most_operations(function: NativeFunction, width: Width) -> usize {
+    match (function, width) {
+        (NativeFunction::CoriolisMatrix, Width::One) => 3_500,
+        (NativeFunction::MassMatrix, Width::One) => 12_000,
+        (_, Width::One) => 20_000,
+        // States side by side share what is fetched.
+        (_, Width::Lanes) => 30_000,
     }
 }
 
-/// Pairs of a body and one that carries it, itself among them.
-fn entries(model: &Model) -> usize {
-    let mut depths = Vec::with_capacity(model.bodies.len());
+/// About the operations that trees of many links need, counted for each body, each pair of a body and one that carries it, and each
+/// triple of these. Small robots need fewer, and are traced in any case.
+pub(super) fn estimated_operations(model: &Model, function: NativeFunction) -> usize {
+    let (bodies, pairs, triples) = counts(model);
+    match function {
+        NativeFunction::ForwardDynamics
+        | NativeFunction::SemiImplicitEulerStep
+        | NativeFunction::ConservativeSemiImplicitEulerStep => 150 * bodies,
+        NativeFunction::Rk4Step | NativeFunction::ConservativeRk4Step => 600 * bodies,
+        NativeFunction::MassMatrix | NativeFunction::MassMatrixRelated => 40 * bodies + 8 * pairs,
+        NativeFunction::CoriolisMatrix => 40 * bodies + 20 * pairs,
+        NativeFunction::InverseMassMatrix => 40 * bodies + 8 * pairs + 2 * triples,
+        NativeFunction::InverseDynamicsDerivatives => 60 * bodies + 60 * pairs,
+        NativeFunction::ForwardDynamicsDerivatives => 150 * bodies + 120 * pairs,
+        _ => 50 * bodies,
+    }
+}
+
+/// Bodies; pairs of a body and one that carries it, itself among them; Σ depth² of the bodies.
+fn counts(model: &Model) -> (usize, usize, usize) {
+    let mut depths: Vec<usize> = Vec::with_capacity(model.bodies.len());
     for body in &model.bodies {
-        let depth: usize = if body.parent == WORLD { 1 } else { depths[body.parent] + 1 };
+        let depth = if body.parent == WORLD { 1 } else { depths[body.parent] + 1 };
         depths.push(depth);
     }
-    depths.iter().sum()
+    (depths.len(), depths.iter().sum(), depths.iter().map(|depth| depth * depth).sum())
 }
