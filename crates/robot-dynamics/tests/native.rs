@@ -182,26 +182,26 @@ fn batches_have_the_bits_of_single_calls_whatever_the_threads() {
             let off = difference(found, plain, 0.0);
             assert!(off < PLAIN, "{name}, table {index}: {off:e}");
         }
-        let report = model.native();
-        let is_compiled = |function: &str, is_batch: bool| {
-            let is_it = |used: &&robot_dynamics::NativeUse| {
-                used.function.name() == function && used.is_batch == is_batch && used.number == "f64"
-            };
-            report.functions.iter().find(is_it).is_some_and(|used| used.route.is_ok())
-        };
         let (w, nv) = (&mut Workspace::new(&model), model.nv());
         let (mut tau, mut mass) = (vec![0.0; nv], vec![0.0; nv * nv]);
+        let first = (&tables[0][..model.nq()], &tables[1][..nv], &tables[2][..nv]);
+        inverse_dynamics(&model, w, first.0, first.1, first.2, &mut tau);
+        mass_matrix(&model, w, first.0, &mut mass);
+        // Whether machine code computes both one state and batches.
+        let report = model.native();
+        let is_compiled = |function: &str| {
+            let is_it = |used: &&robot_dynamics::NativeUse| {
+                used.function.name() == function && used.number == "f64" && used.route.is_ok()
+            };
+            report.functions.iter().filter(is_it).count() == 2
+        };
         for state in 0..count {
             let row = |table: &[f64], width: usize| table[state * width..(state + 1) * width].to_vec();
             let (q, v, a) = (row(&tables[0], model.nq()), row(&tables[1], nv), row(&tables[2], nv));
             inverse_dynamics(&model, w, &q, &v, &a, &mut tau);
             mass_matrix(&model, w, &q, &mut mass);
-            if is_compiled("inverse_dynamics", true) {
-                assert_eq!(row(&found[0], nv), tau, "{name}, state {state}");
-            }
-            if is_compiled("mass_matrix", true) {
-                assert_eq!(row(&found[3], nv * nv), mass, "{name}, state {state}");
-            }
+            assert!(!is_compiled("inverse_dynamics") || row(&found[0], nv) == tau, "{name}, state {state}");
+            assert!(!is_compiled("mass_matrix") || row(&found[3], nv * nv) == mass, "{name}, state {state}");
         }
     }
 }
