@@ -76,7 +76,7 @@ fn random_robots() -> Vec<(String, Model)> {
     let of_seed = |seed| {
         let base = if seed % 3 == 0 { Base::Floating } else { Base::Fixed };
         let kinds = if seed % 4 == 1 { JointKinds::VectorSpace } else { JointKinds::All };
-        let joints = 1 + (7 * seed as usize) % 40;
+        let joints = 1 + usize::try_from(7 * seed % 40).expect("a few joints");
         let options = RandomRobotOptions { joints, base, kinds, ..Default::default() };
         let model = Model::new(random_robot(seed, &options)).expect("a random robot");
         (format!("random robot {seed}"), with_native_code(model))
