@@ -127,6 +127,9 @@ fn measured(model: &Model, request: &Request) -> Result<GeneratedFile, Failure> 
     let folder = std::env::temp_dir().join(format!("dynamics-measure-{}", std::process::id()));
     interruption::remove_when_ended(&folder)?;
     let file = ::generate::measure(model, request, &folder).map_err(Failure::new);
+    if file.is_err() {
+        interruption::wait_for_end();
+    }
     // It was made for this alone.
     let _ = std::fs::remove_dir_all(&folder);
     file

@@ -43,6 +43,11 @@ pub(crate) fn while_writing<T>(write: impl FnOnce() -> Result<T, Failure>) -> Re
     write()
 }
 
+/// Where a signal is ending the command, waits for that end: what fails because its files are gone is no failure.
+pub(crate) fn wait_for_end() {
+    drop(TO_REMOVE.lock().unwrap_or_else(PoisonError::into_inner));
+}
+
 /// Removes this folder if a signal ends the command.
 pub(crate) fn remove_when_ended(folder: &Path) -> Result<(), Failure> {
     end_at_once()?.push(folder.to_owned());

@@ -238,10 +238,13 @@ fn the_ground_holds() -> Result<(), LabError> {
     robot.advance(count(1.0))?;
     assert!((robot.q()[2] - height).abs() < 1e-9, "it lies still");
     let forces = robot.contact_forces();
-    let lifted: f64 = forces.chunks_exact(6).map(|touch| touch[5]).sum();
+    // Its own links may lie on each other, above the ground.
+    let on_ground = || forces.chunks_exact(6).filter(|touch| touch[2] < 1e-3);
+    let lifted: f64 = on_ground().map(|touch| touch[5]).sum();
     // What still moves is braked by joint damping, of 1e-11 rad/s.
     assert!((lifted / (robot.total_mass() * 9.81) - 1.0).abs() < 1e-6, "{lifted} N");
-    assert!(forces.chunks_exact(6).all(|touch| touch[2].abs() < 1e-3), "where the ground is: {forces:?}");
+    assert!(on_ground().count() >= 3, "it stands: {forces:?}");
+    assert!(forces.chunks_exact(6).all(|touch| touch[2] > -1e-3), "where the ground is: {forces:?}");
     let books = robot.books();
     assert!(books.impacts > 1.0 && books.sliding > 0.01, "{books:?}");
     let named = books.damping + books.friction + books.stops + books.sliding + books.impacts;
