@@ -7,7 +7,7 @@ use number::dispatch::{Hardware, Kernel};
 use crate::model::length::check_length;
 use crate::model::native::NativeFunction;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
-use crate::scratch::native::computed_natively;
+use crate::scratch::native::native_number;
 use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{Sym3, V3};
 use crate::spatial::screw::Screw;
@@ -31,9 +31,9 @@ use crate::{Model, Workspace};
 pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: &[S]) -> S {
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
-    let (native, mut energy) = (&mut workspace.tree.native, S::zero());
-    let result = core::slice::from_mut(&mut energy);
-    if computed_natively(model, native, NativeFunction::KineticEnergy, &[q, v], &mut [result]) {
+    if let Some(energy) =
+        native_number(model, &mut workspace.tree.native, NativeFunction::KineticEnergy, &[q, v])
+    {
         return energy;
     }
     place_bodies(model, &mut workspace.tree, q);
@@ -78,9 +78,9 @@ fn kinetic_of<N: Scalar>(model: &Model, tree: &TreeMemory<N>) -> N {
 #[track_caller]
 pub fn potential_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> S {
     workspace.admit(model, q);
-    let (native, mut energy) = (&mut workspace.tree.native, S::zero());
-    let result = core::slice::from_mut(&mut energy);
-    if computed_natively(model, native, NativeFunction::PotentialEnergy, &[q], &mut [result]) {
+    if let Some(energy) =
+        native_number(model, &mut workspace.tree.native, NativeFunction::PotentialEnergy, &[q])
+    {
         return energy;
     }
     place_all_in_world(model, &mut workspace.tree, q);

@@ -16,8 +16,7 @@ use dynamics::Scalar;
 use number::View;
 use number::dispatch::{Hardware, Kernel};
 
-use crate::algorithms::forward_dynamics_by_cholesky::{forward_dynamics_by_cholesky, solve_with_mass};
-use crate::algorithms::inverse_dynamics::NewtonEuler;
+use crate::algorithms::forward_dynamics_by_cholesky::accelerate_by_cholesky;
 use crate::algorithms::mass_matrix::force_in_parent;
 use crate::model::WORLD;
 use crate::model::length::check_length;
@@ -76,7 +75,7 @@ pub fn forward_dynamics<S: Scalar>(
         return;
     }
     if model.couples_branches {
-        forward_dynamics_by_cholesky(model, workspace, q, v, tau, acceleration);
+        accelerate_by_cholesky(model, workspace, q, v, tau, &[], acceleration);
     } else {
         articulated_body(model, &mut workspace.tree, q, v, tau, &[], acceleration);
     }
@@ -116,26 +115,10 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
         return forward_dynamics(model, workspace, q, v, tau, acceleration);
     }
     if model.couples_branches {
-        accelerate_coupled(model, workspace, q, v, tau, wrenches, acceleration);
+        accelerate_by_cholesky(model, workspace, q, v, tau, wrenches, acceleration);
     } else {
         articulated_body(model, &mut workspace.tree, q, v, tau, wrenches, acceleration);
     }
-}
-
-/// The same where branches are coupled: τ − (ID at a = 0 under the wrenches), then M a = that. Leaves the factor of M in the workspace.
-pub(crate) fn accelerate_coupled<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    v: &[S],
-    tau: &[S],
-    wrenches: &[FrameWrench<S>],
-    acceleration: &mut [S],
-) {
-    let Workspace { tree, dense, .. } = workspace;
-    let bias = &mut dense.vector[..];
-    run(tree, NewtonEuler { wrenches, ..NewtonEuler::bias(model, q, v, bias) });
-    solve_with_mass(model, tree, dense, q, tau, acceleration);
 }
 
 /// The arguments of the articulated-body algorithm.

@@ -8,8 +8,8 @@ use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::factor::sparse;
 use crate::model::length::check_length;
 use crate::scratch::compiled_once::run;
-use crate::scratch::tree::TreeMemory;
 use crate::scratch::workspace::{Dense, Workspace};
+use crate::stages::wrench::FrameWrench;
 
 /// The same acceleration by another route: M from the composite-rigid-body algorithm, C v + g from the
 /// Newton–Euler recursion, then M = LᵀDL, which keeps the tree's zeros. The oracle of
@@ -44,21 +44,21 @@ pub fn forward_dynamics_by_cholesky<S: Scalar>(
     check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
     check_length("the acceleration", acceleration.len(), model.nv);
-    let Workspace { tree, dense, .. } = workspace;
-    run(tree, NewtonEuler::bias(model, q, v, &mut dense.vector));
-    solve_with_mass(model, tree, dense, q, tau, acceleration);
+    accelerate_by_cholesky(model, workspace, q, v, tau, &[], acceleration);
 }
 
-/// a = M⁻¹(τ − bias), the bias in `dense.vector`.
-pub(super) fn solve_with_mass<S: Scalar>(
+/// The same under wrenches: x = τ − (inverse dynamics at a = 0), then M a = x. Leaves the factor of M in the workspace.
+pub(crate) fn accelerate_by_cholesky<S: Scalar>(
     model: &Model,
-    tree: &mut TreeMemory<S>,
-    dense: &mut Dense<S>,
+    workspace: &mut Workspace<S>,
     q: &[S],
+    v: &[S],
     tau: &[S],
+    wrenches: &[FrameWrench<S>],
     acceleration: &mut [S],
 ) {
-    let Dense { matrix, vector: bias, carrier, .. } = dense;
+    let Workspace { tree, dense: Dense { matrix, vector: bias, carrier, .. }, .. } = workspace;
+    run(tree, NewtonEuler { wrenches, ..NewtonEuler::bias(model, q, v, bias) });
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
     for ((a, &tau), &bias) in acceleration.iter_mut().zip(tau).zip(&*bias) {
         *a = tau - bias;

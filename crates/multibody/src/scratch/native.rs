@@ -12,6 +12,19 @@ pub(crate) use self::call::{NativeScratch, computed_natively};
 #[cfg(not(feature = "native"))]
 pub(crate) use self::absent::{NativeScratch, computed_natively};
 
+/// A function whose result is one number, where machine code has computed it.
+#[inline]
+pub(crate) fn native_number<S: Scalar>(
+    model: &Model,
+    scratch: &mut NativeScratch<S>,
+    function: NativeFunction,
+    arguments: &[&[S]],
+) -> Option<S> {
+    let mut number = S::zero();
+    let result = core::slice::from_mut(&mut number);
+    computed_natively(model, scratch, function, arguments, &mut [result]).then_some(number)
+}
+
 #[cfg(feature = "native")]
 mod call {
     use core::marker::PhantomData;

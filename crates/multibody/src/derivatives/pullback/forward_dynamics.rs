@@ -8,8 +8,9 @@ use super::inverse_dynamics::NewtonEulerPullback;
 use super::parameters::check_parameters;
 use super::sweeps::{Results, sweep_in, weigh_bodies};
 use crate::algorithms::forward_dynamics::{
-    accelerate_coupled, accelerate_freedoms, eliminate_freedoms, free_bodies, subtract_in_world,
+    accelerate_freedoms, eliminate_freedoms, free_bodies, subtract_in_world,
 };
+use crate::algorithms::forward_dynamics_by_cholesky::accelerate_by_cholesky;
 use crate::derivatives::columns::subtract_carried;
 use crate::factor::sparse;
 use crate::model::WORLD;
@@ -226,7 +227,7 @@ pub fn forward_dynamics_pullback_with_parameters<S: Scalar>(
     check_length("the cotangent of tau", by_force.len(), model.nv);
     check_parameters(model, parameters);
     if model.couples_branches {
-        accelerate_coupled(model, workspace, q, v, tau, wrenches, acceleration);
+        accelerate_by_cholesky(model, workspace, q, v, tau, wrenches, acceleration);
         solve_negative(&workspace.dense, cotangent, by_force);
         let a = &*acceleration;
         run(
