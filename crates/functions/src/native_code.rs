@@ -3,7 +3,7 @@
 use expression::Arithmetic;
 use multibody::{Model, NativeFunction, NativeTrace};
 
-use crate::Function;
+use crate::{Function, FunctionError};
 
 /// This model with its functions in machine code, made when each is first called: for inverse and forward dynamics, M and the others of
 /// [`NativeFunction`] for one state and for batches, in `f64` and `f32`. Results differ from those of the recursions by rounding.
@@ -25,35 +25,14 @@ pub fn with_native_code(model: Model) -> Model {
     model.with_tracer(trace)
 }
 
-/// The expression of one of these functions.
+/// The expression of one of these functions: the one of the same name, for a conservative step on a robot without dissipation.
 fn trace(model: &Model, function: NativeFunction, arithmetic: Arithmetic) -> Result<NativeTrace, String> {
-    let is_conservative = matches!(
-        function,
-        NativeFunction::ConservativeSemiImplicitEulerStep | NativeFunction::ConservativeRk4Step
-    );
-    let function = match function {
-        NativeFunction::InverseDynamics => Function::InverseDynamics,
-        NativeFunction::Bias => Function::Bias,
-        NativeFunction::Gravity => Function::Gravity,
-        NativeFunction::VelocityProduct => Function::VelocityProduct,
-        NativeFunction::ForwardDynamics => Function::ForwardDynamics,
-        NativeFunction::MassMatrix => Function::MassMatrix,
-        NativeFunction::MassMatrixRelated => Function::MassMatrixRelated,
-        NativeFunction::InverseMassMatrix => Function::InverseMassMatrix,
-        NativeFunction::CoriolisMatrix => Function::CoriolisMatrix,
-        NativeFunction::Momentum => Function::Momentum,
-        NativeFunction::KineticEnergy => Function::KineticEnergy,
-        NativeFunction::PotentialEnergy => Function::PotentialEnergy,
-        NativeFunction::InverseDynamicsDerivatives => Function::InverseDynamicsDerivatives,
-        NativeFunction::ForwardDynamicsDerivatives => Function::ForwardDynamicsDerivatives,
-        NativeFunction::SemiImplicitEulerStep | NativeFunction::ConservativeSemiImplicitEulerStep => {
-            Function::SemiImplicitEulerStep
-        }
-        NativeFunction::Rk4Step | NativeFunction::ConservativeRk4Step => Function::Rk4Step,
-        _ => return Err("which has no expression".into()),
-    };
-    let conservative = is_conservative.then(|| model.without_dissipation());
-    let model = conservative.as_ref().unwrap_or(model);
+    let name = function.name();
+    let conservative = name.strip_prefix("conservative_");
+    let function: Function =
+        conservative.unwrap_or(name).parse().map_err(|error: FunctionError| error.to_string())?;
+    let without_dissipation = conservative.map(|_| model.without_dissipation());
+    let model = without_dissipation.as_ref().unwrap_or(model);
     let lengths = function.arguments(model).iter().map(|argument| argument.length).collect();
     let traced = function.trace(model, arithmetic).map_err(|error| error.to_string())?;
     let mut results = traced.results;
@@ -62,4 +41,20 @@ fn trace(model: &Model, function: NativeFunction, arithmetic: Arithmetic) -> Res
         results.truncate(2);
     }
     Ok(NativeTrace { graph: traced.graph, results, lengths })
+}
+
+#[cfg(test)]
+mod tests {
+    use multibody::pendulum;
+
+    use super::*;
+
+    #[test]
+    fn every_function_has_an_expression() {
+        let model = Model::new(pendulum(2.0, 0.5)).unwrap();
+        for function in NativeFunction::ALL {
+            let traced = trace(&model, function, Arithmetic::default());
+            assert!(traced.is_ok_and(|traced| !traced.results.is_empty()), "{}", function.name());
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Batches by machine code.
 
 #[cfg(feature = "native")]
-pub(super) use self::compute::natively;
+pub(super) use self::compute::{kernel, natively};
 
 /// Without machine code the recursions compute everything.
 #[cfg(not(feature = "native"))]
@@ -11,7 +11,7 @@ pub(super) use crate::model::native::Number;
 
 #[cfg(feature = "native")]
 mod compute {
-    use native::best_instructions;
+    use native::{Kernel, best_instructions};
 
     use super::Number;
     use crate::Model;
@@ -31,6 +31,16 @@ mod compute {
     /// Sums of 0·x, side by side.
     const SUMS: usize = 8;
 
+    /// The machine code of a function for batches, where the workspace is not limited to older instructions.
+    pub(in crate::batch) fn kernel<'a, T: BatchFloat + Number>(
+        model: &'a Model,
+        workspace: &BatchWorkspace<T>,
+        function: NativeFunction,
+    ) -> Option<&'a Kernel<T>> {
+        let code = model.native.code().filter(|_| workspace.instruction_set() == best_instructions())?;
+        code.rows(model, function)
+    }
+
     /// The function of each state, or the results back where there is no machine code. `again` computes one state by the recursion, where an
     /// angle is out of the range of the code's sine, and returns whether it is good.
     pub(in crate::batch) fn natively<'a, T: BatchFloat + Number, const K: usize>(
@@ -41,10 +51,7 @@ mod compute {
         results: [&'a mut [T]; K],
         again: &(impl Fn(&mut BlockMemory, [&[T]; 3], [&mut [T]; K]) -> bool + Sync),
     ) -> Result<Result<(), BadStates>, [&'a mut [T]; K]> {
-        let code = model.native.code().filter(|_| workspace.instruction_set() == best_instructions());
-        let Some(kernel) = code.and_then(|code| code.rows::<T>(model, function)) else {
-            return Err(results);
-        };
+        let Some(kernel) = kernel(model, workspace, function) else { return Err(results) };
         let batch = tables.count(model);
         let count = tables.names.iter().filter(|name| !name.is_empty()).count();
         let used = results.iter().filter(|rows| !rows.is_empty()).count();

@@ -1,7 +1,7 @@
 //! Rollouts by machine code, a kernel a step.
 
+use ::native::Kernel;
 use dynamics::{Integrator, Stage};
-use native::{Kernel, best_instructions};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -10,7 +10,7 @@ use super::{Job, Outcome, PolicyInput, Rollout, RolloutProgress, Shared, Torques
 use crate::Model;
 use crate::batch::share::for_each_part;
 use crate::batch::workspace::{BlockMemory, ThreadMemory};
-use crate::batch::{BatchFloat, BatchWorkspace, block};
+use crate::batch::{BatchFloat, BatchWorkspace, block, native};
 use crate::model::native::{NativeFunction, Number};
 
 /// States that a thread moves at once: a bit each tells the bad ones.
@@ -36,8 +36,7 @@ pub(super) fn move_natively<'a, T: BatchFloat + Number>(
     tables: [&'a mut [T]; 4],
     (shared, outcome): (&Shared<'_>, &Outcome),
 ) -> Result<(), [&'a mut [T]; 4]> {
-    let code = model.native.code().filter(|_| workspace.instruction_set() == best_instructions());
-    let kernel = step_function(rollout).zip(code).and_then(|(step, code)| code.rows::<T>(model, step));
+    let kernel = step_function(rollout).and_then(|step| native::kernel(model, workspace, step));
     let Some(kernel) = kernel else { return Err(tables) };
     let batch = tables[0].len() / model.nq.max(1);
     for_each_part(workspace, batch, (STATES, 1), tables, &|memory, first, states, tables| {
@@ -45,7 +44,7 @@ pub(super) fn move_natively<'a, T: BatchFloat + Number>(
         let mut job = Job { first, states, q, v, q_trajectory, v_trajectory };
         let (mut bits, mut finished) = (0, false);
         if !shared.cancelled.load(Ordering::Relaxed) {
-            let moving = Moving { kernel, model, rollout, stages, torques };
+            let moving = KernelSteps { kernel, model, rollout, stages, torques };
             (bits, finished) = moving.advance(memory, &mut job, shared);
         }
         outcome.add(bits, finished, first..first + states);
@@ -53,8 +52,8 @@ pub(super) fn move_natively<'a, T: BatchFloat + Number>(
     Ok(())
 }
 
-/// What moves states.
-struct Moving<'a, T> {
+/// A rollout whose steps a kernel takes.
+struct KernelSteps<'a, T> {
     kernel: &'a Kernel<T>,
     model: &'a Model,
     rollout: &'a Rollout,
@@ -62,7 +61,7 @@ struct Moving<'a, T> {
     torques: Torques<'a, T>,
 }
 
-impl<T: BatchFloat + Number> Moving<'_, T> {
+impl<T: BatchFloat + Number> KernelSteps<'_, T> {
     /// The bits of the bad states, and whether all have come to the end.
     fn advance(
         &self,
