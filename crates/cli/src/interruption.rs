@@ -43,7 +43,7 @@ pub(crate) fn while_writing<T>(write: impl FnOnce() -> Result<T, Failure>) -> Re
     write()
 }
 
-/// Where a signal is ending the command, waits for that end: what fails because its files are gone is no failure.
+/// Waits for the end of the command where a signal is ending it. Its files are removed then, so that a failure may follow from that.
 pub(crate) fn wait_for_end() {
     drop(TO_REMOVE.lock().unwrap_or_else(PoisonError::into_inner));
 }

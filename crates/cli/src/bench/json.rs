@@ -16,7 +16,7 @@ struct Head<'a> {
     nv: usize,
     tip: &'a str,
     machine: &'a Machine,
-    /// Which functions machine code computes.
+    /// The functions that machine code computes.
     native: String,
     states: u32,
     seed: u64,

@@ -127,11 +127,11 @@ fn shared() -> Pool {
 /// A block of the lanes that this machine has.
 pub(super) type BlockMemory = LaneMemory<OverLanes>;
 
-/// What a thread works in.
+/// The memory of a thread.
 #[derive(Debug)]
 pub(super) struct ThreadMemory<T> {
     pub(super) block: BlockMemory,
-    /// Of machine code.
+    /// The scratch memory of machine code.
     #[cfg_attr(not(feature = "native"), allow(dead_code))]
     pub(super) native: Vec<T>,
 }

@@ -16,7 +16,7 @@ clone_in_place! {
         leaders: Vec<usize>,
         active: Vec<bool>,
         is_whole: bool,
-        /// Of each [`Mark`] the components that have it, at their first trees.
+        /// The components that have each [`Mark`], at their first trees.
         marks: [Vec<bool>; 5],
     }
 }

@@ -88,7 +88,7 @@ clone_in_place! {
         memory: Remembered,
         /// The contacts of the last step on components that do not move meanwhile.
         parked: Vec<Carried>,
-        /// What is near each other where components are to move apart.
+        /// The pairs of trees that are near each other where components are to move apart.
         near: Vec<Near>,
     }
 }

@@ -183,7 +183,7 @@ impl Model {
         model
     }
 
-    /// Which functions machine code computes, and why the recursions compute the others.
+    /// The functions that machine code computes, and the reasons why the recursions compute the others.
     ///
     /// ```
     /// use multibody::{Model, pendulum};

@@ -8,7 +8,7 @@ use crate::contact::touch::{Against, TouchingPoint};
 use crate::contact::{ContactSet, Touching};
 use crate::{Model, Workspace};
 
-/// What touches down more slowly than this is no impact for which the step is divided \[m/s\].
+/// A touchdown slower than this is no impact for which the step is divided \[m/s\].
 const SLOW: f64 = 0.05;
 
 /// Points of one pair nearer to each other than this are one \[m\].
@@ -69,7 +69,7 @@ impl ContactImpulses {
             }
             active.push(Active::new(point, tree.min(other), known));
         });
-        // What touched stays, be it a rounding away: gaps near 0 are not decisive for what is looked at, either.
+        // A contact of the last step stays, even where rounding opens it: gaps near 0 do not decide which points are looked at, either.
         for (index, (carried, _)) in carried.iter().zip(seen).enumerate().filter(|(_, (_, seen))| !**seen) {
             let point = set.point(placement, carried.number);
             let same = active.iter_mut().find(|other| is_same(&other.point, &point));

@@ -10,7 +10,7 @@ use super::size::{estimated_operations, most_operations};
 use super::{NativeFunction, Tracer};
 use crate::{InstructionSet, Model};
 
-/// What a model knows of machine code.
+/// The machine code of a model, if it has a tracer.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Native(Option<Arc<Code>>);
 

@@ -1,10 +1,10 @@
-//! Which route computes a function.
+//! The route that computes a function.
 
 use core::fmt;
 
 use crate::{InstructionSet, NativeFunction};
 
-/// Which functions machine code computes, of those that were called.
+/// The route of each function that was called.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct NativeReport {
