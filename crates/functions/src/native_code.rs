@@ -1,7 +1,10 @@
 //! Machine code of a model's functions.
 
-use expression::Arithmetic;
-use multibody::{Model, NativeFunction, NativeTrace};
+use expression::{Arithmetic, Traced};
+use multibody::{
+    InstructionSet, Model, NativeFunction, NativeTrace, Workspace, inverse_pivots, kinetic_energy,
+    potential_energy,
+};
 
 use crate::{Function, FunctionError};
 
@@ -27,6 +30,24 @@ pub fn with_native_code(model: Model) -> Model {
 
 /// The expression of one of these functions: the one of the same name, for a conservative step on a robot without dissipation.
 fn trace(model: &Model, function: NativeFunction, arithmetic: Arithmetic) -> Result<NativeTrace, String> {
+    match function {
+        NativeFunction::Energies => {
+            let model = model.with_right_angles();
+            return Ok(trace_call(arithmetic, vec![model.nq(), model.nv()], |arguments| {
+                let (w, q, v) = (&mut memory(&model), &arguments[0], &arguments[1]);
+                vec![vec![kinetic_energy(&model, w, q, v), potential_energy(&model, w, q)]]
+            }));
+        }
+        NativeFunction::InversePivots => {
+            let model = Function::ForwardDynamics.traced_model(model);
+            inverse_pivots(&model, &vec![0.0; model.nq()])
+                .ok_or("it is no tree: M has no pivots of joints")?;
+            return Ok(trace_call(arithmetic, vec![model.nq()], |arguments| {
+                vec![inverse_pivots(&model, &arguments[0]).unwrap_or_default()]
+            }));
+        }
+        _ => {}
+    }
     let name = function.name();
     let conservative = name.strip_prefix("conservative_");
     let function: Function =
@@ -41,6 +62,20 @@ fn trace(model: &Model, function: NativeFunction, arithmetic: Arithmetic) -> Res
         results.truncate(2);
     }
     Ok(NativeTrace { graph: traced.graph, results, lengths })
+}
+
+/// The expression of results that these calls give.
+fn trace_call(
+    arithmetic: Arithmetic,
+    lengths: Vec<usize>,
+    compute: impl Fn(&[Vec<Traced>]) -> Vec<Vec<Traced>>,
+) -> NativeTrace {
+    let (graph, results) = expression::trace(arithmetic, &lengths, compute);
+    NativeTrace { graph, results, lengths }
+}
+
+fn memory(model: &Model) -> Workspace<Traced> {
+    Workspace::limited(model, InstructionSet::Portable)
 }
 
 #[cfg(test)]

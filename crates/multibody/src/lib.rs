@@ -129,6 +129,8 @@ pub use algorithms::christoffel::christoffel_symbols;
 pub use algorithms::coriolis::coriolis_matrix;
 pub use algorithms::dissipation::{dissipation, dissipation_derivative};
 pub use algorithms::energy::{kinetic_energy, potential_energy};
+#[doc(hidden)]
+pub use algorithms::forward_dynamics::inverse_pivots;
 pub use algorithms::forward_dynamics::{forward_dynamics, forward_dynamics_with_wrenches};
 pub use algorithms::forward_dynamics_by_cholesky::forward_dynamics_by_cholesky;
 pub use algorithms::frame_motion::{

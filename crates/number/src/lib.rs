@@ -25,7 +25,6 @@ mod dual;
 
 // hardware floats, alone or several states side by side,
 mod float;
-mod lone;
 mod state_lanes;
 mod view;
 
@@ -55,8 +54,6 @@ mod random;
 pub use dual::Dual;
 pub use float::Float;
 pub use instruction_set::InstructionSet;
-#[doc(hidden)]
-pub use lone::{Lone, Unfused};
 pub use random::SplitMix64;
 pub use scalar::Scalar;
 #[doc(hidden)]

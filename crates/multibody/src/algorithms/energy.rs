@@ -7,7 +7,7 @@ use number::dispatch::{Hardware, Kernel};
 use crate::model::length::check_length;
 use crate::model::native::NativeFunction;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
-use crate::scratch::native::native_number;
+use crate::scratch::native::{computed_natively, native_number};
 use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{Sym3, V3};
 use crate::spatial::screw::Screw;
@@ -108,6 +108,11 @@ fn potential_of<N: Scalar>(model: &Model, tree: &TreeMemory<N>) -> N {
 pub(crate) fn energies(model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f64]) -> (f64, f64) {
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
+    let mut both = [0.0; 2];
+    let native = &mut workspace.tree.native;
+    if computed_natively(model, native, NativeFunction::Energies, &[q, v], &mut [&mut both]) {
+        return both.into();
+    }
     let (mut kinetic, mut potential) = (0.0, 0.0);
     let energies = (&mut kinetic, &mut potential);
     run(&mut workspace.tree, Energies { model, q, v, energies });

@@ -195,6 +195,17 @@ pub fn bias<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: 
     if computed_natively(model, native, NativeFunction::Bias, &[q, v], &mut [&mut *bias]) {
         return;
     }
+    bias_by_recursion(model, workspace, q, v, bias);
+}
+
+/// C(q,v) v + g(q) by the recursion, whether there is machine code or not.
+pub(crate) fn bias_by_recursion<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    bias: &mut [S],
+) {
     run(&mut workspace.tree, NewtonEuler::bias(model, q, v, bias));
 }
 

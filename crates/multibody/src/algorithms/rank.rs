@@ -29,7 +29,9 @@ mod tree;
 pub use singular::{SingularMass, SingularMotion};
 
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
 use crate::scratch::extent::Scratch;
+use crate::scratch::native::computed_natively;
 use crate::scratch::tree::TreeMemory;
 use crate::{InstructionSet, Model, MotionError, Workspace, check_configuration};
 
@@ -117,11 +119,45 @@ fn refuse_singular(
     scratch: &mut Scratch,
     q: &[f64],
 ) -> Result<(), SingularMass> {
+    if scratch.has_extents && is_regular_natively(model, tree, scratch, q) {
+        return Ok(());
+    }
     let mut motions = Vec::new();
     watch(model, tree, scratch, q, ROUNDINGS, &mut |vanished| {
         motions.push(SingularMotion::named(model, vanished));
     });
+    scratch.has_extents = scratch.keeps_extents;
     if motions.is_empty() { Ok(()) } else { Err(SingularMass { motions }) }
+}
+
+/// Whether machine code finds pivots that tell beyond doubt that M is regular. N of each freedom is known from a call before.
+fn is_regular_natively(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut Scratch, q: &[f64]) -> bool {
+    check_length("q", q.len(), model.nq);
+    let Scratch { inverse, root, .. } = scratch;
+    let function = NativeFunction::InversePivots;
+    computed_natively(model, &mut tree.native, function, &[q], &mut [&mut inverse[..]])
+        && are_regular(inverse, root)
+}
+
+/// Whether N/d of each freedom, of 1/d and √N, is so small that no further look is needed: dₖ/Nₖ times the least dᵢ/Nᵢ is then 70 times above the
+/// bound.
+pub(crate) fn are_regular(inverse: &[f64], root: &[f64]) -> bool {
+    const MOST: f64 = 2000.0;
+    inverse.iter().zip(root).all(|(inverse, root)| {
+        let ratio = inverse * root * root;
+        ratio > 0.0 && ratio < MOST
+    })
+}
+
+/// √N of each freedom where it is the same in all configurations, as of robots that have hinges alone.
+#[cfg(feature = "batch")]
+pub(crate) fn constant_extents(model: &Model) -> Option<Vec<f64>> {
+    let mut workspace = Workspace::new(model);
+    if !workspace.rank.keeps_extents {
+        return None;
+    }
+    let _ = check_rank(model, &mut workspace, &crate::neutral(model));
+    Some(workspace.rank.root)
 }
 
 /// Shows every pivot that vanishes, from the last coordinate to the first.

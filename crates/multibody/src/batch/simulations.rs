@@ -1,16 +1,21 @@
 //! Many simulations of one robot, stepped together.
 
-mod lanes;
+#[cfg(not(feature = "native"))]
+mod absent;
+#[cfg(feature = "native")]
+mod kernels;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use self::lanes::{LaneStep, LaneSteps};
+#[cfg(not(feature = "native"))]
+use self::absent::{SIDE_BY_SIDE, StepKernels};
+#[cfg(feature = "native")]
+use self::kernels::{SIDE_BY_SIDE, StepKernels};
 use super::Threads;
 use super::compute::check_table;
-use crate::simulator::side_by_side::has_lane_steps;
 use crate::simulator::{Simulation, StepFailure};
 
 /// Simulations of one robot, each with its own state, inputs and contacts, stepped together on threads.
@@ -34,42 +39,40 @@ use crate::simulator::{Simulation, StepFailure};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Where a row of the table with explicit stages takes the steps of a robot without quaternions and followers, several simulations go side by side in the
-/// lanes of a register.
+/// Where machine code takes steps of semi-implicit Euler or Runge and Kutta under torques, one call takes those of several simulations, side by side in the
+/// lanes of registers.
 #[derive(Debug)]
 pub struct SimulationBatch {
     simulations: Vec<Simulation>,
     threads: Threads,
-    /// One for each thread, where steps can be taken in lanes.
-    lanes: Vec<Mutex<LaneSteps>>,
+    /// One for each thread, where machine code takes the steps.
+    kernels: Vec<Mutex<StepKernels>>,
 }
 
 impl Clone for SimulationBatch {
     fn clone(&self) -> Self {
         let simulations = self.simulations.clone();
         Self {
-            lanes: lanes_for(simulations.first(), &self.threads),
+            kernels: kernels_for(simulations.first(), &self.threads),
             simulations,
             threads: self.threads.clone(),
         }
     }
 }
 
-fn lanes_for(simulation: Option<&Simulation>, threads: &Threads) -> Vec<Mutex<LaneSteps>> {
-    let Some(simulation) = simulation.filter(|simulation| simulation.lane_row().is_some()) else {
-        return Vec::new();
+fn kernels_for(simulation: Option<&Simulation>, threads: &Threads) -> Vec<Mutex<StepKernels>> {
+    let made = |simulation: &Simulation| {
+        let (row, dissipation, _) = simulation.explicit_row()?;
+        StepKernels::new(simulation.shared_model(), row, dissipation)
     };
-    let model = simulation.shared_model();
-    let has_lanes = has_lane_steps(model) && LaneSteps::new(model).lanes() > 1;
-    let count = if has_lanes { threads.count() } else { 0 };
-    (0..count).map(|_| Mutex::new(LaneSteps::new(model))).collect()
+    (0..threads.count()).map_while(|_| simulation.and_then(made)).map(Mutex::new).collect()
 }
 
 impl SimulationBatch {
     /// So many copies of a simulation as it is now.
     pub fn new(simulation: &Simulation, count: usize, threads: &Threads) -> Self {
-        let lanes = lanes_for(Some(simulation), threads);
-        Self { simulations: vec![simulation.clone(); count], threads: threads.clone(), lanes }
+        let kernels = kernels_for(Some(simulation).filter(|_| count > 1), threads);
+        Self { simulations: vec![simulation.clone(); count], threads: threads.clone(), kernels }
     }
 
     /// The simulations.
@@ -94,7 +97,7 @@ impl SimulationBatch {
     /// ```
     pub fn set_threads(&mut self, threads: &Threads) {
         if self.threads.count() != threads.count() {
-            self.lanes = lanes_for(self.simulations.first(), threads);
+            self.kernels = kernels_for(self.simulations.first(), threads);
         }
         self.threads = threads.clone();
     }
@@ -206,26 +209,31 @@ impl SimulationBatch {
         cancelled: &AtomicBool,
     ) -> Vec<(usize, StepFailure)> {
         let is_meant = |number: usize| which.is_none_or(|which| which[number]);
-        let Some(lanes) = self.lanes.first_mut() else {
+        if self.kernels.is_empty() {
             return self.for_each(|number, simulation| {
                 if is_meant(number) { advance(simulation, steps, cancelled) } else { Ok(()) }
             });
-        };
-        let width = lanes.get_mut().unwrap_or_else(PoisonError::into_inner).lanes();
-        let memory = &self.lanes;
+        }
+        let memory = &self.kernels;
         let blocks = |(block, simulations): (usize, &mut [Simulation])| {
             // A thread has its own memory.
             let own = rayon::current_thread_index().unwrap_or(0) % memory.len();
-            let mut lanes = memory[own].lock().unwrap_or_else(PoisonError::into_inner);
-            let first = block * width;
+            let mut kernels = memory[own].lock().unwrap_or_else(PoisonError::into_inner);
+            let first = block * SIDE_BY_SIDE;
             let meant = simulations.iter_mut().enumerate().map(|(k, own)| (first + k, own));
-            advance_side_by_side(&mut lanes, meant.filter(|(k, _)| is_meant(*k)).collect(), steps, cancelled)
+            advance_side_by_side(
+                &mut kernels,
+                meant.filter(|(k, _)| is_meant(*k)).collect(),
+                steps,
+                cancelled,
+            )
         };
         let simulations = &mut self.simulations;
         if self.threads.count() == 1 {
-            return simulations.chunks_mut(width).enumerate().flat_map(blocks).collect();
+            return simulations.chunks_mut(SIDE_BY_SIDE).enumerate().flat_map(blocks).collect();
         }
-        self.threads.install(|| simulations.par_chunks_mut(width).enumerate().flat_map_iter(blocks).collect())
+        let chunks = simulations.par_chunks_mut(SIDE_BY_SIDE).enumerate();
+        self.threads.install(|| chunks.flat_map_iter(blocks).collect())
     }
 
     /// Does the same to each simulation, on all threads. Returns those that failed, in rising order.
@@ -253,35 +261,39 @@ fn advance(simulation: &mut Simulation, steps: usize, cancelled: &AtomicBool) ->
     (0..steps).take_while(go_on).try_for_each(|_| simulation.step())
 }
 
-/// So many steps of simulations that fit in the lanes of a register. Where a step is not that of each alone, those that are left take theirs alone.
+/// So many steps of simulations side by side. Where a step is not that of each alone, those that are left take theirs alone.
 fn advance_side_by_side(
-    lanes: &mut LaneSteps,
+    kernels: &mut StepKernels,
     mut simulations: Vec<(usize, &mut Simulation)>,
     steps: usize,
     cancelled: &AtomicBool,
 ) -> Vec<(usize, StepFailure)> {
     let mut failed = Vec::new();
-    let row = simulations.first().and_then(|(_, first)| first.lane_row());
-    let is_alike = |own: &Simulation| own.lane_row() == row && Arc::ptr_eq(own.shared_model(), lanes.model());
+    let explicit = simulations.first().and_then(|(_, first)| first.explicit_row());
+    let is_alike = |own: &Simulation| {
+        own.explicit_row() == explicit
+            && explicit
+                .is_some_and(|(row, dissipates, _)| kernels.are_of(own.shared_model(), row, dissipates))
+    };
     let are_alike = simulations.iter().all(|(_, own)| is_alike(own));
     let mut done = 0;
-    if let (Some((row, dissipates, h)), true) = (row, are_alike && simulations.len() > 1 && steps > 0) {
-        keep_good(&mut simulations, &mut failed, Simulation::begin_lane_steps);
+    if let (Some((.., h)), true) = (explicit, are_alike && simulations.len() > 1 && steps > 0) {
+        keep_good(&mut simulations, &mut failed, Simulation::begin_steps_elsewhere);
         while done < steps && simulations.len() > 1 && !cancelled.load(Ordering::Relaxed) {
-            lanes.clear();
+            kernels.clear();
             for (_, own) in &simulations {
-                lanes.push(&own.step_start());
+                kernels.push(&own.step_start());
             }
-            let LaneStep { is_same, is_regular } = lanes.step(row, dissipates, h);
+            kernels.step(h);
             done += 1;
-            let mut lane = 0;
+            let mut state = 0;
             keep_good(&mut simulations, &mut failed, |own| {
-                let (end, energies) = lanes.end(lane);
-                lane += 1;
-                if !is_regular {
-                    own.check_lane_step()?;
+                let (step, end, energies) = kernels.end(state);
+                state += 1;
+                if !step.is_regular {
+                    own.check_step_elsewhere()?;
                 }
-                if is_same && own.end_lane_step(end, energies) { Ok(()) } else { own.step() }
+                if !step.is_far && own.end_step_elsewhere(end, energies) { Ok(()) } else { own.step() }
             });
         }
     }

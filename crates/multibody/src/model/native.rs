@@ -13,6 +13,7 @@ mod report;
 #[cfg(feature = "native")]
 mod size;
 
+use dynamics::Integrator;
 #[cfg(feature = "native")]
 use expression::{Arithmetic, Graph, Operand};
 
@@ -51,6 +52,10 @@ pub enum NativeFunction {
     KineticEnergy,
     /// V(q).
     PotentialEnergy,
+    /// K(q, v) and V(q).
+    Energies,
+    /// 1/d of each freedom: what the articulated-body algorithm divides by.
+    InversePivots,
     /// ∂τ/∂q, ∂τ/∂v.
     InverseDynamicsDerivatives,
     /// ∂a/∂q, ∂a/∂v, ∂a/∂τ.
@@ -67,7 +72,7 @@ pub enum NativeFunction {
 
 impl NativeFunction {
     /// All of them.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 20] = [
         Self::InverseDynamics,
         Self::Bias,
         Self::Gravity,
@@ -80,6 +85,8 @@ impl NativeFunction {
         Self::Momentum,
         Self::KineticEnergy,
         Self::PotentialEnergy,
+        Self::Energies,
+        Self::InversePivots,
         Self::InverseDynamicsDerivatives,
         Self::ForwardDynamicsDerivatives,
         Self::SemiImplicitEulerStep,
@@ -107,12 +114,25 @@ impl NativeFunction {
             Self::Momentum => "momentum",
             Self::KineticEnergy => "kinetic_energy",
             Self::PotentialEnergy => "potential_energy",
+            Self::Energies => "energies",
+            Self::InversePivots => "inverse_pivots",
             Self::InverseDynamicsDerivatives => "inverse_dynamics_derivatives",
             Self::ForwardDynamicsDerivatives => "forward_dynamics_derivatives",
             Self::SemiImplicitEulerStep => "semi_implicit_euler_step",
             Self::ConservativeSemiImplicitEulerStep => "conservative_semi_implicit_euler_step",
             Self::Rk4Step => "rk4_step",
             Self::ConservativeRk4Step => "conservative_rk4_step",
+        }
+    }
+
+    /// A step of this row, with damping and friction or without.
+    pub(crate) fn step(row: Integrator, dissipation: bool) -> Option<Self> {
+        match (row, dissipation) {
+            (Integrator::SemiImplicitEuler, true) => Some(Self::SemiImplicitEulerStep),
+            (Integrator::SemiImplicitEuler, false) => Some(Self::ConservativeSemiImplicitEulerStep),
+            (Integrator::RungeKutta4, true) => Some(Self::Rk4Step),
+            (Integrator::RungeKutta4, false) => Some(Self::ConservativeRk4Step),
+            _ => None,
         }
     }
 }

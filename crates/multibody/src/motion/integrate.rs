@@ -102,7 +102,9 @@ pub fn step(
         check_finite(quantity, values)?;
     }
     match integrator.method() {
-        Method::Explicit(stages) => Ok(explicit::step(model, workspace, stages, forces, h, q, v)?),
+        Method::Explicit(stages) => {
+            Ok(explicit::step(model, workspace, (integrator, stages), forces, h, q, v)?)
+        }
         Method::Variational(fractions) => {
             variational::compose(model, workspace, forces, (h, fractions), q, v)
         }

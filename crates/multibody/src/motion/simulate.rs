@@ -12,7 +12,7 @@ mod cut;
 mod divergence;
 mod error;
 mod event;
-mod ledger;
+pub(crate) mod ledger;
 mod losses;
 mod pd;
 mod root;

@@ -61,6 +61,11 @@ pub(crate) struct Scratch {
     pub(crate) distance: Vec<f64>,
     /// √Nₖ of each freedom of the tree.
     pub(crate) root: Vec<f64>,
+    /// Whether these are the same in all configurations, as origins of bodies on hinges keep their distances; and whether they are known.
+    pub(crate) keeps_extents: bool,
+    pub(crate) has_extents: bool,
+    /// 1/dₖ.
+    pub(crate) inverse: Vec<f64>,
     /// |zᵢ| √Nᵢ by freedom or coordinate.
     pub(crate) share: Vec<f64>,
     /// √N and z by coordinate, of robots whose branches are coupled.
@@ -80,6 +85,10 @@ impl Scratch {
             own,
             distance: vec![0.0; bodies],
             root: vec![0.0; dofs],
+            keeps_extents: !model.couples_branches
+                && model.bodies.iter().all(|body| body.motion == Motion::Revolute),
+            has_extents: false,
+            inverse: vec![0.0; dofs],
             share: vec![0.0; dofs],
             reduced: vec![0.0; reduced],
             motion: vec![0.0; reduced],

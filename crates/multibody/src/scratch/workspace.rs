@@ -7,7 +7,6 @@ use crate::factor::sparse::coordinate_carriers;
 use crate::model::identity::Identity;
 use crate::model::length::check_length;
 use crate::scratch::extent;
-use crate::scratch::native::NativeScratch;
 use crate::scratch::tree::TreeMemory;
 use crate::{InstructionSet, Model};
 
@@ -74,11 +73,6 @@ impl<S: Scalar> Workspace<S> {
     pub(crate) fn admit(&self, model: &Model, q: &[S]) {
         self.robot.check(model, "the workspace");
         check_length("q", q.len(), model.nq);
-    }
-
-    /// Keeps its calls from machine code.
-    pub(crate) fn by_recursions(&mut self) {
-        self.tree.native = NativeScratch::new(InstructionSet::Portable);
     }
 
     /// Memory of one number alone, as kernels compute with.

@@ -7,19 +7,9 @@ use dynamics::Integrator;
 use super::error::StepFailure;
 use super::step_inputs::note_acceleration;
 use super::{Method, Simulation};
-use crate::joint::Chart;
 use crate::motion::simulate::Course;
-use crate::space::configuration::stretches;
-use crate::{InstructionSet, Model};
-
-/// The energies at a step's end, and what was put in and taken out during it \[J\].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct StepEnergies {
-    pub kinetic: f64,
-    pub potential: f64,
-    pub work: f64,
-    pub dissipated: f64,
-}
+use crate::motion::simulate::ledger::record_energies;
+use crate::{InstructionSet, Model, StepForces};
 
 /// The start of a step.
 pub(crate) struct StepStart<'a> {
@@ -29,14 +19,6 @@ pub(crate) struct StepStart<'a> {
     pub tau: &'a [f64],
 }
 
-/// Whether explicit steps of a robot can be computed in lanes, with the bits of one state: it has plain coordinates alone, and no followers.
-pub(crate) fn has_lane_steps(model: &Model) -> bool {
-    model.nq == model.nv
-        && model.dofs.len() == model.nv
-        && !model.couples_branches
-        && stretches(model).all(|stretch| stretch.chart == Chart::Line)
-}
-
 impl Simulation {
     /// The robot, which its copies share.
     pub(crate) fn shared_model(&self) -> &Arc<Model> {
@@ -44,7 +26,7 @@ impl Simulation {
     }
 
     /// The row of explicit stages that takes the next steps with held torques alone, damping and friction beside it; the step \[s\].
-    pub(crate) fn lane_row(&self) -> Option<(Integrator, bool, f64)> {
+    pub(crate) fn explicit_row(&self) -> Option<(Integrator, bool, f64)> {
         let Method::Fixed(_) = self.method() else { return None };
         let row = self.stepper.row().filter(|row| row.is_explicit())?;
         let is_plain = self.inputs.wrenches.is_empty()
@@ -54,13 +36,13 @@ impl Simulation {
     }
 
     /// Checks the torques and cuts them off at their limits; they are held over the steps that follow.
-    pub(crate) fn begin_lane_steps(&mut self) -> Result<(), StepFailure> {
+    pub(crate) fn begin_steps_elsewhere(&mut self) -> Result<(), StepFailure> {
         let model = Arc::clone(&self.model);
         self.begin_step(&self.course(&model, 0, self.base))
     }
 
     /// Looks at M where a step starts.
-    pub(crate) fn check_lane_step(&mut self) -> Result<(), StepFailure> {
+    pub(crate) fn check_step_elsewhere(&mut self) -> Result<(), StepFailure> {
         let model = Arc::clone(&self.model);
         self.check_mass(&self.course(&model, 0, self.base))
     }
@@ -71,11 +53,13 @@ impl Simulation {
     }
 
     /// Enters a step that was taken elsewhere, to (q, v). Refuses one that [`step`](Self::step) would refuse: then all is as before.
-    pub(crate) fn end_lane_step(&mut self, (q, v): (&[f64], &[f64]), energies: StepEnergies) -> bool {
-        let Self { model, run, memory, stepper, .. } = self;
-        let StepEnergies { kinetic, potential, work, dissipated } = energies;
+    /// K and V are those of its end \[J\].
+    pub(crate) fn end_step_elsewhere(&mut self, (q, v): (&[f64], &[f64]), energies: (f64, f64)) -> bool {
+        let Self { model, run, memory, stepper, workspace, .. } = self;
         let mut ledger = run.ledger;
-        ledger.enter(kinetic, potential, ledger.work() + work, ledger.dissipated() + dissipated);
+        let forces = StepForces::new(&memory.applied, self.dissipates);
+        let ends = ((&run.q[..], &run.v[..]), (q, v));
+        record_energies(model, workspace, &mut ledger, ends, &forces, self.step, energies);
         let course =
             Course { model, step: self.step, dissipation: self.dissipates, sample_every: 0, base: self.base };
         let is_good = q.iter().chain(v).all(|x| x.is_finite());

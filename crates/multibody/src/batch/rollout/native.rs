@@ -1,7 +1,7 @@
 //! Rollouts by machine code, a kernel a step.
 
 use ::native::Kernel;
-use dynamics::{Integrator, Stage};
+use dynamics::Stage;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -16,17 +16,6 @@ use crate::model::native::{NativeFunction, Number};
 /// States that a thread moves at once: a bit each tells the bad ones.
 const STATES: usize = u32::BITS as usize;
 
-/// The step of this row as a function.
-fn step_function(rollout: &Rollout) -> Option<NativeFunction> {
-    match (rollout.integrator, rollout.dissipation) {
-        (Integrator::SemiImplicitEuler, true) => Some(NativeFunction::SemiImplicitEulerStep),
-        (Integrator::SemiImplicitEuler, false) => Some(NativeFunction::ConservativeSemiImplicitEulerStep),
-        (Integrator::RungeKutta4, true) => Some(NativeFunction::Rk4Step),
-        (Integrator::RungeKutta4, false) => Some(NativeFunction::ConservativeRk4Step),
-        _ => None,
-    }
-}
-
 /// Moves all states; the tables back where there is no machine code of the step.
 pub(super) fn move_natively<'a, T: BatchFloat + Number>(
     model: &Model,
@@ -36,7 +25,8 @@ pub(super) fn move_natively<'a, T: BatchFloat + Number>(
     tables: [&'a mut [T]; 4],
     (shared, outcome): (&Shared<'_>, &Outcome),
 ) -> Result<(), [&'a mut [T]; 4]> {
-    let kernel = step_function(rollout).and_then(|step| native::kernel(model, workspace, step));
+    let step = NativeFunction::step(rollout.integrator, rollout.dissipation);
+    let kernel = step.and_then(|step| native::kernel(model, workspace, step));
     let Some(kernel) = kernel else { return Err(tables) };
     let batch = tables[0].len() / model.nq.max(1);
     for_each_part(workspace, batch, (STATES, 1), tables, &|memory, first, states, tables| {

@@ -11,6 +11,8 @@ pub(super) fn most_operations(function: NativeFunction, width: Width) -> usize {
     match (function, width) {
         (NativeFunction::CoriolisMatrix, Width::One) => 3_500,
         (NativeFunction::MassMatrix, Width::One) => 12_000,
+        // Stages of a step are fetched as often one by one.
+        (NativeFunction::Rk4Step | NativeFunction::ConservativeRk4Step, Width::One) => 30_000,
         (_, Width::One) => 20_000,
         // States side by side share what is fetched.
         (_, Width::Lanes) => 30_000,
@@ -23,6 +25,7 @@ pub(super) fn estimated_operations(model: &Model, function: NativeFunction) -> u
     let (bodies, pairs, triples) = counts(model);
     match function {
         NativeFunction::ForwardDynamics
+        | NativeFunction::InversePivots
         | NativeFunction::SemiImplicitEulerStep
         | NativeFunction::ConservativeSemiImplicitEulerStep => 150 * bodies,
         NativeFunction::Rk4Step | NativeFunction::ConservativeRk4Step => 600 * bodies,

@@ -3,8 +3,9 @@
 use dynamics::DynamicsError;
 
 use super::{Implicit, Memory};
+use crate::algorithms::inverse_dynamics::bias_by_recursion;
 use crate::space::displacement_rate::displacement_rate;
-use crate::{Model, Workspace, bias, integrate};
+use crate::{Model, Workspace, integrate};
 
 /// γ = 1 − 1/√2: L-stable, with the smaller error of the two such values.
 const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
@@ -54,7 +55,8 @@ impl Implicit {
         // τ − Cv − g − Dv of the middle at another velocity.
         applied.fill(0.0);
         let mut apply = |workspace: &mut Workspace, v: &[f64], to: &mut [f64]| {
-            bias(model, workspace, middle, v, force);
+            // A component of several bodies moves with the bits that it has alone, which machine code of each model would not give.
+            bias_by_recursion(model, workspace, middle, v, force);
             match drive {
                 Some(drive) => drive.forces(model, middle, v, driven),
                 None => driven.fill(0.0),

@@ -3,6 +3,8 @@
 use dynamics::{DynamicsError, Integrator, Method, Scalar, Stage, check_finite};
 
 use super::{StepForces, StepWorkspace, accelerate};
+use crate::model::native::NativeFunction;
+use crate::scratch::native::computed_natively;
 use crate::space::displacement_rate::displacement_rate;
 use crate::{Model, Workspace, integrate};
 
@@ -179,7 +181,7 @@ impl Motion<f64> for Free<'_> {
 pub(super) fn step(
     model: &Model,
     workspace: &mut StepWorkspace,
-    stages: &[Stage],
+    (row, stages): (Integrator, &[Stage]),
     forces: &StepForces<'_>,
     h: f64,
     q: &mut [f64],
@@ -187,6 +189,17 @@ pub(super) fn step(
 ) -> Result<(), DynamicsError> {
     let StepWorkspace { dynamics, force, stages: memory, .. } = workspace;
     let mut memory = StageMemory::new(model, stages.len(), memory);
+    if let Some(function) = NativeFunction::step(row, forces.dissipation) {
+        let (native, ends) = (&mut dynamics.tree.native, &mut [&mut *memory.q, &mut *memory.v]);
+        // Where an end is not finite, the stages say which number was first.
+        if computed_natively(model, native, function, &[q, v, forces.tau, &[h]], ends)
+            && memory.q.iter().chain(&*memory.v).all(|x| x.is_finite())
+        {
+            q.copy_from_slice(memory.q);
+            v.copy_from_slice(memory.v);
+            return Ok(());
+        }
+    }
     let mut motion = Free { model, workspace: dynamics, force, forces };
     advance(model, stages, &mut motion, h, &mut memory, (q, v))
 }

@@ -40,11 +40,8 @@ impl StepWorkspace {
         for stretch in stretches(model).filter(|stretch| stretch.chart == Chart::Line) {
             is_plain[stretch.v] = true;
         }
-        // Steps of several simulations in lanes run through the recursions, and have the bits of steps alone.
-        let mut dynamics = Workspace::new(model);
-        dynamics.by_recursions();
         Self {
-            dynamics,
+            dynamics: Workspace::new(model),
             force: vec![0.0; nv],
             q: vec![0.0; nq],
             v: vec![0.0; nv],

@@ -73,7 +73,21 @@ pub fn record_step(
     forces: &StepForces<'_>,
     h: f64,
 ) {
-    let (kinetic, potential) = travel(model, workspace, from, to, h);
+    let energies = energies(model, &mut workspace.dynamics, to.0, to.1);
+    record_energies(model, workspace, ledger, (from, to), forces, h, energies);
+}
+
+/// [`record_step`] where K and V at the step's end are known.
+pub(crate) fn record_energies(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    ledger: &mut EnergyLedger,
+    (from, to): ((&[f64], &[f64]), (&[f64], &[f64])),
+    forces: &StepForces<'_>,
+    h: f64,
+    (kinetic, potential): (f64, f64),
+) {
+    displace(model, workspace, from, to, h);
     let ((_, v0), (_, v1)) = (from, to);
     let StepWorkspace { displacement, v: middle, force, .. } = workspace;
     let work = ledger.work() + dot(forces.tau, displacement);
@@ -92,18 +106,28 @@ pub fn record_step(
 pub(crate) fn travel(
     model: &Model,
     workspace: &mut StepWorkspace,
+    from: (&[f64], &[f64]),
+    to: (&[f64], &[f64]),
+    h: f64,
+) -> (f64, f64) {
+    displace(model, workspace, from, to, h);
+    energies(model, &mut workspace.dynamics, to.0, to.1)
+}
+
+/// ∫v dt to the workspace's `displacement`, and v in the middle of the step to its `v`.
+fn displace(
+    model: &Model,
+    workspace: &mut StepWorkspace,
     (q0, v0): (&[f64], &[f64]),
     (q1, v1): (&[f64], &[f64]),
     h: f64,
-) -> (f64, f64) {
-    let StepWorkspace { dynamics, displacement, v: middle, .. } = workspace;
-    let energies = energies(model, dynamics, q1, v1);
+) {
+    let StepWorkspace { displacement, v: middle, .. } = workspace;
     difference(model, q0, q1, displacement);
     take_off_commutators(model, displacement, (v0, v1), h);
     for k in 0..v0.len() {
         middle[k] = 1.5 / h * displacement[k] - 0.25 * (v0[k] + v1[k]);
     }
-    energies
 }
 
 /// The books of a run from (q, v), and these; or why there is no such run, with the books of neutral at rest, as a
