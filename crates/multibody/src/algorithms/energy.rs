@@ -1,12 +1,9 @@
 //! Kinetic and potential energy.
 
 use dynamics::Scalar;
-use number::View;
-use number::dispatch::{Hardware, Kernel};
 
 use crate::model::length::check_length;
 use crate::model::native::NativeFunction;
-use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
 use crate::scratch::native::{computed_natively, native_number};
 use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{Sym3, V3};
@@ -113,30 +110,9 @@ pub(crate) fn energies(model: &Model, workspace: &mut Workspace, q: &[f64], v: &
     if computed_natively(model, native, NativeFunction::Energies, &[q, v], &mut [&mut both]) {
         return both.into();
     }
-    let (mut kinetic, mut potential) = (0.0, 0.0);
-    let energies = (&mut kinetic, &mut potential);
-    run(&mut workspace.tree, Energies { model, q, v, energies });
-    (kinetic, potential)
-}
-
-/// The arguments of [`energies`].
-pub(crate) struct Energies<'a, S> {
-    pub model: &'a Model,
-    pub q: &'a [S],
-    pub v: &'a [S],
-    pub energies: (&'a mut S, &'a mut S),
-}
-
-compiled_once!(EnergiesKind, Energies);
-
-impl<S: Scalar> Kernel<OverNumber, S> for Energies<'_, S> {
-    #[inline(always)]
-    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
-        let Self { model, q, v, energies: (kinetic, potential) } = self;
-        place_bodies(model, tree, N::view(q));
-        move_bodies(model, tree, N::view(v));
-        places_in_world(model, tree);
-        *kinetic = kinetic_of(model, tree).value();
-        *potential = potential_of(model, tree).value();
-    }
+    let tree = &mut workspace.tree;
+    place_bodies(model, tree, q);
+    move_bodies(model, tree, v);
+    places_in_world(model, tree);
+    (kinetic_of(model, tree), potential_of(model, tree))
 }

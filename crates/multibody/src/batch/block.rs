@@ -36,19 +36,6 @@ pub(super) trait Operation<T>: Copy + Sync {
         input: [&[N]; 3],
         output: &mut [N],
     );
-
-    /// From the result to the states' rows; `mirror` is of [`mirror`].
-    #[inline(always)]
-    fn scatter<N: StateLanes<Float = T>, H: Hardware>(
-        self,
-        mirror: &[u32],
-        result: &[N],
-        rows: &mut [T],
-        states: usize,
-    ) {
-        let _ = mirror;
-        scatter_all::<N, H>(result, rows, result.len(), states);
-    }
 }
 
 /// A block over each number.
@@ -63,7 +50,6 @@ pub(super) struct Block<S: Scalar> {
     pub(super) workspace: Workspace<S>,
     pub(super) input: Vec<S>,
     pub(super) output: Vec<S>,
-    mirror: Vec<u32>,
 }
 
 /// What a block is made from.
@@ -72,8 +58,7 @@ pub(super) struct Maker<'a>(pub(super) &'a Model);
 impl Make<OverLanes> for Maker<'_> {
     fn make<S: Scalar>(&self) -> Block<S> {
         let Self(model) = *self;
-        let (input, output) = (Vec::new(), Vec::new());
-        Block { workspace: Workspace::scratch(model), input, output, mirror: mirror(model) }
+        Block { workspace: Workspace::scratch(model), input: Vec::new(), output: Vec::new() }
     }
 }
 
@@ -117,7 +102,7 @@ impl<T: Float, O: Operation<T>> LaneKernel<OverLanes, T> for Lanewise<'_, T, O> 
     #[inline(always)]
     fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
         let Self { model, operation, states, rows, output, bad } = self;
-        let Block { workspace, input, output: result, mirror } = block;
+        let Block { workspace, input, output: result } = block;
         make_room(result, output.len() / states);
         let (input, mut poison) = read::<N, H>(rows, states, input);
         operation.run::<N, H>(model, workspace, input, result);
@@ -126,32 +111,9 @@ impl<T: Float, O: Operation<T>> LaneKernel<OverLanes, T> for Lanewise<'_, T, O> 
         if *bad != 0 {
             poison_lanes(*bad, result);
         }
-        operation.scatter::<N, H>(mirror, result, output, states);
+        let width = result.len();
+        scatter_all::<N, H>(result, output, width, states);
     }
-}
-
-/// Where each entry of M stands when only the upper triangle is written, and of it only what is not always
-/// zero: above the diagonal, or, where neither freedom carries the other, at [`zero_entry`].
-fn mirror(model: &Model) -> Vec<u32> {
-    let nv = model.nv;
-    let entry = |i: usize, j: usize| {
-        let (above, below) = (i.min(j), i.max(j));
-        // Where branches are coupled all entries are written.
-        let place = if model.couples_branches {
-            i * nv + j
-        } else if below < model.dofs[above].end {
-            above * nv + below
-        } else {
-            zero_entry(nv)
-        };
-        u32::try_from(place).expect("a matrix of fewer than 2³² entries")
-    };
-    (0..nv * nv).map(|k| entry(k / nv, k % nv)).collect()
-}
-
-/// An entry of M below the diagonal.
-pub(super) fn zero_entry(nv: usize) -> usize {
-    nv
 }
 
 /// The states of three tables, and what [`add_poison`] finds in them.
@@ -222,20 +184,8 @@ impl<N: StateLanes> Call for Scatter<'_, N> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
         let Self { from, rows, stride, states } = self;
-        scatter(from.len(), |k| &from[k], rows, stride, states);
+        N::scatter_first(states, from.len(), |k| &from[k], rows, stride);
     }
-}
-
-/// The reverse of [`gather`], of `width` columns anywhere.
-#[inline(always)]
-pub(super) fn scatter<'a, N: StateLanes>(
-    width: usize,
-    column: impl Fn(usize) -> &'a N,
-    rows: &mut [N::Float],
-    stride: usize,
-    states: usize,
-) {
-    N::scatter_first(states, width, column, rows, stride);
 }
 
 /// poison + Σ 0·x: NaN in the lanes where some x is not finite.

@@ -4,7 +4,7 @@ use dynamics::Scalar;
 use number::dispatch::{Hardware, Kernel};
 use number::{StateLanes, View};
 
-use super::block::{Operation, scatter, zero_entry};
+use super::block::Operation;
 use super::within::call;
 use crate::Model;
 use crate::algorithms::forward_dynamics::ArticulatedBodies;
@@ -156,21 +156,11 @@ impl<T> Operation<T> for InverseMass {
         let Workspace { tree, dense: Dense { matrix: mass, vector: row, carrier, .. }, .. } = workspace;
         call::<H, _, _>(tree, FactoredMass { model, q, carrier, mass });
         sparse::invert(carrier, mass, row, inverse);
-    }
-
-    /// Row by row, each number above the diagonal from its mirror image.
-    #[inline(always)]
-    fn scatter<N: StateLanes<Float = T>, H: Hardware>(
-        self,
-        _: &[u32],
-        inverse: &[N],
-        rows: &mut [T],
-        states: usize,
-    ) {
-        let nv = inverse.len().isqrt();
-        for i in 0..nv {
-            let entry = |j: usize| &inverse[i.max(j) * nv + i.min(j)];
-            scatter(nv, entry, &mut rows[i * nv..], nv * nv, states);
+        // It leaves the lower triangle.
+        for i in 0..model.nv {
+            for j in i + 1..model.nv {
+                inverse[i * model.nv + j] = inverse[j * model.nv + i];
+            }
         }
     }
 }
@@ -201,24 +191,6 @@ impl<T> Operation<T> for Mass {
         [q, ..]: [&[N]; 3],
         mass: &mut [N],
     ) {
-        call::<H, _, _>(
-            &mut workspace.tree,
-            CompositeBodies { model, q, mass, entries: Entries::RelatedAbove },
-        );
-        if model.nv > 1 && !model.couples_branches {
-            mass[zero_entry(model.nv)] = N::zero();
-        }
-    }
-
-    #[inline(always)]
-    fn scatter<N: StateLanes<Float = T>, H: Hardware>(
-        self,
-        mirror: &[u32],
-        mass: &[N],
-        rows: &mut [T],
-        states: usize,
-    ) {
-        let mirror = &mirror[..mass.len()];
-        scatter(mass.len(), |k| &mass[mirror[k] as usize], rows, mass.len(), states);
+        call::<H, _, _>(&mut workspace.tree, CompositeBodies { model, q, mass, entries: Entries::All });
     }
 }
