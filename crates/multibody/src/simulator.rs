@@ -19,7 +19,7 @@ mod own_stepper;
 mod results;
 mod run_options;
 mod running;
-#[cfg(feature = "batch")]
+#[cfg(all(feature = "batch", feature = "native"))]
 pub(crate) mod side_by_side;
 mod state;
 mod step_inputs;

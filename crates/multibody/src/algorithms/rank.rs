@@ -150,7 +150,7 @@ pub(crate) fn are_regular(inverse: &[f64], root: &[f64]) -> bool {
 }
 
 /// √N of each freedom where it is the same in all configurations, as of robots that have hinges alone.
-#[cfg(feature = "batch")]
+#[cfg(all(feature = "batch", feature = "native"))]
 pub(crate) fn constant_extents(model: &Model) -> Option<Vec<f64>> {
     let mut workspace = Workspace::new(model);
     if !workspace.rank.keeps_extents {

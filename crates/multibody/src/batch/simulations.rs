@@ -11,9 +11,9 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 
 #[cfg(not(feature = "native"))]
-use self::absent::{SIDE_BY_SIDE, StepKernels};
+use self::absent::{SIDE_BY_SIDE, StepKernels, advance_side_by_side, kernels_for};
 #[cfg(feature = "native")]
-use self::kernels::{SIDE_BY_SIDE, StepKernels};
+use self::kernels::{SIDE_BY_SIDE, StepKernels, advance_side_by_side, kernels_for};
 use super::Threads;
 use super::compute::check_table;
 use crate::simulator::{Simulation, StepFailure};
@@ -58,14 +58,6 @@ impl Clone for SimulationBatch {
             threads: self.threads.clone(),
         }
     }
-}
-
-fn kernels_for(simulation: Option<&Simulation>, threads: &Threads) -> Vec<Mutex<StepKernels>> {
-    let made = |simulation: &Simulation| {
-        let (row, dissipation, _) = simulation.explicit_row()?;
-        StepKernels::new(simulation.shared_model(), row, dissipation)
-    };
-    (0..threads.count()).map_while(|_| simulation.and_then(made)).map(Mutex::new).collect()
 }
 
 impl SimulationBatch {
@@ -259,62 +251,4 @@ type Place = fn(&mut Simulation, &[f64], &[f64]) -> Result<(), StepFailure>;
 fn advance(simulation: &mut Simulation, steps: usize, cancelled: &AtomicBool) -> Result<(), StepFailure> {
     let go_on = |_: &usize| !cancelled.load(Ordering::Relaxed);
     (0..steps).take_while(go_on).try_for_each(|_| simulation.step())
-}
-
-/// So many steps of simulations side by side. Where a step is not that of each alone, those that are left take theirs alone.
-fn advance_side_by_side(
-    kernels: &mut StepKernels,
-    mut simulations: Vec<(usize, &mut Simulation)>,
-    steps: usize,
-    cancelled: &AtomicBool,
-) -> Vec<(usize, StepFailure)> {
-    let mut failed = Vec::new();
-    let explicit = simulations.first().and_then(|(_, first)| first.explicit_row());
-    let is_alike = |own: &Simulation| {
-        own.explicit_row() == explicit
-            && explicit
-                .is_some_and(|(row, dissipates, _)| kernels.are_of(own.shared_model(), row, dissipates))
-    };
-    let are_alike = simulations.iter().all(|(_, own)| is_alike(own));
-    let mut done = 0;
-    if let (Some((.., h)), true) = (explicit, are_alike && simulations.len() > 1 && steps > 0) {
-        keep_good(&mut simulations, &mut failed, Simulation::begin_steps_elsewhere);
-        while done < steps && simulations.len() > 1 && !cancelled.load(Ordering::Relaxed) {
-            kernels.clear();
-            for (_, own) in &simulations {
-                kernels.push(&own.step_start());
-            }
-            kernels.step(h);
-            done += 1;
-            let mut state = 0;
-            keep_good(&mut simulations, &mut failed, |own| {
-                let (step, end, energies) = kernels.end(state);
-                state += 1;
-                if !step.is_regular {
-                    own.check_step_elsewhere()?;
-                }
-                if !step.is_far && own.end_step_elsewhere(end, energies) { Ok(()) } else { own.step() }
-            });
-        }
-    }
-    if done < steps {
-        keep_good(&mut simulations, &mut failed, |own| advance(own, steps - done, cancelled));
-    }
-    failed.sort_unstable_by_key(|(number, _)| *number);
-    failed
-}
-
-/// Does something to each simulation, and takes those out that fail.
-fn keep_good(
-    simulations: &mut Vec<(usize, &mut Simulation)>,
-    failed: &mut Vec<(usize, StepFailure)>,
-    mut act: impl FnMut(&mut Simulation) -> Result<(), StepFailure>,
-) {
-    simulations.retain_mut(|(number, own)| match act(own) {
-        Ok(()) => true,
-        Err(failure) => {
-            failed.push((*number, failure));
-            false
-        }
-    });
 }

@@ -58,8 +58,8 @@ impl Simulation {
         let Self { model, run, memory, stepper, workspace, .. } = self;
         let mut ledger = run.ledger;
         let forces = StepForces::new(&memory.applied, self.dissipates);
-        let ends = ((&run.q[..], &run.v[..]), (q, v));
-        record_energies(model, workspace, &mut ledger, ends, &forces, self.step, energies);
+        let start = (&run.q[..], &run.v[..]);
+        record_energies(model, workspace, &mut ledger, start, (q, v), &forces, self.step, energies);
         let course =
             Course { model, step: self.step, dissipation: self.dissipates, sample_every: 0, base: self.base };
         let is_good = q.iter().chain(v).all(|x| x.is_finite());

@@ -1,14 +1,18 @@
 //! Explicit steps of several simulations by machine code, with the bits of each alone.
 
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
 use ::native::Kernel;
 use dynamics::Integrator;
 
+use super::advance;
 use crate::Model;
 use crate::algorithms::rank::{are_regular, constant_extents};
+use crate::batch::Threads;
 use crate::model::native::NativeFunction;
 use crate::simulator::side_by_side::StepStart;
+use crate::simulator::{Simulation, StepFailure};
 
 /// Simulations that are stepped by one call.
 pub(super) const SIDE_BY_SIDE: usize = 16;
@@ -31,23 +35,36 @@ pub(super) struct StepKernels {
     pivots: Vec<f64>,
     /// √N of each freedom, where it is the same in all configurations.
     extents: Option<Vec<f64>>,
-    /// What is known of each step.
-    steps: [TakenStep; SIDE_BY_SIDE],
+    is_far: [bool; SIDE_BY_SIDE],
+    is_regular: [bool; SIDE_BY_SIDE],
     scratch: Vec<f64>,
 }
 
-/// The outcome of a step.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct TakenStep {
+/// A step that was taken.
+#[derive(Clone, Copy, Debug)]
+struct TakenStep<'a> {
     /// Whether an angle is beyond the range of the code's sine: then there is no end.
-    pub(super) is_far: bool,
+    is_far: bool,
     /// Whether M is regular where the step starts, beyond doubt: the single steps' own test would find the same.
-    pub(super) is_regular: bool,
+    is_regular: bool,
+    /// (q, v) at the end.
+    end: (&'a [f64], &'a [f64]),
+    /// K and V there \[J\].
+    energies: (f64, f64),
+}
+
+/// One for each thread, where machine code takes the steps of a simulation.
+pub(super) fn kernels_for(simulation: Option<&Simulation>, threads: &Threads) -> Vec<Mutex<StepKernels>> {
+    let made = |simulation: &Simulation| {
+        let (row, dissipation, _) = simulation.explicit_row()?;
+        StepKernels::new(simulation.shared_model(), row, dissipation)
+    };
+    (0..threads.count()).map_while(|_| simulation.and_then(made)).map(Mutex::new).collect()
 }
 
 impl StepKernels {
     /// The steps of this row, if machine code takes those of one simulation and of several.
-    pub(super) fn new(model: &Arc<Model>, row: Integrator, dissipation: bool) -> Option<Self> {
+    fn new(model: &Arc<Model>, row: Integrator, dissipation: bool) -> Option<Self> {
         let function = NativeFunction::step(row, dissipation)?;
         let code = model.native.code()?;
         for function in [function, NativeFunction::Energies] {
@@ -71,23 +88,24 @@ impl StepKernels {
             energies: table(2),
             pivots: table(model.dofs.len()),
             extents,
-            steps: Default::default(),
+            is_far: [false; SIDE_BY_SIDE],
+            is_regular: [false; SIDE_BY_SIDE],
             scratch: Vec::new(),
         })
     }
 
     /// Whether these are the steps of this robot.
-    pub(super) fn are_of(&self, model: &Arc<Model>, row: Integrator, dissipation: bool) -> bool {
+    fn are_of(&self, model: &Arc<Model>, row: Integrator, dissipation: bool) -> bool {
         Arc::ptr_eq(&self.model, model) && NativeFunction::step(row, dissipation) == Some(self.function)
     }
 
     /// Takes all states out.
-    pub(super) fn clear(&mut self) {
+    fn clear(&mut self) {
         self.states = 0;
     }
 
     /// Adds a state.
-    pub(super) fn push(&mut self, start: &StepStart<'_>) {
+    fn push(&mut self, start: &StepStart<'_>) {
         let StepStart { q, v, tau } = *start;
         let k = self.states;
         self.q[k * q.len()..][..q.len()].copy_from_slice(q);
@@ -97,37 +115,37 @@ impl StepKernels {
     }
 
     /// Takes a step of h \[s\] of each state.
-    pub(super) fn step(&mut self, h: f64) {
-        let Self { model, states, q, v, tau, q_end, v_end, energies, pivots, steps, scratch, .. } = self;
+    fn step(&mut self, h: f64) {
+        let Self { model, states, q, v, tau, q_end, v_end, energies, pivots, scratch, .. } = self;
         let (n, nq, nv) = (*states, model.nq, model.nv);
-        steps.fill(TakenStep::default());
+        let (is_far, is_regular) = (&mut self.is_far, &mut self.is_regular);
+        is_far.fill(false);
+        is_regular.fill(self.extents.is_some());
         self.h.fill(h);
         let (q, v, tau) = (&q[..n * nq], &v[..n * nv], &tau[..n * nv]);
         let (q_end, v_end) = (&mut q_end[..n * nq], &mut v_end[..n * nv]);
-        call(model, self.function, n, &[q, v, tau, &self.h[..n]], &mut [q_end, v_end], scratch, |k| {
-            steps[k].is_far = true;
-        });
+        let mut far = |k: usize| is_far[k] = true;
+        call(model, self.function, n, &[q, v, tau, &self.h[..n]], &mut [q_end, v_end], scratch, &mut far);
         let ends: &[&[f64]] = &[q_end, v_end];
-        call(model, NativeFunction::Energies, n, ends, &mut [&mut energies[..2 * n]], scratch, |k| {
-            steps[k].is_far = true;
-        });
+        call(model, NativeFunction::Energies, n, ends, &mut [&mut energies[..2 * n]], scratch, &mut far);
         let Some(extents) = &self.extents else { return };
         let pivots = &mut pivots[..n * extents.len()];
-        let mut is_known = [true; SIDE_BY_SIDE];
-        call(model, NativeFunction::InversePivots, n, &[q], &mut [&mut *pivots], scratch, |k| {
-            is_known[k] = false;
-        });
-        for (k, step) in steps[..n].iter_mut().enumerate() {
-            step.is_regular =
-                is_known[k] && are_regular(&pivots[k * extents.len()..][..extents.len()], extents);
+        let mut far = |k: usize| is_regular[k] = false;
+        call(model, NativeFunction::InversePivots, n, &[q], &mut [&mut *pivots], scratch, &mut far);
+        for (is_regular, pivots) in is_regular.iter_mut().zip(pivots.chunks_exact(extents.len().max(1))) {
+            *is_regular &= are_regular(pivots, extents);
         }
     }
 
-    /// The outcome of the step of state k, and its end, with K and V there.
-    pub(super) fn end(&self, k: usize) -> (TakenStep, (&[f64], &[f64]), (f64, f64)) {
+    /// The step of state k.
+    fn taken(&self, k: usize) -> TakenStep<'_> {
         let (nq, nv) = (self.model.nq, self.model.nv);
-        let (q, v) = (&self.q_end[k * nq..][..nq], &self.v_end[k * nv..][..nv]);
-        (self.steps[k], (q, v), (self.energies[2 * k], self.energies[2 * k + 1]))
+        TakenStep {
+            is_far: self.is_far[k],
+            is_regular: self.is_regular[k],
+            end: (&self.q_end[k * nq..][..nq], &self.v_end[k * nv..][..nv]),
+            energies: (self.energies[2 * k], self.energies[2 * k + 1]),
+        }
     }
 }
 
@@ -144,11 +162,69 @@ fn call(
     arguments: &[&[f64]],
     results: &mut [&mut [f64]],
     scratch: &mut Vec<f64>,
-    is_far: impl FnMut(usize),
+    is_far: &mut dyn FnMut(usize),
 ) {
     let Some(kernel) = rows(model, function) else { return };
     if scratch.len() < kernel.scratch_len() {
         scratch.resize(kernel.scratch_len(), 0.0);
     }
     kernel.call_rows(states, arguments, results, scratch, is_far);
+}
+
+/// So many steps of simulations side by side. Where a step is not that of each alone, those that are left take theirs alone.
+pub(super) fn advance_side_by_side(
+    kernels: &mut StepKernels,
+    mut simulations: Vec<(usize, &mut Simulation)>,
+    steps: usize,
+    cancelled: &AtomicBool,
+) -> Vec<(usize, StepFailure)> {
+    let mut failed = Vec::new();
+    let explicit = simulations.first().and_then(|(_, first)| first.explicit_row());
+    let is_alike = |own: &Simulation| {
+        own.explicit_row() == explicit
+            && explicit
+                .is_some_and(|(row, dissipates, _)| kernels.are_of(own.shared_model(), row, dissipates))
+    };
+    let are_alike = simulations.iter().all(|(_, own)| is_alike(own));
+    let mut done = 0;
+    if let (Some((.., h)), true) = (explicit, are_alike && simulations.len() > 1 && steps > 0) {
+        keep_good(&mut simulations, &mut failed, Simulation::begin_steps_elsewhere);
+        while done < steps && simulations.len() > 1 && !cancelled.load(Ordering::Relaxed) {
+            kernels.clear();
+            for (_, own) in &simulations {
+                kernels.push(&own.step_start());
+            }
+            kernels.step(h);
+            done += 1;
+            let mut state = 0;
+            keep_good(&mut simulations, &mut failed, |own| {
+                let TakenStep { is_far, is_regular, end, energies } = kernels.taken(state);
+                state += 1;
+                if !is_regular {
+                    own.check_step_elsewhere()?;
+                }
+                if !is_far && own.end_step_elsewhere(end, energies) { Ok(()) } else { own.step() }
+            });
+        }
+    }
+    if done < steps {
+        keep_good(&mut simulations, &mut failed, |own| advance(own, steps - done, cancelled));
+    }
+    failed.sort_unstable_by_key(|(number, _)| *number);
+    failed
+}
+
+/// Does something to each simulation, and takes those out that fail.
+fn keep_good(
+    simulations: &mut Vec<(usize, &mut Simulation)>,
+    failed: &mut Vec<(usize, StepFailure)>,
+    mut act: impl FnMut(&mut Simulation) -> Result<(), StepFailure>,
+) {
+    simulations.retain_mut(|(number, own)| match act(own) {
+        Ok(()) => true,
+        Err(failure) => {
+            failed.push((*number, failure));
+            false
+        }
+    });
 }

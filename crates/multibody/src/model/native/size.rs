@@ -11,11 +11,11 @@ pub(super) fn most_operations(function: NativeFunction, width: Width) -> usize {
     match (function, width) {
         (NativeFunction::CoriolisMatrix, Width::One) => 3_500,
         (NativeFunction::MassMatrix, Width::One) => 12_000,
-        // Stages of a step are fetched as often one by one.
-        (NativeFunction::Rk4Step | NativeFunction::ConservativeRk4Step, Width::One) => 30_000,
+        // The four stages of a step would be fetched one by one, too. States side by side share what is fetched.
+        (NativeFunction::Rk4Step | NativeFunction::ConservativeRk4Step, Width::One) | (_, Width::Lanes) => {
+            30_000
+        }
         (_, Width::One) => 20_000,
-        // States side by side share what is fetched.
-        (_, Width::Lanes) => 30_000,
     }
 }
 

@@ -74,15 +74,17 @@ pub fn record_step(
     h: f64,
 ) {
     let energies = energies(model, &mut workspace.dynamics, to.0, to.1);
-    record_energies(model, workspace, ledger, (from, to), forces, h, energies);
+    record_energies(model, workspace, ledger, from, to, forces, h, energies);
 }
 
 /// [`record_step`] where K and V at the step's end are known.
+#[allow(clippy::too_many_arguments)] // those of `record_step`, and the energies
 pub(crate) fn record_energies(
     model: &Model,
     workspace: &mut StepWorkspace,
     ledger: &mut EnergyLedger,
-    (from, to): ((&[f64], &[f64]), (&[f64], &[f64])),
+    from: (&[f64], &[f64]),
+    to: (&[f64], &[f64]),
     forces: &StepForces<'_>,
     h: f64,
     (kinetic, potential): (f64, f64),
