@@ -11,6 +11,10 @@
 #![allow(non_snake_case)] // the book's U and Iᴬ
 
 mod in_body_frames;
+mod pivots;
+
+#[doc(hidden)]
+pub use pivots::inverse_pivots;
 
 use dynamics::Scalar;
 use number::View;
@@ -32,7 +36,7 @@ use crate::stages::screws::{
 };
 use crate::stages::shifts::pass_outward;
 use crate::stages::wrench::{FrameWrench, subtract_wrenches};
-use crate::{InstructionSet, Model, Workspace};
+use crate::{Model, Workspace};
 
 /// a = M⁻¹(τ − C v − g): the acceleration under the generalized forces τ. **(RBDA §7.3)**
 ///
@@ -119,30 +123,6 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
     } else {
         articulated_body(model, &mut workspace.tree, q, v, tau, wrenches, acceleration);
     }
-}
-
-/// 1/d of each freedom, over numbers of any kind; a robot with followers or with armature on tendons over several joints has none.
-///
-/// ```
-/// use multibody::{Model, inverse_pivots, pendulum};
-/// let model = Model::new(pendulum(2.0, 0.5))?;
-/// assert_eq!(inverse_pivots(&model, &[0.3]), Some(vec![1.0 / (2.0 * 0.5 * 0.5)])); // 1/(m l²)
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Panics
-/// If q has the wrong length.
-#[doc(hidden)]
-#[track_caller]
-pub fn inverse_pivots<S: Scalar>(model: &Model, q: &[S]) -> Option<Vec<S>> {
-    if model.couples_branches {
-        return None;
-    }
-    let mut workspace = Workspace::limited(model, InstructionSet::Portable);
-    workspace.admit(model, q);
-    let (rest, mut acceleration) = (vec![S::zero(); model.nv], vec![S::zero(); model.nv]);
-    articulated_body(model, &mut workspace.tree, q, &rest, &rest, &[], &mut acceleration);
-    Some(workspace.tree.inertias.pivot.iter().map(|pivot| pivot.inverse).collect())
 }
 
 /// The arguments of the articulated-body algorithm.
