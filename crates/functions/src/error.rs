@@ -1,26 +1,24 @@
-//! Why a robot does not have a function.
+//! Errors of functions that a robot does not have.
 
 use multibody::{NoSuchFrame, SingularMass};
 use thiserror::Error;
 
 use crate::Function;
 
-/// Why a robot does not have a function.
+/// The reason why a robot does not have a function.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FunctionError {
     /// No function has this name.
     #[error("no function `{name}`: {}; of a frame {}; of any but slopes NAME_derivatives, NAME_pullback", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
     Unknown {
-        /// What was asked for.
+        /// The name given.
         name: String,
     },
     /// Slopes of slopes.
-    #[error(
-        "no function `{function}`: derivatives and pullbacks are generated of functions that are none themselves"
-    )]
+    #[error("no function `{function}`: there are no derivatives or pullbacks of derivatives and pullbacks")]
     NoSlopes {
-        /// What was asked for.
+        /// The function's name.
         function: String,
     },
     /// The robot has no such frame.

@@ -71,7 +71,7 @@ pub enum Function {
     Pullback(Box<Self>),
 }
 
-/// What a function gives of another.
+/// The slopes of another function that a function computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Slopes {
     /// Each result by each argument.
@@ -83,7 +83,7 @@ pub(crate) enum Slopes {
 impl Slopes {
     const ALL: [Self; 2] = [Self::Derivatives, Self::Pullback];
 
-    /// What a name ends in.
+    /// The end of the name.
     fn suffix(self) -> &'static str {
         match self {
             Self::Derivatives => "_derivatives",
@@ -127,8 +127,8 @@ impl Function {
     /// other. By q, and of a configuration, along displacements, nv numbers, as [`multibody::linearize_step`] has them; the length of a
     /// step is held.
     ///
-    /// Of inverse and forward dynamics these are the library's recursions, of all else the chain rule through the graph, forward or
-    /// backward, or the recursions, whichever is shorter. Derivatives and pullbacks have none.
+    /// The library's recursions compute those of inverse and forward dynamics. All others come from the chain rule through the graph, forward
+    /// or backward, or from the recursions, whichever is shorter. Derivatives and pullbacks have none.
     ///
     /// ```
     /// use functions::Function;
@@ -147,8 +147,8 @@ impl Function {
     /// Its vector-Jacobian products: for each argument λᵀ times the matrix of [`derivatives`](Self::derivatives), which is not formed; λ is the
     /// last argument, a number for each row.
     ///
-    /// Of inverse and forward dynamics these are the library's recursions, of all else the chain rule backward through the graph: some
-    /// two to four times the function's operations, whatever its results and arguments.
+    /// The library's recursions compute those of inverse and forward dynamics. All others come from the chain rule backward through the
+    /// graph: some two to four times the function's operations, whatever its results and arguments.
     ///
     /// ```
     /// use functions::Function;

@@ -38,6 +38,9 @@ pub use native_code::with_native_code;
 pub use table::Table;
 pub use traced::{LEAST_EQUAL_LINKS, TracedFunction};
 
+#[cfg(test)]
+mod testing;
+
 /// The example of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -11,7 +11,7 @@ use crate::function::{Row, Size, Slopes};
 
 pub(crate) use self::expected::slopes_by_dual_numbers;
 
-/// A function, traced, whose slopes are asked for.
+/// A traced function and its arguments, to make slopes of.
 struct Traces<'a> {
     function: &'a Function,
     model: &'a Model,
@@ -65,12 +65,12 @@ pub(crate) fn slopes(
 }
 
 impl Traces<'_> {
-    /// Where a configuration is among the arguments.
+    /// The place of a configuration among the arguments.
     fn q(&self) -> Option<usize> {
         self.function.rows_of_arguments().iter().position(|&(name, ..)| name == "q")
     }
 
-    /// Which result is a configuration.
+    /// The place of a configuration among the results.
     fn q_next(&self) -> Option<usize> {
         self.function.matrices().iter().position(|&(name, ..)| name == "q_next")
     }

@@ -1,4 +1,4 @@
-//! The tables that generated code reads and writes, for who calls it.
+//! The tables that generated code reads and writes, for its callers.
 
 use multibody::Model;
 
@@ -32,7 +32,7 @@ impl Table {
 }
 
 impl Function {
-    /// What it reads, in the order of its parameters, and of the bindings of a shader.
+    /// The tables that it reads, in the order of its parameters, and of the bindings of a shader.
     ///
     /// ```
     /// use functions::Function;
@@ -47,7 +47,7 @@ impl Function {
         self.arguments(model).into_iter().map(table).collect()
     }
 
-    /// What it writes, in the order of the parameters and bindings after those that it reads.
+    /// The tables that it writes, in the order of the parameters and bindings after those that it reads.
     ///
     /// ```
     /// use functions::Function;

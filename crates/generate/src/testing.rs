@@ -1,26 +1,12 @@
 //! Robots for tests.
 
 use dynamics::MassProperties;
-use multibody::{
-    Base, JointDescription, JointKind, LinkDescription, Model, Pose, RandomRobotOptions, RobotDescription,
-    random_robot,
-};
+use multibody::{JointDescription, JointKind, LinkDescription, Model, Pose, RobotDescription};
 
-/// A robot that nothing holds, with a ball, springs, friction and a follower.
-pub(crate) fn free_robot() -> Model {
-    let options = RandomRobotOptions {
-        joints: 4,
-        base: Base::Floating,
-        mimic: 0.3,
-        passive: 1.0,
-        ..Default::default()
-    };
-    let has_ball = |model: &Model| model.joints().iter().any(|joint| joint.kind == JointKind::Spherical);
-    (0..1000)
-        .map(|seed| Model::new(random_robot(seed, &options)).unwrap())
-        .find(|model| has_ball(model) && model.has_mimic())
-        .unwrap()
-}
+#[path = "../../functions/src/testing.rs"]
+mod robots;
+
+pub(crate) use self::robots::free_robot;
 
 /// A chain of links, each 0.1 m long and of this mass; those of equal mass are alike.
 pub(crate) fn chain(masses: &[f64]) -> Model {

@@ -4,7 +4,7 @@ use multibody::Model;
 
 use super::{Function, Slopes};
 
-/// What an argument or a result is made of.
+/// The size of an argument or of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Size {
     Nq,
@@ -41,12 +41,12 @@ impl Size {
         }
     }
 
-    /// Of changes: a configuration's are along displacements.
+    /// The size of changes: a configuration changes along displacements.
     fn of_changes(self) -> Self {
         if self == Self::Nq { Self::Nv } else { self }
     }
 
-    /// Of the changes of all results, one after the other, matrices by rows.
+    /// The size of the changes of all results, one after the other, matrices by rows.
     pub(crate) fn of_all_changes(results: &[Matrix]) -> Self {
         let flat = |&(_, rows, columns, _): &Matrix| match (rows, columns) {
             (rows, Self::One) => rows.of_changes(),
@@ -68,7 +68,7 @@ impl Size {
 /// An argument: its name, its size, its unit.
 pub(crate) type Row = (&'static str, Size, &'static str);
 
-/// A result: its name, its rows and columns (row-major), what it is.
+/// A result: its name, its rows and columns (row-major), its meaning.
 pub(crate) type Matrix = (&'static str, Size, Size, &'static str);
 
 /// An argument of a function of one robot.
@@ -76,7 +76,7 @@ pub(crate) type Matrix = (&'static str, Size, Size, &'static str);
 pub struct Argument {
     /// Its name.
     pub name: &'static str,
-    /// How many numbers it has.
+    /// The count of its numbers.
     pub length: usize,
     /// Its unit.
     pub unit: &'static str,
@@ -91,7 +91,7 @@ pub struct Outcome {
     pub rows: usize,
     /// Its columns, 1 for a vector.
     pub columns: usize,
-    /// What it is, with its unit.
+    /// Its meaning and its unit.
     pub what: &'static str,
 }
 
@@ -111,7 +111,7 @@ const fn square(name: &'static str, what: &'static str) -> Matrix {
 }
 
 impl Function {
-    /// What it gives, as an equation.
+    /// The equation of its results.
     ///
     /// ```
     /// use functions::Function;
@@ -359,7 +359,7 @@ impl Function {
     }
 }
 
-/// What slopes by an argument are called.
+/// The name of slopes by an argument.
 fn slope_name(argument: &str) -> &'static str {
     match argument {
         "q" => "by_position",

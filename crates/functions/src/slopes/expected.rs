@@ -1,4 +1,4 @@
-//! What slopes must be: the library's recursions over its dual numbers.
+//! Slopes by the library's recursions over its dual numbers, an independent way to them.
 
 use multibody::{Model, cotangent_from_coordinates, cotangent_to_coordinates};
 use number::Dual;
@@ -56,7 +56,7 @@ fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
-/// How the numbers of q change along one displacement: a column of N(q).
+/// The rates of q's numbers along one displacement: a column of N(q).
 fn along(model: &Model, q: &[f64], direction: usize) -> Vec<f64> {
     let entry = |i: usize| {
         let (mut unit, mut row) = (vec![0.0; model.nq()], vec![0.0; model.nv()]);

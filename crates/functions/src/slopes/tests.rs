@@ -1,26 +1,11 @@
 //! The ways to slopes against each other.
 
 use expression::interpret;
-use multibody::{Base, JointKind, RandomRobotOptions, RandomState, random_robot, random_state};
+use multibody::{RandomState, random_state};
 use number::SplitMix64;
 
 use super::*;
-
-/// A robot that nothing holds, with a ball, springs, friction and a follower.
-fn free_robot() -> Model {
-    let options = RandomRobotOptions {
-        joints: 4,
-        base: Base::Floating,
-        mimic: 0.3,
-        passive: 1.0,
-        ..Default::default()
-    };
-    let has_ball = |model: &Model| model.joints().iter().any(|joint| joint.kind == JointKind::Spherical);
-    (0..1000)
-        .map(|seed| Model::new(random_robot(seed, &options)).unwrap())
-        .find(|model| has_ball(model) && model.has_mimic())
-        .unwrap()
-}
+use crate::testing::free_robot;
 
 /// The three ways to derivatives agree: forward, backward, and, of gravity and bias, the library's recursions.
 #[test]

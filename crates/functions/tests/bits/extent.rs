@@ -1,9 +1,9 @@
-//! How much a run compares.
+//! The extent of a run.
 
 /// The name of the variable that asks for all, or for a little where the processor is emulated.
 const ASKED: &str = "NATIVE_BITS";
 
-/// How much a run compares.
+/// The extent of a run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
     pub(crate) random_robots: usize,
