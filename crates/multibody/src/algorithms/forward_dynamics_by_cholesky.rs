@@ -57,6 +57,7 @@ pub(crate) fn accelerate_by_cholesky<S: Scalar>(
     wrenches: &[FrameWrench<S>],
     acceleration: &mut [S],
 ) {
+    workspace.make_room_for_matrices(model);
     let Workspace { tree, dense: Dense { matrix, vector: bias, carrier, .. }, .. } = workspace;
     run(tree, NewtonEuler { wrenches, ..NewtonEuler::bias(model, q, v, bias) });
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });

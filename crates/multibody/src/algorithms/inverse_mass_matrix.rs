@@ -47,6 +47,7 @@ pub fn inverse_mass_matrix<S: Scalar>(
     if computed_natively(model, native, NativeFunction::InverseMassMatrix, &[q], &mut [&mut *inverse]) {
         return;
     }
+    workspace.make_room_for_matrices(model);
     let Workspace { tree, dense: Dense { matrix, vector: row, carrier, .. }, .. } = workspace;
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
     run(tree, Elimination { carrier, matrix, inverse: Some((row, inverse)) });

@@ -42,6 +42,7 @@ use crate::scratch::workspace::{Dense, Workspace};
 pub fn mass_matrix_factor<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], factor: &mut [S]) {
     workspace.admit(model, q);
     check_length("the factor of the mass matrix", factor.len(), model.nv * model.nv);
+    workspace.make_room_for_matrices(model);
     let Workspace { tree, dense: Dense { matrix, carrier, .. }, .. } = workspace;
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
     run(tree, Elimination { carrier, matrix, inverse: None });

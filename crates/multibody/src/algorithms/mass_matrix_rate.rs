@@ -44,6 +44,7 @@ pub fn mass_matrix_rate<S: Scalar>(
     check_length("q", q.len(), model.nq);
     check_length("v", v.len(), model.nv);
     check_length("the rate of the mass matrix", rate.len(), model.nv * model.nv);
+    workspace.make_room_for_matrices(model);
     let Workspace { tree, dense: Dense { matrix, vector, coordinates, .. }, .. } = workspace;
     let (position, position_rate) = coordinates.split_at_mut(model.nq);
     for (dual, &q) in position.iter_mut().zip(q) {

@@ -177,6 +177,7 @@ pub fn forward_dynamics_derivatives_with_wrenches<S: Scalar>(
     check_length("the derivative by q", by_position.len(), model.nv * model.nv);
     check_length("the derivative by v", by_velocity.len(), model.nv * model.nv);
     check_length("the derivative by tau", by_force.len(), model.nv * model.nv);
+    workspace.make_room_for_matrices(model);
     run(
         &mut workspace.tree,
         ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force },

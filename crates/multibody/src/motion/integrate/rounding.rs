@@ -43,6 +43,7 @@ pub(crate) fn is_rounding(model: &Model, workspace: &mut StepWorkspace, h: f64) 
     let StepWorkspace {
         dynamics, q, v, q_start, p_start, slope, gravity, held, residual, displacement, ..
     } = workspace;
+    dynamics.make_room_for_matrices(model);
     let Workspace { tree, dense: Dense { matrix: mass, .. }, .. } = dynamics;
     run(tree, CompositeBodies { model, q, mass, entries: Entries::All });
     for (k, (terms, row)) in displacement.iter_mut().zip(mass.chunks_exact(model.nv)).enumerate() {
