@@ -1,6 +1,6 @@
 //! Machine code made in memory beside the library's own calls: time of a state, and time to compile.
 //!
-//! `cargo run --release -p bench --bin measure_native [ROBOT…]`
+//! `cargo run --release -p bench --bin measure_native [ROBOT…] [FUNCTION…]`
 //!
 //! Each function is traced on a model with exact right angles and regrouped masses, as generated code is, and compiled for one state and for
 //! the lanes of the newest registers. The library and the code run on the same 1024 random states in turns, by one thread; each number is the median of
@@ -11,73 +11,88 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use bench::{StateTable, robot_by_name};
-use dynamics::Scalar;
-use expression::{Arithmetic, Graph, Operand, Precision, Traced, trace};
+use dynamics::{Integrator, SplitMix64};
+use expression::{Arithmetic, Graph, Operand, Precision};
+use functions::{Argument, Function, Table};
 use multibody::batch::{BatchFloat, BatchOptions, BatchWorkspace};
-use multibody::{InstructionSet, Model, Workspace};
+use multibody::{InstructionSet, Model, StepForces, StepPullbackWorkspace, Workspace, step_pullback};
 use native::{Code, Float, Kernel, Target, Width, best_instructions};
 
 const ROBOTS: [&str; 5] = ["two_r", "ur5", "panda", "humanoid", "talos"];
 const STATES: usize = 1024;
 const ROUNDS: usize = 15;
+/// The length of a step [s].
+const STEP: f64 = 1e-3;
+/// Arguments of a function at most.
+const MOST_ARGUMENTS: usize = 5;
 
-/// A function that is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Function {
-    InverseDynamics,
-    ForwardDynamics,
-    MassMatrix,
-    InverseDynamicsDerivatives,
-    ForwardDynamicsDerivatives,
+/// The functions that are measured.
+fn functions() -> Vec<Function> {
+    vec![
+        Function::InverseDynamics,
+        Function::ForwardDynamics,
+        Function::MassMatrix,
+        Function::MassMatrixFactor,
+        Function::InverseDynamicsDerivatives,
+        Function::ForwardDynamicsDerivatives,
+        Function::InverseDynamicsPullback,
+        Function::ForwardDynamicsPullback,
+        Function::SemiImplicitEulerStep.pullback(),
+        Function::Rk4Step.pullback(),
+    ]
 }
 
-impl Function {
-    const ALL: [Self; 5] = [
-        Self::InverseDynamics,
-        Self::ForwardDynamics,
-        Self::MassMatrix,
-        Self::InverseDynamicsDerivatives,
-        Self::ForwardDynamicsDerivatives,
-    ];
+/// Random states and, behind q, v, a and τ, cotangents of two vectors and the length of a step.
+struct Tables {
+    q: Vec<f64>,
+    v: Vec<f64>,
+    a: Vec<f64>,
+    tau: Vec<f64>,
+    cotangents: Vec<f64>,
+    steps: Vec<f64>,
+}
 
-    fn lengths(self, model: &Model) -> Vec<usize> {
-        match self {
-            Self::MassMatrix => vec![model.nq()],
-            _ => vec![model.nq(), model.nv(), model.nv()],
-        }
+impl Tables {
+    fn random(model: &Model) -> Self {
+        let states = StateTable::random(model, STATES, 1);
+        let column = |k: usize| (0..STATES).flat_map(|state| states.get(state)[k]).copied().collect();
+        let mut random = SplitMix64::new(2);
+        let cotangents = (0..STATES * 2 * model.nv()).map(|_| random.uniform(-1.0, 1.0)).collect();
+        let [q, v, a, tau] = [0, 1, 2, 3].map(column);
+        Self { q, v, a, tau, cotangents, steps: vec![STEP; STATES] }
     }
 
-    fn results(self, model: &Model) -> Vec<usize> {
-        let (nv, square) = (model.nv(), model.nv() * model.nv());
-        match self {
-            Self::MassMatrix => vec![square],
-            Self::InverseDynamics | Self::ForwardDynamics => vec![nv],
-            Self::InverseDynamicsDerivatives => vec![square; 2],
-            Self::ForwardDynamicsDerivatives => vec![square; 3],
-        }
-    }
-
-    /// The columns of a table of states that are its arguments.
-    fn arguments(self) -> &'static [usize] {
-        match self {
-            Self::InverseDynamics | Self::InverseDynamicsDerivatives => &[0, 1, 2],
-            Self::ForwardDynamics | Self::ForwardDynamicsDerivatives => &[0, 1, 3],
-            Self::MassMatrix => &[0],
-        }
+    /// The arguments of a function, tables with a row for each state.
+    fn arguments(&self, model: &Model, function: &Function) -> Vec<&[f64]> {
+        let table = |argument: &Argument| match argument.name {
+            "q" => &self.q[..],
+            "v" => &self.v,
+            "a" => &self.a,
+            "tau" => &self.tau,
+            "h" => &self.steps,
+            "cotangent" => &self.cotangents[..STATES * argument.length],
+            other => unreachable!("no argument is called {other}"),
+        };
+        function.arguments(model).iter().map(table).collect()
     }
 }
 
 fn main() -> ExitCode {
-    let named: Vec<String> = std::env::args().skip(1).collect();
+    let mut robots: Vec<String> = std::env::args().skip(1).collect();
+    let mut functions: Vec<Function> = Vec::new();
+    robots.retain(|name| name.parse().map(|function| functions.push(function)).is_err());
+    if functions.is_empty() {
+        functions = self::functions();
+    }
     let names: Vec<&str> =
-        if named.is_empty() { ROBOTS.to_vec() } else { named.iter().map(String::as_str).collect() };
+        if robots.is_empty() { ROBOTS.to_vec() } else { robots.iter().map(String::as_str).collect() };
     println!(
         "{:?}, {STATES} states, median of {ROUNDS} rounds; ns a state (share of the library's)",
         best_instructions()
     );
     for name in names {
         match robot_by_name(name) {
-            Ok(model) => measure(name, &model),
+            Ok(model) => measure(name, &model, &functions),
             Err(error) => {
                 eprintln!("{error}");
                 return ExitCode::FAILURE;
@@ -87,62 +102,129 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-fn measure(name: &str, model: &Model) {
-    let states = StateTable::random(model, STATES, 1);
-    for function in Function::ALL {
-        println!("{name} {function:?}");
+fn measure(name: &str, model: &Model, functions: &[Function]) {
+    let tables = Tables::random(model);
+    for function in functions {
+        println!("{name} {function}");
         compile_times(model, function);
-        one_state(model, &states, function);
-        batches::<f64>(model, &states, function);
-        batches::<f32>(model, &states, function);
+        one_state(model, &tables, function);
+        batches::<f64>(model, &tables, function);
+        batches::<f32>(model, &tables, function);
     }
 }
 
-fn traced(model: &Model, function: Function, arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
-    let model = &model.with_right_angles().regrouped();
-    trace(arithmetic, &function.lengths(model), |arguments| {
-        let w = &mut Workspace::<Traced>::limited(model, InstructionSet::Portable);
-        let zeros = |length| vec![Traced(Operand::ZERO); length];
-        let mut results: Vec<Vec<Traced>> = function.results(model).into_iter().map(zeros).collect();
-        let arguments: Vec<&[Traced]> = arguments.iter().map(|argument| &argument[..]).collect();
-        call(function, model, w, &arguments, &mut results);
-        results
-    })
+/// The expression, without ∂τ/∂a = M of the derivatives of inverse dynamics, which the library's call does not compute.
+fn traced(model: &Model, function: &Function, arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
+    // The pullbacks of inverse and forward dynamics are those through the graph.
+    let through_graph = match function {
+        Function::InverseDynamicsPullback => Function::Pullback(Box::new(Function::InverseDynamics)),
+        Function::ForwardDynamicsPullback => Function::Pullback(Box::new(Function::ForwardDynamics)),
+        function => function.clone(),
+    };
+    let traced = through_graph.trace(model, arithmetic).expect("a regular mass matrix");
+    let mut results = traced.results;
+    if *function == Function::ForwardDynamicsPullback {
+        results.splice(..0, traced.primal).for_each(drop);
+    }
+    results.truncate(results_of(model, function).len());
+    (traced.graph, results)
 }
 
-/// The library's call for one state.
-fn call<S: Scalar>(
-    function: Function,
-    model: &Model,
-    w: &mut Workspace<S>,
-    arguments: &[&[S]],
-    results: &mut [Vec<S>],
-) {
-    match (function, arguments, results) {
-        (Function::InverseDynamics, [q, v, a], [x]) => multibody::inverse_dynamics(model, w, q, v, a, x),
-        (Function::ForwardDynamics, [q, v, tau], [x]) => {
-            multibody::forward_dynamics(model, w, q, v, tau, x);
+fn lengths(model: &Model, function: &Function) -> Vec<usize> {
+    function.arguments(model).iter().map(|argument| argument.length).collect()
+}
+
+/// The lengths of the results.
+fn results_of(model: &Model, function: &Function) -> Vec<usize> {
+    let mut lengths: Vec<usize> = function.writes(model).iter().map(Table::width).collect();
+    if *function == Function::InverseDynamicsDerivatives {
+        lengths.truncate(2);
+    }
+    lengths
+}
+
+/// The integrator whose step is pulled back.
+fn integrator(function: &Function) -> Option<Integrator> {
+    let rows = [Function::SemiImplicitEulerStep, Function::Rk4Step];
+    rows.into_iter().find(|step| step.clone().pullback() == *function).and_then(|step| step.integrator())
+}
+
+/// The library's memory for one state.
+enum Memory {
+    Plain(Workspace<f64>),
+    Step(Integrator, StepPullbackWorkspace<f64>),
+}
+
+impl Memory {
+    fn new(model: &Model, function: &Function) -> Self {
+        match integrator(function) {
+            None => Self::Plain(Workspace::new(model)),
+            Some(row) => Self::Step(row, StepPullbackWorkspace::new(model)),
         }
-        (Function::MassMatrix, [q], [x]) => multibody::mass_matrix(model, w, q, x),
-        (Function::InverseDynamicsDerivatives, [q, v, a], [x, y]) => {
-            multibody::inverse_dynamics_derivatives(model, w, q, v, a, x, y);
+    }
+
+    /// The library's call for one state.
+    fn call(&mut self, model: &Model, function: &Function, arguments: &[&[f64]], results: &mut [Vec<f64>]) {
+        let w = match self {
+            Self::Plain(w) => w,
+            Self::Step(row, w) => {
+                let ([q, v, tau, h, cotangent], [x, y, z]) = (arguments, results) else {
+                    unreachable!("a step's pullback has five arguments")
+                };
+                x.copy_from_slice(&cotangent[..model.nv()]);
+                y.copy_from_slice(&cotangent[model.nv()..]);
+                let forces = StepForces::new(tau, true);
+                step_pullback(model, *row, w, &forces, h[0], q, v, x, y, z, &mut []).expect("a regular M");
+                return;
+            }
+        };
+        match (function, arguments, results) {
+            (Function::InverseDynamics, [q, v, a], [x]) => multibody::inverse_dynamics(model, w, q, v, a, x),
+            (Function::ForwardDynamics, [q, v, tau], [x]) => {
+                multibody::forward_dynamics(model, w, q, v, tau, x);
+            }
+            (Function::MassMatrix, [q], [x]) => multibody::mass_matrix(model, w, q, x),
+            (Function::MassMatrixFactor, [q], [x]) => multibody::mass_matrix_factor(model, w, q, x),
+            (Function::InverseDynamicsDerivatives, [q, v, a], [x, y]) => {
+                multibody::inverse_dynamics_derivatives(model, w, q, v, a, x, y);
+            }
+            (Function::ForwardDynamicsDerivatives, [q, v, tau], [x, y, z]) => {
+                multibody::forward_dynamics_derivatives(model, w, q, v, tau, x, y, z);
+            }
+            (Function::InverseDynamicsPullback, [q, v, a, l], [x, y, z]) => {
+                multibody::inverse_dynamics_pullback(model, w, q, v, a, l, x, y, z);
+            }
+            (Function::ForwardDynamicsPullback, [q, v, tau, l], [r, x, y, z]) => {
+                multibody::forward_dynamics_pullback(model, w, q, v, tau, l, r, x, y, z);
+            }
+            _ => unreachable!("a function has its arguments and results"),
         }
-        (Function::ForwardDynamicsDerivatives, [q, v, tau], [x, y, z]) => {
-            multibody::forward_dynamics_derivatives(model, w, q, v, tau, x, y, z);
-        }
-        _ => unreachable!("a function has its arguments and results"),
     }
 }
 
-/// The library's call for rows.
+/// The library's call for rows; whether there is one.
 fn call_rows<T: BatchFloat>(
-    function: Function,
+    function: &Function,
     model: &Model,
     w: &mut BatchWorkspace<T>,
     arguments: &[&[T]],
     results: &mut [Vec<T>],
-) {
+) -> bool {
     use multibody::batch;
+    if let Some(row) = integrator(function) {
+        let ([q, v, tau, _, cotangent], [x, y, z]) = (arguments, results) else {
+            unreachable!("a step's pullback has five arguments")
+        };
+        let half = x.len();
+        x.copy_from_slice(&cotangent[..half]);
+        y.copy_from_slice(&cotangent[half..]);
+        let how = batch::Rollout::new(row, STEP, 1);
+        let (held, ends) = (batch::Torques::Held(tau), (&mut x[..], &mut y[..]));
+        let go_on = |_| core::ops::ControlFlow::Continue(());
+        batch::rollout_pullback(model, w, &how, 0, held, q, v, (&[], &[]), ends, z, &mut [], &go_on)
+            .expect("finite results");
+        return true;
+    }
     let ran = match (function, arguments, results) {
         (Function::InverseDynamics, [q, v, a], [x]) => batch::inverse_dynamics(model, w, q, v, a, x),
         (Function::ForwardDynamics, [q, v, tau], [x]) => batch::forward_dynamics(model, w, q, v, tau, x),
@@ -153,9 +235,16 @@ fn call_rows<T: BatchFloat>(
         (Function::ForwardDynamicsDerivatives, [q, v, tau], [x, y, z]) => {
             batch::forward_dynamics_derivatives(model, w, q, v, tau, x, y, z)
         }
-        _ => unreachable!("a function has its arguments and results"),
+        (Function::InverseDynamicsPullback, [q, v, a, l], [x, y, z]) => {
+            batch::inverse_dynamics_pullback(model, w, q, v, a, l, x, y, z, &mut [])
+        }
+        (Function::ForwardDynamicsPullback, [q, v, tau, l], [r, x, y, z]) => {
+            batch::forward_dynamics_pullback(model, w, q, v, tau, l, r, x, y, z, &mut [])
+        }
+        _ => return false,
     };
     ran.expect("finite results");
+    true
 }
 
 fn median(mut times: Vec<f64>) -> f64 {
@@ -173,10 +262,10 @@ fn milliseconds<R>(mut run: impl FnMut() -> R) -> f64 {
     median((0..9).map(time).collect())
 }
 
-fn compile_times(model: &Model, function: Function) {
+fn compile_times(model: &Model, function: &Function) {
     let arithmetic = Arithmetic::default().with_fused();
     let (graph, results) = traced(model, function, arithmetic);
-    let lengths = function.lengths(model);
+    let lengths = lengths(model, function);
     let of_trace = milliseconds(|| traced(model, function, arithmetic));
     for width in [Width::One, Width::Lanes] {
         let target = Target { instructions: best_instructions(), width, arithmetic };
@@ -195,15 +284,17 @@ fn compile_times(model: &Model, function: Function) {
     }
 }
 
-fn one_state(model: &Model, states: &StateTable, function: Function) {
+fn one_state(model: &Model, tables: &Tables, function: &Function) {
     let arithmetic = Arithmetic::default().with_fused();
     let (graph, results) = traced(model, function, arithmetic);
-    let lengths = function.lengths(model);
-    let w = &mut Workspace::<f64>::new(model);
+    let lengths = lengths(model, function);
+    let memory = &mut Memory::new(model, function);
     let mut by_library: Vec<Vec<f64>> =
-        function.results(model).into_iter().map(|length| vec![0.0; length]).collect();
+        results_of(model, function).into_iter().map(|length| vec![0.0; length]).collect();
     let mut by_code = by_library.clone();
-    let columns = function.arguments();
+    let tables = tables.arguments(model, function);
+    let mut given: [&[f64]; MOST_ARGUMENTS] = [&[]; MOST_ARGUMENTS];
+    let count = lengths.len();
     for instructions in [InstructionSet::Avx2, InstructionSet::Avx512, InstructionSet::Neon] {
         let compiled =
             Kernel::<f64>::compile(&graph, &results, &lengths, arithmetic, instructions, Width::One);
@@ -211,20 +302,21 @@ fn one_state(model: &Model, states: &StateTable, function: Function) {
         let mut scratch = vec![0.0; kernel.scratch_len()];
         let (mut of_library, mut of_code, mut off) = (Vec::new(), Vec::new(), 0.0_f64);
         for _ in 0..ROUNDS {
-            let arguments = |state| columns.iter().map(move |&column| states.get(state)[column]);
             let begin = Instant::now();
             for state in 0..STATES {
-                let mut slices = [&[][..]; 3];
-                slices.iter_mut().zip(arguments(state)).for_each(|(slice, argument)| *slice = argument);
-                call(function, model, w, &slices[..columns.len()], black_box(&mut by_library));
+                for k in 0..count {
+                    given[k] = &tables[k][state * lengths[k]..(state + 1) * lengths[k]];
+                }
+                memory.call(model, function, &given[..count], black_box(&mut by_library));
             }
             of_library.push(begin.elapsed().as_secs_f64() * 1e9 / STATES as f64);
             let begin = Instant::now();
             let mut results: Vec<&mut [f64]> = by_code.iter_mut().map(|result| &mut result[..]).collect();
             for state in 0..STATES {
-                let mut slices = [&[][..]; 3];
-                slices.iter_mut().zip(arguments(state)).for_each(|(slice, argument)| *slice = argument);
-                let ran = kernel.call(&slices[..columns.len()], black_box(&mut results), &mut scratch);
+                for k in 0..count {
+                    given[k] = &tables[k][state * lengths[k]..(state + 1) * lengths[k]];
+                }
+                let ran = kernel.call(&given[..count], black_box(&mut results), &mut scratch);
                 ran.expect("angles in range");
             }
             of_code.push(begin.elapsed().as_secs_f64() * 1e9 / STATES as f64);
@@ -238,39 +330,54 @@ fn one_state(model: &Model, states: &StateTable, function: Function) {
     }
 }
 
-fn batches<T: BatchFloat + Float>(model: &Model, states: &StateTable, function: Function) {
+fn batches<T: BatchFloat + Float>(model: &Model, tables: &Tables, function: &Function) {
     let arithmetic = Arithmetic::new(T::PRECISION).with_fused();
     let (graph, results) = traced(model, function, arithmetic);
-    let lengths = function.lengths(model);
-    let tables = [0, 1, 2, 3].map(|column| -> Vec<T> {
-        (0..STATES).flat_map(|state| states.get(state)[column]).map(|&x| T::nearest(x)).collect()
-    });
-    let mut by_library: Vec<Vec<T>> =
-        (function.results(model).into_iter()).map(|length| vec![T::nearest(0.0); STATES * length]).collect();
+    let lengths = lengths(model, function);
+    let nearest = |table: &[f64]| table.iter().map(|&x| T::nearest(x)).collect::<Vec<T>>();
+    let mut arguments: Vec<Vec<T>> = tables.arguments(model, function).into_iter().map(nearest).collect();
+    // The rollout's pullback takes the cotangents of q and of v apart, the kernel one after the other.
+    let of_library = arguments.clone();
+    if integrator(function).is_some() {
+        let (nv, cotangents) = (model.nv(), &of_library[4]);
+        let half = STATES * nv;
+        let row = |state: usize| {
+            let own = state * nv..(state + 1) * nv;
+            let of_v = half + own.start..half + own.end;
+            cotangents[own].iter().chain(&cotangents[of_v]).copied().collect::<Vec<T>>()
+        };
+        arguments[4] = (0..STATES).flat_map(row).collect();
+    }
+    let [arguments, of_library] =
+        [&arguments, &of_library].map(|tables| tables.iter().map(|table| &table[..]).collect::<Vec<&[T]>>());
+    let mut by_library: Vec<Vec<T>> = (results_of(model, function).into_iter())
+        .map(|length| vec![T::nearest(0.0); STATES * length])
+        .collect();
     let mut options = BatchOptions::default();
     options.threads = 1;
     let mut workspace = BatchWorkspace::<T>::with_options(model, options).expect("one thread");
+    if !call_rows(function, model, &mut workspace, &of_library, &mut by_library) {
+        return;
+    }
     for instructions in [InstructionSet::Avx2, InstructionSet::Avx512, InstructionSet::Neon] {
         let compiled =
             Kernel::<T>::compile(&graph, &results, &lengths, arithmetic, instructions, Width::Lanes);
         let Ok(kernel) = compiled else { continue };
         let mut scratch = vec![T::nearest(0.0); kernel.scratch_len()];
         let mut by_code = by_library.clone();
-        let columns = function.arguments();
-        let arguments: Vec<&[T]> = columns.iter().map(|&column| &tables[column][..]).collect();
-        let (mut of_library, mut of_code) = (Vec::new(), Vec::new());
+        let (mut times_of_library, mut times_of_code) = (Vec::new(), Vec::new());
         for _ in 0..ROUNDS {
             let begin = Instant::now();
-            call_rows(function, model, &mut workspace, &arguments, black_box(&mut by_library));
-            of_library.push(begin.elapsed().as_secs_f64() * 1e9 / STATES as f64);
+            call_rows(function, model, &mut workspace, &of_library, black_box(&mut by_library));
+            times_of_library.push(begin.elapsed().as_secs_f64() * 1e9 / STATES as f64);
             let mut results: Vec<&mut [T]> = by_code.iter_mut().map(|result| &mut result[..]).collect();
             let begin = Instant::now();
             let far = |row| panic!("row {row} has an angle out of range");
             let is_finite = kernel.call_rows(STATES, &arguments, black_box(&mut results), &mut scratch, far);
             assert!(is_finite);
-            of_code.push(begin.elapsed().as_secs_f64() * 1e9 / STATES as f64);
+            times_of_code.push(begin.elapsed().as_secs_f64() * 1e9 / STATES as f64);
         }
-        let (of_library, of_code) = (median(of_library), median(of_code));
+        let (of_library, of_code) = (median(times_of_library), median(times_of_code));
         let double = |x: &[Vec<T>]| -> Vec<Vec<f64>> {
             x.iter().map(|x| x.iter().map(|&x| x.into()).collect()).collect()
         };

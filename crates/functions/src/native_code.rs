@@ -28,7 +28,8 @@ pub fn with_native_code(model: Model) -> Model {
     model.with_tracer(trace)
 }
 
-/// The expression of one of these functions: the one of the same name, for a conservative step on a robot without dissipation.
+/// The expression of one of these functions: the one of the same name, for a conservative step on a robot without dissipation. The pullbacks
+/// of inverse and forward dynamics are those through the graph, which have half the operations of the recursions.
 fn trace(model: &Model, function: NativeFunction, arithmetic: Arithmetic) -> Result<NativeTrace, String> {
     match function {
         NativeFunction::Energies => {
@@ -55,11 +56,21 @@ fn trace(model: &Model, function: NativeFunction, arithmetic: Arithmetic) -> Res
     let without_dissipation = conservative.map(|_| model.without_dissipation());
     let model = without_dissipation.as_ref().unwrap_or(model);
     let lengths = function.arguments(model).iter().map(|argument| argument.length).collect();
-    let traced = function.trace(model, arithmetic).map_err(|error| error.to_string())?;
+    let through_graph = match function {
+        Function::InverseDynamicsPullback => Some(Function::InverseDynamics),
+        Function::ForwardDynamicsPullback => Some(Function::ForwardDynamics),
+        _ => None,
+    };
+    let traced_function =
+        through_graph.map_or_else(|| function.clone(), |of| Function::Pullback(Box::new(of)));
+    let traced = traced_function.trace(model, arithmetic).map_err(|error| error.to_string())?;
     let mut results = traced.results;
-    if function == Function::InverseDynamicsDerivatives {
+    match function {
         // The derivative by a is M, a function of its own.
-        results.truncate(2);
+        Function::InverseDynamicsDerivatives => results.truncate(2),
+        // The acceleration comes first.
+        Function::ForwardDynamicsPullback => results.splice(..0, traced.primal).for_each(drop),
+        _ => {}
     }
     Ok(NativeTrace { graph: traced.graph, results, lengths })
 }

@@ -5,6 +5,7 @@ use multibody::{Model, MotionError, RandomState, random_state};
 use number::SplitMix64;
 
 use crate::call::call;
+use crate::function::Slopes;
 use crate::slopes::{slopes, slopes_by_dual_numbers};
 use crate::{Function, FunctionError};
 
@@ -21,6 +22,8 @@ pub struct TracedFunction {
     pub results: Vec<Vec<Operand>>,
     /// The order of its operations.
     pub plan: Plan,
+    /// Of a pullback through the graph: the results of the function that is pulled back, whose operations the graph has as well.
+    pub primal: Vec<Vec<Operand>>,
     arithmetic: Arithmetic,
     /// The function without its slopes, and the robot that is traced.
     of: Function,
@@ -54,13 +57,15 @@ impl Function {
         let lengths: Vec<usize> = of.arguments(model).iter().map(|argument| argument.length).collect();
         let traces = trace(arithmetic, &lengths, &compute);
         drop(compute);
+        let is_pullback = matches!(of_another, Some((_, Slopes::Pullback)));
+        let primal = if is_pullback { traces.1.clone() } else { Vec::new() };
         let ((graph, results), plan) = if let Some(of_another) = of_another {
             slopes(of_another, &source, arithmetic, &traces)
         } else {
             let plan = Plan::new(&traces.0, &traces.1);
             (traces, plan)
         };
-        Ok(TracedFunction { graph, results, plan, arithmetic, of: of.clone(), model: source })
+        Ok(TracedFunction { graph, results, plan, primal, arithmetic, of: of.clone(), model: source })
     }
 
     /// The robot that is traced: it has the same motion to rounding, and leaves less to do.
@@ -92,8 +97,8 @@ impl Function {
         self.is_of_equation_of_motion() && model.longest_run_of_equal_links() < LEAST_EQUAL_LINKS
     }
 
-    /// What derivatives and pullbacks must be: the library's recursions over its dual numbers, in one state. `None` of functions that are no slopes through
-    /// a graph.
+    /// The derivatives or pullback in one state, computed by the library's recursions over its dual numbers: an independent way to them.
+    /// `None` of functions that are no slopes through a graph.
     ///
     /// # Errors
     /// [`FunctionError::NoSuchFrame`].

@@ -117,6 +117,13 @@ fn machine_code_allocates_at_first_alone() {
             assert_eq!(count, 0, "{} allocates on \"{}\"", quantity.name(), robot.family);
         }
         let (mut options, zeros) = (BatchOptions::default(), vec![0.0; model.nv()]);
+        let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| zeros.clone());
+        let mut call = || {
+            multibody::inverse_dynamics_pullback(model, &mut w, q, v, a, tau, &mut x, &mut y, &mut z);
+            multibody::forward_dynamics_pullback(model, &mut w, q, v, tau, a, &mut r, &mut x, &mut y, &mut z);
+        };
+        call();
+        assert_eq!(allocations(call), 0, "a pullback allocates on \"{}\"", robot.family);
         options.threads = 1;
         let w = &mut BatchWorkspace::<f64>::with_options(model, options).unwrap();
         let (mut force, mut end) = (zeros.clone(), (q.clone(), zeros.clone()));
@@ -124,7 +131,25 @@ fn machine_code_allocates_at_first_alone() {
         let go_on = |_| ControlFlow::Continue(());
         let mut call = || {
             let (q, v) = (&mut end.0, &mut end.1);
-            let bad = batch::inverse_dynamics(model, w, q, v, a, &mut force);
+            let bad = batch::inverse_dynamics(model, w, q, v, a, &mut force)
+                .and_then(|()| {
+                    batch::inverse_dynamics_pullback(model, w, q, v, a, tau, &mut x, &mut y, &mut z, &mut [])
+                })
+                .and_then(|()| {
+                    batch::forward_dynamics_pullback(
+                        model,
+                        w,
+                        q,
+                        v,
+                        tau,
+                        a,
+                        &mut r,
+                        &mut x,
+                        &mut y,
+                        &mut z,
+                        &mut [],
+                    )
+                });
             let ended =
                 batch::rollout(model, w, &how, batch::Torques::Zero, q, v, (&mut [], &mut []), &go_on);
             (bad.is_ok(), ended.is_ok())

@@ -11,8 +11,13 @@ use robot_dynamics::{
     Base, InstructionSet, JointKinds, Model, RandomRobotOptions, RandomState, Workspace, load, random_robot,
     random_state, with_native_code,
 };
-use robot_dynamics::{LinearizeStepWorkspace, StepForces, forward_dynamics_pullback, linearize_step};
+use robot_dynamics::{LinearizeStepWorkspace, StepForces, linearize_step};
+use robot_dynamics::{StepPullbackWorkspace, step_pullback};
 use robot_dynamics::{bias, coriolis_matrix, forward_dynamics, gravity, inverse_dynamics, mass_matrix};
+use robot_dynamics::{
+    forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
+    inverse_dynamics_pullback_with_parameters, mass_matrix_factor, parameter_count,
+};
 use robot_dynamics::{inverse_mass_matrix, kinetic_energy, momentum, potential_energy, velocity_product};
 
 /// All results of a state, one after the other, and where M is inverted behind them.
@@ -35,9 +40,13 @@ fn compute(model: &Model, RandomState { q, v, a, tau }: &RandomState) -> Results
     coriolis_matrix(model, w, q, v, &mut plain[6]);
     plain.push(vec![kinetic_energy(model, w, q, v)]);
     plain.push(vec![potential_energy(model, w, q)]);
-    let mut inverting = vec![vector, matrix];
+    let [mut x, mut y, mut z] = [(); 3].map(|()| vector.clone());
+    inverse_dynamics_pullback(model, w, q, v, a, tau, &mut x, &mut y, &mut z);
+    plain.extend([x, y, z]);
+    let mut inverting = vec![vector, matrix.clone(), matrix];
     forward_dynamics(model, w, q, v, tau, &mut inverting[0]);
     inverse_mass_matrix(model, w, q, &mut inverting[1]);
+    mass_matrix_factor(model, w, q, &mut inverting[2]);
     Results { plain, inverting }
 }
 
@@ -102,8 +111,11 @@ fn machine_code_has_the_numbers_of_the_recursions() {
             // C v may be a difference of forces that vanishes, and C of rates of M.
             let (force, rate) =
                 (largest(&expected.plain[0]), largest(&expected.plain[5]) * largest(&state.v));
+            // So may the sums of such forces, weighted by a cotangent.
+            let weight = largest(&state.tau);
+            let (by_q, by_v) = (weight * force, weight * rate);
             for (index, (found, expected)) in found.plain.iter().zip(&expected.plain).enumerate() {
-                let scale = [0.0, 0.0, 0.0, force, 0.0, 0.0, rate, 0.0, force][index];
+                let scale = [0.0, 0.0, 0.0, force, 0.0, 0.0, rate, 0.0, force, by_q, by_v, 0.0][index];
                 let off = difference(found, expected, scale);
                 assert!(off < PLAIN, "{name}, function {index}: {off:e}");
             }
@@ -147,7 +159,10 @@ fn states(model: &Model, count: usize) -> [Vec<f64>; 4] {
     tables
 }
 
-/// Forces, accelerations, M and the entries of it that are not always zero, ∂τ of each state.
+/// The tables of [`compute_batches`] that need M⁻¹: their rounding has its condition number.
+const INVERTING_TABLES: [usize; 5] = [2, 10, 11, 12, 13];
+
+/// Forces, accelerations, M and the entries of it that are not always zero, ∂τ, λᵀ∂τ, a and λᵀ∂a of each state.
 fn compute_batches<T: BatchFloat>(model: &Model, tables: &[Vec<T>; 4], options: BatchOptions) -> Vec<Vec<T>> {
     let [q, v, a, tau] = tables;
     let (nv, count) = (model.nv(), q.len() / model.nq());
@@ -164,6 +179,15 @@ fn compute_batches<T: BatchFloat>(model: &Model, tables: &[Vec<T>; 4], options: 
     let (mut by_q, mut by_v) = (zeros(nv * nv), zeros(nv * nv));
     batch::inverse_dynamics_derivatives(model, w, q, v, a, &mut by_q, &mut by_v).expect("good states");
     results.extend([by_q, by_v]);
+    let [mut x, mut y, mut z] = [(); 3].map(|()| zeros(nv));
+    let done = batch::inverse_dynamics_pullback(model, w, q, v, a, tau, &mut x, &mut y, &mut z, &mut []);
+    done.expect("good states");
+    results.extend([x, y, z]);
+    let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| zeros(nv));
+    let done =
+        batch::forward_dynamics_pullback(model, w, q, v, tau, a, &mut r, &mut x, &mut y, &mut z, &mut []);
+    done.expect("good states");
+    results.extend([r, x, y, z]);
     results
 }
 
@@ -178,7 +202,8 @@ fn batches_have_the_bits_of_single_calls_whatever_the_threads() {
         let found = compute_batches(&model, &tables, one);
         assert_eq!(found, compute_batches(&model, &tables, two), "{name}");
         let plain = compute_batches(&model.clone().with_native(false), &tables, one);
-        for (index, (found, plain)) in found.iter().zip(&plain).enumerate().filter(|(index, _)| *index != 2) {
+        let tables_of_forces = found.iter().zip(&plain).enumerate();
+        for (index, (found, plain)) in tables_of_forces.filter(|(k, _)| !INVERTING_TABLES.contains(k)) {
             let off = difference(found, plain, 0.0);
             assert!(off < PLAIN, "{name}, table {index}: {off:e}");
         }
@@ -202,6 +227,20 @@ fn batches_have_the_bits_of_single_calls_whatever_the_threads() {
             mass_matrix(&model, w, &q, &mut mass);
             assert!(!is_compiled("inverse_dynamics") || row(&found[0], nv) == tau, "{name}, state {state}");
             assert!(!is_compiled("mass_matrix") || row(&found[3], nv * nv) == mass, "{name}, state {state}");
+            let torque = row(&tables[3], nv);
+            let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| vec![0.0; nv]);
+            if is_compiled("inverse_dynamics_pullback") || state == 0 {
+                inverse_dynamics_pullback(&model, w, &q, &v, &a, &torque, &mut x, &mut y, &mut z);
+            }
+            let rows = [7, 8, 9].map(|table| row(&found[table], nv));
+            let is_same = [&x, &y, &z].into_iter().eq(&rows);
+            assert!(!is_compiled("inverse_dynamics_pullback") || is_same, "{name}, state {state}");
+            if is_compiled("forward_dynamics_pullback") || state == 0 {
+                forward_dynamics_pullback(&model, w, &q, &v, &torque, &a, &mut r, &mut x, &mut y, &mut z);
+            }
+            let rows = [10, 11, 12, 13].map(|table| row(&found[table], nv));
+            let is_same = [&r, &x, &y, &z].into_iter().eq(&rows);
+            assert!(!is_compiled("forward_dynamics_pullback") || is_same, "{name}, state {state}");
         }
     }
 }
@@ -219,7 +258,8 @@ fn single_precision_has_the_numbers_of_double_precision_to_its_rounding() {
             compute_batches(&model, &short, BatchOptions::default()),
             compute_batches(&model.clone().with_native(false), &tables, BatchOptions::default()),
         );
-        for (index, (found, expected)) in found.iter().zip(&expected).enumerate().filter(|(k, _)| *k != 2) {
+        let tables_of_forces = found.iter().zip(&expected).enumerate();
+        for (index, (found, expected)) in tables_of_forces.filter(|(k, _)| !INVERTING_TABLES.contains(k)) {
             let found: Vec<f64> = found.iter().copied().map(f64::from).collect();
             let off = difference(&found, expected, 0.0);
             assert!(off < 2e-4, "{name}, table {index}: {off:e}");
@@ -260,6 +300,98 @@ fn bad_states_and_far_angles_are_told_and_computed_as_by_the_recursions() {
         &mut tau,
     );
     assert!(difference(&tau, &expected[far], 0.0) < PLAIN);
+}
+
+#[test]
+fn pullbacks_of_bad_states_and_far_angles_are_those_of_the_recursions() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
+    let model = load(folder).expect("a robot").model;
+    let plain = model.clone().with_native(false);
+    let (nv, count) = (model.nv(), 200);
+    let [mut q, v, a, mut cotangent] = states(&model, count);
+    q[17 * nv] = f64::NAN;
+    cotangent[40 * nv + 3] = f64::INFINITY;
+    // Beyond the range of the code's sine.
+    q[101 * nv + 2] = 3e5;
+    let far = 101 * nv..102 * nv;
+    let of_batches = |model: &Model, is_forward: bool| {
+        let w = &mut BatchWorkspace::new(model);
+        let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| vec![0.0; count * nv]);
+        let l = &cotangent;
+        let bad = if is_forward {
+            batch::forward_dynamics_pullback(model, w, &q, &v, &a, l, &mut r, &mut x, &mut y, &mut z, &mut [])
+        } else {
+            batch::inverse_dynamics_pullback(model, w, &q, &v, &a, l, &mut x, &mut y, &mut z, &mut [])
+        };
+        (bad.expect_err("bad states"), [x, y, z, r])
+    };
+    let of_one = |model: &Model, is_forward: bool| {
+        let w = &mut Workspace::new(model);
+        let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| vec![0.0; nv]);
+        let (q, v, a, l) = (&q[far.clone()], &v[far.clone()], &a[far.clone()], &cotangent[far.clone()]);
+        if is_forward {
+            forward_dynamics_pullback(model, w, q, v, a, l, &mut r, &mut x, &mut y, &mut z);
+        } else {
+            inverse_dynamics_pullback(model, w, q, v, a, l, &mut x, &mut y, &mut z);
+        }
+        [x, y, z, r]
+    };
+    for is_forward in [false, true] {
+        let ((bad, found), (as_before, expected)) =
+            (of_batches(&model, is_forward), of_batches(&plain, is_forward));
+        assert_eq!(bad, as_before);
+        assert_eq!(bad.states, [17, 40]);
+        for (found, expected) in found.iter().zip(&expected).take(if is_forward { 4 } else { 3 }) {
+            assert!(found[17 * nv..18 * nv].iter().chain(&found[40 * nv..41 * nv]).all(|x| x.is_nan()));
+            assert_eq!(found[far.clone()], expected[far.clone()]);
+        }
+        assert_eq!(of_one(&model, is_forward), of_one(&plain, is_forward));
+    }
+}
+
+/// The cotangents of parameters are the recursions', and so is what comes with them.
+#[test]
+fn pullbacks_with_parameters_have_the_bits_of_the_recursions() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
+    let model = load(folder).expect("a robot").model;
+    let plain = model.clone().with_native(false);
+    let (nv, RandomState { q, v, a, tau }) = (model.nv(), random_state(&model, &mut SplitMix64::new(5)));
+    let compute = |model: &Model| {
+        let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| vec![0.0; nv]);
+        let [mut of_inverse, mut of_forward] = [(); 2].map(|()| vec![0.0; parameter_count(model)]);
+        let w = &mut Workspace::new(model);
+        inverse_dynamics_pullback_with_parameters(
+            model,
+            w,
+            &q,
+            &v,
+            &a,
+            &[],
+            &tau,
+            &mut x,
+            &mut y,
+            &mut z,
+            &mut of_inverse,
+        );
+        let mut results = vec![x.clone(), y.clone(), z.clone(), of_inverse];
+        forward_dynamics_pullback_with_parameters(
+            model,
+            w,
+            &q,
+            &v,
+            &tau,
+            &[],
+            &a,
+            &mut r,
+            &mut x,
+            &mut y,
+            &mut z,
+            &mut of_forward,
+        );
+        results.extend([r, x, y, z, of_forward]);
+        results
+    };
+    assert_eq!(compute(&model), compute(&plain));
 }
 
 #[test]
@@ -322,16 +454,184 @@ fn derivatives_and_pullbacks_are_those_of_the_recursions() {
             linearize_step(model, row, step, &forces, 1e-4, q, v, &mut by_state, &mut by_force)
                 .expect("M is regular");
             results.extend([by_state, by_force]);
+            let (mut by_q, mut by_v, mut by_tau) = (a.clone(), v.clone(), zeros());
+            let step = &mut StepPullbackWorkspace::new(model);
+            step_pullback(model, row, step, &forces, 1e-4, q, v, &mut by_q, &mut by_v, &mut by_tau, &mut [])
+                .expect("M is regular");
+            results.extend([by_q, by_v, by_tau]);
             results
         };
-        for (index, (found, expected)) in compute(&model).iter().zip(&compute(&plain)).enumerate() {
-            let off = difference(found, expected, 0.0);
+        let expected = compute(&plain);
+        // λᵀ∂a/∂q and λᵀ∂a/∂v may be differences of forces and rates that vanish.
+        let (w, mut mass) = (&mut Workspace::new(&plain), vec![0.0; nv * nv]);
+        mass_matrix(&plain, w, q, &mut mass);
+        let weight = largest(&expected[3]);
+        let by_position = weight * largest(tau);
+        let by_velocity = weight * largest(&mass) * largest(v);
+        for (index, (found, expected)) in compute(&model).iter().zip(&expected).enumerate() {
+            let scale = [0.0, by_position, by_velocity].get(index).copied().unwrap_or_default();
+            let off = difference(found, expected, scale);
             // M⁻¹ is applied twice.
             assert!(
                 off < INVERTING * (condition * condition).max(1e3),
                 "{name}, result {index}: {off:e} of {condition:e}"
             );
         }
+    }
+}
+
+/// The gradients of rollouts: from cotangents of the ends to those of the starts and forces.
+fn pull_rollouts_back(
+    model: &Model,
+    how: &Rollout,
+    torques: Torques<'_, f64>,
+    [q, v, by_q, by_v]: [&[f64]; 4],
+    forces: usize,
+) -> (Result<(), batch::RolloutError>, [Vec<f64>; 3]) {
+    let (w, go_on) = (&mut BatchWorkspace::new(model), |_| ControlFlow::Continue(()));
+    let (mut by_q, mut by_v, mut by_force) = (by_q.to_vec(), by_v.to_vec(), vec![0.0; forces]);
+    let ends = (&mut by_q[..], &mut by_v[..]);
+    // The same cotangent of each state on the way.
+    let row: Vec<f64> = (0..model.nv()).map(|k| 0.3 - 0.1 * k as f64).collect();
+    let trajectory = row.repeat(v.len() / model.nv() * how.samples());
+    let trajectory = (&trajectory[..], &trajectory[..]);
+    let done = batch::rollout_pullback(
+        model,
+        w,
+        how,
+        3,
+        torques,
+        q,
+        v,
+        trajectory,
+        ends,
+        &mut by_force,
+        &mut [],
+        &go_on,
+    );
+    (done, [by_q, by_v, by_force])
+}
+
+#[test]
+fn pullbacks_of_rollouts_by_a_kernel_a_step_are_those_of_the_recursions() {
+    let mut compiled = 0;
+    for (name, model) in robots().into_iter().chain(random_robots().into_iter().step_by(9)) {
+        let (count, nv, plain) = (37, model.nv(), model.clone().with_native(false));
+        let [q, v, a, tau] = states(&model, count);
+        let condition = condition_number(&plain, &q[..model.nq()]).max(1e4);
+        if condition > 1e8 {
+            continue;
+        }
+        for (integrator, dissipation) in [
+            (Integrator::SemiImplicitEuler, true),
+            (Integrator::SemiImplicitEuler, false),
+            (Integrator::RungeKutta4, true),
+            (Integrator::RungeKutta4, false),
+            (Integrator::ExplicitEuler, true),
+        ] {
+            let how = Rollout::new(integrator, 1e-5, 8).with_dissipation(dissipation).with_stride(2);
+            let each = tau.repeat(8);
+            let (held, each) = (Torques::Held(&tau), Torques::EachStep(&each));
+            for (torques, forces) in [(held, count * nv), (each, 8 * count * nv), (Torques::Zero, 0)] {
+                let ends = [&q[..], &v, &a, &tau];
+                let (done, found) = pull_rollouts_back(&model, &how, torques, ends, forces);
+                let (as_before, expected) = pull_rollouts_back(&plain, &how, torques, ends, forces);
+                assert_eq!(done, as_before, "{name}, {integrator}");
+                if done.is_err() {
+                    continue;
+                }
+                for (found, expected) in found.iter().zip(&expected) {
+                    let off = difference(found, expected, 0.0);
+                    assert!(off < 1e-14 * condition, "{name}, {integrator}: {off:e} of {condition:e}");
+                }
+                // A state's bits do not depend on those beside it.
+                let first = [&q[..model.nq()], &v[..nv], &a[..nv], &tau[..nv]];
+                if let Torques::Held(_) = torques {
+                    let alone = Torques::Held(&tau[..nv]);
+                    let (_, alone) = pull_rollouts_back(&model, &how, alone, first, nv);
+                    assert!(alone.iter().zip(&found).all(|(alone, all)| *alone == all[..nv]), "{name}");
+                }
+            }
+        }
+        let report = model.native();
+        compiled +=
+            report.functions.iter().filter(|used| used.function.name().contains("step_pullback")).count();
+    }
+    assert!(compiled > 30 || !has_encoder(), "{compiled}");
+}
+
+/// A rollout of one step, of a batch and of one state, where machine code computes both.
+#[test]
+fn the_pullback_of_a_step_has_the_bits_of_a_rollout_of_one() {
+    for file in ["panda.urdf", "humanoid.urdf", "gripper.urdf"] {
+        let model =
+            load(format!("{}/../../robots/{file}", env!("CARGO_MANIFEST_DIR"))).expect("a robot").model;
+        let (nq, nv) = (model.nq(), model.nv());
+        let [q, v, a, tau] = states(&model, 20);
+        for integrator in [Integrator::SemiImplicitEuler, Integrator::RungeKutta4] {
+            let how = Rollout::new(integrator, 1e-3, 1);
+            let ends = [&q[..], &v, &a, &v];
+            let (done, found) = pull_rollouts_back(&model, &how, Torques::Held(&tau), ends, 20 * nv);
+            done.expect("good states");
+            let w = &mut StepPullbackWorkspace::new(&model);
+            for state in 0..20 {
+                let rows = state * nv..(state + 1) * nv;
+                let forces = StepForces::new(&tau[rows.clone()], true);
+                let (q, own_v) = (&q[state * nq..(state + 1) * nq], &v[rows.clone()]);
+                let (mut by_q, mut by_v, mut by_tau) =
+                    (a[rows.clone()].to_vec(), own_v.to_vec(), vec![0.0; nv]);
+                step_pullback(
+                    &model,
+                    integrator,
+                    w,
+                    &forces,
+                    1e-3,
+                    q,
+                    own_v,
+                    &mut by_q,
+                    &mut by_v,
+                    &mut by_tau,
+                    &mut [],
+                )
+                .expect("a good state");
+                let report = model.native();
+                let is_step = |used: &&robot_dynamics::NativeUse| {
+                    used.function.name() == format!("{}_step_pullback", name_of(integrator))
+                        && used.route.is_ok()
+                };
+                if report.functions.iter().filter(is_step).count() == 2 {
+                    let of_one = [by_q, by_v, by_tau];
+                    assert!(of_one.iter().zip(&found).all(|(one, all)| *one == all[rows.clone()]), "{file}");
+                }
+            }
+        }
+    }
+}
+
+fn name_of(integrator: Integrator) -> &'static str {
+    if integrator == Integrator::RungeKutta4 { "rk4" } else { "semi_implicit_euler" }
+}
+
+#[test]
+fn pullbacks_of_rollouts_name_bad_states_and_pass_far_angles_to_the_recursions() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
+    let model = load(file).expect("a robot").model;
+    let (count, nv, plain) = (70, model.nv(), model.clone().with_native(false));
+    let [mut q, v, mut a, tau] = states(&model, count);
+    q[17 * nv] = f64::NAN;
+    a[40 * nv + 3] = f64::INFINITY;
+    // Beyond the range of the code's sine.
+    q[51 * nv + 2] = 3e5;
+    let how = Rollout::new(Integrator::SemiImplicitEuler, 1e-4, 7);
+    let ends = [&q[..], &v, &a, &tau];
+    let (done, found) = pull_rollouts_back(&model, &how, Torques::Held(&tau), ends, count * nv);
+    let (as_before, expected) = pull_rollouts_back(&plain, &how, Torques::Held(&tau), ends, count * nv);
+    assert_eq!(done, as_before);
+    let batch::RolloutError::BadStates(bad) = done.expect_err("bad states") else { panic!("bad states") };
+    assert_eq!(bad.states, [17, 40]);
+    for (found, expected) in found.iter().zip(&expected) {
+        assert!(found[17 * nv..18 * nv].iter().chain(&found[40 * nv..41 * nv]).all(|x| x.is_nan()));
+        assert_eq!(found[51 * nv..52 * nv], expected[51 * nv..52 * nv]);
     }
 }
 
@@ -370,23 +670,66 @@ fn very_large_robots_keep_the_recursion() {
     assert!(!has_encoder() || report.contains("recursion, which needs some"), "{report}");
 }
 
+/// Each thread begins with another function.
 #[test]
 fn threads_may_call_while_others_compile() {
+    const THREADS: usize = 32;
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/humanoid.urdf");
     let model = load(file).expect("a robot").model;
-    let state = random_state(&model, &mut SplitMix64::new(1));
-    let results: Vec<Vec<f64>> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..32)
-            .map(|_| {
-                scope.spawn(|| {
-                    let mut tau = vec![0.0; model.nv()];
-                    let w = &mut Workspace::new(&model);
-                    inverse_dynamics(&model, w, &state.q, &state.v, &state.a, &mut tau);
-                    tau
-                })
-            })
-            .collect();
+    let (nv, state) = (model.nv(), random_state(&model, &mut SplitMix64::new(1)));
+    let RandomState { q, v, a, tau } = &state;
+    let barrier = std::sync::Barrier::new(THREADS);
+    let call = |first: usize| {
+        let (w, zeros) = (&mut Workspace::new(&model), || vec![0.0; nv]);
+        let mut options = BatchOptions::default();
+        options.threads = 1;
+        let of_batches = &mut BatchWorkspace::with_options(&model, options).expect("this thread");
+        let mut results = vec![Vec::new(); 5];
+        barrier.wait();
+        for function in (first..first + 5).map(|k| k % 5) {
+            let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| zeros());
+            match function {
+                0 => inverse_dynamics(&model, w, q, v, a, &mut r),
+                1 => forward_dynamics(&model, w, q, v, tau, &mut r),
+                2 => forward_dynamics_pullback(&model, w, q, v, tau, a, &mut r, &mut x, &mut y, &mut z),
+                3 => {
+                    r = vec![0.0; nv * nv];
+                    mass_matrix(&model, w, q, &mut r);
+                }
+                _ => batch::inverse_dynamics(&model, of_batches, q, v, a, &mut r).expect("a good state"),
+            }
+            results[function] = [r, x, y, z].concat();
+        }
+        results
+    };
+    let call = &call;
+    let results: Vec<Vec<Vec<f64>>> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..THREADS).map(|first| scope.spawn(move || call(first))).collect();
         threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
     });
-    assert!(results.iter().all(|tau| *tau == results[0]));
+    assert!(results.iter().all(|result| *result == results[0]));
+    assert!(results[0].iter().flatten().all(|x| x.is_finite()) && results[0][0][0] != 0.0);
+}
+
+/// A constant that is not a number is refused before anything is traced, with its name.
+#[test]
+fn constants_that_are_no_numbers_are_refused() {
+    let description = load(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf"))
+        .expect("a robot")
+        .model
+        .description()
+        .clone();
+    type Spoil = fn(&mut robot_dynamics::RobotDescription);
+    let spoils: [(Spoil, &str); 4] = [
+        (|robot| robot.joints[0].parent_from_joint.translation[1] = f64::NAN, "panda_joint1"),
+        (|robot| robot.joints[1].passive.armature = f64::NAN, "panda_joint2"),
+        (|robot| robot.joints[2].passive.damping = f64::NAN, "panda_joint3"),
+        (|robot| robot.gravity[2] = f64::NAN, "gravity"),
+    ];
+    for (spoil, named) in spoils {
+        let mut spoiled = description.clone();
+        spoil(&mut spoiled);
+        let error = Model::new(spoiled).expect_err("a constant that is not finite").to_string();
+        assert!(error.contains(named) && error.contains("NaN"), "{error}");
+    }
 }

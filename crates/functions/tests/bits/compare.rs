@@ -45,7 +45,7 @@ impl State {
         multibody::inverse_mass_matrix(model, workspace, &plain.q, &mut inverse);
         Self {
             plain,
-            cotangent: (0..nv).map(|_| random.uniform(-1.0, 1.0)).collect(),
+            cotangent: (0..2 * nv).map(|_| random.uniform(-1.0, 1.0)).collect(),
             step: random.uniform(1e-4, 1e-2),
             condition: norm(&mass, nv) * norm(&inverse, nv),
             largest_mass: largest(&mass),
@@ -54,17 +54,18 @@ impl State {
 
     /// Its arguments of a function, rounded to a precision.
     fn arguments(&self, model: &Model, function: &Function, precision: Precision) -> Vec<Vec<f64>> {
-        let named = |name: &str| match name {
+        let named = |name: &str, length: usize| match name {
             "q" => self.plain.q.clone(),
             "v" => self.plain.v.clone(),
             "a" => self.plain.a.clone(),
             "tau" => self.plain.tau.clone(),
             "h" => vec![self.step],
-            "cotangent" => self.cotangent.clone(),
+            "cotangent" => self.cotangent[..length].to_vec(),
             other => panic!("there is no argument {other}"),
         };
         let rounded = |row: Vec<f64>| row.into_iter().map(|x| precision.round(x)).collect();
-        function.arguments(model).iter().map(|argument| rounded(named(argument.name))).collect()
+        let arguments = function.arguments(model);
+        arguments.iter().map(|argument| rounded(named(argument.name, argument.length))).collect()
     }
 }
 
@@ -89,7 +90,15 @@ impl Comparison {
             Function::FrameJacobianWorldAligned(frame.clone()),
             Function::FrameJacobianInFrame(frame),
         ];
-        let functions: Vec<Function> = Function::PLAIN.into_iter().chain(of_frame).collect();
+        // The pullbacks through the graph that machine code computes.
+        let through_graph = [
+            Function::Pullback(Box::new(Function::InverseDynamics)),
+            Function::Pullback(Box::new(Function::ForwardDynamics)),
+            Function::SemiImplicitEulerStep.pullback(),
+            Function::Rk4Step.pullback(),
+        ];
+        let functions: Vec<Function> =
+            Function::PLAIN.into_iter().chain(of_frame).chain(through_graph).collect();
         let inverse_dynamics = Function::InverseDynamics.trace(model, Arithmetic::default());
         let unit = inverse_dynamics.unwrap_or_else(|error| panic!("{name}: {error}")).plan.steps();
         if extent.is_whole {
@@ -150,7 +159,9 @@ impl Comparison {
                 self.kernels::<f64>(&interpreted);
                 for ((state, arguments), expected) in states.iter().zip(&arguments).zip(&interpreted.expected)
                 {
-                    let found = function.compute::<f64>(model, arguments).unwrap();
+                    let by_dual_numbers = function.slopes_by_dual_numbers(model, arguments).unwrap();
+                    let found =
+                        by_dual_numbers.unwrap_or_else(|| function.compute::<f64>(model, arguments).unwrap());
                     self.values(&interpreted.name, model, function, state, (expected, &found));
                 }
             }
@@ -256,6 +267,9 @@ fn norm(matrix: &[f64], rows: usize) -> f64 {
 /// Operations of a function at least, by those of inverse dynamics: so that none is traced in vain.
 fn least_operations(function: &Function, inverse_dynamics: usize, nv: usize) -> usize {
     let tenths = match function {
+        Function::Pullback(of) if **of == Function::InverseDynamics => 20,
+        Function::Pullback(of) if **of == Function::Rk4Step => 160,
+        Function::Pullback(_) => 40,
         Function::InverseDynamics => 10,
         Function::Bias => 8,
         Function::VelocityProduct => 6,

@@ -8,7 +8,9 @@ use crate::Model;
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::factor::sparse;
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::native::computed_natively;
 use crate::scratch::tree::TreeMemory;
 use crate::scratch::workspace::{Dense, Workspace};
 
@@ -42,6 +44,10 @@ use crate::scratch::workspace::{Dense, Workspace};
 pub fn mass_matrix_factor<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], factor: &mut [S]) {
     workspace.admit(model, q);
     check_length("the factor of the mass matrix", factor.len(), model.nv * model.nv);
+    let native = &mut workspace.tree.native;
+    if computed_natively(model, native, NativeFunction::MassMatrixFactor, &[q], &mut [&mut *factor]) {
+        return;
+    }
     workspace.make_room_for_matrices(model);
     let Workspace { tree, dense: Dense { matrix, carrier, .. }, .. } = workspace;
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });

@@ -77,7 +77,7 @@ pub trait CompiledOnce: Sized {
         model: &Model,
         workspace: &mut BatchWorkspace<Self>,
         is_forward: bool,
-        given: &pullback::Given<'_, Self>,
+        tables: &Tables<'_, Self, 4>,
         results: [&mut [Self]; 5],
     ) -> Result<(), BadStates>
     where
@@ -166,13 +166,13 @@ macro_rules! compiled_once {
                 model: &Model,
                 workspace: &mut BatchWorkspace<Self>,
                 is_forward: bool,
-                given: &pullback::Given<'_, Self>,
+                tables: &Tables<'_, Self, 4>,
                 results: [&mut [Self]; 5],
             ) -> Result<(), BadStates> {
                 if is_forward {
-                    pullback::compute::<Self, true>(model, workspace, given, results)
+                    pullback::compute::<Self, true>(model, workspace, tables, results)
                 } else {
-                    pullback::compute::<Self, false>(model, workspace, given, results)
+                    pullback::compute::<Self, false>(model, workspace, tables, results)
                 }
             }
 

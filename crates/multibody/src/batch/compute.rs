@@ -12,20 +12,28 @@ use crate::Model;
 const BLOCKS_PER_CHUNK: usize = 32;
 
 /// The states' tables that an operation reads, with their names and widths; unused ones are empty.
-pub struct Tables<'a, T> {
-    pub names: [&'static str; 3],
-    pub widths: [usize; 3],
-    pub rows: [&'a [T]; 3],
+pub struct Tables<'a, T, const A: usize = 3> {
+    pub names: [&'static str; A],
+    pub widths: [usize; A],
+    pub rows: [&'a [T]; A],
 }
 
-impl<T> Tables<'_, T> {
+impl<'a, T, const A: usize> Tables<'a, T, A> {
+    /// The rows of some states.
+    pub(super) fn rows(&self, first: usize, states: usize) -> [&'a [T]; A] {
+        core::array::from_fn(|i| {
+            let width = self.widths[i];
+            &self.rows[i][first * width..(first + states) * width]
+        })
+    }
+
     /// How many states.
     #[track_caller]
     pub(super) fn count(&self, model: &Model) -> usize {
         let (len, nq) = (self.rows[0].len(), model.nq());
         assert!(len.is_multiple_of(nq.max(1)), "q has {len} numbers, not a multiple of nq = {nq}");
         let batch = len / nq.max(1);
-        for k in 1..3 {
+        for k in 1..A {
             check_table(self.names[k], self.rows[k].len(), batch, self.widths[k]);
         }
         batch
@@ -76,10 +84,7 @@ pub(super) fn compute<T: BatchFloat + Number, O: Operation<T>>(
     };
     let bad = Found::default();
     for_each_block(workspace, batch, BLOCKS_PER_CHUNK, [output], &|memory, first, states, [output]| {
-        let rows = [0, 1, 2].map(|i| {
-            let width = tables.widths[i];
-            &tables.rows[i][first * width..(first + states) * width]
-        });
+        let rows = tables.rows(first, states);
         bad.add(block::compute(memory, model, operation, states, rows, output), first);
     });
     bad.into_result(batch)

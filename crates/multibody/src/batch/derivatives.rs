@@ -133,8 +133,7 @@ pub(super) fn compute<T: BatchFloat + Number, const FORWARD: bool>(
     };
     let bad = Found::default();
     for_each_block(workspace, batch, BLOCKS_PER_CHUNK, results, &|block, first, states, results| {
-        let widths = tables.widths;
-        let rows = [0, 1, 2].map(|i| &tables.rows[i][first * widths[i]..(first + states) * widths[i]]);
+        let rows = tables.rows(first, states);
         let mut bits = 0;
         block::run(block, Lanewise::<T, FORWARD> { model, states, rows, results, bad: &mut bits });
         bad.add(bits, first);

@@ -43,13 +43,13 @@ mod compute {
 
     /// The function of each state, or the results back where there is no machine code. `again` computes one state by the recursion, where an
     /// angle is out of the range of the code's sine, and returns whether it is good.
-    pub(in crate::batch) fn natively<'a, T: BatchFloat + Number, const K: usize>(
+    pub(in crate::batch) fn natively<'a, T: BatchFloat + Number, const A: usize, const K: usize>(
         model: &Model,
         workspace: &BatchWorkspace<T>,
         function: NativeFunction,
-        tables: &Tables<'_, T>,
+        tables: &Tables<'_, T, A>,
         results: [&'a mut [T]; K],
-        again: &(impl Fn(&mut BlockMemory, [&[T]; 3], [&mut [T]; K]) -> bool + Sync),
+        again: &(impl Fn(&mut BlockMemory, [&[T]; A], [&mut [T]; K]) -> bool + Sync),
     ) -> Result<Result<(), BadStates>, [&'a mut [T]; K]> {
         let Some(kernel) = kernel(model, workspace, function) else { return Err(results) };
         let batch = tables.count(model);
@@ -61,13 +61,7 @@ mod compute {
             if memory.native.len() < kernel.scratch_len() {
                 memory.native.resize(kernel.scratch_len(), T::zero());
             }
-            let rows = |first: usize, states: usize| {
-                [0, 1, 2].map(|i| {
-                    let width = tables.widths[i];
-                    &tables.rows[i][first * width..(first + states) * width]
-                })
-            };
-            let arguments = rows(first, states);
+            let arguments = tables.rows(first, states);
             let mut far = Vec::new();
             let mut is_finite = kernel.call_rows(
                 states,
@@ -80,14 +74,14 @@ mod compute {
             );
             for state in far {
                 let of_state = results.each_mut().map(|rows| row(rows, state, states));
-                is_finite &= again(&mut memory.block, rows(first + state, 1), of_state);
+                is_finite &= again(&mut memory.block, tables.rows(first + state, 1), of_state);
             }
             if is_finite && arguments.iter().all(|rows| are_finite(rows)) {
                 return;
             }
             for state in 0..states {
                 let results = results.each_mut().map(|rows| row(rows, state, states));
-                let arguments = rows(first + state, 1);
+                let arguments = tables.rows(first + state, 1);
                 if !arguments.iter().all(|row| are_finite(row)) || !results.iter().all(|row| are_finite(row))
                 {
                     for row in results {
@@ -134,13 +128,13 @@ mod absent {
     impl Number for f64 {}
     impl Number for f32 {}
 
-    pub(in crate::batch) fn natively<'a, T: BatchFloat, const K: usize>(
+    pub(in crate::batch) fn natively<'a, T: BatchFloat, const A: usize, const K: usize>(
         _: &Model,
         _: &BatchWorkspace<T>,
         _: NativeFunction,
-        _: &Tables<'_, T>,
+        _: &Tables<'_, T, A>,
         results: [&'a mut [T]; K],
-        _: &impl Fn(&mut BlockMemory, [&[T]; 3], [&mut [T]; K]) -> bool,
+        _: &impl Fn(&mut BlockMemory, [&[T]; A], [&mut [T]; K]) -> bool,
     ) -> Result<Result<(), BadStates>, [&'a mut [T]; K]> {
         Err(results)
     }

@@ -7,12 +7,15 @@ use super::bad_states::Found;
 use super::block::{
     self, Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
 };
-use super::compute::{check_table, check_workspace};
+use super::compute::{Tables, check_table, check_workspace};
+use super::native::{Number, natively};
 use super::recursions::accelerate;
 use super::share::for_each_block;
 use super::within::call;
+use super::workspace::BlockMemory;
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::derivatives::{ArticulatedBodiesPullback, NewtonEulerPullback, negate, solve_negative};
+use crate::model::native::NativeFunction;
 use crate::{Model, Workspace, parameter_count};
 
 /// Blocks that a thread takes at once, at most: some ten microseconds of work.
@@ -61,9 +64,9 @@ pub fn inverse_dynamics_pullback<T: BatchFloat>(
     by_acceleration: &mut [T],
     parameters: &mut [T],
 ) -> Result<(), BadStates> {
-    let given = Given { third: "a", rows: [q, v, a, cotangent] };
+    let tables = tables(model, "a", [q, v, a, cotangent]);
     let results = [&mut [], by_position, by_velocity, by_acceleration, parameters];
-    T::pullback(model, workspace, false, &given, results)
+    T::pullback(model, workspace, false, &tables, results)
 }
 
 /// a = M⁻¹(τ − C v − g) of each state and, for its own cotangent ā, āᵀ∂a/∂q, āᵀ∂a/∂v and M⁻¹ā; see
@@ -110,34 +113,27 @@ pub fn forward_dynamics_pullback<T: BatchFloat>(
     by_force: &mut [T],
     parameters: &mut [T],
 ) -> Result<(), BadStates> {
-    let given = Given { third: "tau", rows: [q, v, tau, cotangent] };
+    let tables = tables(model, "tau", [q, v, tau, cotangent]);
     let results = [acceleration, by_position, by_velocity, by_force, parameters];
-    T::pullback(model, workspace, true, &given, results)
+    T::pullback(model, workspace, true, &tables, results)
 }
 
 /// The states and their cotangents: q, v, a or τ, λ.
-pub struct Given<'a, T> {
-    pub third: &'static str,
-    pub rows: [&'a [T]; 4],
+fn tables<'a, T>(model: &Model, third: &'static str, rows: [&'a [T]; 4]) -> Tables<'a, T, 4> {
+    let (nq, nv) = (model.nq, model.nv);
+    Tables { names: ["q", "v", third, "the cotangent"], widths: [nq, nv, nv, nv], rows }
 }
 
 /// Into the acceleration, of forward dynamics alone; the cotangents of q, v and the third; those of the parameters.
 #[track_caller]
-pub(super) fn compute<T: BatchFloat, const FORWARD: bool>(
+pub(super) fn compute<T: BatchFloat + Number, const FORWARD: bool>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
-    given: &Given<'_, T>,
+    tables: &Tables<'_, T, 4>,
     results: [&mut [T]; 5],
 ) -> Result<(), BadStates> {
     check_workspace(model, workspace);
-    let (nq, nv) = (model.nq(), model.nv());
-    let numbers = given.rows[0].len();
-    assert!(numbers.is_multiple_of(nq.max(1)), "q has {numbers} numbers, not a multiple of nq = {nq}");
-    let batch = numbers / nq.max(1);
-    let names = ["v", given.third, "the cotangent"];
-    for (name, rows) in names.into_iter().zip(&given.rows[1..]) {
-        check_table(name, rows.len(), batch, nv);
-    }
+    let (batch, nv) = (tables.count(model), model.nv());
     check_table("the acceleration", results[0].len(), batch, if FORWARD { nv } else { 0 });
     let names = ["the cotangent of q", "the cotangent of v", "the cotangent of a or tau"];
     for (name, rows) in names.into_iter().zip(&results[1..4]) {
@@ -148,15 +144,47 @@ pub(super) fn compute<T: BatchFloat, const FORWARD: bool>(
     if batch == 0 || nv == 0 {
         return Ok(());
     }
+    let results = if parameters == 0 {
+        match pull_natively::<T, FORWARD>(model, workspace, tables, results) {
+            Ok(result) => return result,
+            Err(results) => results,
+        }
+    } else {
+        results
+    };
     let bad = Found::default();
     for_each_block(workspace, batch, BLOCKS_PER_CHUNK, results, &|block, first, states, results| {
-        let widths = [nq, nv, nv, nv];
-        let rows = [0, 1, 2, 3].map(|i| &given.rows[i][first * widths[i]..(first + states) * widths[i]]);
-        let mut bits = 0;
+        let (rows, mut bits) = (tables.rows(first, states), 0);
         block::run(block, Lanewise::<T, FORWARD> { model, states, rows, results, bad: &mut bits });
         bad.add(bits, first);
     });
     bad.into_result(batch)
+}
+
+/// The pullbacks by machine code, without cotangents of parameters; the results back where there is none.
+fn pull_natively<'a, T: BatchFloat + Number, const FORWARD: bool>(
+    model: &Model,
+    workspace: &BatchWorkspace<T>,
+    tables: &Tables<'_, T, 4>,
+    [acceleration, by_position, by_velocity, by_third, parameters]: [&'a mut [T]; 5],
+) -> Result<Result<(), BadStates>, [&'a mut [T]; 5]> {
+    let again = |block: &mut BlockMemory, rows: [&[T]; 4], results: [&mut [T]; 5]| {
+        let mut bits = 0;
+        block::run(block, Lanewise::<T, FORWARD> { model, states: 1, rows, results, bad: &mut bits });
+        bits == 0
+    };
+    if FORWARD {
+        let results = [acceleration, by_position, by_velocity, by_third, parameters];
+        return natively(model, workspace, NativeFunction::ForwardDynamicsPullback, tables, results, &again);
+    }
+    // Machine code writes the first results; inverse dynamics' pullback has no acceleration.
+    let results = [by_position, by_velocity, by_third, acceleration, parameters];
+    let again =
+        |block: &mut BlockMemory, rows: [&[T]; 4], [x, y, z, acceleration, parameters]: [&mut [T]; 5]| {
+            again(block, rows, [acceleration, x, y, z, parameters])
+        };
+    natively(model, workspace, NativeFunction::InverseDynamicsPullback, tables, results, &again)
+        .map_err(|[x, y, z, acceleration, parameters]| [acceleration, x, y, z, parameters])
 }
 
 /// The pullbacks of one block of states.

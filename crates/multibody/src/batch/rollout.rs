@@ -108,7 +108,13 @@ struct Shared<'a> {
     cancelled: AtomicBool,
 }
 
-impl Shared<'_> {
+impl<'a> Shared<'a> {
+    /// Of one step of one state, whose progress nothing watches.
+    #[cfg(feature = "native")]
+    fn of_one_step(progress: &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync)) -> Self {
+        Self { progress, done: AtomicU64::new(0), total: 1, cancelled: AtomicBool::new(false) }
+    }
+
     /// Counts steps done; whether to go on.
     fn go_on(&self, steps: u64) -> bool {
         let done = self.done.fetch_add(steps, Ordering::Relaxed) + steps;

@@ -1,6 +1,6 @@
 //! Machine code in place of the recursions, made when a function is first called.
 //!
-//! A [`Tracer`], which a crate above this one has, writes a function of a model down as an expression; the crate `native` makes machine code
+//! A [`Tracer`], a function of a crate above this one, returns the expression of a model's function; the crate `native` makes machine code
 //! of it. The code is kept with the model, so that from the first call on the bits of a function do not change. Copies of a model share it.
 //! A function stays with its recursion where the expression would be too long, where the processor or the operating system does not allow
 //! code, and where it is switched off.
@@ -60,6 +60,12 @@ pub enum NativeFunction {
     InverseDynamicsDerivatives,
     /// ∂a/∂q, ∂a/∂v, ∂a/∂τ.
     ForwardDynamicsDerivatives,
+    /// λᵀ∂τ/∂q, λᵀ∂τ/∂v, λᵀ∂τ/∂a.
+    InverseDynamicsPullback,
+    /// a, λᵀ∂a/∂q, λᵀ∂a/∂v, λᵀ∂a/∂τ.
+    ForwardDynamicsPullback,
+    /// L and D of M = LᵀDL.
+    MassMatrixFactor,
     /// A step of semi-implicit Euler, τ held over it, damping and friction at its start.
     SemiImplicitEulerStep,
     /// The same without damping and friction.
@@ -68,11 +74,19 @@ pub enum NativeFunction {
     Rk4Step,
     /// The same without damping and friction.
     ConservativeRk4Step,
+    /// The pullback of a step of semi-implicit Euler: from the cotangents of its end to those of q, v and τ.
+    SemiImplicitEulerStepPullback,
+    /// The same without damping and friction.
+    ConservativeSemiImplicitEulerStepPullback,
+    /// The pullback of a step of the classical Runge–Kutta method.
+    Rk4StepPullback,
+    /// The same without damping and friction.
+    ConservativeRk4StepPullback,
 }
 
 impl NativeFunction {
     /// All of them.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 27] = [
         Self::InverseDynamics,
         Self::Bias,
         Self::Gravity,
@@ -89,10 +103,17 @@ impl NativeFunction {
         Self::InversePivots,
         Self::InverseDynamicsDerivatives,
         Self::ForwardDynamicsDerivatives,
+        Self::InverseDynamicsPullback,
+        Self::ForwardDynamicsPullback,
+        Self::MassMatrixFactor,
         Self::SemiImplicitEulerStep,
         Self::ConservativeSemiImplicitEulerStep,
         Self::Rk4Step,
         Self::ConservativeRk4Step,
+        Self::SemiImplicitEulerStepPullback,
+        Self::ConservativeSemiImplicitEulerStepPullback,
+        Self::Rk4StepPullback,
+        Self::ConservativeRk4StepPullback,
     ];
 
     /// The name of the library's function.
@@ -118,10 +139,19 @@ impl NativeFunction {
             Self::InversePivots => "inverse_pivots",
             Self::InverseDynamicsDerivatives => "inverse_dynamics_derivatives",
             Self::ForwardDynamicsDerivatives => "forward_dynamics_derivatives",
+            Self::InverseDynamicsPullback => "inverse_dynamics_pullback",
+            Self::ForwardDynamicsPullback => "forward_dynamics_pullback",
+            Self::MassMatrixFactor => "mass_matrix_factor",
             Self::SemiImplicitEulerStep => "semi_implicit_euler_step",
             Self::ConservativeSemiImplicitEulerStep => "conservative_semi_implicit_euler_step",
             Self::Rk4Step => "rk4_step",
             Self::ConservativeRk4Step => "conservative_rk4_step",
+            Self::SemiImplicitEulerStepPullback => "semi_implicit_euler_step_pullback",
+            Self::ConservativeSemiImplicitEulerStepPullback => {
+                "conservative_semi_implicit_euler_step_pullback"
+            }
+            Self::Rk4StepPullback => "rk4_step_pullback",
+            Self::ConservativeRk4StepPullback => "conservative_rk4_step_pullback",
         }
     }
 
@@ -132,6 +162,17 @@ impl NativeFunction {
             (Integrator::SemiImplicitEuler, false) => Some(Self::ConservativeSemiImplicitEulerStep),
             (Integrator::RungeKutta4, true) => Some(Self::Rk4Step),
             (Integrator::RungeKutta4, false) => Some(Self::ConservativeRk4Step),
+            _ => None,
+        }
+    }
+
+    /// The pullback of a step of this row, with damping and friction or without.
+    pub(crate) fn step_pullback(row: Integrator, dissipation: bool) -> Option<Self> {
+        match (row, dissipation) {
+            (Integrator::SemiImplicitEuler, true) => Some(Self::SemiImplicitEulerStepPullback),
+            (Integrator::SemiImplicitEuler, false) => Some(Self::ConservativeSemiImplicitEulerStepPullback),
+            (Integrator::RungeKutta4, true) => Some(Self::Rk4StepPullback),
+            (Integrator::RungeKutta4, false) => Some(Self::ConservativeRk4StepPullback),
             _ => None,
         }
     }
@@ -149,13 +190,13 @@ pub struct NativeTrace {
     pub lengths: Vec<usize>,
 }
 
-/// Writes a function of a model down as an expression, or says why there is none.
+/// Returns the expression of a model's function, or the reason why it has none.
 #[cfg(feature = "native")]
 pub type Tracer = fn(&Model, NativeFunction, Arithmetic) -> Result<NativeTrace, String>;
 
 impl Model {
-    /// This model with functions in machine code, of what the tracer writes down when they are first called. The environment variable
-    /// `ROBOT_DYNAMICS_NATIVE=0` switches it off.
+    /// This model with its functions in machine code, made from the tracer's expressions when they are first called. The environment
+    /// variable `ROBOT_DYNAMICS_NATIVE=0` switches it off.
     ///
     /// ```
     /// use multibody::{Model, Workspace, mass_matrix, pendulum};

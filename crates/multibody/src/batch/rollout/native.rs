@@ -3,7 +3,7 @@
 use ::native::Kernel;
 use dynamics::Stage;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
 use super::step::{Advance, STEPS_PER_LOOK};
 use super::{Job, Outcome, PolicyInput, Rollout, RolloutProgress, Shared, Torques};
@@ -105,7 +105,8 @@ impl<T: BatchFloat + Number> KernelSteps<'_, T> {
                 let (of_q, of_v) = (state * nq..(state + 1) * nq, state * nv..(state + 1) * nv);
                 q_end[of_q.clone()].copy_from_slice(&q[of_q.clone()]);
                 v_end[of_v.clone()].copy_from_slice(&v[of_v.clone()]);
-                self.step_by_recursion(block, &tau[of_v.clone()], &mut q_end[of_q], &mut v_end[of_v]);
+                let way = (self.model, self.rollout, self.stages);
+                step_by_recursion(way, block, &tau[of_v.clone()], &mut q_end[of_q], &mut v_end[of_v]);
             }
             core::mem::swap(&mut q, &mut q_end);
             core::mem::swap(&mut v, &mut v_end);
@@ -132,18 +133,21 @@ impl<T: BatchFloat + Number> KernelSteps<'_, T> {
         shared.go_on((states * (rollout.steps - looked)) as u64);
         (bad, true)
     }
+}
 
-    /// One step of one state, whose angles are out of the range of the code's sine.
-    fn step_by_recursion(&self, block: &mut BlockMemory, tau: &[T], q: &mut [T], v: &mut [T]) {
-        let Self { model, rollout, stages, .. } = self;
-        let mut one_step = Rollout::new(rollout.integrator, rollout.step, 1);
-        one_step.dissipation = rollout.dissipation;
-        let go_on = |_: RolloutProgress| ControlFlow::Continue(());
-        let (done, cancelled) = (AtomicU64::new(0), AtomicBool::new(false));
-        let shared = &Shared { progress: &go_on, done, total: 1, cancelled };
-        let job = Job { first: 0, states: 1, q, v, q_trajectory: &mut [], v_trajectory: &mut [] };
-        let outputs = (&mut 0, &mut false);
-        let torques = Torques::Held(tau);
-        block::run(block, Advance { model, rollout: &one_step, stages, torques, job, shared, outputs });
-    }
+/// One step of one state, whose angles are out of the range of the code's sine.
+pub(super) fn step_by_recursion<T: BatchFloat>(
+    (model, rollout, stages): (&Model, &Rollout, &[Stage]),
+    block: &mut BlockMemory,
+    tau: &[T],
+    q: &mut [T],
+    v: &mut [T],
+) {
+    let one_step = &Rollout { steps: 1, stride: 0, ..*rollout };
+    let go_on = |_: RolloutProgress| ControlFlow::Continue(());
+    let shared = &Shared::of_one_step(&go_on);
+    let job = Job { first: 0, states: 1, q, v, q_trajectory: &mut [], v_trajectory: &mut [] };
+    let outputs = (&mut 0, &mut false);
+    let torques = Torques::Held(tau);
+    block::run(block, Advance { model, rollout: one_step, stages, torques, job, shared, outputs });
 }

@@ -1,5 +1,8 @@
 //! The pullback of rollouts of batches.
 
+#[cfg(feature = "native")]
+mod native;
+
 use core::marker::PhantomData;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -14,6 +17,7 @@ use crate::batch::block::{
     self, Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
 };
 use crate::batch::compute::{check_table, check_workspace};
+use crate::batch::native::Number;
 use crate::batch::pullback::{Pulled, pull_forward};
 use crate::batch::recursions::accelerate;
 use crate::batch::share::for_each_block;
@@ -33,8 +37,8 @@ use crate::{Model, Workspace, parameter_count};
 /// have nv numbers, along the displacements of [`integrate`](crate::integrate()) there.
 ///
 /// The states on the way are computed again from a checkpoint at every `spacing`-th step, 0 for √steps; `spacing` = steps keeps
-/// all of them. See [`RolloutPullbackWorkspace::new`](crate::RolloutPullbackWorkspace::new); this is the memory of a block of
-/// states on each thread. They are those of [`rollout`](crate::batch::rollout), bit for bit. `progress` is called now and then,
+/// all of them. See [`RolloutPullbackWorkspace::new`](crate::RolloutPullbackWorkspace::new); this is the memory of some
+/// states on each thread, a block of them or 32 by machine code. They are those of [`rollout`](crate::batch::rollout), bit for bit. `progress` is called now and then,
 /// from any thread; when it breaks, the states not yet done keep their `by_position` and `by_velocity`, and the rest of their
 /// rows is not to be read.
 ///
@@ -96,7 +100,7 @@ pub struct Given<'a, T> {
 
 /// [`rollout_pullback`], where it is compiled.
 #[track_caller]
-pub(in crate::batch) fn compute<T: BatchFloat>(
+pub(in crate::batch) fn compute<T: BatchFloat + Number>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
     rollout: &Rollout,
@@ -146,6 +150,14 @@ pub(in crate::batch) fn compute<T: BatchFloat>(
     };
     let outcome = Outcome::default();
     let spacing = rollout.spacing(given.spacing);
+    #[cfg(feature = "native")]
+    let results = {
+        let (way, how) = ((rollout, stages, spacing), (&shared, &outcome));
+        match native::pull_back_natively(model, workspace, way, given, results, how) {
+            Ok(()) => return outcome.into_result(batch),
+            Err(results) => results,
+        }
+    };
     for_each_block(workspace, batch, 1, results, &|block, first, states, results| {
         let (mut bits, mut finished) = (0, false);
         if !shared.cancelled.load(Ordering::Relaxed) {

@@ -15,7 +15,9 @@ use crate::derivatives::columns::subtract_carried;
 use crate::factor::sparse;
 use crate::model::WORLD;
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::native::computed_natively;
 use crate::scratch::tree::{InBodies, Inertias, PerFreedom, Screws, TreeMemory};
 use crate::scratch::workspace::Dense;
 use crate::spatial::screw::Force;
@@ -226,6 +228,13 @@ pub fn forward_dynamics_pullback_with_parameters<S: Scalar>(
     check_length("the cotangent of v", by_velocity.len(), model.nv);
     check_length("the cotangent of tau", by_force.len(), model.nv);
     check_parameters(model, parameters);
+    if wrenches.is_empty() && parameters.is_empty() {
+        let results = &mut [&mut *acceleration, &mut *by_position, &mut *by_velocity, &mut *by_force];
+        let (native, function) = (&mut workspace.tree.native, NativeFunction::ForwardDynamicsPullback);
+        if computed_natively(model, native, function, &[q, v, tau, cotangent], results) {
+            return;
+        }
+    }
     if model.couples_branches {
         accelerate_by_cholesky(model, workspace, q, v, tau, wrenches, acceleration);
         solve_negative(&workspace.dense, cotangent, by_force);

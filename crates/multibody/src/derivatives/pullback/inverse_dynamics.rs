@@ -8,7 +8,9 @@ use super::parameters::check_parameters;
 use super::sweeps::{Results, sweep_in, sweep_out, weigh_bodies};
 use crate::derivatives::columns::subtract_carried;
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::native::computed_natively;
 use crate::scratch::tree::TreeMemory;
 use crate::stages::place::spread;
 use crate::stages::screws::place_screws;
@@ -155,6 +157,14 @@ pub fn inverse_dynamics_pullback_with_parameters<S: Scalar>(
     check_length("the cotangent of v", by_velocity.len(), model.nv);
     check_length("the cotangent of a", by_acceleration.len(), model.nv);
     check_parameters(model, parameters);
+    if wrenches.is_empty() && parameters.is_empty() {
+        let (arguments, results) =
+            (&[q, v, a, cotangent], &mut [&mut *by_position, &mut *by_velocity, &mut *by_acceleration]);
+        let (native, function) = (&mut workspace.tree.native, NativeFunction::InverseDynamicsPullback);
+        if computed_natively(model, native, function, arguments, results) {
+            return;
+        }
+    }
     run(
         &mut workspace.tree,
         NewtonEulerPullback {

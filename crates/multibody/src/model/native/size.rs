@@ -11,11 +11,13 @@ pub(super) fn most_operations(function: NativeFunction, width: Width) -> usize {
     match (function, width) {
         (NativeFunction::CoriolisMatrix, Width::One) => 3_500,
         (NativeFunction::MassMatrix, Width::One) => 12_000,
-        // The four stages of a step would be fetched one by one, too. States side by side share what is fetched.
-        (NativeFunction::Rk4Step | NativeFunction::ConservativeRk4Step, Width::One) | (_, Width::Lanes) => {
-            30_000
-        }
+        // Stages of a step are fetched as often one by one.
+        (NativeFunction::Rk4Step | NativeFunction::ConservativeRk4Step, Width::One) => 30_000,
+        // The recursion takes as many operations, in a loop over the stages.
+        (NativeFunction::Rk4StepPullback | NativeFunction::ConservativeRk4StepPullback, _) => 70_000,
         (_, Width::One) => 20_000,
+        // States side by side share what is fetched.
+        (_, Width::Lanes) => 30_000,
     }
 }
 
@@ -34,6 +36,12 @@ pub(super) fn estimated_operations(model: &Model, function: NativeFunction) -> u
         NativeFunction::InverseMassMatrix => 40 * bodies + 8 * pairs + 2 * triples,
         NativeFunction::InverseDynamicsDerivatives => 60 * bodies + 60 * pairs,
         NativeFunction::ForwardDynamicsDerivatives => 150 * bodies + 120 * pairs,
+        NativeFunction::InverseDynamicsPullback => 120 * bodies,
+        NativeFunction::ForwardDynamicsPullback => 350 * bodies,
+        NativeFunction::SemiImplicitEulerStepPullback
+        | NativeFunction::ConservativeSemiImplicitEulerStepPullback => 350 * bodies,
+        NativeFunction::Rk4StepPullback | NativeFunction::ConservativeRk4StepPullback => 1400 * bodies,
+        NativeFunction::MassMatrixFactor => 40 * bodies + 8 * pairs + triples / 2,
         _ => 50 * bodies,
     }
 }

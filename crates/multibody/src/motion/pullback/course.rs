@@ -166,6 +166,16 @@ impl<S: Scalar, A: Accelerations<S>> Way<'_, A, S> {
         let Memory { stages: numbers, stretch, accelerations, tau, scratch, by_force, .. } = memory;
         let [force, acceleration, other] = scratch;
         course.torque(step, tau);
+        let (q, v) = stretch[k * state..(k + 1) * state].split_at(nq);
+        let (by_q, by_v) = cotangents;
+        let (at, h) = ([q, v, &**tau], self.h);
+        if parameters.is_empty()
+            && self.accelerations.pull_back_natively(model, at, h, (&mut *by_q, &mut *by_v), by_force)
+        {
+            course.take(step, by_force);
+            return;
+        }
+        let cotangents = (by_q, by_v);
         by_force.fill(S::zero());
         let mut held = Held {
             model,
@@ -179,7 +189,6 @@ impl<S: Scalar, A: Accelerations<S>> Way<'_, A, S> {
             parameters,
         };
         let mut numbers = PullbackMemory::new(model, self.stages.len(), numbers);
-        let (q, v) = stretch[k * state..(k + 1) * state].split_at(nq);
         let own = self.stages.len() * model.nv;
         let kept = if known { &accelerations[k * own..(k + 1) * own] } else { &[] };
         let at = (q, v, kept);

@@ -8,6 +8,7 @@ use super::stages::add;
 use super::step::OneState;
 use crate::derivatives::check_parameters;
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
 use crate::motion::integrate::check_step;
 use crate::motion::integrate::explicit::most_stages;
 use crate::{Model, Workspace, parameter_count};
@@ -73,6 +74,7 @@ pub struct RolloutPullbackWorkspace<S: Scalar = f64> {
     memory: Vec<S>,
     by_position: Vec<S>,
     by_velocity: Vec<S>,
+    cotangent: Vec<S>,
     parameters: Vec<S>,
 }
 
@@ -98,6 +100,7 @@ impl<S: Scalar> RolloutPullbackWorkspace<S> {
             memory: vec![S::zero(); memory_size(model, rollout, most_stages(), spacing)],
             by_position: vec![S::zero(); model.nv],
             by_velocity: vec![S::zero(); model.nv],
+            cotangent: vec![S::zero(); 2 * model.nv],
             parameters: vec![S::zero(); parameter_count(model)],
         }
     }
@@ -234,7 +237,9 @@ pub fn rollout_pullback<S: Scalar>(
     let own_parameters = &mut w.parameters[..parameters.len()];
     let cotangents = (&mut w.by_position[..], &mut w.by_velocity[..]);
     let way = (rollout, stages, w.spacing);
-    let sides = (&mut OneState(&mut w.dynamics), &mut tables);
+    let pullback = NativeFunction::step_pullback(rollout.integrator, rollout.dissipation);
+    let accelerations = &mut OneState { workspace: &mut w.dynamics, pullback, cotangent: &mut w.cotangent };
+    let sides = (accelerations, &mut tables);
     pull_back(model, way, sides, &mut w.memory, (q, v), cotangents, own_parameters);
     for (quantity, numbers) in [
         ("the cotangent of q at the start", &w.by_position[..]),

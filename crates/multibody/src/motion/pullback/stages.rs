@@ -29,6 +29,19 @@ pub(crate) trait Accelerations<S: Scalar> {
 
     /// The cotangents of q, v and τ from one of a, and those of the parameters, which are added.
     fn pull_back(&mut self, model: &Model, at: At<'_, S>, to: Cotangents<'_, S>);
+
+    /// The pullback of a whole step of h from q and v under τ by machine code: of the cotangents of its end, in place, and of τ. Returns
+    /// whether there is any. It has no cotangents of parameters.
+    fn pull_back_natively(
+        &mut self,
+        _: &Model,
+        _: [&[S]; 3],
+        _: S,
+        _: (&mut [S], &mut [S]),
+        _: &mut [S],
+    ) -> bool {
+        false
+    }
 }
 
 /// Where forward dynamics is pulled back, and the cotangent of a.

@@ -6,8 +6,10 @@ use super::error::{PullbackError, check_floats, check_mass};
 use super::stages::{Accelerations, At, Cotangents, Held, PullbackMemory, add, pull_back_step};
 use crate::derivatives::check_parameters;
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
 use crate::motion::integrate::check_step;
 use crate::motion::integrate::explicit::most_stages;
+use crate::scratch::native::computed_natively;
 use crate::{
     Model, StepForces, Workspace, forward_dynamics, forward_dynamics_pullback_with_parameters,
     parameter_count,
@@ -24,6 +26,7 @@ pub struct StepPullbackWorkspace<S: Scalar = f64> {
     by_force: Vec<S>,
     by_position: Vec<S>,
     by_velocity: Vec<S>,
+    cotangent: Vec<S>,
     parameters: Vec<S>,
 }
 
@@ -40,17 +43,48 @@ impl<S: Scalar> StepPullbackWorkspace<S> {
             by_force: vector(),
             by_position: vector(),
             by_velocity: vector(),
+            cotangent: vec![S::zero(); 2 * model.nv],
             parameters: vec![S::zero(); parameter_count(model)],
         }
     }
 }
 
-/// One state's forward dynamics.
-pub(super) struct OneState<'a, S: Scalar>(pub &'a mut Workspace<S>);
+/// One state's forward dynamics, and the pullback of its steps by machine code.
+pub(super) struct OneState<'a, S: Scalar> {
+    pub workspace: &'a mut Workspace<S>,
+    /// The pullback of a step, if it may have machine code.
+    pub pullback: Option<NativeFunction>,
+    /// 2 nv numbers.
+    pub cotangent: &'a mut [S],
+}
 
 impl<S: Scalar> Accelerations<S> for OneState<'_, S> {
     fn accelerate(&mut self, model: &Model, q: &[S], v: &[S], tau: &[S], a: &mut [S]) {
-        forward_dynamics(model, self.0, q, v, tau, a);
+        forward_dynamics(model, self.workspace, q, v, tau, a);
+    }
+
+    fn pull_back_natively(
+        &mut self,
+        model: &Model,
+        [q, v, tau]: [&[S]; 3],
+        h: S,
+        (by_q, by_v): (&mut [S], &mut [S]),
+        by_force: &mut [S],
+    ) -> bool {
+        let Some(function) = self.pullback else { return false };
+        let (of_q, of_v) = self.cotangent.split_at_mut(model.nv);
+        of_q.copy_from_slice(by_q);
+        of_v.copy_from_slice(by_v);
+        let native = &mut self.workspace.tree.native;
+        let arguments = &[q, v, tau, &[h], &*self.cotangent];
+        let is_computed =
+            computed_natively(model, native, function, arguments, &mut [&mut *by_q, &mut *by_v, by_force]);
+        if !is_computed {
+            let (of_q, of_v) = self.cotangent.split_at(model.nv);
+            by_q.copy_from_slice(of_q);
+            by_v.copy_from_slice(of_v);
+        }
+        is_computed
     }
 
     fn pull_back(&mut self, model: &Model, at: At<'_, S>, to: Cotangents<'_, S>) {
@@ -58,7 +92,7 @@ impl<S: Scalar> Accelerations<S> for OneState<'_, S> {
         let Cotangents { acceleration, by_position, by_velocity, by_force, parameters } = to;
         forward_dynamics_pullback_with_parameters(
             model,
-            self.0,
+            self.workspace,
             q,
             v,
             tau,
@@ -145,23 +179,30 @@ pub fn step_pullback<S: Scalar>(
     let w = workspace;
     w.by_position.copy_from_slice(by_position);
     w.by_velocity.copy_from_slice(by_velocity);
-    w.by_force.fill(S::zero());
     w.parameters.fill(S::zero());
     let own_parameters = &mut w.parameters[..parameters.len()];
-    let mut motion = Held {
-        model,
-        accelerations: &mut OneState(&mut w.dynamics),
-        dissipation: forces.dissipation,
-        tau: forces.tau,
-        force: &mut w.force,
-        acceleration: &mut w.acceleration,
-        by_stage_force: &mut w.by_stage_force,
-        by_force: &mut w.by_force,
-        parameters: own_parameters,
-    };
-    let mut memory = PullbackMemory::new(model, stages.len(), &mut w.stages);
-    let cotangents = (&mut w.by_position[..], &mut w.by_velocity[..]);
-    pull_back_step(model, stages, &mut motion, S::from_f64(h), &mut memory, (q, v, &[]), cotangents);
+    let pullback = NativeFunction::step_pullback(integrator, forces.dissipation);
+    let accelerations = &mut OneState { workspace: &mut w.dynamics, pullback, cotangent: &mut w.cotangent };
+    let (cotangents, at) = ((&mut w.by_position[..], &mut w.by_velocity[..]), [q, v, forces.tau]);
+    let is_computed = parameters.is_empty()
+        && accelerations.pull_back_natively(model, at, S::from_f64(h), cotangents, &mut w.by_force);
+    if !is_computed {
+        w.by_force.fill(S::zero());
+        let mut motion = Held {
+            model,
+            accelerations,
+            dissipation: forces.dissipation,
+            tau: forces.tau,
+            force: &mut w.force,
+            acceleration: &mut w.acceleration,
+            by_stage_force: &mut w.by_stage_force,
+            by_force: &mut w.by_force,
+            parameters: own_parameters,
+        };
+        let mut memory = PullbackMemory::new(model, stages.len(), &mut w.stages);
+        let cotangents = (&mut w.by_position[..], &mut w.by_velocity[..]);
+        pull_back_step(model, stages, &mut motion, S::from_f64(h), &mut memory, (q, v, &[]), cotangents);
+    }
     for (quantity, numbers) in [
         ("the cotangent of q at the start", &w.by_position[..]),
         ("the cotangent of v at the start", &w.by_velocity),
