@@ -1,0 +1,121 @@
+//! Robots of a hundred thousand joints: the recursions compute them, and nothing is traced.
+#![cfg(feature = "native")]
+#![allow(missing_docs)]
+
+use robot_dynamics::dynamics::MassProperties;
+use robot_dynamics::{
+    JointDescription, JointKind, LinkDescription, Model, Pose, RobotDescription, Workspace, bias,
+    forward_dynamics, forward_dynamics_pullback, gravity, inverse_dynamics, inverse_dynamics_pullback,
+    kinetic_energy, momentum, with_native_code,
+};
+
+const JOINTS: usize = 100_000;
+const MASS: f64 = 2.0;
+const LENGTH: f64 = 0.5;
+const GRAVITY: f64 = 9.81;
+
+/// Point masses at the ends of massless rods, which hang on horizontal hinges; each is carried by the link of this number, the first link by
+/// the base.
+fn robot(name: &str, parent: impl Fn(usize) -> Option<usize>) -> Model {
+    let mut robot = RobotDescription::new(name);
+    let base = "base".to_owned();
+    robot.links.push(LinkDescription::new(&base, None));
+    let rod = MassProperties::point(MASS, [LENGTH, 0.0, 0.0].into()).expect("a positive mass");
+    for k in 0..JOINTS {
+        let carrier = parent(k).map_or_else(|| base.clone(), |parent| format!("rod{parent}"));
+        let at = if parent(k).is_some() { LENGTH } else { 0.0 };
+        let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+        let (joint, link) = (format!("hinge{k}"), format!("rod{k}"));
+        robot.links.push(LinkDescription::new(&link, rod));
+        let pose = Pose::from_translation([at, 0.0, 0.0]);
+        robot.joints.push(JointDescription::new(joint, hinge, carrier, link, pose));
+    }
+    with_native_code(Model::new(robot).expect("a robot"))
+}
+
+/// No function was traced: each has another reason to be a recursion, or the processor has no encoder.
+fn assert_recursions(model: &Model) {
+    let report = model.native();
+    for used in &report.functions {
+        let reason = used.route.as_ref().expect_err("a recursion");
+        assert!(reason.starts_with("which needs some"), "{used}");
+    }
+    assert!(report.reason.is_some() || !report.functions.is_empty());
+}
+
+/// Pendulums beside each other: τ = m l² a − m g l cos q.
+#[test]
+fn a_star_of_pendulums_has_their_equations() {
+    let model = robot("star", |_| None);
+    let q: Vec<f64> = (0..JOINTS).map(|k| (k % 1000) as f64 * 0.006).collect();
+    let a: Vec<f64> = (0..JOINTS).map(|k| (k % 7) as f64 - 3.0).collect();
+    let (v, zeros) = (vec![0.7; JOINTS], || vec![0.0; JOINTS]);
+    let (w, inertia, weight) = (&mut Workspace::new(&model), MASS * LENGTH * LENGTH, MASS * GRAVITY * LENGTH);
+    let (mut tau, mut acceleration) = (zeros(), zeros());
+    inverse_dynamics(&model, w, &q, &v, &a, &mut tau);
+    forward_dynamics(&model, w, &q, &v, &tau, &mut acceleration);
+    let [mut by_q, mut by_v, mut by_a] = [zeros(), zeros(), zeros()];
+    inverse_dynamics_pullback(&model, w, &q, &v, &a, &v, &mut by_q, &mut by_v, &mut by_a);
+    for k in 0..JOINTS {
+        assert!((tau[k] - (inertia * a[k] - weight * q[k].cos())).abs() < 1e-12 * weight);
+        assert!((acceleration[k] - a[k]).abs() < 1e-12 * weight / inertia);
+        assert!((by_q[k] - v[k] * weight * q[k].sin()).abs() < 1e-12 * weight);
+        assert!(by_v[k].abs() < 1e-12 && (by_a[k] - v[k] * inertia).abs() < 1e-14);
+    }
+    let energy = kinetic_energy(&model, w, &q, &v);
+    let expected = JOINTS as f64 * 0.5 * inertia * 0.7 * 0.7;
+    // A sum of so many terms.
+    assert!((energy - expected).abs() < JOINTS as f64 * f64::EPSILON * expected);
+    assert_recursions(&model);
+}
+
+/// A straight horizontal chain at rest: the moment about hinge k is that of the weights beyond it, a sum over the levers.
+#[test]
+fn a_chain_carries_its_weight() {
+    let model = robot("chain", |k| k.checked_sub(1));
+    let (w, rest, mut g) = (&mut Workspace::new(&model), vec![0.0; JOINTS], vec![0.0; JOINTS]);
+    gravity(&model, w, &rest, &mut g);
+    let (mut count, mut levers) = (0.0, 0.0);
+    for k in (0..JOINTS).rev() {
+        // Weights beyond hinge k at l, 2 l, 3 l …
+        count += 1.0;
+        levers += count * LENGTH;
+        let expected = -MASS * GRAVITY * levers;
+        // Each of the sums over the links beyond rounds by ε/2 at most.
+        assert!((g[k] - expected).abs() <= 4.0 * count * f64::EPSILON * expected.abs(), "{k}");
+    }
+    let (mut force, mut p) = (vec![0.0; JOINTS], vec![0.0; JOINTS]);
+    bias(&model, w, &rest, &rest, &mut force);
+    assert_eq!(force, g);
+    momentum(&model, w, &rest, &rest, &mut p);
+    assert!(p.iter().all(|p| *p == 0.0));
+    assert_recursions(&model);
+}
+
+/// A tree whose links carry two others each: forward dynamics undoes inverse dynamics, and the pullbacks are transposes of each other,
+/// ā·M⁻¹b = b·M⁻¹ā.
+#[test]
+fn a_bush_is_accelerated_as_its_forces_say() {
+    let model = robot("bush", |k| k.checked_sub(1).map(|before| before / 2));
+    let number = |k: usize, period: usize| (k % period) as f64 / period as f64 - 0.5;
+    let table = |period: usize| (0..JOINTS).map(|k| number(k, period)).collect::<Vec<f64>>();
+    let (q, v, a, weights) = (table(101), table(103), table(107), table(109));
+    let (w, zeros) = (&mut Workspace::new(&model), || vec![0.0; JOINTS]);
+    let (mut tau, mut found) = (zeros(), zeros());
+    inverse_dynamics(&model, w, &q, &v, &a, &mut tau);
+    let [mut x, mut y, mut by_force] = [zeros(), zeros(), zeros()];
+    forward_dynamics_pullback(&model, w, &q, &v, &tau, &weights, &mut found, &mut x, &mut y, &mut by_force);
+    // The masses beyond differ by the ratio of the tree's size to a leaf: κ(M) is some 10⁸.
+    let off = found.iter().zip(&a).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+    assert!(off < 1e8 * f64::EPSILON, "{off:e}");
+    let mut other = zeros();
+    let cotangent = table(113);
+    let mut by_other = zeros();
+    forward_dynamics_pullback(&model, w, &q, &v, &tau, &cotangent, &mut other, &mut x, &mut y, &mut by_other);
+    assert_eq!(found, other);
+    let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+    let scale = dot(&cotangent, &cotangent).sqrt() * dot(&by_force, &by_force).sqrt();
+    let off = (dot(&cotangent, &by_force) - dot(&weights, &by_other)).abs() / scale;
+    assert!(off < 1e8 * f64::EPSILON, "{off:e}");
+    assert_recursions(&model);
+}
