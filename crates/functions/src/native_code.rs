@@ -63,7 +63,7 @@ fn trace(model: &Model, function: NativeFunction, arithmetic: Arithmetic) -> Res
     };
     let traced_function =
         through_graph.map_or_else(|| function.clone(), |of| Function::Pullback(Box::new(of)));
-    let traced = traced_function.trace(model, arithmetic).map_err(|error| error.to_string())?;
+    let traced = traced_function.expression(model, arithmetic).map_err(|error| error.to_string())?;
     let mut results = traced.results;
     match function {
         // The derivative by a is M, a function of its own.

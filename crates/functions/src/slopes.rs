@@ -2,7 +2,7 @@
 
 mod expected;
 
-use expression::{Arithmetic, Graph, Operand, Plan, Traced, chain, continue_trace, trace};
+use expression::{Arithmetic, Graph, Operand, Traced, as_traced, chain, continue_trace, trace};
 use multibody::{InstructionSet, Model, Workspace, cotangent_from_coordinates, cotangent_to_coordinates};
 use number::Scalar;
 
@@ -23,7 +23,7 @@ struct Traces<'a> {
 }
 
 /// A graph and the results in it.
-type Trace = (Graph, Vec<Vec<Operand>>);
+pub(crate) type Trace = (Graph, Vec<Vec<Operand>>);
 
 /// The slopes of a function whose trace is given, whichever of their ways is shorter.
 pub(crate) fn slopes(
@@ -31,7 +31,7 @@ pub(crate) fn slopes(
     model: &Model,
     arithmetic: Arithmetic,
     (graph, results): &Trace,
-) -> (Trace, Plan) {
+) -> Trace {
     let mut graph = graph.clone();
     let mut arguments: Vec<Vec<Operand>> = Vec::new();
     let mut inputs = |argument: usize, count: usize| -> Vec<Operand> {
@@ -57,11 +57,7 @@ pub(crate) fn slopes(
             ways
         }
     };
-    let planned = ways.into_iter().map(|(graph, results)| {
-        let plan = Plan::new(&graph, &results);
-        ((graph, results), plan)
-    });
-    planned.min_by_key(|(_, plan)| plan.steps()).expect("there is one way")
+    ways.into_iter().min_by_key(|(graph, results)| as_traced(graph, results).len()).expect("there is one way")
 }
 
 impl Traces<'_> {

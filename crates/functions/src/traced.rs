@@ -30,6 +30,15 @@ pub struct TracedFunction {
     model: Model,
 }
 
+/// An expression whose operations have no order yet; see [`TracedFunction`].
+pub(crate) struct Expression {
+    pub graph: Graph,
+    pub results: Vec<Vec<Operand>>,
+    pub primal: Vec<Vec<Operand>>,
+    of: Function,
+    model: Model,
+}
+
 impl Function {
     /// Its expression for this robot.
     ///
@@ -46,6 +55,17 @@ impl Function {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn trace(&self, model: &Model, arithmetic: Arithmetic) -> Result<TracedFunction, FunctionError> {
+        let Expression { graph, results, primal, of, model } = self.expression(model, arithmetic)?;
+        let plan = Plan::new(&graph, &results);
+        Ok(TracedFunction { graph, results, plan, primal, arithmetic, of, model })
+    }
+
+    /// Its expression, without the order of the operations.
+    pub(crate) fn expression(
+        &self,
+        model: &Model,
+        arithmetic: Arithmetic,
+    ) -> Result<Expression, FunctionError> {
         let of_another = self.slopes_of();
         let of = of_another.map_or(self, |(of, _)| of);
         if of_another.is_some() && !of.has_slopes() {
@@ -59,13 +79,11 @@ impl Function {
         drop(compute);
         let is_pullback = matches!(of_another, Some((_, Slopes::Pullback)));
         let primal = if is_pullback { traces.1.clone() } else { Vec::new() };
-        let ((graph, results), plan) = if let Some(of_another) = of_another {
-            slopes(of_another, &source, arithmetic, &traces)
-        } else {
-            let plan = Plan::new(&traces.0, &traces.1);
-            (traces, plan)
+        let (graph, results) = match of_another {
+            Some(of_another) => slopes(of_another, &source, arithmetic, &traces),
+            None => traces,
         };
-        Ok(TracedFunction { graph, results, plan, primal, arithmetic, of: of.clone(), model: source })
+        Ok(Expression { graph, results, primal, of: of.clone(), model: source })
     }
 
     /// The robot that is traced: it has the same motion to rounding, and leaves less to do.

@@ -1,6 +1,6 @@
 //! The ways to slopes against each other.
 
-use expression::interpret;
+use expression::{Plan, interpret};
 use multibody::{RandomState, random_state};
 use number::SplitMix64;
 

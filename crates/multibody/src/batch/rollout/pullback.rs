@@ -37,8 +37,10 @@ use crate::{Model, Workspace, parameter_count};
 /// have nv numbers, along the displacements of [`integrate`](crate::integrate()) there.
 ///
 /// The states on the way are computed again from a checkpoint at every `spacing`-th step, 0 for √steps; `spacing` = steps keeps
-/// all of them. See [`RolloutPullbackWorkspace::new`](crate::RolloutPullbackWorkspace::new); this is the memory of some
-/// states on each thread, a block of them or 32 by machine code. They are those of [`rollout`](crate::batch::rollout), bit for bit. `progress` is called now and then,
+/// all of them. See [`RolloutPullbackWorkspace::new`](crate::RolloutPullbackWorkspace::new); this is the memory of the states that a
+/// thread takes at once: a block of lanes, or 32 by machine code. The states on the way are those of
+/// [`rollout`](crate::batch::rollout), bit for bit where machine code takes the steps of both or of neither. With cotangents of
+/// parameters the recursions take the steps here, and the states may differ by rounding. `progress` is called now and then,
 /// from any thread; when it breaks, the states not yet done keep their `by_position` and `by_velocity`, and the rest of their
 /// rows is not to be read.
 ///

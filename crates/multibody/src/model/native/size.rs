@@ -13,8 +13,17 @@ pub(super) fn most_operations(function: NativeFunction, width: Width) -> usize {
         (NativeFunction::MassMatrix, Width::One) => 12_000,
         // Stages of a step are fetched as often one by one.
         (NativeFunction::Rk4Step | NativeFunction::ConservativeRk4Step, Width::One) => 30_000,
-        // The recursion takes as many operations, in a loop over the stages.
+        // Four stages, as many operations for the recursion. Beyond, making the code takes a tenth of a second.
         (NativeFunction::Rk4StepPullback | NativeFunction::ConservativeRk4StepPullback, _) => 70_000,
+        // The recursions of these take twice the operations.
+        (
+            NativeFunction::InverseDynamicsPullback
+            | NativeFunction::ForwardDynamicsPullback
+            | NativeFunction::SemiImplicitEulerStepPullback
+            | NativeFunction::ConservativeSemiImplicitEulerStepPullback
+            | NativeFunction::MassMatrixFactor,
+            _,
+        ) => 30_000,
         (_, Width::One) => 20_000,
         // States side by side share what is fetched.
         (_, Width::Lanes) => 30_000,
@@ -41,7 +50,7 @@ pub(super) fn estimated_operations(model: &Model, function: NativeFunction) -> u
         NativeFunction::SemiImplicitEulerStepPullback
         | NativeFunction::ConservativeSemiImplicitEulerStepPullback => 350 * bodies,
         NativeFunction::Rk4StepPullback | NativeFunction::ConservativeRk4StepPullback => 1400 * bodies,
-        NativeFunction::MassMatrixFactor => 40 * bodies + 8 * pairs + triples / 2,
+        NativeFunction::MassMatrixFactor => 40 * bodies + 8 * pairs + triples,
         _ => 50 * bodies,
     }
 }
