@@ -11,7 +11,7 @@ pub(crate) struct Extent {
     pub(crate) operations: usize,
     /// Operations of all graphs of one robot; the functions are taken in turn, from another one on for each robot.
     pub(crate) of_robot: usize,
-    /// Whether each function is compared with and without fused multiply-adds; else with or without, in turn.
+    /// Whether each function is compared with and without fused multiply-adds, but for the largest graphs; else with or without, in turn.
     pub(crate) is_whole: bool,
 }
 
