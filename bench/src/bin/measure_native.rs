@@ -23,8 +23,6 @@ const STATES: usize = 1024;
 const ROUNDS: usize = 15;
 /// The length of a step [s].
 const STEP: f64 = 1e-3;
-/// Arguments of a function at most.
-const MOST_ARGUMENTS: usize = 5;
 
 /// The functions that are measured.
 fn functions() -> Vec<Function> {
@@ -293,8 +291,7 @@ fn one_state(model: &Model, tables: &Tables, function: &Function) {
         results_of(model, function).into_iter().map(|length| vec![0.0; length]).collect();
     let mut by_code = by_library.clone();
     let tables = tables.arguments(model, function);
-    let mut given: [&[f64]; MOST_ARGUMENTS] = [&[]; MOST_ARGUMENTS];
-    let count = lengths.len();
+    let (mut given, count): ([&[f64]; 5], usize) = ([&[]; 5], lengths.len());
     for instructions in [InstructionSet::Avx2, InstructionSet::Avx512, InstructionSet::Neon] {
         let compiled =
             Kernel::<f64>::compile(&graph, &results, &lengths, arithmetic, instructions, Width::One);
