@@ -608,6 +608,34 @@ fn the_pullback_of_a_step_has_the_bits_of_a_rollout_of_one() {
     }
 }
 
+/// At rest in the neutral configuration a step turns no joint, so that the angle of its rotation is zero.
+#[test]
+fn pullbacks_from_rest_are_those_of_the_recursions() {
+    for (name, model) in random_robots() {
+        let (nv, plain) = (model.nv(), model.clone().with_native(false));
+        let (q, rest) = (robot_dynamics::neutral(&model), vec![0.0; nv]);
+        let condition = condition_number(&plain, &q).max(1e4);
+        if condition > 1e8 {
+            continue;
+        }
+        let RandomState { a, tau, .. } = random_state(&model, &mut SplitMix64::new(9));
+        for integrator in [Integrator::SemiImplicitEuler, Integrator::RungeKutta4] {
+            for force in [&rest, &tau] {
+                // Friction would take the sign of velocities that are rounding.
+                let how = Rollout::new(integrator, 1e-3, 2).with_dissipation(false);
+                let (ends, held) = ([&q[..], &rest, &a, &tau], Torques::Held(force));
+                let (done, found) = pull_rollouts_back(&model, &how, held, ends, nv);
+                let (as_before, expected) = pull_rollouts_back(&plain, &how, held, ends, nv);
+                assert_eq!(done, as_before, "{name}, {integrator}");
+                for (found, expected) in found.iter().zip(&expected) {
+                    let off = difference(found, expected, 0.0);
+                    assert!(off < 1e-14 * condition, "{name}, {integrator}: {off:e} of {condition:e}");
+                }
+            }
+        }
+    }
+}
+
 fn name_of(integrator: Integrator) -> &'static str {
     if integrator == Integrator::RungeKutta4 { "rk4" } else { "semi_implicit_euler" }
 }
