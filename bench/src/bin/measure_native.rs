@@ -148,34 +148,29 @@ fn integrator(function: &Function) -> Option<Integrator> {
 }
 
 /// The library's memory for one state.
-enum Memory {
-    Plain(Workspace<f64>),
-    Step(Integrator, StepPullbackWorkspace<f64>),
+struct Memory {
+    plain: Workspace<f64>,
+    step: StepPullbackWorkspace<f64>,
 }
 
 impl Memory {
-    fn new(model: &Model, function: &Function) -> Self {
-        match integrator(function) {
-            None => Self::Plain(Workspace::new(model)),
-            Some(row) => Self::Step(row, StepPullbackWorkspace::new(model)),
-        }
+    fn new(model: &Model) -> Self {
+        Self { plain: Workspace::new(model), step: StepPullbackWorkspace::new(model) }
     }
 
     /// The library's call for one state.
     fn call(&mut self, model: &Model, function: &Function, arguments: &[&[f64]], results: &mut [Vec<f64>]) {
-        let w = match self {
-            Self::Plain(w) => w,
-            Self::Step(row, w) => {
-                let ([q, v, tau, h, cotangent], [x, y, z]) = (arguments, results) else {
-                    unreachable!("a step's pullback has five arguments")
-                };
-                x.copy_from_slice(&cotangent[..model.nv()]);
-                y.copy_from_slice(&cotangent[model.nv()..]);
-                let forces = StepForces::new(tau, true);
-                step_pullback(model, *row, w, &forces, h[0], q, v, x, y, z, &mut []).expect("a regular M");
-                return;
-            }
-        };
+        let Self { plain: w, step } = self;
+        if let Some(row) = integrator(function) {
+            let ([q, v, tau, h, cotangent], [x, y, z]) = (arguments, results) else {
+                unreachable!("a step's pullback has five arguments")
+            };
+            x.copy_from_slice(&cotangent[..model.nv()]);
+            y.copy_from_slice(&cotangent[model.nv()..]);
+            let forces = StepForces::new(tau, true);
+            step_pullback(model, row, step, &forces, h[0], q, v, x, y, z, &mut []).expect("a regular M");
+            return;
+        }
         match (function, arguments, results) {
             (Function::InverseDynamics, [q, v, a], [x]) => multibody::inverse_dynamics(model, w, q, v, a, x),
             (Function::ForwardDynamics, [q, v, tau], [x]) => {
@@ -286,7 +281,7 @@ fn one_state(model: &Model, tables: &Tables, function: &Function) {
     let arithmetic = Arithmetic::default().with_fused();
     let (graph, results) = traced(model, function, arithmetic);
     let lengths = lengths(model, function);
-    let memory = &mut Memory::new(model, function);
+    let memory = &mut Memory::new(model);
     let mut by_library: Vec<Vec<f64>> =
         results_of(model, function).into_iter().map(|length| vec![0.0; length]).collect();
     let mut by_code = by_library.clone();

@@ -43,6 +43,9 @@ mod jacobian;
 // and written.
 mod body;
 mod builder;
+#[cfg(test)]
+#[path = "../../functions/src/testing.rs"]
+mod free_robot;
 mod heading;
 mod measure;
 mod request;

@@ -3,11 +3,6 @@
 use dynamics::MassProperties;
 use multibody::{JointDescription, JointKind, LinkDescription, Model, Pose, RobotDescription};
 
-#[path = "../../functions/src/testing.rs"]
-mod robots;
-
-pub(crate) use self::robots::free_robot;
-
 /// A chain of links, each 0.1 m long and of this mass; those of equal mass are alike.
 pub(crate) fn chain(masses: &[f64]) -> Model {
     let mut robot = RobotDescription::new("chain");

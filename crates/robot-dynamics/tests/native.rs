@@ -739,6 +739,9 @@ fn threads_may_call_while_others_compile() {
     assert!(results[0].iter().flatten().all(|x| x.is_finite()) && results[0][0][0] != 0.0);
 }
 
+/// A change of a description.
+type Spoil = fn(&mut robot_dynamics::RobotDescription);
+
 /// A constant that is not a number is refused before anything is traced, with its name.
 #[test]
 fn constants_that_are_no_numbers_are_refused() {
@@ -747,7 +750,6 @@ fn constants_that_are_no_numbers_are_refused() {
         .model
         .description()
         .clone();
-    type Spoil = fn(&mut robot_dynamics::RobotDescription);
     let spoils: [(Spoil, &str); 4] = [
         (|robot| robot.joints[0].parent_from_joint.translation[1] = f64::NAN, "panda_joint1"),
         (|robot| robot.joints[1].passive.armature = f64::NAN, "panda_joint2"),

@@ -3,7 +3,7 @@
 use expression::interpret;
 
 use super::*;
-use crate::testing::free_robot;
+use crate::free_robot::free_robot;
 
 /// The graph's tangents and the recursions for slopes agree: to the rounding of both, with κ(M) below 1e5.
 #[test]

@@ -7,7 +7,7 @@ use multibody::{
 };
 
 use super::*;
-use crate::testing::free_robot;
+use crate::free_robot::free_robot;
 
 /// All functions that have slopes through the graph, of the last frame those of frames.
 fn functions(model: &Model) -> Vec<Function> {

@@ -11,22 +11,22 @@ pub(super) fn most_operations(function: NativeFunction, width: Width) -> usize {
     match (function, width) {
         (NativeFunction::CoriolisMatrix, Width::One) => 3_500,
         (NativeFunction::MassMatrix, Width::One) => 12_000,
-        // Stages of a step are fetched as often one by one.
-        (NativeFunction::Rk4Step | NativeFunction::ConservativeRk4Step, Width::One) => 30_000,
         // Four stages, as many operations for the recursion. Beyond, making the code takes a tenth of a second.
         (NativeFunction::Rk4StepPullback | NativeFunction::ConservativeRk4StepPullback, _) => 70_000,
-        // The recursions of these take twice the operations.
-        (
-            NativeFunction::InverseDynamicsPullback
+        // States side by side share what is fetched. Stages of a step are fetched as often one by one, and the recursions of the others take
+        // twice the operations.
+        (_, Width::Lanes)
+        | (
+            NativeFunction::Rk4Step
+            | NativeFunction::ConservativeRk4Step
+            | NativeFunction::InverseDynamicsPullback
             | NativeFunction::ForwardDynamicsPullback
             | NativeFunction::SemiImplicitEulerStepPullback
             | NativeFunction::ConservativeSemiImplicitEulerStepPullback
             | NativeFunction::MassMatrixFactor,
-            _,
+            Width::One,
         ) => 30_000,
         (_, Width::One) => 20_000,
-        // States side by side share what is fetched.
-        (_, Width::Lanes) => 30_000,
     }
 }
 
@@ -46,8 +46,8 @@ pub(super) fn estimated_operations(model: &Model, function: NativeFunction) -> u
         NativeFunction::InverseDynamicsDerivatives => 60 * bodies + 60 * pairs,
         NativeFunction::ForwardDynamicsDerivatives => 150 * bodies + 120 * pairs,
         NativeFunction::InverseDynamicsPullback => 120 * bodies,
-        NativeFunction::ForwardDynamicsPullback => 350 * bodies,
-        NativeFunction::SemiImplicitEulerStepPullback
+        NativeFunction::ForwardDynamicsPullback
+        | NativeFunction::SemiImplicitEulerStepPullback
         | NativeFunction::ConservativeSemiImplicitEulerStepPullback => 350 * bodies,
         NativeFunction::Rk4StepPullback | NativeFunction::ConservativeRk4StepPullback => 1400 * bodies,
         NativeFunction::MassMatrixFactor => 40 * bodies + 8 * pairs + triples,

@@ -161,7 +161,9 @@ impl<T: BatchFloat + Number> KernelWay<'_, T> {
             force_rows.copy_from_slice(memory.by_held_force);
         }
         if bad != 0 {
-            [by_position, by_velocity, force_rows].into_iter().for_each(|rows| spoil(bad, rows, states));
+            for rows in [by_position, by_velocity, force_rows] {
+                spoil(bad, rows, states);
+            }
         }
         (bad, true)
     }
