@@ -11,8 +11,9 @@ use crate::extent::Extent;
 /// States of each robot: fewer than a register has lanes, so that the rows of a table differ within each group of lanes.
 const STATES: usize = 3;
 
-/// Graphs of more operations, which take seconds each, are compared in half of the ways, and with the library's values in one state.
-const LARGE: usize = 100_000;
+/// Graphs of more operations take seconds each. They are compared with or without fused multiply-adds, on one set of instructions for one
+/// state and on another one for rows, in turn, and with the library's values in one state.
+const LARGE: usize = 20_000;
 
 /// Counts of what was compared.
 #[derive(Debug, Default)]
@@ -178,8 +179,13 @@ impl Comparison {
     fn kernels<T: Float>(&mut self, interpreted: &Interpreted<'_>) {
         let Interpreted { name, graph, results, arithmetic, arguments, expected } = interpreted;
         let lengths: Vec<usize> = arguments[0].iter().map(Vec::len).collect();
-        for &instructions in InstructionSet::ALL {
+        let is_large = graph.nodes.len() > LARGE;
+        for (set, &instructions) in InstructionSet::ALL.iter().enumerate() {
             for width in [Width::One, Width::Lanes] {
+                let turn = set + usize::from(width == Width::Lanes) + usize::from(arithmetic.fused);
+                if is_large && turn.is_multiple_of(2) {
+                    continue;
+                }
                 let target = Target { instructions, width, arithmetic: *arithmetic };
                 let what = || format!("{name}, {instructions:?}, {width:?}");
                 // Not `Kernel::compile`, whose check would interpret the graph again for each kernel.

@@ -155,7 +155,8 @@ fn slopes_have_no_slopes() {
     let nested = Function::Gravity.derivatives().derivatives();
     let error = Program::new(&nested, &model, Arithmetic::default(), 1).unwrap_err().to_string();
     assert!(
-        error.contains("`gravity_derivatives_derivatives`") && error.contains("none themselves"),
+        error.contains("`gravity_derivatives_derivatives`")
+            && error.contains("no derivatives or pullbacks of derivatives and pullbacks"),
         "{error}"
     );
     let pose: Function = "frame_pose_pullback:hand".parse().unwrap();
