@@ -16,7 +16,7 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// By the environment: `NATIVE_BITS=whole` leaves nothing out, `NATIVE_BITS=few` is for emulators.
+    /// By the environment: `NATIVE_BITS=whole` leaves no function of a robot out, `NATIVE_BITS=few` is for emulators.
     pub(crate) fn asked() -> Self {
         match std::env::var(ASKED).as_deref() {
             Ok("whole") => {
