@@ -2,6 +2,7 @@
 
 mod differences;
 mod displacement;
+mod product;
 
 use core::fmt;
 
@@ -9,9 +10,10 @@ use dynamics::{DynamicsError, Integrator, IntegratorError, Method, Stage, check_
 
 pub use self::differences::{DifferenceError, linearize_by_differences};
 use self::displacement::{rate_change, retraction_change};
+use self::product::multiply_changes;
 use crate::algorithms::rank::check_rank;
 use crate::model::length::check_length;
-use crate::motion::integrate::explicit::{add_scaled, explicit_names, most_stages, scale, sum_stages};
+use crate::motion::integrate::explicit::{explicit_names, most_stages, scale, start_from, sum_stages};
 use crate::motion::integrate::{check_step, net_force};
 use crate::space::configuration::integrate;
 use crate::space::displacement_rate::displacement_rate;
@@ -202,7 +204,7 @@ fn explicit(
     let (n, square) = (model.nv, 3 * model.nv * model.nv);
     let v_row = |w: &mut LinearizeStepWorkspace, k: &dyn Fn(usize) -> f64, count| {
         sum_stages(count, k, &w.accelerations, &mut w.v);
-        w.v.iter_mut().zip(v).for_each(|(x, start)| *x = start + h * *x);
+        start_from(v, h, &mut w.v);
         sum_stages(count, k, &w.acceleration_changes, &mut w.v_change);
         scale(h, &mut w.v_change);
         add_identity(&mut w.v_change, n, 1);
@@ -215,35 +217,53 @@ fn explicit(
         retraction_change(model, &w.displacement, &w.displacement_change, &mut w.q_change);
     };
     for (i, stage) in stages.iter().enumerate() {
-        v_row(w, &|j| stage.v_row[j], stage.v_row.len());
-        q_row(w, &|j| stage.q_row[j], stage.q_row.len());
-        if Stage::needs_acceleration(stages, i) {
-            integrate(model, q, &w.displacement, &mut w.q);
-            accelerate(model, w, forces, i)?;
+        // Whether q, or v, is that of the start: Θ = 0.
+        let (q_stays, v_stays) = (stage.q_row.is_empty(), stage.v_row.is_empty());
+        if v_stays {
+            w.v.copy_from_slice(v);
+            write_identity(&mut w.v_change, n, 1);
+        } else {
+            v_row(w, &|j| stage.v_row[j], stage.v_row.len());
         }
-        displacement_rate(model, &w.displacement, &w.v, &mut w.rates[i * n..(i + 1) * n]);
-        rate_change(
-            model,
-            (&w.displacement, &w.displacement_change),
-            (&w.v, &w.v_change),
-            &mut w.rate_changes[i * square..(i + 1) * square],
-        );
+        if q_stays {
+            w.q.copy_from_slice(q);
+            write_identity(&mut w.q_change, n, 0);
+        } else {
+            q_row(w, &|j| stage.q_row[j], stage.q_row.len());
+            integrate(model, q, &w.displacement, &mut w.q);
+        }
+        if Stage::needs_acceleration(stages, i) {
+            accelerate(model, w, forces, i, q_stays && v_stays)?;
+        }
+        if !Stage::needs_rate(stages, i) {
+            continue;
+        }
+        let (rate, change) = (i * n..(i + 1) * n, i * square..(i + 1) * square);
+        if q_stays {
+            w.rates[rate].copy_from_slice(&w.v);
+            w.rate_changes[change].copy_from_slice(&w.v_change);
+        } else {
+            displacement_rate(model, &w.displacement, &w.v, &mut w.rates[rate]);
+            let (theta, v) = ((&w.displacement[..], &w.displacement_change[..]), (&w.v[..], &w.v_change[..]));
+            rate_change(model, theta, v, &mut w.rate_changes[change]);
+        }
     }
     v_row(w, &|j| stages[j].v_weight, stages.len());
     q_row(w, &|j| stages[j].q_weight, stages.len());
     Ok(())
 }
 
-/// a at stage `i`, at (q, v), and its change: δa = ∂a/∂q δq + (∂a/∂v − M⁻¹ ∂b/∂v) δv + M⁻¹ δτ.
+/// a at stage `i`, at (q, v), and its change: δa = ∂a/∂q δq + (∂a/∂v − M⁻¹ ∂b/∂v) δv + M⁻¹ δτ. At the start δq and δv are the columns' own.
 fn accelerate(
     model: &Model,
     w: &mut LinearizeStepWorkspace,
     forces: &StepForces<'_>,
     i: usize,
+    is_start: bool,
 ) -> Result<(), DynamicsError> {
-    let n = model.nv;
+    let (n, width) = (model.nv, 3 * model.nv);
     let acceleration = &mut w.accelerations[i * n..(i + 1) * n];
-    let change = &mut w.acceleration_changes[i * 3 * n * n..(i + 1) * 3 * n * n];
+    let change = &mut w.acceleration_changes[i * n * width..(i + 1) * n * width];
     net_force(model, forces, &w.v, &mut w.force);
     forward_dynamics(model, &mut w.dynamics, &w.q, &w.v, &w.force, acceleration);
     check_finite("the acceleration", acceleration)?;
@@ -257,15 +277,26 @@ fn accelerate(
             }
         }
     }
-    change.fill(0.0);
-    for (i, change) in change.chunks_exact_mut(3 * n).enumerate() {
-        for k in 0..n {
-            add_scaled(change, by_q[i * n + k], &w.q_change[k * 3 * n..(k + 1) * 3 * n]);
-            add_scaled(change, by_v[i * n + k], &w.v_change[k * 3 * n..(k + 1) * 3 * n]);
-            change[2 * n + k] += by_tau[i * n + k];
+    if !is_start {
+        multiply_changes([(by_q, &w.q_change), (by_v, &w.v_change)], width, change);
+    }
+    for (i, change) in change.chunks_exact_mut(width).enumerate() {
+        let row = i * n..(i + 1) * n;
+        if is_start {
+            change[..n].copy_from_slice(&by_q[row.clone()]);
+            change[n..2 * n].copy_from_slice(&by_v[row.clone()]);
+            change[2 * n..].copy_from_slice(&by_tau[row]);
+        } else {
+            change[2 * n..].iter_mut().zip(&by_tau[row]).for_each(|(x, by_tau)| *x += by_tau);
         }
     }
     Ok(())
+}
+
+/// The change of what is δq (`part` 0) or δv (`part` 1) itself.
+fn write_identity(change: &mut [f64], n: usize, part: usize) {
+    change.fill(0.0);
+    add_identity(change, n, part);
 }
 
 /// Adds the change of what is δq (`part` 0) or δv (`part` 1) itself.

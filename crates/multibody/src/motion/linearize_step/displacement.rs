@@ -2,6 +2,7 @@
 
 use crate::Model;
 use crate::joint::Chart;
+use crate::motion::integrate::explicit::add_scaled;
 use crate::space::configuration::{Stretch, stretches};
 use crate::space::displacement_rate::bracket;
 use crate::spatial::algebra::V3;
@@ -9,21 +10,49 @@ use crate::spatial::algebra::V3;
 /// A displacement of one joint: linear and angular part.
 type Pair = (V3<f64>, V3<f64>);
 
-/// The joint's part of a vector (stride 1) or of a column of a matrix; a rotation has no linear part.
-fn read(x: &[f64], chart: Chart, first: usize, stride: usize) -> Pair {
-    let at = |k: usize| V3::new([x[k * stride], x[(k + 1) * stride], x[(k + 2) * stride]]);
+/// The joint's part of a vector; a rotation has no linear part.
+fn read(x: &[f64], chart: Chart, first: usize) -> Pair {
+    let at = |k: usize| V3::new([x[k], x[k + 1], x[k + 2]]);
     if chart == Chart::Placement { (at(first), at(first + 3)) } else { (V3::zero(), at(first)) }
 }
 
-fn write(to: &mut [f64], chart: Chart, first: usize, stride: usize, (linear, angular): Pair) {
-    let mut put = |k: usize, x: V3<f64>| {
-        x.array().into_iter().enumerate().for_each(|(l, x)| to[(k + l) * stride] = x);
-    };
-    if chart == Chart::Placement {
-        put(first, linear);
-        put(first + 3, angular);
-    } else {
-        put(first, angular);
+/// How many numbers a joint's displacement has.
+fn dimensions(chart: Chart) -> usize {
+    if chart == Chart::Placement { 6 } else { 3 }
+}
+
+/// A linear map of the displacements of one joint, by its columns.
+struct Map {
+    columns: [[f64; 6]; 6],
+    dimensions: usize,
+}
+
+impl Map {
+    fn new(chart: Chart, image: impl Fn(Pair) -> Pair) -> Self {
+        let (dimensions, mut columns) = (dimensions(chart), [[0.0; 6]; 6]);
+        for (index, column) in columns[..dimensions].iter_mut().enumerate() {
+            let mut unit = [0.0; 6];
+            unit[index] = 1.0;
+            let (linear, angular) = image(read(&unit, chart, 0));
+            if chart == Chart::Placement {
+                column[..3].copy_from_slice(&linear.array());
+                column[3..].copy_from_slice(&angular.array());
+            } else {
+                column[..3].copy_from_slice(&angular.array());
+            }
+        }
+        Self { columns, dimensions }
+    }
+
+    /// Adds the map of the joint's rows of a change, `width` numbers each, to the same rows of another.
+    fn add(&self, first: usize, width: usize, change: &[f64], to: &mut [f64]) {
+        for (column, change) in
+            self.columns[..self.dimensions].iter().zip(change[first * width..].chunks(width))
+        {
+            for (&entry, to) in column[..self.dimensions].iter().zip(to[first * width..].chunks_mut(width)) {
+                add_scaled(to, entry, change);
+            }
+        }
     }
 }
 
@@ -52,7 +81,7 @@ fn series(theta: Pair, x: Pair, first: u32) -> Pair {
 
 /// The change of q₀ ⊕ Θ, from the changes of Θ and of q₀ itself: e^(−ad Θ) δq₀ + J(Θ) δΘ.
 pub(super) fn retraction_change(model: &Model, theta: &[f64], theta_change: &[f64], q_change: &mut [f64]) {
-    let (n, width) = (model.nv, 3 * model.nv);
+    let width = 3 * model.nv;
     // A follower names its leader's stretch again: everything below is written, not added.
     for Stretch { chart, v: k, .. } in stretches(model) {
         if chart == Chart::Line {
@@ -61,20 +90,16 @@ pub(super) fn retraction_change(model: &Model, theta: &[f64], theta_change: &[f6
             q_change[k * width + k] += 1.0;
             continue;
         }
-        let own = read(theta, chart, k, 1);
-        let dimensions = if chart == Chart::Placement { 6 } else { 3 };
-        for column in 0..width {
-            let changed = series(own, read(&theta_change[column..], chart, k, width), 1);
-            let mut total = changed;
-            if (k..k + dimensions).contains(&column) {
-                let mut unit = [0.0; 6];
-                unit[column - k] = 1.0;
-                total = add(changed, 1.0, series(own, read(&unit, chart, 0, 1), 0));
+        let own = read(theta, chart, k);
+        q_change[k * width..(k + dimensions(chart)) * width].fill(0.0);
+        Map::new(chart, |unit| series(own, unit, 1)).add(k, width, theta_change, q_change);
+        let turned = Map::new(chart, |unit| series(own, unit, 0));
+        for (index, column) in turned.columns[..turned.dimensions].iter().enumerate() {
+            for (row, &entry) in column[..turned.dimensions].iter().enumerate() {
+                q_change[(k + row) * width + k + index] += entry;
             }
-            write(&mut q_change[column..], chart, k, width, total);
         }
     }
-    debug_assert_eq!(q_change.len(), n * width);
 }
 
 /// The change of Θ̇ = v + ½\[Θ,v\] + ¹⁄₁₂\[Θ,\[Θ,v\]\].
@@ -91,15 +116,19 @@ pub(super) fn rate_change(
             rate_change[row.clone()].copy_from_slice(&v_change[row]);
             continue;
         }
-        let (t, w) = (read(theta, chart, k, 1), read(v, chart, k, 1));
+        let (t, w) = (read(theta, chart, k), read(v, chart, k));
         let once = bracket(t, w);
-        for column in 0..width {
-            let dt = read(&theta_change[column..], chart, k, width);
-            let dw = read(&v_change[column..], chart, k, width);
-            let once_change = add(bracket(dt, w), 1.0, bracket(t, dw));
+        let by_displacement = Map::new(chart, |dt| {
+            let once_change = bracket(dt, w);
             let twice_change = add(bracket(dt, once), 1.0, bracket(t, once_change));
-            let change = add(add(dw, 0.5, once_change), 1.0 / 12.0, twice_change);
-            write(&mut rate_change[column..], chart, k, width, change);
-        }
+            add(add((V3::zero(), V3::zero()), 0.5, once_change), 1.0 / 12.0, twice_change)
+        });
+        let by_velocity = Map::new(chart, |dw| {
+            let once_change = bracket(t, dw);
+            add(add(dw, 0.5, once_change), 1.0 / 12.0, bracket(t, once_change))
+        });
+        rate_change[k * width..(k + dimensions(chart)) * width].fill(0.0);
+        by_displacement.add(k, width, theta_change, rate_change);
+        by_velocity.add(k, width, v_change, rate_change);
     }
 }
