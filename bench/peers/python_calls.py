@@ -57,6 +57,9 @@ def single(robot: rd.Robot, q: Any, v: Any, a: Any, tau: Any, rounds: int) -> No
         ("mass_matrix", (q,), matrix),
         ("coriolis_matrix", (q, v), matrix),
         ("frame_jacobian_world_aligned", (q, frame), np.zeros((6, robot.nv))),
+        ("frame_jacobian_in_frame", (q, frame), np.zeros((6, robot.nv))),
+        ("center_of_mass", (q,), np.zeros(3)),
+        ("center_of_mass_jacobian", (q,), np.zeros((3, robot.nv))),
     ]
     peers = peer_calls(robot, q, v, a, tau)
     names = list(peers)
@@ -72,6 +75,12 @@ def single(robot: rd.Robot, q: Any, v: Any, a: Any, tau: Any, rounds: int) -> No
             call = peers[peer].get(name)
             line += f"{least(*call, rounds=rounds // 4):12.0f}" if call else f"{'':12}"
         print(line)
+    slopes = least(robot.forward_dynamics_derivatives, q, v, tau, rounds=rounds // 4)
+    print(f"{'forward_dynamics_derivatives':30}{'':24}{slopes:8.0f}")
+    for integrator in ("semi-implicit-euler", "rk4"):
+        how = {"step": 1e-3, "integrator": integrator, "without": ("effort-limits",)}
+        linearized = least(robot.linearize_step, q, v, tau, rounds=rounds // 4, **how)
+        print(f"{f'linearize_step {integrator}':30}{'':24}{linearized:8.0f}")
 
 
 def peer_calls(robot: rd.Robot, q: Any, v: Any, a: Any, tau: Any) -> dict[str, dict[str, tuple[Any, ...]]]:
@@ -95,7 +104,18 @@ def peer_calls(robot: rd.Robot, q: Any, v: Any, a: Any, tau: Any) -> dict[str, d
                 "gravity": (pin.computeGeneralizedGravity, model, data, q),
                 "mass_matrix": (pin.crba, model, data, q),
                 "coriolis_matrix": (pin.computeCoriolisMatrix, model, data, q, v),
+                "center_of_mass": (pin.centerOfMass, model, data, q),
+                "center_of_mass_jacobian": (pin.jacobianCenterOfMass, model, data, q),
             }
+            name = robot.frame_names[-1]
+            frame = model.getFrameId(name)
+            for method, seen in (
+                ("frame_jacobian_world_aligned", pin.LOCAL_WORLD_ALIGNED),
+                ("frame_jacobian_in_frame", pin.LOCAL),
+            ):
+                jacobian = pin.computeFrameJacobian(model, data, q, frame, seen)
+                np.testing.assert_allclose(jacobian, getattr(robot, method)(q, name), atol=1e-9)
+                found["pin"][method] = (pin.computeFrameJacobian, model, data, q, frame, seen)
     try:
         import mujoco
     except ImportError:

@@ -41,6 +41,7 @@ mod controllers;
 mod description;
 mod files;
 mod identification;
+mod linearized;
 mod numbers;
 mod parameters;
 mod planning;

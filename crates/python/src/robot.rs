@@ -6,6 +6,7 @@ use std::sync::{Mutex, OnceLock};
 
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyString;
 use robot_dynamics::multibody::plausibility::WrittenAngles;
 use robot_dynamics::simulator::Simulation;
 use robot_dynamics::{
@@ -136,7 +137,9 @@ impl Robot {
 
     /// A frame by its name or its index.
     pub(crate) fn frame_of(&self, py: Python<'_>, frame: &Bound<'_, PyAny>) -> PyResult<FrameId> {
-        if let Ok(name) = frame.extract::<std::borrow::Cow<'_, str>>() {
+        if let Ok(name) = frame.cast::<PyString>()
+            && let Ok(name) = name.to_cow()
+        {
             return match self.by_name.get(&*name) {
                 Some(&index) => Ok(self.frames[index]),
                 None => match self.model.frame_named(&name) {

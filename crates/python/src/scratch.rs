@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use pyo3::prelude::*;
 use robot_dynamics::batch::{BatchOptions, BatchWorkspace};
 use robot_dynamics::dynamics::Dual;
-use robot_dynamics::{Model, QuantityMemory, SensorMemory, SensorSet, Workspace};
+use robot_dynamics::{LinearizeStepWorkspace, Model, QuantityMemory, SensorMemory, SensorSet, Workspace};
 
 use crate::ffi::Number;
 use crate::threads;
@@ -18,6 +18,7 @@ pub(crate) struct Scratch {
     /// Over dual numbers: what is computed by differentiation.
     dual: Option<Box<Workspace<Dual<f64, 1>>>>,
     sensors: Option<Box<SensorMemory>>,
+    linearized: Option<Box<LinearizeStepWorkspace>>,
 }
 
 impl Scratch {
@@ -27,11 +28,16 @@ impl Scratch {
             memory: QuantityMemory::new(model),
             dual: None,
             sensors: None,
+            linearized: None,
         }
     }
 
     pub(crate) fn sensors(&mut self, model: &Model, set: &SensorSet) -> &mut SensorMemory {
         self.sensors.get_or_insert_with(|| Box::new(set.memory(model)))
+    }
+
+    pub(crate) fn linearized(&mut self, model: &Model) -> &mut LinearizeStepWorkspace {
+        self.linearized.get_or_insert_with(|| Box::new(LinearizeStepWorkspace::new(model)))
     }
 
     pub(crate) fn dual(&mut self, model: &Model) -> &mut Workspace<Dual<f64, 1>> {

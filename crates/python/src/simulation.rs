@@ -17,10 +17,7 @@ use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use robot_dynamics::simulator::{RunOptions, Simulation, StepFailure};
-use robot_dynamics::{
-    CallbackError, ControllerError, Event, LinearizeStepWorkspace, Model, Run, StepForces, StepInfo,
-    StepWorkspace, Stepper, linearize_by_differences, linearize_step,
-};
+use robot_dynamics::{CallbackError, ControllerError, Event, Model, Run, StepInfo};
 
 use self::books::{ledger_of, losses_of, statistics_of};
 use self::setup::{Setup, controls_of};
@@ -273,41 +270,6 @@ impl Robot {
         simulation.step().map_err(refused)?;
         Ok((array(py, simulation.q())?, array(py, simulation.v())?))
     }
-
-    /// See `linearize_step`.
-    #[pyo3(signature = (q, v, tau, controls, **options))]
-    fn _linearize_step<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        v: &Bound<'py, PyAny>,
-        tau: Option<&Bound<'py, PyAny>>,
-        controls: Option<HashMap<String, f64>>,
-        options: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let mut simulation = Setup::of(options)?.refuse_adaptive(py)?.build(py, self)?;
-        set_controls(self, &mut simulation, controls)?;
-        let (q, v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);
-        let tau = vector_or_zeros(py, self, "tau", tau)?;
-        let nv = self.model.nv();
-        let (mut by_state, mut by_force) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
-        let (model, forces) = (&self.model, StepForces::new(&tau, simulation.dissipates()));
-        let (stepper, h) = (simulation.stepper(), simulation.step_size());
-        let slopes = (&mut by_state[..], &mut by_force[..]);
-        match stepper.row() {
-            Some(row) => {
-                let (a, b) = slopes;
-                let workspace = &mut LinearizeStepWorkspace::new(model);
-                linearize_step(model, row, workspace, &forces, h, &q, &v, a, b)
-                    .map_err(|error| Class::Simulation.error(py, error))
-            }
-            None => by_differences(py, model, stepper, &forces, h, (&q, &v), slopes),
-        }?;
-        Ok((
-            outcome::filled(py, &[2 * nv, 2 * nv], &by_state)?,
-            outcome::filled(py, &[2 * nv, nv], &by_force)?,
-        ))
-    }
 }
 
 /// Sets controls by the actuators' names, if some are given.
@@ -322,23 +284,6 @@ pub(crate) fn set_controls(
         simulation.set_controls(&values);
     }
     Ok(())
-}
-
-/// The slopes of a step, whose contacts are those that a step from there finds.
-fn by_differences<S: Stepper + Clone>(
-    py: Python<'_>,
-    model: &Model,
-    mut stepper: S,
-    forces: &StepForces<'_>,
-    h: f64,
-    (q, v): (&[f64], &[f64]),
-    (by_state, by_force): (&mut [f64], &mut [f64]),
-) -> PyResult<()> {
-    let workspace = &mut StepWorkspace::new(model);
-    let refused = |error: S::Error| Class::Simulation.error(py, error);
-    stepper.step(model, workspace, forces, h, &mut q.to_vec(), &mut v.to_vec()).map_err(refused)?;
-    linearize_by_differences(model, &stepper, workspace, forces, h, q, v, by_state, by_force)
-        .map_err(|error| Class::Simulation.error(py, error))
 }
 
 /// Counts as an array.

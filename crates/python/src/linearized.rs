@@ -1,0 +1,73 @@
+//! The derivatives of one step.
+
+use std::collections::HashMap;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use robot_dynamics::{Model, StepForces, StepWorkspace, Stepper, linearize_by_differences, linearize_step};
+
+use crate::errors::Class;
+use crate::ffi::{self, Array};
+use crate::numbers::{configuration, vector, vector_or_zeros};
+use crate::outcome;
+use crate::robot::Robot;
+use crate::row::MOST_RESULTS;
+use crate::simulation::set_controls;
+use crate::simulation::setup::Setup;
+
+#[pymethods]
+impl Robot {
+    /// See `linearize_step`.
+    #[pyo3(signature = (q, v, tau, controls, **options))]
+    fn _linearize_step<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+        tau: Option<&Bound<'py, PyAny>>,
+        controls: Option<HashMap<String, f64>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let prepared = Setup::of(options)?.refuse_adaptive(py)?.with_prepared(py, self, |simulation| {
+            set_controls(self, simulation, controls)?;
+            Ok((simulation.stepper(), simulation.step_size(), simulation.dissipates()))
+        })?;
+        let (stepper, h, dissipates) = prepared;
+        let (q, v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);
+        let tau = vector_or_zeros(py, self, "tau", tau)?;
+        let (model, nv, forces) = (&self.model, self.model.nv(), StepForces::new(&tau, dissipates));
+        let arrays = [outcome::new::<f64>(py, &[2 * nv, 2 * nv]), outcome::new::<f64>(py, &[2 * nv, nv])];
+        let mut written = [Array::NONE; MOST_RESULTS];
+        written.iter_mut().zip(&arrays).for_each(|(to, array)| *to = Array::of(array).unwrap_or(Array::NONE));
+        let Some((_, [by_state, by_force, ..])) = ffi::slices::<f64>(&[Array::NONE; 4], &written) else {
+            unreachable!("new arrays are slices")
+        };
+        match stepper.row() {
+            Some(row) => self.scratch.with(model, |scratch| {
+                let workspace = scratch.linearized(model);
+                linearize_step(model, row, workspace, &forces, h, &q, &v, by_state, by_force)
+                    .map_err(|error| Class::Simulation.error(py, error))
+            }),
+            None => by_differences(py, model, stepper, &forces, h, (&q, &v), (by_state, by_force)),
+        }?;
+        let [by_state, by_force] = arrays;
+        Ok((by_state, by_force))
+    }
+}
+
+/// The slopes of a step, whose contacts are those that a step from there finds.
+fn by_differences<S: Stepper + Clone>(
+    py: Python<'_>,
+    model: &Model,
+    mut stepper: S,
+    forces: &StepForces<'_>,
+    h: f64,
+    (q, v): (&[f64], &[f64]),
+    (by_state, by_force): (&mut [f64], &mut [f64]),
+) -> PyResult<()> {
+    let workspace = &mut StepWorkspace::new(model);
+    let refused = |error: S::Error| Class::Simulation.error(py, error);
+    stepper.step(model, workspace, forces, h, &mut q.to_vec(), &mut v.to_vec()).map_err(refused)?;
+    linearize_by_differences(model, &stepper, workspace, forces, h, q, v, by_state, by_force)
+        .map_err(|error| Class::Simulation.error(py, error))
+}
