@@ -145,6 +145,7 @@ fn compute<S: Scalar>(
         Function::PotentialEnergy => one[0] = multibody::potential_energy(model, w, x),
         Function::Momentum => multibody::momentum(model, w, x, y, one),
         Function::CenterOfMass => one.copy_from_slice(&multibody::center_of_mass(model, w, x)),
+        Function::CenterOfMassJacobian => multibody::center_of_mass_jacobian(model, w, x, one),
         Function::InverseDynamicsDerivatives => {
             let [two, three] = others else { unreachable!("three results") };
             multibody::inverse_dynamics_derivatives(model, w, x, y, z, one, two);
@@ -171,6 +172,15 @@ fn compute<S: Scalar>(
             let forces = StepForces::new(z, true);
             multibody::step_stages(model, stages, w, &forces, l[0], (x, y), (one, &mut others[0]));
         }
+        Function::FramePoses => {
+            let unknown = FramePose { rotation: [[S::zero(); 3]; 3], translation: [S::zero(); 3] };
+            let mut poses = vec![unknown; model.frames().len()];
+            multibody::frame_poses(model, w, x, &mut poses);
+            for (to, FramePose { rotation, translation }) in one.chunks_exact_mut(12).zip(&poses) {
+                to[..9].copy_from_slice(rotation.as_flattened());
+                to[9..].copy_from_slice(translation);
+            }
+        }
         Function::FramePose(_) => {
             let FramePose { rotation, translation } = multibody::frame_pose(model, w, x, found(frame));
             one.copy_from_slice(rotation.as_flattened());
@@ -181,6 +191,9 @@ fn compute<S: Scalar>(
         }
         Function::FrameJacobianInFrame(_) => {
             multibody::frame_jacobian_in_frame(model, w, x, found(frame), one);
+        }
+        Function::FrameJacobianInWorld(_) => {
+            multibody::frame_jacobian_in_world(model, w, x, found(frame), one);
         }
         Function::Derivatives(_) | Function::Pullback(_) => unreachable!("made of another's trace"),
     }

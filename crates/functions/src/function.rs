@@ -45,6 +45,8 @@ pub enum Function {
     Momentum,
     /// The centre of mass in the world.
     CenterOfMass,
+    /// The Jacobian of the centre of mass.
+    CenterOfMassJacobian,
     /// ∂τ/∂q, ∂τ/∂v, ∂τ/∂a.
     InverseDynamicsDerivatives,
     /// ∂a/∂q, ∂a/∂v, ∂a/∂τ.
@@ -59,12 +61,16 @@ pub enum Function {
     SemiImplicitEulerStep,
     /// One step of h by the classical Runge–Kutta method, τ held over it; damping and friction follow v.
     Rk4Step,
+    /// `world_from_frame` of all frames.
+    FramePoses,
     /// `world_from_frame` of a frame.
     FramePose(String),
     /// A frame's Jacobian along the world's axes.
     FrameJacobianWorldAligned(String),
     /// A frame's Jacobian along its own axes.
     FrameJacobianInFrame(String),
+    /// The Jacobian of the point of a frame's body that passes the world's origin.
+    FrameJacobianInWorld(String),
     /// ∂results/∂argument for each argument of another function. See [`Function::derivatives`].
     Derivatives(Box<Self>),
     /// λᵀ ∂results/∂argument for each argument of another function. See [`Function::pullback`].
@@ -94,7 +100,7 @@ impl Slopes {
 
 impl Function {
     /// All that no frame belongs to, without the derivatives and pullbacks of them.
-    pub const PLAIN: [Self; 22] = [
+    pub const PLAIN: [Self; 24] = [
         Self::InverseDynamics,
         Self::ForwardDynamics,
         Self::MassMatrix,
@@ -110,6 +116,7 @@ impl Function {
         Self::PotentialEnergy,
         Self::Momentum,
         Self::CenterOfMass,
+        Self::CenterOfMassJacobian,
         Self::InverseDynamicsDerivatives,
         Self::ForwardDynamicsDerivatives,
         Self::InverseDynamicsPullback,
@@ -117,11 +124,29 @@ impl Function {
         Self::JointTorqueRegressor,
         Self::SemiImplicitEulerStep,
         Self::Rk4Step,
+        Self::FramePoses,
     ];
 
-    /// The names of those of frames; each takes a frame's name after a colon.
-    pub const OF_FRAMES: [&'static str; 3] =
-        ["frame_pose", "frame_jacobian_world_aligned", "frame_jacobian_in_frame"];
+    /// The names of those of one frame; each takes the frame's name after a colon.
+    pub const OF_FRAMES: [&'static str; 4] =
+        ["frame_pose", "frame_jacobian_world_aligned", "frame_jacobian_in_frame", "frame_jacobian_in_world"];
+
+    /// The functions of one frame, as [`OF_FRAMES`](Self::OF_FRAMES) names them.
+    ///
+    /// ```
+    /// use functions::Function;
+    /// assert_eq!(Function::of_frame("hand")[0].to_string(), "frame_pose:hand");
+    /// ```
+    #[must_use]
+    pub fn of_frame(frame: &str) -> [Self; 4] {
+        [
+            Self::FramePose,
+            Self::FrameJacobianWorldAligned,
+            Self::FrameJacobianInFrame,
+            Self::FrameJacobianInWorld,
+        ]
+        .map(|of| of(frame.to_owned()))
+    }
 
     /// Its derivatives: for each argument a matrix with a row for each number of the results, matrices by rows, one result after the
     /// other. By q, and of a configuration, along displacements, nv numbers, as [`multibody::linearize_step`] has them; the length of a
@@ -233,6 +258,7 @@ impl Function {
             Self::PotentialEnergy => "potential_energy",
             Self::Momentum => "momentum",
             Self::CenterOfMass => "center_of_mass",
+            Self::CenterOfMassJacobian => "center_of_mass_jacobian",
             Self::InverseDynamicsDerivatives => "inverse_dynamics_derivatives",
             Self::ForwardDynamicsDerivatives => "forward_dynamics_derivatives",
             Self::InverseDynamicsPullback => "inverse_dynamics_pullback",
@@ -240,9 +266,11 @@ impl Function {
             Self::JointTorqueRegressor => "joint_torque_regressor",
             Self::SemiImplicitEulerStep => "semi_implicit_euler_step",
             Self::Rk4Step => "rk4_step",
+            Self::FramePoses => "frame_poses",
             Self::FramePose(_) => Self::OF_FRAMES[0],
             Self::FrameJacobianWorldAligned(_) => Self::OF_FRAMES[1],
             Self::FrameJacobianInFrame(_) => Self::OF_FRAMES[2],
+            Self::FrameJacobianInWorld(_) => Self::OF_FRAMES[3],
         }
     }
 
@@ -256,7 +284,8 @@ impl Function {
         match self {
             Self::FramePose(frame)
             | Self::FrameJacobianWorldAligned(frame)
-            | Self::FrameJacobianInFrame(frame) => Some(frame),
+            | Self::FrameJacobianInFrame(frame)
+            | Self::FrameJacobianInWorld(frame) => Some(frame),
             Self::Derivatives(function) | Self::Pullback(function) => function.frame(),
             _ => None,
         }
@@ -340,10 +369,7 @@ impl FromStr for Function {
         let (stem, frame) = text.split_once(':').map_or((text, None), |(stem, frame)| (stem, Some(frame)));
         let named = |stem: &str| match frame {
             None => Self::PLAIN.into_iter().find(|plain| plain.plain_stem() == stem),
-            Some(frame) => Self::OF_FRAMES.iter().position(|&name| name == stem).map(|kind| {
-                let of = [Self::FramePose, Self::FrameJacobianWorldAligned, Self::FrameJacobianInFrame][kind];
-                of(frame.to_owned())
-            }),
+            Some(frame) => Self::of_frame(frame).into_iter().find(|of_frame| of_frame.plain_stem() == stem),
         };
         if let Some(function) = named(stem) {
             return Ok(function);

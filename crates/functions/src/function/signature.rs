@@ -21,6 +21,10 @@ pub(crate) enum Size {
     Square,
     /// 6 nv.
     Jacobian,
+    /// 3 nv.
+    CenterJacobian,
+    /// Twelve numbers for each frame.
+    Poses,
     /// Ten numbers for each moving link and freedom.
     Regressor,
 }
@@ -37,6 +41,8 @@ impl Size {
             Self::Twice => 2 * model.nv(),
             Self::Square => model.nv() * model.nv(),
             Self::Jacobian => 6 * model.nv(),
+            Self::CenterJacobian => 3 * model.nv(),
+            Self::Poses => 12 * model.frames().len(),
             Self::Regressor => model.nv() * Self::Parameters.of(model),
         }
     }
@@ -52,6 +58,7 @@ impl Size {
             (rows, Self::One) => rows.of_changes(),
             (Self::Nv, Self::Nv) => Self::Square,
             (Self::Fixed(6), Self::Nv) => Self::Jacobian,
+            (Self::Fixed(3), Self::Nv) => Self::CenterJacobian,
             (Self::Nv, Self::Parameters) => Self::Regressor,
             (Self::Fixed(rows), Self::Fixed(columns)) => Self::Fixed(rows * columns),
             (rows, columns) => unreachable!("no result has {rows:?} rows and {columns:?} columns"),
@@ -153,6 +160,7 @@ impl Function {
             Self::PotentialEnergy => "V(q), gravity and the joints' springs",
             Self::Momentum => "p = M(q) v",
             Self::CenterOfMass => "the centre of mass in the world",
+            Self::CenterOfMassJacobian => "J v = velocity of the centre of mass; world axes",
             Self::InverseDynamicsDerivatives => "the slopes of inverse_dynamics, by q as displacements",
             Self::ForwardDynamicsDerivatives => "the slopes of forward_dynamics, by q as displacements",
             Self::InverseDynamicsPullback => "gradients of lambda^T tau, by q as displacements",
@@ -164,12 +172,16 @@ impl Function {
             Self::Rk4Step => {
                 "from (q, v) over h by the classical Runge-Kutta method, tau held; a(q, v, tau - b(v)), b damping and friction"
             }
+            Self::FramePoses => "world_from_frame of all frames: x_world = R x_frame + p",
             Self::FramePose(_) => "world_from_frame: x_world = R x_frame + p",
             Self::FrameJacobianWorldAligned(_) => {
                 "J v = velocity of the frame's origin, angular velocity; world axes"
             }
             Self::FrameJacobianInFrame(_) => {
                 "J v = velocity of the frame's origin, angular velocity; its own axes"
+            }
+            Self::FrameJacobianInWorld(_) => {
+                "J v = velocity of the body's point at the world's origin, angular velocity; world axes"
             }
         }
     }
@@ -249,9 +261,12 @@ impl Function {
             | Self::Gravity
             | Self::PotentialEnergy
             | Self::CenterOfMass
+            | Self::CenterOfMassJacobian
+            | Self::FramePoses
             | Self::FramePose(_)
             | Self::FrameJacobianWorldAligned(_)
-            | Self::FrameJacobianInFrame(_) => &[Q],
+            | Self::FrameJacobianInFrame(_)
+            | Self::FrameJacobianInWorld(_) => &[Q],
         }
     }
 
@@ -299,6 +314,7 @@ impl Function {
             Self::PotentialEnergy => &[("potential", Size::One, Size::One, "[J]")],
             Self::Momentum => const { &[vector("momentum", "[kg·m²/s, kg·m/s]")] },
             Self::CenterOfMass => &[("center", Size::Fixed(3), Size::One, "[m]")],
+            Self::CenterOfMassJacobian => &[("jacobian", Size::Fixed(3), Size::Nv, "[m, 1]")],
             Self::InverseDynamicsDerivatives => {
                 const {
                     &[
@@ -350,11 +366,14 @@ impl Function {
                     ]
                 }
             }
+            Self::FramePoses => &[("poses", Size::Poses, Size::One, "for each frame R by rows, then p [m]")],
             Self::FramePose(_) => &[
                 ("rotation", Size::Fixed(3), Size::Fixed(3), "R, the frame's axes are its columns"),
                 ("translation", Size::Fixed(3), Size::One, "p, the frame's origin [m]"),
             ],
-            Self::FrameJacobianWorldAligned(_) | Self::FrameJacobianInFrame(_) => JACOBIAN,
+            Self::FrameJacobianWorldAligned(_)
+            | Self::FrameJacobianInFrame(_)
+            | Self::FrameJacobianInWorld(_) => JACOBIAN,
         }
     }
 }

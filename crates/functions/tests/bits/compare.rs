@@ -88,12 +88,7 @@ impl Comparison {
     pub(crate) fn robot(&mut self, name: &str, model: &Model, extent: Extent) {
         let mut random = SplitMix64::new(2026);
         let states: Vec<State> = (0..STATES).map(|_| State::random(model, &mut random)).collect();
-        let frame = model.frames().last().expect("a robot has a frame").name.clone();
-        let of_frame = [
-            Function::FramePose(frame.clone()),
-            Function::FrameJacobianWorldAligned(frame.clone()),
-            Function::FrameJacobianInFrame(frame),
-        ];
+        let frame = &model.frames().last().expect("a robot has a frame").name;
         // The pullbacks through the graph that machine code computes.
         let through_graph = [
             Function::Pullback(Box::new(Function::InverseDynamics)),
@@ -102,7 +97,7 @@ impl Comparison {
             Function::Rk4Step.pullback(),
         ];
         let functions: Vec<Function> =
-            Function::PLAIN.into_iter().chain(of_frame).chain(through_graph).collect();
+            Function::PLAIN.into_iter().chain(Function::of_frame(frame)).chain(through_graph).collect();
         let inverse_dynamics = Function::InverseDynamics.trace(model, Arithmetic::default());
         let unit = inverse_dynamics.unwrap_or_else(|error| panic!("{name}: {error}")).plan.steps();
         if extent.is_whole {
@@ -295,6 +290,7 @@ fn least_operations(function: &Function, inverse_dynamics: usize, nv: usize) -> 
         Function::Rk4Step => 80,
         Function::InverseDynamicsDerivatives => 40 + nv,
         Function::ForwardDynamicsDerivatives => 50 + 2 * nv,
+        Function::CenterOfMassJacobian => 5,
         Function::Gravity | Function::KineticEnergy | Function::PotentialEnergy | Function::CenterOfMass => 4,
         _ => 0,
     };

@@ -11,12 +11,7 @@ use crate::free_robot::free_robot;
 
 /// All functions that have slopes through the graph, of the last frame those of frames.
 fn functions(model: &Model) -> Vec<Function> {
-    let frame = model.frames().last().unwrap().name.clone();
-    let of_frames = [
-        Function::FramePose(frame.clone()),
-        Function::FrameJacobianWorldAligned(frame.clone()),
-        Function::FrameJacobianInFrame(frame),
-    ];
+    let of_frames = Function::of_frame(&model.frames().last().unwrap().name);
     Function::PLAIN.into_iter().chain(of_frames).filter(Function::has_slopes).collect()
 }
 

@@ -35,12 +35,7 @@ fn robots() -> Vec<(String, Model)> {
 }
 
 fn functions(model: &Model) -> Vec<Function> {
-    let frame = model.frames().last().unwrap().name.clone();
-    let of_frames = [
-        Function::FramePose(frame.clone()),
-        Function::FrameJacobianWorldAligned(frame.clone()),
-        Function::FrameJacobianInFrame(frame),
-    ];
+    let of_frames = Function::of_frame(&model.frames().last().unwrap().name);
     Function::PLAIN.into_iter().chain(of_frames).collect()
 }
 

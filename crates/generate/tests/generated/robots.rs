@@ -40,12 +40,7 @@ fn load(path: &Path) -> Model {
 
 /// All functions, those of frames for the last one.
 pub(crate) fn functions(model: &Model) -> Vec<Function> {
-    let frame = model.frames().last().unwrap().name.clone();
-    let of_frames = [
-        Function::FramePose(frame.clone()),
-        Function::FrameJacobianWorldAligned(frame.clone()),
-        Function::FrameJacobianInFrame(frame),
-    ];
+    let of_frames = Function::of_frame(&model.frames().last().unwrap().name);
     Function::PLAIN.into_iter().chain(of_frames).collect()
 }
 
@@ -56,6 +51,6 @@ pub(crate) fn with_slopes(model: &Model) -> Vec<Function> {
     let plain = functions.iter().filter(|function| !is_slope(&function.to_string()));
     let slopes = plain.flat_map(|function| [function.clone().derivatives(), function.clone().pullback()]);
     let new: Vec<Function> = slopes.filter(|slope| !functions.contains(slope)).collect();
-    assert_eq!((functions.len(), new.len()), (25, 38));
+    assert_eq!((functions.len(), new.len()), (28, 44));
     functions.into_iter().chain(new).collect()
 }

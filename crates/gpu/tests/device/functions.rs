@@ -14,12 +14,7 @@ use crate::robots;
 fn every_function_is_the_librarys() {
     let Some(device) = crate::device() else { return };
     for model in [robots::named("gripper.urdf"), robots::with_ball()] {
-        let frame = model.frames().last().unwrap().name.clone();
-        let of_frames = [
-            Function::FramePose(frame.clone()),
-            Function::FrameJacobianWorldAligned(frame.clone()),
-            Function::FrameJacobianInFrame(frame),
-        ];
+        let of_frames = Function::of_frame(&model.frames().last().unwrap().name);
         let slopes = [
             Function::SemiImplicitEulerStep.derivatives(),
             Function::Rk4Step.pullback(),
