@@ -183,6 +183,33 @@ impl Quantity {
         self.call(model, workspace, inputs, results, poses);
     }
 
+    /// The same into results of the caller, in the order of [`Quantity::results`], unused ones empty: numbers are not copied.
+    ///
+    /// ```
+    /// use multibody::{Inputs, Model, Quantity, RandomRobotOptions, Workspace, neutral, random_robot};
+    /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+    /// let (mut workspace, mut weight) = (Workspace::new(&model), vec![f64::NAN; model.nv()]);
+    /// let q = neutral(&model);
+    /// let inputs = Inputs { q: &q, ..Inputs::default() };
+    /// Quantity::Gravity.compute_into(&model, &mut workspace, &inputs, [&mut weight, &mut [], &mut []]);
+    /// assert!(weight.iter().all(|force| force.is_finite()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// As [`Quantity::compute`], if a result has the wrong length, and for [`Quantity::FramePoses`], whose results are no numbers.
+    #[track_caller]
+    pub fn compute_into(
+        self,
+        model: &Model,
+        workspace: &mut Workspace,
+        inputs: &Inputs<'_>,
+        results: [&mut [f64]; 3],
+    ) {
+        assert!(self != Self::FramePoses, "frame_poses has poses as its results: use `Quantity::compute`");
+        self.call(model, workspace, inputs, results, &mut []);
+    }
+
     /// Computes it for one state after the other and shows each result. The inputs hold the states' rows, q \[states\]\[nq\], the others
     /// \[states\]\[nv\], or nothing where nothing is read; the frames are those of all states.
     ///

@@ -17,7 +17,7 @@ use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use robot_dynamics::simulator::{RunOptions, Simulation, StepFailure};
-use robot_dynamics::{CallbackError, ControllerError, Event, Model, Run, StepInfo};
+use robot_dynamics::{CallbackError, ControllerError, Event, Run, StepInfo};
 
 use self::books::{ledger_of, losses_of, statistics_of};
 use self::setup::{Setup, controls_of};

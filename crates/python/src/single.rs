@@ -173,13 +173,10 @@ fn of_table(
     scratch: &mut Scratch,
     x: &[&[f64]; 4],
     frames: &[FrameId],
-    results: Results<'_>,
+    [one, two, three, _]: Results<'_>,
 ) {
-    let Scratch { workspace, memory, .. } = scratch;
-    quantity.compute(&robot.model, workspace, &inputs(quantity, x, frames), memory);
-    for (result, computed) in results.into_iter().zip(memory.results(quantity)) {
-        result.copy_from_slice(computed);
-    }
+    let inputs = inputs(quantity, x, frames);
+    quantity.compute_into(&robot.model, &mut scratch.workspace, &inputs, [one, two, three]);
 }
 
 fn poses(
