@@ -30,7 +30,12 @@ pub fn with_native_code(model: Model) -> Model {
 
 /// The expression of one of these functions: the one of the same name, for a conservative step on a robot without dissipation. The pullbacks
 /// of inverse and forward dynamics are those through the graph, which have half the operations of the recursions.
-fn trace(model: &Model, function: NativeFunction, arithmetic: Arithmetic) -> Result<NativeTrace, String> {
+fn trace(
+    model: &Model,
+    function: NativeFunction,
+    frame: Option<&str>,
+    arithmetic: Arithmetic,
+) -> Result<NativeTrace, String> {
     match function {
         NativeFunction::Energies => {
             let model = model.with_right_angles();
@@ -51,8 +56,9 @@ fn trace(model: &Model, function: NativeFunction, arithmetic: Arithmetic) -> Res
     }
     let name = function.name();
     let conservative = name.strip_prefix("conservative_");
-    let function: Function =
-        conservative.unwrap_or(name).parse().map_err(|error: FunctionError| error.to_string())?;
+    let name = conservative.unwrap_or(name);
+    let name = frame.map_or_else(|| name.to_owned(), |frame| format!("{name}:{frame}"));
+    let function: Function = name.parse().map_err(|error: FunctionError| error.to_string())?;
     let without_dissipation = conservative.map(|_| model.without_dissipation());
     let model = without_dissipation.as_ref().unwrap_or(model);
     let lengths = function.arguments(model).iter().map(|argument| argument.length).collect();
@@ -71,6 +77,10 @@ fn trace(model: &Model, function: NativeFunction, arithmetic: Arithmetic) -> Res
         // The acceleration comes first.
         Function::ForwardDynamicsPullback => results.splice(..0, traced.primal).for_each(drop),
         _ => {}
+    }
+    if matches!(function, Function::FramePose(_)) {
+        // One row for each state: R, then p.
+        results = vec![results.concat()];
     }
     Ok(NativeTrace { graph: traced.graph, results, lengths })
 }
@@ -99,7 +109,8 @@ mod tests {
     fn every_function_has_an_expression() {
         let model = Model::new(pendulum(2.0, 0.5)).unwrap();
         for function in NativeFunction::ALL {
-            let traced = trace(&model, function, Arithmetic::default());
+            let frame = NativeFunction::OF_FRAMES.contains(&function).then_some("tip");
+            let traced = trace(&model, function, frame, Arithmetic::default());
             assert!(traced.is_ok_and(|traced| !traced.results.is_empty()), "{}", function.name());
         }
     }

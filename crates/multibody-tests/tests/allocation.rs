@@ -116,6 +116,13 @@ fn machine_code_allocates_at_first_alone() {
             let count = allocations(|| quantity.compute(model, &mut w, &inputs, &mut memory));
             assert_eq!(count, 0, "{} allocates on \"{}\"", quantity.name(), robot.family);
         }
+        let (mut jacobian, frame) = (vec![0.0; 6 * model.nv()], frames[0]);
+        let mut call = || {
+            multibody::frame_jacobian_in_world(model, &mut w, q, frame, &mut jacobian);
+            multibody::frame_pose(model, &mut w, q, frame)
+        };
+        call();
+        assert_eq!(allocations(call), 0, "a frame allocates on \"{}\"", robot.family);
         let (mut options, zeros) = (BatchOptions::default(), vec![0.0; model.nv()]);
         let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| zeros.clone());
         let mut call = || {
@@ -131,7 +138,9 @@ fn machine_code_allocates_at_first_alone() {
         let go_on = |_| ControlFlow::Continue(());
         let mut call = || {
             let (q, v) = (&mut end.0, &mut end.1);
-            let bad = batch::inverse_dynamics(model, w, q, v, a, &mut force)
+            let of_frame = batch::frame_jacobian_in_frame(model, w, q, frame, &mut jacobian);
+            let bad = of_frame
+                .and_then(|()| batch::inverse_dynamics(model, w, q, v, a, &mut force))
                 .and_then(|()| {
                     batch::inverse_dynamics_pullback(model, w, q, v, a, tau, &mut x, &mut y, &mut z, &mut [])
                 })

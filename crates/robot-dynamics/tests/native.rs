@@ -11,12 +11,16 @@ use robot_dynamics::{
     Base, InstructionSet, JointKinds, Model, RandomRobotOptions, RandomState, Workspace, load, random_robot,
     random_state, with_native_code,
 };
+use robot_dynamics::{FrameDescription, FrameId, FramePose, Pose, center_of_mass, center_of_mass_jacobian};
 use robot_dynamics::{LinearizeStepWorkspace, StepForces, linearize_step};
 use robot_dynamics::{StepPullbackWorkspace, step_pullback};
 use robot_dynamics::{bias, coriolis_matrix, forward_dynamics, gravity, inverse_dynamics, mass_matrix};
 use robot_dynamics::{
     forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
     inverse_dynamics_pullback_with_parameters, mass_matrix_factor, parameter_count,
+};
+use robot_dynamics::{
+    frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned, frame_pose, frame_poses,
 };
 use robot_dynamics::{inverse_mass_matrix, kinetic_energy, momentum, potential_energy, velocity_product};
 
@@ -762,4 +766,177 @@ fn constants_that_are_no_numbers_are_refused() {
         let error = Model::new(spoiled).expect_err("a constant that is not finite").to_string();
         assert!(error.contains(named) && error.contains("NaN"), "{error}");
     }
+}
+
+/// All frames of a robot.
+fn frames_of(model: &Model) -> Vec<FrameId> {
+    model.frames().iter().map(|frame| model.frame_named(&frame.name).expect("its name")).collect()
+}
+
+fn numbers_of<T: BatchFloat>(FramePose { rotation, translation }: &FramePose<T>) -> Vec<T> {
+    rotation.as_flattened().iter().chain(translation).copied().collect()
+}
+
+/// Poses of all frames; pose and Jacobians of one; where the robot has mass, its centre and the Jacobian of that.
+fn compute_frames<T: BatchFloat>(model: &Model, q: &[T], frame: FrameId) -> Vec<Vec<T>> {
+    let (w, zero, nv) = (&mut Workspace::<T>::new(model), T::zero(), model.nv());
+    let mut poses =
+        vec![FramePose { rotation: [[zero; 3]; 3], translation: [zero; 3] }; model.frames().len()];
+    frame_poses(model, w, q, &mut poses);
+    let mut results =
+        vec![poses.iter().flat_map(numbers_of).collect(), numbers_of(&frame_pose(model, w, q, frame))];
+    results.extend(core::iter::repeat_n(vec![zero; 6 * nv], 3));
+    frame_jacobian_world_aligned(model, w, q, frame, &mut results[2]);
+    frame_jacobian_in_frame(model, w, q, frame, &mut results[3]);
+    frame_jacobian_in_world(model, w, q, frame, &mut results[4]);
+    if model.total_mass() > 0.0 {
+        let mut jacobian = vec![zero; 3 * nv];
+        center_of_mass_jacobian(model, w, q, &mut jacobian);
+        results.extend([center_of_mass(model, w, q).to_vec(), jacobian]);
+    }
+    results
+}
+
+/// Poses of all frames, of one, and of two; Jacobians; of each state.
+fn compute_frames_of_batch<T: BatchFloat>(model: &Model, q: &[T], frame: FrameId) -> Vec<Vec<T>> {
+    let (frames, count) = (frames_of(model), q.len() / model.nq());
+    let w = &mut BatchWorkspace::<T>::new(model);
+    let zeros = |width: usize| vec![T::zero(); count * width];
+    let mut results = vec![zeros(12 * frames.len()), zeros(12)];
+    results.extend(core::iter::repeat_n(zeros(6 * model.nv()), 3));
+    results.push(zeros(24));
+    let [all, one, aligned, own, world, two] = &mut results[..] else { unreachable!("six") };
+    batch::frame_poses(model, w, q, &frames, all).expect("good states");
+    batch::frame_poses(model, w, q, &[frame], one).expect("good states");
+    batch::frame_jacobian_world_aligned(model, w, q, frame, aligned).expect("good states");
+    batch::frame_jacobian_in_frame(model, w, q, frame, own).expect("good states");
+    batch::frame_jacobian_in_world(model, w, q, frame, world).expect("good states");
+    batch::frame_poses(model, w, q, &[frame, frames[0]], two).expect("good states");
+    results
+}
+
+/// Columns of Jacobians are cross products with distances up to the size of the robot, which its poses show.
+#[test]
+fn frames_and_the_centre_of_mass_have_the_numbers_of_the_recursions() {
+    for (name, model) in robots().into_iter().chain(random_robots()) {
+        let plain = model.clone().with_native(false);
+        let frames = frames_of(&model);
+        let [q, ..] = states(&model, 3);
+        for (q, frame) in q.chunks(model.nq()).zip([frames.len() - 1, frames.len() / 2, 0]) {
+            let (found, expected) =
+                (compute_frames(&model, q, frames[frame]), compute_frames(&plain, q, frames[frame]));
+            assert_eq!(found.len(), expected.len());
+            let size = largest(&expected[0]);
+            for (index, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                let off = difference(found, expected, size);
+                assert!(off < PLAIN, "{name}, function {index}: {off:e}");
+            }
+            #[allow(clippy::cast_possible_truncation)]
+            let short: Vec<f32> = q.iter().map(|&x| x as f32).collect();
+            let rounded: Vec<f64> = short.iter().copied().map(f64::from).collect();
+            let (found, expected) = (
+                compute_frames(&model, &short, frames[frame]),
+                compute_frames(&plain, &rounded, frames[frame]),
+            );
+            for (index, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                let found: Vec<f64> = found.iter().copied().map(f64::from).collect();
+                let off = difference(&found, expected, size);
+                assert!(off < 2e-4, "{name}, function {index}: {off:e} in single precision");
+            }
+        }
+    }
+}
+
+#[test]
+fn frames_of_batches_have_the_bits_of_single_calls() {
+    for (name, model) in robots().into_iter().chain(random_robots().into_iter().step_by(5)) {
+        let (count, nq) = (75, model.nq());
+        let [q, ..] = states(&model, count);
+        let frame = *frames_of(&model).last().expect("a frame");
+        let found = compute_frames_of_batch(&model, &q, frame);
+        let plain = compute_frames_of_batch(&model.clone().with_native(false), &q, frame);
+        let size = largest(&plain[0]);
+        for (index, (found, plain)) in found.iter().zip(&plain).enumerate() {
+            let off = difference(found, plain, size);
+            assert!(off < PLAIN, "{name}, table {index}: {off:e}");
+        }
+        for state in 0..count {
+            let one = compute_frames(&model, &q[state * nq..(state + 1) * nq], frame);
+            // One state's poses of all frames are not compiled.
+            for (index, (found, one)) in found.iter().zip(&one).enumerate().take(5).skip(1) {
+                let row = &found[state * one.len()..(state + 1) * one.len()];
+                assert!(!has_encoder() || row == one, "{name}, function {index}, state {state}");
+            }
+        }
+    }
+}
+
+#[test]
+fn bad_states_and_far_angles_of_frames_are_those_of_the_recursions() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
+    let model = load(folder).expect("a robot").model;
+    let (plain, nq, frame) = (model.clone().with_native(false), model.nq(), frames_of(&model)[5]);
+    let [mut q, ..] = states(&model, 60);
+    // The frame does not depend on the last joint; NaN there is bad all the same.
+    q[17 * nq + nq - 1] = f64::NAN;
+    q[40 * nq] = f64::INFINITY;
+    // Beyond the range of the code's sine.
+    q[51 * nq + 2] = 3e5;
+    let compute = |model: &Model| {
+        let (mut jacobian, mut pose) = (vec![0.0; 60 * 6 * nq], vec![0.0; 60 * 12]);
+        let w = &mut BatchWorkspace::new(model);
+        let bad = batch::frame_jacobian_in_frame(model, w, &q, frame, &mut jacobian).expect_err("bad states");
+        assert_eq!(batch::frame_poses(model, w, &q, &[frame], &mut pose), Err(bad.clone()));
+        (jacobian, pose, bad)
+    };
+    let ((found, pose, bad), (expected, expected_pose, as_before)) = (compute(&model), compute(&plain));
+    assert_eq!(bad, as_before);
+    assert_eq!(bad.states, [17, 40]);
+    let far = 51 * 6 * nq..52 * 6 * nq;
+    assert_eq!(
+        (&found[far.clone()], &pose[51 * 12..52 * 12]),
+        (&expected[far], &expected_pose[51 * 12..52 * 12])
+    );
+    let far = &q[51 * nq..52 * nq];
+    let (found, expected) = (compute_frames(&model, far, frame), compute_frames(&plain, far, frame));
+    assert!(found.iter().zip(&expected).all(|(found, expected)| difference(found, expected, 1.0) < PLAIN));
+}
+
+#[test]
+fn reports_name_frames() {
+    let model = pendulum();
+    let (w, q, tip) = (&mut Workspace::new(&model), [0.3], model.frame_named("tip").expect("a frame"));
+    frame_pose(&model, &mut Workspace::limited(&model, InstructionSet::Portable), &q, tip);
+    assert_eq!(model.native().functions.len(), 0);
+    frame_pose(&model, w, &q, tip);
+    frame_jacobian_in_world(&model, w, &q, tip, &mut [0.0; 6]);
+    let report = model.native();
+    assert!(!has_encoder() || report.functions.iter().all(|used| used.frame.as_deref() == Some("tip")));
+    assert!(
+        !has_encoder()
+            || report.to_string().contains("frame_jacobian_in_world of `tip`, f64, one state: machine code")
+    );
+    assert_eq!(report.functions.len(), if has_encoder() { 2 } else { 0 });
+}
+
+/// A program that asks for each of very many frames is not kept waiting for the machine code of all.
+#[test]
+fn many_frames_keep_the_recursion() {
+    let mut description = robot_dynamics::pendulum(2.0, 0.5);
+    let link = description.links[1].name.clone();
+    for number in 0..300 {
+        let at = Pose::from_translation([f64::from(number), 0.0, 0.0]);
+        description.frames.push(FrameDescription::new(format!("mark {number}"), &link, at));
+    }
+    let model = with_native_code(Model::new(description).expect("a pendulum"));
+    let plain = model.clone().with_native(false);
+    let (w, other) = (&mut Workspace::new(&model), &mut Workspace::new(&plain));
+    for frame in frames_of(&model) {
+        let (found, expected) =
+            (frame_pose(&model, w, &[0.3], frame), frame_pose(&plain, other, &[0.3], frame));
+        assert!(difference(&numbers_of(&found), &numbers_of(&expected), 300.0) < PLAIN);
+    }
+    let report = model.native();
+    let compiled = report.functions.iter().filter(|used| used.route.is_ok()).count();
+    assert!(!has_encoder() || compiled == 256 && report.functions.len() == model.frames().len());
 }

@@ -8,6 +8,8 @@ use dynamics::Scalar;
 use crate::Workspace;
 use crate::model::Model;
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
+use crate::scratch::native::{NativeScratch, computed_natively};
 use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::V3;
 use crate::spatial::screw::{Composite, Force};
@@ -51,12 +53,28 @@ impl Model {
 #[track_caller]
 pub fn center_of_mass<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> [S; 3] {
     workspace.admit(model, q);
+    let (native, mut center_of_mass) = (&mut workspace.tree.native, [S::zero(); 3]);
+    if computed_by_mass(model, native, NativeFunction::CenterOfMass, q, &mut center_of_mass) {
+        return center_of_mass;
+    }
     if model.moving_mass() == 0.0 {
         let mass = model.mass();
         return model.fixed_first_moment.map(|moment| S::from_f64(moment / mass));
     }
     place_screws(model, &mut workspace.tree, q);
     (main_in_world(model, &workspace.tree) + center(model, &workspace.tree)).array()
+}
+
+/// Whether machine code has computed what is divided by the mass. A robot without any keeps the recursion, whose numbers are not finite.
+#[inline]
+fn computed_by_mass<S: Scalar>(
+    model: &Model,
+    native: &mut NativeScratch<S>,
+    function: NativeFunction,
+    q: &[S],
+    result: &mut [S],
+) -> bool {
+    model.total_mass() > 0.0 && computed_natively(model, native, function, &[q], &mut [result])
 }
 
 /// The centre of mass from the main reference point.
@@ -135,6 +153,10 @@ pub fn center_of_mass_jacobian<S: Scalar>(
     workspace.admit(model, q);
     let nv = model.nv;
     check_length("the Jacobian of the centre of mass", jacobian.len(), 3 * nv);
+    let native = &mut workspace.tree.native;
+    if computed_by_mass(model, native, NativeFunction::CenterOfMassJacobian, q, jacobian) {
+        return;
+    }
     place_screws(model, &mut workspace.tree, q);
     composites_in_world(model, &mut workspace.tree);
     jacobian.fill(S::zero());

@@ -11,7 +11,9 @@ use crate::algorithms::frame_motion::{Moving, Twist};
 use crate::algorithms::kinematics::constant;
 use crate::model::WORLD;
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::native::computed_natively;
 use crate::scratch::tree::TreeMemory;
 use crate::spatial::screw::{Place, Screw};
 use crate::stages::place::place_chain;
@@ -42,10 +44,7 @@ pub fn frame_jacobian_world_aligned<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
-    workspace.admit(model, q);
-    model.frame_of(frame);
-    check_length("the Jacobian", jacobian.len(), 6 * model.nv);
-    run(&mut workspace.tree, FrameJacobian { model, q, frame, seen: Seen::WorldAligned, jacobian });
+    write_jacobian(workspace, FrameJacobian { model, q, frame, seen: Seen::WorldAligned, jacobian });
 }
 
 /// J of [`frame_velocity_in_frame`](crate::frame_velocity_in_frame): the velocity of the frame's origin and ω
@@ -74,10 +73,7 @@ pub fn frame_jacobian_in_frame<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
-    workspace.admit(model, q);
-    model.frame_of(frame);
-    check_length("the Jacobian", jacobian.len(), 6 * model.nv);
-    run(&mut workspace.tree, FrameJacobian { model, q, frame, seen: Seen::InFrame, jacobian });
+    write_jacobian(workspace, FrameJacobian { model, q, frame, seen: Seen::InFrame, jacobian });
 }
 
 /// J of [`frame_velocity_in_world`](crate::frame_velocity_in_world): ω and the velocity of the point that
@@ -106,10 +102,22 @@ pub fn frame_jacobian_in_world<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
+    write_jacobian(workspace, FrameJacobian { model, q, frame, seen: Seen::InWorld, jacobian });
+}
+
+/// Checks the arguments, and writes the Jacobian by machine code or by the recursion.
+#[inline]
+#[track_caller]
+fn write_jacobian<S: Scalar>(workspace: &mut Workspace<S>, task: FrameJacobian<'_, S>) {
+    let FrameJacobian { model, q, frame, seen, jacobian } = task;
     workspace.admit(model, q);
     model.frame_of(frame);
     check_length("the Jacobian", jacobian.len(), 6 * model.nv);
-    run(&mut workspace.tree, FrameJacobian { model, q, frame, seen: Seen::InWorld, jacobian });
+    let native = &mut workspace.tree.native;
+    if computed_natively(model, native, seen.native().of_frame(frame), &[q], &mut [&mut *jacobian]) {
+        return;
+    }
+    run(&mut workspace.tree, FrameJacobian { model, q, frame, seen, jacobian });
 }
 
 /// Along which axes, and of which point, a Jacobian gives the velocity.
@@ -118,6 +126,17 @@ pub(crate) enum Seen {
     WorldAligned,
     InFrame,
     InWorld,
+}
+
+impl Seen {
+    /// The function that may have machine code.
+    pub(crate) fn native(self) -> NativeFunction {
+        match self {
+            Self::WorldAligned => NativeFunction::FrameJacobianWorldAligned,
+            Self::InFrame => NativeFunction::FrameJacobianInFrame,
+            Self::InWorld => NativeFunction::FrameJacobianInWorld,
+        }
+    }
 }
 
 /// The arguments of a frame Jacobian.

@@ -5,7 +5,9 @@ use number::View;
 use number::dispatch::{Hardware, Kernel};
 
 use crate::model::Frame;
+use crate::model::native::NativeFunction;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::native::computed_natively;
 use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{M3, V3};
 use crate::spatial::screw::Place;
@@ -19,6 +21,18 @@ pub struct FramePose<S = f64> {
     pub rotation: [[S; 3]; 3],
     /// p: the frame's origin in the world \[m\].
     pub translation: [S; 3],
+}
+
+/// Numbers of a pose.
+pub(crate) const NUMBERS_PER_POSE: usize = 12;
+
+impl<S: Copy> FramePose<S> {
+    /// From R by rows, then p.
+    #[inline(always)]
+    fn of_numbers(numbers: &[S; NUMBERS_PER_POSE]) -> Self {
+        let [x, y, z, translation] = *numbers.as_chunks::<3>().0 else { unreachable!("four threes") };
+        Self { rotation: [x, y, z], translation }
+    }
 }
 
 impl From<FramePose> for Pose {
@@ -60,6 +74,12 @@ pub fn frame_pose<S: Scalar>(
 ) -> FramePose<S> {
     workspace.admit(model, q);
     let zero = S::zero();
+    let (native, mut numbers) = (&mut workspace.tree.native, [zero; NUMBERS_PER_POSE]);
+    model.frame_of(frame);
+    let task = NativeFunction::FramePose.of_frame(frame);
+    if computed_natively(model, native, task, &[q], &mut [&mut numbers]) {
+        return FramePose::of_numbers(&numbers);
+    }
     let mut pose = FramePose { rotation: [[zero; 3]; 3], translation: [zero; 3] };
     run(&mut workspace.tree, OneFramePose { model, q, frame: model.frame_of(frame), pose: &mut pose });
     pose

@@ -3,7 +3,7 @@
 use number::dispatch::{Call, Hardware, LaneKernel, LaneMemory, Make};
 use number::{Float, Form, Scalar, StateLanes};
 
-use crate::model::native::NativeFunction;
+use crate::model::native::{NativeFunction, NativeTask};
 use crate::{Model, Workspace};
 
 /// What is computed of each state.
@@ -14,6 +14,12 @@ pub(super) trait Operation<T>: Copy + Sync {
     /// The function that may have machine code.
     fn native(self) -> Option<NativeFunction> {
         None
+    }
+
+    /// The same function of a frame, if it is of one.
+    fn native_task(self, model: &Model) -> Option<NativeTask> {
+        let _ = model;
+        self.native().map(Into::into)
     }
 
     /// Every how many-th number of the result tells whether all of it is finite.

@@ -70,13 +70,13 @@ pub(super) fn compute<T: BatchFloat + Number, O: Operation<T>>(
     if output.is_empty() {
         return Ok(());
     }
-    let output = match operation.native() {
+    let output = match operation.native_task(model) {
         None => output,
-        Some(function) => {
+        Some(task) => {
             let again = |block: &mut BlockMemory, rows: [&[T]; 3], [output]: [&mut [T]; 1]| {
                 block::compute(block, model, operation, 1, rows, output) == 0
             };
-            match natively(model, workspace, function, tables, [output], &again) {
+            match natively(model, workspace, task, tables, [output], &again) {
                 Ok(result) => return result,
                 Err([output]) => output,
             }

@@ -9,12 +9,13 @@ use super::compute::Tables;
 use super::within::call;
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::algorithms::jacobian::{FrameJacobian, Seen};
-use crate::algorithms::kinematics::pose_of;
+use crate::algorithms::kinematics::{self, pose_of};
+use crate::model::native::{NativeFunction, NativeTask};
 use crate::stages::place::place_all_in_world;
 use crate::{FrameId, FramePose, Model, Workspace};
 
 /// Numbers of one placement.
-pub const NUMBERS_PER_POSE: usize = 12;
+pub const NUMBERS_PER_POSE: usize = kinematics::NUMBERS_PER_POSE;
 
 #[derive(Clone, Copy)]
 pub struct Poses<'a> {
@@ -24,6 +25,15 @@ pub struct Poses<'a> {
 impl<T> Operation<T> for Poses<'_> {
     fn width(self, _: &Model) -> usize {
         NUMBERS_PER_POSE * self.frames.len()
+    }
+
+    /// Of one frame, or of all in their order; other lists are placed together.
+    fn native_task(self, model: &Model) -> Option<NativeTask> {
+        if let [frame] = *self.frames {
+            return Some(NativeFunction::FramePose.of_frame(frame));
+        }
+        let is_whole = self.frames.iter().map(|frame| frame.index).eq(0..model.frames.len());
+        is_whole.then(|| NativeFunction::FramePoses.into())
     }
 
     #[inline(always)]
@@ -53,6 +63,10 @@ pub struct Jacobian {
 impl<T> Operation<T> for Jacobian {
     fn width(self, model: &Model) -> usize {
         6 * model.nv
+    }
+
+    fn native_task(self, _: &Model) -> Option<NativeTask> {
+        Some(self.seen.native().of_frame(self.frame))
     }
 
     #[inline(always)]

@@ -20,7 +20,7 @@ mod compute {
     use crate::batch::share::for_each_part;
     use crate::batch::workspace::BlockMemory;
     use crate::batch::{BadStates, BatchFloat, BatchWorkspace};
-    use crate::model::native::NativeFunction;
+    use crate::model::native::NativeTask;
 
     /// States that a call of machine code computes: their rows stay in the cache while they are looked at.
     const STATES: usize = 128;
@@ -35,10 +35,10 @@ mod compute {
     pub(in crate::batch) fn kernel<'a, T: BatchFloat + Number>(
         model: &'a Model,
         workspace: &BatchWorkspace<T>,
-        function: NativeFunction,
+        task: impl Into<NativeTask>,
     ) -> Option<&'a Kernel<T>> {
         let code = model.native.code().filter(|_| workspace.instruction_set() == best_instructions())?;
-        code.rows(model, function)
+        code.rows(model, task)
     }
 
     /// The function of each state, or the results back where there is no machine code. `again` computes one state by the recursion, where an
@@ -46,12 +46,12 @@ mod compute {
     pub(in crate::batch) fn natively<'a, T: BatchFloat + Number, const A: usize, const K: usize>(
         model: &Model,
         workspace: &BatchWorkspace<T>,
-        function: NativeFunction,
+        task: impl Into<NativeTask>,
         tables: &Tables<'_, T, A>,
         results: [&'a mut [T]; K],
         again: &(impl Fn(&mut BlockMemory, [&[T]; A], [&mut [T]; K]) -> bool + Sync),
     ) -> Result<Result<(), BadStates>, [&'a mut [T]; K]> {
-        let Some(kernel) = kernel(model, workspace, function) else { return Err(results) };
+        let Some(kernel) = kernel(model, workspace, task) else { return Err(results) };
         let batch = tables.count(model);
         let count = tables.names.iter().filter(|name| !name.is_empty()).count();
         let used = results.iter().filter(|rows| !rows.is_empty()).count();
@@ -122,7 +122,7 @@ mod absent {
     use crate::batch::compute::Tables;
     use crate::batch::workspace::BlockMemory;
     use crate::batch::{BadStates, BatchFloat, BatchWorkspace};
-    use crate::model::native::NativeFunction;
+    use crate::model::native::NativeTask;
 
     pub(in crate::batch) trait Number {}
     impl Number for f64 {}
@@ -131,7 +131,7 @@ mod absent {
     pub(in crate::batch) fn natively<'a, T: BatchFloat, const A: usize, const K: usize>(
         _: &Model,
         _: &BatchWorkspace<T>,
-        _: NativeFunction,
+        _: impl Into<NativeTask>,
         _: &Tables<'_, T, A>,
         results: [&'a mut [T]; K],
         _: &impl Fn(&mut BlockMemory, [&[T]; A], [&mut [T]; K]) -> bool,

@@ -22,7 +22,7 @@ pub(crate) use self::absent::Native;
 #[cfg(feature = "native")]
 pub(crate) use self::kernels::{Native, Number};
 pub use self::report::{NativeCode, NativeReport, NativeUse};
-use crate::Model;
+use crate::{FrameId, Model};
 
 /// A function that may be computed by machine code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -56,6 +56,20 @@ pub enum NativeFunction {
     Energies,
     /// 1/d of each freedom: what the articulated-body algorithm divides by.
     InversePivots,
+    /// The centre of mass of the moving bodies in the world.
+    CenterOfMass,
+    /// J with ċ = J v.
+    CenterOfMassJacobian,
+    /// `world_from_frame` of all frames, in batches alone.
+    FramePoses,
+    /// `world_from_frame` of a frame.
+    FramePose,
+    /// A frame's Jacobian along the world's axes.
+    FrameJacobianWorldAligned,
+    /// A frame's Jacobian along its own axes.
+    FrameJacobianInFrame,
+    /// The Jacobian of the point of a frame's body that passes the world's origin, along the world's axes.
+    FrameJacobianInWorld,
     /// ∂τ/∂q, ∂τ/∂v.
     InverseDynamicsDerivatives,
     /// ∂a/∂q, ∂a/∂v, ∂a/∂τ.
@@ -86,7 +100,7 @@ pub enum NativeFunction {
 
 impl NativeFunction {
     /// All of them.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 34] = [
         Self::InverseDynamics,
         Self::Bias,
         Self::Gravity,
@@ -101,6 +115,13 @@ impl NativeFunction {
         Self::PotentialEnergy,
         Self::Energies,
         Self::InversePivots,
+        Self::CenterOfMass,
+        Self::CenterOfMassJacobian,
+        Self::FramePoses,
+        Self::FramePose,
+        Self::FrameJacobianWorldAligned,
+        Self::FrameJacobianInFrame,
+        Self::FrameJacobianInWorld,
         Self::InverseDynamicsDerivatives,
         Self::ForwardDynamicsDerivatives,
         Self::InverseDynamicsPullback,
@@ -114,6 +135,14 @@ impl NativeFunction {
         Self::ConservativeSemiImplicitEulerStepPullback,
         Self::Rk4StepPullback,
         Self::ConservativeRk4StepPullback,
+    ];
+
+    /// Those of one frame, each of which has code of its own for each frame.
+    pub const OF_FRAMES: [Self; 4] = [
+        Self::FramePose,
+        Self::FrameJacobianWorldAligned,
+        Self::FrameJacobianInFrame,
+        Self::FrameJacobianInWorld,
     ];
 
     /// The name of the library's function.
@@ -137,6 +166,13 @@ impl NativeFunction {
             Self::PotentialEnergy => "potential_energy",
             Self::Energies => "energies",
             Self::InversePivots => "inverse_pivots",
+            Self::CenterOfMass => "center_of_mass",
+            Self::CenterOfMassJacobian => "center_of_mass_jacobian",
+            Self::FramePoses => "frame_poses",
+            Self::FramePose => "frame_pose",
+            Self::FrameJacobianWorldAligned => "frame_jacobian_world_aligned",
+            Self::FrameJacobianInFrame => "frame_jacobian_in_frame",
+            Self::FrameJacobianInWorld => "frame_jacobian_in_world",
             Self::InverseDynamicsDerivatives => "inverse_dynamics_derivatives",
             Self::ForwardDynamicsDerivatives => "forward_dynamics_derivatives",
             Self::InverseDynamicsPullback => "inverse_dynamics_pullback",
@@ -178,6 +214,28 @@ impl NativeFunction {
     }
 }
 
+/// A function of a model, and the frame that it is of, if it is one of [`NativeFunction::OF_FRAMES`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NativeTask {
+    pub(crate) function: NativeFunction,
+    pub(crate) frame: Option<FrameId>,
+}
+
+impl From<NativeFunction> for NativeTask {
+    #[inline(always)]
+    fn from(function: NativeFunction) -> Self {
+        Self { function, frame: None }
+    }
+}
+
+impl NativeFunction {
+    /// This function of a frame.
+    #[inline(always)]
+    pub(crate) fn of_frame(self, frame: FrameId) -> NativeTask {
+        NativeTask { function: self, frame: Some(frame) }
+    }
+}
+
 /// A function of a model as an expression.
 #[cfg(feature = "native")]
 #[derive(Clone, Debug)]
@@ -190,9 +248,10 @@ pub struct NativeTrace {
     pub lengths: Vec<usize>,
 }
 
-/// Returns the expression of a model's function, or the reason why it has none.
+/// Returns the expression of a model's function, or the reason why it has none. The name of a frame belongs to
+/// [`NativeFunction::OF_FRAMES`].
 #[cfg(feature = "native")]
-pub type Tracer = fn(&Model, NativeFunction, Arithmetic) -> Result<NativeTrace, String>;
+pub type Tracer = fn(&Model, NativeFunction, Option<&str>, Arithmetic) -> Result<NativeTrace, String>;
 
 impl Model {
     /// This model with its functions in machine code, made from the tracer's expressions when they are first called. The environment
@@ -200,7 +259,7 @@ impl Model {
     ///
     /// ```
     /// use multibody::{Model, Workspace, mass_matrix, pendulum};
-    /// let model = Model::new(pendulum(2.0, 0.5))?.with_tracer(|_, _, _| Err("not traced".into()));
+    /// let model = Model::new(pendulum(2.0, 0.5))?.with_tracer(|_, _, _, _| Err("not traced".into()));
     /// let mut mass = [0.0];
     /// mass_matrix(&model, &mut Workspace::new(&model), &[0.3], &mut mass); // by the recursion
     /// assert_eq!(mass, [0.5]);
@@ -253,6 +312,6 @@ impl Model {
     /// # Ok::<(), multibody::ModelError>(())
     /// ```
     pub fn native(&self) -> NativeReport {
-        self.native.report()
+        self.native.report(self)
     }
 }

@@ -2,7 +2,7 @@
 
 use dynamics::Scalar;
 
-use crate::model::native::NativeFunction;
+use crate::model::native::NativeTask;
 use crate::{InstructionSet, Model};
 
 #[cfg(feature = "native")]
@@ -17,12 +17,12 @@ pub(crate) use self::absent::{NativeScratch, computed_natively};
 pub(crate) fn native_number<S: Scalar>(
     model: &Model,
     scratch: &mut NativeScratch<S>,
-    function: NativeFunction,
+    task: impl Into<NativeTask>,
     arguments: &[&[S]],
 ) -> Option<S> {
     let mut number = S::zero();
     let result = core::slice::from_mut(&mut number);
-    computed_natively(model, scratch, function, arguments, &mut [result]).then_some(number)
+    computed_natively(model, scratch, task, arguments, &mut [result]).then_some(number)
 }
 
 #[cfg(feature = "native")]
@@ -32,7 +32,7 @@ mod call {
     use native::best_instructions;
     use number::{AsFloat, Form};
 
-    use super::{InstructionSet, Model, NativeFunction, Scalar};
+    use super::{InstructionSet, Model, NativeTask, Scalar};
     use crate::model::native::Number;
 
     /// The memory that machine code works in.
@@ -65,37 +65,38 @@ mod call {
     pub(crate) fn computed_natively<'a, S: Scalar>(
         model: &Model,
         scratch: &'a mut NativeScratch<S>,
-        function: NativeFunction,
+        task: impl Into<NativeTask>,
         arguments: &'a [&'a [S]],
         results: &'a mut [&'a mut [S]],
     ) -> bool {
         if !const { S::IS_FLOAT } || !scratch.is_admitted || model.native.code().is_none() {
             return false;
         }
+        let task = task.into();
         match S::as_float::<Given<'_>>((scratch, arguments, results)) {
-            AsFloat::F64(given) => call_f64(model, function, given),
-            AsFloat::F32(given) => call_f32(model, function, given),
+            AsFloat::F64(given) => call_f64(model, task, given),
+            AsFloat::F32(given) => call_f32(model, task, given),
             AsFloat::Other(_) => false,
         }
     }
 
     type Over<'a, T> = (&'a mut NativeScratch<T>, &'a [&'a [T]], &'a mut [&'a mut [T]]);
 
-    fn call_f64(model: &Model, function: NativeFunction, given: Over<'_, f64>) -> bool {
-        call(model, function, given)
+    fn call_f64(model: &Model, task: NativeTask, given: Over<'_, f64>) -> bool {
+        call(model, task, given)
     }
 
-    fn call_f32(model: &Model, function: NativeFunction, given: Over<'_, f32>) -> bool {
-        call(model, function, given)
+    fn call_f32(model: &Model, task: NativeTask, given: Over<'_, f32>) -> bool {
+        call(model, task, given)
     }
 
     #[inline(always)]
     fn call<T: Number + Scalar>(
         model: &Model,
-        function: NativeFunction,
+        task: NativeTask,
         (scratch, arguments, results): Over<'_, T>,
     ) -> bool {
-        let Some(kernel) = model.native.code().and_then(|code| code.one::<T>(model, function)) else {
+        let Some(kernel) = model.native.code().and_then(|code| code.one::<T>(model, task)) else {
             return false;
         };
         if scratch.numbers.len() < kernel.scratch_len() {
@@ -109,7 +110,7 @@ mod call {
 mod absent {
     use core::marker::PhantomData;
 
-    use super::{InstructionSet, Model, NativeFunction, Scalar};
+    use super::{InstructionSet, Model, NativeTask, Scalar};
 
     #[derive(Clone, Debug)]
     pub(crate) struct NativeScratch<S>(PhantomData<S>);
@@ -124,7 +125,7 @@ mod absent {
     pub(crate) fn computed_natively<S: Scalar>(
         _: &Model,
         _: &mut NativeScratch<S>,
-        _: NativeFunction,
+        _: impl Into<NativeTask>,
         _: &[&[S]],
         _: &mut [&mut [S]],
     ) -> bool {

@@ -1,6 +1,7 @@
 //! Without the feature `native` no model has machine code.
 
 use super::NativeReport;
+use crate::Model;
 
 /// Nothing.
 #[derive(Clone, Debug, Default)]
@@ -10,7 +11,7 @@ pub(crate) struct Native(());
 impl Native {
     pub(super) fn switch(&mut self, _: bool) {}
 
-    pub(super) fn report(&self) -> NativeReport {
+    pub(super) fn report(&self, _: &Model) -> NativeReport {
         NativeReport { reason: Some("the feature `native` is off".into()), functions: Vec::new() }
     }
 }

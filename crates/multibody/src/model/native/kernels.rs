@@ -1,13 +1,16 @@
 //! The machine code of a model's functions, a kernel for each function, number and width.
 
+mod slots;
+
 use std::sync::{Arc, OnceLock};
 
 use expression::Arithmetic;
 use native::{Kernel, Width, best_instructions};
 
+use self::slots::{Slot, Slots};
 use super::report::{NativeCode, NativeReport, NativeUse};
 use super::size::{estimated_operations, most_operations};
-use super::{NativeFunction, Tracer};
+use super::{NativeTask, Tracer};
 use crate::{InstructionSet, Model};
 
 /// The machine code of a model, if it has a tracer.
@@ -26,12 +29,9 @@ pub(crate) struct Code {
 /// The kernels over one number.
 #[derive(Debug)]
 pub(crate) struct Kernels<T> {
-    one: [OnceLock<Slot<T>>; NativeFunction::ALL.len()],
-    rows: [OnceLock<Slot<T>>; NativeFunction::ALL.len()],
+    one: Slots<T>,
+    rows: Slots<T>,
 }
-
-/// A kernel, or why there is none.
-type Slot<T> = Result<Kernel<T>, String>;
 
 /// A number that kernels are of.
 pub(crate) trait Number: native::Float {
@@ -73,7 +73,7 @@ impl Native {
         self.0.as_deref().filter(|code| code.is_on)
     }
 
-    pub(super) fn report(&self) -> NativeReport {
+    pub(super) fn report(&self, model: &Model) -> NativeReport {
         let no_functions = |reason: &str| NativeReport { reason: Some(reason.into()), functions: Vec::new() };
         match self.0.as_deref() {
             None => no_functions("the model has no tracer"),
@@ -83,7 +83,7 @@ impl Native {
                 no_functions("there is no encoder for this processor")
             }
             Some(code) => {
-                let functions = code.uses::<f64>().chain(code.uses::<f32>()).collect();
+                let functions = code.uses::<f64>(model).chain(code.uses::<f32>(model)).collect();
                 NativeReport { reason: None, functions }
             }
         }
@@ -99,32 +99,36 @@ fn is_refused() -> bool {
 impl Code {
     fn new(tracer: Tracer, on: bool) -> Self {
         let is_on = on && !is_refused();
-        Self { tracer, is_on, f64: Kernels::new(), f32: Kernels::new() }
+        let (f64, f32) = (Kernels::new(), Kernels::new());
+        Self { tracer, is_on, f64, f32 }
     }
 
     /// The kernel of this function for one state, compiled at the first call.
     #[inline]
-    pub(crate) fn one<T: Number>(&self, model: &Model, function: NativeFunction) -> Option<&Kernel<T>> {
-        let slot = &T::kernels(self).one[function as usize];
-        slot.get_or_init(|| self.compile(model, function, Width::One)).as_ref().ok()
+    pub(crate) fn one<T: Number>(&self, model: &Model, task: impl Into<NativeTask>) -> Option<&Kernel<T>> {
+        let task = task.into();
+        T::kernels(self).one.kernel(model, task, || self.compile(model, task, Width::One))
     }
 
     /// The same for several states.
     #[cfg(feature = "batch")]
-    pub(crate) fn rows<T: Number>(&self, model: &Model, function: NativeFunction) -> Option<&Kernel<T>> {
-        let slot = &T::kernels(self).rows[function as usize];
-        slot.get_or_init(|| self.compile(model, function, Width::Lanes)).as_ref().ok()
+    pub(crate) fn rows<T: Number>(&self, model: &Model, task: impl Into<NativeTask>) -> Option<&Kernel<T>> {
+        let task = task.into();
+        T::kernels(self).rows.kernel(model, task, || self.compile(model, task, Width::Lanes))
     }
 
     #[cold]
     #[inline(never)]
-    fn compile<T: Number>(&self, model: &Model, function: NativeFunction, width: Width) -> Slot<T> {
-        let (most, about) = (most_operations(function, width), estimated_operations(model, function));
+    fn compile<T: Number>(&self, model: &Model, task: NativeTask, width: Width) -> Slot<T> {
+        let NativeTask { function, frame } = task;
+        let (most, about) = (most_operations(function, width), estimated_operations(model, task));
         if about > most {
             return Err(format!("which needs some {about} operations; machine code pays up to {most}"));
         }
         let arithmetic = Arithmetic::new(T::PRECISION).with_fused();
-        let super::NativeTrace { graph, results, lengths } = (self.tracer)(model, function, arithmetic)?;
+        let frame = frame.map(|frame| model.frame_of(frame).name.as_str());
+        let super::NativeTrace { graph, results, lengths } =
+            (self.tracer)(model, function, frame, arithmetic)?;
         let operations = graph.nodes.len();
         if operations > most {
             return Err(format!("which needs {operations} operations; machine code pays up to {most}"));
@@ -133,25 +137,28 @@ impl Code {
             .map_err(|error| error.to_string())
     }
 
-    fn uses<T: Number>(&self) -> impl Iterator<Item = NativeUse> {
+    fn uses<'a, T: Number>(&'a self, model: &'a Model) -> impl Iterator<Item = NativeUse> + use<'a, T> {
         let Kernels { one, rows } = T::kernels(self);
-        NativeFunction::ALL.into_iter().flat_map(move |function| {
-            let slots = [(&one[function as usize], false), (&rows[function as usize], true)];
-            slots.into_iter().filter_map(move |(slot, is_batch)| {
-                let route = slot.get()?.as_ref().map_err(Clone::clone).map(|kernel| NativeCode {
-                    instructions: kernel.target().instructions,
-                    operations: kernel.statistics().operations,
-                    bytes: kernel.code_len(),
-                });
-                Some(NativeUse { function, number: T::NAME, is_batch, route })
-            })
-        })
+        let of = move |task: NativeTask| {
+            [(one.get(task), false), (rows.get(task), true)].into_iter().filter_map(
+                move |(slot, is_batch)| {
+                    let route = slot?.as_ref().map_err(Clone::clone).map(|kernel| NativeCode {
+                        instructions: kernel.target().instructions,
+                        operations: kernel.statistics().operations,
+                        bytes: kernel.code_len(),
+                    });
+                    let frame = task.frame.map(|frame| model.frame_of(frame).name.clone());
+                    Some(NativeUse { function: task.function, frame, number: T::NAME, is_batch, route })
+                },
+            )
+        };
+        let has_frames = one.has_frames() || rows.has_frames();
+        slots::tasks(model, has_frames).flat_map(of)
     }
 }
 
 impl<T> Kernels<T> {
     fn new() -> Self {
-        let slots = || core::array::from_fn(|_| OnceLock::new());
-        Self { one: slots(), rows: slots() }
+        Self { one: Slots::new(), rows: Slots::new() }
     }
 }

@@ -20,6 +20,8 @@ pub struct NativeReport {
 pub struct NativeUse {
     /// The function.
     pub function: NativeFunction,
+    /// The frame that it is of, for [`NativeFunction::OF_FRAMES`].
+    pub frame: Option<String>,
     /// Its number, `f64` or `f32`.
     pub number: &'static str,
     /// Whether it computes several states at once.
@@ -85,9 +87,13 @@ impl fmt::Display for NativeReport {
 
 impl fmt::Display for NativeUse {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { function, number, is_batch, route } = self;
+        let Self { function, frame, number, is_batch, route } = self;
         let states = if *is_batch { "batches" } else { "one state" };
-        write!(f, "{}, {number}, {states}: ", function.name())?;
+        write!(f, "{}", function.name())?;
+        if let Some(frame) = frame {
+            write!(f, " of `{frame}`")?;
+        }
+        write!(f, ", {number}, {states}: ")?;
         match route {
             Ok(NativeCode { instructions, operations, bytes }) => {
                 write!(f, "machine code for {instructions:?}, {operations} operations, {bytes} bytes")

@@ -3,10 +3,12 @@
 use native::Width;
 
 use crate::model::WORLD;
+use crate::model::native::NativeTask;
 use crate::{Model, NativeFunction};
 
 /// Code of more operations is fetched for longer than it computes: the recursion, whose code stays in the cache, is as fast. Measured on
-/// chains of 8 to 64 links (docs/native-code.md).
+/// chains of 8 to 64 links (docs/native-code.md). Functions of frames and of the centre of mass gain up to 1024 links, which take a tenth of a
+/// second to compile.
 pub(super) fn most_operations(function: NativeFunction, width: Width) -> usize {
     match (function, width) {
         (NativeFunction::CoriolisMatrix, Width::One) => 3_500,
@@ -32,7 +34,11 @@ pub(super) fn most_operations(function: NativeFunction, width: Width) -> usize {
 
 /// About the operations that trees of many links need, counted for each body, each pair of a body and one that carries it, and each
 /// triple of these. Small robots need fewer, and are traced in any case.
-pub(super) fn estimated_operations(model: &Model, function: NativeFunction) -> usize {
+pub(super) fn estimated_operations(model: &Model, NativeTask { function, frame }: NativeTask) -> usize {
+    if let Some(frame) = frame {
+        let of_link = if function == NativeFunction::FramePose { 18 } else { 45 };
+        return of_link * carriers(model, model.frame_of(frame).body);
+    }
     let (bodies, pairs, triples) = counts(model);
     match function {
         NativeFunction::ForwardDynamics
@@ -53,6 +59,12 @@ pub(super) fn estimated_operations(model: &Model, function: NativeFunction) -> u
         NativeFunction::MassMatrixFactor => 40 * bodies + 8 * pairs + triples,
         _ => 50 * bodies,
     }
+}
+
+/// A body and all that carry it.
+fn carriers(model: &Model, body: Option<usize>) -> usize {
+    let next = |&body: &usize| Some(model.bodies[body].parent).filter(|&parent| parent != WORLD);
+    core::iter::successors(body, next).count()
 }
 
 /// Bodies; pairs of a body and one that carries it, itself among them; Σ depth² of the bodies.
