@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use pyo3::prelude::*;
 use robot_dynamics::batch::{BatchOptions, BatchWorkspace};
 use robot_dynamics::dynamics::Dual;
-use robot_dynamics::{LinearizeStepWorkspace, Model, QuantityMemory, SensorMemory, SensorSet, Workspace};
+use robot_dynamics::{FramePose, LinearizeStepWorkspace, Model, SensorMemory, SensorSet, Workspace};
 
 use crate::ffi::Number;
 use crate::threads;
@@ -14,7 +14,7 @@ use crate::threads;
 #[derive(Debug)]
 pub(crate) struct Scratch {
     pub(crate) workspace: Workspace,
-    pub(crate) memory: QuantityMemory,
+    pub(crate) poses: Vec<FramePose>,
     /// Over dual numbers: what is computed by differentiation.
     dual: Option<Box<Workspace<Dual<f64, 1>>>>,
     sensors: Option<Box<SensorMemory>>,
@@ -23,9 +23,10 @@ pub(crate) struct Scratch {
 
 impl Scratch {
     pub(crate) fn new(model: &Model) -> Self {
+        let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
         Self {
             workspace: Workspace::new(model),
-            memory: QuantityMemory::new(model),
+            poses: vec![still; model.frames().len()],
             dual: None,
             sensors: None,
             linearized: None,

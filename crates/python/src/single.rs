@@ -1,7 +1,7 @@
 //! An algorithm on one state.
 
 use pyo3::prelude::*;
-use robot_dynamics::{FrameId, Input, Inputs, Quantity, check_configuration, check_rank};
+use robot_dynamics::{FrameId, FramePose, Input, Inputs, Quantity, check_configuration, check_rank};
 
 use crate::errors::Class;
 use crate::ffi::{self, Array, Number};
@@ -189,21 +189,24 @@ fn poses(
 ) {
     let model = &robot.model;
     if row.results == [Shape::Poses] && frames == robot.frames {
-        let Scratch { workspace, memory, .. } = scratch;
-        Quantity::FramePoses.compute(model, workspace, &Inputs { q, ..Inputs::default() }, memory);
-        let [poses, ..] = memory.results(Quantity::FramePoses);
-        for (matrix, pose) in matrices.chunks_exact_mut(16).zip(poses.chunks_exact(12)) {
-            homogeneous(pose, matrix);
+        let Scratch { workspace, poses, .. } = scratch;
+        robot_dynamics::frame_poses(model, workspace, q, poses);
+        for (matrix, pose) in matrices.chunks_exact_mut(16).zip(poses) {
+            homogeneous_of(pose, matrix);
         }
         return;
     }
     for (matrix, &frame) in matrices.chunks_exact_mut(16).zip(frames) {
-        let pose = robot_dynamics::frame_pose(model, &mut scratch.workspace, q, frame);
-        let mut numbers = [0.0; 12];
-        numbers[..9].copy_from_slice(pose.rotation.as_flattened());
-        numbers[9..].copy_from_slice(&pose.translation);
-        homogeneous(&numbers, matrix);
+        homogeneous_of(&robot_dynamics::frame_pose(model, &mut scratch.workspace, q, frame), matrix);
     }
+}
+
+/// \[R p; 0 1\] by rows.
+fn homogeneous_of(FramePose { rotation, translation }: &FramePose, matrix: &mut [f64]) {
+    for ((to, row), &p) in matrix.chunks_exact_mut(4).zip(rotation).zip(translation) {
+        to.copy_from_slice(&[row[0], row[1], row[2], p]);
+    }
+    matrix[12..].copy_from_slice(&[0.0, 0.0, 0.0, 1.0]);
 }
 
 /// \[R p; 0 1\] by rows, from R by rows and p.
