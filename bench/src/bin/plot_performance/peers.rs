@@ -17,10 +17,10 @@ const fn aim(algorithm: &'static str, label: &'static str, aim: Option<f64>) -> 
 
 /// One state at a time.
 pub(crate) const SINGLE: [Aim; 8] = [
-    aim("inverse_dynamics", "inverse dynamics", Some(4.0)),
-    aim("forward_dynamics", "forward dynamics", Some(3.0)),
-    aim("mass_matrix", "mass matrix", Some(3.0)),
-    aim("coriolis_matrix", "Coriolis matrix", Some(4.0)),
+    aim("inverse_dynamics", "inverse dynamics", Some(7.0)),
+    aim("forward_dynamics", "forward dynamics", Some(6.0)),
+    aim("mass_matrix", "mass matrix", Some(5.0)),
+    aim("coriolis_matrix", "Coriolis matrix", Some(6.0)),
     aim("frame_poses", "poses of all frames", Some(2.5)),
     aim("jacobian", "Jacobian of the tip", Some(2.5)),
     aim("inverse_dynamics_derivatives", "∂τ/∂q, ∂τ/∂v", Some(3.0)),
@@ -29,12 +29,12 @@ pub(crate) const SINGLE: [Aim; 8] = [
 
 /// Batches on one core.
 pub(crate) const BATCH: [Aim; 8] = [
-    aim("inverse_dynamics_batch_f64", "inverse dynamics, f64", Some(16.0)),
-    aim("forward_dynamics_batch_f64", "forward dynamics, f64", Some(12.0)),
-    aim("mass_matrix_batch_f64", "mass matrix, f64", Some(12.0)),
-    aim("inverse_dynamics_batch_f32", "inverse dynamics, f32", Some(28.0)),
-    aim("forward_dynamics_batch_f32", "forward dynamics, f32", Some(22.0)),
-    aim("mass_matrix_batch_f32", "mass matrix, f32", None),
+    aim("inverse_dynamics_batch_f64", "inverse dynamics, f64", Some(27.5)),
+    aim("forward_dynamics_batch_f64", "forward dynamics, f64", Some(22.4)),
+    aim("mass_matrix_batch_f64", "mass matrix, f64", Some(13.0)),
+    aim("inverse_dynamics_batch_f32", "inverse dynamics, f32", Some(55.0)),
+    aim("forward_dynamics_batch_f32", "forward dynamics, f32", Some(44.7)),
+    aim("mass_matrix_batch_f32", "mass matrix, f32", Some(26.0)),
     aim("inverse_dynamics_derivatives_batch_f64", "∂τ/∂q, ∂τ/∂v, f64", None),
     aim("forward_dynamics_derivatives_batch_f64", "∂a/∂q, ∂a/∂v, f64", None),
 ];
@@ -43,7 +43,7 @@ pub(crate) const PEER: &str = "pinocchio native";
 
 pub(crate) fn draw(records: &Records) -> Result<String, Trouble> {
     svg((1320, 560), |canvas| {
-        let left = panel("one state at a time", 210.0, [1.0, 12.0], &[1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0]);
+        let left = panel("one state at a time", 210.0, [1.0, 20.0], &[1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 20.0]);
         let right = panel("batch on one core", 860.0, [2.0, 60.0], &[2.0, 3.0, 5.0, 10.0, 20.0, 30.0, 50.0]);
         rows(canvas, records, &left, &SINGLE)?;
         rows(canvas, records, &right, &BATCH)?;

@@ -6,7 +6,6 @@
 //! way, and a subtree's columns lie side by side: a row of M is six products of a number with a run of numbers.
 //! **(RBDA §6.2)**
 
-mod by_blocks;
 mod in_body_frames;
 
 use dynamics::Scalar;
@@ -146,13 +145,6 @@ impl<S: Scalar> Kernel<OverNumber, S> for CompositeBodies<'_, S> {
             return;
         }
         place_screws(model, tree, q);
-        let is_whole = entries == Entries::All;
-        if M3::<N>::KEEPS_TRANSPOSE && (is_whole || entries == Entries::RelatedAbove) && is_plain(model) {
-            by_blocks::gather_momenta(model, tree);
-            by_blocks::write_matrix(model, tree, mass, is_whole);
-            add_armature(model, mass);
-            return;
-        }
         composites_in_world(model, tree);
         if model.points.carried {
             write_from_point_to_point(model, tree, mass);

@@ -9,7 +9,7 @@ use number::{AsFloat, Float, Form};
 use crate::scratch::branch_block::BranchBlock;
 use crate::scratch::compiled_once::OverNumber;
 use crate::scratch::derivatives::Scratch;
-use crate::scratch::momentum_block::{MomentumBlock, WIDTH as BLOCK_WIDTH, momentum_blocks};
+use crate::scratch::momentum_block::momentum_blocks;
 use crate::scratch::native::NativeScratch;
 use crate::scratch::pullback;
 use crate::spatial::algebra::{M3, Sym3, V3};
@@ -102,8 +102,7 @@ pub(crate) struct Inertias<S: Scalar> {
 pub(crate) struct Blocks<S> {
     /// A 6×freedoms matrix by rows.
     pub(crate) rows: Vec<S>,
-    /// The same by blocks of columns.
-    pub(crate) momentum_block: Vec<MomentumBlock<S>>,
+    /// Momenta and their rates by blocks of columns, for C.
     pub(crate) branch_block: Vec<BranchBlock<S>>,
 }
 
@@ -206,7 +205,6 @@ impl<S: Scalar> TreeMemory<S> {
             },
             blocks: Blocks {
                 rows: filled(zero, 6 * dofs),
-                momentum_block: filled([[zero; BLOCK_WIDTH]; 6], momentum_blocks(dofs)),
                 branch_block: filled(BranchBlock::zero(), momentum_blocks(dofs)),
             },
             derivatives: Scratch::new(model, carrier),
