@@ -1,6 +1,7 @@
 //! `dynamics inspect`: what a robot file holds.
 
 mod beside;
+mod machine_code;
 mod simulation;
 
 use std::collections::HashMap;
@@ -10,6 +11,7 @@ use std::process::ExitCode;
 use multibody::text::one_line;
 use multibody::{JointDescription, LinkDescription, LoadReport, Model, Treatment};
 
+pub(crate) use self::machine_code::MachineCode;
 pub(crate) use self::simulation::DefaultSimulation;
 use crate::failure::{Failure, Outcome};
 use crate::inspection::Inspection;
@@ -51,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         if let Some(text) = singular.text() {
             print(&format!("\nMass matrix: {}\n", one_line(&text)))?;
         }
-        print(&format!("\n{}", simulation.text()))?;
+        print(&format!("\n{}\n{}", simulation.text(), MachineCode::of(&model).text()))?;
         print_load_report(&report, arguments.all)?;
     }
     Ok(ExitCode::SUCCESS)

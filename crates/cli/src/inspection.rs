@@ -6,7 +6,7 @@ use multibody::{
 };
 use serde::Serialize;
 
-use crate::inspect::DefaultSimulation;
+use crate::inspect::{DefaultSimulation, MachineCode};
 use crate::singular_poses::{Json, SingularPoses};
 
 #[derive(Serialize)]
@@ -27,6 +27,7 @@ pub(crate) struct Inspection<'a> {
     shapes: &'a [LinkShape],
     singular_mass: Json<'a>,
     simulation: &'a DefaultSimulation,
+    machine_code: MachineCode,
     report: &'a LoadReport,
 }
 
@@ -104,6 +105,7 @@ impl<'a> Inspection<'a> {
             shapes: &description.shapes,
             singular_mass: singular.json(),
             simulation,
+            machine_code: MachineCode::of(model),
             report,
         }
     }

@@ -43,7 +43,8 @@ pub(crate) const PEER: &str = "pinocchio native";
 
 pub(crate) fn draw(records: &Records) -> Result<String, Trouble> {
     svg((1320, 560), |canvas| {
-        let left = panel("one state at a time", 210.0, [1.0, 20.0], &[1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 20.0]);
+        let left =
+            panel("one state at a time", 210.0, [1.0, 20.0], &[1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 20.0]);
         let right = panel("batch on one core", 860.0, [2.0, 60.0], &[2.0, 3.0, 5.0, 10.0, 20.0, 30.0, 50.0]);
         rows(canvas, records, &left, &SINGLE)?;
         rows(canvas, records, &right, &BATCH)?;

@@ -42,6 +42,23 @@ fn inspection_and_computation_of_an_mjcf_robot() {
     assert!((numbers(&printed["bias"])[2] - weight).abs() < 1e-12 * weight);
 }
 
+/// Machine code or the recursions, as the environment asks.
+#[test]
+fn inspect_tells_whether_machine_code_computes() {
+    let folder = Folder::new("machine_code");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
+    let inspect = |arguments: &[&str]| {
+        let ran = folder.command(arguments).env("ROBOT_DYNAMICS_NATIVE", "0").output().unwrap();
+        String::from_utf8(ran.stdout).unwrap()
+    };
+    let text = inspect(&["inspect", file]);
+    assert!(text.contains("\nFunctions: recursions alone: ROBOT_DYNAMICS_NATIVE=0\n"), "{text}");
+    let off = &lines(&inspect(&["inspect", file, "--json"]))[0]["machine_code"];
+    assert_eq!(off, &json!({"instructions": null, "reason": "ROBOT_DYNAMICS_NATIVE=0"}));
+    let on = &lines(&folder.output(&["inspect", file, "--json"], ""))[0]["machine_code"];
+    assert_ne!(on["instructions"].is_null(), on["reason"].is_null(), "{on}");
+}
+
 /// Sensors, and what the default simulation leaves out: ellipsoids touch the ground, and not each other.
 #[test]
 fn inspection_tells_sensors_and_what_a_simulation_leaves_out() {
