@@ -2,9 +2,11 @@
 
 use expression::{Arithmetic, Traced};
 use multibody::{
-    InstructionSet, Model, NativeFunction, NativeTrace, Workspace, inverse_pivots, kinetic_energy,
-    potential_energy,
+    InstructionSet, Model, NativeFunction, NativeTrace, Workspace, centroidal_momentum_matrix,
+    gravity_derivative, inverse_pivots, kinetic_energy, potential_energy,
 };
+
+use number::Scalar;
 
 use crate::{Function, FunctionError};
 
@@ -50,6 +52,22 @@ fn trace(
                 .ok_or("it is no tree: M has no pivots of joints")?;
             return Ok(trace_call(arithmetic, vec![model.nq()], |arguments| {
                 vec![inverse_pivots(&model, &arguments[0]).unwrap_or_default()]
+            }));
+        }
+        NativeFunction::CentroidalMomentumMatrix => {
+            let model = model.with_right_angles();
+            return Ok(trace_call(arithmetic, vec![model.nq()], |arguments| {
+                let mut matrix = vec![Traced::zero(); 6 * model.nv()];
+                centroidal_momentum_matrix(&model, &mut memory(&model), &arguments[0], &mut matrix);
+                vec![matrix]
+            }));
+        }
+        NativeFunction::GravityDerivative => {
+            let model = Function::Gravity.traced_model(model);
+            return Ok(trace_call(arithmetic, vec![model.nq()], |arguments| {
+                let mut hessian = vec![Traced::zero(); model.nv() * model.nv()];
+                gravity_derivative(&model, &mut memory(&model), &arguments[0], &mut hessian);
+                vec![hessian]
             }));
         }
         _ => {}

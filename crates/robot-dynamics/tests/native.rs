@@ -15,6 +15,7 @@ use robot_dynamics::{FrameDescription, FrameId, FramePose, Pose, center_of_mass,
 use robot_dynamics::{LinearizeStepWorkspace, StepForces, linearize_step};
 use robot_dynamics::{StepPullbackWorkspace, step_pullback};
 use robot_dynamics::{bias, coriolis_matrix, forward_dynamics, gravity, inverse_dynamics, mass_matrix};
+use robot_dynamics::{centroidal_momentum_matrix, gravity_derivative};
 use robot_dynamics::{
     forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
     inverse_dynamics_pullback_with_parameters, mass_matrix_factor, parameter_count,
@@ -46,7 +47,9 @@ fn compute(model: &Model, RandomState { q, v, a, tau }: &RandomState) -> Results
     plain.push(vec![potential_energy(model, w, q)]);
     let [mut x, mut y, mut z] = [(); 3].map(|()| vector.clone());
     inverse_dynamics_pullback(model, w, q, v, a, tau, &mut x, &mut y, &mut z);
-    plain.extend([x, y, z]);
+    plain.extend([x, y, z, vec![0.0; 6 * nv], matrix.clone()]);
+    centroidal_momentum_matrix(model, w, q, &mut plain[12]);
+    gravity_derivative(model, w, q, &mut plain[13]);
     let mut inverting = vec![vector, matrix.clone(), matrix];
     forward_dynamics(model, w, q, v, tau, &mut inverting[0]);
     inverse_mass_matrix(model, w, q, &mut inverting[1]);
@@ -119,7 +122,8 @@ fn machine_code_has_the_numbers_of_the_recursions() {
             let weight = largest(&state.tau);
             let (by_q, by_v) = (weight * force, weight * rate);
             for (index, (found, expected)) in found.plain.iter().zip(&expected.plain).enumerate() {
-                let scale = [0.0, 0.0, 0.0, force, 0.0, 0.0, rate, 0.0, force, by_q, by_v, 0.0][index];
+                let scale =
+                    [0.0, 0.0, 0.0, force, 0.0, 0.0, rate, 0.0, force, by_q, by_v, 0.0, 0.0, force][index];
                 let off = difference(found, expected, scale);
                 assert!(off < PLAIN, "{name}, function {index}: {off:e}");
             }

@@ -67,7 +67,7 @@ pub fn center_of_mass<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
 
 /// Whether machine code has computed what is divided by the mass. A robot without any keeps the recursion, whose numbers are not finite.
 #[inline]
-fn computed_by_mass<S: Scalar>(
+pub(crate) fn computed_by_mass<S: Scalar>(
     model: &Model,
     native: &mut NativeScratch<S>,
     function: NativeFunction,

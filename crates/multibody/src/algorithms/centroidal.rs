@@ -6,10 +6,11 @@
 
 use dynamics::Scalar;
 
-use crate::algorithms::center_of_mass::{center, whole_momentum, whole_momentum_rate};
+use crate::algorithms::center_of_mass::{center, computed_by_mass, whole_momentum, whole_momentum_rate};
 use crate::algorithms::jacobian::add_column;
 use crate::model::WORLD;
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
 use crate::model::reference_point::only_slides;
 use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::V3;
@@ -90,6 +91,10 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
 ) {
     workspace.admit(model, q);
     check_length("the centroidal momentum matrix", matrix.len(), 6 * model.nv);
+    let native = &mut workspace.tree.native;
+    if computed_by_mass(model, native, NativeFunction::CentroidalMomentumMatrix, q, matrix) {
+        return;
+    }
     place_screws(model, &mut workspace.tree, q);
     composites_in_world(model, &mut workspace.tree);
     if model.points.several {

@@ -3,6 +3,8 @@
 use dynamics::Scalar;
 
 use crate::model::length::check_length;
+use crate::model::native::NativeFunction;
+use crate::scratch::native::computed_natively;
 use crate::spatial::algebra::V3;
 use crate::stages::screws::{composites_in_world, place_screws};
 use crate::{Model, Workspace};
@@ -37,6 +39,10 @@ pub fn gravity_derivative<S: Scalar>(
     workspace.admit(model, q);
     let nv = model.nv;
     check_length("the derivative of gravity", hessian.len(), nv * nv);
+    let native = &mut workspace.tree.native;
+    if computed_natively(model, native, NativeFunction::GravityDerivative, &[q], &mut [&mut *hessian]) {
+        return;
+    }
     place_screws(model, &mut workspace.tree, q);
     composites_in_world(model, &mut workspace.tree);
     hessian.fill(S::zero());

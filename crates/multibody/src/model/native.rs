@@ -60,6 +60,10 @@ pub enum NativeFunction {
     CenterOfMass,
     /// J with ċ = J v.
     CenterOfMassJacobian,
+    /// A_G with h_G = A_G v.
+    CentroidalMomentumMatrix,
+    /// ∂g/∂q.
+    GravityDerivative,
     /// `world_from_frame` of all frames, in batches alone.
     FramePoses,
     /// `world_from_frame` of a frame.
@@ -100,7 +104,7 @@ pub enum NativeFunction {
 
 impl NativeFunction {
     /// All of them.
-    pub const ALL: [Self; 34] = [
+    pub const ALL: [Self; 36] = [
         Self::InverseDynamics,
         Self::Bias,
         Self::Gravity,
@@ -117,6 +121,8 @@ impl NativeFunction {
         Self::InversePivots,
         Self::CenterOfMass,
         Self::CenterOfMassJacobian,
+        Self::CentroidalMomentumMatrix,
+        Self::GravityDerivative,
         Self::FramePoses,
         Self::FramePose,
         Self::FrameJacobianWorldAligned,
@@ -168,6 +174,8 @@ impl NativeFunction {
             Self::InversePivots => "inverse_pivots",
             Self::CenterOfMass => "center_of_mass",
             Self::CenterOfMassJacobian => "center_of_mass_jacobian",
+            Self::CentroidalMomentumMatrix => "centroidal_momentum_matrix",
+            Self::GravityDerivative => "gravity_derivative",
             Self::FramePoses => "frame_poses",
             Self::FramePose => "frame_pose",
             Self::FrameJacobianWorldAligned => "frame_jacobian_world_aligned",

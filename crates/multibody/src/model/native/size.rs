@@ -57,6 +57,8 @@ pub(super) fn estimated_operations(model: &Model, NativeTask { function, frame }
         | NativeFunction::ConservativeSemiImplicitEulerStepPullback => 350 * bodies,
         NativeFunction::Rk4StepPullback | NativeFunction::ConservativeRk4StepPullback => 1400 * bodies,
         NativeFunction::MassMatrixFactor => 40 * bodies + 8 * pairs + triples,
+        NativeFunction::CentroidalMomentumMatrix => 100 * bodies,
+        NativeFunction::GravityDerivative => 30 * bodies + 2 * pairs,
         _ => 50 * bodies,
     }
 }
