@@ -21,7 +21,7 @@ use native::{Code, Float, Kernel, Target, Width, best_instructions};
 const ROBOTS: [&str; 5] = ["two_r", "ur5", "panda", "humanoid", "talos"];
 const STATES: usize = 1024;
 const ROUNDS: usize = 15;
-/// The length of a step [s].
+/// The length of a step \[s\].
 const STEP: f64 = 1e-3;
 
 /// The functions that are measured.
