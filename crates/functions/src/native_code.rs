@@ -48,27 +48,19 @@ fn trace(
         }
         NativeFunction::InversePivots => {
             let model = Function::ForwardDynamics.traced_model(model);
-            inverse_pivots(&model, &vec![0.0; model.nq()])
-                .ok_or("it is no tree: M has no pivots of joints")?;
-            return Ok(trace_call(arithmetic, vec![model.nq()], |arguments| {
-                vec![inverse_pivots(&model, &arguments[0]).unwrap_or_default()]
-            }));
+            let traced = trace_call(arithmetic, vec![model.nq()], |arguments| {
+                inverse_pivots(&model, &arguments[0]).into_iter().collect()
+            });
+            let has_pivots = !traced.results.is_empty();
+            return has_pivots.then_some(traced).ok_or("it is no tree: M has no pivots of joints".into());
         }
         NativeFunction::CentroidalMomentumMatrix => {
             let model = model.with_right_angles();
-            return Ok(trace_call(arithmetic, vec![model.nq()], |arguments| {
-                let mut matrix = vec![Traced::zero(); 6 * model.nv()];
-                centroidal_momentum_matrix(&model, &mut memory(&model), &arguments[0], &mut matrix);
-                vec![matrix]
-            }));
+            return Ok(trace_matrix(arithmetic, &model, 6, centroidal_momentum_matrix));
         }
         NativeFunction::GravityDerivative => {
             let model = Function::Gravity.traced_model(model);
-            return Ok(trace_call(arithmetic, vec![model.nq()], |arguments| {
-                let mut hessian = vec![Traced::zero(); model.nv() * model.nv()];
-                gravity_derivative(&model, &mut memory(&model), &arguments[0], &mut hessian);
-                vec![hessian]
-            }));
+            return Ok(trace_matrix(arithmetic, &model, model.nv(), gravity_derivative));
         }
         _ => {}
     }
@@ -111,6 +103,20 @@ fn trace_call(
 ) -> NativeTrace {
     let (graph, results) = expression::trace(arithmetic, &lengths, compute);
     NativeTrace { graph, results, lengths }
+}
+
+/// The expression of a matrix of so many rows of nv numbers that depends on q.
+fn trace_matrix(
+    arithmetic: Arithmetic,
+    model: &Model,
+    rows: usize,
+    compute: fn(&Model, &mut Workspace<Traced>, &[Traced], &mut [Traced]),
+) -> NativeTrace {
+    trace_call(arithmetic, vec![model.nq()], |arguments| {
+        let mut matrix = vec![Traced::zero(); rows * model.nv()];
+        compute(model, &mut memory(model), &arguments[0], &mut matrix);
+        vec![matrix]
+    })
 }
 
 fn memory(model: &Model) -> Workspace<Traced> {

@@ -18,7 +18,7 @@ use crate::simulator::{Simulation, StepFailure};
 pub(super) const SIDE_BY_SIDE: usize = 16;
 
 /// Steps of up to [`SIDE_BY_SIDE`] simulations, of which the first `states` stand in the tables.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct StepKernels {
     model: Arc<Model>,
     function: NativeFunction,
@@ -43,7 +43,7 @@ pub(super) struct StepKernels {
 /// A step that was taken.
 #[derive(Clone, Copy, Debug)]
 struct TakenStep<'a> {
-    /// Whether an angle is beyond the range of the code's sine: then there is no end.
+    /// Whether an angle is beyond the range of the code's sine. The end is invalid then.
     is_far: bool,
     /// Whether M is regular where the step starts, beyond doubt: the single steps' own test would find the same.
     is_regular: bool,
@@ -55,11 +55,11 @@ struct TakenStep<'a> {
 
 /// One for each thread, where machine code takes the steps of a simulation.
 pub(super) fn kernels_for(simulation: Option<&Simulation>, threads: &Threads) -> Vec<Mutex<StepKernels>> {
-    let made = |simulation: &Simulation| {
+    let made = simulation.and_then(|simulation| {
         let (row, dissipation, _) = simulation.explicit_row()?;
         StepKernels::new(simulation.shared_model(), row, dissipation)
-    };
-    (0..threads.count()).map_while(|_| simulation.and_then(made)).map(Mutex::new).collect()
+    });
+    made.map_or_else(Vec::new, |made| (0..threads.count()).map(|_| Mutex::new(made.clone())).collect())
 }
 
 impl StepKernels {
