@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
     /// Language and caller.
     #[arg(long, value_parser = target_parser())]
     target: String,
-    /// What to generate; of frames and links frame_pose:NAME, frame_jacobian_world_aligned:NAME, frame_jacobian_in_frame:NAME,
+    /// The functions to generate; of frames and links frame_pose:NAME, frame_jacobian_world_aligned:NAME, frame_jacobian_in_frame:NAME,
     /// frame_jacobian_in_world:NAME; of each of these its slopes, NAME_derivatives and NAME_pullback.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = parse_function)]
     #[arg(default_values = ["inverse_dynamics", "forward_dynamics", "mass_matrix"])]

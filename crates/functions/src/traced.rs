@@ -22,7 +22,7 @@ pub struct TracedFunction {
     pub results: Vec<Vec<Operand>>,
     /// The order of its operations.
     pub plan: Plan,
-    /// Of a pullback through the graph: the results of the function that is pulled back, whose operations the graph has as well.
+    /// The results of the function that is pulled back, for a pullback through the graph, which has their operations as well; else nothing.
     pub primal: Vec<Vec<Operand>>,
     arithmetic: Arithmetic,
     /// The function without its slopes, and the robot that is traced.

@@ -28,7 +28,7 @@ fn load_and_drop() -> usize {
 /// Ten thousand models whose kernels stayed would have 80 MB of pages alone.
 #[test]
 fn dropped_models_leave_no_memory() {
-    // What the allocator keeps for later is there after the first ones.
+    // After the first ones the allocator has the memory that it keeps for later.
     let compiled: usize = (0..1000).map(|_| load_and_drop()).sum();
     let before = resident_bytes();
     (0..10_000).for_each(|_| assert_eq!(load_and_drop(), compiled / 1000));

@@ -27,7 +27,7 @@ impl<T> Operation<T> for Poses<'_> {
         NUMBERS_PER_POSE * self.frames.len()
     }
 
-    /// Of one frame, or of all in their order; other lists are placed together.
+    /// One frame, and all frames in their order, may have machine code; other lists have none.
     fn native_task(self, model: &Model) -> Option<NativeTask> {
         if let [frame] = *self.frames {
             return Some(NativeFunction::FramePose.of_frame(frame));

@@ -161,7 +161,7 @@ pub(super) fn compute<T: BatchFloat + Number, const FORWARD: bool>(
     bad.into_result(batch)
 }
 
-/// The pullbacks by machine code, without cotangents of parameters; the results back where there is none.
+/// Computes the pullbacks by machine code, without cotangents of parameters. Returns the results where there is no code.
 fn pull_natively<'a, T: BatchFloat + Number, const FORWARD: bool>(
     model: &Model,
     workspace: &BatchWorkspace<T>,

@@ -109,7 +109,7 @@ struct Shared<'a> {
 }
 
 impl<'a> Shared<'a> {
-    /// Of one step of one state, whose progress nothing watches.
+    /// For one step of one state. Nobody counts its progress.
     #[cfg(feature = "native")]
     fn of_one_step(progress: &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync)) -> Self {
         Self { progress, done: AtomicU64::new(0), total: 1, cancelled: AtomicBool::new(false) }

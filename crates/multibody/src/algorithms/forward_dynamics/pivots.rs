@@ -1,4 +1,4 @@
-//! What the articulated-body algorithm divides by.
+//! The pivots of the articulated-body algorithm.
 
 use dynamics::Scalar;
 

@@ -8,7 +8,7 @@ use crate::simulator::{Simulation, StepFailure};
 
 pub(super) const SIDE_BY_SIDE: usize = 1;
 
-/// There are none.
+/// The type of steps by machine code; it has no values.
 #[derive(Debug)]
 pub(super) enum StepKernels {}
 

@@ -8,7 +8,7 @@ use native::Kernel;
 use crate::model::native::{NativeFunction, NativeTask};
 use crate::{FrameId, Model};
 
-/// A kernel, or why there is none.
+/// A kernel, or the reason why the function has no code.
 pub(super) type Slot<T> = Result<Kernel<T>, String>;
 
 /// Kernels of one frame that a model keeps at most for each number and width, as each takes a page of memory or more.
