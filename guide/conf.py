@@ -1,4 +1,4 @@
-"""How the guide becomes a site: settings of Sphinx. `cargo xtask site` runs it, on pages that it has prepared."""
+"""Sphinx settings of the guide. `cargo xtask site` prepares the pages and runs Sphinx."""
 
 import __future__
 import importlib.util
@@ -20,11 +20,11 @@ exclude_patterns = ["files"]
 myst_enable_extensions = ["colon_fence"]
 myst_heading_anchors = 4
 myst_links_external_new_tab = False
-# Documents of the repository are pages here, too: they may begin where they like, and need no place in the contents.
+# Documents of the repository are pages too. They may start at any heading level.
 suppress_warnings = ["myst.header", "misc.highlighting_failure"]
 highlight_language = "text"
 
-# How they look. Nothing is fetched from outside: no fonts, no scripts.
+# Appearance. The pages load no external fonts or scripts.
 html_theme = "furo"
 html_title = "Robot dynamics"
 html_static_path = ["static"]
@@ -38,7 +38,7 @@ html_theme_options = {"navigation_with_keys": True}
 pygments_style = "friendly"
 pygments_dark_style = "github-dark"
 
-# The Python reference, of the package's sources and the stubs of its compiled half: nothing has to be compiled for it.
+# The Python reference, from the package's sources and the stubs of its compiled part, so nothing is compiled.
 default_role = "py:obj"
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
@@ -51,14 +51,14 @@ toc_object_entries_show_parents = "hide"
 
 
 def _load_stubs() -> None:
-    """Puts the stubs in the place of the compiled module: they have its names, signatures and docstrings."""
+    """Installs the stubs in place of the compiled module; they have its names, signatures and docstrings."""
     name, path = "robot_dynamics._native", ROOT / "python" / "robot_dynamics" / "_native.pyi"
     loader = SourceFileLoader(name, str(path))
     module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
     source = path.read_text(encoding="utf-8")
-    # The last of a name's overloads has the docstring; `typing.overload` would forget it.
+    # The last overload of a name has the docstring, which `typing.overload` would discard.
     source = source.replace("    @overload\n", "")
-    # Only annotations need these, which are not evaluated here; they would import the package, which is not there yet.
+    # Only annotations need these imports. They are not evaluated, and the package is not importable yet.
     source = "".join(line for line in source.splitlines(True) if not line.startswith("from robot_dynamics."))
     module.__version__ = ""
     sys.modules[name] = module
@@ -70,7 +70,10 @@ _load_stubs()
 
 
 def _as_plain_words(app, what, name, obj, options, lines) -> None:
-    """Docstrings are plain words with `names` in back quotes: |x| and q* are mathematics there and no markup, and what is set in is code."""
+    """Converts docstrings, plain text with `names` in back quotes, to reStructuredText.
+
+    In them |x| and q* are mathematics instead of markup, and indented lines are code.
+    """
     plain, in_session, in_code = [], False, False
     for line in lines:
         in_session = line.lstrip().startswith(">>>") or (in_session and line.strip() != "")
@@ -87,5 +90,5 @@ def _as_plain_words(app, what, name, obj, options, lines) -> None:
 
 
 def setup(app) -> None:
-    """Called by Sphinx."""
+    """Sphinx calls this."""
     app.connect("autodoc-process-docstring", _as_plain_words)

@@ -2,25 +2,27 @@
 
 use std::hint::black_box;
 
-use dynamics::Scalar;
-use multibody::batch::{BatchFloat, BatchOptions, BatchWorkspace};
-use multibody::{Inputs, Model, Quantity};
+use robot_dynamics::batch::BatchQuantity;
+use robot_dynamics::batch::{BatchFloat, BatchOptions, BatchWorkspace};
+use robot_dynamics::model::Model;
+use robot_dynamics::quantity::{Inputs, Quantity};
+use robot_dynamics_number::Scalar;
 
 use crate::{StateTable, named};
 
-/// A batch to be measured: `NAME_batch_f64`, `NAME_batch_f32`, or with `_threads_N` at the end.
+/// The name of a batch: `NAME_batch_f64`, `NAME_batch_f32`, optionally with the suffix `_threads_N`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BatchName {
-    /// What is computed.
+    /// The algorithm.
     pub algorithm: Quantity,
     /// f32 instead of f64.
     pub single: bool,
-    /// How many threads, where the name says so; one otherwise.
+    /// Number of threads, one by default.
     pub threads: Option<usize>,
 }
 
 impl BatchName {
-    /// The batch of that name.
+    /// Parses a name.
     pub fn parse(name: &str) -> Option<Self> {
         let (algorithm, rest) = name.split_once("_batch_")?;
         let algorithm = named(algorithm)?;
@@ -36,7 +38,7 @@ impl BatchName {
         algorithm.has_batch().then_some(Self { algorithm, single, threads })
     }
 
-    /// How often the states stand in the batch: several threads need more work than one.
+    /// Number of copies of the states in the batch, since several threads need more work than one.
     pub fn repetitions(self) -> usize {
         if self.threads.is_some() { 8 } else { 1 }
     }
@@ -51,16 +53,16 @@ pub struct BatchTask<'a, T: BatchFloat> {
     v: Vec<T>,
     a: Vec<T>,
     tau: Vec<T>,
-    /// The tables of results, and the numbers of one state in each of those that are compared.
+    /// The tables of results, and the number of compared values per state in each.
     results: [Vec<T>; 3],
     widths: [usize; 2],
 }
 
 impl<'a, T: BatchFloat + Into<f64>> BatchTask<'a, T> {
-    /// All states of a table, `repetitions` times.
+    /// A table with `repetitions` copies of all states.
     ///
     /// # Panics
-    /// If the threads cannot be started.
+    /// Panics if the threads cannot be started.
     pub fn new(model: &'a Model, states: &StateTable, repetitions: usize, options: BatchOptions) -> Self {
         let workspace = BatchWorkspace::with_options(model, options).expect("threads");
         let [q, v, a, tau] = [0, 1, 2, 3].map(|k| {
@@ -73,7 +75,7 @@ impl<'a, T: BatchFloat + Into<f64>> BatchTask<'a, T> {
     /// Computes all states.
     ///
     /// # Panics
-    /// If a state has no result, or there are no batches of the algorithm.
+    /// Panics if a state has no result, or the algorithm has no batch function.
     pub fn call(&mut self, algorithm: Quantity) {
         let Self { model, workspace: w, q, v, a, tau, results: [x, y, z], widths } = self;
         let batch = q.len() / model.nq();
@@ -81,7 +83,7 @@ impl<'a, T: BatchFloat + Into<f64>> BatchTask<'a, T> {
         for (length, result) in lengths.iter_mut().zip(algorithm.results()) {
             *length = result.shape.len(model, 0);
         }
-        // The third, M⁻¹, is not compared.
+        // The third result, M⁻¹, is not compared.
         *widths = [lengths[0], lengths[1]];
         for (table, width) in [&mut *x, &mut *y, &mut *z].into_iter().zip(lengths) {
             table.resize(batch * width, T::zero());
@@ -92,12 +94,12 @@ impl<'a, T: BatchFloat + Into<f64>> BatchTask<'a, T> {
         computed.expect("batches of the algorithm").expect("every state has a result");
     }
 
-    /// States of the batch.
+    /// Number of states in the batch.
     pub fn count(&self) -> usize {
         self.q.len() / self.model.nq()
     }
 
-    /// The numbers of the last call, one state after the other.
+    /// The results of the last call, one state after the other.
     pub fn result(&self) -> impl Iterator<Item = f64> {
         let ([x, y, _], [width_x, width_y]) = (&self.results, self.widths);
         (0..self.count()).flat_map(move |i| {
@@ -129,7 +131,8 @@ mod tests {
         }
     }
 
-    /// The batch holds its states in their order: each result is the single state's to some thousand roundings.
+    /// The batch has the states in order, and each result agrees with the single state's to some thousand
+    /// roundings.
     #[test]
     fn a_batch_has_the_single_states() {
         let model = robot_by_name("ur5").expect("ur5");

@@ -1,13 +1,14 @@
-//! Chains of any length, to see how the cost of an algorithm grows.
+//! Chains of any length, for the growth of costs.
 
-use dynamics::MassProperties;
-use multibody::{JointDescription, JointKind, LinkDescription, Pose, RobotDescription};
 use nalgebra::{Matrix3, Vector3};
+use robot_dynamics::description::{
+    JointDescription, JointKind, LinkDescription, MassProperties, Pose, RobotDescription,
+};
 
-/// A chain of equal thin rods, 0.2 m and 0.5 kg each, whose joints turn about z and y in turns.
+/// A chain of equal thin rods of 0.2 m and 0.5 kg, with joints about z and y alternately.
 ///
 /// # Panics
-/// If the rods' mass properties were refused: they are constants.
+/// Panics if the rods' mass properties are invalid, which they are not.
 pub fn chain(links: usize) -> RobotDescription {
     let (length, mass, radius) = (0.2, 0.5, 0.02);
     let across = mass * (length * length / 12.0 + radius * radius / 4.0);

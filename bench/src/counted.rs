@@ -1,49 +1,49 @@
-//! A number that counts the arithmetic that is done with it.
+//! A scalar type that counts arithmetic operations.
 //!
-//! Run through the recursions it tells how many operations they do for a robot, and how many of those a program
-//! written for that robot alone would be left with: where an operand is a known constant, an operation with 0 or 1
-//! needs not be done, and one of two constants can be done beforehand.
+//! In the recursions it counts their operations for a robot, and those of a program for that robot alone.
+//! Such a program omits an operation on a known constant 0 or 1, and computes one of two constants in
+//! advance.
 
 use core::cell::Cell;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use dynamics::Scalar;
+use robot_dynamics_number::Scalar;
 
-/// Operations; changes of sign are not among them.
+/// Numbers of operations; sign changes do not count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// a + b and a − b.
     pub additions: u64,
     /// a b.
     pub multiplications: u64,
-    /// a b + c in one.
+    /// a b + c as one operation.
     pub fused: u64,
     /// a / b.
     pub divisions: u64,
     /// √a.
     pub roots: u64,
-    /// sin a and cos a together.
+    /// sin a and cos a as one operation.
     pub sines: u64,
 }
 
 impl Counts {
-    /// Additions and multiplications, a fused one being both; divisions count as one.
+    /// Additions and multiplications, where a fused one counts twice; divisions count as one.
     pub fn arithmetic(&self) -> u64 {
         self.additions + self.multiplications + 2 * self.fused + self.divisions + self.roots
     }
 
-    /// Instructions of a machine that has the fused one.
+    /// Instructions of a machine with fused multiply-add.
     pub fn instructions(&self) -> u64 {
         self.additions + self.multiplications + self.fused + self.divisions + self.roots
     }
 }
 
-/// What was done, and what a program for one robot would be left with.
+/// The counts of the recursions, and of a program for one robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Every operation.
     pub done: Counts,
-    /// Those that no known constant saves.
+    /// Operations that no known constant saves.
     pub left: Counts,
 }
 
@@ -51,19 +51,19 @@ thread_local! {
     static TALLY: Cell<Tally> = Cell::new(Tally::default());
 }
 
-/// What this thread's [`Counted`] numbers did during the call.
+/// The operations of this thread's [`Counted`] numbers during the call.
 pub fn tally(call: impl FnOnce()) -> Tally {
     TALLY.set(Tally::default());
     call();
     TALLY.get()
 }
 
-/// A number of which only is known whether it is a constant of the robot.
+/// A number known only as a constant of the robot or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Counted(Option<f64>);
 
 impl Counted {
-    /// A number of the state, unknown before it is computed with.
+    /// A number of the state, unknown in advance.
     pub const UNKNOWN: Self = Self(None);
 
     fn is(self, x: f64) -> bool {
@@ -88,7 +88,7 @@ fn leave(left: impl FnOnce(&mut Counts)) -> Counted {
     Counted::UNKNOWN
 }
 
-/// a + b of a program for one robot.
+/// a + b in a program for one robot.
 fn sum(a: Counted, b: Counted) -> Counted {
     match (a.0, b.0) {
         (Some(a), Some(b)) => Counted(Some(a + b)),
@@ -98,7 +98,7 @@ fn sum(a: Counted, b: Counted) -> Counted {
     }
 }
 
-/// a b of a program for one robot.
+/// a b in a program for one robot.
 fn product(a: Counted, b: Counted) -> Counted {
     match (a.0, b.0) {
         (Some(a), Some(b)) => Counted(Some(a * b)),
@@ -140,7 +140,7 @@ impl Div for Counted {
         match (self.0, other.0) {
             (Some(a), Some(b)) => Self(Some(a / b)),
             (Some(0.0), None) => self,
-            // A constant's inverse is a constant.
+            // The inverse of a constant is a constant.
             (None, Some(b)) => product(self, Self(Some(1.0 / b))),
             _ => leave(|left| left.divisions += 1),
         }
@@ -224,7 +224,7 @@ mod tests {
         Counted::from_f64(x)
     }
 
-    /// Operations that constants save are done, but not left.
+    /// Constants save operations of the program, but not of the recursions.
     #[test]
     fn constants_save_operations() {
         let cases: [Case; 9] = [
@@ -248,7 +248,7 @@ mod tests {
         assert_eq!(X.mul_add(constant(2.0), X).0, None);
     }
 
-    /// A polynomial by Horner's rule: a multiplication and an addition a degree; its sine one pair.
+    /// A polynomial by Horner's rule: a multiplication and an addition per degree; its sine is one pair.
     #[test]
     fn a_formula_is_counted() {
         let found = tally(|| {

@@ -1,4 +1,4 @@
-//! What the benchmarks run on: the robots, their random states, and each algorithm as one closure.
+//! The inputs of the benchmarks: robots, their random states, and each algorithm as one closure.
 
 mod batch_task;
 mod chain;

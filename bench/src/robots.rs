@@ -1,11 +1,12 @@
-//! The robots that are measured, by name.
+//! The measured robots, by name.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use multibody::{Model, RobotDescription};
+use robot_dynamics::description::RobotDescription;
+use robot_dynamics::model::Model;
+use robot_dynamics::urdf::Options;
 use serde_json::Value;
-use urdf::Options;
 
 use crate::chain;
 
@@ -14,10 +15,11 @@ const URDF: &[(&str, bool)] =
     &[("two_r", false), ("ur5", false), ("panda", false), ("quadruped", true), ("humanoid", true)];
 /// Robots of `testdata/golden/`.
 const DESCRIBED: &[&str] = &["talos"];
-/// Lengths of the chains; a matrix of 256 columns has rows that share their place in a cache, one of 250 has not.
+/// Lengths of the chains. Rows of a matrix with 256 columns map to the same cache sets, those with 250
+/// columns do not.
 const CHAINS: &[usize] = &[4, 8, 16, 32, 64, 128, 250, 256];
 
-/// Why a robot cannot be measured: which one, and what its reader said.
+/// The robot that cannot be measured, and its reader's error.
 #[derive(Debug)]
 pub struct RobotError {
     what: String,
@@ -36,10 +38,10 @@ fn error(what: impl fmt::Display, cause: impl fmt::Display) -> RobotError {
     RobotError { what: what.to_string(), cause: cause.to_string() }
 }
 
-/// Every robot that the benchmarks know, in the order in which they are measured.
+/// All robots of the benchmarks, in the order of measurement.
 ///
 /// # Errors
-/// [`RobotError`] when a file of the repository is missing or refused.
+/// [`RobotError`] if a file of the repository is missing or invalid.
 pub fn all_robots() -> Result<Vec<Model>, RobotError> {
     let named = URDF.iter().map(|(name, _)| *name).chain(DESCRIBED.iter().copied());
     named.map(robot_by_name).chain(CHAINS.iter().map(|&links| compiled(chain(links)))).collect()
@@ -48,7 +50,7 @@ pub fn all_robots() -> Result<Vec<Model>, RobotError> {
 /// A robot of `robots/` or `testdata/golden/`, or `chain_N` with N links.
 ///
 /// # Errors
-/// [`RobotError`] when there is no such robot, or its file is refused.
+/// [`RobotError`] if the robot does not exist, or its file is invalid.
 pub fn robot_by_name(name: &str) -> Result<Model, RobotError> {
     if let Some(links) = name.strip_prefix("chain_") {
         return compiled(chain(links.parse().map_err(|cause| error(name, cause))?));
@@ -58,14 +60,14 @@ pub fn robot_by_name(name: &str) -> Result<Model, RobotError> {
     }
     let floating = URDF.iter().any(|&(known, floating)| known == name && floating);
     let options = Options { floating_base: floating, ..Options::default() };
-    let robot = urdf::load(repository().join(format!("robots/{name}.urdf")), &options);
+    let robot = robot_dynamics::urdf::load(repository().join(format!("robots/{name}.urdf")), &options);
     compiled(robot.map_err(|cause| error(name, cause))?.description)
 }
 
-/// The robot whose [`RobotDescription`] stands under `description` in a JSON file.
+/// The robot in the field `description` of a JSON file.
 ///
 /// # Errors
-/// [`RobotError`] when the file cannot be read or is no robot.
+/// [`RobotError`] if the file cannot be read or is invalid.
 pub fn described_robot(path: impl AsRef<Path>) -> Result<Model, RobotError> {
     let path = path.as_ref();
     let refused = |cause: &dyn fmt::Display| error(path.display(), cause);
@@ -78,10 +80,10 @@ pub fn described_robot(path: impl AsRef<Path>) -> Result<Model, RobotError> {
 /// The robot of a URDF file, with its root link free or not.
 ///
 /// # Errors
-/// [`RobotError`] when the file cannot be read or is no robot.
+/// [`RobotError`] if the file cannot be read or is invalid.
 pub fn robot_of_file(path: impl AsRef<Path>, floating_base: bool) -> Result<Model, RobotError> {
     let path = path.as_ref();
-    let robot = urdf::load(path, &Options { floating_base, ..Options::default() });
+    let robot = robot_dynamics::urdf::load(path, &Options { floating_base, ..Options::default() });
     compiled(robot.map_err(|cause| error(path.display(), cause))?.description)
 }
 

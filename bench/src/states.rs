@@ -1,10 +1,10 @@
-//! Random states in one block of memory, so that a call reads what it has not just read.
+//! Random states in one block of memory, so that a call does not find its inputs in the cache.
 
 use std::fmt;
 use std::path::Path;
 
-use dynamics::SplitMix64;
-use multibody::{Model, random_state};
+use robot_dynamics::model::{Model, random_state};
+use robot_dynamics_number::SplitMix64;
 
 /// States of one robot: q, v, a and tau, one state after the other.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,16 +16,16 @@ pub struct StateTable {
     numbers: Vec<f64>,
 }
 
-/// Why a file holds no states.
+/// The error of a file without valid states.
 #[derive(Debug)]
 pub enum StateTableError {
     /// The file cannot be read.
     Unreadable(std::io::Error),
-    /// The header announces another number of bytes.
+    /// The header gives another number of bytes.
     WrongSize {
         /// Bytes in the file.
         found: usize,
-        /// Bytes by the header.
+        /// Bytes according to the header.
         expected: usize,
     },
 }
@@ -63,7 +63,7 @@ impl StateTable {
     /// Reads a file: count, nq, nv and tip as 64-bit integers, then each state's q v a tau, little-endian.
     ///
     /// # Errors
-    /// [`StateTableError`] says what is wrong with the file.
+    /// [`StateTableError`] with the fault of the file.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, StateTableError> {
         let bytes = std::fs::read(path).map_err(StateTableError::Unreadable)?;
         let words: Vec<u64> = bytes.as_chunks::<8>().0.iter().map(|word| u64::from_le_bytes(*word)).collect();
@@ -86,7 +86,7 @@ impl StateTable {
         Self { count, numbers, ..*self }
     }
 
-    /// How many states there are.
+    /// The number of states.
     pub fn count(&self) -> usize {
         self.count
     }
@@ -96,14 +96,15 @@ impl StateTable {
         (self.nq, self.nv)
     }
 
-    /// The joint (its place among the model's moving joints, the base not counted) whose link's Jacobian is asked for.
+    /// The joint whose link's Jacobian is requested: its index among the model's moving joints, not counting
+    /// the base.
     pub fn tip(&self) -> usize {
         self.tip
     }
 
     /// (q, v, a, tau) of a state.
     ///
-    /// # Panics
+    /// Panics if there is no such state.
     /// If there is no such state.
     #[inline]
     pub fn get(&self, state: usize) -> [&[f64]; 4] {
@@ -120,7 +121,7 @@ mod tests {
     use super::*;
     use crate::robot_by_name;
 
-    /// A table survives the way through a file; a file cut short is refused with both sizes.
+    /// A table survives a round trip through a file; a truncated file is rejected with both sizes.
     #[test]
     fn reads_what_the_format_says() {
         let model = robot_by_name("two_r").expect("two_r");

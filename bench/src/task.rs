@@ -1,12 +1,13 @@
-//! An algorithm on one robot as a call by the number of the state.
+//! An algorithm on one robot as a call by the index of the state.
 
 use std::hint::black_box;
 
-use multibody::{FrameId, Inputs, InstructionSet, Model, Quantity, QuantityMemory, Workspace};
+use robot_dynamics::model::{FrameId, InstructionSet, Model, Workspace};
+use robot_dynamics::quantity::{Inputs, Quantity, QuantityMemory};
 
 use crate::StateTable;
 
-/// What is measured.
+/// The measured algorithm.
 pub const MEASURED: [Quantity; 9] = [
     Quantity::InverseDynamics,
     Quantity::ForwardDynamics,
@@ -19,7 +20,8 @@ pub const MEASURED: [Quantity; 9] = [
     Quantity::ForwardDynamicsDerivatives,
 ];
 
-/// The name in records and on the command line: the library's, but the Jacobians', which are the tip's, are shorter.
+/// The name in records and on the command line: that of the library, except for shorter names of the tip's
+/// Jacobians.
 pub fn key(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::FrameJacobianWorldAligned => "jacobian",
@@ -28,12 +30,12 @@ pub fn key(quantity: Quantity) -> &'static str {
     }
 }
 
-/// The quantity of that name.
+/// The quantity with that name.
 pub fn named(name: &str) -> Option<Quantity> {
     Quantity::ALL.into_iter().find(|&quantity| key(quantity) == name)
 }
 
-/// A robot, its states, and the memory that the calls write.
+/// A robot, its states, and the memory of the calls.
 #[derive(Debug)]
 pub struct Task<'a> {
     model: &'a Model,
@@ -47,7 +49,7 @@ impl<'a> Task<'a> {
     /// Memory for every algorithm on this robot.
     ///
     /// # Panics
-    /// If the states are another robot's.
+    /// Panics if the states belong to another robot.
     pub fn new(model: &'a Model, states: &'a StateTable) -> Self {
         let (nq, nv) = (model.nq(), model.nv());
         assert_eq!(states.dimensions(), (nq, nv), "states of another robot than {}", model.name());
@@ -63,7 +65,7 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// As [`Task::new`], on the instructions that every machine has.
+    /// As [`Task::new`], on the baseline instruction set.
     pub fn portable(model: &'a Model, states: &'a StateTable) -> Self {
         Self { workspace: Workspace::limited(model, InstructionSet::Portable), ..Self::new(model, states) }
     }
@@ -71,7 +73,7 @@ impl<'a> Task<'a> {
     /// Computes state `i`.
     ///
     /// # Panics
-    /// If there is no such state.
+    /// Panics if there is no such state.
     #[inline]
     pub fn call(&mut self, quantity: Quantity, i: usize) {
         let Self { model, states, workspace, tip, memory } = self;
@@ -81,15 +83,16 @@ impl<'a> Task<'a> {
         black_box(&*memory);
     }
 
-    /// The numbers of the last call: matrices by rows; each frame's rotation by rows, then its translation.
+    /// The results of the last call: matrices in row-major order; for each frame its rotation in row-major
+    /// order, then its translation.
     pub fn result(&mut self, quantity: Quantity) -> Vec<f64> {
         let fixed = self.model.nq() == self.model.nv();
         let [x, y, _] = self.memory.results(quantity);
         if quantity == Quantity::FramePoses {
-            // A root that is fixed to the world is no result.
+            // A root that is fixed to the world is not a result.
             return x[12 * usize::from(fixed)..].to_vec();
         }
-        // The peer's M⁻¹, a third result, is one triangle: it is not compared.
+        // The peer's M⁻¹, a third result, is one triangle, which is not compared.
         [x, y].concat()
     }
 }

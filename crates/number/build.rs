@@ -1,4 +1,4 @@
-//! Says whether the library has code for vector registers of the machine it is built for: `cfg(registers)`.
+//! Sets `cfg(registers)` where the library has code for the vector registers of the target.
 
 use std::env::var;
 
@@ -9,7 +9,7 @@ fn main() {
     let features = var("CARGO_CFG_TARGET_FEATURE").unwrap_or_default();
     let has_registers = match machine.as_str() {
         "x86_64" | "aarch64" => true,
-        // Nothing is looked for when a module runs: it is compiled for them, or it is not.
+        // A WebAssembly module cannot detect instructions at run time, so the target features decide.
         "wasm32" => features.split(',').any(|feature| feature == "simd128"),
         _ => false,
     };

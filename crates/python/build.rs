@@ -1,5 +1,5 @@
-//! The linker's arguments for a module of Python, whose names are found on macOS when it is loaded; and the robots that come with
-//! the package, where the compiler finds them.
+//! The linker's arguments for a module of Python, whose names are found on macOS when it is loaded; and the
+//! robots that come with the package, where the compiler finds them.
 
 use std::path::PathBuf;
 
@@ -11,8 +11,8 @@ fn main() -> std::io::Result<()> {
     let (own, out) = (folder("CARGO_MANIFEST_DIR"), folder("OUT_DIR"));
     for robot in ROBOTS {
         let file = format!("{robot}.urdf");
-        // In the repository; or, in a source distribution, what the links in this folder have become there. (A checkout
-        // without links, on Windows, has files with their text instead.)
+        // In the repository; or, in a source distribution, what the links in this folder have become there.
+        // (A checkout without links, on Windows, has files with their text instead.)
         let repository = own.join("../../robots").join(&file);
         let source = if repository.is_file() { repository } else { own.join("robots").join(&file) };
         println!("cargo::rerun-if-changed={}", source.display());

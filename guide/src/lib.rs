@@ -1,7 +1,7 @@
 //! The Rust code of the guide's pages, compiled and run as doc tests.
 //!
-//! A crate of its own, unpublished: the pages lie beside it, and it may use all that a user may. Doc tests run in this folder, so that each
-//! block begins with a hidden line that goes to the repository's root, where the paths of the pages begin.
+//! The crate is unpublished and uses the facade as a user does. Doc tests run in this folder, so each
+//! block begins with a hidden line that changes to the repository's root, where the paths start.
 
 /// A module for each page.
 macro_rules! pages {
@@ -18,8 +18,8 @@ macro_rules! pages {
 }
 
 pages! {
-    index start load control invert differentiate constrain identify time simulate push sensors batch cluster
-    publish conventions verified speed command library examples
+    index start concepts load control invert differentiate constrain identify time simulate push sensors batch
+    cluster publish conventions verified speed glossary command library examples
 }
 
 #[cfg(test)]
@@ -27,21 +27,21 @@ mod tests {
     use std::collections::BTreeSet;
     use std::fs;
 
-    /// Each block of Rust fails where what it says is wrong.
+    /// A block without an assertion could not fail.
     #[test]
     fn every_block_of_rust_asserts_something() {
         for name in super::PAGES {
             let page = fs::read_to_string(format!("{}/pages/{name}.md", env!("CARGO_MANIFEST_DIR"))).unwrap();
             for block in page.split("\n```rust\n").skip(1) {
                 let code = block.split("\n```").next().unwrap();
-                assert!(code.contains("assert"), "{name}: nothing here can fail:\n{code}");
+                assert!(code.contains("assert"), "{name}: a block without an assertion:\n{code}");
             }
         }
     }
 
-    /// Experiments in frames, and those that a page leads to, are the lab's: a file for each.
+    /// Each experiment that a page embeds or links to has a file in the lab.
     #[test]
-    fn every_experiment_is_there() {
+    fn every_linked_experiment_exists() {
         let guide = env!("CARGO_MANIFEST_DIR");
         let mut shown = 0;
         for page in ["pages", "reference"]
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn every_page_is_tried() {
+    fn every_page_is_tested() {
         let folder = fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/pages")).unwrap();
         let names =
             folder.map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned());

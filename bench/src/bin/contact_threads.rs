@@ -1,20 +1,22 @@
-//! What two threads give for robots that fall to the ground: one call of `rollout_by_stepper` by one thread and by two, in turns.
+//! The speed-up by two threads for robots that fall on the ground: `rollout_by_stepper` with one thread and
+//! with two, in turns.
 //!
 //! `cargo run --release -p bench --bin contact_threads [ROUNDS]`
 //!
-//! Of each robot 64 copies, dropped from 0 to 32 cm with their joints turned at random, move for 0.5 s under the rigid law. The two calls must
-//! end in the same bits. Beside it stands what two processes' worth of work gives on this machine at the same time: two calls by one
-//! thread each, side by side.
+//! Each robot has 64 copies, dropped from 0 to 32 cm with random joint positions, which move for 0.5 s with
+//! rigid contact. The two calls must give the same bits. For comparison the program also times two calls with
+//! one thread each in parallel, the most that this machine can gain.
 
 use std::ops::ControlFlow;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use bench::robot_by_name;
-use dynamics::SplitMix64;
-use multibody::batch::{BatchWorkspace, StepperRollout, Threads, Torques, rollout_by_stepper};
-use multibody::simulator::{Method, SimulationBuilder};
-use multibody::{ContactSet, Ground, Model, Workspace, neutral, random_state};
+use robot_dynamics::batch::{BatchWorkspace, StepperRollout, Threads, Torques, rollout_by_stepper};
+use robot_dynamics::contact::{ContactSet, Ground};
+use robot_dynamics::model::{Model, Workspace, neutral, random_state};
+use robot_dynamics::simulation::{Method, SimulationBuilder};
+use robot_dynamics_number::SplitMix64;
 
 const ROBOTS: [&str; 2] = ["quadruped", "humanoid"];
 const STATES: usize = 64;
@@ -72,7 +74,7 @@ fn measure(name: &str, model: &Model, rounds: usize) {
     println!("| {name} | {} | {} |", spread(by_two), spread(side_by_side));
 }
 
-/// Copies of the robot above the ground, half a centimetre further each.
+/// Copies of the robot above the ground, each half a centimetre higher than the one before.
 fn starts(model: &Model, contacts: &ContactSet) -> Vec<f64> {
     let (mut random, mut workspace) = (SplitMix64::new(20_261), Workspace::new(model));
     let mut all = Vec::new();
@@ -85,7 +87,7 @@ fn starts(model: &Model, contacts: &ContactSet) -> Vec<f64> {
     all
 }
 
-/// The median, and the least and most.
+/// The median, minimum and maximum.
 fn spread(mut ratios: Vec<f64>) -> String {
     ratios.sort_by(f64::total_cmp);
     let last = ratios.len() - 1;

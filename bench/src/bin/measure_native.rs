@@ -1,30 +1,34 @@
-//! Machine code made in memory beside the library's own calls: time of a state, and time to compile.
+//! Machine code beside the library's own calls: time of a state, and time to compile.
 //!
 //! `cargo run --release -p bench --bin measure_native [ROBOT…] [FUNCTION…]`
 //!
-//! Each function is traced on a model with exact right angles and regrouped masses, as generated code is, and compiled for one state and for
-//! the lanes of the newest registers. The library and the code run on the same 1024 random states in turns, by one thread; each number is the median of
-//! the rounds. The largest difference between both is relative to the largest number of a result.
+//! Each function is traced on a model with exact right angles and regrouped masses, as for generated code. It
+//! is compiled for one state and for the lanes of the widest registers. The library and the code run on the
+//! same 1024 random states in turns, with one thread; each number is the median of the rounds. The largest
+//! difference is relative to the largest number of a result.
 
 use std::hint::black_box;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use bench::{StateTable, robot_by_name};
-use dynamics::{Integrator, SplitMix64};
-use expression::{Arithmetic, Graph, Operand, Precision};
-use functions::{Argument, Function, Table};
-use multibody::batch::{BatchFloat, BatchOptions, BatchWorkspace};
-use multibody::{InstructionSet, Model, StepForces, StepPullbackWorkspace, Workspace, step_pullback};
-use native::{Code, Float, Kernel, Target, Width, best_instructions};
+use robot_dynamics::algorithms;
+use robot_dynamics::batch::{BatchFloat, BatchOptions, BatchWorkspace};
+use robot_dynamics::derivatives::{self, StepPullbackWorkspace, step_pullback};
+use robot_dynamics::model::{InstructionSet, Model, Workspace};
+use robot_dynamics::simulation::{Integrator, StepForces};
+use robot_dynamics_expression::{Arithmetic, Graph, Operand, Precision};
+use robot_dynamics_functions::{Argument, Function, Table};
+use robot_dynamics_native::{Code, Float, Kernel, Target, Width, best_instructions};
+use robot_dynamics_number::SplitMix64;
 
 const ROBOTS: [&str; 5] = ["two_r", "ur5", "panda", "humanoid", "talos"];
 const STATES: usize = 1024;
 const ROUNDS: usize = 15;
-/// The length of a step \[s\].
+/// Time step \[s\].
 const STEP: f64 = 1e-3;
 
-/// The functions that are measured.
+/// The measured functions.
 fn functions() -> Vec<Function> {
     vec![
         Function::InverseDynamics,
@@ -40,7 +44,7 @@ fn functions() -> Vec<Function> {
     ]
 }
 
-/// Random states and, behind q, v, a and τ, cotangents of two vectors and the length of a step.
+/// Random states, and after q, v, a and τ the cotangents of two vectors and the time step.
 struct Tables {
     q: Vec<f64>,
     v: Vec<f64>,
@@ -60,7 +64,7 @@ impl Tables {
         Self { q, v, a, tau, cotangents, steps: vec![STEP; STATES] }
     }
 
-    /// The arguments of a function, tables with a row for each state.
+    /// The arguments of a function as tables with a row for each state.
     fn arguments(&self, model: &Model, function: &Function) -> Vec<&[f64]> {
         let table = |argument: &Argument| match argument.name {
             "q" => &self.q[..],
@@ -111,9 +115,10 @@ fn measure(name: &str, model: &Model, functions: &[Function]) {
     }
 }
 
-/// The expression, without ∂τ/∂a = M of the derivatives of inverse dynamics, which the library's call does not compute.
+/// The expression, without ∂τ/∂a = M of the derivatives of inverse dynamics, which the library's call does
+/// not compute.
 fn traced(model: &Model, function: &Function, arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
-    // The pullbacks of inverse and forward dynamics are those through the graph.
+    // The pullbacks of inverse and forward dynamics are derived from the graph.
     let through_graph = match function {
         Function::InverseDynamicsPullback => Function::Pullback(Box::new(Function::InverseDynamics)),
         Function::ForwardDynamicsPullback => Function::Pullback(Box::new(Function::ForwardDynamics)),
@@ -172,30 +177,30 @@ impl Memory {
             return;
         }
         match (function, arguments, results) {
-            (Function::InverseDynamics, [q, v, a], [x]) => multibody::inverse_dynamics(model, w, q, v, a, x),
+            (Function::InverseDynamics, [q, v, a], [x]) => algorithms::inverse_dynamics(model, w, q, v, a, x),
             (Function::ForwardDynamics, [q, v, tau], [x]) => {
-                multibody::forward_dynamics(model, w, q, v, tau, x);
+                algorithms::forward_dynamics(model, w, q, v, tau, x)
             }
-            (Function::MassMatrix, [q], [x]) => multibody::mass_matrix(model, w, q, x),
-            (Function::MassMatrixFactor, [q], [x]) => multibody::mass_matrix_factor(model, w, q, x),
+            (Function::MassMatrix, [q], [x]) => algorithms::mass_matrix(model, w, q, x),
+            (Function::MassMatrixFactor, [q], [x]) => algorithms::mass_matrix_factor(model, w, q, x),
             (Function::InverseDynamicsDerivatives, [q, v, a], [x, y]) => {
-                multibody::inverse_dynamics_derivatives(model, w, q, v, a, x, y);
+                derivatives::inverse_dynamics_derivatives(model, w, q, v, a, x, y)
             }
             (Function::ForwardDynamicsDerivatives, [q, v, tau], [x, y, z]) => {
-                multibody::forward_dynamics_derivatives(model, w, q, v, tau, x, y, z);
+                derivatives::forward_dynamics_derivatives(model, w, q, v, tau, x, y, z)
             }
             (Function::InverseDynamicsPullback, [q, v, a, l], [x, y, z]) => {
-                multibody::inverse_dynamics_pullback(model, w, q, v, a, l, x, y, z);
+                derivatives::inverse_dynamics_pullback(model, w, q, v, a, l, x, y, z)
             }
             (Function::ForwardDynamicsPullback, [q, v, tau, l], [r, x, y, z]) => {
-                multibody::forward_dynamics_pullback(model, w, q, v, tau, l, r, x, y, z);
+                derivatives::forward_dynamics_pullback(model, w, q, v, tau, l, r, x, y, z)
             }
             _ => unreachable!("a function has its arguments and results"),
         }
     }
 }
 
-/// The library's call for rows; whether there is one.
+/// The library's call for rows, and whether it exists.
 fn call_rows<T: BatchFloat>(
     function: &Function,
     model: &Model,
@@ -203,7 +208,7 @@ fn call_rows<T: BatchFloat>(
     arguments: &[&[T]],
     results: &mut [Vec<T>],
 ) -> bool {
-    use multibody::batch;
+    use robot_dynamics::batch;
     if let Some(row) = integrator(function) {
         let ([q, v, tau, _, cotangent], [x, y, z]) = (arguments, results) else {
             unreachable!("a step's pullback has five arguments")
@@ -328,7 +333,7 @@ fn batches<T: BatchFloat + Float>(model: &Model, tables: &Tables, function: &Fun
     let lengths = lengths(model, function);
     let nearest = |table: &[f64]| table.iter().map(|&x| T::nearest(x)).collect::<Vec<T>>();
     let mut arguments: Vec<Vec<T>> = tables.arguments(model, function).into_iter().map(nearest).collect();
-    // The rollout's pullback takes the cotangents of q and of v apart, the kernel one after the other.
+    // The rollout's pullback takes the cotangents of q and of v separately, the kernel one after the other.
     let of_library = arguments.clone();
     if integrator(function).is_some() {
         let (nv, cotangents) = (model.nv(), &of_library[4]);

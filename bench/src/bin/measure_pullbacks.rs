@@ -1,22 +1,22 @@
-//! What a vector-Jacobian product costs beside the call it is of, and beside the Jacobians that it does without.
+//! The cost of a vector-Jacobian product relative to its primal call, and to the Jacobians that it replaces.
 //!
 //! `cargo run --release -p bench --bin measure_pullbacks -- docs/performance/pullbacks.jsonl [ROBOT …]`
 //!
-//! One JSON line for each robot and call: nanoseconds a state of the call itself, the least of the rounds' medians; and as
-//! multiples of it the pullback, the pullback with all parameters, and the Jacobians, each the median over the rounds of the
-//! ratio within a round, in which everything has its turn, so that slow drifts of the machine cancel.
+//! One JSON line for each robot and call. It has the nanoseconds per state of the call, the smallest of the
+//! rounds' medians. As multiples of the call it has the pullback, the pullback with all parameters, and the
+//! Jacobians. Each is the median over the rounds of the ratio within a round. Every round measures everything
+//! once, so that slow drifts of the machine cancel.
 
 use std::hint::black_box;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use bench::{StateTable, robot_by_name};
-use dynamics::Integrator;
-use multibody::batch::{self, BatchOptions, BatchWorkspace, Torques};
-use multibody::{
-    LinearizeStepWorkspace, Model, Rollout, StepForces, StepPullbackWorkspace, StepWorkspace, Workspace,
-    parameter_count,
-};
+use robot_dynamics::batch;
+use robot_dynamics::batch::{BatchOptions, BatchWorkspace, Torques};
+use robot_dynamics::derivatives::{LinearizeStepWorkspace, Rollout, StepPullbackWorkspace, parameter_count};
+use robot_dynamics::model::{Model, Workspace};
+use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace};
 use serde_json::{Value, json};
 
 const STATES: usize = 1024;
@@ -61,7 +61,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// A call by the number of a state, how many states it takes, and the medians of its rounds, ns a state.
+/// A call by the index of a state, the number of states it computes, and the medians of its rounds
+/// [ns/state].
 struct Item<'a> {
     call: Box<dyn FnMut(usize) + 'a>,
     states: usize,
@@ -135,7 +136,7 @@ fn single<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
         let (mut w, [mut tau, ..]) = memory();
         Item::one(move |i| {
             let [q, v, a, _] = table.get(i);
-            multibody::inverse_dynamics(model, &mut w, q, v, a, &mut tau);
+            robot_dynamics::algorithms::inverse_dynamics(model, &mut w, q, v, a, &mut tau);
             black_box(&tau);
         })
     };
@@ -145,7 +146,7 @@ fn single<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
         Item::one(move |i| {
             let [q, v, a, lambda] = table.get(i);
             let p = &mut parameters;
-            multibody::inverse_dynamics_pullback_with_parameters(
+            robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters(
                 model,
                 &mut w,
                 q,
@@ -165,8 +166,8 @@ fn single<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
         let (mut w, [mut x, mut y, mut z]) = (Workspace::new(model), [square(), square(), square()]);
         Item::one(move |i| {
             let [q, v, a, _] = table.get(i);
-            multibody::inverse_dynamics_derivatives(model, &mut w, q, v, a, &mut x, &mut y);
-            multibody::mass_matrix(model, &mut w, q, &mut z);
+            robot_dynamics::derivatives::inverse_dynamics_derivatives(model, &mut w, q, v, a, &mut x, &mut y);
+            robot_dynamics::algorithms::mass_matrix(model, &mut w, q, &mut z);
             black_box((&x, &y, &z));
         })
     };
@@ -174,7 +175,7 @@ fn single<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
         let (mut w, [mut a, ..]) = memory();
         Item::one(move |i| {
             let [q, v, _, tau] = table.get(i);
-            multibody::forward_dynamics(model, &mut w, q, v, tau, &mut a);
+            robot_dynamics::algorithms::forward_dynamics(model, &mut w, q, v, tau, &mut a);
             black_box(&a);
         })
     };
@@ -184,7 +185,7 @@ fn single<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
         Item::one(move |i| {
             let [q, v, lambda, tau] = table.get(i);
             let p = &mut parameters;
-            multibody::forward_dynamics_pullback_with_parameters(
+            robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters(
                 model,
                 &mut w,
                 q,
@@ -205,7 +206,9 @@ fn single<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
         let (mut w, [mut x, mut y, mut z]) = (Workspace::new(model), [square(), square(), square()]);
         Item::one(move |i| {
             let [q, v, _, tau] = table.get(i);
-            multibody::forward_dynamics_derivatives(model, &mut w, q, v, tau, &mut x, &mut y, &mut z);
+            robot_dynamics::derivatives::forward_dynamics_derivatives(
+                model, &mut w, q, v, tau, &mut x, &mut y, &mut z,
+            );
             black_box((&x, &y, &z));
         })
     };
@@ -233,7 +236,8 @@ fn motion<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
             q_end.copy_from_slice(q);
             v_end.copy_from_slice(v);
             let forces = StepForces::new(tau, false);
-            let done = multibody::step(model, row, &mut w, &forces, STEP, &mut q_end, &mut v_end);
+            let done =
+                robot_dynamics::simulation::step(model, row, &mut w, &forces, STEP, &mut q_end, &mut v_end);
             black_box((&q_end, &v_end, done.is_ok()));
         })
     };
@@ -246,8 +250,9 @@ fn motion<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
             x.copy_from_slice(lambda);
             y.copy_from_slice(lambda);
             let (forces, p) = (StepForces::new(tau, false), &mut parameters);
-            let done =
-                multibody::step_pullback(model, row, &mut w, &forces, STEP, q, v, &mut x, &mut y, &mut z, p);
+            let done = robot_dynamics::derivatives::step_pullback(
+                model, row, &mut w, &forces, STEP, q, v, &mut x, &mut y, &mut z, p,
+            );
             black_box((&x, &y, &z, done.is_ok()));
         })
     };
@@ -257,14 +262,16 @@ fn motion<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
         Item::one(move |i| {
             let [q, v, _, tau] = table.get(i);
             let forces = StepForces::new(tau, false);
-            let done = multibody::linearize_step(model, row, &mut w, &forces, STEP, q, v, &mut a, &mut b);
+            let done = robot_dynamics::derivatives::linearize_step(
+                model, row, &mut w, &forces, STEP, q, v, &mut a, &mut b,
+            );
             black_box((&a, &b, done.is_ok()));
         })
     };
     vec![("rk4 step", [primal, pullback(0), pullback(parameter_count(model))], Some(jacobians))]
 }
 
-/// All states at once, one thread; rollouts of 64 steps with checkpoints.
+/// All states at once with one thread; rollouts of 64 steps with checkpoints.
 fn batches<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
     let n = model.nv();
     let tables =

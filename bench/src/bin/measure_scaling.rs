@@ -1,26 +1,29 @@
-//! Measures how the cost grows with the robot, by every route of this machine, and counts the operations.
+//! Measures the growth of the cost with the size of the robot, by every route of this machine, and counts
+//! operations.
 //!
 //! `cargo run --release -p bench --bin measure_scaling -- docs/performance/scaling.jsonl`
 //!
-//! The file's first line is the machine; then one JSON line for each robot, algorithm and route, and one with the
-//! operations of each robot and algorithm. Everything has its turn in every round; a record keeps the median of
-//! its rounds' medians, and the least time of all: on a machine that others use, the least is the steadier.
+//! The first line of the file is the machine. Then there is one JSON line for each robot, algorithm and
+//! route, and one with the operations of each robot and algorithm. Every round measures everything once. A
+//! record has the median of the rounds' medians, and the smallest time of all, which is steadier on a shared
+//! machine.
 
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
 use bench::{BatchTask, Counted, Counts, StateTable, Task, all_robots, key, robot_by_name, tally};
-use dynamics::Scalar;
-use multibody::batch::BatchOptions;
-use multibody::{InstructionSet, Model, Quantity, Workspace};
+use robot_dynamics::batch::BatchOptions;
+use robot_dynamics::model::{InstructionSet, Model, Workspace};
+use robot_dynamics::quantity::Quantity;
+use robot_dynamics_number::Scalar;
 use serde_json::{Value, json};
 
 const STATES: usize = 1024;
 const SEED: u64 = 20260;
 const ROUNDS: usize = 9;
 const SLICE: Duration = Duration::from_millis(20);
-/// States between two looks at the clock, which take longer where a module has to ask for it.
+/// States between two clock readings, which are slow for a WebAssembly module.
 const BLOCK: usize = if cfg!(target_family = "wasm") { 256 } else { 32 };
 
 const RECURSIONS: [Quantity; 3] =
@@ -85,7 +88,7 @@ struct Item<'a> {
     form: &'static str,
     number: &'static str,
     instructions: InstructionSet,
-    /// Computes some states; how many.
+    /// Computes some states. Returns how many.
     block: Box<dyn FnMut() -> usize + 'a>,
     medians: Vec<f64>,
     least: f64,
@@ -115,12 +118,12 @@ impl Item<'_> {
     }
 }
 
-/// To a hundredth of a nanosecond.
+/// Rounds to a hundredth of a nanosecond.
 fn rounded(x: f64) -> f64 {
     (x * 100.0).round() / 100.0
 }
 
-/// Everything that is measured of a robot.
+/// All measurements of a robot.
 fn items<'a>(model: &'a Model, states: &'a StateTable) -> Vec<Item<'a>> {
     let mut items = Vec::new();
     let derivatives = [Quantity::InverseDynamicsDerivatives, Quantity::ForwardDynamicsDerivatives];
@@ -143,7 +146,7 @@ fn items<'a>(model: &'a Model, states: &'a StateTable) -> Vec<Item<'a>> {
             let mut options = BatchOptions::default();
             options.threads = 1;
             options.limit = Some(instructions);
-            // A long chain's thousand mass matrices would not fit any cache.
+            // A thousand mass matrices of a long chain would not fit any cache.
             let states = states.first((STATES * 38 / model.nv()).clamp(64, STATES));
             let mut doubles = BatchTask::<f64>::new(model, &states, 1, options);
             let mut singles = BatchTask::<f32>::new(model, &states, 1, options);
@@ -172,16 +175,20 @@ fn item<'a>(
     Item { algorithm, form, number, instructions, block, medians: Vec::new(), least: f64::INFINITY }
 }
 
-/// Runs an algorithm over numbers that count.
+/// Runs an algorithm over counting numbers.
 fn count(model: &Model, algorithm: Quantity) {
     let (w, nv) = (&mut Workspace::<Counted>::new(model), model.nv());
     let (q, v) = (vec![Counted::UNKNOWN; model.nq()], vec![Counted::UNKNOWN; nv]);
     let (other, mut vector) = (v.clone(), v.clone());
     let mut matrix = vec![Counted::zero(); nv * nv];
     match algorithm {
-        Quantity::InverseDynamics => multibody::inverse_dynamics(model, w, &q, &v, &other, &mut vector),
-        Quantity::ForwardDynamics => multibody::forward_dynamics(model, w, &q, &v, &other, &mut vector),
-        _ => multibody::mass_matrix(model, w, &q, &mut matrix),
+        Quantity::InverseDynamics => {
+            robot_dynamics::algorithms::inverse_dynamics(model, w, &q, &v, &other, &mut vector);
+        }
+        Quantity::ForwardDynamics => {
+            robot_dynamics::algorithms::forward_dynamics(model, w, &q, &v, &other, &mut vector);
+        }
+        _ => robot_dynamics::algorithms::mass_matrix(model, w, &q, &mut matrix),
     }
 }
 
@@ -193,7 +200,7 @@ fn record_of(counts: Counts) -> Value {
     })
 }
 
-/// What the numbers belong to, and the least time of a fused multiply-add.
+/// The machine, and the smallest time of a fused multiply-add.
 fn machine() -> Result<Value, Box<dyn std::error::Error>> {
     let said = |program: &str, arguments: &[&str]| -> Option<String> {
         let output =
@@ -205,7 +212,7 @@ fn machine() -> Result<Value, Box<dyn std::error::Error>> {
         info.lines().find(|line| line.starts_with("model name")).and_then(|line| line.split_once(": "));
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/peak.rs");
     let mut peak = Value::Null;
-    // A module starts no programs and has no folder for them.
+    // A WebAssembly module cannot start programs and has no folder for them.
     if !cfg!(target_family = "wasm") {
         let program = std::env::temp_dir().join(format!("peak_{}", std::process::id()));
         let shown = program.to_string_lossy().into_owned();

@@ -1,20 +1,23 @@
-//! What the library makes of a robot beside its tree, in MuJoCo's coordinates: for `bench/robots/menagerie.py`.
+//! The library's passive forces and motions in MuJoCo's coordinates, for `bench/robots/menagerie.py`.
 //!
-//! Reads one JSON object a line: the `file`, a state `qpos`, `qvel`, and for a motion `ctrl`, `step` \[s\] and `steps`. Prints one: the forces
-//! `passive` (springs, damping, tendons, carried weight that no actuator gives) and `gravcomp` (all carried weight), and the motion's end by
-//! RK4, `qpos` and `qvel`. Friction, equalities and the armature of tendons, which are no part of either, are left out.
+//! Reads one JSON object per line: the `file`, a state `qpos`, `qvel`, and for a motion `ctrl`, `step` \[s\]
+//! and `steps`. Prints one object. The forces `passive` have springs, damping, tendons, and gravity
+//! compensation that no actuator provides; `gravcomp` has all gravity compensation. `qpos` and `qvel` are the
+//! motion's end by RK4. Friction, equalities and the armature of tendons are left out, as they are part of
+//! neither.
 
 use std::collections::HashMap;
 use std::error::Error;
 use std::io::{BufRead, Write};
 
-use dynamics::Integrator;
-use multibody::conventions::{
+use robot_dynamics::algorithms::{dissipation, gravity};
+use robot_dynamics::conventions::{
     configuration_from_mujoco, configuration_to_mujoco, force_to_mujoco, velocity_from_mujoco,
     velocity_to_mujoco,
 };
-use multibody::simulator::{Effect, Method, SimulationBuilder};
-use multibody::{Actuation, Model, RobotDescription, Workspace, dissipation, gravity};
+use robot_dynamics::description::RobotDescription;
+use robot_dynamics::model::{Model, Workspace};
+use robot_dynamics::simulation::{Actuation, Effect, Integrator, Method, SimulationBuilder};
 use serde_json::{Value, json};
 
 type Failure = Box<dyn Error>;
@@ -34,7 +37,7 @@ fn main() -> Result<(), Failure> {
 }
 
 fn read(file: &str) -> Result<RobotDescription, Failure> {
-    let mut robot = mjcf::load(file, &mjcf::Options::default())?.description;
+    let mut robot = robot_dynamics::mjcf::load(file, &robot_dynamics::mjcf::Options::default())?.description;
     robot.equalities.clear();
     for joint in &mut robot.joints {
         joint.passive.friction = 0.0;
@@ -82,13 +85,13 @@ fn answer(robot: &RobotDescription, asked: &Value) -> Result<Value, Failure> {
     actuation.passive_forces(&model, &mut actuation.workspace(), &q, &v, &mut passive);
     dissipation(&model, &v, &mut joints);
     passive.iter_mut().zip(&joints).for_each(|(passive, joint)| *passive -= joint);
-    // Without gravity g is what springs pull back with.
+    // Without gravity, g contains the springs only.
     let mut weightless = robot.clone();
     weightless.gravity = [0.0; 3];
     let weightless = Model::new(weightless)?;
     gravity(&weightless, &mut Workspace::new(&weightless), &q, &mut joints);
     passive.iter_mut().zip(&joints).for_each(|(passive, joint)| *passive -= joint);
-    // The carried weight alone, whoever gives it.
+    // All gravity compensation, by actuators or not.
     let mut carried = robot.clone();
     carried.tendons.clear();
     carried.actuators.clear();

@@ -1,15 +1,15 @@
-//! This project's side of the comparison with peers: one algorithm on one robot, timed, counted or written out;
-//! one state at a time, or as a batch ([`BatchName`]).
+//! This project's program in the comparison with peers. It times, counts or prints one algorithm on one
+//! robot, for one state at a time or a batch ([`BatchName`]).
 //!
 //! Called by `bench/peers/run.py`; the file of states and the output are those of `bench/peers/side.hpp`.
-
 use std::process::ExitCode;
 use std::time::Instant;
 
 use bench::{BatchName, BatchTask, StateTable, Task, described_robot, named};
-use functions::with_native_code;
-use multibody::batch::{BatchFloat, BatchOptions};
-use multibody::{InstructionSet, Model, Quantity};
+use robot_dynamics::batch::{BatchFloat, BatchOptions};
+use robot_dynamics::model::{InstructionSet, Model};
+use robot_dynamics::quantity::Quantity;
+use robot_dynamics_functions::with_native_code;
 
 const USAGE: &str =
     "usage: peer_side ROBOT STATES ALGORITHM (time MILLISECONDS | calls N | write FILE) [portable]";
@@ -58,10 +58,10 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Calls between two looks at the clock: short beside the time slices of a busy machine, long beside the clock.
+/// Calls between two clock readings: short relative to time slices, long relative to the clock's resolution.
 const BLOCK: usize = 128;
 
-/// A batch: a call computes all its states.
+/// A batch: one call computes all its states.
 fn run_batch<T: BatchFloat + Into<f64>>(
     model: &Model,
     states: &StateTable,
@@ -87,7 +87,7 @@ fn run_batch<T: BatchFloat + Into<f64>>(
         "calls" => (0..value.parse()?).step_by(task.count()).for_each(|_: usize| task.call(name.algorithm)),
         "write" => {
             task.call(name.algorithm);
-            // Once each, however often they stand in the batch.
+            // Once each, for any number of copies in the batch.
             let numbers: Vec<u8> = task.result().flat_map(f64::to_le_bytes).collect();
             std::fs::write(value, &numbers[..numbers.len() / name.repetitions()])?;
         }
@@ -96,7 +96,8 @@ fn run_batch<T: BatchFloat + Into<f64>>(
     Ok(())
 }
 
-/// Goes through all states, block by block, for that long; median and least nanoseconds per call of a block.
+/// Runs through all states block by block for that long. Returns median and smallest nanoseconds per call of
+/// a block.
 fn time(task: &mut Task, algorithm: Quantity, count: usize, milliseconds: f64) -> String {
     summary(blocks(milliseconds, |times| {
         for first in (0..=count - BLOCK).step_by(BLOCK) {
@@ -107,7 +108,7 @@ fn time(task: &mut Task, algorithm: Quantity, count: usize, milliseconds: f64) -
     }))
 }
 
-/// The times of passes over all states, as many as fill the milliseconds after one that is not timed.
+/// The times of passes over all states for that many milliseconds, after an untimed one.
 fn blocks(milliseconds: f64, mut pass: impl FnMut(&mut Vec<f64>)) -> Vec<f64> {
     let mut times = Vec::new();
     pass(&mut times);

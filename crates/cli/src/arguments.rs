@@ -1,11 +1,11 @@
-//! Numbers on the command line.
+//! Parsers of numbers on the command line.
 
 /// A positive, finite number.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
-        Ok(_) => Err("it must be positive and finite".into()),
-        Err(_) => Err("it is not a number".into()),
+        Ok(_) => Err("the number must be positive and finite".into()),
+        Err(_) => Err("not a number".into()),
     }
 }
 
@@ -13,7 +13,7 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
-        Ok(_) => Err("it must be zero or positive, and finite".into()),
-        Err(_) => Err("it is not a number".into()),
+        Ok(_) => Err("the number must be finite, 0 or more".into()),
+        Err(_) => Err("not a number".into()),
     }
 }

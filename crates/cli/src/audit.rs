@@ -1,32 +1,32 @@
-//! `dynamics audit`: the project's oracles, run on one robot file.
+//! `dynamics audit`: compares a robot's dynamics with independent derivations.
 
 mod suspect;
 
 use std::process::ExitCode;
 
-use multibody::audit::{Check, Verdict, audit, ignored_physics};
-use multibody::plausibility::{Suspicion, suspicions};
-use multibody::text::one_line;
+use robot_dynamics::plausibility::{Suspicion, suspicions};
+use robot_dynamics::text::one_line;
+use robot_dynamics::verification::audit::{Check, Verdict, audit, ignored_physics};
 use serde::Serialize;
 
 use self::suspect::Suspect;
 use crate::failure::{Failure, Outcome};
 use crate::output::{print, print_json};
-use crate::robot_file::{Loaded, RobotFile};
+use crate::robot_file::{LoadedRobot, RobotFile};
 use crate::size::refuse_beyond_memory;
 use crate::table::{Table, short};
 
 /// Check a robot's file and its dynamics against independent derivations.
 ///
-/// Every check is made at random states within the limits (seeded: the same every time) and shows the worst
-/// one. What two routes to the same number may differ by is rounding: 1e-12 of the largest term where terms
-/// are added up, and of a solved equation M a = f what 64 ε (ε = 2.2e-16) of each row's terms makes of a by
-/// M⁻¹. Where a robot's numbers leave no accuracy, the condition number κ(M) itself falls short. The energy of a free motion must converge to a constant with the order of the
-/// integrator. The exit code is 1 if something falls short.
+/// Each check runs at random states within the limits and shows its worst result. The states depend only on
+/// --seed. Two routes to the same number may differ by rounding only. For sums, that is 1e-12 of the largest
+/// term. For a solution a of M a = f, it is M⁻¹ times 64 ε of each row's terms, with ε = 2.2e-16. If the
+/// numbers of a robot leave no accuracy, the check of the condition number κ(M) fails. The energy of a free
+/// motion must converge to a constant with the order of the integrator. The exit code is 1 if a check fails.
 ///
-/// Numbers that no law forbids but no robot has (masses in grams, angles in degrees) are suspected of a wrong
-/// unit, each with the range that was expected and the likely cause. They do not change the exit code unless
-/// --strict is given.
+/// The audit also lists values that no law forbids but that suggest a wrong unit, such as masses in grams or
+/// angles in degrees. Each is shown with the expected range and the likely cause. They change the exit code
+/// only with --strict.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -34,10 +34,10 @@ pub(crate) struct Arguments {
     /// Print one JSON object instead of text.
     #[arg(long)]
     json: bool,
-    /// How many random states each check is made at.
+    /// Number of random states for each check.
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     states: u32,
-    /// The seed of the random states.
+    /// Seed of the random states.
     #[arg(long, default_value_t = 1)]
     seed: u64,
 }
@@ -54,7 +54,7 @@ struct Audit<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report, angles, .. } = arguments.robot.load()?;
+    let LoadedRobot { model, report, angles, .. } = arguments.robot.load()?;
     arguments.robot.print_warnings(&report);
     refuse_beyond_memory(&model)?;
     let mut checks = vec![ignored_physics(&report)];
@@ -86,20 +86,20 @@ fn text(
             check.law.clone(),
             shown(check.found),
             format!("≤ {}", shown(check.allowed)),
-            if check.verdict == Verdict::Ok { "ok".into() } else { "FALLS SHORT".into() },
+            if check.verdict == Verdict::Ok { "ok".into() } else { "FAILED".into() },
             check.place.clone(),
         ]);
     }
     let Arguments { states, seed, .. } = arguments;
     let verdict = match short {
-        0 => "Nothing falls short".to_owned(),
-        1 => "1 check falls short".to_owned(),
-        short => format!("{short} checks fall short"),
+        0 => "All checks pass".to_owned(),
+        1 => "1 check fails".to_owned(),
+        short => format!("{short} checks fail"),
     };
     let suspected = match suspicions.len() {
         0 => String::new(),
-        1 => "; 1 suspicion".to_owned(),
-        many => format!("; {many} suspicions"),
+        1 => "; 1 suspicious value".to_owned(),
+        many => format!("; {many} suspicious values"),
     };
     format!(
         "{} ({}): {states} random states, seed {seed}\n\n{}\n{}\n{verdict}{suspected}.\n",
@@ -110,7 +110,7 @@ fn text(
     )
 }
 
-/// A number in the table: of usual size as it is, all else by its power of ten.
+/// Formats a number for the table: fixed point between 0.01 and 10 000, an exponent otherwise.
 pub(super) fn shown(x: f64) -> String {
     match x {
         x if x.is_nan() => "NaN".into(),

@@ -1,4 +1,4 @@
-//! `dynamics bench`: how fast a robot is computed on this machine.
+//! `dynamics bench`: times the computations of a robot on this machine.
 
 #[cfg_attr(not(feature = "batch"), path = "bench/no_batch.rs")]
 mod batch;
@@ -13,10 +13,10 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use multibody::Model;
+use robot_dynamics::model::Model;
 
 use self::batch::Batch;
-use self::entry::{Entry, Precision, What, median};
+use self::entry::{Entry, Precision, Task, median};
 use self::machine::Machine;
 use self::single::Single;
 use self::states::{States, tip};
@@ -27,33 +27,34 @@ use crate::robot_file::RobotFile;
 
 /// Measure how fast a robot is computed on this machine.
 ///
-/// Times every quantity of the equation of motion at random states (seeded: the same every time): one state
-/// at a time, batches of f64 and f32 on one thread and on all, rollouts, and what more threads bring. Reading the
-/// state, sines and cosines, and writing the result count. Everything is measured once a round, so that a
-/// disturbance hits all alike; a number is the median of the rounds, and ± is half their range. Ctrl-C
-/// ends it early (exit code 130) and shows what was measured.
+/// Times every quantity of the equation of motion at random states, which depend only on --seed. It times
+/// single states, batches of f64 and f32 on one thread and on all, rollouts, and the speed-up with more
+/// threads. Each time includes reading the state, sines and cosines, and writing the result. Every round
+/// measures everything once, so that a disturbance affects all quantities alike. A number is the median of
+/// the rounds, and ± is half their range. Ctrl-C ends the run early (exit code 130) and shows the results so
+/// far.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
     robot: RobotFile,
-    /// A few seconds instead of half a minute: three short rounds.
+    /// Take three short rounds: a few seconds instead of half a minute.
     #[arg(long)]
     quick: bool,
-    /// Print JSON lines instead of tables: one about the machine, then one a quantity.
+    /// Print JSON lines instead of tables: one for the machine, then one for each quantity.
     #[arg(long)]
     json: bool,
-    /// How many random states.
+    /// Number of random states.
     #[arg(long, default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1024..=1_000_000))]
     states: u32,
-    /// The seed of the random states.
+    /// Seed of the random states.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// How many threads are all; 0 for as many as the machine runs at once.
+    /// Largest number of threads; 0 for all hardware threads.
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
 }
 
-/// What the report says.
+/// The data of the report.
 struct Results<'a> {
     model: &'a Model,
     file: String,
@@ -71,14 +72,14 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let model = arguments.robot.load_to_compute()?.model;
     if model.nv() == 0 {
         return Err(Failure::new(format!(
-            "{}: no joint moves, so there is nothing to measure (--floating-base frees the root link)",
+            "{}: the robot has no degree of freedom to measure (--floating-base adds six)",
             arguments.robot.shown()
         )));
     }
     interruption::end_between_steps()?;
     if machine::IS_DEBUG {
         eprintln!(
-            "warning: this is a debug build: it is slower than a release build (cargo run --release -- bench …)"
+            "warning: this is a debug build, slower than a release build (cargo run --release -- bench …)"
         );
     }
     let load_before = machine::load();
@@ -90,18 +91,18 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let count = arguments.states as usize;
     let (tip, tip_name) = tip(&model);
     let states = States::random(&model, count, arguments.seed);
-    let mut stand = Stand {
+    let mut measurement = Measurement {
         single: Single::new(&model, &states, tip),
         doubles: Batch::new(&model, States::random(&model, count, arguments.seed), tip, &threads)?,
         singles: Batch::new(&model, States::random(&model, count, arguments.seed), tip, &threads)?,
     };
     let mut entries = Entry::all(&threads);
-    let interrupted = stand.measure(&mut entries, rounds, Duration::from_millis(slice));
+    let interrupted = measurement.measure(&mut entries, rounds, Duration::from_millis(slice));
 
     let results = Results {
         model: &model,
         file: arguments.robot.shown().to_string(),
-        machine: stand.machine(cores, load_before),
+        machine: measurement.machine(cores, load_before),
         tip: tip_name,
         states: arguments.states,
         seed: arguments.seed,
@@ -123,15 +124,15 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Where everything is measured.
-struct Stand<'a> {
+/// The robot's states and memory for all measurements.
+struct Measurement<'a> {
     single: Single<'a>,
     doubles: Batch<'a, f64>,
     singles: Batch<'a, f32>,
 }
 
-impl Stand<'_> {
-    /// Rounds over all entries; whether it was interrupted.
+impl Measurement<'_> {
+    /// Measures all entries in each round. Returns whether a signal ended the run.
     fn measure(&mut self, entries: &mut [Entry], rounds: usize, slice: Duration) -> bool {
         let bar = ProgressBar::new((entries.len() * rounds) as u64);
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left") {
@@ -155,18 +156,18 @@ impl Stand<'_> {
         interruption::interrupted()
     }
 
-    /// A block that is not timed: memory and caches are warm after it, and it shows whether there is a result.
+    /// Runs one block without timing: it warms memory and caches, and shows whether there is a result.
     fn trial(&mut self, entry: &mut Entry) -> Result<(), String> {
         self.block(entry)?;
         match entry.what {
-            What::Single(quantity) if !self.single.is_finite(quantity) => {
-                Err("the result is not finite: a singular mass matrix?".into())
+            Task::Single(quantity) if !self.single.is_finite(quantity) => {
+                Err("the result is not finite; the mass matrix may be singular".into())
             }
             _ => Ok(()),
         }
     }
 
-    /// Blocks for as long as `slice`, at least one; the median of their times becomes the round's.
+    /// Times blocks for as long as `slice`, at least one. Their median becomes the time of the round.
     fn round(&mut self, entry: &mut Entry, slice: Duration) {
         let (start, mut times) = (Instant::now(), Vec::new());
         while times.is_empty() || (start.elapsed() < slice && !interruption::interrupted()) {
@@ -185,11 +186,11 @@ impl Stand<'_> {
     fn block(&mut self, entry: &mut Entry) -> Result<usize, String> {
         let cursor = &mut entry.cursor;
         match entry.what {
-            What::Single(quantity) => Ok(self.single.block(quantity, cursor)),
-            What::Batch { work, precision: Precision::Double, threads } => {
+            Task::Single(quantity) => Ok(self.single.block(quantity, cursor)),
+            Task::Batch { work, precision: Precision::Double, threads } => {
                 self.doubles.block(work, threads, cursor)
             }
-            What::Batch { work, precision: Precision::Single, threads } => {
+            Task::Batch { work, precision: Precision::Single, threads } => {
                 self.singles.block(work, threads, cursor)
             }
         }

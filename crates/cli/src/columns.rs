@@ -1,9 +1,10 @@
-//! What the entries of q, v and τ are called, and their units.
+//! Names and units of the entries of q, v and τ.
 
-use multibody::text::one_line;
-use multibody::{Measure, Model};
+use robot_dynamics::description::Measure;
+use robot_dynamics::model::Model;
+use robot_dynamics::text::one_line;
 
-/// One entry of q, v or τ, its name on one line.
+/// One entry of q, v or τ, with its name on one line.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Column {
     pub name: String,
@@ -35,7 +36,7 @@ pub(crate) fn effort(model: &Model) -> Vec<Column> {
     along_v(model, ["N", "N m"])
 }
 
-/// Names in the order of v, with the unit for a slide or that for a turn.
+/// Names in the order of v, with a unit for translation or rotation.
 fn along_v(model: &Model, [slide, turn]: [&'static str; 2]) -> Vec<Column> {
     let moving = model.joints().iter().filter(|joint| joint.nv > 0);
     let units = moving.flat_map(|joint| joint.kind.velocities()).map(|velocity| match velocity.measure {

@@ -1,4 +1,4 @@
-//! `dynamics completions`: what a shell needs to complete this command's options.
+//! `dynamics completions`: scripts for shell completion.
 
 use std::process::ExitCode;
 
@@ -7,12 +7,12 @@ use clap_complete::Shell;
 use crate::failure::{Failure, Outcome};
 use crate::output::print_as_it_is;
 
-/// Print a script that completes this command's options in a shell.
+/// Print a script for shell completion.
 ///
-/// Bash, for one, reads it with: source <(dynamics completions bash)
+/// In Bash: source <(dynamics completions bash)
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// For which shell.
+    /// Shell for which the script is.
     shell: Shell,
 }
 

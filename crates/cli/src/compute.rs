@@ -3,46 +3,49 @@
 use std::io::{BufRead, BufReader, BufWriter, ErrorKind, Write};
 use std::process::ExitCode;
 
-use multibody::text::json;
-use multibody::{FrameId, Input, Inputs, Model, Quantity, QuantityMemory, ResultShape, Workspace};
 use robot_dynamics::json::{Object, StateLine, Value};
+use robot_dynamics::model::{FrameId, Model, Workspace};
+use robot_dynamics::quantity::{Input, Inputs, Quantity, QuantityMemory, ResultShape};
+use robot_dynamics::text::json;
 
 use crate::failure::{Context, Failure, Outcome};
 use crate::inspect::count;
-use crate::joint_values::UNIT;
-use crate::output::tell;
+use crate::joint_values::UNIT_TOLERANCE;
+use crate::output::print_line;
 use crate::robot_file::RobotFile;
 use crate::singular_poses::advice;
 
 /// Compute M, C, g, torques and accelerations for states read as JSON lines.
 ///
-/// Reads one state a line from standard input, {"q":[..],"v":[..],"a":[..],"tau":[..]}, and writes one
-/// result a line. q and v are in the order that `dynamics inspect` shows; a floating base is q = [x y z, qx qy qz qw],
-/// v = [linear, angular] in the base frame. With "a" the result has "inverse_dynamics"
-/// = M a + C v + g, with "tau" it has "forward_dynamics" = M⁻¹(tau − C v − g), or, where M is
-/// singular, "forward_dynamics_error" with the joints that move no inertia. --terms asks for more or for less. A line that cannot be used gives
-/// {"error":..,"line":..} and the stream goes on; the exit code is 1 if there was any such line. A quaternion of
-/// a length within 1e-3 of 1 is normalised, which is said once.
+/// Reads one state per line from standard input, {"q":[..],"v":[..],"a":[..],"tau":[..]}, and writes one
+/// result per line. q and v have the order that `dynamics inspect` shows. A floating base has q = [x y z, qx
+/// qy qz qw] and v = [linear, angular] in the base frame. If the line has "a", the result has
+/// "inverse_dynamics" = M a + C v + g. If it has "tau", the result has "forward_dynamics" = M⁻¹(tau − C v −
+/// g). If M is singular, it has "forward_dynamics_error" instead, with the joints that move no inertia.
+/// --terms selects other terms.
+///
+/// An invalid line gives {"error":..,"line":..}, and the next line is read. The exit code is then 1. A
+/// quaternion whose length is within 1e-3 of 1 is normalised, with a note for the first one.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
     robot: RobotFile,
-    /// Count the joints' damping and friction: added to inverse_dynamics, taken off in forward_dynamics.
+    /// Include joint damping and friction: added in inverse_dynamics, subtracted in forward_dynamics.
     #[arg(long)]
     dissipation: bool,
-    /// What to compute, in this order; those that need "a" or "tau" only where a line has it.
+    /// Terms to compute, in this order. Terms that need "a" or "tau" are left out on lines without it.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = quantity_parser())]
     #[arg(default_values = DEFAULT.map(Quantity::name))]
     terms: Vec<String>,
-    /// The frame or link of Jacobians.
+    /// Frame or link of Jacobians.
     #[arg(long, value_name = "NAME")]
     frame: Option<String>,
 }
 
-/// What the name of a term ends with where it has no value in a state.
+/// Suffix of a term's name if the term has no value in a state.
 const NO_VALUE: &str = "_error";
 
-/// What is computed unless something else is asked for.
+/// Default terms.
 const DEFAULT: [Quantity; 8] = [
     Quantity::MassMatrix,
     Quantity::Bias,
@@ -66,7 +69,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let (mut lines, mut bad, mut singular) = (0, 0, 0);
     let mut bytes = Vec::new();
     loop {
-        // Whoever waits for an answer before the next question gets it; a long file is not flushed by line.
+        // A program that waits for each answer gets it at once; a long input is not flushed line by line.
         if input.buffer().is_empty() && !written(output.flush())? {
             return Ok(ExitCode::SUCCESS);
         }
@@ -98,21 +101,20 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let lines = count(lines, "line");
     let mut failures = Vec::new();
     if bad > 0 {
-        failures.push(format!(
-            "{bad} of {lines} could not be used; each has an object with \"error\" in the output"
-        ));
+        failures
+            .push(format!("{bad} of {lines} are invalid; the output has an object with \"error\" for each"));
     }
     if singular > 0 {
         failures.push(format!(
-            "{singular} of {lines} asked for accelerations where the mass matrix is singular; each has \
-             \"{name}_error\" in place of \"{name}\"",
+            "{singular} of {lines} ask for accelerations where the mass matrix is singular; the output has \
+             \"{name}_error\" instead of \"{name}\" for each",
             name = computer.first_inverse()
         ));
     }
     if failures.is_empty() { Ok(ExitCode::SUCCESS) } else { Err(Failure::new(failures.join("; "))) }
 }
 
-/// Whether the output still has a reader: one that has seen enough (`head`, for one) is no failure.
+/// Whether the output still has a reader. A closed pipe, such as that of `head`, is not an error.
 fn written(result: std::io::Result<()>) -> Result<bool, Failure> {
     match result {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
@@ -127,12 +129,12 @@ struct Computer<'a> {
     quantities: Vec<Quantity>,
     frames: Vec<FrameId>,
     dissipation: bool,
-    /// Whether it was said that a quaternion was normalised.
+    /// Whether the note on normalised quaternions was printed.
     has_noted: bool,
 }
 
-/// How far from 1 the length of a quaternion may be, as of rounded digits; beyond, it is more likely a mistake.
-const NEARLY_UNIT: f64 = 1e-3;
+/// Largest deviation of a quaternion's length from 1 that rounded digits explain; a larger one is an error.
+const NORMALIZATION_TOLERANCE: f64 = 1e-3;
 
 impl<'a> Computer<'a> {
     fn new(model: &'a Model, arguments: &Arguments) -> Result<Self, Failure> {
@@ -144,14 +146,14 @@ impl<'a> Computer<'a> {
         if let Some(quantity) = quantities.iter().find(|quantity| quantity.reads(Input::Frame))
             && frames.is_empty()
         {
-            return Err(Failure::new(format!("{} is of a frame: name it with --frame", quantity.name())));
+            return Err(Failure::new(format!("{} needs a frame; name it with --frame", quantity.name())));
         }
         if let Some(quantity) = quantities.iter().find(|quantity| is_slope(**quantity))
             && arguments.dissipation
         {
             let name = quantity.name();
             return Err(Failure::new(format!(
-                "{name} leaves damping and friction out: not with --dissipation"
+                "{name} does not include damping and friction; omit --dissipation"
             )));
         }
         let (workspace, memory) = (Workspace::new(model), QuantityMemory::new(model));
@@ -159,13 +161,13 @@ impl<'a> Computer<'a> {
         Ok(Self { model, workspace, memory, quantities, frames, dissipation, has_noted: false })
     }
 
-    /// The first term asked for that divides by M.
+    /// The first requested term that needs M⁻¹.
     fn first_inverse(&self) -> &'static str {
         self.quantities.iter().find(|quantity| quantity.inverts_mass()).map_or("", |quantity| quantity.name())
     }
 
-    /// Scales quaternions that are nearly of unit length to it, and says so the first time. Other faults of q are left
-    /// to the check.
+    /// Normalises quaternions whose length is close to 1, with a note for the first. Other errors in q are
+    /// left to the check.
     fn normalize(&mut self, q: &mut [f64], line: usize) {
         if q.len() != self.model.nq() {
             return;
@@ -174,16 +176,16 @@ impl<'a> Computer<'a> {
             let first = joint.q_index + joint.nq - 4;
             let quaternion = &mut q[first..first + 4];
             let norm = quaternion.iter().fold(0.0_f64, |norm, x| norm.hypot(*x));
-            if !(UNIT..=NEARLY_UNIT).contains(&(norm - 1.0).abs()) {
+            if !(UNIT_TOLERANCE..=NORMALIZATION_TOLERANCE).contains(&(norm - 1.0).abs()) {
                 continue;
             }
             for x in quaternion {
                 *x /= norm;
             }
             if !std::mem::replace(&mut self.has_noted, true) {
-                tell(format_args!(
-                    "note: line {line}: q[{first}..{}] (joint `{}`) is a quaternion x y z w of length {norm}; it is \
-                     normalised, and so is every other within {NEARLY_UNIT} of 1",
+                print_line(format_args!(
+                    "note: line {line}: q[{first}..{}] (joint `{}`) is a quaternion x y z w of length {norm}; quaternions \
+                     within {NORMALIZATION_TOLERANCE} of unit length are normalised",
                     first + 4,
                     joint.name
                 ));
@@ -195,14 +197,14 @@ impl<'a> Computer<'a> {
         let Self { model, workspace, memory, quantities, frames, dissipation, .. } = self;
         let n = model.nv();
         let StateLine { q, v, a, tau, .. } = state;
-        multibody::check_configuration(model, q).map_err(|error| error.to_string())?;
+        robot_dynamics::model::check_configuration(model, q).map_err(|error| error.to_string())?;
         check("v", v, n)?;
         for (name, values) in [("a", a), ("tau", tau)] {
             values.as_ref().map_or(Ok(()), |values| check(name, values, n))?;
         }
         let mut loss = vec![0.0; n];
         if *dissipation {
-            multibody::dissipation(model, v, &mut loss);
+            robot_dynamics::algorithms::dissipation(model, v, &mut loss);
         }
         let net =
             tau.as_ref().map(|tau| tau.iter().zip(&loss).map(|(tau, loss)| tau - loss).collect::<Vec<_>>());
@@ -221,7 +223,7 @@ impl<'a> Computer<'a> {
                 continue;
             }
             if quantity.inverts_mass()
-                && let Err(mass) = multibody::check_rank(model, workspace, q)
+                && let Err(mass) = robot_dynamics::algorithms::check_rank(model, workspace, q)
             {
                 let joints = mass.joints().into_iter().map(Into::into).collect();
                 let none = Object(vec![
@@ -234,9 +236,12 @@ impl<'a> Computer<'a> {
             }
             quantity.compute(model, workspace, &inputs, memory);
             let results = memory.results(quantity);
-            // JSON has no number for what is not finite, and a state that overflows has no answer.
+            // JSON has no number for infinities and NaN, and a state that overflows has no result.
             if !results.iter().copied().flatten().all(|x| x.is_finite()) {
-                return Err(format!("{} is not finite: the state's numbers are too large", quantity.name()));
+                return Err(format!(
+                    "{} is not finite; the numbers of the state are too large",
+                    quantity.name()
+                ));
             }
             let mut value = value(model, quantity, results);
             if quantity == Quantity::InverseDynamics
@@ -250,12 +255,12 @@ impl<'a> Computer<'a> {
     }
 }
 
-/// Whether it is a derivative by v, which damping would change.
+/// Whether the quantity is a derivative by v, to which damping would contribute.
 fn is_slope(quantity: Quantity) -> bool {
     matches!(quantity, Quantity::InverseDynamicsDerivatives | Quantity::ForwardDynamicsDerivatives)
 }
 
-/// The results of a quantity as they are written.
+/// The results of a quantity as JSON values.
 fn value(model: &Model, quantity: Quantity, results: [&[f64]; 3]) -> Value {
     let rows = |numbers: &[f64], width: usize| numbers.chunks(width.max(1)).map(<[f64]>::to_vec).collect();
     let one = |shape: ResultShape, numbers: &[f64]| match shape {
@@ -286,7 +291,7 @@ fn value(model: &Model, quantity: Quantity, results: [&[f64]; 3]) -> Value {
 
 fn check(name: &str, values: &[f64], expected: usize) -> Result<(), String> {
     if values.len() != expected {
-        return Err(format!("{name} has {} numbers, the robot needs {expected}", values.len()));
+        return Err(format!("{name} has {} numbers instead of {expected}", values.len()));
     }
     match values.iter().position(|x| !x.is_finite()) {
         Some(index) => Err(format!("{name}[{index}] is not finite")),

@@ -1,4 +1,5 @@
-//! `dynamics convert`: a robot from one file format to the other, with what the other cannot say.
+//! `dynamics convert`: writes a robot in the other file format, and lists the features that this format
+//! lacks.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -6,51 +7,52 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::ValueEnum;
-use dynamics::SplitMix64;
-use multibody::text::one_line;
-use multibody::{LeftOut, Model, RobotDescription, WrittenFile, neutral, random_state};
+use robot_dynamics::description::{RobotDescription, UnsupportedFeature, WrittenFile};
+use robot_dynamics::model::{Model, neutral, random_state};
+use robot_dynamics::text::one_line;
 use robot_dynamics::{Format, Options, describe_text};
+use robot_dynamics_number::SplitMix64;
 
 use crate::destination::refuse_clashes;
 use crate::failure::{Context, Failure, Outcome};
 use crate::interruption;
-use crate::output::{print, tell};
+use crate::output::{print, print_line};
 use crate::output_file::{OutputFile, finish_all};
-use crate::robot_file::{Loaded, RobotFile};
+use crate::robot_file::{LoadedRobot, RobotFile};
 
-/// Poses at which the mass matrices of both files are compared.
+/// Number of poses at which the mass matrices of both files are compared.
 const POSES: usize = 3;
-/// What M may be off, relative to its largest entry: rounding over a chain of frames.
-const ALLOWED: f64 = 1e-9;
-/// Things of a kind that are told one by one.
-const SHOWN: usize = 20;
-/// Names that one such line holds.
-const NAMED: usize = 8;
+/// Largest allowed difference of M, relative to its largest entry: rounding over a chain of frames.
+const MASS_TOLERANCE: f64 = 1e-9;
+/// Number of messages of one kind that are printed one by one.
+const MAX_MESSAGES: usize = 20;
+/// Number of names in one message.
+const MAX_NAMES: usize = 8;
 
-/// Write a robot in the other format: URDF from MJCF, MJCF from URDF.
+/// Convert a robot from MJCF to URDF or from URDF to MJCF.
 ///
-/// What the format cannot say is told by name: physics as a warning, looks and bookkeeping as a note. The file is read
-/// back before it is written, and its mass matrix compared.
+/// Features that the output format lacks are listed by name: physics as warnings, appearance and metadata as
+/// notes. The command reads its output back and compares the mass matrices before it writes the file.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
     robot: RobotFile,
-    /// The file to write: NAME.urdf, or NAME.xml or NAME.mjcf for MJCF; - for standard output. With --strict nothing is
-    /// written where the format lacks words for physics.
+    /// Output file: NAME.urdf, or NAME.xml or NAME.mjcf for MJCF; - for standard output. With --strict
+    /// nothing is written if the format lacks physics of the robot.
     output: PathBuf,
-    /// The format, where the file's name does not tell it.
+    /// Output format, if the file's name does not tell it.
     #[arg(long, value_name = "FORMAT")]
-    to: Option<To>,
+    to: Option<OutputFormat>,
 }
 
-/// A format, as the command line names it.
+/// A format of the option `--to`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum To {
+enum OutputFormat {
     Urdf,
     Mjcf,
 }
 
-impl To {
+impl OutputFormat {
     fn word(self) -> &'static str {
         match self {
             Self::Urdf => "URDF",
@@ -64,16 +66,16 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let shown = output.display();
     let to = match (arguments.to, Format::of(output)) {
         (Some(to), _) => to,
-        (None, Some(Format::Urdf)) => To::Urdf,
-        (None, Some(_)) => To::Mjcf,
+        (None, Some(Format::Urdf)) => OutputFormat::Urdf,
+        (None, Some(_)) => OutputFormat::Mjcf,
         (None, None) => {
             let message = format!(
-                "{shown} does not tell the format: name it .urdf or .xml, or say --to urdf or --to mjcf"
+                "{shown}: unknown output format; name the file .urdf or .xml, or give --to urdf or --to mjcf"
             );
             return Err(Failure::new(message));
         }
     };
-    let Loaded { model, report, .. } = robot.load()?;
+    let LoadedRobot { model, report, .. } = robot.load()?;
     refuse_clashes(robot.path(), &report.files, &[("the output", output)])?;
     robot.print_warnings(&report);
     let written = write(model.description(), to, output).context(robot.shown())?;
@@ -81,13 +83,13 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let lost = written.lost_physics().count();
     if lost > 0 && robot.is_strict() {
         let message = format!(
-            "{shown} is not written: {} has no words for the physics named above ({lost})",
+            "{shown} is not written: {} cannot represent the physics listed above ({lost})",
             to.word()
         );
         return Err(Failure::new(message));
     }
-    let off =
-        difference(model.description(), &written.text).context(format!("{shown}: the file read back"))?;
+    let off = difference(model.description(), &written.text)
+        .context(format!("{shown}: reading the output back"))?;
     let is_standard_output = interruption::while_writing(|| {
         let mut file = OutputFile::create(output)?;
         let done = file.write_all(written.text.as_bytes()).and_then(|()| finish_all(&mut [&mut file]));
@@ -96,57 +98,63 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     })?;
     if !is_standard_output {
         let mass = if model.nv() == 0 {
-            "no joint moves".into()
+            "the robot has no degree of freedom".into()
         } else {
-            format!("M the same to {off:.0e} of its largest entry at {POSES} poses")
+            format!("M agrees to {off:.0e} of its largest entry at {POSES} poses")
         };
-        let lost =
-            if lost == 0 { "no physics left out".into() } else { format!("left out of physics: {lost}") };
-        let told = format!("wrote {shown}: {}, {lost}; read back, {mass}", to.word());
+        let lost = if lost == 0 { "no physics lost".into() } else { format!("physics lost: {lost}") };
+        let told = format!("wrote {shown}: {}, {lost}; {mass}", to.word());
         print(&format!("{}\n", one_line(&told)))?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn write(robot: &RobotDescription, to: To, output: &Path) -> Result<WrittenFile, Failure> {
+fn write(robot: &RobotDescription, to: OutputFormat, output: &Path) -> Result<WrittenFile, Failure> {
     let format = match to {
-        To::Urdf => Format::Urdf,
-        To::Mjcf => Format::Mjcf,
+        OutputFormat::Urdf => Format::Urdf,
+        OutputFormat::Mjcf => Format::Mjcf,
     };
-    // A file on standard output lies wherever the reader puts it: here, as far as is known.
+    // Paths in a file on standard output are relative to this folder.
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     robot_dynamics::write(robot, format, Some(folder)).map_err(Failure::new)
 }
 
-/// What the format cannot say, physics first; what is said of several joints or links in one line.
+/// Lists the features that the format lacks, physics first. A message about several joints or links is one
+/// line.
 fn tell_left_out(written: &WrittenFile, output: &Path) {
     for (word, physics) in [("warning", true), ("note", false)] {
         let mut messages: Vec<(&str, Vec<&str>)> = Vec::new();
         let mut index = HashMap::new();
-        for LeftOut { place, message, .. } in written.left_out.iter().filter(|one| one.physics == physics) {
+        for UnsupportedFeature { place, message, .. } in
+            written.left_out.iter().filter(|one| one.physics == physics)
+        {
             let at = *index.entry(message.as_str()).or_insert(messages.len());
             if at == messages.len() {
                 messages.push((message, Vec::new()));
             }
             messages[at].1.push(place);
         }
-        for (message, places) in messages.iter().take(SHOWN) {
-            let named: Vec<&str> = places.iter().take(NAMED).copied().collect();
-            let more = if places.len() > NAMED {
-                format!(" and {} more", places.len() - NAMED)
+        for (message, places) in messages.iter().take(MAX_MESSAGES) {
+            let named: Vec<&str> = places.iter().take(MAX_NAMES).copied().collect();
+            let more = if places.len() > MAX_NAMES {
+                format!(" and {} more", places.len() - MAX_NAMES)
             } else {
                 String::new()
             };
-            tell(format_args!("{word}: {}: {}{more}: {message}", output.display(), named.join(", ")));
+            print_line(format_args!("{word}: {}: {}{more}: {message}", output.display(), named.join(", ")));
         }
-        if messages.len() > SHOWN {
-            tell(format_args!("{word}: {}: {} more of these", output.display(), messages.len() - SHOWN));
+        if messages.len() > MAX_MESSAGES {
+            print_line(format_args!(
+                "{word}: {}: and {} more messages",
+                output.display(),
+                messages.len() - MAX_MESSAGES
+            ));
         }
     }
 }
 
-/// The largest difference of M, relative to its largest entry, between a robot and the text written of it, couplings
-/// followed in both.
+/// The largest difference of M, relative to its largest entry, between a robot and its written text. Joint
+/// couplings become mimic joints in both.
 fn difference(robot: &RobotDescription, text: &str) -> Result<f64, Failure> {
     let back = describe_text(text, &Options::default())
         .map_err(|error| Failure::new(error.messages().join("; ")))?;
@@ -156,7 +164,11 @@ fn difference(robot: &RobotDescription, text: &str) -> Result<f64, Failure> {
     });
     let (ours, theirs) = (ours.map_err(Failure::new)?, theirs.map_err(Failure::new)?);
     if (ours.nq(), ours.nv()) != (theirs.nq(), theirs.nv()) {
-        let message = format!("{} degrees of freedom became {}; please report this", ours.nv(), theirs.nv());
+        let message = format!(
+            "the output has {} degrees of freedom instead of {}; please report this",
+            theirs.nv(),
+            ours.nv()
+        );
         return Err(Failure::new(message));
     }
     let mut random = SplitMix64::new(1);
@@ -167,9 +179,11 @@ fn difference(robot: &RobotDescription, text: &str) -> Result<f64, Failure> {
         let off = (theirs.mass_matrix(&q).map_err(Failure::new)? - &mass).amax();
         worst = worst.max(if off == 0.0 { 0.0 } else { off / mass.amax() });
     }
-    // NaN is not within what is allowed either.
-    if worst <= ALLOWED {
+    // This also rejects NaN.
+    if worst <= MASS_TOLERANCE {
         return Ok(worst);
     }
-    Err(Failure::new(format!("its mass matrix is off by {worst:e} of its largest entry; please report this")))
+    Err(Failure::new(format!(
+        "the mass matrix differs by {worst:e} of its largest entry; please report this"
+    )))
 }

@@ -1,4 +1,4 @@
-//! Where an output goes, and that it goes over no input and no other output.
+//! Destinations of outputs, and the check that no output replaces an input or another output.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -8,26 +8,26 @@ use robot_dynamics::output::{is_same_file, resolve};
 
 use crate::failure::{Context, Failure};
 
-/// Where an output goes.
+/// The destination of an output.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Destination {
-    /// To whoever reads what the command prints: `-` or `/dev/stdout`.
+    /// Standard output: `-` or `/dev/stdout`.
     StandardOutput,
-    /// Straight there: a device, a pipe, a file that the shell holds open.
+    /// A device, a pipe, or a file that the shell has opened.
     Stream(PathBuf),
-    /// To a file, there or to come; links are followed.
+    /// A file, existing or new; links are followed.
     File(PathBuf),
 }
 
 impl Destination {
-    /// What `path` means as an output.
+    /// Interprets `path` as an output.
     pub(crate) fn of(path: &Path) -> Result<Self, Failure> {
         let shown = path.display();
         let is_one_of = |names: &[&str]| names.iter().any(|name| path == Path::new(name));
         if is_one_of(&["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]) {
             return Ok(Self::StandardOutput);
         }
-        // What the shell holds open belongs to it, whatever stands behind it.
+        // A descriptor of the shell is a stream, whatever it points to.
         if path == Path::new("/dev/stderr")
             || path.starts_with("/dev/fd")
             || path.starts_with("/proc/self/fd")
@@ -41,32 +41,36 @@ impl Destination {
             }
             Ok(found) if !found.is_file() => Ok(Self::Stream(resolved)),
             _ if resolved.file_name().is_none() || ends_in_separator(path) => {
-                Err(Failure::new(format!("cannot write {shown}: it has no file name")))
+                Err(Failure::new(format!("cannot write {shown}: the path has no file name")))
             }
             _ => Ok(Self::File(resolved)),
         }
     }
 }
 
-/// Where a file is kept that could not be finished: NAME.partial.EXTENSION, or NAME.partial without one.
+/// The path of an unfinished file: NAME.partial.EXTENSION, or NAME.partial without an extension.
 pub(crate) fn partial(path: &Path) -> PathBuf {
     let extension = path.extension().map(OsStr::to_string_lossy);
     path.with_extension(extension.map_or_else(|| "partial".into(), |e| format!("partial.{e}")))
 }
 
-/// A path as a message shows it: without the present folder.
+/// A path for a message, relative to the current folder if possible.
 pub(crate) fn shown(path: &Path) -> PathBuf {
     let inside = fs::canonicalize(".").ok().and_then(|here| Some(path.strip_prefix(here).ok()?.to_owned()));
     inside.unwrap_or_else(|| path.to_owned())
 }
 
-/// A file of a command line, with what a message calls it: `--csv`, `the robot's file`.
-pub(crate) type Named<'a> = (&'a str, &'a Path);
+/// A path of the command line with its role in a message: `--csv`, `the robot's file`.
+pub(crate) type NamedPath<'a> = (&'a str, &'a Path);
 
-/// Refuses an output that is a file which was read or another output, by whatever name or link. The file that an output
-/// leaves when it cannot be finished counts as well; what is no file (`-` of a terminal, `/dev/null`, a pipe) clashes with
-/// nothing. `robot` is the file of the command line, `read` are all files that the robot comes from.
-pub(crate) fn refuse_clashes(robot: &Path, read: &[PathBuf], outputs: &[Named<'_>]) -> Result<(), Failure> {
+/// Rejects an output that is an input file or another output, under any name or link. The partial file of an
+/// unfinished output counts as well. Devices and pipes clash with nothing. `robot` is the file of the command
+/// line, `read` are all files that the robot is read from.
+pub(crate) fn refuse_clashes(
+    robot: &Path,
+    read: &[PathBuf],
+    outputs: &[NamedPath<'_>],
+) -> Result<(), Failure> {
     let mut taken: Vec<(&str, String, PathBuf)> =
         vec![("the robot's file", robot.display().to_string(), robot.to_owned())];
     let own = |file: &PathBuf| {
@@ -88,11 +92,11 @@ pub(crate) fn refuse_clashes(robot: &Path, read: &[PathBuf], outputs: &[Named<'_
                 let kept = partial(path);
                 let kept = kept.display();
                 format!(
-                    "{role} {shown} would be kept as {kept} if the run ended early, and that is {other}, {name}; name \
+                    "{role} {shown} would become {kept} if the run ended early, which is {other}, {name}; choose \
                      another file"
                 )
             } else {
-                format!("{role} {shown} is the same file as {other}, {name}; name another file")
+                format!("{role} {shown} is the same file as {other}, {name}; choose another file")
             }));
         }
         taken.extend(places.into_iter().map(|place| (role, shown.to_string(), place)));
@@ -100,12 +104,12 @@ pub(crate) fn refuse_clashes(robot: &Path, read: &[PathBuf], outputs: &[Named<'_
     Ok(())
 }
 
-/// A stream that the shell has opened on a file of the disk.
+/// The stream's path, if the shell has opened it on a regular file.
 fn on_disk(stream: &Path) -> Option<PathBuf> {
     fs::metadata(stream).is_ok_and(|found| found.is_file()).then(|| stream.to_owned())
 }
 
-/// Whether a path ends in `/` or in `/.`, and so can only be a directory.
+/// Whether a path ends in a separator, `.` or `..`, and can only be a directory.
 fn ends_in_separator(path: &Path) -> bool {
     path.as_os_str().to_string_lossy().ends_with(std::path::is_separator)
         || matches!(path.components().next_back(), Some(Component::ParentDir | Component::CurDir))

@@ -1,24 +1,24 @@
-//! What a command returns: an exit code, or what went wrong: one line, or one for each error of a file.
+//! Results of commands: an exit code or an error message.
 
 use std::fmt;
 use std::process::ExitCode;
 
-use multibody::text::one_line;
+use robot_dynamics::text::one_line;
 
-/// The cause of a failed command: one line, and one more for each error of a file with several.
+/// The error message of a failed command: one line, and one for each error of a file with several.
 #[derive(Debug)]
 pub(crate) struct Failure(String);
 
-/// What a command returns.
+/// The result of a command.
 pub(crate) type Outcome = Result<ExitCode, Failure>;
 
 impl Failure {
     pub(crate) fn new(cause: impl fmt::Display) -> Self {
-        // A cause of several lines would break the promise of one.
+        // A message is one line, even if its cause has several.
         Self(one_line(&cause.to_string().replace('\n', " ")).into_owned())
     }
 
-    /// A head line, and a line for each cause below it.
+    /// A first line, and a line for each cause below it.
     pub(crate) fn several(head: &str, causes: impl Iterator<Item = String>) -> Self {
         let line = |text: &str| one_line(&text.replace('\n', " ")).into_owned();
         Self(causes.fold(line(head), |text, cause| text + "\n  " + &line(&cause)))
@@ -31,7 +31,7 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Adds what was being done to the cause of an error.
+/// Adds the failed operation to the cause of an error.
 pub(crate) trait Context<T> {
     fn context(self, doing: impl fmt::Display) -> Result<T, Failure>;
 }

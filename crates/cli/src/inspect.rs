@@ -1,6 +1,6 @@
-//! `dynamics inspect`: what a robot file holds.
+//! `dynamics inspect`: the contents of a robot file.
 
-mod beside;
+mod features;
 mod machine_code;
 mod simulation;
 
@@ -8,19 +8,22 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::process::ExitCode;
 
-use multibody::text::one_line;
-use multibody::{JointDescription, LinkDescription, LoadReport, Model, Treatment};
+use robot_dynamics::description::{Disposition, JointDescription, LinkDescription, LoadReport};
+use robot_dynamics::model::Model;
+use robot_dynamics::text::one_line;
 
-pub(crate) use self::machine_code::MachineCode;
-pub(crate) use self::simulation::DefaultSimulation;
 use crate::failure::{Failure, Outcome};
 use crate::inspection::Inspection;
 use crate::output::{print, print_json};
-use crate::robot_file::{Loaded, RobotFile};
+use crate::robot_file::{LoadedRobot, RobotFile};
 use crate::singular_poses::SingularPoses;
 use crate::table::{Table, short};
 
-/// Show a robot: tree, joints, limits, masses, sensors, what the default simulation leaves out, and what its file did not say or is not read.
+pub(crate) use self::machine_code::MachineCode;
+pub(crate) use self::simulation::DefaultSimulation;
+
+/// Show a robot's tree, joints, limits, masses and sensors, and which parts of its file the reader or the
+/// default simulation leaves out.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -28,26 +31,26 @@ pub(crate) struct Arguments {
     /// Print one JSON object instead of text.
     #[arg(long)]
     json: bool,
-    /// List every line of the load report, also what was read as it stands.
+    /// List every line of the load report, including values that were read as written.
     #[arg(long)]
     all: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report, .. } = arguments.robot.load()?;
-    let singular = SingularPoses::look(&model);
+    let LoadedRobot { model, report, .. } = arguments.robot.load()?;
+    let singular = SingularPoses::sample(&model);
     let simulation = DefaultSimulation::of(&model);
     if arguments.json {
         let inspection = serde_json::to_string(&Inspection::of(&model, &report, &singular, &simulation));
         print_json(&(inspection.map_err(Failure::new)? + "\n"))?;
     } else {
-        // Each part is printed once it is made: for a robot of many links all of them would take much memory.
+        // Each part is printed when it is complete, to save memory for robots with many links.
         print(&head(&model))?;
         print("\n")?;
         print(&tree(&model))?;
         print("\n")?;
         print(&coordinates(&model))?;
-        for part in beside::parts(&model) {
+        for part in features::parts(&model) {
             print(&format!("\n{part}"))?;
         }
         if let Some(text) = singular.text() {
@@ -81,10 +84,11 @@ fn head(model: &Model) -> String {
     text
 }
 
-/// Levels of the tree that are indented; the text of a chain would else grow as its length squared.
-const DEEPEST: usize = 200;
+/// Largest indentation of the tree in levels; without it the text of a chain would grow as the square of its
+/// length.
+const MAX_INDENT: usize = 200;
 
-/// The links as a tree, each with its mass and the joint that carries it.
+/// The links as a tree, each with its mass and its parent joint.
 fn tree(model: &Model) -> String {
     let description = model.description();
     let index: HashMap<&str, usize> =
@@ -100,7 +104,7 @@ fn tree(model: &Model) -> String {
         }
     }
     let mut text = String::new();
-    // Link, depth and the joint above it; children pushed in reverse to come out in order.
+    // Link, depth and parent joint. Children are pushed in reverse, so that they are popped in order.
     let root = is_child.iter().position(|is_child| !is_child);
     let mut pending: Vec<(usize, usize, Option<&JointDescription>)> =
         root.map(|root| (root, 0, None)).into_iter().collect();
@@ -112,7 +116,7 @@ fn tree(model: &Model) -> String {
         };
         let how =
             joint.map_or_else(String::new, |joint| format!("  <- {} ({})", joint.name, joint.kind.name()));
-        let line = format!("{}{name}  {mass}{how}", "  ".repeat(depth.min(DEEPEST)));
+        let line = format!("{}{name}  {mass}{how}", "  ".repeat(depth.min(MAX_INDENT)));
         let _ = writeln!(text, "  {}", one_line(&line));
         pending.extend(
             joints_below[link]
@@ -135,7 +139,7 @@ fn coordinates(model: &Model) -> String {
         ">effort",
         ">damping",
         ">friction",
-        "follows",
+        "mimics",
     ]);
     for joint in model.joints().iter().filter(|joint| joint.nv > 0 || joint.mimic.is_some()) {
         let index = match joint.nv {
@@ -161,28 +165,28 @@ fn coordinates(model: &Model) -> String {
         );
     }
     if model.nv() == 0 {
-        return "No joint moves.\n".into();
+        return "The robot has no degree of freedom.\n".into();
     }
-    let head = "Joints in the order of q and v (rad or m, s, N·m or N; - where unlimited):";
+    let head = "Joints in the order of q and v (rad or m, s, N·m or N; - for unlimited):";
     format!("{head}\n{}", table.text())
 }
 
-/// The text of a report that is printed at once \[bytes\].
-const PRINTED_AT_ONCE: usize = 1 << 16;
+/// Size of the report's text that is collected before it is printed \[bytes\].
+const BUFFER_SIZE: usize = 1 << 16;
 
 fn print_load_report(report: &LoadReport, all: bool) -> Result<(), Failure> {
     let counts = &report.counts;
     let mut text = format!(
-        "\nLoad report: {}; {} of shape only\n",
+        "\nLoad report: {}; {} without effect on dynamics\n",
         counts.sums(),
         count(counts.not_dynamics, "element")
     );
-    let listed = report.findings.iter().filter(|finding| all || finding.treatment() != Treatment::Read);
+    let listed = report.findings.iter().filter(|finding| all || finding.treatment() != Disposition::Read);
     for finding in listed {
         let (line, place, treatment) = (finding.line(), finding.place(), finding.treatment());
         let (place, message) = (one_line(place), one_line(finding.message()));
         let _ = writeln!(text, "  {}: line {line}: {place}: {treatment}: {message}", finding.severity());
-        if text.len() > PRINTED_AT_ONCE {
+        if text.len() > BUFFER_SIZE {
             print(&text)?;
             text.clear();
         }

@@ -1,9 +1,10 @@
-//! The JSON face of a model, for other programs.
+//! The JSON output of `dynamics inspect`.
 
-use multibody::{
-    ActuatorDescription, Base, EqualityDescription, Joint, Limits, LinkShape, LoadReport, Mimic, Model,
-    NamedPose, PassiveForces, SensorDescription, TendonDescription,
+use robot_dynamics::description::{
+    ActuatorDescription, Base, EqualityDescription, Limits, LinkShape, LoadReport, Mimic, NamedPose,
+    PassiveForces, SensorDescription, TendonDescription,
 };
+use robot_dynamics::model::{Joint, Model};
 use serde::Serialize;
 
 use crate::inspect::{DefaultSimulation, MachineCode};
@@ -53,7 +54,7 @@ struct LinkRow<'a> {
     mass: f64,
     /// In the link's frame; `None` without mass.
     center_of_mass: Option<[f64; 3]>,
-    /// About the centre of mass, along the link's axes: xx, xy, xz, yy, yz, zz.
+    /// About the centre of mass, in the link's axes: xx, xy, xz, yy, yz, zz.
     inertia: Option<[f64; 6]>,
 }
 
@@ -80,10 +81,10 @@ impl<'a> Inspection<'a> {
         let description = model.description();
         let links = description.links.iter().map(|link| {
             let body = link.mass_properties.as_ref();
-            let inertia = body.map(dynamics::MassProperties::inertia_about_center_of_mass);
+            let inertia = body.map(robot_dynamics::description::MassProperties::inertia_about_center_of_mass);
             LinkRow {
                 name: &link.name,
-                mass: body.map_or(0.0, dynamics::MassProperties::mass),
+                mass: body.map_or(0.0, robot_dynamics::description::MassProperties::mass),
                 center_of_mass: body.map(|body| body.center_of_mass().into()),
                 inertia: inertia.map(|i| [i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]]),
             }

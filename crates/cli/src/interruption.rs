@@ -1,4 +1,4 @@
-//! Ctrl-C, SIGTERM and SIGHUP: what was computed is still shown, and no temporary file stays.
+//! Handling of Ctrl-C, SIGTERM and SIGHUP: results so far are shown, and no temporary file remains.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -7,14 +7,15 @@ use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 
 use crate::failure::{Context, Failure};
 
-/// Whether the run is to end.
+/// Whether a signal asks the run to end.
 static INTERRUPTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
-/// The exit code of a program ended by the signal that came: 128 and its number, 130 for Ctrl-C.
+/// The exit code after a signal, 128 plus its number: 130 for Ctrl-C.
 static CODE: AtomicU8 = AtomicU8::new(130);
-/// Files and folders of a command that a signal ends at once. It is locked while results are written.
+/// Files and folders to remove when a signal ends the command at once. The lock is held while results are
+/// written.
 static TO_REMOVE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// From here on a signal ends nothing by itself; [`interrupted`] says that one came.
+/// From here on a signal only sets the flag that [`interrupted`] reads.
 pub(crate) fn end_between_steps() -> Result<(), Failure> {
     on_signal(|code| {
         CODE.store(code, Ordering::Relaxed);
@@ -22,12 +23,12 @@ pub(crate) fn end_between_steps() -> Result<(), Failure> {
     })
 }
 
-/// Whether a signal came.
+/// Whether a signal arrived.
 pub(crate) fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::Acquire)
 }
 
-/// The same for a computation that looks at it by itself.
+/// The flag of [`interrupted`], for a computation that polls it.
 pub(crate) fn shared_flag() -> Arc<AtomicBool> {
     Arc::clone(&INTERRUPTED)
 }
@@ -37,13 +38,15 @@ pub(crate) fn code() -> ExitCode {
     ExitCode::from(CODE.load(Ordering::Relaxed))
 }
 
-/// Writes results: a signal ends the command before or after, so that all files are in their places or none is.
+/// Writes results. A signal ends the command before or after, so that all files are complete or none is
+/// written.
 pub(crate) fn while_writing<T>(write: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     let _held = end_at_once()?;
     write()
 }
 
-/// Waits for the end of the command where a signal is ending it. Its files are removed then, so that a failure may follow from that.
+/// Waits for the end of the command if a signal is ending it. The removal of its files may be the cause of a
+/// failure.
 pub(crate) fn wait_for_end() {
     drop(TO_REMOVE.lock().unwrap_or_else(PoisonError::into_inner));
 }
@@ -68,13 +71,14 @@ fn end_at_once() -> Result<MutexGuard<'static, Vec<PathBuf>>, Failure> {
     Ok(held)
 }
 
-/// Calls it with the exit code of each signal that comes, on a thread of its own.
+/// Calls `act` with the exit code of each signal, on a separate thread.
 #[cfg(unix)]
 fn on_signal(act: impl Fn(u8) + Send + 'static) -> Result<(), Failure> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     let watched =
         [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| signal != SIGHUP || !is_ignored(SIGHUP));
-    let mut signals = signal_hook::iterator::Signals::new(watched).context("cannot watch for signals")?;
+    let mut signals =
+        signal_hook::iterator::Signals::new(watched).context("cannot install signal handlers")?;
     let watch = move || {
         for signal in signals.forever() {
             act(u8::try_from(128 + signal).unwrap_or(130));
@@ -84,15 +88,16 @@ fn on_signal(act: impl Fn(u8) + Send + 'static) -> Result<(), Failure> {
         .name("signals".into())
         .spawn(watch)
         .map(drop)
-        .context("cannot watch for signals")
+        .context("cannot install signal handlers")
 }
 
 #[cfg(not(unix))]
 fn on_signal(act: impl Fn(u8) + Send + 'static) -> Result<(), Failure> {
-    ctrlc::set_handler(move || act(130)).context("cannot watch for Ctrl-C")
+    ctrlc::set_handler(move || act(130)).context("cannot install a handler for Ctrl-C")
 }
 
-/// Whether the program was started with the signal ignored, as `nohup` does, where the system says so in a file.
+/// Whether the parent process made the program ignore the signal, as `nohup` does. Linux reports it in a
+/// file.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

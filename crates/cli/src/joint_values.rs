@@ -2,10 +2,11 @@
 
 use std::str::FromStr;
 
-use multibody::{Coordinate, Joint, Model};
+use robot_dynamics::description::Coordinate;
+use robot_dynamics::model::{Joint, Model};
 
 use crate::failure::Failure;
-use crate::output::tell;
+use crate::output::print_line;
 
 /// Names with their numbers: `elbow=0.5,base=0,0,1,0,0,0,1,wrist=-1`. A number without a name belongs to the
 /// name before it.
@@ -25,7 +26,7 @@ impl FromStr for JointValues {
                 item
             };
             let Some((name, numbers)) = values.last_mut().filter(|(name, _)| !name.is_empty()) else {
-                return Err("write JOINT=NUMBER, several separated by commas".into());
+                return Err("expected JOINT=NUMBER, several separated by commas".into());
             };
             match number.parse::<f64>() {
                 Ok(x) if x.is_finite() => numbers.push(x),
@@ -37,7 +38,7 @@ impl FromStr for JointValues {
     }
 }
 
-/// Named values, or the one name of a set of them.
+/// Values by joint name, or the name of a pose.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum NameOrValues {
     Name(String),
@@ -54,7 +55,7 @@ impl FromStr for NameOrValues {
 }
 
 impl NameOrValues {
-    /// Whether it gives this joint's numbers, or all by a name.
+    /// Whether it sets this joint. A named pose sets all joints.
     pub(crate) fn names(&self, joint: &str) -> bool {
         match self {
             Self::Name(_) => true,
@@ -64,12 +65,12 @@ impl NameOrValues {
 }
 
 impl JointValues {
-    /// One number for each name.
+    /// The values, if each name has one number.
     pub(crate) fn single(&self) -> Result<Vec<(&str, f64)>, String> {
         let mut values = Vec::new();
         for (name, numbers) in &self.0 {
             let [number] = numbers[..] else {
-                return Err(format!("{name}: takes one number, not {}", numbers.len()));
+                return Err(format!("{name} takes one number, not {}", numbers.len()));
             };
             values.push((name.as_str(), number));
         }
@@ -77,7 +78,7 @@ impl JointValues {
     }
 }
 
-/// Which of a joint's numbers are meant.
+/// The kind of a joint's numbers.
 #[derive(Clone, Copy)]
 pub(crate) enum Numbers {
     /// Entries of q.
@@ -86,7 +87,7 @@ pub(crate) enum Numbers {
     Velocity,
 }
 
-/// Writes the given values into `x`, which is q or v, and leaves the rest.
+/// Writes the given values into `x`, which is q or v, and leaves the other entries.
 pub(crate) fn set(
     model: &Model,
     option: &str,
@@ -121,7 +122,7 @@ pub(crate) fn set(
     Ok(())
 }
 
-/// The names of several numbers, in brackets.
+/// The coordinates' names in parentheses, if there are several.
 fn named(coordinates: &[Coordinate], frame: &str) -> String {
     if coordinates.len() < 2 {
         return String::new();
@@ -135,10 +136,10 @@ fn configuration_of(joint: &Joint) -> String {
 }
 
 fn velocity_of(joint: &Joint) -> String {
-    named(joint.kind.velocities(), if joint.nq > joint.nv { " in the child's axes" } else { "" })
+    named(joint.kind.velocities(), if joint.nq > joint.nv { " in the child's frame" } else { "" })
 }
 
-/// The joint of this name, if it has numbers to set.
+/// The joint of this name, if it has values to set.
 fn find<'a>(model: &'a Model, option: &str, name: &str) -> Result<&'a Joint, Failure> {
     let Some(joint) = model.joint(name) else {
         let moving: Vec<&str> =
@@ -153,29 +154,32 @@ fn find<'a>(model: &'a Model, option: &str, name: &str) -> Result<&'a Joint, Fai
     };
     if let Some(mimic) = &joint.mimic {
         let leader = &mimic.joint;
-        return Err(Failure::new(format!("{option}: joint `{name}` follows joint `{leader}`; set that one")));
+        return Err(Failure::new(format!(
+            "{option}: joint `{name}` mimics joint `{leader}`; set `{leader}` instead"
+        )));
     }
     if joint.nv == 0 {
-        return Err(Failure::new(format!("{option}: joint `{name}` is fixed and has no value")));
+        return Err(Failure::new(format!("{option}: joint `{name}` is fixed and has no coordinate")));
     }
     Ok(joint)
 }
 
-/// A quaternion has unit length to this much: what [`multibody::check_configuration`] takes as it stands.
-pub(crate) const UNIT: f64 = 1e-6;
+/// Tolerance of a quaternion's length, within which [`robot_dynamics::model::check_configuration`] accepts
+/// it.
+pub(crate) const UNIT_TOLERANCE: f64 = 1e-6;
 
-/// Scales a quaternion x y z w to unit length; typed digits never have it exactly, and digits that were left out are
-/// said. One that is off by more than a tenth is more likely a mistake.
+/// Normalises a quaternion x y z w. Typed digits are never exact, so a small deviation gives a note and one
+/// above 0.1 an error.
 pub(crate) fn normalize(option: &str, name: &str, quaternion: &mut [f64]) -> Result<(), Failure> {
     let norm = quaternion.iter().fold(0.0_f64, |norm, x| norm.hypot(*x));
     if (norm - 1.0).abs() > 0.1 {
         return Err(Failure::new(format!(
-            "{option}: joint `{name}`: the quaternion x,y,z,w has length {norm}, not 1; for no rotation write \
-             0,0,0,1"
+            "{option}: joint `{name}`: the quaternion x,y,z,w has length {norm} instead of 1; \
+             no rotation is 0,0,0,1"
         )));
     }
-    if (norm - 1.0).abs() > UNIT {
-        tell(format_args!(
+    if (norm - 1.0).abs() > UNIT_TOLERANCE {
+        print_line(format_args!(
             "note: {option}: joint `{name}`: the quaternion x,y,z,w of length {norm} is normalised"
         ));
     }
@@ -199,9 +203,9 @@ mod tests {
     #[test]
     fn malformed_values_are_refused() {
         for (text, message) in [
-            ("", "write JOINT=NUMBER, several separated by commas"),
-            ("1", "write JOINT=NUMBER, several separated by commas"),
-            ("=1", "write JOINT=NUMBER, several separated by commas"),
+            ("", "expected JOINT=NUMBER, several separated by commas"),
+            ("1", "expected JOINT=NUMBER, several separated by commas"),
+            ("=1", "expected JOINT=NUMBER, several separated by commas"),
             ("a=", "a: \"\" is not a number"),
             ("a=1,", "a: \"\" is not a number"),
             ("a=one", "a: \"one\" is not a number"),

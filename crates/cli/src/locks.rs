@@ -1,15 +1,15 @@
-//! Joints held still, as in `--lock finger,wrist=0.3`.
+//! Locked joints, as in `--lock finger,wrist=0.3`.
 
 use std::fmt;
 use std::str::FromStr;
 
-use multibody::{RobotDescription, SurgeryError};
+use robot_dynamics::description::{EditError, RobotDescription};
 
 use crate::failure::Failure;
 use crate::joint_values::normalize;
 
-/// Joints, some with the position they are held at: `finger,wrist=0.3,ball=0,0,0,1`. A number after a name with
-/// `=` belongs to that name; all else is a name.
+/// Joints to lock, with optional positions: `finger,wrist=0.3,ball=0,0,0,1`. Numbers after `NAME=` belong to
+/// that name; any other item is a name.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Locks(Vec<(String, Option<Vec<f64>>)>);
 
@@ -34,14 +34,14 @@ impl FromStr for Locks {
             }
         }
         if locks.iter().any(|(name, _)| name.is_empty()) {
-            return Err("write JOINT or JOINT=NUMBER, several separated by commas".into());
+            return Err("expected JOINT or JOINT=NUMBER, several separated by commas".into());
         }
         Ok(Self(locks))
     }
 }
 
 impl fmt::Display for Locks {
-    /// As it can be given.
+    /// In the form of the command line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (k, (name, position)) in self.0.iter().enumerate() {
             let comma = if k == 0 { "" } else { "," };
@@ -54,7 +54,7 @@ impl fmt::Display for Locks {
     }
 }
 
-/// Makes fixed joints of those named.
+/// Makes the named joints fixed.
 pub(crate) fn apply(robot: &mut RobotDescription, given: &[Locks]) -> Result<(), Failure> {
     let mut seen: Vec<&str> = Vec::new();
     for (name, position) in given.iter().flat_map(|locks| &locks.0) {
@@ -69,7 +69,7 @@ pub(crate) fn apply(robot: &mut RobotDescription, given: &[Locks]) -> Result<(),
         let joint = robot.joints.iter().find(|joint| &joint.name == name);
         let (nq, nv) = joint.map_or((0, 0), |joint| (joint.kind.nq(), joint.kind.nv()));
         if joint.is_some_and(|joint| joint.mimic.is_none()) && nv == 0 {
-            return Err(Failure::new(format!("--lock: joint `{name}` is fixed already")));
+            return Err(Failure::new(format!("--lock: joint `{name}` is already fixed")));
         }
         if nq > nv && q.len() == nq {
             normalize("--lock", name, &mut q[nq - 4..])?;
@@ -79,13 +79,13 @@ pub(crate) fn apply(robot: &mut RobotDescription, given: &[Locks]) -> Result<(),
     Ok(())
 }
 
-/// Why a joint cannot be locked, with the names of those that can.
-fn refused(robot: &RobotDescription, name: &str, error: &SurgeryError) -> Failure {
-    if !matches!(error, SurgeryError::NoSuch { .. }) {
+/// The error for a joint that cannot be locked, with the names of joints that can.
+fn refused(robot: &RobotDescription, name: &str, error: &EditError) -> Failure {
+    if !matches!(error, EditError::NoSuch { .. }) {
         return Failure::new(format!("--lock: {error}"));
     }
-    if name == multibody::FLOATING_BASE {
-        return Failure::new("--lock: the base is fixed without --floating-base; leave that out");
+    if name == robot_dynamics::description::FLOATING_BASE {
+        return Failure::new("--lock: without --floating-base the base is fixed; omit that option");
     }
     let free = robot.joints.iter().filter(|joint| joint.kind.nv() > 0 && joint.mimic.is_none());
     let free: Vec<&str> = free.map(|joint| joint.name.as_str()).collect();
@@ -95,13 +95,13 @@ fn refused(robot: &RobotDescription, name: &str, error: &SurgeryError) -> Failur
     Failure::new(format!("--lock: {error}; its moving joints are {known}{more}"))
 }
 
-/// What `--lock-massless` did.
-pub(crate) fn told(locked: &[String]) -> String {
+/// The message about joints locked by `--lock-massless`.
+pub(crate) fn message(locked: &[String]) -> String {
     let names = locked.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     match locked.len() {
-        0 => "every joint moves some inertia; none is locked".into(),
-        1 => format!("joint {names} moves no inertia and is held still"),
-        _ => format!("joints {names} move no inertia and are held still"),
+        0 => "no joint is massless; none is locked".into(),
+        1 => format!("joint {names} moves no inertia and is locked"),
+        _ => format!("joints {names} move no inertia and are locked"),
     }
 }
 
@@ -122,9 +122,9 @@ mod tests {
     #[test]
     fn malformed_locks_are_refused() {
         for (text, message) in [
-            ("", "write JOINT or JOINT=NUMBER, several separated by commas"),
-            ("a,,b", "write JOINT or JOINT=NUMBER, several separated by commas"),
-            ("=1", "write JOINT or JOINT=NUMBER, several separated by commas"),
+            ("", "expected JOINT or JOINT=NUMBER, several separated by commas"),
+            ("a,,b", "expected JOINT or JOINT=NUMBER, several separated by commas"),
+            ("=1", "expected JOINT or JOINT=NUMBER, several separated by commas"),
             ("a=", "a: \"\" is not a number"),
             ("a=inf", "a: inf is not a finite number"),
         ] {

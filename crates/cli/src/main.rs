@@ -1,7 +1,7 @@
 //! The command `dynamics`: a robot's dynamics from its file.
 //!
-//! Every subcommand is a module with its arguments and one `run`; a failure is one line on standard error
-//! and exit code 1 (2 for a command line that does not parse).
+//! Every subcommand is a module with `Arguments` and `run`. An error prints one line on standard error. The
+//! exit code is then 1, or 2 for an invalid command line.
 
 mod arguments;
 mod audit;
@@ -34,7 +34,7 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
-/// Robot dynamics: M(q) a + C(q,v) v + g(q) + b = τ, for any robot from its file, URDF or MJCF.
+/// Robot dynamics M(q) a + C(q,v) v + g(q) + b = τ for any robot described in URDF or MJCF.
 #[derive(Parser)]
 #[command(name = "dynamics", version, arg_required_else_help = true)]
 struct Arguments {
@@ -44,7 +44,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Print the worked example of the two-link arm, computed.
+    /// Print the worked example of the two-link arm.
     Numbers,
     Inspect(inspect::Arguments),
     Compute(compute::Arguments),
@@ -83,10 +83,10 @@ fn main() -> ExitCode {
     }
 }
 
-/// Help as it is; a mistake on one line, as every other failure.
+/// Prints help unchanged, and an error of the command line on one line.
 fn usage(error: &clap::Error) -> ExitCode {
     if !error.use_stderr() {
-        // A closed pipe is the reader's choice.
+        // A closed pipe is not an error.
         let _ = error.print();
         return ExitCode::SUCCESS;
     }
@@ -99,6 +99,6 @@ fn usage(error: &clap::Error) -> ExitCode {
     let told: Vec<String> = paragraphs
         .filter(|part| !part.is_empty() && !part.starts_with("Usage:") && !part.starts_with("For more"))
         .collect();
-    output::tell(format_args!("{} (see --help)", told.join("; ")));
+    output::print_line(format_args!("{} (see --help)", told.join("; ")));
     ExitCode::from(2)
 }

@@ -1,26 +1,25 @@
-//! `dynamics man`: the command's manual pages.
+//! `dynamics man`: manual pages.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap_mangen::Man;
-
-use multibody::text::one_line;
 use robot_dynamics::output::write_files;
+use robot_dynamics::text::one_line;
 
 use crate::failure::{Failure, Outcome};
 use crate::interruption;
 use crate::output::{print, print_as_it_is};
 
-/// Print a manual page, or write all of them into a folder.
+/// Print a manual page, or write all of them to a folder.
 ///
-/// Without options the page of the whole command, as man reads it: dynamics man | man -l -
+/// Without options, the page of the whole command: dynamics man | man -l -
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The page of this subcommand instead.
+    /// Subcommand whose page is printed.
     #[arg(value_name = "SUBCOMMAND", conflicts_with = "output")]
     subcommand: Option<String>,
-    /// Write a page for the command and one for each subcommand here: dynamics.1, dynamics-simulate.1, …
+    /// Folder for all pages: dynamics.1, dynamics-simulate.1, …
     #[arg(long, value_name = "FOLDER")]
     output: Option<PathBuf>,
 }
@@ -31,7 +30,9 @@ pub(crate) fn run(arguments: &Arguments, command: clap::Command) -> Outcome {
     if let Some(folder) = &arguments.output {
         let shown = folder.display();
         if folder.exists() && !folder.is_dir() {
-            return Err(Failure::new(format!("cannot make the folder {shown}: a file has its name")));
+            return Err(Failure::new(format!(
+                "cannot create the folder {shown}: a file of that name exists"
+            )));
         }
         let commands = std::iter::once(&command).chain(command.get_subcommands());
         let pages: Vec<_> = commands
@@ -45,14 +46,14 @@ pub(crate) fn run(arguments: &Arguments, command: clap::Command) -> Outcome {
         None => &command,
         Some(name) => command.find_subcommand(name).ok_or_else(|| {
             let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
-            Failure::new(format!("there is no subcommand `{name}`; there are {}", names.join(", ")))
+            Failure::new(format!("unknown subcommand `{name}`; known: {}", names.join(", ")))
         })?,
     };
     print_as_it_is(&page(chosen)?)?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// A page in the language of man.
+/// A page in roff.
 fn page(command: &clap::Command) -> Result<String, Failure> {
     let mut page = Vec::new();
     Man::new(command.clone()).render(&mut page)?;

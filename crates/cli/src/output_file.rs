@@ -1,4 +1,4 @@
-//! What a command writes to: a file of its own, or a stream.
+//! Outputs of a command: a file or a stream.
 
 use std::fs::OpenOptions;
 use std::io::{self, BufWriter, Write};
@@ -10,16 +10,16 @@ use crate::destination::Destination;
 use crate::failure::{Context, Failure};
 use crate::whole_file::WholeFile;
 
-/// An output under way.
+/// An open output.
 pub(crate) enum OutputFile {
-    /// A file, there as a whole or not at all.
+    /// A file that is replaced as a whole, or stays as it was.
     Whole(WholeFile),
-    /// A stream: what is written is gone. Its path, or none of standard output.
+    /// A stream, which cannot be taken back, with its path; `None` for standard output.
     Stream(BufWriter<Box<dyn Write>>, Option<PathBuf>),
 }
 
 impl OutputFile {
-    /// Opens it, so that a place that cannot be written is known before the work is done.
+    /// Opens the output, so that a path that cannot be written fails before the work is done.
     pub(crate) fn create(path: &Path) -> Result<Self, Failure> {
         Ok(match Destination::of(path)? {
             Destination::StandardOutput => Self::Stream(BufWriter::new(Box::new(io::stdout())), None),
@@ -32,12 +32,12 @@ impl OutputFile {
         })
     }
 
-    /// Whether it goes to standard output, where nothing else may then be printed.
+    /// Whether it is standard output, where no other text may then be printed.
     pub(crate) fn is_standard_output(&self) -> bool {
         matches!(self, Self::Stream(_, None))
     }
 
-    /// Ends an unfinished one: beside its place, as a partial one. Says where.
+    /// Closes an unfinished file as a partial one. Returns its path.
     pub(crate) fn finish_partial(&mut self) -> io::Result<PathBuf> {
         match self {
             Self::Whole(file) => file.finish_partial(),
@@ -45,7 +45,7 @@ impl OutputFile {
         }
     }
 
-    /// Where it is when it is finished.
+    /// The path of the finished output.
     fn place(&self) -> PathBuf {
         match self {
             Self::Whole(file) => file.target().to_owned(),
@@ -53,16 +53,16 @@ impl OutputFile {
         }
     }
 
-    /// See [`WholeFile::keep_lines`]; of a stream nothing can be kept.
+    /// See [`WholeFile::keep_lines`]; a stream cannot keep anything.
     pub(crate) fn keep_lines(&mut self) -> io::Result<(PathBuf, usize)> {
         match self {
             Self::Whole(file) => file.keep_lines(),
-            Self::Stream(..) => Err(io::Error::other("nothing is kept of a stream")),
+            Self::Stream(..) => Err(io::Error::other("a stream cannot be cut")),
         }
     }
 }
 
-/// Ends finished outputs: all files are in their places, or none. Says where.
+/// Completes all outputs: all files are replaced, or none. Returns their paths.
 pub(crate) fn finish_all(outputs: &mut [&mut OutputFile]) -> io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for output in outputs.iter_mut() {

@@ -1,64 +1,65 @@
-//! The arguments every command with a robot shares, and reading that robot.
+//! The arguments that all commands with a robot share, and reading of that robot.
 
 use std::path::{Display, Path, PathBuf};
 
-use multibody::plausibility::WrittenAngles;
-use multibody::{Base, LoadReport, Model};
-use robot_dynamics::{Described, FileError, Options, with_native_code};
+use robot_dynamics::description::{Base, LoadReport};
+use robot_dynamics::model::{Model, lock_massless};
+use robot_dynamics::plausibility::WrittenAngles;
+use robot_dynamics::{FileError, LoadedDescription, Options, with_native_code};
 
 use crate::failure::{Context, Failure};
 use crate::locks::{self, Locks};
-use crate::output::tell;
+use crate::output::print_line;
 use crate::singular_poses::SingularPoses;
 use crate::size::refuse_beyond_memory;
 
-/// Kinds of warnings shown by the commands that compute.
+/// Number of kinds of warnings that a command prints.
 const WARNINGS_SHOWN: usize = 10;
 
-/// Which robot, and how to read its file.
+/// The robot's file, and options for reading it.
 #[derive(clap::Args)]
 #[allow(clippy::struct_excessive_bools)] // one for each option without a value
 pub(crate) struct RobotFile {
-    /// The robot's file, URDF or MJCF. Meshes are needed only where an MJCF file leaves a body's inertia to them.
+    /// The robot's file, URDF or MJCF. Mesh files are read only if an MJCF body's inertia depends on them.
     robot: PathBuf,
-    /// Free the root link: six more degrees of freedom, before all others.
+    /// Add a floating joint between the world and the root link: six degrees of freedom, before all others.
     #[arg(long)]
     floating_base: bool,
-    /// Refuse a file with a warning: suspicious values, and physics that this program does not read.
+    /// Reject a file with a warning: suspicious values, or physics that this program does not read.
     #[arg(long)]
     strict: bool,
-    /// Move moments that no rigid body has to the nearest it can have, showing old and new values; drop
-    /// inertia without mass. All other values stay as written.
+    /// Replace impossible moments of inertia by the nearest possible ones, with a note of old and new values.
+    /// Drop inertia without mass. All other values stay as written.
     #[arg(long, conflicts_with = "strict")]
     repair_inertia: bool,
-    /// Look in this folder for the packages of `package://NAME/…`: a package, or a folder that holds packages; before
-    /// those of ROS_PACKAGE_PATH. Repeat it for several.
+    /// Search this folder for the packages of `package://NAME/…`, before those of ROS_PACKAGE_PATH. It is a
+    /// package or contains packages. May be repeated.
     #[arg(long, value_name = "FOLDER")]
     package_path: Vec<PathBuf>,
-    /// Hold joints still: at zero, or at the limit nearest to it, or where JOINT=NUMBER says (a joint of several
-    /// numbers takes them in a row). They become fixed joints.
+    /// Lock joints: at JOINT=NUMBER, or at the position nearest to zero within the limits. A joint of several
+    /// numbers takes them in a row. Locked joints become fixed joints.
     #[arg(long, value_name = "JOINT,…", allow_hyphen_values = true)]
     lock: Vec<Locks>,
-    /// Hold all joints still that move no inertia in any pose: without them, forces determine the accelerations.
+    /// Lock all joints that move no inertia in any pose, so that forces determine the accelerations.
     #[arg(long)]
     lock_massless: bool,
 }
 
 /// A robot, read and compiled.
-pub(crate) struct Loaded {
+pub(crate) struct LoadedRobot {
     pub model: Model,
     pub report: LoadReport,
-    /// The angles as the file writes them, for judging its units.
+    /// The angles as written in the file, for the check of units.
     pub angles: Vec<WrittenAngles>,
 }
 
 impl RobotFile {
-    /// The file's name, for a message.
+    /// The file's name, for messages.
     pub(crate) fn shown(&self) -> Display<'_> {
         self.robot.display()
     }
 
-    /// The options that make another robot of the file's, as they were given.
+    /// The options that change the robot, as they were given.
     pub(crate) fn changes(&self) -> String {
         let flags = [
             (self.floating_base, " --floating-base"),
@@ -73,17 +74,17 @@ impl RobotFile {
         text
     }
 
-    /// Whether what is only reported otherwise is to be a failure.
+    /// Whether warnings are errors.
     pub(crate) fn is_strict(&self) -> bool {
         self.strict
     }
 
-    /// The file, which no output may replace, nor any other of the report's `files`.
+    /// The robot's file, which no output may replace, like the report's `files`.
     pub(crate) fn path(&self) -> &Path {
         &self.robot
     }
 
-    pub(crate) fn load(&self) -> Result<Loaded, Failure> {
+    pub(crate) fn load(&self) -> Result<LoadedRobot, Failure> {
         let shown = self.shown();
         let mut options = Options::default();
         if self.floating_base {
@@ -97,46 +98,43 @@ impl RobotFile {
         }
         for folder in &self.package_path {
             if !folder.is_dir() {
-                return Err(Failure::new(format!(
-                    "--package-path {}: there is no such folder",
-                    folder.display()
-                )));
+                return Err(Failure::new(format!("--package-path {}: folder not found", folder.display())));
             }
             options = options.with_package_path(folder);
         }
-        let Described { mut description, report, angles, .. } =
+        let LoadedDescription { mut description, report, angles, .. } =
             robot_dynamics::describe(&self.robot, &options).map_err(|error| self.refused(&error))?;
         if self.floating_base && description.base == Base::Fixed {
-            tell(format_args!(
-                "note: {shown}: the robot's root floats already; --floating-base changes nothing"
+            print_line(format_args!(
+                "note: {shown}: the root link already floats; --floating-base has no effect"
             ));
         }
         locks::apply(&mut description, &self.lock)?;
         if self.lock_massless {
-            let locked = description.lock_massless().context(&shown)?;
-            tell(format_args!("note: --lock-massless: {}", locks::told(&locked)));
+            let locked = lock_massless(&mut description).context(&shown)?;
+            print_line(format_args!("note: --lock-massless: {}", locks::message(&locked)));
         }
         let model = with_native_code(Model::new(description).context(shown)?);
-        Ok(Loaded { model, report, angles })
+        Ok(LoadedRobot { model, report, angles })
     }
 
-    /// The robot for a command that computes with it: says on standard error where its M is singular and what its file
-    /// left to doubt, so that no number comes from suspicious values in silence; refuses what memory does not hold.
-    pub(crate) fn load_to_compute(&self) -> Result<Loaded, Failure> {
+    /// Loads the robot for a command that computes with it. Warns on standard error about a singular M and
+    /// about suspicious values in the file. Fails if the matrices of the robot do not fit in memory.
+    pub(crate) fn load_to_compute(&self) -> Result<LoadedRobot, Failure> {
         let loaded = self.load()?;
-        if let Some(text) = SingularPoses::look(&loaded.model).text() {
-            tell(format_args!("warning: {text}"));
+        if let Some(text) = SingularPoses::sample(&loaded.model).text() {
+            print_line(format_args!("warning: {text}"));
         }
         self.print_warnings(&loaded.report);
         refuse_beyond_memory(&loaded.model)?;
         Ok(loaded)
     }
 
-    /// All that is wrong with the file, at once.
+    /// All errors of the file.
     fn refused(&self, error: &FileError) -> Failure {
         let shown = self.shown();
         if error.is_unreadable() {
-            // This message names the file itself.
+            // This message names the file.
             return Failure::new(error);
         }
         let (messages, unlisted) = (error.messages(), error.unlisted());
@@ -150,15 +148,15 @@ impl RobotFile {
         }
     }
 
-    /// The file's warnings on standard error, those of one kind in one line.
+    /// Prints the file's warnings on standard error, one line for each kind.
     pub(crate) fn print_warnings(&self, report: &LoadReport) {
         let (shown, groups) = (self.shown(), report.grouped_warnings());
         for warning in groups.iter().take(WARNINGS_SHOWN) {
-            tell(format_args!("warning: {shown}: {warning}"));
+            print_line(format_args!("warning: {shown}: {warning}"));
         }
         let more: usize = groups.iter().skip(WARNINGS_SHOWN).map(|group| group.findings().len()).sum();
         if more > 0 {
-            tell(format_args!("warning: {shown}: {more} more; `dynamics inspect` lists all"));
+            print_line(format_args!("warning: {shown}: and {more} more; `dynamics inspect` lists all"));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! `dynamics simulate`: a robot moves, and its energy is accounted for.
+//! `dynamics simulate`: simulates a robot and checks its energy balance.
 
 mod csv;
 mod drive;
@@ -20,17 +20,17 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use multibody::simulator::{Effect, Method};
-use multibody::text::one_line;
-use multibody::{Controller, Model, StepInfo};
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::{Controller, Effect, Method, StepInfo};
+use robot_dynamics::text::one_line;
 
-use self::csv::Beside;
+use self::csv::OptionalColumns;
 use self::files::Files;
 use self::ground::{Floor, GroundOption};
 use self::hold::{Gains, Hold};
 use self::plot::Plot;
 use self::recorder::Recorder;
-use self::run::Ran;
+use self::run::RunResult;
 use self::setup::Setup;
 use self::start::Start;
 use self::summary::Summary;
@@ -39,103 +39,109 @@ use crate::failure::{Failure, Outcome};
 use crate::interruption;
 use crate::joint_values::{JointValues, NameOrValues, Numbers, set};
 use crate::output::{print, print_error};
-use crate::robot_file::{Loaded, RobotFile};
+use crate::robot_file::{LoadedRobot, RobotFile};
 use crate::table::short;
 
-/// Let a robot move from a pose, or hold it, and account for the energy.
+/// Simulate a robot from a pose, passively or with a controller, and check the energy balance.
 ///
-/// Integrates M a + C v + g = τ and prints where the energy went. Everything that the robot's file states acts: damping, friction,
-/// position limits as stops, springs, actuators, equalities, and contact with the world and between links; --without switches it off
-/// by name. With --conservative nothing takes energy out, so that E = K + V must stay where it was and what it drifts is the
-/// integrator's error. With --ground the robot falls on ground and stands there. Ctrl-C ends the run early (exit code 130; 143 after SIGTERM, 129 after SIGHUP) and keeps what was computed. Files of a run that ended early, or that the disk has no room for, are named
-/// NAME.partial.EXTENSION; an older NAME.EXTENSION then stays. No file is written over one that the robot is read from.
+/// Integrates M a + C v + g = τ. Everything in the robot's file acts: damping, friction, position limits as
+/// stops, springs, actuators, equalities, and contact with the world and between links. --without switches
+/// effects off by name. With --conservative no effect adds or removes energy. E = K + V is then constant, and
+/// its drift is the integrator's error. With --ground the robot falls on ground.
+///
+/// Ctrl-C ends the run early and keeps the results so far (exit code 130; 143 after SIGTERM, 129 after
+/// SIGHUP). Files of a run that ended early, or that do not fit on the disk, are named
+/// NAME.partial.EXTENSION. An older NAME.EXTENSION then stays. No output replaces a file that the robot is
+/// read from.
 #[derive(clap::Args)]
 #[allow(clippy::struct_excessive_bools)] // one for each option without a value
 pub(crate) struct Arguments {
     #[command(flatten)]
     robot: RobotFile,
-    /// Initial configuration by joint name, as in joint1=0.5,joint4=-1.2 [rad, m]; a joint of several numbers
-    /// takes them in a row: floating_base=x,y,z,qx,qy,qz,qw. Or the name of a pose in the robot's file.
+    /// Initial configuration by joint name, as in joint1=0.5,joint4=-1.2 [rad, m], or the name of a pose in
+    /// the robot's file. A joint of several numbers takes them in a row: floating_base=x,y,z,qx,qy,qz,qw.
     #[arg(long, value_name = "JOINT=NUMBER,…")]
     pose: Vec<NameOrValues>,
     /// Initial velocity by joint name [rad/s, m/s].
     #[arg(long, value_name = "JOINT=NUMBER,…")]
     velocity: Vec<JointValues>,
-    /// Simulated time (s).
+    /// Simulated time in s.
     #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     duration: f64,
-    /// Time step, also the control period and the time between samples (s).
+    /// Time step, control period and sampling period in s.
     #[arg(long, default_value_t = 1e-3, value_name = "SECONDS", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     step: f64,
-    /// explicit-euler, semi-implicit-euler, rk4, variational-midpoint or variational-yoshida4: steps of --step; implicit:
-    /// such steps that stay stable however stiff joints are, with friction that sticks, stops and rigid contact; mujoco:
-    /// MuJoCo's Euler steps under its law, by which constraints yield as the file says, for comparison; or
-    /// adaptive: Runge–Kutta steps of order 9, or implicit ones of order 5 where damping is stiff, as long as --tolerance
-    /// allows [default: rk4 where everything that acts is smooth and not stiff, else implicit].
+    /// Integrator. Fixed steps of --step: explicit-euler, semi-implicit-euler, rk4, variational-midpoint,
+    /// variational-yoshida4, implicit, mujoco. Only implicit and mujoco support limits and contact: implicit
+    /// with rigid contact, stiction and stops, mujoco with MuJoCo's soft constraints. Variable steps within
+    /// --tolerance: adaptive, of order 9, or implicit of order 5 for stiff damping. [default: rk4 if all
+    /// forces are smooth and not stiff, else implicit].
     #[arg(long, value_name = "NAME")]
     integrator: Option<Method>,
-    /// The textbook's free motion: no damping, friction, limits, actuators or contact.
+    /// Simulate without damping, friction, limits, actuators and contact.
     #[arg(long, conflicts_with_all = ["controls", "ground"])]
     conservative: bool,
-    /// Leave out what the file states, by name: dissipation, limits, effort-limits, springs, actuators, equalities, contacts,
-    /// link-contacts.
+    /// Switch off effects of the file: dissipation, limits, effort-limits, springs, actuators, equalities,
+    /// contacts, link-contacts.
     #[arg(long, value_name = "EFFECT,…", value_delimiter = ',')]
     without: Vec<Effect>,
-    /// Keep pairs of links from touching: those of <disable_collisions> in this SRDF file.
+    /// Disable contact of the pairs of links in <disable_collisions> of this SRDF file.
     #[arg(long, value_name = "FILE.srdf")]
     srdf: Option<PathBuf>,
-    /// Error allowed in each step of --integrator adaptive, relative and absolute, 1e-13 to 1e-2 [default: 1e-9].
+    /// Allowed error of each step of --integrator adaptive, relative and absolute, 1e-13 to 1e-2 [default:
+    /// 1e-9].
     #[arg(long, value_name = "ERROR", value_parser = method::tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// End the run at the instant a joint reaches a position limit.
+    /// End the run when a joint reaches a position limit.
     #[arg(long)]
     stop_at_limits: bool,
-    /// Controls of the file's actuators by their names; those not named are at the named pose's, or at 0. Servos hold what they are
-    /// told.
+    /// Constant controls of the file's actuators by name. Actuators that are not named keep the control of
+    /// the named pose, or 0.
     #[arg(long, value_name = "ACTUATOR=NUMBER,…", num_args = 0..=1, default_missing_value = "", conflicts_with_all = ["hold", "goal"])]
     controls: Option<String>,
-    /// Put ground under the robot: its collision shapes neither sink nor slide where friction holds them. z is its height in
-    /// metres, slope by how much it rises along x in radians. `file`: the planes and height fields of an MJCF file, which act
-    /// anyway, are needed.
+    /// Add ground with rigid frictional contact. z is its height in m, slope its angle along x in rad. With
+    /// `file` the command fails unless the MJCF file has a ground plane or a height field, which act in any
+    /// case.
     #[arg(long, value_name = "z=NUMBER,slope=NUMBER|file", num_args = 0..=1)]
-    #[allow(clippy::option_option)] // asked for, and how
+    #[allow(clippy::option_option)] // given, and with a value
     ground: Option<Option<GroundOption>>,
-    /// Coefficient of friction of every contact, instead of what the shapes state.
+    /// Friction coefficient of all contacts, instead of that of the shapes.
     #[arg(long, value_name = "NUMBER", value_parser = ground::friction, allow_negative_numbers = true)]
     friction: Option<f64>,
-    /// Start with the lowest point of a floating robot on the ground.
+    /// Place the lowest point of a floating robot on the ground at the start.
     #[arg(long)]
     standing: bool,
-    /// Hold the initial pose by motors: PD control with gravity compensation, cut off at the effort limits.
+    /// Hold the initial pose by motors: PD control with gravity compensation, within the effort limits.
     #[arg(long)]
     hold: bool,
-    /// Move to and hold this pose instead, by joint name; joints not named stay.
+    /// Move to this pose and hold it, by joint name. Joints that are not named keep their position.
     #[arg(long, value_name = "JOINT=NUMBER,…")]
     goal: Vec<JointValues>,
     #[command(flatten)]
     gains: Gains,
-    /// Write time, q, v, τ and energies here as comma-separated values with a head; - for standard output, with the
-    /// summary on standard error.
+    /// Write time, q, v, τ and energies as comma-separated values with a header. With - they go to standard
+    /// output, and the summary to standard error.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Write only every so many steps to the CSV file.
+    /// Number of steps between rows of the CSV file.
     #[arg(long, default_value_t = 1, value_name = "STEPS", value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
-    /// Plot joint angles, energies, the energy error, what took energy out and the ground's forces here: FILE.svg or FILE.png.
+    /// Plot joint coordinates, energies, the energy error, energy losses and ground forces to FILE.svg or
+    /// FILE.png.
     #[arg(long, value_name = "FILE", value_parser = plot::path)]
     plot: Option<PathBuf>,
 }
 
-/// More steps than anyone waits for; a mistyped step asks for more.
-const MOST_STEPS: f64 = 1e9;
+/// Largest number of steps, which only a mistyped step exceeds.
+const MAX_STEPS: f64 = 1e9;
 
 pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
-    let Loaded { model, report, .. } = arguments.robot.load_to_compute()?;
+    let LoadedRobot { model, report, .. } = arguments.robot.load_to_compute()?;
     if model.nv() == 0 {
         return Err(Failure::new(format!(
-            "{}: no joint moves, so there is nothing to simulate (--floating-base frees the root link)",
+            "{}: the robot has no degree of freedom to simulate (--floating-base adds six)",
             arguments.robot.shown()
         )));
     }
@@ -158,14 +164,14 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     } else {
         None
     };
-    // From here on no signal leaves an unfinished file behind.
+    // From here on no signal leaves an unfinished file.
     interruption::end_between_steps()?;
     let (csv, plot) = (arguments.csv.as_deref(), arguments.plot.as_deref());
     let touching = setup.ground_links().to_vec();
-    let beside = Beside { touching: &touching, has_losses: setup.has_losses() };
+    let columns = OptionalColumns { touching: &touching, has_losses: setup.has_losses() };
     let read: Vec<PathBuf> = report.files.iter().chain(&arguments.srdf).cloned().collect();
     let mut files =
-        Files::open(&model, (arguments.robot.path(), &read), (csv, arguments.every, beside), plot)?;
+        Files::open(&model, (arguments.robot.path(), &read), (csv, arguments.every, columns), plot)?;
     let print_summary = if files.use_standard_output() { print_error } else { print };
 
     let progress = progress(steps);
@@ -174,13 +180,13 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     let clock = Instant::now();
     let controller = hold.as_mut().map(|hold| &mut hold.controller as &mut dyn Controller);
     let ran = run::run(arguments, &model, &start, (&mut setup, drive.as_ref()), steps, controller, |info| {
-        observer.see(info)
+        observer.record(info)
     });
     let seconds = clock.elapsed().as_secs_f64();
     progress.finish_and_clear();
 
     let Observer { mut recorder, files, .. } = observer;
-    let Ran { run, failure, .. } = &ran;
+    let RunResult { run, failure, .. } = &ran;
     if let Some(error) = failure
         && run.trajectory.is_empty()
     {
@@ -191,11 +197,11 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     let picture = Plot {
         model: &model,
         recorder: &recorder,
-        beside,
+        columns,
         caption: &caption((arguments, &setup), &model, run.time, is_held, is_whole),
         scale: recorder.energy_scale(&run.ledger, failure.is_some()).0,
         conserves: !is_held && setup.conserves(),
-        blew_up: failure.is_some(),
+        diverged: failure.is_some(),
     };
     let written = files.finish(&picture, is_whole);
     if written.reader_left {
@@ -228,13 +234,13 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// How many steps fill the duration; one more for a remainder that is not rounding.
+/// The number of steps that cover the duration. A remainder above rounding takes one more step.
 fn steps(arguments: &Arguments) -> Result<usize, Failure> {
     let steps = (arguments.duration / arguments.step - 1e-9).ceil().max(1.0);
-    if steps > MOST_STEPS {
+    if steps > MAX_STEPS {
         let [duration, step, steps] = [arguments.duration, arguments.step, steps].map(short);
         return Err(Failure::new(format!(
-            "{duration} s in steps of {step} s are {steps} steps, and {MOST_STEPS:e} is the most; take a longer \
+            "{duration} s in steps of {step} s are {steps} steps, at most {MAX_STEPS:e} are allowed; take a longer \
              --step or a shorter --duration"
         )));
     }
@@ -243,7 +249,7 @@ fn steps(arguments: &Arguments) -> Result<usize, Failure> {
     Ok(steps as usize)
 }
 
-/// A bar on a terminal, nothing elsewhere.
+/// A progress bar, which only a terminal shows.
 fn progress(steps: usize) -> ProgressBar {
     let bar = ProgressBar::new(steps as u64);
     if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left") {
@@ -252,7 +258,7 @@ fn progress(steps: usize) -> ProgressBar {
     bar
 }
 
-/// One line above the plot.
+/// The line above the plot.
 fn caption(
     (arguments, setup): (&Arguments, &Setup),
     model: &Model,
@@ -260,7 +266,7 @@ fn caption(
     is_held: bool,
     is_whole: bool,
 ) -> String {
-    let motors = if is_held { "PD hold" } else { "let go" };
+    let motors = if is_held { "PD hold" } else { "passive" };
     let damping = if setup.acts(Effect::Dissipation) { "with damping and friction" } else { "no damping" };
     let partial = if is_whole { String::new() } else { format!(" · ends early at {time:.3} s") };
     let name = one_line(model.name());
@@ -271,23 +277,23 @@ fn caption(
     format!("{name}: {motors}, {damping} · {}, {steps}{partial}", setup.method())
 }
 
-/// Who watches the run.
+/// Records the samples of a run.
 struct Observer<'a> {
     recorder: Recorder,
     files: Files,
     progress: &'a ProgressBar,
     steps: usize,
-    /// Between samples \[s\].
+    /// Sampling period \[s\].
     step: f64,
 }
 
 impl Observer<'_> {
-    fn see(&mut self, info: &StepInfo<'_>) -> ControlFlow<()> {
-        self.recorder.see(info);
+    fn record(&mut self, info: &StepInfo<'_>) -> ControlFlow<()> {
+        self.recorder.record(info);
         let is_interrupted = interruption::interrupted() && info.step < self.steps;
-        // A sample between two instants is where a limit ended the run.
+        // A sample between two grid instants is where a limit ended the run.
         let is_stop = (info.time - info.step as f64 * self.step).abs() > 1e-9 * self.step;
-        self.files.see(info, is_interrupted || is_stop || info.step == self.steps)?;
+        self.files.record(info, is_interrupted || is_stop || info.step == self.steps)?;
         if info.step.is_multiple_of(1024) {
             self.progress.set_position(info.step as u64);
         }

@@ -1,29 +1,30 @@
-//! Where a robot's mass matrix is singular, as far as a look at a few poses tells.
+//! Poses with a singular mass matrix, found by sampling.
 
-use dynamics::SplitMix64;
-use multibody::{Model, MotionError, SingularMass, SingularMotion, neutral, random_within_limits};
+use robot_dynamics::algorithms::{MotionError, SingularMass, SingularMotion};
+use robot_dynamics::model::{Model, neutral, random_within_limits};
+use robot_dynamics_number::SplitMix64;
 use serde::Serialize;
 
-use crate::size::MOST;
+use crate::size::MAX_DOFS;
 
-/// Random poses looked at, always the same.
+/// Number of random poses, always the same ones.
 const POSES: usize = 5;
 
-/// What was found at all zeros and in a few random poses within the limits.
+/// Results at all zeros and at random poses within the limits.
 pub(crate) struct SingularPoses<'a> {
     model: &'a Model,
     at_zeros: Option<SingularMass>,
-    /// Random poses looked at.
+    /// Number of random poses.
     poses: usize,
-    /// In how many of them, and in the first.
+    /// The number of singular ones, and the first of them.
     random: usize,
     first: Option<SingularMass>,
 }
 
 impl<'a> SingularPoses<'a> {
-    pub(crate) fn look(model: &'a Model) -> Self {
-        // Robots that no other command computes are shown without this look, which would take a minute.
-        let poses = if model.nv() > MOST { 0 } else { POSES };
+    pub(crate) fn sample(model: &'a Model) -> Self {
+        // For robots above the size that other commands accept, sampling would take a minute.
+        let poses = if model.nv() > MAX_DOFS { 0 } else { POSES };
         let singular = |q: Vec<f64>| match model.check_rank(&q) {
             Err(MotionError::SingularMass(mass)) => Some(mass),
             _ => None,
@@ -41,11 +42,11 @@ impl<'a> SingularPoses<'a> {
         }
     }
 
-    /// Where, why, and what to do, in one line; none of a robot whose M was regular everywhere.
+    /// The pose, the cause and the remedy in one line; `None` if M was regular in all poses.
     pub(crate) fn text(&self) -> Option<String> {
         let mass = self.at_zeros.as_ref().or(self.first.as_ref())?;
         let place = match (&self.at_zeros, self.random) {
-            (Some(_), POSES) => "in every pose looked at".to_owned(),
+            (Some(_), POSES) => "in every sampled pose".to_owned(),
             (Some(_), 0) => "at all zeros".to_owned(),
             (Some(_), random) => format!("at all zeros and in {random} of {POSES} random poses"),
             (None, random) => format!("in {random} of {POSES} random poses"),
@@ -68,20 +69,20 @@ impl<'a> SingularPoses<'a> {
     }
 }
 
-/// The same for other programs.
+/// The results as JSON.
 #[derive(Serialize)]
 pub(crate) struct Json<'a> {
     /// Joints that move no inertia in any pose.
     massless_joints: Vec<&'a str>,
-    /// The joints of each motion that moves no inertia at all zeros.
+    /// The joints of each motion without inertia at all zeros.
     motions_at_zeros: Vec<Vec<String>>,
     random_poses: usize,
     random_poses_singular: usize,
-    /// The same in the first random pose that has such motions.
+    /// The same in the first singular random pose.
     motions_in_first: Vec<Vec<String>>,
 }
 
-/// A singular M, with the options that hold joints still.
+/// The message on a singular M, with the options that lock joints.
 pub(crate) fn advice(mass: &SingularMass, model: &Model) -> String {
     let massless = if model.massless_joints().next().is_some() { ", or --lock-massless" } else { "" };
     format!("{mass} (--lock JOINT{massless})")

@@ -1,21 +1,22 @@
-//! Plain-text tables: columns padded to their widest cell.
+//! Plain-text tables with columns padded to their widest cell.
 
-use multibody::text::one_line;
+use robot_dynamics::text::one_line;
 
-/// A table being filled; the first row is the head. A robot may have a million joints, so that cells share one text.
+/// A table under construction; the first row is the head. All cells share one string, as a robot may have a
+/// million joints.
 pub(crate) struct Table {
     /// All cells, row by row.
     text: String,
-    /// Where each cell ends in it.
+    /// The end of each cell in the text.
     ends: Vec<usize>,
-    /// The most characters of a cell in each column.
+    /// The width of each column in characters.
     widths: Vec<usize>,
-    /// Whether a column is flush right, as numbers are.
+    /// Whether a column is right-aligned.
     right: Vec<bool>,
 }
 
 impl Table {
-    /// A table with this head; a column whose head starts with `>` is flush right.
+    /// A table with this head. A column whose head starts with `>` is right-aligned.
     pub(crate) fn new(head: &[&str]) -> Self {
         let right: Vec<bool> = head.iter().map(|cell| cell.starts_with('>')).collect();
         let mut table = Self { text: String::new(), ends: Vec::new(), widths: vec![0; right.len()], right };
@@ -33,10 +34,10 @@ impl Table {
             self.text.push_str(&cell);
             self.ends.push(self.text.len());
         }
-        assert_eq!(self.ends.len() - first, self.right.len(), "a table row has as many cells as the head");
+        assert_eq!(self.ends.len() - first, self.right.len(), "a row must have as many cells as the head");
     }
 
-    /// The lines, each indented by two spaces and ended.
+    /// The lines, each indented by two spaces.
     pub(crate) fn text(&self) -> String {
         let (mut text, mut start) = (String::new(), 0);
         for row in self.ends.chunks(self.right.len()) {
@@ -58,7 +59,7 @@ impl Table {
     }
 }
 
-/// A number with four significant digits, or `-` where there is none.
+/// A number with four significant digits, or `-` if it is infinite.
 pub(crate) fn short(x: f64) -> String {
     if x.is_infinite() {
         return "-".into();
@@ -69,7 +70,7 @@ pub(crate) fn short(x: f64) -> String {
     if !(1e-3..1e5).contains(&x.abs()) {
         return format!("{x:.2e}");
     }
-    // The exponent is taken after rounding, so that 9.99996 becomes 10 and not 10.000.
+    // The exponent is that after rounding, so that 9.99996 becomes 10 and not 10.000.
     let rounded = format!("{x:.3e}");
     let exponent: i32 = rounded.rsplit_once('e').and_then(|(_, digits)| digits.parse().ok()).unwrap_or(0);
     let text = format!("{x:.*}", usize::try_from(3 - exponent).unwrap_or(0));

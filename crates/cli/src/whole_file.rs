@@ -1,4 +1,4 @@
-//! Files that are there as a whole or not at all.
+//! Files that are written as a whole or not at all.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, BufWriter, Seek, SeekFrom, Write};
@@ -9,8 +9,8 @@ use robot_dynamics::output::create_beside;
 use crate::destination::partial;
 use crate::failure::{Context, Failure};
 
-/// A file that is written beside its place under a temporary name and renamed when it is complete, so that
-/// an older file there is replaced by a finished one or stays.
+/// A file that is written under a temporary name in the same folder and renamed when it is complete. An older
+/// file is replaced by a complete one, or stays.
 #[derive(Debug)]
 pub(crate) struct WholeFile {
     target: PathBuf,
@@ -19,8 +19,8 @@ pub(crate) struct WholeFile {
 }
 
 impl WholeFile {
-    /// Opens the temporary file, so that a place that cannot be written is known before the work is done. `target`
-    /// has its links followed; the permissions of a file that is there are kept, and must allow writing.
+    /// Opens the temporary file, so that a path that cannot be written fails before the work is done. The
+    /// links of `target` are already followed. An existing file must be writable and keeps its permissions.
     pub(crate) fn create(target: PathBuf, shown: &str) -> Result<Self, Failure> {
         let doing = || format!("cannot write {shown}");
         let older = fs::metadata(&target).ok();
@@ -35,28 +35,28 @@ impl WholeFile {
         Ok(whole)
     }
 
-    /// Closes the finished file: how it is named now, and its place.
+    /// Closes the finished file. Returns its temporary path and its target.
     pub(crate) fn complete(&mut self) -> io::Result<(PathBuf, PathBuf)> {
         self.flush()?;
         self.writer = None;
         Ok((self.temporary.clone(), self.target.clone()))
     }
 
-    /// The place where it will be.
+    /// The final path.
     pub(crate) fn target(&self) -> &Path {
         &self.target
     }
 
-    /// Puts an unfinished file beside its place; a file at its place stays.
+    /// Renames an unfinished file to its partial name; a file at the final path stays.
     pub(crate) fn finish_partial(&mut self) -> io::Result<PathBuf> {
         self.flush()?;
         self.rename_to(partial(&self.target))
     }
 
-    /// Of a file that could not be written to its end: keeps the whole lines that fit beside its place, and says how
-    /// many. Nothing is kept of a file without any.
+    /// Cuts a file that could not be written to its end after the last complete line, and renames it to its
+    /// partial name. Returns the number of lines. Without a complete line nothing is kept.
     pub(crate) fn keep_lines(&mut self) -> io::Result<(PathBuf, usize)> {
-        // What is still in memory is given up: it did not fit.
+        // Buffered bytes are dropped, as they did not fit.
         let file = self.writer.take().map(|writer| writer.into_parts().0);
         let mut file = file.ok_or_else(|| io::Error::other("the file is closed"))?;
         file.seek(SeekFrom::Start(0))?;
@@ -76,7 +76,7 @@ impl WholeFile {
             reader.consume(seen);
         }
         if lines == 0 {
-            return Err(io::Error::other("nothing of it fits"));
+            return Err(io::Error::other("no complete line fits"));
         }
         file.set_len(end)?;
         drop(file);
@@ -101,9 +101,9 @@ impl Write for WholeFile {
 }
 
 impl Drop for WholeFile {
-    /// Given up: nothing is left. After a rename there is nothing of that name.
+    /// Removes the temporary file of an abandoned output. After a rename no file has that name.
     fn drop(&mut self) {
-        // Without its last bytes, which nobody will see.
+        // The buffered bytes are not written.
         drop(self.writer.take().map(BufWriter::into_parts));
         let _ = fs::remove_file(&self.temporary);
     }

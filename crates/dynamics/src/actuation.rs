@@ -1,14 +1,13 @@
-//! Actuation: how forces that act somewhere become the generalized force, T(q) f = u.
+//! Actuation: the generalized force of forces that act at given places, T(q) f = u.
 
 use nalgebra::{SMatrix, SVector};
-
-use crate::{Dual, Scalar};
+use robot_dynamics_number::{Dual, Scalar};
 
 /// The generalized force of actuators that act through T(q): u = T f. **(PRM 10.12)**
 ///
-/// T is N×K for K actuators; column k is what one unit of actuator k does to the coordinates. The rate of
-/// work is the same on both sides: u·q̇ = fᵀ(Tᵀq̇), where Tᵀq̇ is the velocity that the actuators feel
-/// ([`actuator_velocity`]). With K < N the system is underactuated: not every u can be had.
+/// T is N×K for K actuators; column k is the generalized force of one unit of actuator k. The power is equal
+/// on both sides: u·q̇ = fᵀ(Tᵀq̇), where Tᵀq̇ is the velocity of the actuators ([`actuator_velocity`]). With
+/// K < N the system is underactuated: some u are out of reach.
 ///
 /// ```
 /// use dynamics::{actuator_velocity, generalized_force};
@@ -46,8 +45,8 @@ pub fn actuator_velocity<const N: usize, const K: usize>(
 
 /// A planar mechanism whose bodies' points have known positions.
 ///
-/// The position is the only thing a mechanism writes down; its Jacobian is differentiated exactly. World
-/// axes: x to the right, y up. Points are given in the body's own frame.
+/// A mechanism implements only the position; its Jacobian is differentiated exactly. World axes: x to the
+/// right, y up. Points are in the frame of the body.
 pub trait PlanarKinematics<const N: usize> {
     /// The world position \[m\] of the point at `point` \[m, body frame\] of body number `body`.
     ///
@@ -55,7 +54,7 @@ pub trait PlanarKinematics<const N: usize> {
     /// If there is no such body.
     fn point_over<S: Scalar>(&self, q: &[S; N], body: usize, point: [f64; 2]) -> [S; 2];
 
-    /// J = ∂p/∂q, 2×N: the point moves with ṗ = J q̇ \[world frame\].
+    /// J = ∂p/∂q, 2×N: the velocity of the point is ṗ = J q̇ \[world frame\].
     ///
     /// # Panics
     /// If there is no such body.
@@ -64,9 +63,10 @@ pub trait PlanarKinematics<const N: usize> {
         SMatrix::from_fn(|i, j| position[i].gradient[j])
     }
 
-    /// T = Jᵀ, N×2: a force \[N, world frame\] at that point is the generalized force u = Jᵀf. **(PRM 10.12)**
+    /// T = Jᵀ, N×2: a force \[N, world frame\] at that point is the generalized force u = Jᵀf. **(PRM
+    /// 10.12)**
     ///
-    /// It does the same work: u·q̇ = f·ṗ.
+    /// Its power is the same: u·q̇ = f·ṗ.
     ///
     /// ```
     /// use dynamics::{Dynamics, PlanarArm, PlanarKinematics, generalized_force};

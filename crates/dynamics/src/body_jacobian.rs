@@ -1,10 +1,10 @@
 //! The Lagrange recipe for planar bodies: from the Jacobians of their motion to M, V and g.
 
-use crate::Scalar;
+use robot_dynamics_number::Scalar;
 
 /// One rigid body of a planar mechanism of `N` coordinates, at one configuration.
 ///
-/// Its centre of mass moves with ċ = J_c q̇ and it turns with ω = J_ω q̇, so its kinetic energy is
+/// Its centre of mass moves with ċ = J_c q̇ and it turns with ω = J_ω q̇. Its kinetic energy is
 /// ½ m |J_c q̇|² + ½ I (J_ω q̇)². The world's y axis points up; gravity acts along −y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyJacobian<S, const N: usize> {
@@ -70,7 +70,8 @@ pub fn potential_from_bodies<S: Scalar, const N: usize>(bodies: &[BodyJacobian<S
 /// g = Σ m a_g (y row of J_c)ᵀ: gravity from the Jacobians alone, without a derivative of V.
 ///
 /// ```
-/// use dynamics::{BodyJacobian, Dual, Scalar, gravity_from_bodies, potential_from_bodies};
+/// use dynamics::{BodyJacobian, gravity_from_bodies, potential_from_bodies};
+/// use robot_dynamics_number::{Dual, Scalar};
 /// // A weight of 2 kg on an arm of 0.5 m, over dual numbers: g is the derivative of V, m a_g l cos q.
 /// let [q] = Dual::<f64, 1>::variables(&[0.4]);
 /// let (sin, cos) = q.sin_cos();

@@ -1,8 +1,8 @@
 //! Pfaffian constraints A(q) q̇ = 0: velocities that a wheel, a blade or a rod forbids.
 //!
-//! The floor answers with the force Aᵀλ, which does no work on any allowed velocity:
-//! M q̈ + C q̇ + g + b = u + Aᵀλ with A q̈ + Ȧ q̇ = 0 **(PRM 10.16)**. Everything here rests on one
-//! factorisation, the Gram–Schmidt form of the rows in the metric M⁻¹ ([`RowFactor`]).
+//! The floor exerts the force Aᵀλ, which does no work on any allowed velocity. The motion satisfies M q̈ + C
+//! q̇ + g + b = u + Aᵀλ with A q̈ + Ȧ q̇ = 0 **(PRM 10.16)**. This module rests on one factorisation, the
+//! Gram–Schmidt form of the rows in the metric M⁻¹ ([`RowFactor`]).
 
 mod error;
 mod kkt;
@@ -12,8 +12,7 @@ mod row_factor;
 mod step;
 
 use nalgebra::{SMatrix, SVector};
-
-use crate::{Dual, Scalar};
+use robot_dynamics_number::{Dual, Scalar};
 
 pub use error::{ConstraintError, DependentRow};
 pub use kkt::{constrained_forward_dynamics, constrained_forward_dynamics_by_lu};
@@ -38,11 +37,12 @@ pub trait PfaffianOver<const K: usize, const N: usize> {
     fn rows_over<S: Scalar>(&self, q: &[S; N]) -> [[S; N]; K];
 }
 
-/// Makes a [`PfaffianOver`] a [`Pfaffian`]: Ȧ is the derivative of A along q̇, one dual number wide.
+/// Makes a [`PfaffianOver`] a [`Pfaffian`]: Ȧ is the derivative of A along q̇, by one dual number.
 ///
 /// ```
-/// use dynamics::{FromRows, Pfaffian, PfaffianOver, Scalar};
+/// use dynamics::{FromRows, Pfaffian, PfaffianOver};
 /// use nalgebra::{matrix, vector};
+/// use robot_dynamics_number::Scalar;
 /// /// A rod of fixed length from the origin to (x, y): x ẋ + y ẏ = 0.
 /// struct Rod;
 /// impl PfaffianOver<1, 2> for Rod {
@@ -69,17 +69,17 @@ impl<R: PfaffianOver<K, N>, const K: usize, const N: usize> Pfaffian<K, N> for F
     }
 }
 
-/// A constraint that pulls a velocity which violates it back: A q̇ decays as e^(−γt).
+/// A constraint with feedback on a violating velocity: A q̇ decays as e^(−γt).
 ///
-/// Ȧ is replaced by Ȧ + γA, so the KKT solve imposes d(Aq̇)/dt = −γ Aq̇. An alternative to the projection of
-/// [`constrained_rk4_step`] for a caller with an integrator of their own: it needs no step of its own, but
-/// holds A q̇ only near zero, and γ above about 2/h makes an explicit step unstable.
+/// Ȧ is replaced by Ȧ + γA, so that the KKT solve imposes d(Aq̇)/dt = −γ Aq̇. It is an alternative to the
+/// projection of [`constrained_rk4_step`] for callers with their own integrator. It needs no step of its own,
+/// but it keeps A q̇ only near zero, and γ above about 2/h makes an explicit step unstable.
 /// Source: Baumgarte, *Stabilization of constraints and integrals of motion* (1972), at velocity level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stabilized<C> {
     /// The constraint.
     pub constraint: C,
-    /// γ \[1/s\]; 0 changes nothing.
+    /// γ \[1/s\]; 0 disables the feedback.
     pub rate: f64,
 }
 

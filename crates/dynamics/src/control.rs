@@ -1,13 +1,15 @@
 //! Holding a pose: PD control with gravity compensation and torque limits.
 
 use nalgebra::SVector;
+use robot_dynamics_integrators::DynamicsError;
 
-use crate::{Dynamics, DynamicsError, check_finite, rk4_step};
+use crate::{Dynamics, check_finite, rk4_step};
 
 /// The torque limits of the `Reach` arm, joint 1 and joint 2 \[N·m\].
 pub const REACH_TORQUE_LIMITS: SVector<f64, 2> = SVector::<f64, 2>::new(20.0, 12.0);
 
-/// τ = g(q\*) + Kp (q\*−q) − Kd q̇ with diagonal gains, each joint cut off at its limit. **(MLS §4.5; MR §11.4)**
+/// τ = g(q\*) + Kp (q\*−q) − Kd q̇ with diagonal gains, each joint cut off at its limit. **(MLS §4.5; MR
+/// §11.4)**
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PdHold<const N: usize> {
     /// q\* \[rad or m\].
@@ -16,7 +18,7 @@ pub struct PdHold<const N: usize> {
     pub stiffness: SVector<f64, N>,
     /// The diagonal of Kd \[N·m·s/rad or N·s/m\].
     pub damping: SVector<f64, N>,
-    /// The largest |τ| of each joint \[N·m or N\]; infinity where there is none.
+    /// The largest |τ| of each joint \[N·m or N\]; infinity for no limit.
     pub limits: SVector<f64, N>,
 }
 
@@ -50,33 +52,34 @@ impl<const N: usize> PdHold<N> {
         })
     }
 
-    /// The joints whose limit is below |g(q\*)|: with any of them the pose cannot be held at all.
+    /// The joints whose limit is below |g(q\*)|; with any of them the pose cannot be held.
     pub fn overloaded_joints<D: Dynamics<N> + ?Sized>(&self, system: &D) -> Vec<usize> {
         let weight = system.gravity(&self.target);
         (0..N).filter(|&i| weight[i].abs() > self.limits[i]).collect()
     }
 
-    /// ζᵢ = Kdᵢ / (2 √(Kpᵢ Mᵢᵢ)) at q: joint i as an oscillator, the other joints standing still.
+    /// ζᵢ = Kdᵢ / (2 √(Kpᵢ Mᵢᵢ)) at q: joint i as an oscillator with the other joints at rest.
     ///
-    /// Below 1 it rings, at 1 it is critically damped. Kp and Kd are fixed but Mᵢᵢ depends on the pose.
+    /// Below 1 it oscillates, at 1 it is critically damped. Kp and Kd are constant, but Mᵢᵢ depends on the
+    /// pose.
     pub fn damping_ratio<D: Dynamics<N> + ?Sized>(&self, system: &D, q: &SVector<f64, N>) -> SVector<f64, N> {
         let mass = system.mass(q);
         SVector::from_fn(|i, _| self.damping[i] / (2.0 * (self.stiffness[i] * mass[(i, i)]).sqrt()))
     }
 }
 
-/// How a closed-loop run is timed and judged.
+/// Step, duration and settling band of a closed-loop run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HoldRun {
     /// The control period and integrator step \[s\]; τ is held over it.
     pub step: f64,
     /// The number of steps.
     pub steps: usize,
-    /// Settled means |q\*−q| at most this in every joint \[rad or m\].
+    /// A joint is settled if |q\*−q| is at most this \[rad or m\].
     pub band: f64,
 }
 
-/// What a closed-loop run did.
+/// The result of a closed-loop run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct HoldReport<const N: usize> {
@@ -86,11 +89,11 @@ pub struct HoldReport<const N: usize> {
     pub qd: SVector<f64, N>,
     /// The largest |τ| applied, per joint \[N·m or N\].
     pub peak_torque: SVector<f64, N>,
-    /// The largest |τ| asked for before the limits, per joint.
+    /// The largest |τ| before the limits, per joint.
     pub peak_demand: SVector<f64, N>,
-    /// The farthest past the target, per joint, counted from the side of the start \[rad or m\].
+    /// The largest overshoot beyond the target, per joint, relative to the side of the start \[rad or m\].
     pub overshoot: SVector<f64, N>,
-    /// The time after which every joint stays within the band \[s\]; none if the run ends outside it.
+    /// The time after which every joint stays within the band \[s\]; `None` if the run ends outside it.
     pub settling_time: Option<f64>,
 }
 
@@ -98,7 +101,7 @@ pub struct HoldReport<const N: usize> {
 ///
 /// ```
 /// use dynamics::{HoldRun, PdHold, REACH_TORQUE_LIMITS, Reach2R, hold};
-/// use nalgebra::{vector, Vector2};
+/// use nalgebra::{Vector2, vector};
 /// let arm = Reach2R::worked_example();
 /// let control = PdHold {
 ///     target: vector![1.6, 0.4],
@@ -110,12 +113,12 @@ pub struct HoldReport<const N: usize> {
 /// let report = hold(&arm, &control, &vector![1.4, 0.2], &Vector2::zeros(), &run)?;
 /// assert!(report.settling_time.is_some());
 /// assert!(report.peak_torque[0] <= 20.0 && report.peak_torque[1] <= 12.0);
-/// # Ok::<(), dynamics::DynamicsError>(())
+/// # Ok::<(), robot_dynamics_integrators::DynamicsError>(())
 /// ```
 ///
 /// # Errors
-/// [`DynamicsError::NonFinite`] where the controller's target or a gain, the start, the step or the band is not finite;
-/// where [`rk4_step`] gives one.
+/// [`DynamicsError::NonFinite`] if the target, a gain, the start, the step or the band is not finite, or if
+/// [`rk4_step`] fails.
 ///
 /// # Panics
 /// If the step is not positive, or a limit is negative or NaN.

@@ -1,50 +1,12 @@
 //! The equation of motion M(q) q̈ + C(q,q̇) q̇ + g(q) + b(q,q̇) = u as a trait.
 
-use core::fmt;
-
 use nalgebra::{SMatrix, SVector};
-
-/// Why a forward dynamics could not be computed.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum DynamicsError {
-    /// An input or an intermediate quantity is NaN or infinite.
-    NonFinite {
-        /// Which quantity, by its letter: `q`, `qd`, `u`, `M`, `C q̇`, `g`, `b`, their sum, or the result `qdd`.
-        quantity: &'static str,
-        /// The first offending entry (row, for a matrix).
-        index: usize,
-    },
-    /// M(q) is not positive definite: some motion costs no kinetic energy, so q̈ is not determined.
-    SingularMass {
-        /// The coordinate at which the Cholesky factorisation broke down.
-        coordinate: usize,
-        /// The pivot found there, in the units of M's diagonal; it must be positive.
-        pivot: f64,
-    },
-}
-
-impl fmt::Display for DynamicsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NonFinite { quantity, index } => {
-                write!(f, "{quantity}[{index}] is not finite; check the state and the parameters")
-            }
-            Self::SingularMass { coordinate, pivot } => write!(
-                f,
-                "the mass matrix is singular: pivot {pivot:e} at coordinate {coordinate} is not positive; \
-                 some body moved by that coordinate has no inertia"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for DynamicsError {}
+use robot_dynamics_integrators::{DynamicsError, check_finite};
 
 /// A mechanical system of `N` coordinates: M(q) q̈ + C(q,q̇) q̇ + g(q) + b(q,q̇) = u. **(PRM 10.7)**
 ///
-/// Coordinates `q` are in m or rad, so row i of every force-like vector is in N or N·m. Four methods
-/// describe a system; everything else follows from them. The trait is usable as `dyn Dynamics<N>`.
+/// Coordinates `q` are in m or rad, so row i of every force-like vector is in N or N·m. Four methods describe
+/// a system; the others follow from them. The trait is object-safe: `dyn Dynamics<N>`.
 ///
 /// ```
 /// use dynamics::{Dynamics, Reach2R};
@@ -70,7 +32,7 @@ pub trait Dynamics<const N: usize> {
     /// The potential energy V(q) \[J\].
     fn potential_energy(&self, q: &SVector<f64, N>) -> f64;
 
-    /// b(q,q̇): forces that take energy out (damping, friction); zero unless a model says otherwise.
+    /// b(q,q̇): dissipative forces (damping, friction); zero by default.
     fn dissipation(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SVector<f64, N> {
         let _ = (q, qd);
         SVector::zeros()
@@ -79,7 +41,7 @@ pub trait Dynamics<const N: usize> {
     /// The acceleration q̈ = M⁻¹(u − Cq̇ − g − b), by Cholesky.
     ///
     /// # Panics
-    /// Where [`try_forward`](Self::try_forward) would return an error.
+    /// If [`try_forward`](Self::try_forward) would return an error.
     fn forward(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>, u: &SVector<f64, N>) -> SVector<f64, N> {
         match self.try_forward(q, qd, u) {
             Ok(qdd) => qdd,
@@ -87,7 +49,7 @@ pub trait Dynamics<const N: usize> {
         }
     }
 
-    /// The acceleration q̈ = M⁻¹(u − Cq̇ − g − b), or why there is none.
+    /// The acceleration q̈ = M⁻¹(u − Cq̇ − g − b), or the reason why there is none.
     ///
     /// # Errors
     /// [`DynamicsError::NonFinite`] names the first quantity with a NaN or an infinity;
@@ -103,7 +65,7 @@ pub trait Dynamics<const N: usize> {
         check_finite("u", u.as_slice())?;
         let force = u - self.bias(q, qd);
         if force.iter().any(|x| !x.is_finite()) {
-            // The sum is broken; say which of its terms is.
+            // The sum is not finite; find the term that is not.
             check_finite("C q̇", self.velocity_product(q, qd).as_slice())?;
             check_finite("g", self.gravity(q).as_slice())?;
             check_finite("b", self.dissipation(q, qd).as_slice())?;
@@ -117,7 +79,7 @@ pub trait Dynamics<const N: usize> {
         self.mass(q) * qdd + self.bias(q, qd)
     }
 
-    /// Everything but inertia: C q̇ + g + b.
+    /// The forces without inertia: C q̇ + g + b.
     fn bias(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SVector<f64, N> {
         self.velocity_product(q, qd) + self.gravity(q) + self.dissipation(q, qd)
     }
@@ -135,8 +97,8 @@ pub trait Dynamics<const N: usize> {
     /// The Christoffel Coriolis matrix C_ij = Σₖ Γⁱⱼₖ q̇ₖ, by polarising the quadratic form
     /// [`velocity_product`](Self::velocity_product): C eⱼ = (f(q̇+s eⱼ) − f(q̇) − f(s eⱼ))/2s. **(PRM 10.9)**
     ///
-    /// Exact for every s but for rounding, which s = max |q̇ᵢ| keeps small at any speed. With this choice of
-    /// C, Ṁ − 2C is skew-symmetric.
+    /// Exact for every s up to rounding, which s = max |q̇ᵢ| keeps small at any speed. With this C, Ṁ − 2C is
+    /// skew-symmetric.
     fn coriolis_matrix(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SMatrix<f64, N, N> {
         let mut coriolis = SMatrix::<f64, N, N>::zeros();
         let speed = qd.amax();
@@ -154,24 +116,6 @@ pub trait Dynamics<const N: usize> {
     }
 }
 
-/// Refuses a slice with a NaN or an infinity, naming the quantity and the entry.
-///
-/// ```
-/// use dynamics::{DynamicsError, check_finite};
-/// assert_eq!(check_finite("q", &[0.0, 1.0]), Ok(()));
-/// let refused = check_finite("q", &[0.0, f64::NAN]);
-/// assert!(matches!(refused, Err(DynamicsError::NonFinite { quantity: "q", index: 1 })));
-/// ```
-///
-/// # Errors
-/// [`DynamicsError::NonFinite`].
-pub fn check_finite(quantity: &'static str, values: &[f64]) -> Result<(), DynamicsError> {
-    match values.iter().position(|x| !x.is_finite()) {
-        Some(index) => Err(DynamicsError::NonFinite { quantity, index }),
-        None => Ok(()),
-    }
-}
-
 /// Solves M x = f for a symmetric positive definite M by Cholesky, M = L Lᵀ; reads M's lower triangle.
 ///
 /// ```
@@ -182,12 +126,12 @@ pub fn check_finite(quantity: &'static str, values: &[f64]) -> Result<(), Dynami
 /// let qdd = solve_mass(&mass, &u)?; // the acceleration from rest without gravity
 /// assert!((mass * qdd - u).norm() < 1e-14);
 /// assert!(solve_mass(&matrix![1.0, 2.0; 2.0, 1.0], &u).is_err()); // no mass matrix: vᵀM v can be negative
-/// # Ok::<(), dynamics::DynamicsError>(())
+/// # Ok::<(), robot_dynamics_integrators::DynamicsError>(())
 /// ```
 ///
 /// # Errors
-/// [`DynamicsError`] if M is not finite or not positive definite, with the coordinate at fault; or if x
-/// is too large for an `f64`.
+/// [`DynamicsError`] if M is not finite or not positive definite, with the coordinate, or if x is too large
+/// for an `f64`.
 pub fn solve_mass<const N: usize>(
     mass: &SMatrix<f64, N, N>,
     force: &SVector<f64, N>,
@@ -204,7 +148,7 @@ pub fn solve_mass<const N: usize>(
                 lower[(i, j)] -= product;
             }
         }
-        // A pivot below the rounding error of its own row is zero as far as f64 can tell.
+        // A pivot below the rounding error of its row counts as zero.
         let pivot = lower[(j, j)];
         if pivot <= f64::EPSILON * mass[(j, j)].abs() * N as f64 || pivot.is_nan() {
             return Err(DynamicsError::SingularMass { coordinate: j, pivot });
@@ -232,7 +176,7 @@ pub fn solve_mass<const N: usize>(
     Ok(x)
 }
 
-/// Refuses an overflow where it arises, before 0 · ∞ spreads it over the other coordinates.
+/// Detects an overflow at its origin, before 0 · ∞ spreads it over the other coordinates.
 fn check_entry(x: f64, index: usize) -> Result<(), DynamicsError> {
     if x.is_finite() { Ok(()) } else { Err(DynamicsError::NonFinite { quantity: "qdd", index }) }
 }
@@ -247,7 +191,7 @@ mod tests {
 
     type V2 = SVector<f64, 2>;
 
-    /// A system of given constant terms.
+    /// A system with given constant terms.
     #[derive(Clone, Copy)]
     struct Constant {
         mass: SMatrix<f64, 2, 2>,
@@ -281,9 +225,9 @@ mod tests {
         }
     }
 
-    /// Every quantity that can be NaN is refused under its own name, with the entry.
+    /// The error names the quantity that is NaN, and its entry.
     #[test]
-    fn what_is_not_finite_is_named() {
+    fn error_names_quantity_that_is_not_finite() {
         let (zero, bad) = (V2::zeros(), vector![0.0, f64::NAN]);
         let found = |system: Constant, q: V2, qd: V2, u: V2| match system.try_forward(&q, &qd, &u) {
             Err(DynamicsError::NonFinite { quantity, index: 1 }) => quantity,
@@ -297,16 +241,16 @@ mod tests {
         assert_eq!(found(Constant { loss: bad, ..PLAIN }, zero, zero, zero), "b");
         let mass = matrix![1.0, 0.0; 0.0, f64::INFINITY];
         assert_eq!(found(Constant { mass, ..PLAIN }, zero, zero, zero), "M");
-        // Finite terms with an infinite sum, and a finite force on next to no mass.
+        // Finite terms with an infinite sum, and a finite force on a tiny mass.
         let huge = vector![0.0, f64::MAX];
         assert_eq!(found(Constant { gravity: -huge, ..PLAIN }, zero, zero, huge), "u − C q̇ − g − b");
         let mass = matrix![1.0, 0.0; 0.0, 1e-300];
         assert_eq!(found(Constant { mass, ..PLAIN }, zero, zero, vector![0.0, 1e200]), "qdd");
     }
 
-    /// The coordinate whose pivot vanishes is the one that costs no energy, given those before it.
+    /// The coordinate of the vanishing pivot has no inertia, given those before it.
     #[test]
-    fn a_singular_mass_names_its_coordinate() {
+    fn error_names_coordinate_of_singular_mass() {
         let at = |mass: SMatrix<f64, 3, 3>| match solve_mass(&mass, &vector![1.0, 1.0, 1.0]) {
             Err(DynamicsError::SingularMass { coordinate, pivot }) if pivot.abs() < 1e-15 => coordinate,
             other => panic!("{other:?}"),
@@ -320,15 +264,15 @@ mod tests {
         assert_eq!(error, DynamicsError::SingularMass { coordinate: 1, pivot: 0.0 });
     }
 
-    /// An indefinite matrix is refused, though it could be inverted.
+    /// An indefinite matrix is an error, although it is invertible.
     #[test]
-    fn a_negative_mass_is_refused() {
+    fn indefinite_mass_is_an_error() {
         let error = solve_mass(&matrix![1.0, 2.0; 2.0, 1.0], &vector![1.0, 1.0]).unwrap_err();
         assert_eq!(error, DynamicsError::SingularMass { coordinate: 1, pivot: -3.0 });
     }
 
     #[test]
-    fn errors_say_what_where_and_what_to_do() {
+    fn error_messages_name_quantity_and_remedy() {
         let error = DynamicsError::NonFinite { quantity: "u", index: 1 };
         assert_eq!(error.to_string(), "u[1] is not finite; check the state and the parameters");
         let text = DynamicsError::SingularMass { coordinate: 2, pivot: -0.5 }.to_string();
@@ -337,11 +281,11 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "forward dynamics: qd[0] is not finite")]
-    fn plain_forward_panics_with_the_error() {
+    fn forward_panics_with_error_of_try_forward() {
         PLAIN.forward(&V2::zeros(), &vector![f64::NEG_INFINITY, 0.0], &V2::zeros());
     }
 
-    /// Dissipation and gravity stand on the left: u = M q̈ + C q̇ + g + b.
+    /// Dissipation and gravity are on the left-hand side: u = M q̈ + C q̇ + g + b.
     #[test]
     fn inverse_adds_every_term() {
         let system = Constant {
@@ -355,10 +299,10 @@ mod tests {
         assert_eq!(system.forward(&zero, &zero, &vector![4.75, 2.125]), qdd);
     }
 
-    /// Polarisation gives the Christoffel matrix at walking pace, at a crawl and at great speed.
+    /// Polarisation gives the Christoffel matrix at usual, very low and very high speeds.
     #[test]
-    fn polarised_coriolis_matrix_is_the_christoffel_one() {
-        struct Plain(PlanarArm<3>); // keeps the trait's own `coriolis_matrix`
+    fn polarised_coriolis_matrix_matches_christoffel() {
+        struct Plain(PlanarArm<3>); // keeps the default `coriolis_matrix` of the trait
         impl Dynamics<3> for Plain {
             fn mass(&self, q: &SVector<f64, 3>) -> SMatrix<f64, 3, 3> {
                 self.0.mass(q)
@@ -388,7 +332,7 @@ mod tests {
     proptest! {
         /// M = A Aᵀ + δ 1 solved for a known x: the error is within N κ(M) ε of x.
         #[test]
-        fn cholesky_solves_to_its_condition_number(
+        fn cholesky_error_is_bounded_by_condition_number(
             a in prop::array::uniform16(-1.0..1.0_f64),
             x in prop::array::uniform4(-10.0..10.0_f64),
             exponent in -9..1_i32,

@@ -1,26 +1,27 @@
-//! One step of a rotating body: Runge–Kutta on the quaternion, and a step that keeps L and K.
+//! One step of a rotating body: Runge–Kutta on the quaternion, and a step that conserves L and K.
 
 use core::fmt;
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use robot_dynamics_description::RotationalInertia;
 
-use crate::{RotationalInertia, euler_in_body};
+use crate::euler_in_body;
 
 /// Orientation and angular velocity of a body: (world from body, ω in the body frame \[rad/s\]).
 pub type Attitude = (UnitQuaternion<f64>, Vector3<f64>);
 
-/// Why a rotation step could not be taken.
+/// The reason why a rotation step failed.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RotationError {
     /// An input is NaN or infinite.
     NonFinite {
-        /// Which input: `orientation`, `omega`, `torque`.
+        /// The input: `orientation`, `omega` or `torque`.
         quantity: &'static str,
     },
-    /// The implicit equation of the momentum-preserving step was not solved to round-off.
+    /// The implicit equation of the momentum-conserving step did not converge to round-off.
     NotConverged {
-        /// The last change of the momentum over its size.
+        /// The last change of the momentum relative to its size.
         residual: f64,
         /// The step \[s\].
         step: f64,
@@ -44,7 +45,7 @@ impl core::error::Error for RotationError {}
 
 /// One RK4 step of Ṙ = Rω̂, 𝓘ω̇ = τ − ω × 𝓘ω on the quaternion, renormalised. **(PRM 10.43–10.44)**
 ///
-/// With q the quaternion of R, q̇ = ½ q ω. Order 4; L and K are held only as well as the step is short.
+/// With q the quaternion of R, q̇ = ½ q ω. Order 4; L and K are conserved only to the accuracy of the step.
 /// The torque \[N·m\], about the centre of mass in body axes, is held over the step of `h` \[s\].
 ///
 /// # Errors
@@ -54,8 +55,9 @@ impl core::error::Error for RotationError {}
 /// If `h` is not positive and finite.
 ///
 /// ```
-/// use dynamics::{MassProperties, euler_body_step};
+/// use dynamics::euler_body_step;
 /// use nalgebra::{UnitQuaternion, Vector3};
+/// use robot_dynamics_description::MassProperties;
 /// let brick = MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1))?.rotational()?;
 /// let (r, omega) = (UnitQuaternion::identity(), Vector3::new(0.01, 5.0, 0.0));
 /// let (r1, omega1) = euler_body_step(&r, &omega, &Vector3::zeros(), &brick, 1e-3)?;
@@ -84,18 +86,20 @@ pub fn euler_body_step(
     Ok((UnitQuaternion::from_quaternion(q_next), omega_next))
 }
 
-/// One step that keeps the free body's world momentum L, |L| and K to round-off: order 2, reversible.
+/// One step that conserves the free body's world momentum L, |L| and K to round-off: order 2, reversible.
 ///
 /// The implicit midpoint rule on the body momentum Π, with the Cayley map for the orientation:
 ///
 /// ω_m = 𝓘⁻¹(Π₀+Π₁)/2,   Π₁ = cay(hω_m)ᵀΠ₀,   R₁ = R₀ cay(hω_m),   cay(a) = (1 − â/2)⁻¹(1 + â/2).
 ///
-/// The first two say Π₁ − Π₀ = hΠ_m × ω_m, and midpoint rules keep the quadratic |Π|² and ½Πᵀ𝓘⁻¹Π
-/// **(HLW §IV.2)**; the last two give R₁Π₁ = R₀Π₀. A torque acts by half a kick before and half after.
+/// The first two give Π₁ − Π₀ = hΠ_m × ω_m, and midpoint rules conserve the quadratic |Π|² and ½Πᵀ𝓘⁻¹Π **(HLW
+/// §IV.2)**; the last two give R₁Π₁ = R₀Π₀. Half of the impulse of a torque acts before the step and half
+/// after it.
 ///
 /// ```
-/// use dynamics::{MassProperties, cayley_body_step};
+/// use dynamics::cayley_body_step;
 /// use nalgebra::{UnitQuaternion, Vector3};
+/// use robot_dynamics_description::MassProperties;
 /// let brick = MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1))?.rotational()?;
 /// let (start, spin, free) = (UnitQuaternion::identity(), Vector3::new(0.1, 5.0, 0.2), Vector3::zeros());
 /// let (mut r, mut omega) = (start, spin);
@@ -109,8 +113,8 @@ pub fn euler_body_step(
 /// ```
 ///
 /// # Errors
-/// [`RotationError::NotConverged`] if the body turns too far in one step for the solver (radians, not a
-/// fraction of one); [`RotationError::NonFinite`] if an input is not finite.
+/// [`RotationError::NotConverged`] if the body turns by radians in one step, too far for the solver;
+/// [`RotationError::NonFinite`] if an input is not finite.
 ///
 /// # Panics
 /// If `h` \[s\] is not positive and finite.
@@ -129,12 +133,12 @@ pub fn cayley_body_step(
     // The quaternion (1, a/2), normalised, is the rotation cay(a).
     let turn = Quaternion::from_parts(1.0, omega_middle * (h / 2.0));
     let orientation = UnitQuaternion::from_quaternion(world_from_body.quaternion() * turn);
-    // As an increment of ω₀: a round trip ω → Π → ω would err the same way every step.
+    // As an increment of ω₀: a round trip ω → Π → ω would round with the same sign in every step.
     let change = momentum_middle.cross(&omega_middle) * h + kick * 2.0;
     Ok((orientation, omega_in_body + inertia.angular_velocity(&change)))
 }
 
-/// (Π_m, ω_m = 𝓘⁻¹Π_m) where Π_m − (h/2) Π_m × ω_m = Π₀, by Newton's method.
+/// (Π_m, ω_m = 𝓘⁻¹Π_m) with Π_m − (h/2) Π_m × ω_m = Π₀, by Newton's method.
 fn middle(
     inertia: &RotationalInertia,
     momentum: &Vector3<f64>,
@@ -144,7 +148,8 @@ fn middle(
     let inverse = Matrix3::from_columns(&[0, 1, 2].map(|k| inertia.angular_velocity(&Vector3::ith(k, 1.0))));
     let mut middle = *momentum;
     let mut last_change = f64::INFINITY;
-    // Newton's changes square: five or six iterations reach round-off or the step is too long.
+    // Newton's method converges quadratically: five or six iterations reach round-off, or the step is too
+    // long.
     for _ in 0..20 {
         let omega = inertia.angular_velocity(&middle);
         let defect = middle - middle.cross(&omega) * (h / 2.0) - momentum;

@@ -1,7 +1,7 @@
 //! The free rotation of a rigid body in closed form, by Jacobi's elliptic functions.
 //!
-//! Source: Landau, Lifshitz, *Mechanics* (3rd ed. 1976), §37. An oracle for the integrators: it shares no
-//! code with them.
+//! Source: Landau, Lifshitz, *Mechanics* (3rd ed. 1976), §37. A reference for the integrators, with which it
+//! shares no code.
 
 mod jacobi;
 
@@ -9,8 +9,9 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 pub use jacobi::{complete_elliptic_k, incomplete_elliptic_f, jacobi_sn_cn_dn};
 
+use robot_dynamics_description::RotationalInertia;
+
 use self::jacobi::Parameter;
-use crate::RotationalInertia;
 
 /// Gauss's five-point rule on \[−1, 1\]: exact for polynomials of degree 9.
 const GAUSS: [(f64, f64); 5] = [
@@ -23,25 +24,26 @@ const GAUSS: [(f64, f64); 5] = [
 
 /// The motion of a free body from a given orientation and angular velocity, at any time.
 ///
-/// Number the principal axes 1, 2, 3 so that axis 3 is the one the motion circles: of largest moment
-/// where |L|² ≥ 2K I₂, of smallest where |L|² < 2K I₂; axis 2 is the middle one either way. Then
+/// The principal axes 1, 2, 3 are numbered so that the motion circles axis 3, and axis 2 is the middle one.
+/// Axis 3 has the largest moment if |L|² ≥ 2K I₂, and the smallest if |L|² < 2K I₂. Then
 ///
 /// ω₁ = A₁ cn u, ω₂ = A₂ sn u, ω₃ = A₃ dn u, u = λt + u₀, m = (I₂−I₁)(2KI₃−L²)/((I₃−I₂)(L²−2KI₁)).
 ///
 /// ```
-/// use dynamics::{FreeRotation, MassProperties};
+/// use dynamics::FreeRotation;
 /// use nalgebra::{UnitQuaternion, Vector3};
+/// use robot_dynamics_description::MassProperties;
 /// let brick = MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1))?.rotational()?;
 /// let spin = Vector3::new(0.01, 5.0, 0.01);
 /// let motion = FreeRotation::new(&brick, &UnitQuaternion::identity(), &spin);
 /// // Spun about its middle axis, the brick turns over: half a period later ω₂ has changed sign.
 /// let flipped = motion.omega_in_body(motion.period() / 2.0);
 /// assert!((flipped.y + 5.0).abs() < 1e-4);
-/// # Ok::<(), dynamics::InertiaError>(())
+/// # Ok::<(), robot_dynamics_description::InertiaError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeRotation {
-    /// Columns: the axes numbered 1, 2, 3, in body coordinates; left-handed where the numbering is odd.
+    /// Columns: the axes 1, 2, 3 in body coordinates; left-handed if the numbering is an odd permutation.
     body_from_axes: Matrix3<f64>,
     moments: Vector3<f64>,
     amplitudes: Vector3<f64>,
@@ -64,7 +66,7 @@ impl FreeRotation {
         let principal = inertia.principal();
         let ascending = principal.body_from_principal.inverse() * omega_in_body;
         let [i1, i2, i3]: [f64; 3] = principal.moments.into();
-        // L² − 2K I₂ = I₃(I₃−I₂)ω₃² − I₁(I₂−I₁)ω₁², free of cancellation at the spins about one axis.
+        // L² − 2K I₂ = I₃(I₃−I₂)ω₃² − I₁(I₂−I₁)ω₁², without cancellation at spins about one axis.
         let surplus = i3 * (i3 - i2) * ascending.z.powi(2) - i1 * (i2 - i1) * ascending.x.powi(2);
         let circles_largest = surplus > 0.0 || (surplus == 0.0 && i3 > i2);
         let order = if circles_largest { [0, 1, 2] } else { [2, 1, 0] };
@@ -90,17 +92,17 @@ impl FreeRotation {
             momentum_in_body_at_start: inertia.momentum(omega_in_body),
             kinetic_energy: inertia.kinetic_energy(omega_in_body),
         };
-        // No rate: a ball, or a symmetric top spun across its axis. ω stays.
+        // λ = 0: a ball, or a symmetric top that spins across its axis. ω is constant.
         if speed > 0.0 && speed.is_finite() {
             let (first, second) = ((below / i[0]).sqrt(), (d31 * below / (i[1] * d32)).sqrt());
             let third = (above / i[2]).sqrt();
             motion.amplitudes = Vector3::new(first.copysign(w[0]), second, third.copysign(w[2]));
-            // 1 − m = (I₃−I₁)(L²−2KI₂)/((I₃−I₂)(L²−2KI₁)): as exact as the surplus.
+            // 1 − m = (I₃−I₁)(L²−2KI₂)/((I₃−I₂)(L²−2KI₁)): as accurate as L² − 2K I₂.
             motion.parameter.complement = (surplus / (d32 * above)).abs().min(1.0);
-            // cn ≥ 0 at the start, since A₁ took ω₁'s sign.
+            // cn ≥ 0 at the start, since A₁ has the sign of ω₁.
             let angle = if below > 0.0 { (w[1] / second).atan2(w[0].abs() / first) } else { 0.0 };
             motion.phase = motion.parameter.incomplete(angle);
-            // I₁ω̇₁ = ±(I₂−I₃)ω₂ω₃ with cn′ = −sn dn fixes the sign of λ.
+            // I₁ω̇₁ = ±(I₂−I₃)ω₂ω₃ with cn′ = −sn dn determines the sign of λ.
             motion.rate = speed * parity * (d32 * motion.amplitudes[2]).signum() * 1f64.copysign(w[0]);
         }
         motion
@@ -120,15 +122,16 @@ impl FreeRotation {
         self.amplitudes.component_mul(&Vector3::new(cn, sn, dn))
     }
 
-    /// The period of ω in the body frame, 4K(m)/|λ| \[s\]: infinite on the separatrix and where ω stays.
+    /// The period of ω in the body frame, 4K(m)/|λ| \[s\]: infinite on the separatrix and if ω is constant.
     pub fn period(&self) -> f64 {
         4.0 * self.parameter.complete() / self.rate.abs()
     }
 
     /// The orientation at time t \[s\].
     ///
-    /// L̂ is fixed in the world. The body's axis 1 circles it at L(2K − L₁ω₁)/(L² − L₁²), whose integral is
-    /// taken by Gauss's rule on 64 panels a period; the axis never meets L̂, so nothing is singular.
+    /// L̂ is fixed in the world. Axis 1 of the body circles L̂ at the rate L(2K − L₁ω₁)/(L² − L₁²). Gauss's
+    /// rule on 64 panels a period integrates that rate. The axis never coincides with L̂, so the rate is
+    /// never singular.
     pub fn world_from_body(&self, t: f64) -> UnitQuaternion<f64> {
         let size = self.momentum_in_body_at_start.norm();
         if size == 0.0 {
@@ -137,7 +140,7 @@ impl FreeRotation {
         if self.rate == 0.0 {
             return self.world_from_body_at_start * UnitQuaternion::from_scaled_axis(self.omega_at_start * t);
         }
-        // A panel short against the tumbling and against one turn.
+        // A panel that is short relative to the tumbling and to one turn.
         let pace = (self.rate.abs() / 4.0).max(self.omega_at_start.norm() / 8.0);
         let panels = (t.abs() * pace * 16.0).ceil().max(1.0);
         let width = t / panels;
@@ -153,7 +156,7 @@ impl FreeRotation {
             }
             panel += 1.0;
         }
-        // The frame of L̂ and axis 1, in body coordinates, then and now.
+        // The frame of L̂ and axis 1 in body coordinates, at the start and at t.
         let then = self.frame_of_momentum(0.0);
         let now = self.frame_of_momentum(t);
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
@@ -161,7 +164,7 @@ impl FreeRotation {
         self.world_from_body_at_start * UnitQuaternion::from_rotation_matrix(&in_body)
     }
 
-    /// body from (x: axis 1 made perpendicular to L, z: L̂) at time t.
+    /// The rotation to the body from (x: axis 1 made perpendicular to L, z: L̂) at time t.
     fn frame_of_momentum(&self, t: f64) -> Rotation3<f64> {
         let along = self.body_from_axes * self.moments.component_mul(&self.omega_along_axes(t));
         let z = along.normalize();

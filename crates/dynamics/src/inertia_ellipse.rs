@@ -1,19 +1,18 @@
 //! The inertia ellipse: joint velocities of equal kinetic energy.
 
 use nalgebra::{SMatrix, SVector};
+use robot_dynamics_integrators::DynamicsError;
 
-use crate::DynamicsError;
-
-/// Sweeps of the eigenvalue iteration. Convergence is quadratic: 8 suffice below N = 100; 30 is a stop.
+/// Sweeps of the eigenvalue iteration. Convergence is quadratic: 8 suffice below N = 100; 30 is the limit.
 const SWEEPS: usize = 30;
 
 /// The ellipsoid {q̇ : q̇ᵀM q̇ = level} by its semi-axes, longest first. **(MR §8.1)**
 ///
-/// With M dᵢ = λᵢ dᵢ, semi-axis i is √(level/λᵢ) along the unit vector dᵢ. [`new`](Self::new) takes the
-/// chapter's level 1, which is K = ½ J; the velocities of kinetic energy E are at level 2E, so their
-/// semi-axes are √(2E) times longer: [`of_energy`](Self::of_energy). A long axis is an easy direction.
+/// With M dᵢ = λᵢ dᵢ, semi-axis i is √(level/λᵢ) along the unit vector dᵢ. [`new`](Self::new) has the level 1
+/// of the chapter, which is K = ½ J. The velocities of kinetic energy E are at level 2E, so their semi-axes
+/// are √(2E) times longer: [`of_energy`](Self::of_energy). A long axis is a direction of small inertia.
 ///
-/// Coordinates of mixed units (m and rad) make an ellipsoid whose shape depends on the units.
+/// Coordinates of mixed units (m and rad) give an ellipsoid whose shape depends on the units.
 ///
 /// ```
 /// use dynamics::{Dynamics, InertiaEllipse, Reach2R};
@@ -41,7 +40,7 @@ impl<const N: usize> InertiaEllipse<N> {
         let (eigenvalues, vectors) = symmetric_eigen(mass);
         let mut order: [usize; N] = core::array::from_fn(|i| i);
         order.sort_by(|&i, &j| eigenvalues[i].total_cmp(&eigenvalues[j]));
-        // Cholesky accepts a pivot of a few ε; its eigenvalue can round to zero or below.
+        // Cholesky accepts a pivot of a few ε; the corresponding eigenvalue can round to zero or below.
         if let Some(&i) = order.first().filter(|&&i| eigenvalues[i] <= 0.0) {
             let coordinate = vectors.column(i).iamax();
             return Err(DynamicsError::SingularMass { coordinate, pivot: eigenvalues[i] });
@@ -75,8 +74,8 @@ impl<const N: usize> InertiaEllipse<N> {
 /// Eigenvalues and unit eigenvectors (columns) of a symmetric matrix, by Jacobi rotations.
 ///
 /// Each rotation zeroes one off-diagonal pair; sweeps over all pairs converge quadratically. For positive
-/// definite matrices Jacobi also gets the small eigenvalues right to relative precision.
-/// Source: Golub, Van Loan, *Matrix Computations* (2013), ch. 8.5.
+/// definite matrices Jacobi's method computes small eigenvalues to relative precision. Source: Golub, Van
+/// Loan, *Matrix Computations* (2013), ch. 8.5.
 ///
 /// ```
 /// use dynamics::symmetric_eigen;
@@ -93,7 +92,7 @@ pub fn symmetric_eigen<const N: usize>(matrix: &SMatrix<f64, N, N>) -> (SVector<
         let mut rotated = false;
         for p in 0..N {
             for q in p + 1..N {
-                // Below the rounding of its own diagonal pair an entry is zero.
+                // An entry below the rounding of its diagonal pair counts as zero.
                 if a[(p, q)].abs() <= f64::EPSILON * (a[(p, p)] * a[(q, q)]).abs().sqrt() {
                     continue;
                 }

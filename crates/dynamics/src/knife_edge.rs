@@ -1,16 +1,17 @@
-//! The knife-edge: a planar body that cannot slip sideways. Also a wheeled chassis, "Rusty".
+//! The knife edge: a planar body that cannot slip sideways, also a wheeled chassis, "Rusty".
 
 use nalgebra::{RowSVector, SMatrix, SVector, Vector2, matrix, vector};
+use robot_dynamics_number::Scalar;
 
-use crate::{Pfaffian, PfaffianOver, PlanarBody, Scalar};
+use crate::{Pfaffian, PfaffianOver, PlanarBody};
 
 /// A planar body on a blade, or on two wheels with one axle through its centre of mass.
 ///
-/// q = (x, y, θ) as in [`PlanarBody`]; the heading is (cos θ, sin θ). No side-slip:
-/// A = \[sin θ, −cos θ, 0\], Ȧ = θ̇ \[cos θ, sin θ, 0\]. λ \[N\] is the side force of the floor on the blade,
-/// counted to the right of the heading, since Aᵀλ = λ (sin θ, −cos θ, 0).
+/// q = (x, y, θ) as in [`PlanarBody`]; the heading is (cos θ, sin θ). Without side slip A = \[sin θ, −cos θ,
+/// 0\] and Ȧ = θ̇ \[cos θ, sin θ, 0\]. λ \[N\] is the side force of the floor on the blade. It is positive to
+/// the right of the heading, since Aᵀλ = λ (sin θ, −cos θ, 0).
 ///
-/// On a level floor `body.a_g` is 0; on a slope it is the part of gravity along the floor, down −y. With
+/// On a level floor `body.a_g` is 0; on a slope it is the component of gravity along the floor, down −y. With
 /// u2′ = u2 − m a_g the methods are closed forms, for comparison with
 /// [`constrained_forward_dynamics`](crate::constrained_forward_dynamics).
 ///
@@ -54,7 +55,8 @@ impl KnifeEdge {
         vector![(u[0] + lambda * sine) / m, (u[1] - lambda * cosine) / m - a_g, u[2] / i_zz]
     }
 
-    /// P = \[\[c², sc, 0\], \[sc, s², 0\], \[0, 0, 1\]\] with s = sin q3, c = cos q3: keeps heading and turning.
+    /// P = \[\[c², sc, 0\], \[sc, s², 0\], \[0, 0, 1\]\] with s = sin q3, c = cos q3: keeps the forward
+    /// velocity and the rotation.
     pub fn projection(q: &SVector<f64, 3>) -> SMatrix<f64, 3, 3> {
         let (s, c) = q[2].sin_cos();
         matrix![c * c, s * c, 0.0; s * c, s * s, 0.0; 0.0, 0.0, 1.0]
@@ -69,10 +71,11 @@ impl KnifeEdge {
         vector![(u[0] * cosine + u[1] * sine) / m - a_g * sine, u[2] / i_zz]
     }
 
-    /// T(q), 3×2: u = T (F_left, F_right) for wheels that push forward at ∓`half_track` \[m\]. **(PRM 10.12)**
+    /// T(q), 3×2: u = T (F_left, F_right) for wheels at ∓`half_track` \[m\] that push forward. **(PRM
+    /// 10.12)**
     ///
-    /// T = \[\[c, c\], \[s, s\], \[−w, w\]\]; Tᵀq̇ are the speeds of the two wheel hubs. Wheel forces ask
-    /// nothing of the floor sideways: A M⁻¹ T = 0.
+    /// T = \[\[c, c\], \[s, s\], \[−w, w\]\]; Tᵀq̇ are the speeds of the two wheel hubs. Wheel forces cause
+    /// no side force of the floor: A M⁻¹ T = 0.
     pub fn wheel_map(q: &SVector<f64, 3>, half_track: f64) -> SMatrix<f64, 3, 2> {
         let (s, c) = q[2].sin_cos();
         matrix![c, c; s, s; -half_track, half_track]

@@ -1,13 +1,14 @@
 //! The Lagrange recipe: from M(q) and V(q) to every term of the equation of motion.
 //!
 //! K = ½ q̇ᵀM q̇ and V determine the motion. The velocity-product forces are derivatives of M through the
-//! Christoffel symbols Γⁱⱼₖ = ½(∂M_ij/∂qₖ + ∂M_ik/∂qⱼ − ∂M_jk/∂qᵢ) **(PRM 10.9)**, gravity is ∂V/∂q.
-//! Where M is written over a generic scalar ([`Lagrangian`]) the derivatives are exact; where only the
-//! numbers M(q) exist, [`christoffel_by_differences`] takes central differences.
+//! Christoffel symbols Γⁱⱼₖ = ½(∂M_ij/∂qₖ + ∂M_ik/∂qⱼ − ∂M_jk/∂qᵢ) **(PRM 10.9)**, gravity is ∂V/∂q. If M is
+//! written over a generic scalar type ([`Lagrangian`]) the derivatives are exact; if only the numbers M(q)
+//! exist, [`christoffel_by_differences`] uses central differences.
 
 use nalgebra::{SMatrix, SVector};
+use robot_dynamics_number::{Dual, Scalar};
 
-use crate::{Dual, Dynamics, Scalar};
+use crate::Dynamics;
 
 /// A system given by its two energies, written over a generic scalar: M(q) and V(q).
 ///
@@ -58,7 +59,7 @@ impl<const N: usize> Christoffel<N> {
         self.coriolis_matrix(qd) * qd
     }
 
-    /// The largest |Γⁱⱼₖ − Γ′ⁱⱼₖ|; NaN if any symbol is.
+    /// The largest |Γⁱⱼₖ − Γ′ⁱⱼₖ|; NaN if any symbol is NaN.
     pub fn max_difference(&self, other: &Self) -> f64 {
         let entries = |symbols: &Self| symbols.0.into_iter().flatten().flatten();
         largest(entries(self).zip(entries(other)).map(|(a, b)| a - b))
@@ -120,7 +121,7 @@ pub fn christoffel_by_differences<const N: usize>(
         let (mut forward, mut backward) = (*q, *q);
         forward[k] += step;
         backward[k] -= step;
-        // The step actually taken, after rounding.
+        // The actual step, after rounding.
         (mass(&forward) - mass(&backward)) / (forward[k] - backward[k])
     }))
 }
@@ -144,13 +145,13 @@ pub fn mass_rate<L: Lagrangian<N>, const N: usize>(
     SMatrix::from_fn(|i, j| mass[i][j].gradient[0])
 }
 
-/// max |(Ṁ−2C) + (Ṁ−2C)ᵀ|: zero when C is the Coriolis matrix that belongs to M, NaN if an entry is.
+/// max |(Ṁ−2C) + (Ṁ−2C)ᵀ|: zero if C is a Coriolis matrix with the skew property, NaN if an entry is NaN.
 /// **(MLS lemma 4.2)**
 ///
-/// Hand it an Ṁ that shares no code path with C, [`mass_rate`] for instance.
+/// Use an Ṁ that shares no code with C, for example [`mass_rate`].
 ///
-/// C is not unique: with any S for which S q̇ = 0, C + S produces the same forces and so the same motion,
-/// but Ṁ − 2(C + S) is not skew-symmetric. Proofs of stability need the C of [`christoffel`].
+/// C is not unique. With any S for which S q̇ = 0, C + S gives the same forces and the same motion, but
+/// Ṁ − 2(C + S) is not skew-symmetric. Proofs of stability need the C of [`christoffel`].
 ///
 /// ```
 /// use dynamics::{PlanarArm, christoffel, mass_rate, skew_symmetry_defect};
@@ -173,7 +174,7 @@ pub fn skew_symmetry_defect<const N: usize>(
     largest((n + n.transpose()).iter().copied())
 }
 
-/// The largest |x|, and NaN if any x is NaN: `f64::max` would pass over it.
+/// The largest |x|, and NaN if any x is NaN, which `f64::max` would ignore.
 pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |worst, x| if x.is_nan() || x.abs() > worst { x.abs() } else { worst })
 }
@@ -222,9 +223,9 @@ mod tests {
     use super::*;
     use crate::Reach2R;
 
-    /// One NaN among good entries must not look like a small defect.
+    /// One NaN among finite entries must not look like a small defect.
     #[test]
-    fn defects_do_not_pass_over_nan() {
+    fn defects_propagate_nan() {
         assert_eq!(largest([1.0, -3.0, 2.0]), 3.0);
         assert!(largest([1.0, f64::NAN, 2.0]).is_nan());
         let rate = matrix![0.0, f64::NAN; 0.0, 0.0];
@@ -234,9 +235,9 @@ mod tests {
         assert_eq!(good.max_difference(&Christoffel([[[-0.5]]])), 1.5);
     }
 
-    /// The defect of a matrix that is skew but for one entry is that entry, twice.
+    /// The defect of a matrix that is skew except for one entry is twice that entry.
     #[test]
-    fn the_defect_is_the_symmetric_part_twice() {
+    fn defect_is_twice_the_symmetric_part() {
         let rate = matrix![0.25, 3.0; -3.0, 0.0];
         assert_eq!(skew_symmetry_defect(&rate, &SMatrix::zeros()), 0.5);
     }
@@ -255,7 +256,7 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "the difference step must be positive and finite, got 0")]
-    fn a_step_of_zero_is_refused() {
+    fn zero_step_panics() {
         let _ = christoffel_by_differences(|q| Reach2R::worked_example().mass(q), &vector![0.0, 0.0], 0.0);
     }
 }

@@ -1,12 +1,12 @@
 //! Robot dynamics from the Lagrangian.
 //!
-//! The dynamics of an arm is one symmetric positive definite matrix M(q) and one scalar V(q): the kinetic
-//! energy is K = ½ q̇ᵀM(q) q̇, the potential energy V(q), and the motion follows from the two alone,
+//! One symmetric positive definite matrix M(q) and one scalar V(q) determine the dynamics of an arm. The
+//! kinetic energy is K = ½ q̇ᵀM(q) q̇, the potential energy V(q), and the motion follows from the two:
 //!
 //! > **M(q) q̈ + C(q,q̇) q̇ + g(q) + b(q,q̇) = u** **(PRM 10.7)**
 //!
-//! The velocity-product forces C q̇ are derivatives of M, gravity g is the derivative of V, b takes energy
-//! out, and u is what the motors put in.
+//! The velocity-product forces C q̇ are derivatives of M, and gravity g is the derivative of V. b dissipates
+//! energy, and u are the forces of the motors.
 //!
 //! ```
 //! use dynamics::{Dynamics, PlanarArm, Reach2R, laws, rk4_step};
@@ -17,11 +17,11 @@
 //! let arm = Reach2R::uniform(1.0, 2.0, 1.0, 1.0, 9.81);
 //! let q = vector![FRAC_PI_4, FRAC_PI_2];
 //!
-//! // Holding it still takes the torque g(q); spinning joint 1 at 1 rad/s pushes on joint 2.
+//! // The torque g(q) holds the arm; joint 1 at 1 rad/s causes a force on joint 2.
 //! assert!((arm.gravity(&q) - vector![10.4051, -3.4684]).norm() < 1e-4);
 //! assert!((arm.velocity_product(&q, &vector![1.0, 0.0]) - vector![0.0, 0.5]).norm() < 1e-12);
 //!
-//! // Let go: the arm falls, and its energy stays where it was.
+//! // The arm falls, and its energy is conserved.
 //! let (mut position, mut velocity) = (q, Vector2::zeros());
 //! let start = arm.energy(&position, &velocity);
 //! for _ in 0..1000 {
@@ -30,37 +30,36 @@
 //! assert!(position[0] < 0.0);
 //! assert!((arm.energy(&position, &velocity) - start).abs() < 1e-7 * start);
 //!
-//! // Any other model obeys the same laws, and there is one call that checks them all.
+//! // Every model obeys the same laws, which one call checks.
 //! laws::check_all("Reach3R", &PlanarArm::reach_3r(), &laws::States::new(1))?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # The map, in the order in which one thing needs another
+//! # Overview, in the order of dependence
 //!
-//! | what | equation | where |
+//! | subject | equation | items |
 //! | --- | --- | --- |
-//! | numbers a formula is written over; their exact derivatives | f(x + ε) = f(x) + f′(x) ε, ε² = 0 | [`Scalar`], [`Dual`] |
+//! | scalar types of formulas; exact derivatives | f(x + ε) = f(x) + f′(x) ε, ε² = 0 | [`Scalar`], [`Dual`] |
 //! | a system, forwards and backwards | q̈ = M⁻¹(u − C q̇ − g − b) | [`Dynamics`] |
 //! | Christoffel symbols | Γⁱⱼₖ = ½(∂M_ij/∂qₖ + ∂M_ik/∂qⱼ − ∂M_jk/∂qᵢ) | [`Lagrangian`], [`christoffel`], [`christoffel_by_differences`] |
-//! | the Coriolis matrix and its sign of health | C_ij = Σₖ Γⁱⱼₖ q̇ₖ, Ṁ − 2C skew | [`Christoffel::coriolis_matrix`], [`skew_symmetry_defect`] |
+//! | the Coriolis matrix and its skew property | C_ij = Σₖ Γⁱⱼₖ q̇ₖ, Ṁ − 2C skew | [`Christoffel::coriolis_matrix`], [`skew_symmetry_defect`] |
 //! | M, V, g from the bodies of a mechanism | M = Σ (m J_cᵀJ_c + I J_ωᵀJ_ω) | [`BodyJacobian`], [`mass_from_bodies`] |
 //! | actuation | u = T(q) f, T = Jᵀ for a force at a point | [`generalized_force`], [`PlanarKinematics`] |
 //! | laws of every model | dE/dt = u·q̇ − b·q̇ and others | [`laws`] |
 //! | models | | [`Reach2R`], [`PlanarArm`], [`RpArm`], [`PolarMass`], [`PlanarBody`], [`KnifeEdge`] |
-//! | forbidden velocities | A(q) q̇ = 0, M q̈ + … = u + Aᵀλ | [`constrained_forward_dynamics`], [`ConstraintProjections`] |
-//! | a body that turns | 𝓘ω̇ + ω × 𝓘ω = τ | [`RotationalInertia`], [`euler_in_body`], [`euler_body_step`] |
+//! | constraints on velocities | A(q) q̇ = 0, M q̈ + … = u + Aᵀλ | [`constrained_forward_dynamics`], [`ConstraintProjections`] |
+//! | rotation of a rigid body | 𝓘ω̇ + ω × 𝓘ω = τ | [`RotationalInertia`], [`euler_in_body`], [`euler_body_step`] |
 //! | motion in time | (q, q̇) → (q, q̇) after h seconds | [`Integrator`], [`rk4_step`], [`energy_drift`] |
 //! | control | τ = g(q\*) + Kp(q\*−q) − Kd q̇ | [`PdHold`], [`linearize`], [`InertiaEllipse`] |
-//! | the cheapest feedback | u = −K x, P = Q + AᵀP(A − B K) | [`dlqr`] |
-//! | a path with a clock | a(s) s̈ + b(s) ṡ² + c(s) = τ | [`PathDynamics`] |
+//! | time parameterisation of a path | a(s) s̈ + b(s) ṡ² + c(s) = τ | [`PathDynamics`] |
 //! | the two-link arm at one pose, every number | | [`WorkedExample`] |
 //!
 //! # Conventions
 //!
-//! Coordinates are in rad or m, so forces are in N·m or N; energies are in J. Angles count
-//! counter-clockwise from the horizontal x axis, y points up, gravity acts along −y. States are
-//! `nalgebra` vectors of fixed size, `SVector<f64, N>`. What can be wrong in the data (a NaN, a singular M)
-//! is an error that names the quantity and the entry; a call that is wrong in itself panics.
+//! Coordinates are in rad or m, so forces are in N·m or N; energies are in J. Angles are counter-clockwise
+//! from the horizontal x axis, y points up, gravity acts along −y. States are `nalgebra` vectors of fixed
+//! size, `SVector<f64, N>`. Invalid data (a NaN, a singular M) are an error that names the quantity and the
+//! entry; an invalid call panics.
 //!
 //! # Sources
 //!
@@ -72,12 +71,12 @@
 // The equation of motion,
 mod equation;
 
-// the recipe that yields its terms, and the forces that drive it.
+// the recipe for its terms, and the forces that drive it.
 mod actuation;
 mod body_jacobian;
 mod lagrange;
 
-// The laws every model must obey.
+// The laws that every model must obey.
 pub mod laws;
 
 // Models, one file each.
@@ -94,7 +93,6 @@ mod constraint;
 // Rotation of a rigid body.
 mod euler_body;
 mod free_body_exact;
-mod inertia;
 mod rigid_body;
 
 // Motion in time.
@@ -104,7 +102,6 @@ mod integrate;
 mod control;
 mod inertia_ellipse;
 mod linearize;
-mod lqr;
 mod path;
 
 // The two-link arm at one pose, every number.
@@ -118,18 +115,13 @@ pub use constraint::{
     constrained_rk4_step, reduced_acceleration,
 };
 pub use control::{HoldReport, HoldRun, PdHold, REACH_TORQUE_LIMITS, hold};
-pub use equation::{Dynamics, DynamicsError, check_finite, solve_mass};
+pub use equation::{Dynamics, solve_mass};
 pub use euler_body::{Attitude, RotationError, cayley_body_step, euler_body_step};
 pub use free_body_exact::{FreeRotation, complete_elliptic_k, incomplete_elliptic_f, jacobi_sn_cn_dn};
-pub use inertia::{
-    InertiaError, MassProperties, PrincipalInertia, RotationalInertia, parallel_axis, parallel_axis_planar,
-    six_digits,
-};
 pub use inertia_ellipse::{InertiaEllipse, symmetric_eigen};
 pub use integrate::{
-    EnergyLedger, EnergyRun, Integrator, IntegratorError, Method, Stage, State, Symplectic, energy_drift,
-    energy_run, energy_scale, explicit_euler_step, rk4_step, semi_implicit_euler_step,
-    variational_midpoint_step, variational_yoshida4_step,
+    EnergyRun, State, SystemEnergy, SystemStep, energy_drift, energy_run, explicit_euler_step, rk4_step,
+    semi_implicit_euler_step, variational_midpoint_step, variational_yoshida4_step,
 };
 pub use knife_edge::KnifeEdge;
 pub use lagrange::{
@@ -137,7 +129,6 @@ pub use lagrange::{
     mass_rate, skew_symmetry_defect,
 };
 pub use linearize::{Linearization, linearize, linearize_by_differences};
-pub use lqr::{Dlqr, DlqrError, dlqr};
 pub use path::{
     FourierLoop, Path, PathDynamics, PathPoint, REACH_REPLAY_SPEED, fastest_constant_speed, peak_torque,
     reach_replay,
@@ -147,8 +138,21 @@ pub use planar_body::PlanarBody;
 pub use polar_mass::PolarMass;
 pub use reach2r::Reach2R;
 pub use rigid_body::{euler_in_body, euler_in_principal_axes, euler_in_world};
+pub use robot_dynamics_description::{
+    InertiaError, MassProperties, PrincipalInertia, RotationalInertia, parallel_axis, parallel_axis_planar,
+    six_digits,
+};
+pub use robot_dynamics_integrators::{
+    DynamicsError, EnergyLedger, Integrator, IntegratorError, Stage, StepScheme, Symplectic, check_finite,
+    energy_scale,
+};
 pub use rp_arm::RpArm;
 pub use worked_example::WorkedExample;
 
-// What a formula is written over, its exact derivatives, and the seeded generator of test states.
-pub use number::{Dual, Scalar, SplitMix64};
+// The scalar types of formulas, their exact derivatives, and the seeded generator of test states.
+pub use robot_dynamics_number::{Dual, Scalar, SplitMix64};
+
+#[cfg(feature = "trees")]
+mod trees;
+#[cfg(feature = "trees")]
+pub use trees::{FixedSize, FixedSizeError};

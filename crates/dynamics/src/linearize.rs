@@ -1,8 +1,10 @@
 //! Linearisation of the forward dynamics about a state and a force.
 
 use nalgebra::{SMatrix, SVector};
+use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_number::Dual;
 
-use crate::{Christoffel, Dual, Dynamics, DynamicsError, Lagrangian, check_finite, solve_mass};
+use crate::{Christoffel, Dynamics, Lagrangian, check_finite, solve_mass};
 
 /// The three N×N Jacobians of q̈(q, q̇, u): δq̈ = ∂q̈/∂q δq + ∂q̈/∂q̇ δq̇ + ∂q̈/∂u δu.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,10 +20,10 @@ pub struct Linearization<const N: usize> {
 
 /// Exact Jacobians of the forward dynamics of a Lagrangian system without dissipation.
 ///
-/// u = ID(q, q̇, q̈) holds for every q̈, so at the q̈ of this state ∂q̈/∂q = −M⁻¹ ∂ID/∂q and
-/// ∂q̈/∂q̇ = −M⁻¹ ∂ID/∂q̇ = −2 M⁻¹C, with C the Christoffel Coriolis matrix. ∂ID/∂q needs ∂Γ/∂q and ∂²V/∂q²:
-/// second derivatives, from duals of duals. No step size; the error is κ(M) ε.
-/// Source: Carpentier, Mansard, *Analytical Derivatives of Rigid Body Dynamics Algorithms* (RSS 2018).
+/// u = ID(q, q̇, q̈) holds for every q̈. At the q̈ of this state ∂q̈/∂q = −M⁻¹ ∂ID/∂q and ∂q̈/∂q̇ = −M⁻¹
+/// ∂ID/∂q̇ = −2 M⁻¹C, with C the Christoffel Coriolis matrix. ∂ID/∂q needs ∂Γ/∂q and ∂²V/∂q²: second
+/// derivatives, by dual numbers of dual numbers. There is no step size; the error is κ(M) ε. Source:
+/// Carpentier, Mansard, *Analytical Derivatives of Rigid Body Dynamics Algorithms* (RSS 2018).
 ///
 /// ```
 /// use dynamics::{Reach2R, linearize};
@@ -33,7 +35,7 @@ pub struct Linearization<const N: usize> {
 /// ```
 ///
 /// # Errors
-/// Where [`Dynamics::try_forward`] gives one.
+/// If [`Dynamics::try_forward`] fails.
 pub fn linearize<L: Lagrangian<N>, const N: usize>(
     system: &L,
     q: &SVector<f64, N>,
@@ -43,7 +45,7 @@ pub fn linearize<L: Lagrangian<N>, const N: usize>(
     check_finite("q", q.as_slice())?;
     check_finite("qd", qd.as_slice())?;
     check_finite("u", u.as_slice())?;
-    // Outer ε: ∂/∂qₖ as the Lagrange recipe needs it. Inner ε: the derivative ∂/∂q we are after.
+    // Outer ε: ∂/∂qₖ for the Lagrange recipe. Inner ε: the derivative ∂/∂q of the result.
     let x = Dual::<Dual<f64, N>, N>::variables(&Dual::variables(&q.data.0[0]));
     let (mass, potential) = (system.mass_over(&x), system.potential_over(&x));
     let m = SMatrix::<f64, N, N>::from_fn(|i, j| mass[i][j].value.value);
@@ -74,8 +76,8 @@ pub fn linearize<L: Lagrangian<N>, const N: usize>(
 
 /// The Jacobians by central differences of [`Dynamics::try_forward`], dissipation included; ∂q̈/∂u is exact.
 ///
-/// 4N forward dynamics. The error is O(step²) truncation plus O(ε/step) rounding: `step` = 1e-5 leaves
-/// about 1e-10 relative to the third derivatives of q̈ where q, q̇ are of order 1.
+/// 4N evaluations of the forward dynamics. The error is O(step²) truncation plus O(ε/step) rounding. If q and
+/// q̇ are of order 1, `step` = 1e-5 leaves about 1e-10 relative to the third derivatives of q̈.
 ///
 /// ```
 /// use dynamics::{Reach2R, linearize, linearize_by_differences};
@@ -85,11 +87,11 @@ pub fn linearize<L: Lagrangian<N>, const N: usize>(
 /// let exact = linearize(&arm, &q, &qd, &u)?;
 /// assert!((differences.by_position - exact.by_position).norm() < 1e-7);
 /// assert!((differences.by_velocity - exact.by_velocity).norm() < 1e-7);
-/// # Ok::<(), dynamics::DynamicsError>(())
+/// # Ok::<(), robot_dynamics_integrators::DynamicsError>(())
 /// ```
 ///
 /// # Errors
-/// Where [`Dynamics::try_forward`] gives one, at any of the displaced states.
+/// If [`Dynamics::try_forward`] fails at one of the displaced states.
 ///
 /// # Panics
 /// If `step` is not positive and finite.
@@ -109,7 +111,7 @@ pub fn linearize_by_differences<D: Dynamics<N> + ?Sized, const N: usize>(
     })
 }
 
-/// Column k is (f(x + h eₖ) − f(x − h eₖ)) / 2h, with the 2h actually taken after rounding.
+/// Column k is (f(x + h eₖ) − f(x − h eₖ)) / 2h, with the actual 2h after rounding.
 fn central_difference<const N: usize>(
     x: &SVector<f64, N>,
     step: f64,

@@ -1,4 +1,4 @@
-//! Motion along a path: the torques of a curve once it is given a clock.
+//! Motion along a path: torques for a time parameterisation of a curve.
 
 use nalgebra::{SMatrix, SVector, matrix, vector};
 
@@ -15,7 +15,7 @@ pub struct PathPoint<const N: usize> {
     pub ddq: SVector<f64, N>,
 }
 
-/// A curve q(s), twice differentiable; it has no clock.
+/// A curve q(s), twice differentiable, without a time parameterisation.
 pub trait Path<const N: usize> {
     /// q, q′ and q″ at s.
     fn at(&self, s: f64) -> PathPoint<N>;
@@ -50,10 +50,11 @@ impl<const N: usize, const H: usize> Path<N> for FourierLoop<N, H> {
     }
 }
 
-/// The curve the 2R arm replays: q1 = −π/2 + 0.6 cos s, q2 = −0.8 + 1.2 sin s + 0.2 cos 2s \[rad\].
+/// The curve that the 2R arm follows: q1 = −π/2 + 0.6 cos s, q2 = −0.8 + 1.2 sin s + 0.2 cos 2s \[rad\].
 ///
-/// At ṡ = [`REACH_REPLAY_SPEED`] the torques of [`Reach2R::worked_example`](crate::Reach2R::worked_example) peak at 8.5 and 4.9 N·m, inside
-/// the limits of 20 and 12 N·m; at twice that speed they peak at 49.7 and 18.9 N·m, outside both.
+/// At ṡ = [`REACH_REPLAY_SPEED`] the torques of [`Reach2R::worked_example`](crate::Reach2R::worked_example)
+/// peak at 8.5 and 4.9 N·m, within the limits of 20 and 12 N·m. At twice that speed they peak at 49.7 and
+/// 18.9 N·m, beyond both.
 ///
 /// ```
 /// use dynamics::{REACH_REPLAY_SPEED, Reach2R, peak_torque, reach_replay};
@@ -73,7 +74,7 @@ pub fn reach_replay() -> FourierLoop<2, 2> {
 /// ṡ of [`reach_replay`] at 1× \[1/s\]: one loop takes 2π/2.5 = 2.51 s.
 pub const REACH_REPLAY_SPEED: f64 = 2.5;
 
-/// The dynamics of a system bound to a path: a(s) s̈ + b(s) ṡ² + c(s) = τ. **(PRM ch. 11; MR §9.4)**
+/// The dynamics of a system on a path: a(s) s̈ + b(s) ṡ² + c(s) = τ. **(PRM ch. 11; MR §9.4)**
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathDynamics<const N: usize> {
     /// a = M q′.
@@ -85,7 +86,7 @@ pub struct PathDynamics<const N: usize> {
 }
 
 impl<const N: usize> PathDynamics<N> {
-    /// Of a system at a point of a path. Dissipation is not part of a, b and c.
+    /// The coefficients at a point of a path, without dissipation.
     pub fn new<D: Dynamics<N> + ?Sized>(system: &D, point: &PathPoint<N>) -> Self {
         let mass = system.mass(&point.q);
         Self {
@@ -101,7 +102,7 @@ impl<const N: usize> PathDynamics<N> {
         self.motion_torque(speed, acceleration) + self.c
     }
 
-    /// The motion part a s̈ + b ṡ²: played k times faster (ṡ by k, s̈ by k²) it grows by k².
+    /// The velocity part a s̈ + b ṡ²: with k times the speed (ṡ by k, s̈ by k²) it grows by k².
     pub fn motion_torque(&self, speed: f64, acceleration: f64) -> SVector<f64, N> {
         self.a * acceleration + self.b * (speed * speed)
     }
@@ -136,9 +137,9 @@ where
 
 /// The largest constant ṡ \[1/s\] at which every |τᵢ| over the loop stays within its limit.
 ///
-/// |bᵢ ṡ² + cᵢ| ≤ limitᵢ bounds ṡ² by (limitᵢ − cᵢ)/bᵢ where bᵢ > 0 and by (limitᵢ + cᵢ)/(−bᵢ) where bᵢ < 0;
-/// the smallest bound over `samples` points decides. None where gravity alone exceeds a limit; infinite
-/// where nothing on the path depends on speed.
+/// |bᵢ ṡ² + cᵢ| ≤ limitᵢ bounds ṡ² by (limitᵢ − cᵢ)/bᵢ if bᵢ > 0 and by (limitᵢ + cᵢ)/(−bᵢ) if bᵢ < 0; the
+/// result is the smallest bound over `samples` points. `None` if gravity alone exceeds a limit; infinite if
+/// no torque on the path depends on speed.
 ///
 /// ```
 /// use dynamics::{Reach2R, fastest_constant_speed, peak_torque, reach_replay};

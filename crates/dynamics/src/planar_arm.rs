@@ -1,10 +1,11 @@
 //! The planar arm of N revolute joints, from the Jacobians of its centres of mass.
 
 use nalgebra::{SMatrix, SVector};
+use robot_dynamics_number::Scalar;
 
 use crate::{
-    BodyJacobian, Dynamics, Lagrangian, PlanarKinematics, Scalar, christoffel, gravity_from_bodies,
-    mass_from_bodies, potential_from_bodies,
+    BodyJacobian, Dynamics, Lagrangian, PlanarKinematics, christoffel, gravity_from_bodies, mass_from_bodies,
+    potential_from_bodies,
 };
 
 /// One link of a planar arm; its joint is at its origin and the next joint at distance `length`.
@@ -30,10 +31,10 @@ impl Link {
 /// A planar arm of `N` revolute joints in a vertical plane. **(MR §8.1.1)**
 ///
 /// q \[rad\]: q₁ from the horizontal x axis to link 1, every further qᵢ from link i−1 to link i, all
-/// counter-clockwise. With θᵢ = q₁ + … + qᵢ, the centre of mass of link k lies at
-/// c_k = Σ_{i<k} Lᵢ (cos θᵢ, sin θᵢ) + r_k (cos θ_k, sin θ_k), and for j ≤ k joint j moves it by
-/// ∂c_k/∂qⱼ = ẑ × (c_k − pⱼ), pⱼ the position of joint j. M and g follow from these Jacobians
-/// ([`mass_from_bodies`]), C q̇ from exact derivatives of M ([`christoffel`]).
+/// counter-clockwise. With θᵢ = q₁ + … + qᵢ, the centre of mass of link k is at c_k = Σ_{i<k} Lᵢ (cos θᵢ, sin
+/// θᵢ) + r_k (cos θ_k, sin θ_k). For j ≤ k joint j moves it by ∂c_k/∂qⱼ = ẑ × (c_k − pⱼ), with pⱼ the
+/// position of joint j. M and g follow from these Jacobians ([`mass_from_bodies`]), C q̇ from exact
+/// derivatives of M ([`christoffel`]).
 ///
 /// ```
 /// use dynamics::{Dynamics, Link, PlanarArm, Reach2R};
@@ -47,7 +48,7 @@ impl Link {
 pub struct PlanarArm<const N: usize> {
     /// The links, from the base outwards.
     pub links: [Link; N],
-    /// Gravitational acceleration along −y \[m/s²\]; 0 lays the arm on a flat table.
+    /// Gravitational acceleration along −y \[m/s²\]; 0 for an arm on a horizontal table.
     pub a_g: f64,
 }
 
@@ -126,7 +127,7 @@ impl<const N: usize> Dynamics<N> for PlanarArm<N> {
 }
 
 impl<const N: usize> PlanarKinematics<N> for PlanarArm<N> {
-    /// Body k is link k; its frame sits at its joint with x towards the next joint.
+    /// Body k is link k; its frame is at its joint with x towards the next joint.
     ///
     /// # Panics
     /// If `body ≥ N`.

@@ -1,15 +1,17 @@
 //! A free rigid body in the plane.
 
 use nalgebra::{SMatrix, SVector, matrix, vector};
+use robot_dynamics_number::Scalar;
 
-use crate::{Dynamics, Lagrangian, PlanarKinematics, Scalar};
+use crate::{Dynamics, Lagrangian, PlanarKinematics};
 
 /// A free rigid body in a vertical plane.
 ///
 /// q = (x, y \[m\], θ \[rad\]): position of the centre of mass, y up, and heading from the x axis,
 /// counter-clockwise. M = diag(m, m, I_zz) is constant, so C q̇ = 0; V = m a_g y.
 ///
-/// Forces act through [`force_map`](PlanarKinematics::force_map): off the centre of mass they also turn it.
+/// Forces act through [`force_map`](PlanarKinematics::force_map): a force off the centre of mass also turns
+/// the body.
 ///
 /// ```
 /// use dynamics::{Dynamics, PlanarBody, PlanarKinematics, generalized_force};
@@ -60,7 +62,7 @@ impl Lagrangian<3> for PlanarBody {
 }
 
 impl PlanarKinematics<3> for PlanarBody {
-    /// The one body is number 0; its frame sits at its centre of mass, x along the heading.
+    /// Body 0 is the only one; its frame is at its centre of mass, x along the heading.
     ///
     /// # Panics
     /// If `body` is not 0.

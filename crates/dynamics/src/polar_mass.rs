@@ -1,8 +1,9 @@
-//! A point mass in polar coordinates: C q̇ without any mechanism.
+//! A point mass in polar coordinates: an example of C q̇ without a mechanism.
 
 use nalgebra::{SMatrix, SVector, matrix, vector};
+use robot_dynamics_number::Scalar;
 
-use crate::{Christoffel, Dynamics, Lagrangian, Scalar};
+use crate::{Christoffel, Dynamics, Lagrangian};
 
 /// A point mass in the plane, described by its distance and direction from the origin. **(PRM problem 10.1)**
 ///
@@ -10,9 +11,9 @@ use crate::{Christoffel, Dynamics, Lagrangian, Scalar};
 ///
 /// M = diag(m, m r²), Γ¹₂₂ = −m r, Γ²₁₂ = Γ²₂₁ = m r, C q̇ = (−m r θ̇², 2 m r ṙ θ̇), V = m a_g r sin θ.
 ///
-/// Without gravity and force the mass moves on a straight line; C q̇ is there because the coordinates
-/// bend, not because anything pushes. At r = 0 the direction θ costs no energy: M is singular there and
-/// [`try_forward`](Dynamics::try_forward) says so.
+/// Without gravity and force the mass moves on a straight line; C q̇ comes from the curvature of the
+/// coordinates, not from a force. At r = 0 the direction θ has no inertia: M is singular there, and
+/// [`try_forward`](Dynamics::try_forward) returns an error.
 ///
 /// ```
 /// use dynamics::PolarMass;

@@ -1,8 +1,9 @@
 //! The planar two-link arm, in closed form.
 
 use nalgebra::{SMatrix, SVector, matrix, vector};
+use robot_dynamics_number::Scalar;
 
-use crate::{Christoffel, Dynamics, Lagrangian, Link, PlanarArm, PlanarKinematics, Scalar};
+use crate::{Christoffel, Dynamics, Lagrangian, Link, PlanarArm, PlanarKinematics};
 
 /// A planar arm of two revolute joints in a vertical plane. **(PRM ex. 10.1.1; MR §8.1.1)**
 ///
@@ -38,7 +39,7 @@ pub struct Reach2R {
     pub m2: f64,
     /// Moment of inertia of link 2 about its centre of mass \[kg·m²\].
     pub i2: f64,
-    /// Gravitational acceleration along −y \[m/s²\]; 0 lays the arm on a flat table.
+    /// Gravitational acceleration along −y \[m/s²\]; 0 for an arm on a horizontal table.
     pub a_g: f64,
 }
 
@@ -104,7 +105,7 @@ impl Lagrangian<2> for Reach2R {
     }
 }
 
-/// The same arm as a chain of links, for everything that is written for any number of them.
+/// The same arm as a chain of links, for functions of any number of links.
 impl From<Reach2R> for PlanarArm<2> {
     fn from(arm: Reach2R) -> Self {
         let inner = Link { length: arm.l1, centre: arm.r1, mass: arm.m1, inertia: arm.i1 };

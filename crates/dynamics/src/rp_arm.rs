@@ -1,10 +1,11 @@
-//! The arm of one revolute and one prismatic joint, in closed form.
+//! The arm with one revolute and one prismatic joint, in closed form.
 
 use nalgebra::{SMatrix, SVector, matrix, vector};
+use robot_dynamics_number::Scalar;
 
-use crate::{Christoffel, Dynamics, Lagrangian, Scalar};
+use crate::{Christoffel, Dynamics, Lagrangian};
 
-/// A planar arm that turns and telescopes, in a vertical plane. **(PRM ex. 10.1.2, 10.2.1)**
+/// A planar arm with a rotating and a sliding link, in a vertical plane. **(PRM ex. 10.1.2, 10.2.1)**
 ///
 /// q = (q1 \[rad\], q2 \[m\]): q1 from the horizontal x axis to the arm, counter-clockwise; q2 from the
 /// revolute joint to the centre of mass of the sliding link.

@@ -4,8 +4,9 @@ use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use core::fmt;
 
 use nalgebra::{Matrix2, Vector2, vector};
+use robot_dynamics_integrators::{Integrator, IntegratorError};
 
-use crate::{Dynamics, Integrator, IntegratorError, Reach2R, energy_drift};
+use crate::{Dynamics, Reach2R, energy_drift};
 
 /// The uniform two-link arm of 1 m, 2 kg and 1 m, 1 kg at q = (π/4, π/2), in Earth gravity. **(PRM 10.7)**
 ///
@@ -15,7 +16,7 @@ use crate::{Dynamics, Integrator, IntegratorError, Reach2R, energy_drift};
 /// let example = dynamics::WorkedExample::compute()?;
 /// assert!(example.to_string().starts_with("M   = [[2.0000, 0.3333], [0.3333, 0.3333]]"));
 /// assert!(example.drift_rk4 < 1e-6);
-/// # Ok::<(), dynamics::IntegratorError>(())
+/// # Ok::<(), robot_dynamics_integrators::IntegratorError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkedExample {
@@ -37,7 +38,7 @@ pub struct WorkedExample {
     pub energy: f64,
     /// M₁₁ at q₂ = 0, π/2, π: stretched, bent, folded \[kg·m²\].
     pub m11_sweep: [f64; 3],
-    /// max |E − E₀|/|E₀| over 10 s in steps of 1 ms, from rest at q with no torque: classical Runge–Kutta.
+    /// max |E − E₀|/|E₀| over 10 s in steps of 1 ms, from rest at q without torque: classical Runge–Kutta.
     pub drift_rk4: f64,
     /// The same for semi-implicit Euler.
     pub drift_semi_implicit_euler: f64,
@@ -49,7 +50,7 @@ impl WorkedExample {
     /// Computes every number; the three runs of 10 000 steps take a few milliseconds.
     ///
     /// # Errors
-    /// Where the arm cannot be integrated; this one can.
+    /// If the integration fails, which does not happen for this arm.
     pub fn compute() -> Result<Self, IntegratorError> {
         let arm = Reach2R::worked_example();
         let (q, qd) = (vector![FRAC_PI_4, FRAC_PI_2], vector![1.0, 0.0]);
@@ -81,7 +82,7 @@ impl fmt::Display for WorkedExample {
         let [large, small] = self.eigenvalues;
         writeln!(f, "      det {:.4}   eig {large:.4} {small:.4}", self.determinant)?;
         writeln!(f, "g   = [{:.4}, {:.4}]", g[0], g[1])?;
-        // Adding zero turns −0 into 0.
+        // Adding zero changes −0 to 0.
         writeln!(f, "Cq̇  = [{:.4}, {:.4}]        for q̇ = (1, 0)", product[0] + 0.0, product[1])?;
         let (kinetic, potential, energy) = (self.kinetic_energy, self.potential_energy, self.energy);
         writeln!(f, "K   = {kinetic:.4} J    V = {potential:.4} J    E = {energy:.4} J")?;

@@ -5,13 +5,13 @@
 use crate::Arithmetic;
 use crate::graph::{Graph, Operand, Operation};
 
-/// The operations that results need, inputs among them, in order.
+/// The operations that the results depend on, inputs included, in order.
 ///
 /// ```
-/// use expression::chain::steps;
-/// use expression::{Arithmetic, trace};
+/// use robot_dynamics_expression::{Arithmetic, trace};
+/// use robot_dynamics_expression::chain::steps;
 /// let (graph, results) = trace(Arithmetic::default(), &[2], |x| {
-///     let _ = x[0][0] * x[0][1]; // nobody needs it
+///     let _ = x[0][0] * x[0][1]; // no result depends on it
 ///     vec![vec![x[0][0] + x[0][1]]]
 /// });
 /// assert_eq!(steps(&graph, &results).len(), 3);
@@ -21,11 +21,12 @@ pub fn steps(graph: &Graph, results: &[Vec<Operand>]) -> Vec<usize> {
     (0..graph.nodes.len()).filter(|&node| needed[node]).collect()
 }
 
-/// The tangents of these operations along one direction, which has `seed(argument, index)` in each number of the arguments.
+/// The tangents of these operations along one direction, whose component for each number of the arguments is
+/// `seed(argument, index)`.
 ///
 /// ```
-/// use expression::chain::{push_forward, steps, tangent_of};
-/// use expression::{Arithmetic, Operand, trace};
+/// use robot_dynamics_expression::{Arithmetic, Operand, trace};
+/// use robot_dynamics_expression::chain::{push_forward, steps, tangent_of};
 /// let arithmetic = Arithmetic::default();
 /// let (mut graph, results) = trace(arithmetic, &[1], |x| vec![vec![x[0][0] * x[0][0]]]);
 /// let order = steps(&graph, &results);
@@ -49,12 +50,12 @@ pub fn push_forward(
     tangents
 }
 
-/// The adjoints of these operations, from those of some values, which are added up: of each how much the weighted sum of these values
-/// changes with it.
+/// The adjoints of these operations, accumulated from the given weights of some values. An adjoint is the
+/// derivative of the weighted sum of these values with respect to an operation's value.
 ///
 /// ```
-/// use expression::chain::{pull_back, steps};
-/// use expression::{Arithmetic, Operand, trace};
+/// use robot_dynamics_expression::{Arithmetic, Operand, trace};
+/// use robot_dynamics_expression::chain::{pull_back, steps};
 /// let arithmetic = Arithmetic::default();
 /// let (mut graph, results) = trace(arithmetic, &[2], |x| vec![vec![x[0][0] * x[0][1]]]);
 /// let (order, weight) = (steps(&graph, &results), Operand::constant(1.0));
@@ -70,28 +71,28 @@ pub fn pull_back(
 ) -> Vec<Operand> {
     let mut adjoints = vec![Operand::ZERO; graph.nodes.len()];
     for (value, weight) in weights {
-        add(graph, &mut adjoints, value, weight);
+        add_to_adjoint(graph, &mut adjoints, value, weight);
     }
     for &node in steps.iter().rev() {
         let weight = adjoints[node];
         if weight != Operand::ZERO {
             let operation = graph.nodes[node];
-            hand_down(graph, &mut adjoints, node, operation, weight, arithmetic);
+            propagate_adjoint(graph, &mut adjoints, node, operation, weight, arithmetic);
         }
     }
     adjoints
 }
 
-/// Adds `weight` to the adjoint of what an operation reads.
-fn add(graph: &mut Graph, adjoints: &mut [Operand], to: Operand, weight: Operand) {
+/// Adds `weight` to the adjoint of an operand.
+fn add_to_adjoint(graph: &mut Graph, adjoints: &mut [Operand], to: Operand, weight: Operand) {
     if let Some(node) = to.node() {
         let (is_negative, _) = to.split_sign();
         adjoints[node] = graph.sum(adjoints[node], weight.negated_if(is_negative));
     }
 }
 
-/// Adds a b to the adjoint of what an operation reads.
-fn add_product(
+/// Adds a b to the adjoint of an operand.
+fn add_product_to_adjoint(
     graph: &mut Graph,
     adjoints: &mut [Operand],
     to: Operand,
@@ -104,8 +105,8 @@ fn add_product(
     }
 }
 
-/// What one operation with this adjoint adds to those of what it reads.
-fn hand_down(
+/// Adds the contributions of one operation with this adjoint to the adjoints of its operands.
+fn propagate_adjoint(
     graph: &mut Graph,
     adjoints: &mut [Operand],
     node: usize,
@@ -117,46 +118,46 @@ fn hand_down(
     match operation {
         Operation::Input { .. } | Operation::Sign(_) => {}
         Operation::Sum(a, b) => {
-            add(graph, adjoints, a, weight);
-            add(graph, adjoints, b, weight);
+            add_to_adjoint(graph, adjoints, a, weight);
+            add_to_adjoint(graph, adjoints, b, weight);
         }
         Operation::Difference(a, b) => {
-            add(graph, adjoints, a, weight);
-            add(graph, adjoints, b, weight.negated());
+            add_to_adjoint(graph, adjoints, a, weight);
+            add_to_adjoint(graph, adjoints, b, weight.negated());
         }
         Operation::Product(a, b) => {
-            add_product(graph, adjoints, a, (weight, b), arithmetic);
-            add_product(graph, adjoints, b, (weight, a), arithmetic);
+            add_product_to_adjoint(graph, adjoints, a, (weight, b), arithmetic);
+            add_product_to_adjoint(graph, adjoints, b, (weight, a), arithmetic);
         }
         Operation::Fused(a, b, c) => {
-            add_product(graph, adjoints, a, (weight, b), arithmetic);
-            add_product(graph, adjoints, b, (weight, a), arithmetic);
-            add(graph, adjoints, c, weight);
+            add_product_to_adjoint(graph, adjoints, a, (weight, b), arithmetic);
+            add_product_to_adjoint(graph, adjoints, b, (weight, a), arithmetic);
+            add_to_adjoint(graph, adjoints, c, weight);
         }
         Operation::FusedMinus(a, b, c) => {
-            add_product(graph, adjoints, a, (weight.negated(), b), arithmetic);
-            add_product(graph, adjoints, b, (weight.negated(), a), arithmetic);
-            add(graph, adjoints, c, weight);
+            add_product_to_adjoint(graph, adjoints, a, (weight.negated(), b), arithmetic);
+            add_product_to_adjoint(graph, adjoints, b, (weight.negated(), a), arithmetic);
+            add_to_adjoint(graph, adjoints, c, weight);
         }
-        // By 1/b, as for tangents.
+        // By 1/b, as in `tangent`.
         Operation::Quotient(a, b) => {
             let inverse = graph.quotient(Operand::constant(1.0), b);
             let of_numerator = graph.product(weight, inverse);
-            add(graph, adjoints, a, of_numerator);
-            add_product(graph, adjoints, b, (of_numerator.negated(), value), arithmetic);
+            add_to_adjoint(graph, adjoints, a, of_numerator);
+            add_product_to_adjoint(graph, adjoints, b, (of_numerator.negated(), value), arithmetic);
         }
         Operation::Root(a) => {
             let half = graph.quotient(Operand::constant(0.5), value);
-            add_product(graph, adjoints, a, (weight, half), arithmetic);
+            add_product_to_adjoint(graph, adjoints, a, (weight, half), arithmetic);
         }
-        Operation::SineCosine(a) => add(graph, adjoints, a, weight),
+        Operation::SineCosine(a) => add_to_adjoint(graph, adjoints, a, weight),
         Operation::Sine(pair) => {
             let cosine = graph.push(Operation::Cosine(pair));
-            add_product(graph, adjoints, pair, (weight, cosine), arithmetic);
+            add_product_to_adjoint(graph, adjoints, pair, (weight, cosine), arithmetic);
         }
         Operation::Cosine(pair) => {
             let sine = graph.push(Operation::Sine(pair));
-            add_product(graph, adjoints, pair, (weight.negated(), sine), arithmetic);
+            add_product_to_adjoint(graph, adjoints, pair, (weight.negated(), sine), arithmetic);
         }
     }
 }
@@ -174,11 +175,12 @@ fn multiply_add(graph: &mut Graph, arithmetic: Arithmetic, a: Operand, b: Operan
     graph.sum(product, c)
 }
 
-/// The tangent of what an operation reads, of those that [`push_forward`] gives: of a constant nothing.
+/// The tangent of an operand, from the tangents that [`push_forward`] returns. The tangent of a constant is
+/// zero.
 ///
 /// ```
-/// use expression::Operand;
-/// use expression::chain::tangent_of;
+/// use robot_dynamics_expression::Operand;
+/// use robot_dynamics_expression::chain::tangent_of;
 /// assert_eq!(tangent_of(&[], Operand::constant(3.0)), Operand::ZERO);
 /// ```
 pub fn tangent_of(tangents: &[Operand], operand: Operand) -> Operand {

@@ -1,33 +1,33 @@
-//! An expression as a graph: each operation once, after those that it reads.
+//! An expression as a graph: each operation once, after its operands.
 
 use std::collections::hash_map::Entry;
 
 use crate::Precision;
 use crate::hash::Map;
 
-/// What an operation reads: a constant, or another operation's value or its negative.
+/// An operand of an operation: a constant, or another operation's value or its negative.
 ///
-/// A sign costs nothing here: it is carried to the next sum or difference, which takes it in.
+/// A sign costs nothing here: the next sum or difference absorbs it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Operand {
     /// A constant, by its bits.
     Constant(u64),
     /// The value of an operation.
     Plus(u32),
-    /// Its negative.
+    /// The negative of the value of an operation.
     Minus(u32),
 }
 
 impl Operand {
-    /// Nothing.
+    /// The constant 0.
     pub const ZERO: Self = Self::constant(0.0);
 
-    /// A constant, which the graph's precision has.
+    /// A constant, which must be representable in the graph's precision.
     pub const fn constant(x: f64) -> Self {
         Self::Constant(x.to_bits())
     }
 
-    /// Its value, if it is known.
+    /// The value, if it is a constant.
     pub fn known(self) -> Option<f64> {
         match self {
             Self::Constant(bits) => Some(f64::from_bits(bits)),
@@ -35,7 +35,7 @@ impl Operand {
         }
     }
 
-    /// The operation it is the value of.
+    /// The operation whose value it is.
     pub fn node(self) -> Option<usize> {
         match self {
             Self::Constant(_) => None,
@@ -43,7 +43,7 @@ impl Operand {
         }
     }
 
-    /// Whether it has a minus sign, and it without one.
+    /// Whether the operand has a minus sign, and the operand without it.
     pub fn split_sign(self) -> (bool, Self) {
         match self {
             Self::Constant(bits) => {
@@ -55,7 +55,7 @@ impl Operand {
         }
     }
 
-    /// A value without its sign; a constant keeps its own.
+    /// The operand without its sign; a constant keeps its own.
     pub fn unsigned(self) -> Self {
         match self {
             Self::Minus(node) => Self::Plus(node),
@@ -63,7 +63,7 @@ impl Operand {
         }
     }
 
-    /// With the other sign.
+    /// The operand with the other sign.
     pub fn negated(self) -> Self {
         match self {
             Self::Constant(bits) => Self::constant(-f64::from_bits(bits)),
@@ -72,20 +72,20 @@ impl Operand {
         }
     }
 
-    /// With the other sign, if so.
+    /// The operand with the other sign if `negative` is true.
     pub fn negated_if(self, negative: bool) -> Self {
         if negative { self.negated() } else { self }
     }
 }
 
-/// What is done with what. Signs are outside wherever that changes no bit.
+/// An operation on operands. Signs are outside wherever that changes no bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Operation {
     /// A number of an argument.
     Input {
-        /// Which argument.
+        /// The number of the argument.
         argument: u32,
-        /// Which number of it.
+        /// The index within the argument.
         index: u32,
     },
     /// a + b.
@@ -104,16 +104,16 @@ pub enum Operation {
     Root(Operand),
     /// −1, 0 or 1.
     Sign(Operand),
-    /// Sine and cosine of a, together; read by the next two alone.
+    /// Sine and cosine of a, as a pair; only the next two operations read it.
     SineCosine(Operand),
-    /// The sine of such a pair.
+    /// The sine of a pair.
     Sine(Operand),
-    /// Its cosine.
+    /// The cosine of a pair.
     Cosine(Operand),
 }
 
 impl Operation {
-    /// What it reads.
+    /// The operands.
     pub fn operands(&self) -> impl Iterator<Item = Operand> + use<> {
         let none = (None, None, None);
         let (a, b, c) = match *self {
@@ -129,26 +129,26 @@ impl Operation {
         [a, b, c].into_iter().flatten()
     }
 
-    /// The operations it reads.
+    /// The operations whose values it reads.
     pub fn reads(&self) -> impl Iterator<Item = usize> + use<> {
         self.operands().filter_map(Operand::node)
     }
 
-    /// Whether it is a number of an argument.
+    /// Whether the operation is an input.
     pub fn is_input(&self) -> bool {
         matches!(self, Self::Input { .. })
     }
 
-    /// Whether it only takes one of a pair.
+    /// Whether the operation selects the sine or the cosine of a pair.
     pub fn is_half(&self) -> bool {
         matches!(self, Self::Sine(_) | Self::Cosine(_))
     }
 }
 
-/// Operations in an order in which each comes after what it reads; none twice.
+/// Operations in topological order, without duplicates.
 #[derive(Clone, Debug)]
 pub struct Graph {
-    /// What constants are rounded to.
+    /// The precision that constants are rounded to.
     pub precision: Precision,
     /// The operations.
     pub nodes: Vec<Operation>,
@@ -156,12 +156,12 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// None yet.
+    /// An empty graph.
     pub fn new(precision: Precision) -> Self {
         Self { precision, nodes: Vec::new(), index: Map::default() }
     }
 
-    /// The value of an operation, which is added if it is new.
+    /// The value of an operation, which is added if the graph does not have it.
     ///
     /// # Panics
     /// Beyond 2³² operations.
@@ -186,12 +186,12 @@ impl Graph {
         self.push(Operation::Input { argument: small(argument), index: small(index) })
     }
 
-    /// The value of an operation that is there already.
+    /// The value of an operation that the graph already has.
     pub fn find(&self, operation: Operation) -> Option<Operand> {
         self.index.get(&operation).map(|&node| Operand::Plus(node))
     }
 
-    /// Which operations the results need.
+    /// For each operation, whether the results depend on it.
     pub fn needed(&self, results: impl Iterator<Item = Operand>) -> Vec<bool> {
         let mut needed = vec![false; self.nodes.len()];
         for node in results.filter_map(Operand::node) {

@@ -1,24 +1,24 @@
-//! A hash of operations by multiplication.
+//! A multiplicative hash of operations.
 //!
-//! A trace looks up each of its operations, which are a few small numbers: the standard library's hash, which withstands chosen keys,
-//! takes half of its time.
+//! A trace looks up each of its operations, which consist of a few small numbers. The standard library's
+//! hash, which resists chosen keys, would take half of its time.
 
 use core::hash::{BuildHasherDefault, Hasher};
 use std::collections::HashMap;
 
-/// A map by this hash.
-pub(crate) type Map<K, V> = HashMap<K, V, BuildHasherDefault<Multiplying>>;
+/// A map with this hash.
+pub(crate) type Map<K, V> = HashMap<K, V, BuildHasherDefault<MultiplicativeHasher>>;
 
-/// An odd number with as many ones as zeros, the fraction of the golden ratio: its multiples are spread evenly (D. E. Knuth, *The Art of
-/// Computer Programming*, volume 3, section 6.4).
+/// The fraction of the golden ratio, an odd number with as many ones as zeros. Its multiples are spread
+/// evenly (D. E. Knuth, *The Art of Computer Programming*, volume 3, section 6.4).
 const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// Each word is multiplied into what the words before left; both halves of the product are kept.
+/// Each word is mixed with the state and multiplied; both halves of the product are kept.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Multiplying(u64);
+pub(crate) struct MultiplicativeHasher(u64);
 
-impl Multiplying {
-    fn take(&mut self, word: u64) {
+impl MultiplicativeHasher {
+    fn mix(&mut self, word: u64) {
         let product = u128::from(self.0.rotate_left(23) ^ word ^ GOLDEN) * u128::from(GOLDEN);
         #[allow(clippy::cast_possible_truncation)] // the halves
         let (low, high) = (product as u64, (product >> 64) as u64);
@@ -26,26 +26,26 @@ impl Multiplying {
     }
 }
 
-impl Hasher for Multiplying {
+impl Hasher for MultiplicativeHasher {
     fn write(&mut self, bytes: &[u8]) {
         for chunk in bytes.chunks(8) {
             let mut word = [0; 8];
             word[..chunk.len()].copy_from_slice(chunk);
-            self.take(u64::from_le_bytes(word));
+            self.mix(u64::from_le_bytes(word));
         }
     }
     fn write_u32(&mut self, word: u32) {
-        self.take(word.into());
+        self.mix(word.into());
     }
     fn write_u64(&mut self, word: u64) {
-        self.take(word);
+        self.mix(word);
     }
     fn write_usize(&mut self, word: usize) {
-        self.take(word as u64);
+        self.mix(word as u64);
     }
-    /// The number of a variant.
+    /// Hashes the discriminant of a variant.
     fn write_isize(&mut self, word: isize) {
-        self.take(word.cast_unsigned() as u64);
+        self.mix(word.cast_unsigned() as u64);
     }
     fn finish(&self) -> u64 {
         self.0
@@ -60,11 +60,12 @@ mod tests {
     use super::*;
     use crate::graph::{Operand, Operation};
 
-    /// All operations of small numbers: 64-bit hashes of 10⁶ keys hardly ever collide (10¹² / 2 / 2⁶⁴), and each of their lowest 20 bits,
-    /// and of the 7 highest, which the map takes, is set in half of them, to eight standard deviations of a fair coin.
+    /// Hashes of all operations of small numbers are distinct: 64-bit hashes of 10⁶ keys collide with a
+    /// probability of 10¹² / 2 / 2⁶⁴. The map uses the lowest 20 bits and the 7 highest. Each of them is set
+    /// in half of the hashes, to eight standard deviations of a fair coin.
     #[test]
     fn hashes_of_operations_are_spread() {
-        let build = BuildHasherDefault::<Multiplying>::default();
+        let build = BuildHasherDefault::<MultiplicativeHasher>::default();
         let mut hashes = HashSet::new();
         let mut set = [0_u32; 64];
         let numbers = || {

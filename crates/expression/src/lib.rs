@@ -1,12 +1,13 @@
-//! What an algorithm computes, written down as an expression.
+//! The computation of an algorithm as an expression.
 //!
-//! An algorithm that is generic over its number, run over [`Traced`], leaves a [`Graph`] of operations: each once, constants folded, zeros
-//! gone. Expressions are simplified as they are written, differentiated by the chain rule, brought into an [order](Plan), and
-//! [computed](interpret) with a bound of what rounding does to them; as programs in some language they are written elsewhere.
+//! An algorithm that is generic over its number and runs over [`Traced`] produces a [`Graph`] of operations:
+//! each once, with constants folded and zeros removed. Expressions are simplified as they are recorded,
+//! differentiated by the chain rule, [scheduled](Plan), and [evaluated](interpret) with a bound on their
+//! rounding errors. Other crates write them as programs.
 //!
 //! ```
-//! use expression::{Arithmetic, evaluate, trace};
-//! use number::Scalar;
+//! use robot_dynamics_expression::{Arithmetic, evaluate, trace};
+//! use robot_dynamics_number::Scalar;
 //!
 //! fn hypotenuse<S: Scalar>(x: S, y: S) -> S {
 //!     (x * x + y * y).sqrt()
@@ -17,23 +18,23 @@
 //! assert_eq!(known, [[5.0]]);
 //! ```
 
-// How an expression is computed,
+// The arithmetic of an expression,
 mod arithmetic;
 mod precision;
 
-// the operations, and which of them need not be done,
+// the operations and their simplification,
 mod graph;
 mod hash;
 mod rules;
 
-// the number that writes them down,
+// the number that records them,
 mod traced;
 mod triple;
 
-// their slopes,
+// their derivatives,
 pub mod chain;
 
-// in which order they are done, and what rounding does.
+// their order, and their rounding errors.
 mod plan;
 mod rounding;
 

@@ -1,47 +1,47 @@
-//! In which order operations are done.
+//! The schedule of operations: the order in which they are computed.
 
 use crate::graph::{Graph, Operand};
 
-/// The operations that results need, in order.
+/// The operations that the results depend on, in order.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// No inputs among them.
+    /// The operations, without inputs.
     pub order: Vec<usize>,
-    /// The most values that are computed and still to be read, at any time.
+    /// The largest number of values that are live at the same time.
     pub live: usize,
 }
 
 impl Plan {
-    /// The better of two orders: as traced, or depth first from the results.
+    /// The one of two orders with fewer live values: as traced, or depth first from the results.
     pub fn new(graph: &Graph, results: &[Vec<Operand>]) -> Self {
         let needed = graph.needed(results.iter().flatten().copied());
-        let orders = [as_traced(graph, results), with_halves(graph, &needed, &depth_first(graph, results))];
+        let orders = [as_traced(graph, results), insert_halves(graph, &needed, &depth_first(graph, results))];
         let [(live, order), other] = orders.map(|order| (most_live(graph, &order), order));
         let (live, order) = if other.0 < live { other } else { (live, order) };
         Self { order, live }
     }
 
-    /// Operations in all.
+    /// The number of operations.
     pub fn steps(&self) -> usize {
         self.order.len()
     }
 }
 
-/// The operations that the results need, as they were written down; no inputs among them.
+/// The operations that the results depend on, in the order of the trace, without inputs.
 ///
 /// ```
-/// use expression::{Arithmetic, as_traced, trace};
+/// use robot_dynamics_expression::{Arithmetic, as_traced, trace};
 /// let (graph, results) = trace(Arithmetic::default(), &[1], |x| vec![vec![x[0][0] * x[0][0]]]);
 /// assert_eq!(as_traced(&graph, &results), [1]); // after the input
 /// ```
 pub fn as_traced(graph: &Graph, results: &[Vec<Operand>]) -> Vec<usize> {
     let needed = graph.needed(results.iter().flatten().copied());
     let traced: Vec<usize> = (0..graph.nodes.len()).filter(|&node| needed[node]).collect();
-    with_halves(graph, &needed, &traced)
+    insert_halves(graph, &needed, &traced)
 }
 
-/// An order without inputs, each pair followed by the halves that are needed.
-fn with_halves(graph: &Graph, needed: &[bool], order: &[usize]) -> Vec<usize> {
+/// The order without inputs, each pair followed by those of its halves that are needed.
+fn insert_halves(graph: &Graph, needed: &[bool], order: &[usize]) -> Vec<usize> {
     let mut halves = vec![Vec::new(); graph.nodes.len()];
     for (node, operation) in graph.nodes.iter().enumerate() {
         if operation.is_half() && needed[node] {
@@ -56,8 +56,8 @@ fn with_halves(graph: &Graph, needed: &[bool], order: &[usize]) -> Vec<usize> {
     with
 }
 
-/// Each result's operations after one another, of each operation's operands the one first that needs more values at
-/// once (Sethi and Ullman, *The generation of optimal code for arithmetic expressions*, J. ACM 17, 1970).
+/// The operations of one result after the other, depth first. The operand that needs more live values comes
+/// first (Sethi and Ullman, *The generation of optimal code for arithmetic expressions*, J. ACM 17, 1970).
 fn depth_first(graph: &Graph, results: &[Vec<Operand>]) -> Vec<usize> {
     let mut need = vec![0_usize; graph.nodes.len()];
     let operands = |node: usize, need: &[usize]| -> Vec<usize> {
@@ -86,10 +86,10 @@ fn depth_first(graph: &Graph, results: &[Vec<Operand>]) -> Vec<usize> {
     order
 }
 
-/// The most values between their computation and their last use, the operations done in this order.
+/// The largest number of live values, those between their computation and their last use, in this order.
 ///
 /// ```
-/// use expression::{Arithmetic, as_traced, most_live, trace};
+/// use robot_dynamics_expression::{Arithmetic, as_traced, most_live, trace};
 /// let (graph, results) = trace(Arithmetic::default(), &[2], |x| {
 ///     let squares = [x[0][0] * x[0][0], x[0][1] * x[0][1]];
 ///     vec![vec![squares[0] + squares[1]]]

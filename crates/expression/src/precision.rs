@@ -2,19 +2,19 @@
 
 use core::fmt;
 
-/// The floats that an expression is computed with.
+/// The precision of an expression's numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
     /// 64 bits.
     #[default]
     Double,
-    /// 32 bits: what the floating-point unit of a small processor or a GPU is made for.
+    /// 32 bits: the precision of floating-point units of small processors and of GPUs.
     Single,
 }
 
 impl Precision {
-    /// `x` rounded to this precision. As doubles have more than twice the digits of singles, a sum, product, quotient or root
-    /// of singles that is rounded to double first comes out the same.
+    /// `x` rounded to this precision. Doubles have more than twice the digits of singles. A sum, product,
+    /// quotient or root of singles that is rounded to double first therefore gives the same single.
     #[allow(clippy::cast_possible_truncation)]
     pub fn round(self, x: f64) -> f64 {
         match self {
@@ -43,7 +43,7 @@ impl Precision {
     /// Bytes of a number.
     ///
     /// ```
-    /// assert_eq!(expression::Precision::Single.bytes(), 4);
+    /// assert_eq!(robot_dynamics_expression::Precision::Single.bytes(), 4);
     /// ```
     pub fn bytes(self) -> usize {
         match self {

@@ -1,19 +1,20 @@
-//! Operations done one after the other, and what rounding can have done to each value.
+//! The evaluation of a graph, operation by operation, with a bound on the rounding errors.
 
-use number::Scalar;
+use robot_dynamics_number::Scalar;
 
 use crate::Arithmetic;
 use crate::graph::{Graph, Operand, Operation};
 use crate::plan::Plan;
 use crate::traced::{Traced, evaluate};
 
-/// The results, by rows, and a bound of what each is off by.
+/// The results, by rows, and a bound on the error of each.
 ///
-/// Each operation passes on the errors of what it reads, by its slopes, and adds half a unit of its result's last place: a running error
-/// analysis, to first order (Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, §3.3). A sine is off by two.
+/// Each operation propagates the errors of its operands by its derivatives and adds half a unit of its
+/// result's last place. This is a running error analysis, to first order (Higham, *Accuracy and Stability of
+/// Numerical Algorithms*, 2002, §3.3). The error of a sine or cosine is two units.
 ///
 /// ```
-/// use expression::{Arithmetic, Plan, interpret, trace};
+/// use robot_dynamics_expression::{Arithmetic, Plan, interpret, trace};
 /// let arithmetic = Arithmetic::default();
 /// let (graph, results) = trace(arithmetic, &[2], |x| vec![vec![x[0][0] / x[0][1]]]);
 /// let plan = Plan::new(&graph, &results);
@@ -83,7 +84,7 @@ fn product((a, of_a): (f64, f64), (b, of_b): (f64, f64)) -> f64 {
     b.abs() * of_a + a.abs() * of_b
 }
 
-/// A constant was rounded, too.
+/// The value and error bound of an operand; a constant was rounded too.
 fn value(values: &[(f64, f64)], operand: Operand, half: f64) -> (f64, f64) {
     match operand {
         Operand::Constant(bits) => {

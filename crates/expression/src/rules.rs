@@ -1,20 +1,21 @@
-//! What is written down of an operation, and what need not be.
+//! Simplifications of operations as they are recorded.
 //!
 //! | operation | becomes |
 //! | --- | --- |
-//! | of constants | its value, rounded as the operation rounds |
+//! | an operation on constants | its value, rounded as the operation rounds |
 //! | x + 0, x − 0, 1 x, x / 1 | x |
 //! | 0 − x, (−1) x, x / (−1) | −x |
 //! | 0 x, 0 / x, x − x | 0 |
-//! | a + b, a b of the same a and b, in either order | the one that is there |
-//! | b − a, where a − b is there | −(a − b) |
+//! | a + b, a b of the same a and b, in either order | the operation that exists |
+//! | b − a, where a − b exists | −(a − b) |
 //! | a + (−b), (−a) + b | a − b, b − a |
 //! | (−a) + (−b), (−a) b, (−a) / b | −(a + b), −(a b), −(a / b) |
 //! | sin(−x), cos(−x) | −sin x, cos x |
-//! | a b + c rounded once, with a or b of 0 or ±1, or c of 0 | what is left of it |
+//! | a b + c rounded once, with a or b of 0 or ±1, or c of 0 | the remaining product or sum |
 //!
-//! For finite numbers each is exact but for the sign of a zero: the results of generated code equal (`==`) those of the
-//! operations as they stand. Nothing is reassociated or distributed, and no division becomes a product.
+//! For finite numbers each is exact except for the sign of a zero: the results of generated code equal (`==`)
+//! those of the original operations. Nothing is reassociated or distributed, and no division becomes a
+//! product.
 
 use crate::graph::{Graph, Operand, Operation};
 
@@ -118,13 +119,13 @@ impl Graph {
     /// −1, 0 or 1.
     pub fn sign(&mut self, a: Operand) -> Operand {
         if let Some(x) = a.known() {
-            return Operand::constant(number::Scalar::signum0(x));
+            return Operand::constant(robot_dynamics_number::Scalar::signum0(x));
         }
         let (minus, a) = a.split_sign();
         self.push(Operation::Sign(a)).negated_if(minus)
     }
 
-    /// sin a and cos a, a not known.
+    /// sin a and cos a of an operand that is not a constant.
     pub fn sine_cosine(&mut self, a: Operand) -> (Operand, Operand) {
         let (minus, a) = a.split_sign();
         let pair = self.push(Operation::SineCosine(a));

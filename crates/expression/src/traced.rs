@@ -1,13 +1,16 @@
-//! A number that writes down what is done with it.
+//! A number that records the operations on it.
 //!
-//! An algorithm that is generic over its number, run over this one, leaves a [`Graph`] instead of a value: the same operations, with
-//! constants folded and zeros gone. Run over it with constants alone it leaves values: those that the expression must give.
+//! An algorithm that is generic over its number and runs over [`Traced`] produces a [`Graph`] instead of a
+//! value. The graph has the same operations, with constants folded and zeros removed. With constant arguments
+//! it produces the values that the expression must give.
 
 use core::cell::{Cell, RefCell};
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use number::Scalar;
-use number::sine::{Quadrants, SHORT_PARTS, of_reduced_f32, sin_cos_f32_in_short_parts, sin_cos_f64};
+use robot_dynamics_number::Scalar;
+use robot_dynamics_number::sine::{
+    Quadrants, SHORT_PARTS, of_reduced_f32, sin_cos_f32_in_short_parts, sin_cos_f64,
+};
 
 use crate::graph::{Graph, Operand};
 use crate::triple::{TracedSymmetric, TracedTriple};
@@ -16,24 +19,23 @@ use crate::{Arithmetic, Precision, Sine};
 thread_local! {
     static GRAPH: RefCell<Graph> = RefCell::new(Graph::new(Precision::Double));
     static ARITHMETIC: Cell<Arithmetic> = Cell::new(Arithmetic::default());
-    /// The whole number of quarter turns, of the sine that is being traced itself.
-    static SHIFTED: Cell<Option<Operand>> = const { Cell::new(None) };
+    /// The shifted number of quarter turns, while the sine itself is traced.
+    static SINE_QUADRANT: Cell<Option<Operand>> = const { Cell::new(None) };
 }
 
-/// A number of a trace: a constant, or something that the expression computes.
+/// A number of a trace: a constant, or a value of the expression.
 ///
-/// It has no order and cannot be compared, so that no branch can depend on what is not known before the expression is
-/// computed: the compiler refuses one.
+/// It cannot be compared, so the compiler rejects a branch that depends on a value of the expression.
 #[derive(Clone, Copy, Debug)]
 pub struct Traced(
-    /// Which constant, or the value of which operation.
+    /// The constant, or the operation whose value it is.
     pub Operand,
 );
 
-/// What is computed from arguments of these lengths, as a graph, and the results in it.
+/// Traces a computation on arguments of these lengths and returns its graph and results.
 ///
 /// ```
-/// use expression::{Arithmetic, trace};
+/// use robot_dynamics_expression::{Arithmetic, trace};
 /// let (graph, results) = trace(Arithmetic::default(), &[1], |x| vec![vec![x[0][0] + x[0][0], x[0][0] + x[0][0]]]);
 /// assert_eq!(graph.nodes.len(), 2); // the input and one sum
 /// assert_eq!(results[0][0], results[0][1]);
@@ -55,10 +57,10 @@ pub fn trace(
     (GRAPH.replace(Graph::new(arithmetic.precision)), results)
 }
 
-/// What is computed further from values of a graph, which it is added to.
+/// Continues a trace: records a computation on values of a graph, and adds its operations to that graph.
 ///
 /// ```
-/// use expression::{Arithmetic, Traced, continue_trace, trace};
+/// use robot_dynamics_expression::{Arithmetic, Traced, continue_trace, trace};
 /// let arithmetic = Arithmetic::default();
 /// let (mut graph, results) = trace(arithmetic, &[1], |x| vec![vec![x[0][0] * x[0][0]]]);
 /// let square = Traced(results[0][0]);
@@ -74,17 +76,17 @@ pub fn continue_trace<R>(arithmetic: Arithmetic, graph: &mut Graph, compute: imp
     result
 }
 
-/// What is computed from known arguments: each operation done as the expression does it.
+/// Evaluates a computation on constant arguments, each operation rounded as in the expression.
 ///
 /// ```
-/// use expression::{Arithmetic, Precision, evaluate};
+/// use robot_dynamics_expression::{Arithmetic, Precision, evaluate};
 /// let third = |arithmetic| evaluate(arithmetic, &[vec![1.0, 3.0]], |x| vec![vec![x[0][0] / x[0][1]]])[0][0];
 /// assert_eq!(third(Arithmetic::default()), 1.0 / 3.0);
 /// assert_eq!(third(Arithmetic::new(Precision::Single)), f64::from(1.0_f32 / 3.0));
 /// ```
 ///
 /// # Panics
-/// Where a result depends on what is not known.
+/// If a result is not constant.
 pub fn evaluate(
     arithmetic: Arithmetic,
     arguments: &[Vec<f64>],
@@ -93,33 +95,33 @@ pub fn evaluate(
     ARITHMETIC.set(arithmetic);
     let known = |x: &f64| Traced(Operand::constant(arithmetic.precision.round(*x)));
     let arguments: Vec<Vec<Traced>> = arguments.iter().map(|x| x.iter().map(known).collect()).collect();
-    let value = |x: Traced| x.0.known().expect("what is computed from constants is constant");
+    let value = |x: Traced| x.0.known().expect("a result of constant arguments is constant");
     compute(&arguments).into_iter().map(|result| result.into_iter().map(value).collect()).collect()
 }
 
-/// The library's own sine as a graph: of one input x, the rounded quotient 2x/π shifted so that its lowest bits are a whole
-/// number n, and sine and cosine of x − n π/2.
+/// The library's own sine as a graph of one input x. The first result is the quotient 2x/π, rounded to an
+/// integer n and shifted so that the lowest bits are n. The others are the sine and cosine of x − n π/2.
 ///
 /// ```
-/// use expression::{Arithmetic, trace_sine};
+/// use robot_dynamics_expression::{Arithmetic, trace_sine};
 /// let (graph, results) = trace_sine(Arithmetic::default());
 /// assert!(results[0].len() == 3 && graph.nodes[0].is_input());
 /// ```
-#[allow(clippy::missing_panics_doc)] // what is not known is always turned
+#[allow(clippy::missing_panics_doc)] // the input is not a constant
 pub fn trace_sine(arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
     trace(arithmetic, &[1], |arguments| {
-        SHIFTED.set(None);
+        SINE_QUADRANT.set(None);
         let (sine, cosine) = own_sine(arguments[0][0]);
-        let shifted = SHIFTED.take().expect("the sine of what is not known is turned");
+        let shifted = SINE_QUADRANT.take().expect("the sine of an input calls `turn`");
         vec![vec![Traced(shifted), sine, cosine]]
     })
 }
 
-/// As [`trace_sine`], of two inputs, x and n: for languages whose compilers may reassociate, so that adding a large number does not
-/// round.
+/// As [`trace_sine`], with two inputs, x and n. This is for languages whose compilers may reassociate, where
+/// adding a large number does not round.
 ///
 /// ```
-/// use expression::{Arithmetic, Precision, trace_sine_of_quarters};
+/// use robot_dynamics_expression::{Arithmetic, Precision, trace_sine_of_quarters};
 /// let (graph, results) = trace_sine_of_quarters(Arithmetic::new(Precision::Single));
 /// assert!(results[0].len() == 3 && graph.nodes[1].is_input());
 /// ```
@@ -128,7 +130,7 @@ pub fn trace_sine_of_quarters(arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand
         let (x, n) = (arguments[0][0], arguments[1][0]);
         let r = SHORT_PARTS.iter().fold(x, |r, &part| (-n).mul_add(Traced::from_f64(part), r));
         let (sine, cosine) = of_reduced_f32(n, r);
-        SHIFTED.set(None);
+        SINE_QUADRANT.set(None);
         vec![vec![n, sine, cosine]]
     })
 }
@@ -141,10 +143,11 @@ fn own_sine(x: Traced) -> (Traced, Traced) {
 }
 
 impl Quadrants for Traced {
-    /// Of constants the value; else a graph has the reduced angle's alone, and who writes a program turns these.
+    /// Returns the value for constants. Otherwise the graph contains the sine and cosine of the reduced
+    /// angle, and the generated program rotates them.
     fn turn(shifted: Self, sine: Self, cosine: Self) -> (Self, Self) {
         let (Some(x), Some(s), Some(c)) = (shifted.0.known(), sine.0.known(), cosine.0.known()) else {
-            SHIFTED.set(Some(shifted.0));
+            SINE_QUADRANT.set(Some(shifted.0));
             return (sine, cosine);
         };
         #[allow(clippy::cast_possible_truncation)] // they are singles
@@ -155,17 +158,17 @@ impl Quadrants for Traced {
                 (s.into(), c.into())
             }
         };
-        (folded(s), folded(c))
+        (fold_constant(s), fold_constant(c))
     }
 }
 
-/// On the graph of this thread.
-fn written(operation: impl FnOnce(&mut Graph) -> Operand) -> Traced {
+/// Records an operation in the graph of this thread.
+fn record(operation: impl FnOnce(&mut Graph) -> Operand) -> Traced {
     Traced(GRAPH.with_borrow_mut(operation))
 }
 
-/// The value of an operation on constants.
-fn folded(x: f64) -> Traced {
+/// The value of an operation on constants, rounded.
+fn fold_constant(x: f64) -> Traced {
     Traced(Operand::constant(ARITHMETIC.get().precision.round(x)))
 }
 
@@ -174,8 +177,8 @@ impl Add for Traced {
     #[inline(never)]
     fn add(self, other: Self) -> Self {
         match (self.0.known(), other.0.known()) {
-            (Some(x), Some(y)) => folded(x + y),
-            _ => written(|graph| graph.sum(self.0, other.0)),
+            (Some(x), Some(y)) => fold_constant(x + y),
+            _ => record(|graph| graph.sum(self.0, other.0)),
         }
     }
 }
@@ -193,8 +196,8 @@ impl Mul for Traced {
     #[inline(never)]
     fn mul(self, other: Self) -> Self {
         match (self.0.known(), other.0.known()) {
-            (Some(x), Some(y)) => folded(x * y),
-            _ => written(|graph| graph.product(self.0, other.0)),
+            (Some(x), Some(y)) => fold_constant(x * y),
+            _ => record(|graph| graph.product(self.0, other.0)),
         }
     }
 }
@@ -204,8 +207,8 @@ impl Div for Traced {
     #[inline(never)]
     fn div(self, other: Self) -> Self {
         match (self.0.known(), other.0.known()) {
-            (Some(x), Some(y)) => folded(x / y),
-            _ => written(|graph| graph.quotient(self.0, other.0)),
+            (Some(x), Some(y)) => fold_constant(x / y),
+            _ => record(|graph| graph.quotient(self.0, other.0)),
         }
     }
 }
@@ -242,7 +245,7 @@ impl Scalar for Traced {
 
     #[inline(never)]
     fn from_f64(x: f64) -> Self {
-        folded(x)
+        fold_constant(x)
     }
 
     #[inline(never)]
@@ -255,28 +258,28 @@ impl Scalar for Traced {
             (Some(_), Arithmetic { sine: Sine::Own, .. }) => own_sine(self),
             (Some(x), Arithmetic { precision: Precision::Double, .. }) => {
                 let (sine, cosine) = x.sin_cos();
-                (folded(sine), folded(cosine))
+                (fold_constant(sine), fold_constant(cosine))
             }
             #[allow(clippy::cast_possible_truncation)]
             (Some(x), _) => {
                 let (sine, cosine) = (x as f32).sin_cos();
-                (folded(sine.into()), folded(cosine.into()))
+                (fold_constant(sine.into()), fold_constant(cosine.into()))
             }
         }
     }
 
     #[inline(never)]
     fn sqrt(self) -> Self {
-        written(|graph| graph.root(self.0))
+        record(|graph| graph.root(self.0))
     }
 
     #[inline(never)]
     fn signum0(self) -> Self {
-        written(|graph| graph.sign(self.0))
+        record(|graph| graph.sign(self.0))
     }
 
     #[inline(never)]
     fn mul_add(self, a: Self, b: Self) -> Self {
-        if ARITHMETIC.get().fused { written(|graph| graph.fused(self.0, a.0, b.0)) } else { self * a + b }
+        if ARITHMETIC.get().fused { record(|graph| graph.fused(self.0, a.0, b.0)) } else { self * a + b }
     }
 }

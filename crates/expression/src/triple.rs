@@ -1,9 +1,9 @@
 //! Three traced numbers as one value.
 //!
-//! As three components apart, which is what they are, each operation of the recursions would be written out in place, many
-//! thousand times: as functions that are called they are compiled in a fifth of the time.
+//! As three separate components, each operation of the recursions would be inlined many thousand times. As
+//! functions that are not inlined, they compile in a fifth of the time.
 
-use number::{Symmetric, Triple};
+use robot_dynamics_number::{Symmetric, Triple};
 
 use crate::traced::Traced;
 
@@ -18,21 +18,21 @@ pub struct TracedTriple(Array);
 #[derive(Clone, Copy, Debug)]
 pub struct TracedSymmetric(Entries);
 
-fn bare(columns: [TracedTriple; 3]) -> [Array; 3] {
+fn unwrap_columns(columns: [TracedTriple; 3]) -> [Array; 3] {
     columns.map(|column| column.0)
 }
 
-fn wrapped(columns: [Array; 3]) -> [TracedTriple; 3] {
+fn wrap_columns(columns: [Array; 3]) -> [TracedTriple; 3] {
     columns.map(TracedTriple)
 }
 
-/// Methods that call the array's.
-macro_rules! called {
+/// Defines methods that call those of the array.
+macro_rules! delegate {
     ($($name:ident($($argument:ident: $kind:ident),*) -> $result:ident;)*) => {
         $(
             #[inline(never)]
-            fn $name(self, $($argument: called!(@type $kind)),*) -> called!(@type $result) {
-                called!(@wrap $result, Triple::$name(self.0, $(called!(@bare $kind, $argument)),*))
+            fn $name(self, $($argument: delegate!(@type $kind)),*) -> delegate!(@type $result) {
+                delegate!(@wrap $result, Triple::$name(self.0, $(delegate!(@bare $kind, $argument)),*))
             }
         )*
     };
@@ -40,10 +40,10 @@ macro_rules! called {
     (@type columns) => { [Self; 3] };
     (@type number) => { Traced };
     (@wrap triple, $x:expr) => { Self($x) };
-    (@wrap columns, $x:expr) => { wrapped($x) };
+    (@wrap columns, $x:expr) => { wrap_columns($x) };
     (@wrap number, $x:expr) => { $x };
     (@bare triple, $x:expr) => { $x.0 };
-    (@bare columns, $x:expr) => { bare($x) };
+    (@bare columns, $x:expr) => { unwrap_columns($x) };
     (@bare number, $x:expr) => { $x };
 }
 
@@ -65,7 +65,7 @@ impl Triple<Traced> for TracedTriple {
         self.0[i]
     }
 
-    called! {
+    delegate! {
         plus(b: triple) -> triple;
         minus(b: triple) -> triple;
         negated() -> triple;
@@ -94,20 +94,20 @@ impl Triple<Traced> for TracedTriple {
         Self(self.0.minus_times_lane::<I>(v.0, b.0))
     }
     fn transpose(columns: [Self; 3]) -> [Self; 3] {
-        wrapped(Triple::transpose(bare(columns)))
+        wrap_columns(Triple::transpose(unwrap_columns(columns)))
     }
     #[inline(never)]
     fn minus_scaled_outer(columns: [Self; 3], a: Self, b: Self, k: Traced, scaled: Self) -> [Self; 3] {
-        wrapped(Triple::minus_scaled_outer(bare(columns), a.0, b.0, k, scaled.0))
+        wrap_columns(Triple::minus_scaled_outer(unwrap_columns(columns), a.0, b.0, k, scaled.0))
     }
 }
 
 impl Symmetric<Traced, TracedTriple> for TracedSymmetric {
     fn from_columns(columns: [TracedTriple; 3]) -> Self {
-        Self(Symmetric::from_columns(bare(columns)))
+        Self(Symmetric::from_columns(unwrap_columns(columns)))
     }
     fn columns(self) -> [TracedTriple; 3] {
-        wrapped(self.0.columns())
+        wrap_columns(self.0.columns())
     }
     #[inline(never)]
     fn plus(self, b: Self) -> Self {

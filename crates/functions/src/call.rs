@@ -1,20 +1,23 @@
-//! The library's algorithms over any number: the tracing one, and floats to compare with.
+//! The library's algorithms over any number: over the tracing number, and over floats to compare with.
 
-use dynamics::{Integrator, Method};
-use multibody::{FrameId, FramePose, InstructionSet, Model, StepForces, StepStagesWorkspace, Workspace};
-use number::Scalar;
+use robot_dynamics_core::{FrameId, FramePose, InstructionSet, Model, Workspace};
+use robot_dynamics_integrators::{Integrator, StepScheme};
+use robot_dynamics_number::Scalar;
+use robot_dynamics_simulation::{StepForces, StepStagesWorkspace};
 
 use crate::{Function, FunctionError, Outcome};
 
 impl Function {
-    /// Its results, each by rows, from its arguments, by the library's calls over any number.
+    /// Computes the function's results, each by rows, by the library's calls over any number.
     ///
     /// # Errors
-    /// [`FunctionError::NoSuchFrame`]; [`FunctionError::NoSlopes`] of derivatives and pullbacks that are made from a graph.
+    /// [`FunctionError::NoSuchFrame`]; [`FunctionError::NoSlopes`] for derivatives and pullbacks through a
+    /// graph.
     ///
     /// ```
-    /// use functions::Function;
-    /// use multibody::{Model, pendulum};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics_functions::Function;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// assert_eq!(Function::MassMatrix.compute::<f64>(&model, &[vec![0.3]])?, [[0.5]]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -28,13 +31,13 @@ impl Function {
     }
 }
 
-/// The function of arguments that [`Function::compute`] computes.
+/// The closure that [`Function::compute`] calls.
 #[allow(clippy::type_complexity)] // numbers in, numbers out
 pub(crate) fn call<S: Scalar>(
     function: &Function,
     model: &Model,
 ) -> Result<impl Fn(&[Vec<S>]) -> Vec<Vec<S>>, FunctionError> {
-    if function.slopes_of().is_some() {
+    if function.derivative_of().is_some() {
         return Err(FunctionError::NoSlopes { function: function.to_string() });
     }
     let frame = function.frame().map(|name| model.frame_named(name)).transpose()?;
@@ -53,11 +56,12 @@ fn zeros<S: Scalar>(function: &Function, model: &Model) -> Vec<Vec<S>> {
     function.results(model).into_iter().map(zeros).collect()
 }
 
-/// Memory of a function's calls, over the best registers of this machine: to measure them.
+/// Memory for repeated calls of a function, over the best registers of this machine, to measure them.
 ///
 /// ```
-/// use functions::{Function, FunctionMemory};
-/// use multibody::{Model, pendulum};
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::Model;
+/// use robot_dynamics_functions::{Function, FunctionMemory};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
 /// let mut memory = FunctionMemory::<f64>::new(&Function::MassMatrix, &model)?;
 /// assert_eq!(memory.compute(&[&[0.3]]), [[0.5]]);
@@ -72,12 +76,12 @@ pub struct FunctionMemory<'a, S: Scalar> {
 }
 
 impl<'a, S: Scalar> FunctionMemory<'a, S> {
-    /// For this function of this robot.
+    /// Allocates memory for this function of this robot.
     ///
     /// # Errors
     /// As [`Function::compute`].
     pub fn new(function: &'a Function, model: &'a Model) -> Result<Self, FunctionError> {
-        if function.slopes_of().is_some() {
+        if function.derivative_of().is_some() {
             return Err(FunctionError::NoSlopes { function: function.to_string() });
         }
         let frame = function.frame().map(|name| model.frame_named(name)).transpose()?;
@@ -85,10 +89,10 @@ impl<'a, S: Scalar> FunctionMemory<'a, S> {
         Ok(Self { function, model, frame, memory, results: zeros(function, model) })
     }
 
-    /// The results.
+    /// Computes the results.
     ///
     /// # Panics
-    /// If an argument has another length than [`Function::arguments`] says.
+    /// If an argument has the wrong length; see [`Function::arguments`].
     pub fn compute(&mut self, arguments: &[&[S]]) -> &[Vec<S>] {
         let mut four: [&[S]; 4] = [&[]; 4];
         four[..arguments.len()].copy_from_slice(arguments);
@@ -98,7 +102,7 @@ impl<'a, S: Scalar> FunctionMemory<'a, S> {
     }
 }
 
-/// Scratch of the library's calls.
+/// The workspaces of the library's calls.
 struct Memory<S: Scalar> {
     tree: Workspace<S>,
     step: Option<StepStagesWorkspace<S>>,
@@ -111,7 +115,7 @@ impl<S: Scalar> Memory<S> {
     }
 }
 
-/// The function's results, four arguments given, those that it has not empty.
+/// Computes the function's results. `arguments` has four entries; those that the function lacks are empty.
 fn compute<S: Scalar>(
     function: &Function,
     model: &Model,
@@ -125,80 +129,91 @@ fn compute<S: Scalar>(
     let (first, others) = results.split_at_mut(1);
     let one = &mut first[0][..];
     match function {
-        Function::InverseDynamics => multibody::inverse_dynamics(model, w, x, y, z, one),
-        Function::ForwardDynamics => multibody::forward_dynamics(model, w, x, y, z, one),
-        Function::MassMatrix => multibody::mass_matrix(model, w, x, one),
+        Function::InverseDynamics => robot_dynamics_core::inverse_dynamics(model, w, x, y, z, one),
+        Function::ForwardDynamics => robot_dynamics_core::forward_dynamics(model, w, x, y, z, one),
+        Function::MassMatrix => robot_dynamics_core::mass_matrix(model, w, x, one),
         Function::MassMatrixRelated => {
             let (nv, mut mass) = (model.nv(), vec![S::zero(); model.nv() * model.nv()]);
-            multibody::mass_matrix(model, w, x, &mut mass);
-            let entries = multibody::mass_matrix_related_entries(model);
+            robot_dynamics_core::mass_matrix(model, w, x, &mut mass);
+            let entries = robot_dynamics_core::mass_matrix_related_entries(model);
             entries.iter().zip(one).for_each(|(&(i, j), entry)| *entry = mass[i * nv + j]);
         }
-        Function::MassMatrixFactor => multibody::mass_matrix_factor(model, w, x, one),
-        Function::InverseMassMatrix => multibody::inverse_mass_matrix(model, w, x, one),
-        Function::Bias => multibody::bias(model, w, x, y, one),
-        Function::Gravity => multibody::gravity(model, w, x, one),
-        Function::VelocityProduct => multibody::velocity_product(model, w, x, y, one),
-        Function::CoriolisMatrix => multibody::coriolis_matrix(model, w, x, y, one),
-        Function::Dissipation => multibody::dissipation(model, x, one),
-        Function::KineticEnergy => one[0] = multibody::kinetic_energy(model, w, x, y),
-        Function::PotentialEnergy => one[0] = multibody::potential_energy(model, w, x),
-        Function::Momentum => multibody::momentum(model, w, x, y, one),
-        Function::CenterOfMass => one.copy_from_slice(&multibody::center_of_mass(model, w, x)),
-        Function::CenterOfMassJacobian => multibody::center_of_mass_jacobian(model, w, x, one),
+        Function::MassMatrixFactor => robot_dynamics_core::mass_matrix_factor(model, w, x, one),
+        Function::InverseMassMatrix => robot_dynamics_core::inverse_mass_matrix(model, w, x, one),
+        Function::Bias => robot_dynamics_core::bias(model, w, x, y, one),
+        Function::Gravity => robot_dynamics_core::gravity(model, w, x, one),
+        Function::VelocityProduct => robot_dynamics_core::velocity_product(model, w, x, y, one),
+        Function::CoriolisMatrix => robot_dynamics_core::coriolis_matrix(model, w, x, y, one),
+        Function::Dissipation => robot_dynamics_core::dissipation(model, x, one),
+        Function::KineticEnergy => one[0] = robot_dynamics_core::kinetic_energy(model, w, x, y),
+        Function::PotentialEnergy => one[0] = robot_dynamics_core::potential_energy(model, w, x),
+        Function::Momentum => robot_dynamics_core::momentum(model, w, x, y, one),
+        Function::CenterOfMass => one.copy_from_slice(&robot_dynamics_core::center_of_mass(model, w, x)),
+        Function::CenterOfMassJacobian => robot_dynamics_core::center_of_mass_jacobian(model, w, x, one),
         Function::InverseDynamicsDerivatives => {
             let [two, three] = others else { unreachable!("three results") };
-            multibody::inverse_dynamics_derivatives(model, w, x, y, z, one, two);
-            multibody::mass_matrix(model, w, x, three);
+            robot_dynamics_core::inverse_dynamics_derivatives(model, w, x, y, z, one, two);
+            robot_dynamics_core::mass_matrix(model, w, x, three);
         }
         Function::ForwardDynamicsDerivatives => {
             let [two, three] = others else { unreachable!("three results") };
-            multibody::forward_dynamics_derivatives(model, w, x, y, z, one, two, three);
+            robot_dynamics_core::forward_dynamics_derivatives(model, w, x, y, z, one, two, three);
         }
         Function::InverseDynamicsPullback => {
             let [two, three] = others else { unreachable!("three results") };
-            multibody::inverse_dynamics_pullback(model, w, x, y, z, l, one, two, three);
+            robot_dynamics_core::inverse_dynamics_pullback(model, w, x, y, z, l, one, two, three);
         }
         Function::ForwardDynamicsPullback => {
             let [two, three, four] = others else { unreachable!("four results") };
-            multibody::forward_dynamics_pullback(model, w, x, y, z, l, one, two, three, four);
+            robot_dynamics_core::forward_dynamics_pullback(model, w, x, y, z, l, one, two, three, four);
         }
-        Function::JointTorqueRegressor => multibody::joint_torque_regressor(model, w, x, y, z, one),
+        Function::JointTorqueRegressor => robot_dynamics_core::joint_torque_regressor(model, w, x, y, z, one),
         Function::SemiImplicitEulerStep | Function::Rk4Step => {
-            let w = step.as_mut().expect("a step has its own");
-            let Some(Method::Explicit(stages)) = function.integrator().map(Integrator::method) else {
-                unreachable!("the rows that steps are generated of have explicit stages")
+            let w = step.as_mut().expect("a step has a workspace");
+            let Some(StepScheme::Explicit(stages)) = function.integrator().map(Integrator::scheme) else {
+                unreachable!("generated steps have explicit stages")
             };
             let forces = StepForces::new(z, true);
-            multibody::step_stages(model, stages, w, &forces, l[0], (x, y), (one, &mut others[0]));
+            robot_dynamics_simulation::step_stages(
+                model,
+                stages,
+                w,
+                &forces,
+                l[0],
+                (x, y),
+                (one, &mut others[0]),
+            );
         }
         Function::FramePoses => {
             let unknown = FramePose { rotation: [[S::zero(); 3]; 3], translation: [S::zero(); 3] };
             let mut poses = vec![unknown; model.frames().len()];
-            multibody::frame_poses(model, w, x, &mut poses);
+            robot_dynamics_core::frame_poses(model, w, x, &mut poses);
             for (to, FramePose { rotation, translation }) in one.chunks_exact_mut(12).zip(&poses) {
                 to[..9].copy_from_slice(rotation.as_flattened());
                 to[9..].copy_from_slice(translation);
             }
         }
         Function::FramePose(_) => {
-            let FramePose { rotation, translation } = multibody::frame_pose(model, w, x, found(frame));
+            let FramePose { rotation, translation } =
+                robot_dynamics_core::frame_pose(model, w, x, required(frame));
             one.copy_from_slice(rotation.as_flattened());
             others[0].copy_from_slice(&translation);
         }
         Function::FrameJacobianWorldAligned(_) => {
-            multibody::frame_jacobian_world_aligned(model, w, x, found(frame), one);
+            robot_dynamics_core::frame_jacobian_world_aligned(model, w, x, required(frame), one);
         }
         Function::FrameJacobianInFrame(_) => {
-            multibody::frame_jacobian_in_frame(model, w, x, found(frame), one);
+            robot_dynamics_core::frame_jacobian_in_frame(model, w, x, required(frame), one);
         }
         Function::FrameJacobianInWorld(_) => {
-            multibody::frame_jacobian_in_world(model, w, x, found(frame), one);
+            robot_dynamics_core::frame_jacobian_in_world(model, w, x, required(frame), one);
         }
-        Function::Derivatives(_) | Function::Pullback(_) => unreachable!("made of another's trace"),
+        Function::Derivatives(_) | Function::Pullback(_) => {
+            unreachable!("derived from the trace of another function")
+        }
     }
 }
 
-fn found(frame: Option<FrameId>) -> FrameId {
+fn required(frame: Option<FrameId>) -> FrameId {
     frame.expect("a function of a frame has one")
 }

@@ -1,6 +1,7 @@
 //! Errors of functions that a robot does not have.
 
-use multibody::{NoSuchFrame, SingularMass};
+use robot_dynamics_core::SingularMass;
+use robot_dynamics_description::NoSuchFrame;
 use thiserror::Error;
 
 use crate::Function;
@@ -10,13 +11,15 @@ use crate::Function;
 #[non_exhaustive]
 pub enum FunctionError {
     /// No function has this name.
-    #[error("no function `{name}`: {}; of a frame {}; of any but slopes NAME_derivatives, NAME_pullback", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
+    #[error("unknown function `{name}`; the functions are {}; of a frame {}; and for each except derivatives and pullbacks, NAME_derivatives and NAME_pullback", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
     Unknown {
         /// The name given.
         name: String,
     },
-    /// Slopes of slopes.
-    #[error("no function `{function}`: there are no derivatives or pullbacks of derivatives and pullbacks")]
+    /// Derivatives or pullbacks of derivatives or pullbacks.
+    #[error(
+        "unknown function `{function}`: derivatives and pullbacks have no derivatives or pullbacks themselves"
+    )]
     NoSlopes {
         /// The function's name.
         function: String,

@@ -5,13 +5,14 @@ mod signature;
 use core::fmt;
 use core::str::FromStr;
 
-use dynamics::Integrator;
+use robot_dynamics_integrators::Integrator;
+
+use crate::FunctionError;
 
 pub use self::signature::{Argument, Outcome};
 pub(crate) use self::signature::{Row, Size};
-use crate::FunctionError;
 
-/// A function of a robot, as the library has it under the same name.
+/// A function of a robot, with the library's name.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Function {
@@ -59,7 +60,8 @@ pub enum Function {
     JointTorqueRegressor,
     /// One step of h: v₁ = v + h a(q, v, τ − b(v)), q₁ = q ⊕ h v₁.
     SemiImplicitEulerStep,
-    /// One step of h by the classical Runge–Kutta method, τ held over it; damping and friction follow v.
+    /// One step of h by the classical Runge–Kutta method, with τ constant over it; damping and friction
+    /// follow v.
     Rk4Step,
     /// `world_from_frame` of all frames.
     FramePoses,
@@ -69,7 +71,7 @@ pub enum Function {
     FrameJacobianWorldAligned(String),
     /// A frame's Jacobian along its own axes.
     FrameJacobianInFrame(String),
-    /// The Jacobian of the point of a frame's body that passes the world's origin.
+    /// The Jacobian of that point of a frame's body which coincides with the world's origin.
     FrameJacobianInWorld(String),
     /// ∂results/∂argument for each argument of another function. See [`Function::derivatives`].
     Derivatives(Box<Self>),
@@ -77,19 +79,19 @@ pub enum Function {
     Pullback(Box<Self>),
 }
 
-/// The slopes of another function that a function computes.
+/// The kind of derivative of another function that a function computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Slopes {
-    /// Each result by each argument.
+pub(crate) enum DerivativeKind {
+    /// The derivatives of each result with respect to each argument.
     Derivatives,
-    /// A weighted sum of results by each argument.
+    /// The gradient of a weighted sum of the results with respect to each argument.
     Pullback,
 }
 
-impl Slopes {
+impl DerivativeKind {
     const ALL: [Self; 2] = [Self::Derivatives, Self::Pullback];
 
-    /// The end of the name.
+    /// The suffix of the function's name.
     fn suffix(self) -> &'static str {
         match self {
             Self::Derivatives => "_derivatives",
@@ -99,7 +101,7 @@ impl Slopes {
 }
 
 impl Function {
-    /// All that no frame belongs to, without the derivatives and pullbacks of them.
+    /// All functions without a frame, without their derivatives and pullbacks.
     pub const PLAIN: [Self; 24] = [
         Self::InverseDynamics,
         Self::ForwardDynamics,
@@ -127,14 +129,14 @@ impl Function {
         Self::FramePoses,
     ];
 
-    /// The names of those of one frame; each takes the frame's name after a colon.
+    /// The names of the functions of one frame; each is followed by a colon and the frame's name.
     pub const OF_FRAMES: [&'static str; 4] =
         ["frame_pose", "frame_jacobian_world_aligned", "frame_jacobian_in_frame", "frame_jacobian_in_world"];
 
     /// The functions of one frame, as [`OF_FRAMES`](Self::OF_FRAMES) names them.
     ///
     /// ```
-    /// use functions::Function;
+    /// use robot_dynamics_functions::Function;
     /// assert_eq!(Function::of_frame("hand")[0].to_string(), "frame_pose:hand");
     /// ```
     #[must_use]
@@ -148,15 +150,17 @@ impl Function {
         .map(|of| of(frame.to_owned()))
     }
 
-    /// Its derivatives: for each argument a matrix with a row for each number of the results, matrices by rows, one result after the
-    /// other. By q, and of a configuration, along displacements, nv numbers, as [`multibody::linearize_step`] has them; the length of a
-    /// step is held.
+    /// Its derivatives: for each argument, a matrix by rows with a row for each number of the results, one
+    /// result after the other. Derivatives with respect to q, and of a configuration, are along
+    /// displacements, nv numbers, as in [`robot_dynamics_simulation::linearize_step`]. The length of a step
+    /// is constant.
     ///
-    /// The library's recursions compute those of inverse and forward dynamics. All others come from the chain rule through the graph, forward
-    /// or backward, or from the recursions, whichever is shorter. Derivatives and pullbacks have none.
+    /// The library's recursions compute those of inverse and forward dynamics. All others use the chain rule
+    /// through the graph, forward or backward, or the recursions, whichever takes fewer operations.
+    /// Derivatives and pullbacks have none themselves.
     ///
     /// ```
-    /// use functions::Function;
+    /// use robot_dynamics_functions::Function;
     /// assert_eq!(Function::InverseDynamics.derivatives(), Function::InverseDynamicsDerivatives);
     /// assert_eq!(Function::Gravity.derivatives().to_string(), "gravity_derivatives");
     /// ```
@@ -169,14 +173,16 @@ impl Function {
         }
     }
 
-    /// Its vector-Jacobian products: for each argument λᵀ times the matrix of [`derivatives`](Self::derivatives), which is not formed; λ is the
-    /// last argument, a number for each row.
+    /// Its vector-Jacobian products: for each argument, λᵀ times the matrix of
+    /// [`derivatives`](Self::derivatives), which is not formed. λ is the last argument, with a number for
+    /// each row.
     ///
-    /// The library's recursions compute those of inverse and forward dynamics. All others come from the chain rule backward through the
-    /// graph: some two to four times the function's operations, whatever its results and arguments.
+    /// The library's recursions compute those of inverse and forward dynamics. All others use the chain rule
+    /// backward through the graph: some two to four times the function's operations, for any number of
+    /// results and arguments.
     ///
     /// ```
-    /// use functions::Function;
+    /// use robot_dynamics_functions::Function;
     /// let pose = Function::FramePose("hand".into()).pullback();
     /// assert_eq!(pose.to_string(), "frame_pose_pullback:hand");
     /// ```
@@ -189,19 +195,19 @@ impl Function {
         }
     }
 
-    /// The function whose slopes it gives, through the graph.
-    pub(crate) fn slopes_of(&self) -> Option<(&Self, Slopes)> {
+    /// The function that is differentiated through the graph, and the kind of derivative.
+    pub(crate) fn derivative_of(&self) -> Option<(&Self, DerivativeKind)> {
         match self {
-            Self::Derivatives(function) => Some((function, Slopes::Derivatives)),
-            Self::Pullback(function) => Some((function, Slopes::Pullback)),
+            Self::Derivatives(function) => Some((function, DerivativeKind::Derivatives)),
+            Self::Pullback(function) => Some((function, DerivativeKind::Pullback)),
             _ => None,
         }
     }
 
-    /// Whether derivatives and pullbacks of it can be had: it gives none itself.
+    /// Whether it has derivatives and pullbacks: it is not a derivative or pullback itself.
     ///
     /// ```
-    /// use functions::Function;
+    /// use robot_dynamics_functions::Function;
     /// assert!(Function::Gravity.has_slopes() && !Function::Gravity.derivatives().has_slopes());
     /// ```
     pub fn has_slopes(&self) -> bool {
@@ -216,33 +222,35 @@ impl Function {
         )
     }
 
-    /// Whether it gives derivatives or a pullback through the graph of another.
+    /// Whether it computes derivatives or a pullback through the graph of another function.
     ///
     /// ```
-    /// use functions::Function;
+    /// use robot_dynamics_functions::Function;
     /// assert!(Function::Gravity.derivatives().is_through_graph());
     /// assert!(!Function::InverseDynamics.derivatives().is_through_graph()); // the library's recursions
     /// ```
     pub fn is_through_graph(&self) -> bool {
-        self.slopes_of().is_some()
+        self.derivative_of().is_some()
     }
 
     /// The library's name, without the frame's.
     ///
     /// ```
-    /// use functions::Function;
+    /// use robot_dynamics_functions::Function;
     /// assert_eq!(Function::FramePose("hand".into()).stem(), "frame_pose");
     /// ```
     pub fn stem(&self) -> String {
-        match self.slopes_of() {
-            Some((function, slopes)) => function.stem() + slopes.suffix(),
+        match self.derivative_of() {
+            Some((function, kind)) => function.stem() + kind.suffix(),
             None => self.plain_stem().into(),
         }
     }
 
     fn plain_stem(&self) -> &'static str {
         match self {
-            Self::Derivatives(_) | Self::Pullback(_) => unreachable!("named after another"),
+            Self::Derivatives(_) | Self::Pullback(_) => {
+                unreachable!("the name is that of another function and a suffix")
+            }
             Self::InverseDynamics => "inverse_dynamics",
             Self::ForwardDynamics => "forward_dynamics",
             Self::MassMatrix => "mass_matrix",
@@ -274,10 +282,10 @@ impl Function {
         }
     }
 
-    /// The frame that it belongs to, if there is one.
+    /// The name of its frame, if it has one.
     ///
     /// ```
-    /// use functions::Function;
+    /// use robot_dynamics_functions::Function;
     /// assert_eq!(Function::FramePose("hand".into()).frame(), Some("hand"));
     /// ```
     pub fn frame(&self) -> Option<&str> {
@@ -291,14 +299,14 @@ impl Function {
         }
     }
 
-    /// Whether it has no value where M is singular.
+    /// Whether it inverts M, so that it is undefined where M is singular.
     ///
     /// ```
-    /// use functions::Function;
+    /// use robot_dynamics_functions::Function;
     /// assert!(Function::ForwardDynamics.inverts_mass() && !Function::MassMatrix.inverts_mass());
     /// ```
     pub fn inverts_mass(&self) -> bool {
-        if let Some((function, _)) = self.slopes_of() {
+        if let Some((function, _)) = self.derivative_of() {
             return function.inverts_mass();
         }
         matches!(
@@ -313,8 +321,8 @@ impl Function {
         )
     }
 
-    /// Whether it depends on the equation of motion alone, so that mass may be counted with the body that it moves with
-    /// ([`Model::regrouped`](multibody::Model::regrouped)), which leaves less to do.
+    /// Whether it depends on the equation of motion alone. Mass may then be regrouped to the body that it
+    /// moves with ([`Model::regrouped`](robot_dynamics_core::Model::regrouped)), which takes fewer operations.
     pub(crate) fn is_of_equation_of_motion(&self) -> bool {
         matches!(
             self,
@@ -337,11 +345,11 @@ impl Function {
         )
     }
 
-    /// The row of the table of integrators whose step it is.
+    /// The integrator of which it computes a step.
     ///
     /// ```
-    /// use dynamics::Integrator;
-    /// use functions::Function;
+    /// use robot_dynamics::simulation::Integrator;
+    /// use robot_dynamics_functions::Function;
     /// assert_eq!(Function::Rk4Step.integrator(), Some(Integrator::RungeKutta4));
     /// ```
     pub fn integrator(&self) -> Option<Integrator> {
@@ -354,7 +362,7 @@ impl Function {
 }
 
 impl fmt::Display for Function {
-    /// The library's name, and after a colon the frame's.
+    /// The library's name, followed by a colon and the frame's name.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.stem())?;
         self.frame().map_or(Ok(()), |frame| write!(f, ":{frame}"))
@@ -374,14 +382,14 @@ impl FromStr for Function {
         if let Some(function) = named(stem) {
             return Ok(function);
         }
-        let of_another = |slopes: Slopes| Some((named(stem.strip_suffix(slopes.suffix())?)?, slopes));
-        match Slopes::ALL.into_iter().find_map(of_another) {
+        let of_another = |kind: DerivativeKind| Some((named(stem.strip_suffix(kind.suffix())?)?, kind));
+        match DerivativeKind::ALL.into_iter().find_map(of_another) {
             None => Err(unknown()),
             Some((function, _)) if !function.has_slopes() => {
                 Err(FunctionError::NoSlopes { function: text.into() })
             }
-            Some((function, Slopes::Derivatives)) => Ok(function.derivatives()),
-            Some((function, Slopes::Pullback)) => Ok(function.pullback()),
+            Some((function, DerivativeKind::Derivatives)) => Ok(function.derivatives()),
+            Some((function, DerivativeKind::Pullback)) => Ok(function.pullback()),
         }
     }
 }

@@ -1,13 +1,15 @@
 //! Functions of one robot as expressions.
 //!
-//! A [`Function`] names what is computed, its arguments and its results. [`Function::trace`] runs the library's recursions over the number that
-//! writes expressions: on a model in which mass is counted with the body that it moves with, where only the equation of motion counts, and with
-//! right angles made exact. What is made from the graph, code in another language or in memory, has the same bits.
+//! A [`Function`] has a name, arguments and results. [`Function::trace`] runs the library's recursions over
+//! the number that records expressions. The traced model has exact right angles. Where only the equation of
+//! motion matters, its mass is regrouped to the body that it moves with. Code in other languages and machine
+//! code made from the graph have the same bits.
 //!
 //! ```
-//! use expression::Arithmetic;
-//! use functions::Function;
-//! use multibody::{Model, pendulum};
+//! use robot_dynamics::description::pendulum;
+//! use robot_dynamics::model::Model;
+//! use robot_dynamics_expression::Arithmetic;
+//! use robot_dynamics_functions::Function;
 //! let model = Model::new(pendulum(2.0, 0.5))?;
 //! let traced = Function::MassMatrix.trace(&model, Arithmetic::default())?;
 //! assert_eq!(traced.results[0][0].known(), Some(0.5)); // m l², whatever q is
@@ -23,11 +25,11 @@ mod table;
 // the library's calls over any number,
 mod call;
 
-// the expressions and their slopes,
-mod slopes;
+// the expressions and their derivatives,
+mod derivatives;
 mod traced;
 
-// machine code of them.
+// and their machine code.
 mod native_code;
 
 pub use call::FunctionMemory;

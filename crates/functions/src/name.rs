@@ -1,10 +1,10 @@
 //! Names in programs.
 
-/// Letters, digits and underscores: a name as an identifier of any language.
+/// A name as an identifier of any language: letters, digits and underscores.
 ///
 /// ```
-/// assert_eq!(functions::identifier("left foot"), "left_foot");
-/// assert_eq!(functions::identifier("2R"), "robot_2r");
+/// assert_eq!(robot_dynamics_functions::identifier("left foot"), "left_foot");
+/// assert_eq!(robot_dynamics_functions::identifier("2R"), "robot_2r");
 /// ```
 pub fn identifier(name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };

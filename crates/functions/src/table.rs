@@ -1,6 +1,6 @@
-//! The tables that generated code reads and writes, for its callers.
+//! The tables that generated code reads and writes.
 
-use multibody::Model;
+use robot_dynamics_core::Model;
 
 use crate::{Argument, Function, Outcome, identifier};
 
@@ -17,11 +17,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// Numbers of each state.
+    /// The count of numbers for each state.
     ///
     /// ```
-    /// use functions::Function;
-    /// use multibody::{Model, pendulum};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics_functions::Function;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// assert_eq!(Function::FramePose("bob".into()).writes(&model)[0].width(), 9); // R
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -32,11 +33,12 @@ impl Table {
 }
 
 impl Function {
-    /// The tables that it reads, in the order of its parameters, and of the bindings of a shader.
+    /// The tables that it reads, in the order of its parameters and of the bindings of a shader.
     ///
     /// ```
-    /// use functions::Function;
-    /// use multibody::{Model, pendulum};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics_functions::Function;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let names: Vec<_> = Function::Rk4Step.reads(&model).iter().map(|table| table.name).collect();
     /// assert_eq!(names, ["q", "v", "tau", "h"]);
@@ -47,11 +49,13 @@ impl Function {
         self.arguments(model).into_iter().map(table).collect()
     }
 
-    /// The tables that it writes, in the order of the parameters and bindings after those that it reads.
+    /// The tables that it writes, in the order of the parameters and bindings that follow those of the tables
+    /// that it reads.
     ///
     /// ```
-    /// use functions::Function;
-    /// use multibody::{Model, pendulum};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics_functions::Function;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let names: Vec<_> = Function::Rk4Step.writes(&model).iter().map(|table| table.name).collect();
     /// assert_eq!(names, ["q_next", "v_next"]);
@@ -62,10 +66,10 @@ impl Function {
         self.results(model).into_iter().map(table).collect()
     }
 
-    /// Its name in generated code, after the robot's.
+    /// Its name in generated code, which follows the robot's name.
     ///
     /// ```
-    /// use functions::Function;
+    /// use robot_dynamics_functions::Function;
     /// assert_eq!(Function::FramePose("left foot".into()).symbol(), "frame_pose_left_foot");
     /// ```
     pub fn symbol(&self) -> String {

@@ -1,8 +1,9 @@
 //! Robots for the tests of this crate and of the crate `generate`.
 
-use multibody::{Base, JointKind, Model, RandomRobotOptions, random_robot};
+use robot_dynamics_core::Model;
+use robot_dynamics_description::{Base, JointKind, RandomRobotOptions, random_robot};
 
-/// A robot that nothing holds, with a ball, springs, friction and a follower.
+/// A robot with a floating base, a spherical joint, springs, friction and a mimic joint.
 pub(crate) fn free_robot() -> Model {
     let options = RandomRobotOptions {
         joints: 4,

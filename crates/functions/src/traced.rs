@@ -1,15 +1,15 @@
 //! A function of one robot as an expression.
 
-use expression::{Arithmetic, Graph, Operand, Plan, Traced, evaluate, trace};
-use multibody::{Model, MotionError, RandomState, random_state};
-use number::SplitMix64;
+use robot_dynamics_core::{Model, MotionError, RandomState, random_state};
+use robot_dynamics_expression::{Arithmetic, Graph, Operand, Plan, Traced, evaluate, trace};
+use robot_dynamics_number::SplitMix64;
 
 use crate::call::call;
-use crate::function::Slopes;
-use crate::slopes::{slopes, slopes_by_dual_numbers};
+use crate::derivatives::{differentiate, slopes_by_dual_numbers};
+use crate::function::DerivativeKind;
 use crate::{Function, FunctionError};
 
-/// Links that follow each other and differ in nothing can be a loop from so many on.
+/// The smallest number of successive equal links that can become a loop.
 pub const LEAST_EQUAL_LINKS: usize = 6;
 
 /// A function of one robot as an expression.
@@ -18,14 +18,15 @@ pub const LEAST_EQUAL_LINKS: usize = 6;
 pub struct TracedFunction {
     /// Its operations.
     pub graph: Graph,
-    /// Its results, a matrix by rows.
+    /// Its results, matrices by rows.
     pub results: Vec<Vec<Operand>>,
     /// The order of its operations.
     pub plan: Plan,
-    /// The results of the function that is pulled back, for a pullback through the graph, which has their operations as well; else nothing.
+    /// For a pullback through the graph, the results of the function that is pulled back, which the graph
+    /// contains as well; empty otherwise.
     pub primal: Vec<Vec<Operand>>,
     arithmetic: Arithmetic,
-    /// The function without its slopes, and the robot that is traced.
+    /// The differentiated function, or the function itself, and the traced robot.
     of: Function,
     model: Model,
 }
@@ -40,15 +41,16 @@ pub(crate) struct Expression {
 }
 
 impl Function {
-    /// Its expression for this robot.
+    /// DifferentiationInput its expression for this robot.
     ///
     /// # Errors
     /// [`FunctionError::NoSuchFrame`], [`FunctionError::NoSlopes`], [`FunctionError::Singular`].
     ///
     /// ```
-    /// use expression::Arithmetic;
-    /// use functions::Function;
-    /// use multibody::{Model, pendulum};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics_expression::Arithmetic;
+    /// use robot_dynamics_functions::Function;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let traced = Function::Gravity.trace(&model, Arithmetic::default())?;
     /// assert!(traced.plan.steps() < 5); // -m g l cos q
@@ -60,13 +62,13 @@ impl Function {
         Ok(TracedFunction { graph, results, plan, primal, arithmetic, of, model })
     }
 
-    /// Its expression, without the order of the operations.
+    /// DifferentiationInput its expression, without an order of the operations.
     pub(crate) fn expression(
         &self,
         model: &Model,
         arithmetic: Arithmetic,
     ) -> Result<Expression, FunctionError> {
-        let of_another = self.slopes_of();
+        let of_another = self.derivative_of();
         let of = of_another.map_or(self, |(of, _)| of);
         if of_another.is_some() && !of.has_slopes() {
             return Err(FunctionError::NoSlopes { function: self.to_string() });
@@ -77,20 +79,21 @@ impl Function {
         let lengths: Vec<usize> = of.arguments(model).iter().map(|argument| argument.length).collect();
         let traces = trace(arithmetic, &lengths, &compute);
         drop(compute);
-        let is_pullback = matches!(of_another, Some((_, Slopes::Pullback)));
+        let is_pullback = matches!(of_another, Some((_, DerivativeKind::Pullback)));
         let primal = if is_pullback { traces.1.clone() } else { Vec::new() };
         let (graph, results) = match of_another {
-            Some(of_another) => slopes(of_another, &source, arithmetic, &traces),
+            Some(of_another) => differentiate(of_another, &source, arithmetic, &traces),
             None => traces,
         };
         Ok(Expression { graph, results, primal, of: of.clone(), model: source })
     }
 
-    /// The robot that is traced: it has the same motion to rounding, and leaves less to do.
+    /// The robot that is traced: its motion is the same to rounding, with fewer operations.
     ///
     /// ```
-    /// use functions::Function;
-    /// use multibody::{Model, pendulum};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics_functions::Function;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// assert_eq!(Function::Bias.traced_model(&model).nv(), 1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -101,12 +104,13 @@ impl Function {
         if self.regroups(model) { exact.regrouped() } else { exact }
     }
 
-    /// Whether mass is counted with the body that it moves with: where the result stays the same, and no links differ by it that would make
-    /// a loop.
+    /// Whether mass is regrouped to the body that it moves with. It is if the result stays the same and links
+    /// that would make a loop stay equal.
     ///
     /// ```
-    /// use functions::Function;
-    /// use multibody::{Model, pendulum};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics_functions::Function;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// assert!(Function::Bias.regroups(&model) && !Function::KineticEnergy.regroups(&model));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -115,15 +119,16 @@ impl Function {
         self.is_of_equation_of_motion() && model.longest_run_of_equal_links() < LEAST_EQUAL_LINKS
     }
 
-    /// The derivatives or pullback in one state, computed by the library's recursions over its dual numbers: an independent way to them.
-    /// `None` of functions that are no slopes through a graph.
+    /// The derivatives or pullback in one state, computed by the library's recursions over dual numbers: an
+    /// independent route. `None` for functions that are not differentiated through a graph.
     ///
     /// # Errors
     /// [`FunctionError::NoSuchFrame`].
     ///
     /// ```
-    /// use functions::Function;
-    /// use multibody::{Model, pendulum};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics_functions::Function;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let slopes = Function::PotentialEnergy.derivatives().slopes_by_dual_numbers(&model, &[vec![0.0]])?;
     /// assert!((slopes.expect("slopes")[0][0] + 2.0 * 9.81 * 0.5).abs() < 1e-12); // at q = 0 the bob is level with the hinge
@@ -134,15 +139,16 @@ impl Function {
         model: &Model,
         arguments: &[Vec<f64>],
     ) -> Result<Option<Vec<Vec<f64>>>, FunctionError> {
-        self.slopes_of().map(|slopes| slopes_by_dual_numbers(slopes, model, arguments)).transpose()
+        self.derivative_of().map(|slopes| slopes_by_dual_numbers(slopes, model, arguments)).transpose()
     }
 }
 
 impl TracedFunction {
-    /// The function's values in one state, operation by operation; of derivatives and pullbacks those of the function that they are of.
+    /// The function's values in one state, operation by operation; for derivatives and pullbacks, those of
+    /// the differentiated function.
     ///
     /// # Panics
-    /// If an argument has another length than [`Function::arguments`] says.
+    /// If an argument has the wrong length; see [`Function::arguments`].
     pub fn evaluate(&self, arguments: &[Vec<f64>]) -> Vec<Vec<f64>> {
         self.evaluate_in(self.arithmetic, arguments)
     }
@@ -158,7 +164,7 @@ impl TracedFunction {
     }
 }
 
-/// Refuses to invert a singular M, as it is in a random state.
+/// Rejects functions that invert M if M is singular in a random state.
 fn check_mass(function: &Function, model: &Model) -> Result<(), FunctionError> {
     if !function.inverts_mass() {
         return Ok(());

@@ -2,9 +2,9 @@
 
 use core::cell::Cell;
 
-use expression::{Graph, Operand, Operation};
+use robot_dynamics_expression::{Graph, Operand, Operation};
 
-use crate::layout::{Index, Layout, Loop, Piece, Read, Step};
+use crate::layout::{AffineIndex, Layout, Loop, LoopOperand, Region, Step};
 use crate::syntax::Syntax;
 
 /// The statements of a program's parts.
@@ -13,26 +13,27 @@ pub(crate) struct Body<'a, I, O, F> {
     pub(crate) graph: &'a Graph,
     pub(crate) layout: &'a Layout,
     pub(crate) results: &'a [Vec<Operand>],
-    /// Where a number of a result is stored, if it is.
+    /// The place in a result at which a number is stored, if it is.
     pub(crate) place: &'a dyn Fn(usize, usize) -> Option<usize>,
-    /// How a number of an argument is written.
+    /// Writes a number of an argument.
     pub(crate) input: I,
-    /// The statement that stores a text in a place of a result.
+    /// Writes the statement that stores an expression in a place of a result.
     pub(crate) store: O,
-    /// The statement that sets all of a result to zero.
+    /// Writes the statement that sets all of a result to zero.
     pub(crate) clear: F,
 }
 
-/// Zeros of a result from which on it is cleared first: compilers take long for thousands of stores.
+/// The number of zeros from which on a result is cleared as a whole: compilers take long for thousands of
+/// stores.
 const MANY_ZEROS: usize = 8;
 
-/// Each number its own place.
-#[allow(clippy::unnecessary_wraps)] // others leave some out
+/// Stores each number at its own index.
+#[allow(clippy::unnecessary_wraps)] // other functions leave out some numbers
 pub(crate) fn every_number(_: usize, index: usize) -> Option<usize> {
     Some(index)
 }
 
-/// Lines, indented.
+/// Indented lines.
 struct Lines<'a> {
     text: String,
     indent: &'a str,
@@ -45,7 +46,7 @@ impl Lines<'_> {
         self.text.push('\n');
     }
 
-    /// Within a loop.
+    /// Adds a line within a loop.
     fn add_inside(&mut self, line: &str) {
         self.text.push_str("    ");
         self.add(line);
@@ -54,36 +55,36 @@ impl Lines<'_> {
 
 impl<I, O, F> Body<'_, I, O, F>
 where
-    I: Fn(usize, Index) -> String,
-    O: Fn(usize, Index, &str) -> String,
+    I: Fn(usize, AffineIndex) -> String,
+    O: Fn(usize, AffineIndex, &str) -> String,
     F: Fn(usize) -> String,
 {
-    /// One statement a line, each indented.
+    /// The statements of a part, one a line.
     pub(crate) fn part(&self, number: usize, indent: &str) -> String {
         let mut lines = Lines { text: String::new(), indent };
         if number == 0 {
-            self.uncomputed(&mut lines);
+            self.store_constants(&mut lines);
         }
-        let stored = self.stored_where(number);
+        let stored = self.stored_entries(number);
         let mut at = 0;
         let tables = Cell::new(0);
         for piece in &self.layout.parts[number] {
             let nodes = match piece {
-                Piece::Straight(nodes) => nodes,
-                Piece::Loop(repeated) => {
-                    self.repeated(repeated, number, &tables, &mut lines);
+                Region::Straight(nodes) => nodes,
+                Region::Loop(repeated) => {
+                    self.write_loop(repeated, number, &tables, &mut lines);
                     continue;
                 }
             };
             for &node in nodes {
                 lines.add(&self.statement(node, &mut |_, operand| self.operand(operand, number)));
-                if let Some(place) = self.layout.kept[node] {
+                if let Some(place) = self.layout.stored_at[node] {
                     lines.add(&format!("w[{place}] = {};", self.name(node)));
                 }
                 while let Some(&(_, result, place, operand)) =
                     stored.get(at).filter(|entry| entry.0 == self.step(node))
                 {
-                    lines.add(&(self.store)(result, Index::at(place), &self.operand(operand, number)));
+                    lines.add(&(self.store)(result, AffineIndex::at(place), &self.operand(operand, number)));
                     at += 1;
                 }
             }
@@ -91,9 +92,9 @@ where
         lines.text
     }
 
-    /// Results that need no computing.
-    fn uncomputed(&self, lines: &mut Lines<'_>) {
-        // Not −0, which has other bits.
+    /// Stores results that are constants or inputs.
+    fn store_constants(&self, lines: &mut Lines<'_>) {
+        // Excludes −0, which has other bits.
         let is_zero = |operand: &Operand| *operand == Operand::ZERO;
         let zeros = |entries: &[Operand]| entries.iter().filter(|entry| is_zero(entry)).count();
         let cleared: Vec<bool> = self.results.iter().map(|entries| zeros(entries) >= MANY_ZEROS).collect();
@@ -107,13 +108,13 @@ where
                 && !is_done
                 && let Some(place) = (self.place)(result, index)
             {
-                lines.add(&(self.store)(result, Index::at(place), &self.operand(operand, 0)));
+                lines.add(&(self.store)(result, AffineIndex::at(place), &self.operand(operand, 0)));
             }
         }
     }
 
-    /// A loop, with what comes before its first turn.
-    fn repeated(&self, repeated: &Loop, part: usize, tables: &Cell<usize>, lines: &mut Lines<'_>) {
+    /// Writes a loop, with the statements before its first iteration.
+    fn write_loop(&self, repeated: &Loop, part: usize, tables: &Cell<usize>, lines: &mut Lines<'_>) {
         for &(place, node) in &repeated.copies {
             lines.add(&format!("w[{place}] = {};", self.value(node, part)));
         }
@@ -121,61 +122,64 @@ where
         for (one, name) in repeated.carried.iter().zip(&carried) {
             lines.add(&self.syntax.declare_carried(name, &self.value(one.first, part)));
         }
-        let mut turn = Vec::new();
+        let mut body_lines = Vec::new();
         for step in &repeated.steps {
             let operation = self.graph.nodes[step.node];
             let mut read = |number: usize, operand: Operand| {
                 let read = &step.reads[number];
-                // Constants have their own sign, but where the operation turns it.
+                // Constants contain their sign, unless the operation changes it.
                 let is_minus = match operand {
                     Operand::Constant(_) => operation.operands().nth(number) != Some(operand),
                     Operand::Plus(_) | Operand::Minus(_) => matches!(operand, Operand::Minus(_)),
                 };
                 match read {
-                    Read::Same(Operand::Constant(_)) => self.operand(operand, part),
+                    LoopOperand::Invariant(Operand::Constant(_)) => self.operand(operand, part),
                     _ if is_minus => format!("-{}", self.read(read, part, &carried, tables, lines)),
                     _ => self.read(read, part, &carried, tables, lines),
                 }
             };
-            turn.push(self.statement(step.node, &mut read));
+            body_lines.push(self.statement(step.node, &mut read));
             let name = self.name(step.node);
-            turn.extend(step.kept.map(|index| format!("w[{index}] = {name};")));
+            body_lines.extend(step.stored_at.map(|index| format!("w[{index}] = {name};")));
             for store in &step.stores {
                 let text = if store.is_minus { format!("-{name}") } else { name.clone() };
-                turn.push((self.store)(store.result, store.index, &text));
+                body_lines.push((self.store)(store.result, store.index, &text));
             }
         }
         for (one, name) in repeated.carried.iter().zip(&carried) {
-            turn.push(format!("{name} = {};", self.name(one.next)));
+            body_lines.push(format!("{name} = {};", self.name(one.next)));
         }
-        lines.add(&self.syntax.turns(repeated.turns, repeated.steps.iter().any(Step::reads_turn)));
-        for line in &turn {
+        lines.add(
+            &self.syntax.loop_head(repeated.iterations, repeated.steps.iter().any(Step::uses_iteration)),
+        );
+        for line in &body_lines {
             lines.add_inside(line);
         }
         lines.add("}");
     }
 
-    /// What a loop's operation reads, but for its sign; a table of constants is written before the loop.
+    /// Writes an operand of an operation in a loop, without its sign. A table of constants is written before
+    /// the loop.
     fn read(
         &self,
-        read: &Read,
+        read: &LoopOperand,
         part: usize,
         carried: &[String],
         tables: &Cell<usize>,
         lines: &mut Lines<'_>,
     ) -> String {
         match read {
-            Read::Same(operand) => self.operand(*operand, part),
-            Read::Constants(bits) => {
+            LoopOperand::Invariant(operand) => self.operand(*operand, part),
+            LoopOperand::ConstantTable(bits) => {
                 let values: Vec<f64> = bits.iter().map(|&bits| f64::from_bits(bits)).collect();
                 let (table, text) = self.syntax.constants(tables.replace(tables.get() + 1), &values);
                 lines.add(&table);
                 text
             }
-            Read::Input { argument, index } => (self.input)(*argument, *index),
-            Read::Here(node) => self.name(*node),
-            Read::Carried(number) => carried[*number].clone(),
-            Read::Kept(index) => format!("w[{index}]"),
+            LoopOperand::Input { argument, index } => (self.input)(*argument, *index),
+            LoopOperand::SameIteration(node) => self.name(*node),
+            LoopOperand::Carried(number) => carried[*number].clone(),
+            LoopOperand::Array(index) => format!("w[{index}]"),
         }
     }
 
@@ -186,8 +190,8 @@ where
         })
     }
 
-    /// The entries that a part computes outside its loops, in the order of its operations.
-    fn stored_where(&self, number: usize) -> Vec<(usize, usize, usize, Operand)> {
+    /// The entries of results that a part computes outside its loops, in the order of its operations.
+    fn stored_entries(&self, number: usize) -> Vec<(usize, usize, usize, Operand)> {
         let mut stored: Vec<_> = self
             .entries()
             .filter_map(|(result, index, operand)| {
@@ -202,7 +206,7 @@ where
         stored.into_iter().map(|(step, result, _, place, operand)| (step, result, place, operand)).collect()
     }
 
-    /// When an operation is done.
+    /// The position of an operation in the order.
     fn step(&self, node: usize) -> usize {
         self.layout.step_of[node]
     }
@@ -222,9 +226,9 @@ where
     /// A value as it is read outside the loop that computes it.
     fn value(&self, node: usize, part: usize) -> String {
         if let Operation::Input { argument, index } = self.graph.nodes[node] {
-            return (self.input)(argument as usize, Index::at(index as usize));
+            return (self.input)(argument as usize, AffineIndex::at(index as usize));
         }
-        match self.layout.kept[node] {
+        match self.layout.stored_at[node] {
             Some(place) if self.layout.part_of[node] != part || self.layout.in_loop[node] => {
                 format!("w[{place}]")
             }
@@ -232,7 +236,7 @@ where
         }
     }
 
-    /// What an operation does, of operands that are written by `text`, by their number among those it reads.
+    /// The statement of an operation. `text` writes an operand, given its number among the operands.
     fn statement(&self, node: usize, text: &mut dyn FnMut(usize, Operand) -> String) -> String {
         let name = self.name(node);
         let operation = self.graph.nodes[node];
@@ -253,7 +257,7 @@ where
             (Operation::Sign(_), [a]) => self.syntax.sign(a),
             (Operation::Sine(_), [a]) => self.syntax.half(a, true),
             (Operation::Cosine(_), [a]) => self.syntax.half(a, false),
-            _ => unreachable!("inputs are no steps"),
+            _ => unreachable!("inputs are not steps"),
         };
         self.syntax.declare(&name, &expression)
     }

@@ -1,17 +1,17 @@
-//! For build scripts: from a robot's file to a module that can be included.
+//! Code generation in build scripts: from a robot's file to a module that can be included.
 
 use std::path::{Path, PathBuf};
 
-use expression::Arithmetic;
+use robot_dynamics_expression::Arithmetic;
 
 use crate::{Function, GenerateError, Generated, Request, Target, generate};
 
-/// Generates code from a robot's file: in a `build.rs` Rust for the crate that is built.
+/// Generates code from a robot's file; in a `build.rs`, Rust for the crate that is built.
 ///
 /// ```no_run
 /// // build.rs
-/// use generate::{Builder, Function};
-/// fn main() -> Result<(), generate::GenerateError> {
+/// use robot_dynamics_generate::{Builder, Function};
+/// fn main() -> Result<(), robot_dynamics_generate::GenerateError> {
 ///     Builder::new("robots/panda.urdf")
 ///         .functions([Function::InverseDynamics, Function::MassMatrix])
 ///         .write_module("panda.rs")
@@ -30,14 +30,15 @@ pub struct Builder {
 }
 
 impl Builder {
-    /// From this file, URDF or MJCF: inverse and forward dynamics and M in double precision, unless told otherwise.
+    /// A builder for this file, URDF or MJCF. The defaults are inverse and forward dynamics and M in double
+    /// precision.
     ///
     /// ```
     /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
-    /// use generate::{Builder, Target};
+    /// use robot_dynamics_generate::{Builder, Target};
     /// let generated = Builder::new(file).generate(Target::C)?;
     /// assert!(generated.file("two_r.h").is_some_and(|file| file.text.contains("two_r_forward_dynamics")));
-    /// # Ok::<(), generate::GenerateError>(())
+    /// # Ok::<(), robot_dynamics_generate::GenerateError>(())
     /// ```
     pub fn new(file: impl Into<PathBuf>) -> Self {
         Self {
@@ -50,85 +51,85 @@ impl Builder {
         }
     }
 
-    /// These functions.
+    /// Sets the functions.
     ///
     /// ```
     /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
-    /// use generate::{Builder, Function, Target};
+    /// use robot_dynamics_generate::{Builder, Function, Target};
     /// let generated = Builder::new(file).functions([Function::Gravity]).generate(Target::C)?;
     /// assert!(generated.file("two_r.h").is_some_and(|file| !file.text.contains("forward_dynamics")));
-    /// # Ok::<(), generate::GenerateError>(())
+    /// # Ok::<(), robot_dynamics_generate::GenerateError>(())
     /// ```
     pub fn functions(mut self, functions: impl IntoIterator<Item = Function>) -> Self {
         self.functions = functions.into_iter().collect();
         self
     }
 
-    /// In this arithmetic.
+    /// Sets the arithmetic.
     ///
     /// ```
     /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
-    /// use generate::{Arithmetic, Builder, Precision, Target};
+    /// use robot_dynamics_generate::{Arithmetic, Builder, Precision, Target};
     /// let single = Arithmetic::new(Precision::Single);
     /// let generated = Builder::new(file).arithmetic(single).generate(Target::C)?;
     /// assert!(generated.file("two_r.h").is_some_and(|file| file.text.contains("const float q[2]")));
-    /// # Ok::<(), generate::GenerateError>(())
+    /// # Ok::<(), robot_dynamics_generate::GenerateError>(())
     /// ```
     pub fn arithmetic(mut self, arithmetic: Arithmetic) -> Self {
         self.arithmetic = arithmetic;
         self
     }
 
-    /// With each function for many states at once, too, as [`Request::with_lanes`] has them: in a module `lanes` of the module.
+    /// Adds each function for many states at once, in a submodule `lanes`; see [`Request::with_lanes`].
     ///
     /// ```
     /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
-    /// use generate::{Builder, Target};
+    /// use robot_dynamics_generate::{Builder, Target};
     /// let generated = Builder::new(file).lanes().generate(Target::Rust)?;
     /// assert!(generated.file("src/two_r.rs").is_some_and(|file| file.text.contains("pub mod lanes {")));
-    /// # Ok::<(), generate::GenerateError>(())
+    /// # Ok::<(), robot_dynamics_generate::GenerateError>(())
     /// ```
     pub fn lanes(mut self) -> Self {
         self.lanes = true;
         self
     }
 
-    /// Without loops for bodies that are alike, as [`Request::with_straight`] has it.
+    /// Writes no loops for bodies that are alike; see [`Request::with_straight`].
     ///
     /// ```
     /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
-    /// use generate::{Builder, Target};
+    /// use robot_dynamics_generate::{Builder, Target};
     /// let generated = Builder::new(file).straight().generate(Target::C)?;
     /// // Two links are too few for a loop anyway.
     /// assert_eq!(generated, Builder::new(file).generate(Target::C)?);
-    /// # Ok::<(), generate::GenerateError>(())
+    /// # Ok::<(), robot_dynamics_generate::GenerateError>(())
     /// ```
     pub fn straight(mut self) -> Self {
         self.straight = true;
         self
     }
 
-    /// With its root link free: six more degrees of freedom, before all others.
+    /// Frees the root link: six more degrees of freedom, before all others.
     ///
     /// ```
     /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/quadruped.urdf");
-    /// use generate::{Builder, Target};
+    /// use robot_dynamics_generate::{Builder, Target};
     /// let generated = Builder::new(file).floating_base().generate(Target::C)?;
     /// assert!(generated.file("quadruped.h").is_some_and(|file| file.text.contains("#define QUADRUPED_NQ 19")));
-    /// # Ok::<(), generate::GenerateError>(())
+    /// # Ok::<(), robot_dynamics_generate::GenerateError>(())
     /// ```
     pub fn floating_base(mut self) -> Self {
         self.floating = true;
         self
     }
 
-    /// All files for a target, a test among them.
+    /// Generates all files for a target, including a test.
     ///
     /// # Errors
     /// [`GenerateError`].
     ///
     /// ```
-    /// let missing = generate::Builder::new("robots/nowhere.urdf").generate(generate::Target::Rust);
+    /// let missing = robot_dynamics_generate::Builder::new("robots/nowhere.urdf").generate(robot_dynamics_generate::Target::Rust);
     /// assert!(missing.unwrap_err().to_string().contains("nowhere.urdf"));
     /// ```
     pub fn generate(&self, target: Target) -> Result<Generated, GenerateError> {
@@ -144,14 +145,14 @@ impl Builder {
         generate(&model, &request)
     }
 
-    /// Of a build script: writes the Rust module into `OUT_DIR` under this name, for `include!`, and has Cargo run the script again when
-    /// the robot's file changes.
+    /// For build scripts: writes the Rust module into `OUT_DIR` under this name, for `include!`. Cargo runs
+    /// the script again when the robot's file changes.
     ///
     /// # Errors
     /// [`GenerateError`]; [`GenerateError::NoOutput`] outside a build script.
     ///
     /// ```
-    /// let outside = generate::Builder::new("robots/panda.urdf").write_module("panda.rs");
+    /// let outside = robot_dynamics_generate::Builder::new("robots/panda.urdf").write_module("panda.rs");
     /// assert!(outside.unwrap_err().to_string().contains("OUT_DIR"));
     /// ```
     pub fn write_module(&self, name: &str) -> Result<(), GenerateError> {

@@ -1,42 +1,44 @@
-//! Why nothing was generated.
+//! Errors of code generation.
 
 use std::path::PathBuf;
 
-use functions::FunctionError;
+use robot_dynamics_functions::FunctionError;
 use thiserror::Error;
 
-/// Why nothing was generated.
+/// Errors of code generation.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum GenerateError {
     /// The robot does not have the function.
     #[error(transparent)]
     Function(#[from] FunctionError),
-    /// The same name would be given to two functions.
+    /// Two functions have the same name.
     #[error(
-        "two functions would be called `{symbol}`: ask for each function once, and of frames whose names differ in letters or digits"
+        "two functions have the name `{symbol}`: request each function once, and frames whose names differ in letters or digits"
     )]
     SameName {
         /// The name.
         symbol: String,
     },
-    /// The robot has nothing that moves.
-    #[error("robot `{robot}` has no moving joint: there is nothing to generate")]
+    /// The robot has no moving joint.
+    #[error("robot `{robot}` has no moving joint, so there is no function to generate")]
     Motionless {
         /// Its name.
         robot: String,
     },
-    /// A value is infinite or none.
-    #[error("`{function}` of robot `{robot}` is not finite in random states of it: see `dynamics audit`")]
+    /// A value is not finite.
+    #[error(
+        "`{function}` of robot `{robot}` is not finite in random states: run `dynamics audit` on the robot"
+    )]
     NotFinite {
         /// The robot's name.
         robot: String,
         /// The function's name.
         function: String,
     },
-    /// The generated slopes are not the library's.
+    /// The generated derivatives differ from the library's.
     #[error(
-        "`{function}` of robot `{robot}` is further from the library's than rounding can bring it: a fault of this program, please report it"
+        "`{function}` of robot `{robot}` differs from the library's values by more than rounding; please report this bug"
     )]
     Differs {
         /// The robot's name.
@@ -44,32 +46,32 @@ pub enum GenerateError {
         /// The function's name.
         function: String,
     },
-    /// The target has no such numbers.
-    #[error("{target} has no {what}: {remedy}")]
+    /// The target does not support the request.
+    #[error("{target} does not support {what}: {remedy}")]
     NotInTarget {
         /// The target's name.
         target: &'static str,
-        /// What it lacks.
+        /// The unsupported feature.
         what: &'static str,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
     /// A program that measuring needs is missing or fails.
-    #[error("`{program}`: {what}: measuring needs a compiler that works, generating does not")]
+    #[error("`{program}`: {what}; measuring needs a working compiler, generating does not")]
     Compiler {
         /// The program.
         program: String,
-        /// What it or the system says.
+        /// The message of the program or the system.
         what: String,
     },
-    /// The robot's file was refused.
+    /// The robot's file is invalid.
     #[error(transparent)]
     Robot(#[from] robot_dynamics::LoadError),
-    /// There is no folder for a build script's output.
-    #[error("the variable OUT_DIR is not set: call this in a build script")]
+    /// The variable with the folder for a build script's output is not set.
+    #[error("the environment variable OUT_DIR is not set: call this from a build script")]
     NoOutput,
-    /// A file is there that no generator wrote.
-    #[error("`{}` is there and was not generated: move it, or choose another folder", path.display())]
+    /// A file with the same name exists and was not generated.
+    #[error("`{}` exists and was not generated: move it, or choose another folder", path.display())]
     Foreign {
         /// The file.
         path: PathBuf,
@@ -79,7 +81,7 @@ pub enum GenerateError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         cause: std::io::Error,
     },
 }

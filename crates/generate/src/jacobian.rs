@@ -1,14 +1,15 @@
-//! The slopes of a function by all its arguments, as CasADi asks for them.
+//! The Jacobians of a function with respect to all its arguments, as CasADi requests them.
 
-use expression::{Arithmetic, Graph, Operand, Plan, Traced, chain, evaluate, trace};
-use multibody::{InstructionSet, Model, Workspace, cotangent_to_coordinates};
-use number::Scalar;
+use robot_dynamics::model::{InstructionSet, Model, Workspace, cotangent_to_coordinates};
+use robot_dynamics_expression::{Arithmetic, Graph, Operand, Plan, Traced, chain, evaluate, trace};
+use robot_dynamics_number::Scalar;
 
 use crate::Function;
 use crate::program::{Argument, Outcome, Program};
 
-/// The program of ∂result/∂argument for each result and argument, a row for each entry of the result. By the numbers of q:
-/// of a quaternion the function depends on the direction alone.
+/// The program of ∂result/∂argument for each result and argument, with a row for each entry of the result.
+/// Derivatives are with respect to the numbers of q; of a quaternion, the function depends on the direction
+/// alone.
 pub(crate) fn jacobian(program: &Program, model: &Model, arithmetic: Arithmetic) -> Program {
     let lengths: Vec<usize> = program.arguments.iter().map(|argument| argument.length).collect();
     let (mut graph, mut results) = forward(program, arithmetic);
@@ -18,7 +19,7 @@ pub(crate) fn jacobian(program: &Program, model: &Model, arithmetic: Arithmetic)
     if let Some(compute) = by_recursions(&program.function, model) {
         let (other, other_results) = trace(arithmetic, &lengths, &compute);
         let other_plan = Plan::new(&other, &other_results);
-        // Whichever is shorter.
+        // The shorter program is used.
         if other_plan.steps() < plan.steps() {
             (graph, results, plan) = (other, other_results, other_plan);
             for case in &program.cases {
@@ -49,7 +50,7 @@ pub(crate) fn jacobian(program: &Program, model: &Model, arithmetic: Arithmetic)
     }
 }
 
-/// The library's own recursions for the slopes, where it has them.
+/// The library's own recursions for the derivatives, where it has them.
 fn by_recursions(function: &Function, model: &Model) -> Option<impl Fn(&[Vec<Traced>]) -> Vec<Vec<Traced>>> {
     let is_inverse = match function {
         Function::InverseDynamics => true,
@@ -63,10 +64,14 @@ fn by_recursions(function: &Function, model: &Model) -> Option<impl Fn(&[Vec<Tra
         let zeros = |count: usize| vec![Traced::zero(); count];
         let (mut by_q, mut by_v, mut by_x) = (zeros(nv * nv), zeros(nv * nv), zeros(nv * nv));
         if is_inverse {
-            multibody::inverse_dynamics_derivatives(model, w, q, v, x, &mut by_q, &mut by_v);
-            multibody::mass_matrix(model, w, q, &mut by_x);
+            robot_dynamics::derivatives::inverse_dynamics_derivatives(
+                model, w, q, v, x, &mut by_q, &mut by_v,
+            );
+            robot_dynamics::algorithms::mass_matrix(model, w, q, &mut by_x);
         } else {
-            multibody::forward_dynamics_derivatives(model, w, q, v, x, &mut by_q, &mut by_v, &mut by_x);
+            robot_dynamics::derivatives::forward_dynamics_derivatives(
+                model, w, q, v, x, &mut by_q, &mut by_v, &mut by_x,
+            );
         }
         let mut by_numbers = zeros(nv * nq);
         for (row, by_numbers) in by_q.chunks(nv).zip(by_numbers.chunks_mut(nq)) {
@@ -76,7 +81,7 @@ fn by_recursions(function: &Function, model: &Model) -> Option<impl Fn(&[Vec<Tra
     })
 }
 
-/// A tangent for each number of each argument through the graph.
+/// Forward mode through the graph: a tangent for each number of each argument.
 fn forward(program: &Program, arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
     let mut graph = program.graph.clone();
     let steps = chain::steps(&graph, &program.results);

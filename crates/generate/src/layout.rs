@@ -1,129 +1,130 @@
-//! How a function is written: its operations one after the other or in loops, in how many parts, and what is kept in memory
-//! between these.
+//! The layout of a generated function: its operations in straight code or loops, its parts, and the values
+//! that are stored in an array between these.
 
 use core::fmt;
 
-use expression::{Graph, Operand, Plan};
+use robot_dynamics_expression::{Graph, Operand, Plan};
 
 use crate::loops;
 
-/// Operations of one function at most: compilers take longer than in proportion for long ones.
-pub(crate) const MOST_STEPS: usize = 2000;
+/// The largest number of operations of one part: compile times grow faster than linearly.
+pub(crate) const MAX_STEPS: usize = 2000;
 
-/// A function's pieces, in parts.
+/// The regions of a function, in parts.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
-    /// The pieces of each part, in order.
-    pub(crate) parts: Vec<Vec<Piece>>,
-    /// By operation: where its value is kept, if another part or a loop reads it there.
-    pub(crate) kept: Vec<Option<usize>>,
-    /// By operation: the part that does it.
+    /// The regions of each part, in order.
+    pub(crate) parts: Vec<Vec<Region>>,
+    /// By operation: the array place of its value, if another part or a loop reads it there.
+    pub(crate) stored_at: Vec<Option<usize>>,
+    /// By operation: the part that computes it.
     pub(crate) part_of: Vec<usize>,
-    /// By operation: when it is done.
+    /// By operation: its position in the order.
     pub(crate) step_of: Vec<usize>,
-    /// By operation: whether it is done in a loop.
+    /// By operation: whether a loop computes it.
     pub(crate) in_loop: Vec<bool>,
-    /// Places for kept values.
-    pub(crate) places: usize,
-    /// The most values that are computed and still to be read, at any time.
+    /// The length of the array.
+    pub(crate) array_length: usize,
+    /// The largest number of live values.
     pub(crate) live: usize,
 }
 
-/// Operations that are written together.
+/// A region of a function: straight code (a basic block) or a loop.
 #[derive(Clone, Debug)]
-pub(crate) enum Piece {
-    /// One after the other.
+pub(crate) enum Region {
+    /// Operations in order.
     Straight(Vec<usize>),
-    /// Once for all turns.
+    /// Operations that are written once for all iterations.
     Loop(Loop),
 }
 
-/// Operations that are done in each of some turns, on other numbers each time.
+/// A loop: operations that each iteration does on other numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Loop {
-    pub(crate) turns: usize,
-    /// Values that must lie side by side, copied before the first turn: to which place, which operation's.
+    pub(crate) iterations: usize,
+    /// Copies to adjacent array places before the first iteration: to which place, which operation's value.
     pub(crate) copies: Vec<(usize, usize)>,
-    /// Values that each turn hands to the next.
-    pub(crate) carried: Vec<Carried>,
+    /// The loop-carried variables.
+    pub(crate) carried: Vec<CarriedVariable>,
     pub(crate) steps: Vec<Step>,
 }
 
-/// A variable that each turn hands to the next.
+/// A loop-carried variable: each iteration sets it for the next.
 #[derive(Clone, Debug)]
-pub(crate) struct Carried {
+pub(crate) struct CarriedVariable {
     /// Its number among all of the function.
     pub(crate) number: usize,
-    /// The operation whose value the first turn finds in it.
+    /// The operation whose value it has in the first iteration.
     pub(crate) first: usize,
-    /// The operation, of the first turn, whose value the next turn finds in it.
+    /// The operation, of the first iteration, whose value it has in the next one.
     pub(crate) next: usize,
 }
 
 /// An operation of a loop.
 #[derive(Clone, Debug)]
 pub(crate) struct Step {
-    /// The operation of the first turn: what is done, the signs of what it reads, and its name.
+    /// The operation of the first iteration, which determines the kind, the signs of the operands, and the
+    /// name.
     pub(crate) node: usize,
-    pub(crate) reads: Vec<Read>,
-    /// Where each turn keeps its value.
-    pub(crate) kept: Option<Index>,
-    /// Results that its value is stored in.
-    pub(crate) stores: Vec<Store>,
+    pub(crate) reads: Vec<LoopOperand>,
+    /// The array index at which each iteration stores its value.
+    pub(crate) stored_at: Option<AffineIndex>,
+    /// The results that its value is stored in.
+    pub(crate) stores: Vec<ResultStore>,
 }
 
 impl Step {
-    /// Whether it reads or writes other numbers in each turn by the turn's number.
-    pub(crate) fn reads_turn(&self) -> bool {
-        let moves = |read: &Read| match read {
-            Read::Constants(_) => true,
-            Read::Input { index, .. } | Read::Kept(index) => index.step != 0,
-            Read::Same(_) | Read::Here(_) | Read::Carried(_) => false,
+    /// Whether it uses the number of the iteration as an index.
+    pub(crate) fn uses_iteration(&self) -> bool {
+        let is_indexed = |read: &LoopOperand| match read {
+            LoopOperand::ConstantTable(_) => true,
+            LoopOperand::Input { index, .. } | LoopOperand::Array(index) => index.step != 0,
+            LoopOperand::Invariant(_) | LoopOperand::SameIteration(_) | LoopOperand::Carried(_) => false,
         };
-        let stored = self.stores.iter().map(|store| store.index).chain(self.kept);
-        self.reads.iter().any(moves) || stored.into_iter().any(|index| index.step != 0)
+        let stored = self.stores.iter().map(|store| store.index).chain(self.stored_at);
+        self.reads.iter().any(is_indexed) || stored.into_iter().any(|index| index.step != 0)
     }
 }
 
-/// Where an operation of a loop finds a number that it reads, but for its sign.
+/// An operand of an operation in a loop, without its sign.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Read {
-    /// The same in each turn, from outside the loop.
-    Same(Operand),
-    /// A constant of each turn, by its bits.
-    Constants(Vec<u64>),
-    /// Numbers of an argument.
-    Input { argument: usize, index: Index },
-    /// The value of an operation of the same turn, by that of the first turn.
-    Here(usize),
-    /// A variable that the turn before left, by its place in the list.
+pub(crate) enum LoopOperand {
+    /// A loop-invariant value.
+    Invariant(Operand),
+    /// A constant for each iteration, by its bits.
+    ConstantTable(Vec<u64>),
+    /// A number of an argument.
+    Input { argument: usize, index: AffineIndex },
+    /// The value of an operation of the same iteration, given by the operation of the first iteration.
+    SameIteration(usize),
+    /// A loop-carried variable, by its place in the list.
     Carried(usize),
-    /// A kept value.
-    Kept(Index),
+    /// A value in the array.
+    Array(AffineIndex),
 }
 
-/// Where the number of a result is stored.
+/// A store of a value to a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Store {
+pub(crate) struct ResultStore {
     pub(crate) result: usize,
     pub(crate) is_minus: bool,
-    pub(crate) index: Index,
+    pub(crate) index: AffineIndex,
 }
 
-/// An index that moves by the same step with each turn of a loop.
+/// An index that is an affine function of the iteration: first + step · k.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Index {
+pub(crate) struct AffineIndex {
     pub(crate) first: usize,
     pub(crate) step: isize,
 }
 
-impl Index {
-    /// One that stays.
+impl AffineIndex {
+    /// A constant index.
     pub(crate) fn at(first: usize) -> Self {
         Self { first, step: 0 }
     }
 
-    /// Through these, if it moves evenly.
+    /// The affine index through these values, if there is one.
     pub(crate) fn through(mut indices: impl Iterator<Item = usize>) -> Option<Self> {
         let first = indices.next()?;
         let mut before = first;
@@ -138,10 +139,10 @@ impl Index {
         Some(Self { first, step: step.unwrap_or(0) })
     }
 
-    /// In a turn, from zero.
+    /// The index in an iteration, counted from zero.
     #[cfg(test)]
-    pub(crate) fn of_turn(self, turn: usize) -> usize {
-        self.first.checked_add_signed(self.step * turn.cast_signed()).expect("an index is not negative")
+    pub(crate) fn at_iteration(self, iteration: usize) -> usize {
+        self.first.checked_add_signed(self.step * iteration.cast_signed()).expect("an index is not negative")
     }
 }
 
@@ -150,8 +151,8 @@ pub(crate) fn difference(a: usize, b: usize) -> isize {
     a.cast_signed() - b.cast_signed()
 }
 
-/// Of the turn `k`.
-impl fmt::Display for Index {
+/// The index in iteration `k`, as an expression.
+impl fmt::Display for AffineIndex {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { first, step } = *self;
         match (first, step) {
@@ -167,8 +168,8 @@ impl fmt::Display for Index {
 }
 
 impl Layout {
-    /// In loops where these make the text shorter by a third or more, else one operation after the other. `place` says where a
-    /// number of a result is stored, if it is.
+    /// Layout with loops where these make the text shorter by a third or more, else straight code. `place`
+    /// returns the place in a result at which a number is stored, if it is.
     pub(crate) fn new(
         graph: &Graph,
         plan: &Plan,
@@ -176,20 +177,20 @@ impl Layout {
         place: &dyn Fn(usize, usize) -> Option<usize>,
     ) -> Self {
         let straight = Self::straight(graph, plan);
-        match loops::in_loops(graph, results, place) {
+        match loops::reroll(graph, results, place) {
             Some(layout) if 3 * layout.lines() <= 2 * straight.lines() => layout,
             _ => straight,
         }
     }
 
-    /// One operation after the other, in parts of about equal length.
+    /// Straight code, in parts of about equal length.
     pub(crate) fn straight(graph: &Graph, plan: &Plan) -> Self {
         let Plan { order, live } = plan;
-        let count = order.len().div_ceil(MOST_STEPS).max(1);
+        let count = order.len().div_ceil(MAX_STEPS).max(1);
         let length = order.len().div_ceil(count);
         let mut parts: Vec<Vec<usize>> = vec![Vec::new()];
         for &node in order {
-            // A pair is nothing that can be kept: its halves stay with it.
+            // A pair cannot be stored, so its halves stay in the same part.
             if parts.last().is_some_and(|part| part.len() >= length) && !graph.nodes[node].is_half() {
                 parts.push(Vec::new());
             }
@@ -207,19 +208,19 @@ impl Layout {
                 }
             }
         }
-        let (kept, places) = keep(&parts, &last_read);
-        // No array is empty.
-        let places = if parts.len() > 1 { places.max(1) } else { 0 };
+        let (stored_at, length) = assign_places(&parts, &last_read);
+        // Arrays must not be empty.
+        let array_length = if parts.len() > 1 { length.max(1) } else { 0 };
         let in_loop = vec![false; graph.nodes.len()];
-        let parts = parts.into_iter().map(|part| vec![Piece::Straight(part)]).collect();
-        Self { parts, kept, part_of, step_of, in_loop, places, live: *live }
+        let parts = parts.into_iter().map(|part| vec![Region::Straight(part)]).collect();
+        Self { parts, stored_at, part_of, step_of, in_loop, array_length, live: *live }
     }
 
     /// The loops.
     pub(crate) fn loops(&self) -> impl Iterator<Item = &Loop> {
         self.parts.iter().flatten().filter_map(|piece| match piece {
-            Piece::Straight(_) => None,
-            Piece::Loop(repeated) => Some(repeated),
+            Region::Straight(_) => None,
+            Region::Loop(repeated) => Some(repeated),
         })
     }
 
@@ -227,23 +228,24 @@ impl Layout {
         self.loops().next().is_some()
     }
 
-    /// Operations that are written.
-    pub(crate) fn written(&self) -> usize {
-        let of = |piece: &Piece| match piece {
-            Piece::Straight(nodes) => nodes.len(),
-            Piece::Loop(repeated) => repeated.steps.len(),
+    /// The number of operations in the text.
+    pub(crate) fn written_steps(&self) -> usize {
+        let of = |piece: &Region| match piece {
+            Region::Straight(nodes) => nodes.len(),
+            Region::Loop(repeated) => repeated.steps.len(),
         };
         self.parts.iter().flatten().map(of).sum()
     }
 
-    /// Lines that are written: operations, values that are kept, copied and handed on, and the loops' own two.
+    /// The number of lines: operations, stores to the array, copies, assignments of carried variables, and
+    /// two for each loop.
     pub(crate) fn lines(&self) -> usize {
-        let of = |piece: &Piece| match piece {
-            Piece::Straight(nodes) => {
-                nodes.len() + nodes.iter().filter(|&&node| self.kept[node].is_some()).count()
+        let of = |piece: &Region| match piece {
+            Region::Straight(nodes) => {
+                nodes.len() + nodes.iter().filter(|&&node| self.stored_at[node].is_some()).count()
             }
-            Piece::Loop(repeated) => {
-                let kept = repeated.steps.iter().filter(|step| step.kept.is_some()).count();
+            Region::Loop(repeated) => {
+                let kept = repeated.steps.iter().filter(|step| step.stored_at.is_some()).count();
                 2 + repeated.copies.len() + 2 * repeated.carried.len() + repeated.steps.len() + kept
             }
         };
@@ -251,9 +253,10 @@ impl Layout {
     }
 }
 
-/// A place for each value that a later part reads, free again after the last of these.
-fn keep(parts: &[Vec<usize>], last_read: &[usize]) -> (Vec<Option<usize>>, usize) {
-    let (mut kept, mut places) = (vec![None; last_read.len()], 0);
+/// Assigns an array place to each value that a later part reads. The place is free again after the last of
+/// these parts.
+fn assign_places(parts: &[Vec<usize>], last_read: &[usize]) -> (Vec<Option<usize>>, usize) {
+    let (mut stored_at, mut places) = (vec![None; last_read.len()], 0);
     let mut free = Vec::new();
     let mut freed_after: Vec<Vec<usize>> = vec![Vec::new(); parts.len()];
     for (number, part) in parts.iter().enumerate() {
@@ -262,22 +265,22 @@ fn keep(parts: &[Vec<usize>], last_read: &[usize]) -> (Vec<Option<usize>>, usize
                 places += 1;
                 places - 1
             });
-            kept[node] = Some(place);
+            stored_at[node] = Some(place);
             freed_after[last_read[node]].push(place);
         }
         free.append(&mut freed_after[number]);
     }
-    (kept, places)
+    (stored_at, places)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use expression::{Operation, Precision};
+    use robot_dynamics_expression::{Operation, Precision};
 
     #[test]
-    fn indices_are_written_as_a_person_would() {
-        let through = |indices: &[usize]| Index::through(indices.iter().copied());
+    fn indices_are_written_in_their_shortest_form() {
+        let through = |indices: &[usize]| AffineIndex::through(indices.iter().copied());
         for (indices, text) in [
             (&[7, 7, 7][..], "7"),
             (&[0, 1, 2], "k"),
@@ -289,12 +292,12 @@ mod tests {
         ] {
             let index = through(indices).unwrap();
             assert_eq!(index.to_string(), text);
-            assert!((0..3).all(|turn| index.of_turn(turn) == indices[turn]), "{text}");
+            assert!((0..3).all(|iteration| index.at_iteration(iteration) == indices[iteration]), "{text}");
         }
         assert_eq!(through(&[1, 2, 4]), None);
     }
 
-    /// x², x³, … x⁹ summed from the last: as traced all powers wait; the order found reads each result as it needs it.
+    /// Powers of sin x, summed from the last: all of them are live in the order of the trace.
     #[test]
     fn an_order_holds_each_operation_once_and_after_what_it_reads() {
         let mut graph = Graph::new(Precision::Double);
@@ -302,7 +305,7 @@ mod tests {
         let (sine, cosine) = graph.sine_cosine(x);
         let mut power = graph.product(sine, cosine);
         let mut powers = vec![power];
-        for _ in 0..3 * MOST_STEPS {
+        for _ in 0..3 * MAX_STEPS {
             power = graph.product(power, sine);
             powers.push(power);
         }
@@ -311,39 +314,39 @@ mod tests {
         let mut done = vec![false; graph.nodes.len()];
         done[0] = true;
         for (number, part) in layout.parts.iter().enumerate() {
-            let [Piece::Straight(part)] = &part[..] else { panic!("one stretch a part") };
-            assert!(part.len() <= MOST_STEPS + 2);
+            let [Region::Straight(part)] = &part[..] else { panic!("one stretch a part") };
+            assert!(part.len() <= MAX_STEPS + 2);
             for &node in part {
                 for read in graph.nodes[node].reads() {
                     assert!(done[read], "{read} before {node}");
                     let is_here = layout.part_of[read] == number || graph.nodes[read].is_input();
-                    assert!(is_here || layout.kept[read].is_some(), "{read} is read in part {number}");
+                    assert!(is_here || layout.stored_at[read].is_some(), "{read} is read in part {number}");
                 }
                 assert!(!core::mem::replace(&mut done[node], true), "{node} twice");
             }
         }
-        assert_eq!(layout.parts.len(), 7); // of 12 000 operations and a sine
-        assert!(done.iter().all(|&done| done) && layout.live >= 3 * MOST_STEPS);
+        assert_eq!(layout.parts.len(), 7); // 12 000 operations and a sine
+        assert!(done.iter().all(|&done| done) && layout.live >= 3 * MAX_STEPS);
     }
 
-    /// No two values that are read after each other's computation share a place.
+    /// Values whose live ranges overlap have different places.
     #[test]
     fn a_place_holds_one_value_at_a_time() {
         let parts = [vec![0, 1, 2], vec![3, 4], vec![5], vec![6]];
         let last_read = [1, 2, 0, 2, 3, 3, 3];
-        let (kept, places) = keep(&parts, &last_read);
-        // No array is empty.
-        let places = if parts.len() > 1 { places.max(1) } else { 0 };
-        assert_eq!(kept[2], None);
+        let (stored_at, length) = assign_places(&parts, &last_read);
+        // Arrays must not be empty.
+        let length = if parts.len() > 1 { length.max(1) } else { 0 };
+        assert_eq!(stored_at[2], None);
         let interval =
             |node: usize| (parts.iter().position(|part| part.contains(&node)).unwrap(), last_read[node]);
         for a in 0..6 {
             for b in a + 1..6 {
-                if kept[a].is_some() && kept[a] == kept[b] {
+                if stored_at[a].is_some() && stored_at[a] == stored_at[b] {
                     assert!(interval(a).1 < interval(b).0, "{a} {b}");
                 }
             }
         }
-        assert_eq!(places, 4);
+        assert_eq!(length, 4);
     }
 }

@@ -1,14 +1,16 @@
-//! A program for one robot: straight-line code from the library's own recursions.
+//! Programs for one robot: straight-line code from the library's own recursions.
 //!
-//! The algorithms of `multibody` are generic over their number. Run over one that writes down what is done with it, they leave
-//! an expression for this robot alone: its constants folded, its zeros gone, common parts computed once. This crate writes that
-//! expression as code without branches, allocation or state, with loops where many bodies are alike, for where the library itself cannot go: microcontrollers,
-//! tools for optimal control, graphics processors. It is no second implementation; what it writes is held to the
-//! library's values by a test that comes with it.
+//! The algorithms of `robot_dynamics_core` are generic over their number. Over a number that records the
+//! operations, they produce an expression for this robot alone: constants folded, zeros removed, common
+//! subexpressions computed once. This crate writes that expression as code without branches, allocation or
+//! state, with loops where many bodies are alike. Such code runs where the library cannot: on
+//! microcontrollers, in tools for optimal control, on graphics processors. It is not a second implementation:
+//! a generated test compares it with the library's values.
 //!
 //! ```
-//! use generate::{Function, Request, Target, generate};
-//! use multibody::{Model, pendulum};
+//! use robot_dynamics::description::pendulum;
+//! use robot_dynamics::model::Model;
+//! use robot_dynamics_generate::{Function, Request, Target, generate};
 //! let model = Model::new(pendulum(2.0, 0.5))?; // any robot, mostly from robot_dynamics::load
 //! let request = Request::new(Target::C, vec![Function::InverseDynamics, Function::MassMatrix]);
 //! let generated = generate(&model, &request)?;
@@ -17,30 +19,31 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A [`Traced`] number has no order: no algorithm can branch on a value, as the compiler refuses it; what a branch of the
-//! library's depends on is the robot, which is known. The simplifications are those of [`expression`]: each is exact for finite numbers
-//! but for the sign of a zero, and nothing is reassociated, so that code in which nothing is fused gives the bits of the library's
-//! recursions: on a model in which mass is counted with the body that it moves with, and partly in body frames, so that the
-//! library's calls differ by rounding.
+//! A [`Traced`] number cannot be compared, so the compiler rejects an algorithm that branches on a value.
+//! Branches of the library depend on the robot alone, which is known when code is generated. The
+//! simplifications are those of [`robot_dynamics_expression`]: each is exact for finite numbers except for
+//! the sign of a zero, and nothing is reassociated. Code without fused operations therefore has the bits of
+//! the library's recursions on the traced model. In this model mass is regrouped to the body that it moves
+//! with, and some recursions run in body frames. The library's own calls differ by rounding.
 
-// Texts are what this crate makes: of which pieces is read more easily without `write!`.
+// This crate builds texts, whose parts are easier to read without `write!`.
 #![allow(clippy::format_collect, clippy::format_push_string)]
 
 // The names of files and functions,
 mod names;
 
-// the functions, with values that they must give,
+// the functions, with expected values,
 mod error;
 mod program;
 
-// how an expression is written,
+// the layout of an expression,
 mod layout;
 mod loops;
 
-// its sparse slopes,
+// its sparse derivatives,
 mod jacobian;
 
-// and written.
+// and the text.
 mod body;
 mod builder;
 #[cfg(test)]
@@ -56,10 +59,10 @@ mod testing;
 
 pub use builder::Builder;
 pub use error::GenerateError;
-pub use expression::{Arithmetic, Precision, Sine, Traced};
-pub use functions::{Function, FunctionError, Table};
 pub use measure::measure;
 pub use request::{Generated, GeneratedFile, Request, generate};
+pub use robot_dynamics_expression::{Arithmetic, Precision, Sine, Traced};
+pub use robot_dynamics_functions::{Function, FunctionError, Table};
 pub use target::{Target, WGSL_WORKGROUP};
 
 /// The examples of the README.

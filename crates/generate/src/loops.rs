@@ -1,273 +1,332 @@
-//! Loops for bodies that are alike: operations that repeat from body to body, written once.
+//! Loop rerolling: operations that repeat from body to body are written once, as a loop.
 //!
-//! The recursions go from body to body. Where some bodies are alike, one after the other, their operations are the same but for
-//! which numbers they read: those of the body before, numbers of the arguments, constants, values that an earlier recursion found
-//! for the same body. If each of these moves evenly from body to body the operations become those of a loop: the same ones, and each
-//! after what it reads, so that no bit changes. What one loop, or the code between loops, leaves for another lies in one array, in
-//! the order in which it is read.
+//! The recursions go from body to body. Where successive bodies are alike, their operations differ only in
+//! the numbers that they read. These are numbers of the previous body, arguments, constants, and values that
+//! an earlier recursion computed for the same body. If the position of each of these changes by a constant
+//! stride, the operations become the body of a loop. They are the same operations, each after its operands,
+//! so that no bit changes.
+//!
+//! 1. `repetition` finds stretches of the trace in which operations repeat with a fixed period, and in them
+//!    the iterations whose operands have constant strides.
+//! 2. [`divide`] cuts the trace into segments, loops and straight code, in parts of about equal length.
+//! 3. [`Arrangement::classify`] determines where each operand of a loop comes from. It is loop-invariant, or
+//!    it comes from a table of constants, an argument, the same iteration, the iteration before, or other
+//!    code.
+//! 4. `memory` places the values that one segment computes and another one reads in one array. Each operand
+//!    of a loop has a constant stride. The places of dead values are reused.
+//! 5. [`Arrangement::layout`] assembles the segments.
+//!
+//! A loop has at least six iterations and saves at least 32 operations. All loops together must save a third
+//! of the operations; otherwise the code has none.
 
 mod memory;
-mod repeats;
+mod periodic_run;
+mod repetition;
 #[cfg(test)]
 mod tests;
 
-use expression::{Graph, Operand, Operation, as_traced, most_live};
+use robot_dynamics_expression::{Graph, Operand, Operation, as_traced, most_live};
 
-use crate::layout::{Carried, Index, Layout, Loop, MOST_STEPS, Piece, Read, Step, Store};
+use crate::layout::{
+    AffineIndex, CarriedVariable, Layout, Loop, LoopOperand, MAX_STEPS, Region, ResultStore, Step,
+};
 
-use self::memory::{Memory, Row};
-use self::repeats::{Repeat, Sequence};
+use self::memory::{Memory, StridedRow};
+use self::repetition::{Repetition, Sequence};
 
-/// The operations in loops, as far as they go; none where these would save less than a third of the operations.
-pub(crate) fn in_loops(
+/// The layout with loops, or `None` if these would save less than a third of the operations.
+pub(crate) fn reroll(
     graph: &Graph,
     results: &[Vec<Operand>],
     place: &dyn Fn(usize, usize) -> Option<usize>,
 ) -> Option<Layout> {
     let sequence = Sequence::new(graph, as_traced(graph, results), results, place);
-    let repeats = sequence.repeats();
-    let saved: usize = repeats.iter().map(|repeat| repeat.period * (repeat.turns - 1)).sum();
-    (saved > 0 && 3 * saved >= sequence.order.len()).then(|| Arrangement::new(&sequence, repeats).layout())
+    let repetitions = sequence.repetitions();
+    let saved = saved_operations(&repetitions);
+    (saved > 0 && 3 * saved >= sequence.order.len())
+        .then(|| Arrangement::new(&sequence, repetitions).layout())
 }
 
-/// An operation in a loop.
+/// Operations that need not be written because of loops.
+fn saved_operations(repetitions: &[Repetition]) -> usize {
+    repetitions.iter().map(|repetition| repetition.period * (repetition.iterations - 1)).sum()
+}
+
+/// The position of an operation in a loop: the number of the loop, the place in its body, and the iteration.
 #[derive(Clone, Copy)]
-struct InLoop {
+struct LoopPosition {
     number: usize,
     offset: usize,
-    turn: usize,
+    iteration: usize,
 }
 
-/// Places in the order that are written together: of one turn after the other, if it is a loop.
-struct Stretch {
+/// A range of the order that is written as one region: straight code, or all iterations of a loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Segment {
     start: usize,
     end: usize,
-    repeat: Option<usize>,
+    /// The number of the loop.
+    repetition: Option<usize>,
+    /// The part of the function.
     part: usize,
 }
 
-/// Where an operation of a loop finds a number, before places are known.
-enum Source {
-    Known(Read),
-    /// What the first turn finds, and what, of the first turn, the next finds.
+/// The source of an operand of a loop, before array places are assigned.
+enum OperandSource {
+    Known(LoopOperand),
+    /// A loop-carried variable: the operation whose value the first iteration reads, and the operation of the
+    /// first iteration whose value the next one reads.
     Carried(usize, usize),
-    /// An operation's value for each turn.
+    /// For each iteration, an operation outside the loop.
     Row(Vec<usize>),
 }
 
+/// The operands of a loop: by operation and operand, and the array rows of all operands in that order.
+struct LoopOperands {
+    sources: Vec<Vec<OperandSource>>,
+    rows: Vec<Option<StridedRow>>,
+}
+
+/// The trace, divided into segments.
 struct Arrangement<'a> {
     sequence: &'a Sequence<'a>,
-    repeats: Vec<Repeat>,
-    stretches: Vec<Stretch>,
-    /// By operation: its stretch.
-    stretch_of: Vec<usize>,
-    /// By operation.
-    in_loop: Vec<Option<InLoop>>,
+    repetitions: Vec<Repetition>,
+    segments: Vec<Segment>,
+    /// By operation: its segment.
+    segment_of: Vec<usize>,
+    /// By operation: its position in a loop.
+    loop_positions: Vec<Option<LoopPosition>>,
 }
 
 impl<'a> Arrangement<'a> {
-    fn new(sequence: &'a Sequence<'a>, repeats: Vec<Repeat>) -> Self {
+    fn new(sequence: &'a Sequence<'a>, repetitions: Vec<Repetition>) -> Self {
         let nodes = sequence.graph.nodes.len();
-        let (mut stretch_of, mut in_loop) = (vec![usize::MAX; nodes], vec![None; nodes]);
-        let stretches = divided(sequence, &repeats);
-        for (number, stretch) in stretches.iter().enumerate() {
-            for at in stretch.start..stretch.end {
-                stretch_of[sequence.order[at]] = number;
+        let (mut segment_of, mut loop_positions) = (vec![usize::MAX; nodes], vec![None; nodes]);
+        let segments = divide(sequence, &repetitions);
+        for (number, segment) in segments.iter().enumerate() {
+            for at in segment.start..segment.end {
+                segment_of[sequence.order[at]] = number;
             }
         }
-        for (number, repeat) in repeats.iter().enumerate() {
-            for at in repeat.start..repeat.end() {
-                let (turn, offset) =
-                    ((at - repeat.start) / repeat.period, (at - repeat.start) % repeat.period);
-                in_loop[sequence.order[at]] = Some(InLoop { number, offset, turn });
+        for (number, repetition) in repetitions.iter().enumerate() {
+            let Repetition { start, period, .. } = *repetition;
+            for at in start..repetition.end() {
+                let (iteration, offset) = ((at - start) / period, (at - start) % period);
+                loop_positions[sequence.order[at]] = Some(LoopPosition { number, offset, iteration });
             }
         }
-        Self { sequence, repeats, stretches, stretch_of, in_loop }
+        Self { sequence, repetitions, segments, segment_of, loop_positions }
     }
 
     fn layout(&self) -> Layout {
-        let memory = &mut Memory::new(&self.sequence.order, &self.repeats, &self.in_loop, &self.stretch_of);
-        // What each loop reads, and where that lies.
-        let (mut sources, mut outside) = (Vec::new(), Vec::new());
-        for (number, stretch) in self.stretches.iter().enumerate() {
-            let Some(repeat) = stretch.repeat else {
-                let reads = (stretch.start..stretch.end).flat_map(|at| self.sequence.operation(at).reads());
-                outside.extend(reads.map(|node| (number, node)));
-                continue;
-            };
-            let of_loop = self.sources(&self.repeats[repeat]);
-            let mut rows = Vec::new();
-            for source in of_loop.iter().flatten() {
-                rows.push(match source {
-                    Source::Row(nodes) => Some(memory.row(nodes, number, &mut outside)),
-                    Source::Known(Read::Same(Operand::Plus(node))) => {
-                        outside.push((number, *node as usize));
-                        None
-                    }
-                    Source::Carried(first, _) => {
-                        outside.push((number, *first));
-                        None
-                    }
-                    Source::Known(_) => None,
-                });
-            }
-            sources.push((of_loop, rows));
-        }
-        outside.retain(|&(_, node)| !self.sequence.graph.nodes[node].is_input());
-        memory.keep(&outside, &|stretch| self.stretches[stretch].part);
-        let places = memory.allocate();
-        let mut sources = sources.into_iter();
-        let mut carried = 0;
-        let mut parts: Vec<Vec<Piece>> = Vec::new();
-        for stretch in &self.stretches {
-            parts.resize_with(stretch.part + 1, Vec::new);
-            let piece = match stretch.repeat {
-                None => Piece::Straight(self.sequence.order[stretch.start..stretch.end].to_vec()),
-                Some(repeat) => {
-                    let (sources, rows) = sources.next().expect("those of each loop");
-                    Piece::Loop(self.loop_of(repeat, &sources, &rows, memory, &mut carried))
-                }
-            };
-            parts[stretch.part].push(piece);
-        }
-        let places = if parts.len() > 1 { places.max(1) } else { places };
+        let memory =
+            &mut Memory::new(&self.sequence.order, &self.repetitions, &self.loop_positions, &self.segment_of);
+        let (operands, outside) = self.collect_operands(memory);
+        memory.store_values(&outside, &|segment| self.segments[segment].part);
+        let length = memory.allocate();
+        let parts = self.parts(operands, memory);
+        let array_length = if parts.len() > 1 { length.max(1) } else { length };
         let part_of =
-            |&stretch: &usize| self.stretches.get(stretch).map_or(usize::MAX, |stretch| stretch.part);
+            |&segment: &usize| self.segments.get(segment).map_or(usize::MAX, |segment| segment.part);
         Layout {
             parts,
-            kept: (0..self.in_loop.len()).map(|node| memory.place(node)).collect(),
-            part_of: self.stretch_of.iter().map(part_of).collect(),
+            stored_at: (0..self.loop_positions.len()).map(|node| memory.place(node)).collect(),
+            part_of: self.segment_of.iter().map(part_of).collect(),
             step_of: self.sequence.position.iter().map(|at| at.unwrap_or(usize::MAX)).collect(),
-            in_loop: self.in_loop.iter().map(Option::is_some).collect(),
-            places,
+            in_loop: self.loop_positions.iter().map(Option::is_some).collect(),
+            array_length,
             live: most_live(self.sequence.graph, &self.sequence.order),
         }
     }
 
-    /// For each operation of a loop, where it finds what it reads.
-    fn sources(&self, repeat: &Repeat) -> Vec<Vec<Source>> {
-        let Repeat { start, period, turns } = *repeat;
+    /// The operands of each loop, with their array rows. The second result lists all values that a segment
+    /// reads from outside its loop, as pairs of segment and operation.
+    fn collect_operands(&self, memory: &mut Memory<'_>) -> (Vec<LoopOperands>, Vec<(usize, usize)>) {
+        let (mut operands, mut outside) = (Vec::new(), Vec::new());
+        for (number, segment) in self.segments.iter().enumerate() {
+            let Some(repetition) = segment.repetition else {
+                let reads = (segment.start..segment.end).flat_map(|at| self.sequence.operation(at).reads());
+                outside.extend(reads.map(|node| (number, node)));
+                continue;
+            };
+            let sources = self.sources(&self.repetitions[repetition]);
+            let mut rows = Vec::new();
+            for source in sources.iter().flatten() {
+                let row = match source {
+                    OperandSource::Row(nodes) => Some(memory.row(nodes, number, &mut outside)),
+                    OperandSource::Known(LoopOperand::Invariant(Operand::Plus(node))) => {
+                        outside.push((number, *node as usize));
+                        None
+                    }
+                    OperandSource::Carried(first, _) => {
+                        outside.push((number, *first));
+                        None
+                    }
+                    OperandSource::Known(_) => None,
+                };
+                rows.push(row);
+            }
+            operands.push(LoopOperands { sources, rows });
+        }
+        outside.retain(|&(_, node)| !self.sequence.graph.nodes[node].is_input());
+        (operands, outside)
+    }
+
+    /// The regions of each part.
+    fn parts(&self, operands: Vec<LoopOperands>, memory: &Memory<'_>) -> Vec<Vec<Region>> {
+        let (mut operands, mut carried) = (operands.into_iter(), 0);
+        let mut parts: Vec<Vec<Region>> = Vec::new();
+        for segment in &self.segments {
+            parts.resize_with(segment.part + 1, Vec::new);
+            let region = match segment.repetition {
+                None => Region::Straight(self.sequence.order[segment.start..segment.end].to_vec()),
+                Some(repetition) => {
+                    let operands = operands.next().expect("each loop has its operands");
+                    Region::Loop(self.build_loop(repetition, &operands, memory, &mut carried))
+                }
+            };
+            parts[segment.part].push(region);
+        }
+        parts
+    }
+
+    /// For each operation of a loop, the sources of its operands.
+    fn sources(&self, repetition: &Repetition) -> Vec<Vec<OperandSource>> {
+        let Repetition { start, period, iterations } = *repetition;
         let of = |offset: usize| {
             let first = self.sequence.operation(start + offset);
-            let read = move |turn: usize, number: usize| {
-                let operation = self.sequence.operation(start + turn * period + offset);
-                operation.operands().nth(number).expect("as many as the first has").unsigned()
+            let read = move |iteration: usize, number: usize| {
+                let operation = self.sequence.operation(start + iteration * period + offset);
+                operation.operands().nth(number).expect("as many operands as in the first").unsigned()
             };
             let source = move |number| {
-                let all: Vec<Operand> = (0..turns).map(|turn| read(turn, number)).collect();
-                self.source(repeat, &all)
+                let all: Vec<Operand> = (0..iterations).map(|iteration| read(iteration, number)).collect();
+                self.classify(repetition, &all)
             };
             (0..first.operands().count()).map(source).collect()
         };
         (0..period).map(of).collect()
     }
 
-    /// Of what is read in each turn, without signs.
-    fn source(&self, repeat: &Repeat, all: &[Operand]) -> Source {
+    /// The source of an operand, from what it is in each iteration, without signs.
+    fn classify(&self, repetition: &Repetition, all: &[Operand]) -> OperandSource {
         if all.iter().all(|operand| *operand == all[0]) {
-            return Source::Known(Read::Same(all[0]));
+            return OperandSource::Known(LoopOperand::Invariant(all[0]));
+        }
+        if let Operand::Constant(_) = all[0] {
+            let bits = |operand: &Operand| match operand {
+                Operand::Constant(bits) => *bits,
+                Operand::Plus(_) | Operand::Minus(_) => unreachable!("all are constants"),
+            };
+            return OperandSource::Known(LoopOperand::ConstantTable(all.iter().map(bits).collect()));
         }
         let node = |operand: &Operand| operand.node().expect("all are values");
-        let input = |operand: &Operand| match self.sequence.graph.nodes[node(operand)] {
-            Operation::Input { argument, index } => Some((argument as usize, index as usize)),
-            _ => None,
-        };
-        match all[0] {
-            Operand::Constant(_) => {
-                let bits = |operand: &Operand| match operand {
-                    Operand::Constant(bits) => *bits,
-                    Operand::Plus(_) | Operand::Minus(_) => unreachable!("all are constants"),
-                };
-                Source::Known(Read::Constants(all.iter().map(bits).collect()))
+        if let Operation::Input { argument, .. } = self.sequence.graph.nodes[node(&all[0])] {
+            let index = |operand: &Operand| match self.sequence.graph.nodes[node(operand)] {
+                Operation::Input { index, .. } => index as usize,
+                _ => unreachable!("all are inputs"),
+            };
+            let index = AffineIndex::through(all.iter().map(index)).expect("strides were checked");
+            return OperandSource::Known(LoopOperand::Input { argument: argument as usize, index });
+        }
+        let second = self.sequence.source(all[1]).expect("all are values");
+        match second.checked_sub(repetition.start) {
+            None => OperandSource::Row(all.iter().map(node).collect()),
+            Some(offset) if offset >= repetition.period => {
+                OperandSource::Known(LoopOperand::SameIteration(node(&all[0])))
             }
-            _ if input(&all[0]).is_some() => {
-                let of = |operand| input(operand).expect("all are inputs");
-                let index = Index::through(all.iter().map(|operand| of(operand).1));
-                let index = index.expect("what moves evenly was looked for");
-                Source::Known(Read::Input { argument: of(&all[0]).0, index })
-            }
-            _ => {
-                let at = |operand: &Operand| self.sequence.source(*operand).expect("a value");
-                match at(&all[1]).checked_sub(repeat.start) {
-                    None => Source::Row(all.iter().map(node).collect()),
-                    Some(offset) if offset >= repeat.period => Source::Known(Read::Here(node(&all[0]))),
-                    Some(offset) => {
-                        Source::Carried(node(&all[0]), self.sequence.order[repeat.start + offset])
-                    }
-                }
+            Some(offset) => {
+                OperandSource::Carried(node(&all[0]), self.sequence.order[repetition.start + offset])
             }
         }
     }
 
-    fn loop_of(
+    /// Builds a loop; `count` is the number of carried variables so far.
+    fn build_loop(
         &self,
         number: usize,
-        sources: &[Vec<Source>],
-        rows: &[Option<Row>],
+        operands: &LoopOperands,
         memory: &Memory<'_>,
         count: &mut usize,
     ) -> Loop {
-        let repeat = &self.repeats[number];
-        let mut carried: Vec<Carried> = Vec::new();
-        let mut rows = rows.iter();
+        let repetition = &self.repetitions[number];
+        let mut carried: Vec<CarriedVariable> = Vec::new();
+        let mut rows = operands.rows.iter();
         let mut steps = Vec::new();
-        for (offset, sources) in sources.iter().enumerate() {
-            let mut read = |source: &Source| {
+        for (offset, sources) in operands.sources.iter().enumerate() {
+            let mut read = |source: &OperandSource| {
                 let row = rows.next().expect("one for each source");
                 match source {
-                    Source::Known(read) => read.clone(),
-                    Source::Row(_) => Read::Kept(memory.index(row.as_ref().expect("it has a row"))),
-                    &Source::Carried(first, next) => {
-                        let same = |one: &Carried| (one.first, one.next) == (first, next);
-                        let there = carried.iter().position(same);
-                        Read::Carried(there.unwrap_or_else(|| {
-                            carried.push(Carried { number: *count, first, next });
-                            *count += 1;
-                            carried.len() - 1
-                        }))
+                    OperandSource::Known(operand) => operand.clone(),
+                    OperandSource::Row(_) => {
+                        LoopOperand::Array(memory.index(row.as_ref().expect("the operand has a row")))
+                    }
+                    &OperandSource::Carried(first, next) => {
+                        LoopOperand::Carried(carried_variable(&mut carried, (first, next), count))
                     }
                 }
             };
             let reads = sources.iter().map(&mut read).collect();
-            let at = repeat.start + offset;
-            let stores = (0..self.sequence.stores[at].len()).map(|store| {
-                let of_turn = |turn: usize| self.sequence.stores[at + turn * repeat.period][store];
-                let index = Index::through((0..repeat.turns).map(|turn| of_turn(turn).index.first));
-                Store { index: index.expect("what moves evenly was looked for"), ..of_turn(0) }
-            });
-            let node = self.sequence.order[at];
-            steps.push(Step { node, reads, kept: memory.kept(number, offset), stores: stores.collect() });
+            let node = self.sequence.order[repetition.start + offset];
+            let stores = self.result_stores(repetition, offset);
+            steps.push(Step { node, reads, stored_at: memory.stored_at(number, offset), stores });
         }
-        Loop { turns: repeat.turns, copies: memory.copies(self.stretch_of[steps[0].node]), carried, steps }
+        let copies = memory.copies(self.segment_of[steps[0].node]);
+        Loop { iterations: repetition.iterations, copies, carried, steps }
+    }
+
+    /// The results that an operation of a loop is stored in, with an index for all iterations.
+    fn result_stores(&self, repetition: &Repetition, offset: usize) -> Vec<ResultStore> {
+        let at = repetition.start + offset;
+        let store = |store: usize| {
+            let of = |iteration: usize| self.sequence.stores[at + iteration * repetition.period][store];
+            let index = AffineIndex::through((0..repetition.iterations).map(|k| of(k).index.first));
+            ResultStore { index: index.expect("strides were checked"), ..of(0) }
+        };
+        (0..self.sequence.stores[at].len()).map(store).collect()
     }
 }
 
-/// Stretches in parts of about equal length, none of many more operations than a function may have.
-fn divided(sequence: &Sequence<'_>, repeats: &[Repeat]) -> Vec<Stretch> {
-    let saved: usize = repeats.iter().map(|repeat| repeat.period * (repeat.turns - 1)).sum();
-    let written = sequence.order.len() - saved;
-    let length = written.div_ceil(written.div_ceil(MOST_STEPS).max(1));
-    let mut stretches: Vec<Stretch> = Vec::new();
+/// The place in the list of the carried variable with these operations, which is added if it is new.
+fn carried_variable(
+    carried: &mut Vec<CarriedVariable>,
+    (first, next): (usize, usize),
+    count: &mut usize,
+) -> usize {
+    let existing = carried.iter().position(|variable| (variable.first, variable.next) == (first, next));
+    existing.unwrap_or_else(|| {
+        carried.push(CarriedVariable { number: *count, first, next });
+        *count += 1;
+        carried.len() - 1
+    })
+}
+
+/// Divides the order into segments, in parts of about equal length, none with many more operations than a
+/// function may have. A pair of sine and cosine stays with its halves.
+fn divide(sequence: &Sequence<'_>, repetitions: &[Repetition]) -> Vec<Segment> {
+    let written = sequence.order.len() - saved_operations(repetitions);
+    let length = written.div_ceil(written.div_ceil(MAX_STEPS).max(1));
+    let mut segments: Vec<Segment> = Vec::new();
     let (mut at, mut part, mut filled) = (0, 0, 0);
-    let mut coming = repeats.iter().enumerate().peekable();
+    let mut coming = repetitions.iter().enumerate().peekable();
     while at < sequence.order.len() {
-        let next = coming.next_if(|(_, repeat)| repeat.start == at);
-        let is_long = next.is_some_and(|(_, repeat)| filled + repeat.period > MOST_STEPS);
+        let next = coming.next_if(|(_, repetition)| repetition.start == at);
+        let is_long = next.is_some_and(|(_, repetition)| filled + repetition.period > MAX_STEPS);
         if filled > 0 && (filled >= length || is_long) && !sequence.operation(at).is_half() {
             (part, filled) = (part + 1, 0);
         }
-        if let Some((number, repeat)) = next {
-            stretches.push(Stretch { start: at, end: repeat.end(), repeat: Some(number), part });
-            (at, filled) = (repeat.end(), filled + repeat.period);
+        if let Some((number, repetition)) = next {
+            segments.push(Segment { start: at, end: repetition.end(), repetition: Some(number), part });
+            (at, filled) = (repetition.end(), filled + repetition.period);
             continue;
         }
-        let end = coming.peek().map_or(sequence.order.len(), |(_, repeat)| repeat.start);
+        let end = coming.peek().map_or(sequence.order.len(), |(_, repetition)| repetition.start);
         let mut until = end.min(at + (length - filled.min(length)).max(1));
         while until < end && sequence.operation(until).is_half() {
             until += 1;
         }
-        stretches.push(Stretch { start: at, end: until, repeat: None, part });
+        segments.push(Segment { start: at, end: until, repetition: None, part });
         (at, filled) = (until, filled + until - at);
     }
-    stretches
+    segments
 }

@@ -1,4 +1,4 @@
-//! What generated code costs on this machine: bytes of code, of stack, and time beside the library's.
+//! The cost of generated code on this machine: bytes of code, of stack, and time compared with the library's.
 
 mod compile;
 mod driver;
@@ -8,40 +8,43 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
-use expression::Precision;
-use functions::FunctionMemory;
-use multibody::text::markdown;
-use multibody::{Inputs, Model, Quantity, QuantityMemory, Workspace};
-use number::Scalar;
+use robot_dynamics::model::{Model, Workspace};
+use robot_dynamics::quantity::{Inputs, Quantity, QuantityMemory};
+use robot_dynamics::text::markdown;
+use robot_dynamics_expression::Precision;
+use robot_dynamics_functions::FunctionMemory;
+use robot_dynamics_number::Scalar;
 
-use self::compile::Compiled;
+use self::compile::Measurements;
 use crate::heading::{MARK, commented, lines};
 use crate::program::{Case, Program};
 use crate::request::{GeneratedFile, prepare};
 use crate::{Function, GenerateError, Request, Target};
 
-/// Runs of each function of which the fastest counts, and how long one lasts at least [s].
+/// The number of runs of each function, of which the fastest counts, and their shortest duration [s].
 const RUNS: usize = 7;
-const LASTING: f64 = 0.004;
+const LEAST_DURATION: f64 = 0.004;
 
-/// Compiles the functions of a request by this machine's compiler, `cc` for C and `rustc` for Rust, and measures them: a table `MEASURED.md` with
-/// each function's code and stack, the time of one call, and that of the library's call with the same name.
+/// Compiles the functions of a request by this machine's compiler, `cc` for C and `rustc` for Rust, and
+/// measures them. Returns a table `MEASURED.md` with each function's code and stack, the time of one call,
+/// and that of the library's call with the same name.
 ///
-/// Unlike what [`generate`](crate::generate()) gives it differs from machine to machine. `folder` gets the files that are compiled, and is made
-/// where it is missing.
+/// Unlike the output of [`generate`](crate::generate()), the table differs from machine to machine. `folder`
+/// receives the compiled files and is created if it is missing.
 ///
-/// Code is what the symbol table says, of a function in parts all of it; the sine that all share is told apart. Stack is the most that a
-/// call takes, with what it calls: of C by the compiler's `-fstack-usage`, of Rust, on x86-64, by the code's own stores to the
-/// stack pointer. What a compiler does not tell is left blank. The library's time is that of its best call on one thread,
-/// its workspace made before; derivatives and pullbacks that it has not are left blank.
+/// The size of code is that of the symbol table, of all parts of a function; the shared sine is listed
+/// separately. The size of stack is the largest depth of a call and its callees. In C it comes from the
+/// compiler's `-fstack-usage`; in Rust, on x86-64, from the instructions that change the stack pointer.
+/// Values that a compiler does not report are left blank. The library's time is that of its fastest call on
+/// one thread, with an allocated workspace; derivatives and pullbacks that it lacks are left blank.
 ///
 /// ```
-/// use generate::{Function, GenerateError, Request, Target, measure};
-/// let model = multibody::Model::new(multibody::pendulum(2.0, 0.5))?;
+/// use robot_dynamics_generate::{Function, GenerateError, Request, Target, measure};
+/// let model = robot_dynamics::model::Model::new(robot_dynamics::description::pendulum(2.0, 0.5))?;
 /// let folder = std::env::temp_dir().join(format!("measured-{}", std::process::id()));
 /// match measure(&model, &Request::new(Target::C, vec![Function::Gravity]), &folder) {
 ///     Ok(measured) => assert!(measured.text.contains("| gravity |")),
-///     Err(GenerateError::Compiler { .. }) => {} // there is none here
+///     Err(GenerateError::Compiler { .. }) => {} // this machine has none
 ///     Err(other) => return Err(other.into()),
 /// }
 /// # std::fs::remove_dir_all(folder).ok();
@@ -49,18 +52,18 @@ const LASTING: f64 = 0.004;
 /// ```
 ///
 /// # Errors
-/// Those of [`generate`](crate::generate()); [`GenerateError::NotInTarget`] of targets that are called by another program;
-/// [`GenerateError::Compiler`] where there is none, or it refuses.
+/// Those of [`generate`](crate::generate()); [`GenerateError::NotInTarget`] for targets that another program
+/// calls; [`GenerateError::Compiler`] if the compiler is missing or fails.
 pub fn measure(model: &Model, request: &Request, folder: &Path) -> Result<GeneratedFile, GenerateError> {
     if !matches!(request.target, Target::C | Target::Rust) {
-        let remedy = "measure the targets c or rust of the same functions";
+        let remedy = "measure the same functions for the targets c or rust";
         return Err(GenerateError::NotInTarget {
             target: request.target.name(),
             what: "measurement",
             remedy,
         });
     }
-    // Over lanes a call is one of many states.
+    // A call over lanes computes many states.
     let request = &Request { lanes: false, ..request.clone() };
     let prepared = prepare(model, request)?;
     prepared.written(model, request).write(folder)?;
@@ -93,17 +96,17 @@ fn row(
     model: &Model,
     request: &Request,
     program: &Program,
-    compiled: &Compiled,
+    compiled: &Measurements,
 ) -> Result<String, GenerateError> {
     let shown = |x: Option<usize>| x.map_or(String::new(), |x| x.to_string());
     let own = compiled.of(&program.symbol);
     let library = match request.arithmetic.precision {
-        Precision::Double => match of_table(model, program) {
-            None => librarys::<f64>(model, program, |x| x)?,
+        Precision::Double => match time_of_quantity(model, program) {
+            None => time_of_library_call::<f64>(model, program, |x| x)?,
             found => found,
         },
         #[allow(clippy::cast_possible_truncation)] // they are singles
-        Precision::Single => librarys::<f32>(model, program, |x| x as f32)?,
+        Precision::Single => time_of_library_call::<f32>(model, program, |x| x as f32)?,
     };
     let time = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.1}"));
     let times = library.zip(own.time).map_or(String::new(), |(library, own)| format!("{:.2}", library / own));
@@ -117,12 +120,12 @@ fn row(
     ))
 }
 
-/// Nanoseconds of the library's call by its table of quantities, if it is there: that is compiled with the library, at its best, where
-/// this crate is not.
-fn of_table(model: &Model, program: &Program) -> Option<f64> {
+/// Nanoseconds of the library's call by its table of quantities, if it has the function. The table is
+/// compiled optimized with the library; this crate is not.
+fn time_of_quantity(model: &Model, program: &Program) -> Option<f64> {
     let quantity = match &program.function {
         Function::MassMatrixRelated => Quantity::MassMatrix,
-        // M is among the results here.
+        // M is one of the results here.
         Function::InverseDynamicsDerivatives => return None,
         function => Quantity::named(&function.stem())?,
     };
@@ -133,7 +136,7 @@ fn of_table(model: &Model, program: &Program) -> Option<f64> {
     };
     let states: Vec<Inputs<'_>> = program.cases.iter().map(state).collect();
     let (mut workspace, mut memory) = (Workspace::new(model), QuantityMemory::new(model));
-    Some(least(|count| {
+    Some(fastest(|count| {
         for k in 0..count {
             let inputs = black_box(&states[k % states.len()]);
             quantity.compute(model, &mut workspace, inputs, black_box(&mut memory));
@@ -141,19 +144,19 @@ fn of_table(model: &Model, program: &Program) -> Option<f64> {
     }))
 }
 
-/// The argument of that name in a case; nothing where the function has none.
+/// The argument of that name in a case; empty if the function lacks it.
 fn argument<'a>(program: &Program, case: &'a Case, name: &str) -> &'a [f64] {
     let at = program.arguments.iter().position(|argument| argument.name == name);
     at.map_or(&[], |at| &case.arguments[at])
 }
 
-/// Nanoseconds of the library's call, on the machine's best registers, where it has one.
-fn librarys<S: Scalar>(
+/// Nanoseconds of the library's call, on the machine's best registers, if it has one.
+fn time_of_library_call<S: Scalar>(
     model: &Model,
     program: &Program,
     number: impl Fn(f64) -> S + Copy,
 ) -> Result<Option<f64>, GenerateError> {
-    // Its numbers in a row are taken from M, which is what is computed.
+    // Its numbers are entries of M, which is what the library computes.
     let function = match &program.function {
         Function::MassMatrixRelated => &Function::MassMatrix,
         function if function.is_through_graph() => return Ok(None),
@@ -165,22 +168,22 @@ fn librarys<S: Scalar>(
     let given: Vec<Vec<&[S]>> =
         states.iter().map(|state| state.iter().map(Vec::as_slice).collect()).collect();
     let mut memory = FunctionMemory::new(function, model)?;
-    Ok(Some(least(|count| {
+    Ok(Some(fastest(|count| {
         for k in 0..count {
             black_box(memory.compute(black_box(&given[k % given.len()])));
         }
     })))
 }
 
-/// Nanoseconds of one of some calls.
-fn least(mut calls: impl FnMut(usize)) -> f64 {
+/// Nanoseconds of one call.
+fn fastest(mut calls: impl FnMut(usize)) -> f64 {
     let mut time = |count: usize| {
         let start = Instant::now();
         calls(count);
         start.elapsed().as_secs_f64()
     };
     let mut count = 1;
-    while time(count) < LASTING {
+    while time(count) < LEAST_DURATION {
         count *= 2;
     }
     #[allow(clippy::cast_precision_loss)] // calls of a few milliseconds

@@ -1,10 +1,11 @@
 //! Names of the files and functions of generated code.
 
-use functions::identifier;
+use robot_dynamics_functions::identifier;
 
 use crate::Target;
 
-/// Keywords of Rust in any edition, those kept for later included: no module and no crate can have such a name.
+/// Keywords of Rust in any edition, including reserved ones: neither a module nor a crate can have such a
+/// name.
 const RUST_KEYWORDS: [&str; 52] = [
     "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do", "dyn",
     "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop",
@@ -13,10 +14,10 @@ const RUST_KEYWORDS: [&str; 52] = [
     "where", "while", "yield", "_",
 ];
 
-/// Crates that a Rust program has already.
+/// Crates that a Rust program may have already.
 const RUST_CRATES: [&str; 6] = ["alloc", "core", "proc_macro", "robot_dynamics_number", "std", "test"];
 
-/// The C library's headers: a folder of ours among those that a compiler looks in would hide them.
+/// The C library's headers: a generated header of the same name in an include folder would hide them.
 const C_HEADERS: [&str; 32] = [
     "assert",
     "complex",
@@ -52,17 +53,18 @@ const C_HEADERS: [&str; 32] = [
     "wchar",
 ];
 
-/// The name of a robot's files and functions; and where that is another one than its letters make, why.
+/// The name of a robot's files and functions, and the reason if it is not the identifier made of the robot's
+/// name.
 pub(crate) fn of_robot(target: Target, robot: &str) -> (String, Option<&'static str>) {
     let name = identifier(robot);
     match reason(target, &name) {
-        // Underscores in front go over into the one between.
+        // Leading underscores are merged with the separator.
         Some(why) => (format!("robot_{}", name.trim_start_matches('_')), Some(why)),
         None => (name, None),
     }
 }
 
-/// Why the target cannot have that name.
+/// The reason why a name is invalid for the target.
 fn reason(target: Target, name: &str) -> Option<&'static str> {
     let is_one_of = |names: &[&str]| names.contains(&name);
     match target {
@@ -80,7 +82,7 @@ fn reason(target: Target, name: &str) -> Option<&'static str> {
     is_device(name).then_some("is a device of Windows, and no file has its name there")
 }
 
-/// `aux`, `com1` and the like.
+/// Whether a name is that of a Windows device: `aux`, `com1` and similar.
 fn is_device(name: &str) -> bool {
     let numbered = name.strip_prefix("com").or_else(|| name.strip_prefix("lpt"));
     matches!(name, "aux" | "con" | "nul" | "prn")
@@ -93,7 +95,7 @@ mod tests {
     use crate::Target;
 
     #[test]
-    fn names_that_a_target_cannot_have_get_another_with_a_reason() {
+    fn invalid_names_are_replaced_with_a_reason() {
         for keyword in RUST_KEYWORDS {
             let (name, why) = of_robot(Target::Rust, keyword);
             assert!(name.starts_with("robot_") && why.is_some(), "{keyword}: {name}");

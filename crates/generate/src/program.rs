@@ -1,11 +1,12 @@
-//! A function of one robot, traced, ordered, and with values that it must give.
+//! A function of one robot: traced, scheduled, and with expected values.
 
-use expression::{Arithmetic, Graph, Operand, Operation, Plan, Sine, interpret};
-pub(crate) use functions::Argument;
-use multibody::{Model, RandomState, random_state};
-use number::SplitMix64;
+use robot_dynamics::model::{Model, RandomState, random_state};
+use robot_dynamics_expression::{Arithmetic, Graph, Operand, Operation, Plan, Sine, interpret};
+use robot_dynamics_number::SplitMix64;
 
 use crate::{Function, GenerateError};
+
+pub(crate) use robot_dynamics_functions::Argument;
 
 /// A result, a matrix by rows.
 #[derive(Clone, Debug)]
@@ -34,13 +35,13 @@ pub(crate) struct Program {
     pub(crate) results: Vec<Vec<Operand>>,
     pub(crate) plan: Plan,
     pub(crate) cases: Vec<Case>,
-    /// Row and column of each number of the result, where that is a matrix without its zeros.
+    /// Row and column of each number of the result, if that is a matrix without its zeros.
     pub(crate) entries: Vec<(usize, usize)>,
-    /// What results may be off: 0, or what the platform's sine may change.
+    /// The tolerance of results: 0, or the effect of another sine or another order of operations.
     pub(crate) tolerance: f64,
 }
 
-/// A state, and what the library gives for it.
+/// A state, with the library's results.
 #[derive(Clone, Debug)]
 pub(crate) struct Case {
     pub(crate) arguments: Vec<Vec<f64>>,
@@ -59,7 +60,7 @@ impl Program {
         let traced = function.trace(model, arithmetic)?;
         let arguments = function.arguments(model);
         let outcomes: Vec<Outcome> = (function.results(model).into_iter())
-            .map(|functions::Outcome { name, rows, columns, what }| Outcome {
+            .map(|robot_dynamics_functions::Outcome { name, rows, columns, what }| Outcome {
                 name: name.into(),
                 rows,
                 columns,
@@ -80,19 +81,19 @@ impl Program {
                 }
                 let rounded = |row: Vec<f64>| row.iter().map(|&x| arithmetic.precision.round(x)).collect();
                 let expected: Vec<Vec<f64>> = expected.into_iter().map(rounded).collect();
-                tolerance = tolerance.max(doubt(arithmetic, &expected, &found));
+                tolerance = tolerance.max(uncertainty(arithmetic, &expected, &found));
                 cases.push(Case { arguments: inputs, results: expected });
                 continue;
             }
             let results = traced.evaluate(&inputs);
             if arithmetic.sine == Sine::Platform {
                 let own = traced.evaluate_in(arithmetic.with_sine(Sine::Own), &inputs);
-                tolerance = tolerance.max(doubt(arithmetic, &results, &own));
+                tolerance = tolerance.max(uncertainty(arithmetic, &results, &own));
             }
             cases.push(Case { arguments: inputs, results });
         }
         let entries = match function {
-            Function::MassMatrixRelated => multibody::mass_matrix_related_entries(model),
+            Function::MassMatrixRelated => robot_dynamics::algorithms::mass_matrix_related_entries(model),
             _ => Vec::new(),
         };
         let program = Self {
@@ -111,7 +112,7 @@ impl Program {
         Ok(program)
     }
 
-    /// Refuses constants, and values of the test states, that are not finite.
+    /// Rejects constants and values of the test states that are not finite.
     fn check_finite(&self, model: &Model) -> Result<(), GenerateError> {
         let is_finite = |operand: Operand| operand.known().is_none_or(f64::is_finite);
         let mut steps = self.plan.order.iter();
@@ -156,8 +157,9 @@ pub(crate) struct Counts {
     pub(crate) sines: usize,
 }
 
-/// Whether slopes differ by rounding alone: by what operations can be off, and 16 nv roundings of the function's largest value, as
-/// the library works in other frames, where what is nothing here is a sum of such.
+/// Whether derivatives differ by rounding alone: by the bounds of the operations, and by 16 nv roundings of
+/// the function's largest value. The library works in other frames, in which a number that is zero here is a
+/// sum of such values.
 fn is_within(
     arithmetic: Arithmetic,
     nv: usize,
@@ -167,7 +169,7 @@ fn is_within(
 ) -> bool {
     let largest = |rows: &[Vec<f64>]| rows.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
     let of_others = 16.0 * nv as f64 * arithmetic.precision.epsilon() * largest(values);
-    // What is not finite is told elsewhere.
+    // Values that are not finite are rejected elsewhere.
     (found.iter().zip(bounds).zip(expected)).all(|((found, bounds), expected)| {
         let allowed = 2.0 * largest(core::slice::from_ref(bounds)) + of_others;
         let is_close = |(x, y): (&f64, &f64)| {
@@ -178,14 +180,15 @@ fn is_within(
     })
 }
 
-/// What another sine's last digit, or another order of operations, can change: ten times what it changes here, and a few roundings.
-fn doubt(arithmetic: Arithmetic, results: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
+/// The effect of another sine's last digit, or of another order of operations: ten times the effect here, and
+/// some roundings.
+fn uncertainty(arithmetic: Arithmetic, results: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
     let epsilon = arithmetic.precision.epsilon();
     let pairs = results.iter().flatten().zip(other.iter().flatten());
     pairs.fold(0.0_f64, |most, (x, y)| most.max(10.0 * (x - y).abs() + 16.0 * epsilon * x.abs()))
 }
 
-/// Arguments of random states, in the arithmetic's precision, always the same.
+/// Arguments of random states, rounded to the arithmetic's precision, the same in each call.
 fn random_arguments(
     function: &Function,
     model: &Model,

@@ -1,44 +1,47 @@
-//! What is asked for, and what comes of it.
+//! Requests for generated code, and the generated files.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use expression::{Arithmetic, Precision, Sine};
-use multibody::Model;
+use robot_dynamics::model::Model;
 use robot_dynamics::output::{NotWritten, write_files};
+use robot_dynamics_expression::{Arithmetic, Precision, Sine};
 
 use crate::layout::Layout;
 use crate::program::Program;
 use crate::{Function, GenerateError, Target, heading, names, target};
 
-/// What to generate.
+/// A request for generated code.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Request {
-    /// In which language, for which caller.
+    /// The language and the caller.
     pub target: Target,
-    /// Which functions.
+    /// The functions.
     pub functions: Vec<Function>,
-    /// How the code computes.
+    /// The arithmetic.
     pub arithmetic: Arithmetic,
-    /// In Rust, whether the functions come for many states at once too, over the vector registers of the machine that they run on.
+    /// In Rust, whether to add each function for many states at once, over the vector registers of the
+    /// machine that runs it.
     pub lanes: bool,
-    /// Whether loops for bodies that are alike are left out, which C, CasADi and Rust have where they are shorter.
+    /// Whether to write straight code without loops for bodies that are alike. C, CasADi and Rust have loops
+    /// where these make the code shorter.
     pub straight: bool,
     /// The name of files and functions; the robot's by default.
     pub name: Option<String>,
-    /// Random states, always the same, for which the generated test holds the code to the library's values.
+    /// The number of random states, always the same, in which the generated test compares the code with the
+    /// library's values.
     pub states: usize,
-    /// The command or program that asked, for the first line of each file.
+    /// The command or program that makes the request, for the first line of each file.
     pub command: Option<String>,
 }
 
 impl Request {
-    /// These functions in double precision, held to the library's values in five states.
+    /// A request for these functions in double precision, compared with the library's values in five states.
     ///
     /// ```
-    /// use generate::{Function, Request, Target};
+    /// use robot_dynamics_generate::{Function, Request, Target};
     /// let request = Request::new(Target::C, vec![Function::InverseDynamics]);
     /// assert_eq!(request.states, 5);
     /// ```
@@ -55,10 +58,10 @@ impl Request {
         }
     }
 
-    /// With this arithmetic.
+    /// Sets the arithmetic.
     ///
     /// ```
-    /// use generate::{Arithmetic, Function, Precision, Request, Target};
+    /// use robot_dynamics_generate::{Arithmetic, Function, Precision, Request, Target};
     /// let request = Request::new(Target::C, vec![Function::Gravity]);
     /// let request = request.with_arithmetic(Arithmetic::new(Precision::Single));
     /// assert_eq!(request.arithmetic.precision, Precision::Single);
@@ -68,11 +71,13 @@ impl Request {
         self
     }
 
-    /// With each function for many states at once, too: Rust, in a module `lanes` that needs the crate `robot-dynamics-number`.
+    /// Adds each function for many states at once: in Rust, in a module `lanes` that needs the crate
+    /// `robot-dynamics-number`.
     ///
     /// ```
-    /// use generate::{Function, Request, Target, generate};
-    /// use multibody::{Model, pendulum};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics_generate::{Function, Request, Target, generate};
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let request = Request::new(Target::Rust, vec![Function::Gravity]).with_lanes();
     /// let generated = generate(&model, &request)?;
@@ -85,10 +90,10 @@ impl Request {
         self
     }
 
-    /// Without loops: each operation is written where it is done, also those of many bodies that are alike.
+    /// Writes straight code without loops, even for many bodies that are alike.
     ///
     /// ```
-    /// use generate::{Function, Request, Target};
+    /// use robot_dynamics_generate::{Function, Request, Target};
     /// let request = Request::new(Target::C, vec![Function::Gravity]);
     /// assert!(!request.straight && request.with_straight().straight);
     /// ```
@@ -97,10 +102,10 @@ impl Request {
         self
     }
 
-    /// With this name for files and functions.
+    /// Sets the name of files and functions.
     ///
     /// ```
-    /// use generate::{Function, Request, Target};
+    /// use robot_dynamics_generate::{Function, Request, Target};
     /// let request = Request::new(Target::C, vec![Function::Gravity]).with_name("arm");
     /// assert_eq!(request.name.as_deref(), Some("arm"));
     /// ```
@@ -118,9 +123,9 @@ impl Request {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct GeneratedFile {
-    /// Its name, with folders by slashes.
+    /// Its name, with slashes between folders.
     pub name: String,
-    /// What stands in it.
+    /// Its contents.
     pub text: String,
 }
 
@@ -130,13 +135,14 @@ impl GeneratedFile {
     }
 }
 
-/// All files of a request: the code, a test that holds it to the library's values, what builds it, a report.
+/// All files of a request: the code, a test that compares it with the library's values, a build file, and a
+/// report.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Generated {
-    /// In the order of their names.
+    /// The files, in the order of their names.
     pub files: Vec<GeneratedFile>,
-    /// Where files and functions have another name than the one asked for, as the target cannot have that: which, and why.
+    /// If files and functions cannot have the requested name: their name, and the reason.
     pub renamed: Option<String>,
 }
 
@@ -144,8 +150,9 @@ impl Generated {
     /// The file of this name.
     ///
     /// ```
-    /// use generate::{Function, Request, Target, generate};
-    /// use multibody::{Model, pendulum};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics_generate::{Function, Request, Target, generate};
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let generated = generate(&model, &Request::new(Target::C, vec![Function::Gravity]))?;
     /// assert!(generated.file("pendulum.h").is_some_and(|file| file.text.contains("pendulum_gravity")));
@@ -155,12 +162,12 @@ impl Generated {
         self.files.iter().find(|file| file.name == name)
     }
 
-    /// Writes all files into a folder, which is made where it is missing: all of them or none. Files that were generated are
-    /// replaced; where another file is in the way nothing is written.
+    /// Writes all files into a folder, which is created if it is missing: all of them or none. Files that
+    /// were generated are replaced; if another file has the same name, nothing is written.
     ///
     /// ```no_run
-    /// # use generate::{Function, Request, Target, generate};
-    /// # let model = multibody::Model::new(multibody::pendulum(2.0, 0.5))?;
+    /// # use robot_dynamics_generate::{Function, Request, Target, generate};
+    /// # let model = robot_dynamics::model::Model::new(robot_dynamics::description::pendulum(2.0, 0.5))?;
     /// let generated = generate(&model, &Request::new(Target::C, vec![Function::Gravity]))?;
     /// generated.write("pendulum")?;
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -189,8 +196,8 @@ impl Generated {
     /// The paths of all files in a folder, in their order.
     ///
     /// ```
-    /// use generate::{Function, Request, Target, generate};
-    /// let model = multibody::Model::new(multibody::pendulum(2.0, 0.5))?;
+    /// use robot_dynamics_generate::{Function, Request, Target, generate};
+    /// let model = robot_dynamics::model::Model::new(robot_dynamics::description::pendulum(2.0, 0.5))?;
     /// let generated = generate(&model, &Request::new(Target::C, vec![Function::Gravity]))?;
     /// assert!(generated.paths("arm").contains(&std::path::Path::new("arm").join("pendulum.h")));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -200,11 +207,12 @@ impl Generated {
     }
 }
 
-/// Generates the functions for one robot: the same request gives the same bytes, on every machine.
+/// Generates the functions for one robot. The same request gives the same bytes on every machine.
 ///
 /// ```
-/// use generate::{Function, Request, Target, generate};
-/// use multibody::{Model, pendulum};
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::Model;
+/// use robot_dynamics_generate::{Function, Request, Target, generate};
 /// let model = Model::new(pendulum(2.0, 0.5))?; // 2 kg on 0.5 m: g(q) = −m g l cos q = −9.81 cos q
 /// let generated = generate(&model, &Request::new(Target::C, vec![Function::Gravity]))?;
 /// let code = &generated.file("pendulum.c").ok_or("no code")?.text;
@@ -213,38 +221,39 @@ impl Generated {
 /// ```
 ///
 /// # Errors
-/// [`GenerateError`]: no such frame, a robot without moving joints, a singular mass matrix, numbers that the target lacks.
+/// [`GenerateError`]: a missing frame, a robot without moving joints, a singular mass matrix, unsupported
+/// numbers.
 pub fn generate(model: &Model, request: &Request) -> Result<Generated, GenerateError> {
     Ok(prepare(model, request)?.written(model, request))
 }
 
-/// What [`generate`] writes, before it is written.
-pub(crate) fn prepare(model: &Model, request: &Request) -> Result<Prepared, GenerateError> {
+/// Traces and lays out the functions of a request.
+pub(crate) fn prepare(model: &Model, request: &Request) -> Result<TracedPrograms, GenerateError> {
     if model.nv() == 0 {
         return Err(GenerateError::Motionless { robot: model.name().into() });
     }
     let precision = request.arithmetic.precision;
     if request.target == Target::Wgsl && precision == Precision::Double {
-        let remedy = "ask for single precision (`--single`)";
+        let remedy = "request single precision (`--single`)";
         return Err(GenerateError::NotInTarget { target: "WGSL", what: "double precision", remedy });
     }
     if request.target == Target::Wgsl && request.arithmetic.sine == Sine::Platform {
-        let remedy = "its own may be off by 2^-11; leave the code its own";
-        return Err(GenerateError::NotInTarget { target: "WGSL", what: "exact sine", remedy });
+        let remedy = "its sine has errors up to 2^-11; use the code's own sine";
+        return Err(GenerateError::NotInTarget { target: "WGSL", what: "the platform's sine", remedy });
     }
     if request.target == Target::Casadi && precision == Precision::Single {
-        let remedy = "ask for double precision";
+        let remedy = "request double precision";
         return Err(GenerateError::NotInTarget { target: "CasADi", what: "single precision", remedy });
     }
     if request.lanes && request.target != Target::Rust {
-        let (target, remedy) = (request.target.name(), "they are for the target rust");
+        let (target, remedy) = (request.target.name(), "they require the target rust");
         return Err(GenerateError::NotInTarget { target, what: "lanes", remedy });
     }
     if request.lanes && request.arithmetic.sine == Sine::Platform {
-        let remedy = "the platform's takes one angle; leave the code its own";
+        let remedy = "it computes one angle at a time; use the code's own sine";
         return Err(GenerateError::NotInTarget {
             target: "Rust over lanes",
-            what: "platform's sine",
+            what: "the platform's sine",
             remedy,
         });
     }
@@ -260,17 +269,17 @@ pub(crate) fn prepare(model: &Model, request: &Request) -> Result<Prepared, Gene
     }
     let layouts = programs.iter().map(|program| target::layout(request, program)).collect();
     let (name, _) = names::of_robot(request.target, request.name.as_deref().unwrap_or(model.name()));
-    Ok(Prepared { name, programs, layouts })
+    Ok(TracedPrograms { name, programs, layouts })
 }
 
-/// Traced and arranged functions, and what files are called.
-pub(crate) struct Prepared {
+/// Traced functions with their layouts, and the name of the files.
+pub(crate) struct TracedPrograms {
     pub(crate) name: String,
     pub(crate) programs: Vec<Program>,
     pub(crate) layouts: Vec<Layout>,
 }
 
-impl Prepared {
+impl TracedPrograms {
     pub(crate) fn written(&self, model: &Model, request: &Request) -> Generated {
         let Self { name, programs, layouts } = self;
         let context = target::Context { model, request, name, programs, layouts };

@@ -1,6 +1,6 @@
-//! How each language writes numbers and operations.
+//! The syntax of numbers and operations in each language.
 
-use expression::{Arithmetic, Graph, Operation, Plan, Precision, Sine};
+use robot_dynamics_expression::{Arithmetic, Graph, Operation, Plan, Precision, Sine};
 
 /// A language of generated code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,19 +13,19 @@ pub(crate) enum Language {
     Wgsl,
 }
 
-/// A language, with what its names begin with and what its numbers are.
+/// A language, with its arithmetic and the prefix of its names.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Syntax<'a> {
     pub(crate) language: Language,
     pub(crate) arithmetic: Arithmetic,
-    /// What the names of the file's own functions begin with.
+    /// The prefix of the file's own functions.
     pub(crate) prefix: &'a str,
 }
 
-const NO_LOOPS: &str = "devices get no loops";
+const NO_LOOPS: &str = "code for devices has no loops";
 
 impl Syntax<'_> {
-    /// The name of the number; over lanes, of one state's.
+    /// The type of a number; over lanes, of one state's number.
     pub(crate) fn number(&self) -> &'static str {
         match (self.language, self.arithmetic.precision) {
             (Language::Rust | Language::Lanes, Precision::Double) => "f64",
@@ -36,7 +36,7 @@ impl Syntax<'_> {
         }
     }
 
-    /// The shortest digits that read back as `x`.
+    /// The shortest literal that is read back as `x`.
     #[allow(clippy::cast_possible_truncation)]
     pub(crate) fn literal(&self, x: f64) -> String {
         let digits = match self.arithmetic.precision {
@@ -44,15 +44,15 @@ impl Syntax<'_> {
             Precision::Single => format!("{:?}", x as f32),
         };
         match (self.language, self.arithmetic.precision) {
-            // All digits of a single: it is rounded from a double.
+            // All digits of a single, which is rounded from a double.
             (Language::Lanes, _) => format!("N::from_f64({:?})", self.arithmetic.precision.round(x)),
             (Language::Rust, _) | (_, Precision::Double) => digits,
             (_, Precision::Single) => digits + "f",
         }
     }
 
-    /// A function of the C library by precision.
-    fn of_library(&self, name: &str) -> String {
+    /// The name of a C library function in this precision.
+    fn library_name(&self, name: &str) -> String {
         let is_single = self.arithmetic.precision == Precision::Single;
         if is_single && self.language != Language::Wgsl { format!("{name}f") } else { name.into() }
     }
@@ -64,7 +64,7 @@ impl Syntax<'_> {
         }
     }
 
-    /// A variable that each turn of a loop hands to the next.
+    /// Declares a loop-carried variable.
     pub(crate) fn declare_carried(&self, name: &str, first: &str) -> String {
         match self.language {
             Language::Rust | Language::Lanes => format!("let mut {name} = {first};"),
@@ -73,22 +73,22 @@ impl Syntax<'_> {
         }
     }
 
-    /// The head of a loop over the turns `k`.
-    pub(crate) fn turns(&self, turns: usize, is_read: bool) -> String {
+    /// The head of a loop over iterations `k`.
+    pub(crate) fn loop_head(&self, iterations: usize, is_read: bool) -> String {
         match self.language {
             Language::Rust | Language::Lanes => {
-                format!("for {} in 0..{turns} {{", if is_read { "k" } else { "_" })
+                format!("for {} in 0..{iterations} {{", if is_read { "k" } else { "_" })
             }
-            Language::C => format!("for (int k = 0; k < {turns}; k++) {{"),
+            Language::C => format!("for (int k = 0; k < {iterations}; k++) {{"),
             Language::Wgsl | Language::Cuda => unreachable!("{NO_LOOPS}"),
         }
     }
 
-    /// A constant for each turn, and how that of a turn is read.
+    /// Declares a table with a constant for each iteration, and returns the expression that reads it.
     pub(crate) fn constants(&self, number: usize, values: &[f64]) -> (String, String) {
         let float = self.number();
         let plain = match self.language {
-            // A table does not depend on the registers.
+            // Tables do not depend on the registers.
             Language::Lanes => Syntax { language: Language::Rust, ..*self },
             _ => *self,
         };
@@ -109,7 +109,7 @@ impl Syntax<'_> {
         }
     }
 
-    /// Both of a pair.
+    /// Declares a pair of sine and cosine.
     pub(crate) fn declare_pair(&self, name: &str, angle: &str) -> String {
         let prefix = self.prefix;
         match self.language {
@@ -135,7 +135,7 @@ impl Syntax<'_> {
         match self.language {
             Language::Rust => format!("{}::mul_add({a}, {b}, {c})", self.number()),
             Language::Lanes => format!("N::mul_add({a}, {b}, {c})"),
-            _ => format!("{}({a}, {b}, {c})", self.of_library("fma")),
+            _ => format!("{}({a}, {b}, {c})", self.library_name("fma")),
         }
     }
 
@@ -143,7 +143,7 @@ impl Syntax<'_> {
         match self.language {
             Language::Rust => format!("square_root({a})"),
             Language::Lanes => format!("N::sqrt({a})"),
-            _ => format!("{}({a})", self.of_library("sqrt")),
+            _ => format!("{}({a})", self.library_name("sqrt")),
         }
     }
 
@@ -156,14 +156,14 @@ impl Syntax<'_> {
     }
 }
 
-/// Whether statements read or write the array of this name.
+/// Whether statements access the array of this name.
 pub(crate) fn mentions(statements: &str, name: &str) -> bool {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let entry = format!("{name}[");
     statements.match_indices(&entry).any(|(at, _)| !statements[..at].ends_with(is_part))
 }
 
-/// Whether some operation needs a function of its own in the file.
+/// Flags for the helper functions that the operations of a file need.
 #[derive(Clone, Copy, Debug, Default)]
 #[allow(clippy::struct_excessive_bools)] // one for each
 pub(crate) struct Helpers {

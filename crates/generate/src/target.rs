@@ -12,25 +12,25 @@ pub use wgsl::WGSL_WORKGROUP;
 
 use core::fmt;
 
-use expression::{Arithmetic, Graph, Operand, Plan, Sine, trace_sine, trace_sine_of_quarters};
-use multibody::Model;
+use robot_dynamics::model::Model;
+use robot_dynamics_expression::{Arithmetic, Graph, Operand, Plan, Sine, trace_sine, trace_sine_of_quarters};
 
 use crate::body::{Body, every_number};
-use crate::layout::{Index, Layout};
+use crate::layout::{AffineIndex, Layout};
 use crate::program::Program;
 use crate::request::{GeneratedFile, Request};
 use crate::syntax::{Helpers, Language, Syntax};
 
-/// A language, and who calls the code.
+/// A language, and the caller of the code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Target {
     /// A Rust crate without the standard library, whose one module can be included anywhere.
     Rust,
-    /// C99: a header and a source without libc but for roots (and the platform's sine, where asked for).
+    /// C99: a header and a source that need libc only for roots (and for the platform's sine, if requested).
     C,
-    /// C with CasADi's calling convention, for `casadi.external` and acados: sparsity, and Jacobians by the recursions for slopes
-    /// or through the graph, whichever is shorter.
+    /// C with CasADi's calling convention, for `casadi.external` and acados: sparsity, and Jacobians by the
+    /// library's recursions or through the graph, whichever is shorter.
     Casadi,
     /// WGSL compute shaders, a thread for each state, in single precision.
     Wgsl,
@@ -39,13 +39,13 @@ pub enum Target {
 }
 
 impl Target {
-    /// All.
+    /// All targets.
     pub const ALL: [Self; 5] = [Self::Rust, Self::C, Self::Casadi, Self::Wgsl, Self::Cuda];
 
     /// Its name.
     ///
     /// ```
-    /// assert_eq!(generate::Target::C.name(), "c");
+    /// assert_eq!(robot_dynamics_generate::Target::C.name(), "c");
     /// ```
     pub fn name(self) -> &'static str {
         match self {
@@ -64,19 +64,19 @@ impl fmt::Display for Target {
     }
 }
 
-/// What the files are made from.
+/// The input of all writers of files.
 pub(crate) struct Context<'a> {
     pub(crate) model: &'a Model,
     pub(crate) request: &'a Request,
-    /// What files and functions are called.
+    /// The name of files and functions.
     pub(crate) name: &'a str,
     pub(crate) programs: &'a [Program],
-    /// How each program's operations are written.
+    /// The layout of each program.
     pub(crate) layouts: &'a [Layout],
 }
 
 impl Context<'_> {
-    /// The programs, each with how its operations are written.
+    /// The programs with their layouts.
     pub(crate) fn functions(&self) -> impl Iterator<Item = (&Program, &Layout)> {
         self.programs.iter().zip(self.layouts)
     }
@@ -106,17 +106,23 @@ pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
     }
 }
 
-/// How a program's operations are written for the target.
+/// The layout of a program for the target.
 pub(crate) fn layout(request: &Request, program: &Program) -> Layout {
     match request.target {
         Target::Casadi => casadi::layout(request, program),
-        Target::Rust | Target::C | Target::Wgsl | Target::Cuda => arranged(request, program, &every_number),
+        Target::Rust | Target::C | Target::Wgsl | Target::Cuda => {
+            layout_for_places(request, program, &every_number)
+        }
     }
 }
 
-/// The same, of numbers of results that are stored in these places. Devices get no loops: there an array that is indexed by a loop lies in memory,
-/// what is not in registers.
-fn arranged(request: &Request, program: &Program, place: &dyn Fn(usize, usize) -> Option<usize>) -> Layout {
+/// The layout with numbers of results stored at these places. Code for devices has no loops: an array that is
+/// indexed by a loop variable is in local memory instead of registers.
+fn layout_for_places(
+    request: &Request,
+    program: &Program,
+    place: &dyn Fn(usize, usize) -> Option<usize>,
+) -> Layout {
     match request.target {
         Target::Rust | Target::C | Target::Casadi if !request.straight => {
             Layout::new(&program.graph, &program.plan, &program.results, place)
@@ -125,7 +131,8 @@ fn arranged(request: &Request, program: &Program, place: &dyn Fn(usize, usize) -
     }
 }
 
-/// The statements of the library's own sine: from `x` (in WGSL also `n`, the whole number nearest to 2x/π) to `shifted`, `sine`, `cosine`.
+/// The statements of the library's own sine, from `x` (in WGSL also `n`, the integer nearest to 2x/π) to
+/// `shifted`, `sine`, `cosine`.
 pub(crate) fn sine_statements(syntax: Syntax<'_>, indent: &str) -> String {
     debug_assert!(syntax.arithmetic.sine == Sine::Own);
     let is_wgsl = syntax.language == Language::Wgsl;
@@ -133,9 +140,9 @@ pub(crate) fn sine_statements(syntax: Syntax<'_>, indent: &str) -> String {
         if is_wgsl { trace_sine_of_quarters(syntax.arithmetic) } else { trace_sine(syntax.arithmetic) };
     let plan = Plan::new(&graph, &results);
     let names = ["shifted", "sine", "cosine"];
-    let store = |_: usize, index: Index, text: &str| syntax.declare(names[index.first], text);
-    let input = |argument: usize, _: Index| ["x", "n"][argument].to_owned();
-    let clear = |_: usize| -> String { unreachable!("sine and cosine are no constants") };
+    let store = |_: usize, index: AffineIndex, text: &str| syntax.declare(names[index.first], text);
+    let input = |argument: usize, _: AffineIndex| ["x", "n"][argument].to_owned();
+    let clear = |_: usize| -> String { unreachable!("sine and cosine are not constants") };
     let (layout, place) = (&Layout::straight(&graph, &plan), &every_number);
     Body { syntax, graph: &graph, layout, results: &results, place, input, store, clear }.part(0, indent)
 }

@@ -1,16 +1,18 @@
 //! Robots for tests.
 
-use dynamics::MassProperties;
-use multibody::{JointDescription, JointKind, LinkDescription, Model, Pose, RobotDescription};
+use robot_dynamics::description::{
+    JointDescription, JointKind, LinkDescription, MassProperties, Pose, RobotDescription,
+};
+use robot_dynamics::model::Model;
 
-/// A chain of links, each 0.1 m long and of this mass; those of equal mass are alike.
+/// A chain of links, each 0.1 m long and with this mass; links of equal mass are alike.
 pub(crate) fn chain(masses: &[f64]) -> Model {
     let mut robot = RobotDescription::new("chain");
     robot.links.push(LinkDescription::new("base", None));
     let mut parent = "base".to_owned();
     for (k, &mass) in masses.iter().enumerate() {
         let name = format!("link{k}");
-        // Points off the axes, so that no moment is zero.
+        // The points are off the axes, so that no moment is zero.
         let points = [[0.05, 0.02, 0.01], [0.02, -0.01, 0.03], [0.1, 0.01, -0.02], [0.06, -0.03, 0.01]];
         let parts = points.map(|point| MassProperties::point(0.25 * mass, point.into()).unwrap());
         robot.links.push(LinkDescription::new(&name, MassProperties::composite(&parts).unwrap()));

@@ -1,4 +1,5 @@
-//! Ten thousand arms let go, on a device: how fast the states move, and how far from the processor's they end.
+//! Drops ten thousand arms on a device: the speed of the simulation, and the difference from the CPU's
+//! result.
 //!
 //! `cargo run --release --package robot-dynamics-gpu --example rollout [ROBOT]`
 
@@ -7,11 +8,12 @@ use std::ops::ControlFlow;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use dynamics::Integrator;
-use gpu::{Device, DeviceError, Function, Rollout, Torques};
-use multibody::batch::{self, BatchWorkspace};
-use multibody::random_state;
-use number::SplitMix64;
+use robot_dynamics::batch;
+use robot_dynamics::batch::BatchWorkspace;
+use robot_dynamics::model::random_state;
+use robot_dynamics::simulation::Integrator;
+use robot_dynamics_gpu::{Device, DeviceError, Function, Rollout, Torques};
+use robot_dynamics_number::SplitMix64;
 
 fn main() -> ExitCode {
     match run() {
@@ -45,8 +47,8 @@ fn run() -> Result<(), Box<dyn Error>> {
         #[allow(clippy::cast_possible_truncation)] // the device's numbers
         q.extend(random_state(&model, &mut random).q.iter().map(|&x| x as f32));
     }
-    // A tenth of a second, damping and friction acting: all of it on the device.
-    let how = Rollout::new(Integrator::SemiImplicitEuler, 1e-3, 100);
+    // A tenth of a second with damping and friction, all of it on the device.
+    let rollout = Rollout::new(Integrator::SemiImplicitEuler, 1e-3, 100);
     let (mut q_there, mut v_there): (Vec<f64>, Vec<f64>) =
         (q.iter().map(|&x| x.into()).collect(), v.iter().map(|&x| x.into()).collect());
     let go_on = |_| ControlFlow::Continue(());
@@ -56,20 +58,20 @@ fn run() -> Result<(), Box<dyn Error>> {
     batch::rollout(
         &model,
         &mut workspace,
-        &how,
+        &rollout,
         torques,
         &mut q_there,
         &mut v_there,
         (&mut [], &mut []),
         &go_on,
     )?;
-    println!("on {} threads of the processor, in doubles: {:.1?}", workspace.threads(), start.elapsed());
+    println!("on {} threads of the CPU, in doubles: {:.1?}", workspace.threads(), start.elapsed());
     let start = Instant::now();
-    arms.rollout(&how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
+    arms.rollout(&rollout, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
     let took = start.elapsed();
-    let steps = (count * how.steps) as f64 / took.as_secs_f64();
-    println!("{count} states, {} steps each, in {took:.1?}: {steps:.2e} steps a second", how.steps);
+    let steps = (count * rollout.steps) as f64 / took.as_secs_f64();
+    println!("{count} states, {} steps each, in {took:.1?}: {steps:.2e} steps a second", rollout.steps);
     let off = q.iter().zip(&q_there).map(|(x, y)| (f64::from(*x) - y).abs()).fold(0.0, f64::max);
-    println!("the farthest q is off by {off:.1e}");
+    println!("the largest error of q is {off:.1e}");
     Ok(())
 }

@@ -1,22 +1,24 @@
-//! How many states a second a device computes, beside all cores of the processor.
+//! States per second on a device, compared with all cores of the CPU.
 //!
-//! `cargo run --release --package robot-dynamics-gpu --features cuda --example throughput [cuda|wgpu] [STATES] [ROBOT…]`
+//! `cargo run --release --package robot-dynamics-gpu --features cuda --example throughput [cuda|wgpu]
+//! [STATES] [ROBOT…]`
 //!
-//! Two kinds of number: calls whose tables lie in the processor's memory, there and back included; and steps of a rollout, whose states
-//! stay on the device. Medians of five.
+//! Two kinds of measurement: calls with tables in host memory, copies included, and steps of a rollout, whose
+//! states stay on the device. Medians of five.
 
 use std::error::Error;
 use std::ops::ControlFlow;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use dynamics::Integrator;
-use gpu::{Device, DeviceFloat, Function, Rollout, Torques};
-use multibody::batch::{self, BatchWorkspace};
-use multibody::{Model, random_state};
-use number::SplitMix64;
+use robot_dynamics::batch;
+use robot_dynamics::batch::BatchWorkspace;
+use robot_dynamics::model::{Model, random_state};
+use robot_dynamics::simulation::Integrator;
+use robot_dynamics_gpu::{Batches, Device, DeviceFloat, Function, Rollout, Torques};
+use robot_dynamics_number::SplitMix64;
 
-/// Steps of a rollout on the device, and on the processor, which takes longer for each.
+/// Steps of a rollout on the device, and on the CPU, which is slower.
 const STEPS: [usize; 2] = [1024, 16];
 
 fn main() -> ExitCode {
@@ -55,7 +57,7 @@ fn open(by_cuda: bool) -> Result<Device, Box<dyn Error>> {
         return Ok(Device::open()?);
     }
     #[cfg(feature = "cuda")]
-    return Ok(Device::open_cuda(0, gpu::Limits::default())?);
+    return Ok(Device::open_cuda(0, robot_dynamics_gpu::Limits::default())?);
     #[cfg(not(feature = "cuda"))]
     Err("compile with `--features cuda`".into())
 }
@@ -73,13 +75,25 @@ fn median(mut call: impl FnMut() -> Result<(), Box<dyn Error>>) -> Result<f64, B
     Ok(times[2])
 }
 
+/// Random states as tables, and a device to measure on.
+struct Measurement<'a, T> {
+    device: &'a Device,
+    model: &'a Model,
+    numbers: &'a str,
+    count: usize,
+    q: Vec<T>,
+    v: Vec<T>,
+    a: Vec<T>,
+    tau: Vec<T>,
+}
+
 fn measure<T: DeviceFloat>(
     device: &Device,
     model: &Model,
     numbers: &str,
     count: usize,
 ) -> Result<(), Box<dyn Error>> {
-    let (nv, mut random) = (model.nv(), SplitMix64::new(1));
+    let mut random = SplitMix64::new(1);
     let [mut q, mut v, mut a, mut tau] = [const { Vec::new() }; 4];
     for _ in 0..count {
         let state = random_state(model, &mut random);
@@ -89,71 +103,83 @@ fn measure<T: DeviceFloat>(
         a.extend(numbers(state.a));
         tau.extend(numbers(state.tau));
     }
+    let measurement = Measurement { device, model, numbers, count, q, v, a, tau };
     let mut workspace = BatchWorkspace::<T>::new(model);
-    let row = |function: &str, compiled: f64, seconds: [f64; 2], units: [usize; 2]| {
-        let [device, processor] = [0, 1].map(|k| (count * units[k]) as f64 / seconds[k] / 1e6);
+    for function in [Function::InverseDynamics, Function::ForwardDynamics, Function::MassMatrix] {
+        measurement.function(&function, &mut workspace)?;
+    }
+    measurement.rollout(Integrator::SemiImplicitEuler, &Function::SemiImplicitEulerStep, &mut workspace)?;
+    measurement.rollout(Integrator::RungeKutta4, &Function::Rk4Step, &mut workspace)
+}
+
+impl<T: DeviceFloat> Measurement<'_, T> {
+    /// Prints a row: the time to compile, the times of `units` for each state on the device and on the CPU.
+    fn print(&self, function: &str, compiled: f64, seconds: [f64; 2], units: [usize; 2]) {
+        let [device, processor] = [0, 1].map(|k| (self.count * units[k]) as f64 / seconds[k] / 1e6);
         println!(
-            "| {}, {function} | {numbers} | {count} | {compiled:.1} s | {device:.1} M/s | {processor:.1} M/s | {:.2} |",
-            model.name(),
+            "| {}, {function} | {} | {} | {compiled:.1} s | {device:.1} M/s | {processor:.1} M/s | {:.2} |",
+            self.model.name(),
+            self.numbers,
+            self.count,
             device / processor
         );
-    };
-    for function in [Function::InverseDynamics, Function::ForwardDynamics, Function::MassMatrix] {
+    }
+
+    /// Compiles a function, and returns the time that this took [s].
+    fn compile(&self, function: &Function) -> Result<(Batches<T>, f64), Box<dyn Error>> {
         let start = Instant::now();
-        let mut batches = device.compile::<T>(model, core::slice::from_ref(&function))?;
-        let compiled = start.elapsed().as_secs_f64();
-        let width = if function == Function::MassMatrix { nv * nv } else { nv };
-        let mut out = vec![T::zero(); count * width];
+        let batches = self.device.compile::<T>(self.model, core::slice::from_ref(function))?;
+        Ok((batches, start.elapsed().as_secs_f64()))
+    }
+
+    /// Measures calls with tables in host memory.
+    fn function(&self, function: &Function, workspace: &mut BatchWorkspace<T>) -> Result<(), Box<dyn Error>> {
+        let Self { model, q, v, a, tau, .. } = self;
+        let nv = model.nv();
+        let (mut batches, compiled) = self.compile(function)?;
+        let width = if *function == Function::MassMatrix { nv * nv } else { nv };
+        let mut out = vec![T::zero(); self.count * width];
         let on_device = median(|| {
             match function {
-                Function::InverseDynamics => batches.inverse_dynamics(&q, &v, &a, &mut out)?,
-                Function::ForwardDynamics => batches.forward_dynamics(&q, &v, &tau, &mut out)?,
-                _ => batches.mass_matrix(&q, &mut out)?,
+                Function::InverseDynamics => batches.inverse_dynamics(q, v, a, &mut out)?,
+                Function::ForwardDynamics => batches.forward_dynamics(q, v, tau, &mut out)?,
+                _ => batches.mass_matrix(q, &mut out)?,
             }
             Ok(())
         })?;
         let on_processor = median(|| {
             match function {
-                Function::InverseDynamics => {
-                    batch::inverse_dynamics(model, &mut workspace, &q, &v, &a, &mut out)?;
-                }
-                Function::ForwardDynamics => {
-                    batch::forward_dynamics(model, &mut workspace, &q, &v, &tau, &mut out)?;
-                }
-                _ => batch::mass_matrix(model, &mut workspace, &q, &mut out)?,
+                Function::InverseDynamics => batch::inverse_dynamics(model, workspace, q, v, a, &mut out)?,
+                Function::ForwardDynamics => batch::forward_dynamics(model, workspace, q, v, tau, &mut out)?,
+                _ => batch::mass_matrix(model, workspace, q, &mut out)?,
             }
             Ok(())
         })?;
-        row(&function.to_string(), compiled, [on_device, on_processor], [1, 1]);
+        self.print(&function.to_string(), compiled, [on_device, on_processor], [1, 1]);
+        Ok(())
     }
-    let go_on = |_| ControlFlow::Continue(());
-    for (integrator, function) in [
-        (Integrator::SemiImplicitEuler, Function::SemiImplicitEulerStep),
-        (Integrator::RungeKutta4, Function::Rk4Step),
-    ] {
-        let courses = STEPS.map(|steps| Rollout::new(integrator, 1e-5, steps));
-        let start = Instant::now();
-        let mut batches = device.compile::<T>(model, core::slice::from_ref(&function))?;
-        let compiled = start.elapsed().as_secs_f64();
-        let on_device = median(|| {
-            let (mut q, mut v) = (q.clone(), v.clone());
-            Ok(batches.rollout(&courses[0], Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?)
+
+    /// Measures steps of a rollout.
+    fn rollout(
+        &self,
+        integrator: Integrator,
+        function: &Function,
+        workspace: &mut BatchWorkspace<T>,
+    ) -> Result<(), Box<dyn Error>> {
+        let go_on = |_| ControlFlow::Continue(());
+        let [on_device, on_processor] = STEPS.map(|steps| Rollout::new(integrator, 1e-5, steps));
+        let (mut batches, compiled) = self.compile(function)?;
+        let device = median(|| {
+            let (mut q, mut v) = (self.q.clone(), self.v.clone());
+            Ok(batches.rollout(&on_device, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?)
         })?;
-        let on_processor = median(|| {
-            let (mut q, mut v) = (q.clone(), v.clone());
-            let nothing = (&mut [][..], &mut [][..]);
-            Ok(batch::rollout(
-                model,
-                &mut workspace,
-                &courses[1],
-                Torques::Zero,
-                &mut q,
-                &mut v,
-                nothing,
-                &go_on,
-            )?)
+        let processor = median(|| {
+            let (mut q, mut v) = (self.q.clone(), self.v.clone());
+            let (none, zero) = ((&mut [][..], &mut [][..]), Torques::Zero);
+            let model = self.model;
+            Ok(batch::rollout(model, workspace, &on_processor, zero, &mut q, &mut v, none, &go_on)?)
         })?;
-        row(&format!("steps of {integrator}"), compiled, [on_device, on_processor], STEPS);
+        self.print(&format!("steps of {integrator}"), compiled, [device, processor], STEPS);
+        Ok(())
     }
-    Ok(())
 }

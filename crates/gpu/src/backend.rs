@@ -1,11 +1,11 @@
-//! What a device must be able to do: memory, kernels, and commands in their order.
+//! The interface of a device: memory, kernels, and commands in order.
 
 #[cfg(feature = "cuda")]
 pub(crate) mod cuda;
 #[cfg(feature = "wgpu")]
 pub(crate) mod wgpu;
 
-use generate::{Generated, Precision, Target};
+use robot_dynamics_generate::{Generated, Precision, Target};
 
 use crate::DeviceError;
 
@@ -15,7 +15,7 @@ pub(crate) trait Backend: Send + Sync + Sized {
     type Buffer: Send;
     /// A compiled function.
     type Kernel: Send;
-    /// A kernel with the tables that it reads and writes, for so many states.
+    /// A kernel with its tables, for a number of states.
     type Launch: Send;
 
     fn name(&self) -> &str;
@@ -23,40 +23,41 @@ pub(crate) trait Backend: Send + Sync + Sized {
     /// The language of its kernels.
     const TARGET: Target;
 
-    /// Whether it computes in this precision.
+    /// Whether it supports this precision.
     fn has(&self, precision: Precision) -> bool;
 
-    /// Bytes that one table may have.
+    /// The largest table, in bytes.
     fn most_bytes(&self) -> usize;
 
-    /// States that one launch may have.
+    /// The largest number of states of one launch.
     fn most_states(&self) -> usize;
 
-    /// One of the functions that were generated, by its symbol, as `robot_{symbol}`; so many tables, of which it reads the first.
+    /// Compiles the generated function with this symbol, named `robot_{symbol}`. It has this number of
+    /// tables, of which it reads the first ones.
     ///
     /// # Errors
-    /// What the device's compiler says.
+    /// The message of the device's compiler.
     fn compile(&self, generated: &Generated, symbol: &str, tables: Tables) -> Result<Self::Kernel, String>;
 
     fn allocate(&self, bytes: usize) -> Result<Self::Buffer, DeviceError>;
 
-    /// From the processor, at the buffer's start.
+    /// Copies bytes from the host to the start of the buffer.
     fn write(&self, buffer: &Self::Buffer, bytes: &[u8]) -> Result<(), DeviceError>;
 
-    /// To the processor, from the buffer's start, when all commands are done.
+    /// Copies bytes from the start of the buffer to the host, after all commands.
     fn read(&self, buffer: &Self::Buffer, bytes: &mut [u8]) -> Result<(), DeviceError>;
 
-    /// Tables, with the bytes that one state has in each.
+    /// Binds tables to a kernel, each with the bytes of one state.
     fn bind(&self, kernel: &Self::Kernel, tables: &[(&Self::Buffer, usize)], states: usize) -> Self::Launch;
 
-    /// Commands, each done after those before it.
+    /// Submits commands, each executed after those before it.
     fn submit(&self, commands: &[Command<'_, Self>]) -> Result<(), DeviceError>;
 
-    /// Returns when all is done.
+    /// Waits until all commands are done.
     fn wait(&self) -> Result<(), DeviceError>;
 }
 
-/// How many tables a kernel reads and writes.
+/// The number of tables that a kernel reads and writes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tables {
     pub(crate) reads: usize,

@@ -1,25 +1,25 @@
-//! What a caller calls: one robot's functions on many states.
+//! The public interface to one robot's functions on many states.
 
 use std::ops::ControlFlow;
 
-use generate::Function;
-use multibody::Rollout;
-use multibody::batch::{RolloutProgress, Torques};
+use robot_dynamics::batch::{RolloutProgress, Torques};
+use robot_dynamics::derivatives::Rollout;
+use robot_dynamics_generate::Function;
 
 use crate::DeviceError;
-use crate::machine::{Engine, Motion};
+use crate::machine::{Engine, RolloutBuffers};
 
-/// One robot's functions on one device, as [`Device::compile`](crate::Device::compile) made them.
+/// One robot's functions on one device, compiled by [`Device::compile`](crate::Device::compile).
 ///
-/// Tables are those of [`multibody::batch`]: by rows, one state after the other, q \[batch\]\[nq\], v, a and tau \[batch\]\[nv\], a
-/// matrix \[batch\]\[rows\]\[columns\]. A state with a number that is not finite, or whose result is not, is named in
-/// [`DeviceError::BadStates`] and has NaN for its results; all others have theirs. The memory that a call needs on the device is
-/// kept for the next.
+/// Tables are those of [`robot_dynamics::batch`]: by rows, one state after the other, q \[batch\]\[nq\], v, a
+/// and tau \[batch\]\[nv\], a matrix \[batch\]\[rows\]\[columns\]. If a number of a state or of its result is
+/// not finite, [`DeviceError::BadStates`] names the state, and its results are NaN. The other states keep
+/// theirs. The memory that a call needs on the device is reused by the next one.
 pub struct Batches<T> {
     engine: Box<dyn Engine<T>>,
 }
 
-/// Methods named as the function, with its arguments and its one result.
+/// Methods with the name, the arguments and the result of a function.
 macro_rules! methods {
     ($($(#[$doc:meta])* $name:ident: $function:ident($($argument:ident),*) -> $result:ident;)*) => {
         impl<T> Batches<T> {
@@ -27,8 +27,9 @@ macro_rules! methods {
                 $(#[$doc])*
                 ///
                 /// # Errors
-                /// [`DeviceError::BadStates`] names the states without a valid result; [`DeviceError::NotCompiled`];
-                /// [`DeviceError::Failed`] where the device has no memory left, or was lost.
+                /// [`DeviceError::BadStates`] names the states without a valid result;
+                /// [`DeviceError::NotCompiled`]; [`DeviceError::Failed`] if the device has no memory left, or
+                /// was lost.
                 ///
                 /// # Panics
                 /// If a table has the wrong length.
@@ -42,17 +43,17 @@ macro_rules! methods {
 }
 
 methods! {
-    /// τ = M(q) a + C(q,v) v + g(q) of each state; see [`multibody::batch::inverse_dynamics`].
+    /// τ = M(q) a + C(q,v) v + g(q) of each state; see [`robot_dynamics::batch::inverse_dynamics`].
     inverse_dynamics: InverseDynamics(q, v, a) -> tau;
-    /// a = M⁻¹(τ − C v − g) of each state; see [`multibody::batch::forward_dynamics`].
+    /// a = M⁻¹(τ − C v − g) of each state; see [`robot_dynamics::batch::forward_dynamics`].
     forward_dynamics: ForwardDynamics(q, v, tau) -> acceleration;
-    /// M(q) of each state, both triangles; see [`multibody::batch::mass_matrix`].
+    /// M(q) of each state, both triangles; see [`robot_dynamics::batch::mass_matrix`].
     mass_matrix: MassMatrix(q) -> mass;
-    /// M(q)⁻¹ of each state, both triangles; see [`multibody::batch::inverse_mass_matrix`].
+    /// M(q)⁻¹ of each state, both triangles; see [`robot_dynamics::batch::inverse_mass_matrix`].
     inverse_mass_matrix: InverseMassMatrix(q) -> inverse;
-    /// C(q,v) v + g(q) of each state; see [`multibody::batch::bias`].
+    /// C(q,v) v + g(q) of each state; see [`robot_dynamics::batch::bias`].
     bias: Bias(q, v) -> bias;
-    /// g(q) of each state; see [`multibody::batch::gravity`].
+    /// g(q) of each state; see [`robot_dynamics::batch::gravity`].
     gravity: Gravity(q) -> gravity;
 }
 
@@ -61,17 +62,17 @@ impl<T> Batches<T> {
         Self { engine }
     }
 
-    /// What was compiled.
+    /// The compiled functions.
     pub fn functions(&self) -> Vec<&Function> {
         self.engine.functions()
     }
 
-    /// Any compiled function of each state: tables of its arguments and of its results, in the order of
+    /// Computes any compiled function of each state. Tables of arguments and results are in the order of
     /// [`Function::reads`] and [`Function::writes`].
     ///
     /// ```
-    /// # let model = multibody::Model::new(multibody::pendulum(2.0, 0.5))?;
-    /// use gpu::{Device, Function};
+    /// # let model = robot_dynamics::model::Model::new(robot_dynamics::description::pendulum(2.0, 0.5))?;
+    /// use robot_dynamics_gpu::{Device, Function};
     /// let energy = Function::KineticEnergy;
     /// # let Ok(device) = Device::open() else { return Ok(()) }; // none here
     /// let mut pendulums = device.compile::<f32>(&model, &[energy.clone()])?;
@@ -83,10 +84,10 @@ impl<T> Batches<T> {
     ///
     /// # Errors
     /// [`DeviceError::BadStates`] names the states without a valid result; [`DeviceError::NotCompiled`];
-    /// [`DeviceError::Failed`] where the device has no memory left, or was lost.
+    /// [`DeviceError::Failed`] if the device has no memory left, or was lost.
     ///
     /// # Panics
-    /// If there are too many tables or too few, or one has the wrong length.
+    /// If the number of tables is wrong, or the length of one.
     #[track_caller]
     pub fn compute(
         &mut self,
@@ -97,33 +98,35 @@ impl<T> Batches<T> {
         self.engine.compute(function, inputs, outputs)
     }
 
-    /// Moves each state (q, v) in place over `rollout.steps` steps, as [`multibody::batch::rollout`] does. The states stay on
-    /// the device: it takes one step after the other, and hands over the samples of the trajectory and the end.
+    /// Simulates each state (q, v) in place over `rollout.steps` steps, as [`robot_dynamics::batch::rollout`]
+    /// does. The states stay on the device between steps. The device returns the samples of the trajectory
+    /// and the final states.
     ///
-    /// The robot's [`Function::SemiImplicitEulerStep`] or [`Function::Rk4Step`] must have been compiled. `progress` is called after
-    /// at most 64 steps of the states that are on the device; when it breaks, the states not yet at their end stay as they were, and
-    /// the trajectories of those are not to be read.
+    /// The robot's [`Function::SemiImplicitEulerStep`] or [`Function::Rk4Step`] must have been compiled.
+    /// `progress` is called at least every 64 steps of the states on the device. If it breaks, unfinished
+    /// states keep their initial values, and their trajectories are invalid.
     ///
     /// ```
-    /// use dynamics::Integrator;
-    /// use gpu::{Device, Function, Rollout, Torques};
+    /// use robot_dynamics::simulation::Integrator;
+    /// use robot_dynamics_gpu::{Device, Function, Rollout, Torques};
     /// use std::ops::ControlFlow;
-    /// # let model = multibody::Model::new(multibody::pendulum(2.0, 0.5))?;
+    /// # let model = robot_dynamics::model::Model::new(robot_dynamics::description::pendulum(2.0, 0.5))?;
     /// # let Ok(device) = Device::open() else { return Ok(()) }; // none here
     /// let mut pendulums = device.compile::<f32>(&model, &[Function::Rk4Step])?;
     /// let (mut q, mut v) = (vec![0.0; 10_000], vec![0.0; 10_000]);
     /// let how = Rollout::new(Integrator::RungeKutta4, 1e-3, 200);
     /// let go_on = |_| ControlFlow::Continue(());
     /// pendulums.rollout(&how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
-    /// // What it fell, it gained: ½ l v² = g sin q.
+    /// // Energy is conserved: ½ l v² = g sin q.
     /// assert!(q.iter().zip(&v).all(|(q, v)| (0.25 * v * v - 9.81 * q.sin()).abs() < 1e-3));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// [`DeviceError::BadStates`] and [`DeviceError::Rollout`], all states that these do not name being valid;
-    /// [`DeviceError::NotCompiled`], [`DeviceError::NoStep`], [`DeviceError::Policy`], [`DeviceError::Dissipation`] for what
-    /// a device cannot; [`DeviceError::Failed`] where it has no memory left, or was lost: then q and v hold no state.
+    /// [`DeviceError::BadStates`] and [`DeviceError::Rollout`]: all states that these do not name are valid.
+    /// [`DeviceError::NotCompiled`], [`DeviceError::NoStep`], [`DeviceError::Policy`],
+    /// [`DeviceError::Dissipation`] for unsupported rollouts; [`DeviceError::Failed`] if the device has no
+    /// memory left, or was lost: q and v are then invalid.
     ///
     /// # Panics
     /// If a table has the wrong length.
@@ -137,7 +140,7 @@ impl<T> Batches<T> {
         trajectory: (&mut [T], &mut [T]),
         progress: &(dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync),
     ) -> Result<(), DeviceError> {
-        self.engine.rollout(rollout, torques, Motion { q, v, trajectory }, progress)
+        self.engine.rollout(rollout, torques, RolloutBuffers { q, v, trajectory }, progress)
     }
 }
 

@@ -1,37 +1,37 @@
-//! Devices, and how much of one is taken.
+//! Devices, and limits on their use.
 
 use std::sync::Arc;
 
-use generate::Function;
-use multibody::Model;
+use robot_dynamics::model::Model;
+use robot_dynamics_generate::Function;
 
 use crate::machine::Machine;
 use crate::{Batches, DeviceError, DeviceFloat};
 
-/// How much of a device is taken, if less than it has: batches beyond are computed in several launches.
+/// Limits on the use of a device, below its own. Larger batches are computed in several launches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Limits {
-    /// Bytes of the largest table.
+    /// The largest table, in bytes.
     pub table_bytes: Option<u64>,
-    /// States of one launch.
+    /// The largest number of states of one launch.
     pub launch_states: Option<usize>,
 }
 
 impl Limits {
-    /// With tables of so many bytes at most.
+    /// Limits the size of tables.
     ///
     /// ```
-    /// assert_eq!(gpu::Limits::default().with_table_bytes(1 << 20).table_bytes, Some(1 << 20));
+    /// assert_eq!(robot_dynamics_gpu::Limits::default().with_table_bytes(1 << 20).table_bytes, Some(1 << 20));
     /// ```
     pub const fn with_table_bytes(self, bytes: u64) -> Self {
         Self { table_bytes: Some(bytes), ..self }
     }
 
-    /// With launches of so many states at most: a multiple of 64 by wgpu, rounded down.
+    /// Limits the number of states of a launch; wgpu rounds it down to a multiple of 64.
     ///
     /// ```
-    /// assert_eq!(gpu::Limits::default().with_launch_states(640).launch_states, Some(640));
+    /// assert_eq!(robot_dynamics_gpu::Limits::default().with_launch_states(640).launch_states, Some(640));
     /// ```
     pub const fn with_launch_states(self, states: usize) -> Self {
         Self { launch_states: Some(states), ..self }
@@ -40,88 +40,93 @@ impl Limits {
 
 /// A device that computes batches.
 #[derive(Clone)]
-pub struct Device(Kind);
+pub struct Device(AnyBackend);
 
 #[derive(Clone)]
-enum Kind {
+enum AnyBackend {
     #[cfg(feature = "wgpu")]
     Wgpu(Arc<crate::backend::wgpu::Wgpu>),
     #[cfg(feature = "cuda")]
     Cuda(Arc<crate::backend::cuda::Cuda>),
 }
 
-/// Does the same with any device.
+/// Evaluates an expression for any backend.
 macro_rules! with {
     ($device:expr, $backend:ident => $result:expr) => {
         match $device.0 {
             #[cfg(feature = "wgpu")]
-            Kind::Wgpu(ref $backend) => $result,
+            AnyBackend::Wgpu(ref $backend) => $result,
             #[cfg(feature = "cuda")]
-            Kind::Cuda(ref $backend) => $result,
+            AnyBackend::Cuda(ref $backend) => $result,
         }
     };
 }
 
 impl Device {
-    /// The first device with Vulkan, Metal or DirectX 12, a graphics processor where there is a choice. It computes in `f32`.
+    /// Opens the first device with Vulkan, Metal or DirectX 12, preferably a graphics processor. It computes
+    /// in `f32`.
     ///
-    /// The environment variables of the driver hold, as Vulkan's `VK_DRIVER_FILES`.
+    /// The driver's environment variables apply, Vulkan's `VK_DRIVER_FILES` for example.
     ///
     /// ```
-    /// match gpu::Device::open() {
+    /// match robot_dynamics_gpu::Device::open() {
     ///     Ok(device) => println!("{}", device.name()),
-    ///     Err(error) => assert!(error.to_string().contains("install a driver")), // or `Closed`, by one that is there
+    ///     Err(error) => println!("{error}"), // it says what to install
     /// }
     /// ```
     ///
     /// # Errors
-    /// [`DeviceError::NoDevice`] where there is none, with what to install; [`DeviceError::Closed`] where it is refused.
+    /// [`DeviceError::NoDevice`], with what to install; [`DeviceError::Closed`] if the device cannot be
+    /// opened.
     #[cfg(feature = "wgpu")]
     pub fn open() -> Result<Self, DeviceError> {
         Self::open_with(Limits::default())
     }
 
-    /// As [`Device::open`], within these limits.
+    /// Opens the device of [`Device::open`] with these limits.
     ///
     /// # Errors
     /// As [`Device::open`].
     #[cfg(feature = "wgpu")]
     pub fn open_with(limits: Limits) -> Result<Self, DeviceError> {
-        Ok(Self(Kind::Wgpu(Arc::new(crate::backend::wgpu::Wgpu::open(limits)?))))
+        Ok(Self(AnyBackend::Wgpu(Arc::new(crate::backend::wgpu::Wgpu::open(limits)?))))
     }
 
-    /// A CUDA device by its number, within these limits. It computes in `f32` and `f64`.
+    /// Opens a CUDA device by its number, with these limits. It computes in `f32` and `f64`.
     ///
     /// ```
-    /// # use gpu::{Device, Limits};
-    /// if let Err(error) = Device::open_cuda(0, Limits::default()) {
-    ///     assert!(error.to_string().starts_with("no CUDA device: "));
+    /// # use robot_dynamics_gpu::{Device, Limits};
+    /// match Device::open_cuda(0, Limits::default()) {
+    ///     Ok(device) => println!("{}", device.name()),
+    ///     Err(error) => assert!(matches!(error, robot_dynamics_gpu::DeviceError::NoCuda { .. })),
     /// }
     /// ```
     ///
     /// # Errors
-    /// [`DeviceError::NoCuda`] where card, driver or run-time compiler is missing.
+    /// [`DeviceError::NoCuda`] if the card, the driver or the run-time compiler is missing.
     #[cfg(feature = "cuda")]
     pub fn open_cuda(ordinal: usize, limits: Limits) -> Result<Self, DeviceError> {
-        Ok(Self(Kind::Cuda(Arc::new(crate::backend::cuda::Cuda::open(ordinal, limits)?))))
+        Ok(Self(AnyBackend::Cuda(Arc::new(crate::backend::cuda::Cuda::open(ordinal, limits)?))))
     }
 
-    /// Its name and what drives it.
+    /// Its name, and the interface that drives it.
     pub fn name(&self) -> &str {
         use crate::backend::Backend;
         with!(self, backend => backend.name())
     }
 
-    /// One robot's functions, generated, compiled and ready for batches. Steps of integrators are what [`Batches::rollout`] needs.
+    /// Generates and compiles one robot's functions for batches. [`Batches::rollout`] needs steps of
+    /// integrators.
     ///
-    /// Code without loops is long: a step of seven joints compiles in a tenth of a second, one of forty in seconds, slopes of the
-    /// latter in minutes. Some drivers do their part when a function is first called.
+    /// Code without loops is long. A step of seven joints compiles in a tenth of a second, one of forty in
+    /// seconds, its derivatives in minutes. Some drivers compile at the first call of a function.
     ///
     /// ```
-    /// use gpu::{Device, Function};
-    /// use multibody::{Model, pendulum};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics_gpu::{Device, Function};
     /// let model = Model::new(pendulum(2.0, 0.5))?; // any robot, mostly from robot_dynamics::load
-    /// # let Ok(device) = Device::open() else { return Ok(()) }; // none here
+    /// # let Ok(device) = Device::open() else { return Ok(()) }; // no device
     /// let mut pendulums = device.compile::<f32>(&model, &[Function::Gravity])?;
     /// let (q, mut g) = (vec![0.0; 100_000], vec![0.0; 100_000]);
     /// pendulums.gravity(&q, &mut g)?;
@@ -130,8 +135,8 @@ impl Device {
     /// ```
     ///
     /// # Errors
-    /// [`DeviceError::Generate`]: no such frame, a singular mass matrix, a robot without joints; [`DeviceError::NoDoubles`];
-    /// [`DeviceError::Refused`] with the function's name where the device's compiler refuses it.
+    /// [`DeviceError::Generate`] for a missing frame, a singular mass matrix, or a robot without joints;
+    /// [`DeviceError::NoDoubles`]; [`DeviceError::Refused`] if the device's compiler fails.
     pub fn compile<T: DeviceFloat>(
         &self,
         model: &Model,

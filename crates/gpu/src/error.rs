@@ -1,51 +1,51 @@
-//! What can go wrong on a device.
+//! Errors of computations on a device.
 
-use dynamics::Integrator;
-use generate::GenerateError;
-use multibody::batch::{BadStates, RolloutError};
+use robot_dynamics::batch::{BadStates, RolloutError};
+use robot_dynamics::simulation::Integrator;
+use robot_dynamics_generate::GenerateError;
 use thiserror::Error;
 
-/// What can go wrong on a device.
+/// Errors of computations on a device.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DeviceError {
-    /// There is no device that wgpu finds.
+    /// wgpu finds no device.
     #[error(
-        "no device to compute on: {cause}; install a driver with Vulkan (on Debian that of the graphics card, or \
-         mesa-vulkan-drivers, which computes on the processor), or run where there is Metal or DirectX 12"
+        "no device found: {cause}; install a driver with Vulkan (on Debian that of the graphics card, or \
+         mesa-vulkan-drivers, which computes on the CPU), or use a system with Metal or DirectX 12"
     )]
     NoDevice {
-        /// What was found.
+        /// The message of wgpu.
         cause: String,
     },
-    /// There is no device that CUDA finds.
+    /// CUDA finds no device.
     #[error(
-        "no CUDA device: {cause}; it takes an NVIDIA card, its driver (libcuda) and the run-time compiler of the CUDA \
-         toolkit (libnvrtc) where the system looks for libraries"
+        "no CUDA device: {cause}; CUDA needs an NVIDIA card, its driver (libcuda) and the run-time compiler of the CUDA \
+         toolkit (libnvrtc) in the search path for libraries"
     )]
     NoCuda {
-        /// What is missing.
+        /// The missing component.
         cause: String,
     },
-    /// The device does not open with what is asked for.
-    #[error("`{device}` does not open: {cause}")]
+    /// The device cannot be opened.
+    #[error("cannot open `{device}`: {cause}")]
     Closed {
         /// The device.
         device: String,
-        /// What it says.
+        /// Its message.
         cause: String,
     },
     /// The robot's code cannot be generated.
     #[error(transparent)]
     Generate(#[from] GenerateError),
-    /// The device has no doubles.
-    #[error("`{device}` computes in single precision alone: compile for f32, or open a CUDA device")]
+    /// The device does not support double precision.
+    #[error("`{device}` supports only single precision: compile for f32, or open a CUDA device")]
     NoDoubles {
         /// The device.
         device: String,
     },
-    /// The device's compiler refuses the code.
-    #[error("`{device}` does not compile `{function}` of robot `{robot}`: {cause}")]
+    /// The device's compiler rejects the code.
+    #[error("`{device}` cannot compile `{function}` of robot `{robot}`: {cause}")]
     Refused {
         /// The device.
         device: String,
@@ -53,21 +53,21 @@ pub enum DeviceError {
         function: String,
         /// The robot.
         robot: String,
-        /// What the compiler says.
+        /// The message of the compiler.
         cause: String,
     },
-    /// A function that was not compiled.
+    /// The function was not compiled.
     #[error(
-        "`{function}` is not among the functions compiled for this device: {compiled}; name it to `Device::compile`"
+        "`{function}` is not among the functions compiled for this device: {compiled}; pass it to `Device::compile`"
     )]
     NotCompiled {
-        /// The one asked for.
+        /// The requested one.
         function: String,
-        /// Those that were.
+        /// The compiled functions.
         compiled: String,
     },
-    /// One state's numbers are more than the device takes.
-    #[error("one state of `{function}` has {bytes} bytes in a table, `{device}` takes {most}")]
+    /// One state is larger than the largest table of the device.
+    #[error("one state of `{function}` needs a table of {bytes} bytes, but `{device}` supports {most}")]
     TooLarge {
         /// The device.
         device: String,
@@ -75,42 +75,42 @@ pub enum DeviceError {
         function: String,
         /// Bytes of one state in the widest table.
         bytes: usize,
-        /// What the device takes.
+        /// The limit of the device.
         most: usize,
     },
-    /// The device has no memory left, or lost what it had.
-    #[error("`{device}` fails: {cause}")]
+    /// The device has no memory left, or was lost.
+    #[error("`{device}` failed: {cause}")]
     Failed {
         /// The device.
         device: String,
-        /// What it says.
+        /// Its message.
         cause: String,
     },
     /// Some states of a batch have no valid result; those of all others are valid.
     #[error(
-        "{0}; on a device an angle beyond the range of its sine, 8192 rad in f32 and 1e5 rad in f64, counts as such"
+        "{0}; on a device this includes states with an angle beyond the range of its sine, 8192 rad in f32 and 1e5 rad in f64"
     )]
     BadStates(#[from] BadStates),
-    /// Some states have not come to the end of a rollout.
+    /// Some states have not reached the end of a rollout.
     #[error(transparent)]
     Rollout(#[from] RolloutError),
-    /// A row of the table of integrators whose steps are not generated.
+    /// Steps of the integrator are not generated.
     #[error(
-        "steps of {integrator} are not generated; a rollout on a device moves by semi-implicit-euler or rk4"
+        "a rollout on a device does not support the integrator {integrator}; use semi-implicit-euler or rk4"
     )]
     NoStep {
-        /// The one asked for.
+        /// The requested one.
         integrator: Integrator,
     },
-    /// A feedback law in Rust.
+    /// The torques are a feedback law in Rust.
     #[error(
-        "a policy computes on the processor, and a rollout stays on the device: give torques of each step, or roll out \
-         with `multibody::batch`"
+        "a rollout on a device does not support a policy, which runs on the CPU: pass the torques of each step, or use \
+         `robot_dynamics::batch`"
     )]
     Policy,
-    /// A rollout without the damping and friction that the robot has.
+    /// The rollout excludes the damping and friction of the robot.
     #[error(
-        "robot `{robot}` has damping or friction, which steps on a device always have: roll out with dissipation, or \
+        "robot `{robot}` has damping or friction, which steps on a device always include: enable dissipation, or \
          compile the robot from a description without them"
     )]
     Dissipation {

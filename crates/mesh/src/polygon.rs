@@ -1,28 +1,31 @@
-//! Polygons of a mesh file as triangles, divided as MuJoCo's reader of OBJ files does.
+//! Triangulates the polygons of a mesh file like MuJoCo's reader of OBJ files.
 //!
-//! How a polygon is divided matters where its corners are not in one plane, and where pyramids over its triangles all count as
-//! positive.
+//! The triangulation matters if the corners are not in one plane, and for MuJoCo's `legacy` inertia, which
+//! counts all pyramids over triangles as positive.
 
 use nalgebra::{Vector2, Vector3};
 
-/// Adds a polygon's triangles: of four corners by the shorter diagonal, of more by cutting ears.
-pub(crate) fn divide(polygon: &[usize], points: &[Vector3<f64>], faces: &mut Vec<[usize; 3]>) {
+/// Adds the triangles of a polygon. A quadrilateral is split along its shorter diagonal, larger polygons by
+/// ear clipping.
+pub(crate) fn add_triangles(polygon: &[usize], points: &[Vector3<f64>], faces: &mut Vec<[usize; 3]>) {
     match *polygon {
         [a, b, c] => faces.push([a, b, c]),
         [a, b, c, d] => {
             let (ac, bd) = ((points[c] - points[a]).norm_squared(), (points[d] - points[b]).norm_squared());
             faces.extend(if ac < bd { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
         }
-        _ => cut_ears(polygon, points, faces),
+        _ => clip_ears(polygon, points, faces),
     }
 }
 
-/// Cuts off corners that bend outwards and whose triangle holds no other corner, as seen along the polygon's normal.
-fn cut_ears(polygon: &[usize], points: &[Vector3<f64>], faces: &mut Vec<[usize; 3]>) {
+/// Ear clipping: removes convex corners whose triangle contains no other corner, in a projection along the
+/// normal.
+fn clip_ears(polygon: &[usize], points: &[Vector3<f64>], faces: &mut Vec<[usize; 3]>) {
     let mut rest = polygon.to_vec();
     let next = |k: usize| polygon[(k + 1) % polygon.len()];
     let normal: Vector3<f64> = (0..polygon.len()).map(|k| points[polygon[k]].cross(&points[next(k)])).sum();
-    // Along the axis that the normal is nearest to, the other two in an order that keeps it counter-clockwise.
+    // Projects along the axis that is closest to the normal. The order of the other two axes keeps the
+    // orientation.
     let axis = normal.iamax();
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let (u, v) = if normal[axis] >= 0.0 { (u, v) } else { (v, u) };
@@ -50,7 +53,7 @@ fn cut_ears(polygon: &[usize], points: &[Vector3<f64>], faces: &mut Vec<[usize; 
             tried += 1;
         }
     }
-    // What is left has no ears, being flat or crossing itself: a fan.
+    // The rest has no ears, because it is degenerate or self-intersecting: a fan.
     for k in 1..rest.len().saturating_sub(1) {
         faces.push([rest[0], rest[k], rest[k + 1]]);
     }
@@ -60,11 +63,11 @@ fn cut_ears(polygon: &[usize], points: &[Vector3<f64>], faces: &mut Vec<[usize; 
 mod tests {
     use super::*;
 
-    fn divided(points: &[[f64; 3]]) -> Vec<[usize; 3]> {
+    fn triangulate(points: &[[f64; 3]]) -> Vec<[usize; 3]> {
         let points: Vec<Vector3<f64>> = points.iter().map(|&x| Vector3::from(x)).collect();
         let polygon: Vec<usize> = (0..points.len()).collect();
         let mut faces = Vec::new();
-        divide(&polygon, &points, &mut faces);
+        add_triangles(&polygon, &points, &mut faces);
         faces
     }
 
@@ -79,17 +82,17 @@ mod tests {
     #[test]
     fn a_quadrilateral_by_its_shorter_diagonal() {
         let wide = [[0.0, 0.0, 0.0], [1.0, -0.2, 0.0], [3.0, 0.0, 0.0], [1.0, 0.2, 0.0]];
-        assert_eq!(divided(&wide), [[0, 1, 3], [1, 2, 3]]);
+        assert_eq!(triangulate(&wide), [[0, 1, 3], [1, 2, 3]]);
     }
 
-    /// An L: a fan from its first corner would leave it.
+    /// An L-shaped polygon: a fan from its first corner would leave it.
     #[test]
     fn a_polygon_that_is_not_convex_keeps_its_area() {
         for swap in [false, true] {
             let mut l = [[2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0], [0.0, 0.0]]
                 .map(|[x, y]| if swap { [y, 0.0, x] } else { [x, y, 0.0] });
             for _ in 0..6 {
-                let faces = divided(&l);
+                let faces = triangulate(&l);
                 assert_eq!(faces.len(), 4);
                 assert!((area(&l, &faces) - 3.0).abs() < 1e-15, "{faces:?}");
                 l.rotate_left(1);
@@ -100,6 +103,6 @@ mod tests {
     #[test]
     fn a_polygon_without_area_is_still_divided() {
         let line: Vec<[f64; 3]> = (0..6).map(|k| [f64::from(k), 0.0, 0.0]).collect();
-        assert_eq!(divided(&line).len(), 4);
+        assert_eq!(triangulate(&line).len(), 4);
     }
 }

@@ -1,22 +1,24 @@
-//! `<actuator>`: gain and bias that are affine, on joints, fixed tendons and sites.
+//! Reads `<actuator>`: affine gain and bias, on joints, fixed tendons and sites.
 //!
-//! All kinds of actuators are one to the format: each is a way to fill the same numbers, and the defaults of a class fill them
-//! before it, whatever their kind.
+//! In MJCF all kinds of actuators set the same numbers. The defaults of a class set them first, whatever
+//! their kind.
 
 use core::f64::consts::PI;
 use std::collections::HashMap;
 
-use multibody::{Activation, ActuatorDescription, Affine, Limits, RobotDescription, Transmission};
+use robot_dynamics_description::{
+    Activation, ActuatorDescription, Affine, Limits, RobotDescription, Transmission,
+};
 
-use crate::assemble::Places;
+use crate::assemble::ElementTable;
 use crate::classes::{ACTUATORS, MAIN};
 use crate::joint::Motion;
 use crate::names::Names;
-use crate::option::Disabled;
+use crate::option::DisabledForces;
 use crate::reader::{Element, Reader};
 use crate::tree::Id;
 
-/// An actuator's numbers as the format keeps them.
+/// The numbers of an actuator in MJCF.
 #[derive(Clone, Debug)]
 struct Settings {
     gain_kind: String,
@@ -26,7 +28,7 @@ struct Settings {
     dynamics: String,
     dynamics_numbers: [f64; 10],
     inherit_range: f64,
-    /// Set by a damper, whose control is never negative.
+    /// Set for a damper, whose control is not negative.
     control_is_limited: bool,
 }
 
@@ -47,25 +49,25 @@ impl Default for Settings {
     }
 }
 
-/// What came of the actuators.
+/// The actuators of the file and those that are in the robot.
 #[derive(Default)]
 pub(crate) struct Actuators {
-    /// How many the file has.
+    /// The number of actuators in the file.
     pub(crate) count: usize,
     /// The file's elements.
     pub(crate) nodes: Vec<Id>,
-    /// Which of them are in the robot.
+    /// The indices in the file of those that are in the robot.
     pub(crate) read: Vec<usize>,
-    /// Servos whose damping is a ratio of the critical one: which of the robot's, and the ratio.
+    /// Servos with a damping ratio: index in the robot, and the ratio of the critical damping.
     pub(crate) damping_ratios: Vec<(usize, f64)>,
 }
 
 impl Reader<'_> {
-    /// All actuators that are read, in the file's order.
+    /// Reads all actuators, in the order of the file.
     pub(crate) fn actuators(
         &mut self,
-        places: &Places,
-        disabled: Disabled,
+        table: &ElementTable,
+        disabled: DisabledForces,
         robot: &mut RobotDescription,
     ) -> Actuators {
         let mut actuators = Actuators::default();
@@ -84,23 +86,23 @@ impl Reader<'_> {
         for (index, id) in all.into_iter().enumerate() {
             let element = self.element(id, MAIN);
             let Some(settings) = self.settings(&element) else { continue };
-            let Some(transmission) = self.transmission(&element, places, &tendons) else { continue };
+            let Some(transmission) = self.transmission(&element, table, &tendons) else { continue };
             let written = self.text(&element, "name").filter(|name| !name.is_empty());
             let name = written.map_or_else(|| format!("actuator_{index}"), str::to_owned);
-            let own = names.free(&name);
+            let own = names.unique(&name);
             if written.is_some() && own != name {
-                self.misplaced(
+                self.refuse(
                     &element,
-                    format!("there is an actuator {name:?} already; give each its own name"),
+                    format!("the actuator {name:?} already exists; give each its own name"),
                 );
             }
             let mut actuator = ActuatorDescription::new(own, transmission);
             let Some(activation) = self.force(&element, &settings, &mut actuator) else { continue };
             actuator.activation = activation;
             self.motor(&element, &actuator.transmission, disabled, &joints, &tendons, robot);
-            let target = self.target_limits(&element, places, robot, &tendons);
+            let target = self.target_limits(&element, table, robot, &tendons);
             self.ranges(&element, &settings, target, &mut actuator);
-            // A servo whose velocity gain is positive names a ratio of critical damping.
+            // In MJCF a positive velocity bias of a servo is a damping ratio.
             if settings.gain_kind == "fixed"
                 && settings.gain[0] == -settings.bias[1]
                 && settings.bias[2] > 0.0
@@ -108,28 +110,28 @@ impl Reader<'_> {
                 actuators.damping_ratios.push((robot.actuators.len(), settings.bias[2]));
                 actuator.bias.velocity = 0.0;
             }
-            self.read(&element, "force of control, length and velocity");
+            self.report_read(&element, "force of control, length and velocity");
             actuators.read.push(index);
             robot.actuators.push(actuator);
         }
         actuators
     }
 
-    /// The numbers after the defaults of its class and its own; `None` for a kind that is not read.
+    /// The numbers of the actuator over the defaults of its class; `None` for a kind that is not supported.
     fn settings(&mut self, element: &Element) -> Option<Settings> {
         let mut settings = Settings::default();
         let nodes: Vec<Id> = element.defaults.iter().copied().chain([element.node]).collect();
         for node in nodes {
-            let one = self.plain(node);
+            let one = self.raw_element(node);
             let name = self.tree.nodes[node].name.as_str();
             if !self.set(&one, name, &mut settings) && node == element.node {
-                return None; // told by the account of what is not read
+                return None; // reported by `list_unread`
             }
         }
         Some(settings)
     }
 
-    /// What one element fills in; `false` for a kind that is not read.
+    /// Sets the numbers of one element; `false` for a kind that is not supported.
     fn set(&mut self, one: &Element, kind: &str, settings: &mut Settings) -> bool {
         match kind {
             "general" | "actuator" => {
@@ -202,7 +204,8 @@ impl Reader<'_> {
         true
     }
 
-    /// Gain, bias and how the control acts; `None`, with a warning, for a kind that is not read.
+    /// Sets gain and bias and returns the activation; `None`, with a warning, for a kind that is not
+    /// supported.
     fn force(
         &mut self,
         element: &Element,
@@ -210,13 +213,13 @@ impl Reader<'_> {
         actuator: &mut ActuatorDescription,
     ) -> Option<Activation> {
         let affine = |[constant, length, velocity, ..]: [f64; 10]| Affine { constant, length, velocity };
-        let unread =
+        let unsupported =
             |what: &str, word: &str| format!("{what}={word:?}: an actuator of this kind is not in the model");
         actuator.gain = match settings.gain_kind.as_str() {
             "fixed" => Affine::constant(settings.gain[0]),
             "affine" => affine(settings.gain),
             other => {
-                self.ignored_physics(element, unread("gaintype", other));
+                self.report_ignored_physics(element, unsupported("gaintype", other));
                 return None;
             }
         };
@@ -224,7 +227,7 @@ impl Reader<'_> {
             "none" => Affine::default(),
             "affine" => affine(settings.bias),
             other => {
-                self.ignored_physics(element, unread("biastype", other));
+                self.report_ignored_physics(element, unsupported("biastype", other));
                 return None;
             }
         };
@@ -235,7 +238,7 @@ impl Reader<'_> {
                 Some(Activation::Filter { time_constant: settings.dynamics_numbers[0] })
             }
             other => {
-                self.ignored_physics(element, unread("dyntype", other));
+                self.report_ignored_physics(element, unsupported("dyntype", other));
                 None
             }
         }
@@ -244,19 +247,19 @@ impl Reader<'_> {
     fn transmission(
         &mut self,
         element: &Element,
-        places: &Places,
+        table: &ElementTable,
         tendons: &HashMap<String, usize>,
     ) -> Option<Transmission> {
         let gear = self.overlay(element, "gear", [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let to_joint =
             ["joint", "jointinparent"].into_iter().find_map(|word| Some((word, self.text(element, word)?)));
         if let Some((word, name)) = to_joint {
-            let joint = self.joint_named(element, name, places)?;
+            let joint = self.joint_named(element, name, table)?;
             let along_world = joint.motion == Motion::Free && gear[..3].iter().any(|&x| x != 0.0);
             let in_parent = word == "jointinparent" && !matches!(joint.motion, Motion::Hinge | Motion::Slide);
             if along_world || in_parent {
-                let message = "a force along other axes than the body's own, of a free or ball joint, is not in the model";
-                self.ignored_physics(element, message);
+                let message = "a force of a free or ball joint that is not along the axes of the body is not in the model";
+                self.report_ignored_physics(element, message);
                 return None;
             }
             return Some(Transmission::Joint { joint: joint.name.clone(), gear });
@@ -268,46 +271,49 @@ impl Reader<'_> {
             let is_spatial =
                 self.tree.in_sections("tendon").any(|id| self.tree.nodes[id].attribute("name") == Some(name));
             if is_spatial {
-                self.ignored_physics(
+                self.report_ignored_physics(
                     element,
-                    format!("its tendon {name:?} is not in the model, and so the actuator is not"),
+                    format!("its tendon {name:?} is not in the model, so the actuator is omitted"),
                 );
             } else {
-                self.unknown_name(element, "tendon", name);
+                self.refuse_unknown_name(element, "tendon", name);
             }
             return None;
         }
         if let Some(name) = self.text(element, "site") {
             if self.text(element, "refsite").is_some() {
-                self.ignored_physics(element, "refsite: an actuator between two sites is not in the model");
+                self.report_ignored_physics(
+                    element,
+                    "refsite: an actuator between two sites is not in the model",
+                );
                 return None;
             }
-            let Some(site) = places.site(name) else {
-                self.unknown_name(element, "site", name);
+            let Some(site) = table.site(name) else {
+                self.refuse_unknown_name(element, "site", name);
                 return None;
             };
             return Some(Transmission::Frame { frame: site.frame.clone(), gear });
         }
         if ["body", "cranksite"].iter().any(|word| self.text(element, word).is_some()) {
-            self.ignored_physics(
+            self.report_ignored_physics(
                 element,
                 "an actuator of a body or of a slider and crank is not in the model",
             );
         } else {
-            self.misplaced(element, "it acts on nothing: give it a joint, a tendon or a site");
+            self.refuse(element, "it has no target; give it a joint, a tendon or a site");
         }
         None
     }
 
-    /// The bounds of the joint or tendon that it acts on.
+    /// The limits of the joint or tendon that the actuator acts on.
     fn target_limits(
         &self,
         element: &Element,
-        places: &Places,
+        table: &ElementTable,
         robot: &RobotDescription,
         tendons: &HashMap<String, usize>,
     ) -> Option<Limits> {
-        let joint = self.text(element, "joint").and_then(|name| places.joint(name)).map(|joint| joint.limits);
+        let joint = self.text(element, "joint").and_then(|name| table.joint(name)).map(|joint| joint.limits);
         let tendon = self.text(element, "tendon").and_then(|name| tendons.get(name));
         joint.or_else(|| tendon.map(|&index| robot.tendons[index].limits))
     }
@@ -333,14 +339,14 @@ impl Reader<'_> {
                         "inheritrange: the bounds {} to {} of its activation are not in the model",
                         limits.lower, limits.upper
                     );
-                    self.ignored_physics(element, message);
+                    self.report_ignored_physics(element, message);
                 }
                 Some(limits) => {
                     let mean = 0.5 * (limits.upper + limits.lower);
                     let radius = 0.5 * (limits.upper - limits.lower) * settings.inherit_range;
                     control = Some([mean - radius, mean + radius]);
                 }
-                None => self.misplaced(element, "inheritrange: what it acts on has no range to take"),
+                None => self.refuse(element, "inheritrange: its joint or tendon has no range"),
             }
         }
         if let Some(range) = control {

@@ -1,7 +1,7 @@
-//! Free bodies whose frame is to be where their inertia is: `alignfree`, or `align` of a free joint.
+//! Aligns the frames of free bodies with their inertia: `alignfree`, or `align` of a free joint.
 
-use dynamics::{MassProperties, PrincipalInertia};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3};
+use robot_dynamics_description::{MassProperties, PrincipalInertia};
 
 use crate::body::Body;
 use crate::joint::Motion;
@@ -9,7 +9,8 @@ use crate::mass::Mass;
 use crate::reader::Reader;
 
 impl Reader<'_> {
-    /// Moves the frame of each free body without children to its centre of mass and principal axes, as MuJoCo names them.
+    /// Moves the frame of each free body without children to its centre of mass and principal axes, in
+    /// MuJoCo's order.
     pub(crate) fn align_free_bodies(&mut self, bodies: &mut [Body], masses: &mut [Mass]) {
         let mut has_children = vec![false; bodies.len()];
         for body in bodies.iter().skip(1) {
@@ -31,12 +32,12 @@ impl Reader<'_> {
             let turn = back.rotation.to_rotation_matrix();
             masses[index].properties = Some(properties.transformed(&turn, &back.translation.vector));
             let element = body.element.clone();
-            self.read(&element, "its frame is aligned with its inertia");
+            self.report_read(&element, "its frame is aligned with its inertia");
         }
     }
 }
 
-/// At the centre of mass along the principal axes, the largest moment first.
+/// The frame at the centre of mass along the principal axes, the largest moment first.
 fn principal_frame(body: &MassProperties) -> Isometry3<f64> {
     let PrincipalInertia { body_from_principal, .. } = body.principal();
     let axes = body_from_principal.matrix();

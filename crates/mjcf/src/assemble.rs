@@ -1,82 +1,83 @@
-//! From bodies to links and joints.
+//! Converts bodies to links and joints.
 //!
-//! A body with the joints j₁ … jₙ at the anchors p₁ … pₙ becomes a chain: each joint's frame sits at its anchor, the links
-//! between them have no mass, and the last one, shifted back by −pₙ, is the body. Its frame is so where the file has it.
+//! A body with the joints j₁ … jₙ at the anchors p₁ … pₙ becomes a chain of links. The frame of each joint is
+//! at its anchor, and the links between the joints have no mass. The last link is the body; a shift by −pₙ
+//! puts its frame where the file has it.
 
 use std::collections::HashMap;
 
-use multibody::{
+use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
+use robot_dynamics_description::{
     FrameDescription, JointDescription, JointKind, Limits, LinkDescription, PlacementSpring, Pose,
     RobotDescription,
 };
-use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
-use robot_xml::excerpt;
+use robot_dynamics_xml::excerpt;
 
 use crate::MjcfError;
 use crate::body::Body;
 use crate::joint::{Joint, Motion};
 use crate::mass::Mass;
 use crate::names::Names;
-use crate::option::Disabled;
+use crate::option::DisabledForces;
 use crate::orientation::pose;
 use crate::reader::Reader;
-use crate::simple_slides::weighed_by_mass;
+use crate::simple_slides::bodies_weighed_by_mass;
 use crate::tree::Id;
 
-/// What the file's names and numbers became.
+/// The links, joints and sites that the names of the file refer to.
 #[derive(Default)]
-pub(crate) struct Places {
-    /// For each body its link's name.
+pub(crate) struct ElementTable {
+    /// For each body the name of its link.
     pub(crate) links: Vec<String>,
-    /// The moving joints in MuJoCo's order: name, motion, and q in the file's pose.
-    pub(crate) joints: Vec<Placed>,
+    /// The moving joints in MuJoCo's order.
+    pub(crate) joints: Vec<JointEntry>,
     joint_of: HashMap<String, usize>,
-    sites: HashMap<String, PlacedSite>,
+    sites: HashMap<String, SiteEntry>,
 }
 
-impl Places {
-    /// The joint that the file names so.
-    pub(crate) fn joint(&self, name: &str) -> Option<&Placed> {
+impl ElementTable {
+    /// The joint of this name in the file.
+    pub(crate) fn joint(&self, name: &str) -> Option<&JointEntry> {
         self.joint_of.get(name).map(|&joint| &self.joints[joint])
     }
 
-    /// The site that the file names so.
-    pub(crate) fn site(&self, name: &str) -> Option<&PlacedSite> {
+    /// The site of this name in the file.
+    pub(crate) fn site(&self, name: &str) -> Option<&SiteEntry> {
         self.sites.get(name)
     }
 }
 
-/// A site of the file, by its frame in the robot.
-pub(crate) struct PlacedSite {
+/// A site of the file and its frame in the robot.
+pub(crate) struct SiteEntry {
     /// The frame's name.
     pub(crate) frame: String,
-    /// Which body it is on.
+    /// The index of its body.
     pub(crate) body: usize,
     pub(crate) body_from_site: Isometry3<f64>,
 }
 
-/// A joint of the file, by its name in the robot.
-pub(crate) struct Placed {
+/// A joint of the file and its name in the robot.
+pub(crate) struct JointEntry {
     pub(crate) name: String,
     /// The file's element.
     pub(crate) node: Id,
     pub(crate) motion: Motion,
-    /// q where the body is as the file places it: of a free joint x y z and x y z w.
+    /// q in the pose of the file; for a free joint x y z and the quaternion x y z w.
     pub(crate) initial: Vec<f64>,
-    /// Where its spring is relaxed, whether it has one or not.
+    /// The rest position of its spring, whether or not it has one.
     pub(crate) rest: f64,
     pub(crate) limits: Limits,
     /// `springdamper`.
     pub(crate) spring_damper: Option<[f64; 2]>,
 }
 
-/// Names under construction.
+/// A robot under construction.
 struct Assembly<'r> {
     robot: &'r mut RobotDescription,
     links: Names,
     joints: Names,
-    places: Places,
-    disabled: Disabled,
+    table: ElementTable,
+    disabled: DisabledForces,
 }
 
 impl Reader<'_> {
@@ -86,17 +87,17 @@ impl Reader<'_> {
         robot: &mut RobotDescription,
         bodies: &[Body],
         masses: &[Mass],
-        disabled: Disabled,
-    ) -> Places {
+        disabled: DisabledForces,
+    ) -> ElementTable {
         let mut assembly = Assembly {
             robot,
             links: Names::default(),
             joints: Names::default(),
-            places: Places::default(),
+            table: ElementTable::default(),
             disabled,
         };
-        self.take_names(bodies, &mut assembly);
-        let by_mass = weighed_by_mass(bodies, masses);
+        self.reserve_names(bodies, &mut assembly);
+        let by_mass = bodies_weighed_by_mass(bodies, masses);
         for (index, body) in bodies.iter().enumerate() {
             let link = self.link_name(index, body, &mut assembly);
             if index > 0 {
@@ -110,22 +111,19 @@ impl Reader<'_> {
             let mut description = LinkDescription::new(link.clone(), masses[index].properties);
             description.gravity_compensation = body.gravity_compensation;
             assembly.robot.links.push(description);
-            assembly.places.links.push(link);
+            assembly.table.links.push(link);
             if body.mocap {
-                self.defaulted(
-                    &body.element,
-                    "a mocap body, which a user moves: it stands where the file puts it",
-                );
+                self.report_default(&body.element, "a mocap body: it is fixed at its pose in the file");
             }
         }
         self.frames(bodies, &mut assembly);
-        let Assembly { places, .. } = assembly;
+        let Assembly { table, .. } = assembly;
         self.check_moved_mass(bodies, masses);
-        places
+        table
     }
 
-    /// The file's own names go before those that are made up; one used twice is an error.
-    fn take_names(&mut self, bodies: &[Body], assembly: &mut Assembly<'_>) {
+    /// Reserves the names of the file, before others are generated. A repeated name is an error.
+    fn reserve_names(&mut self, bodies: &[Body], assembly: &mut Assembly<'_>) {
         let mut lines = HashMap::new();
         let named = bodies.iter().flat_map(|body| {
             let own = core::iter::once(("body", body.name.as_str(), &body.element));
@@ -133,7 +131,7 @@ impl Reader<'_> {
         });
         for (what, name, element) in named.filter(|(_, name, _)| !name.is_empty()) {
             let taken = if what == "body" { &mut assembly.links } else { &mut assembly.joints };
-            if !taken.take(name) {
+            if !taken.reserve(name) {
                 let (line, place, name) = (element.line, element.place.clone(), excerpt(name));
                 let first = lines.get(&(what, name.clone())).copied().unwrap_or(1);
                 self.errors.push(MjcfError::DuplicateName { line, place, what, name, first });
@@ -146,56 +144,59 @@ impl Reader<'_> {
         if !body.name.is_empty() {
             return body.name.clone();
         }
-        let name = assembly.links.free(&format!("body_{index}"));
-        self.defaulted(&body.element, format!("no name: taken as {name:?}"));
+        let name = assembly.links.unique(&format!("body_{index}"));
+        self.report_default(&body.element, format!("no name: taken as {name:?}"));
         name
     }
 
-    /// What MuJoCo's equations have no meaning for.
+    /// Refuses combinations of joints that have no meaning in MJCF.
     fn check_joints(&mut self, body: &Body) {
         let is_free = |joint: &&Joint| joint.motion == Motion::Free;
         if let Some(free) = body.joints.iter().find(is_free) {
             if body.parent != 0 {
-                self.misplaced(
+                self.refuse(
                     &free.element,
-                    "a free joint is for a body in the world; use other joints inside a body",
+                    "a free joint is only supported for a child of the world; use other joints",
                 );
             } else if body.joints.len() > 1 {
-                self.misplaced(&free.element, "a free joint stands alone; remove the body's other joints");
+                self.refuse(
+                    &free.element,
+                    "a free joint must be the only joint of its body; remove the others",
+                );
             }
         }
-        let freedoms: usize = body.joints.iter().map(|joint| joint.motion.freedoms()).sum();
-        if freedoms > 6 && !body.joints.iter().any(|joint| is_free(&joint)) {
-            self.misplaced(
+        let dofs: usize = body.joints.iter().map(|joint| joint.motion.dof_count()).sum();
+        if dofs > 6 && !body.joints.iter().any(|joint| is_free(&joint)) {
+            self.refuse(
                 &body.element,
-                format!("its joints have {freedoms} freedoms; a body has at most six"),
+                format!("its joints have {dofs} degrees of freedom; a body has at most six"),
             );
         }
         if body.mocap && !body.joints.is_empty() {
-            self.misplaced(&body.element, "a mocap body has no joints: remove them, or mocap");
+            self.refuse(&body.element, "a mocap body cannot have joints; remove them, or mocap");
         }
     }
 
-    /// The joints of a body, one after the other, the last one moving the body's own link.
+    /// Adds the joints of a body as a chain; the last joint moves the link of the body.
     fn chain(&mut self, body: &Body, link: &str, assembly: &mut Assembly<'_>) {
-        let mut parent = assembly.places.links[body.parent].clone();
+        let mut parent = assembly.table.links[body.parent].clone();
         let mut parent_from_here = body.parent_from_body;
         for (at, joint) in body.joints.iter().enumerate() {
             let is_last = at + 1 == body.joints.len();
-            // A slide has no use for its anchor, and a free joint none.
+            // The anchor has no effect for a slide or a free joint.
             let turns = matches!(joint.motion, Motion::Hinge | Motion::Ball);
             let anchor = if turns { joint.anchor } else { Vector3::zeros() };
             let name = self.joint_name(joint, link, assembly);
             let child = if is_last && anchor == Vector3::zeros() {
                 link.to_owned()
             } else {
-                assembly.links.free(&format!("{link}/{name}"))
+                assembly.links.unique(&format!("{link}/{name}"))
             };
             let parent_from_joint = match joint.motion {
                 Motion::Free => Isometry3::identity(),
-                _ => parent_from_here * Translation3::from(anchor) * back_by(joint),
+                _ => parent_from_here * Translation3::from(anchor) * to_zero_position(joint),
             };
-            let initial = initial(joint, &body.parent_from_body);
+            let initial = initial_position(joint, &body.parent_from_body);
             let mut description =
                 JointDescription::new(name.clone(), kind(joint), &parent, &child, pose(&parent_from_joint));
             description.limits = joint.limits;
@@ -218,9 +219,9 @@ impl Reader<'_> {
             assembly.robot.joints.push(description);
             let Joint { motion, limits, spring_damper, passive, .. } = joint;
             let (motion, limits, spring_damper, rest) = (*motion, *limits, *spring_damper, passive.rest);
-            let index = assembly.places.joints.len();
-            assembly.places.joint_of.entry(joint.name.clone()).or_insert(index);
-            assembly.places.joints.push(Placed {
+            let index = assembly.table.joints.len();
+            assembly.table.joint_of.entry(joint.name.clone()).or_insert(index);
+            assembly.table.joints.push(JointEntry {
                 name,
                 node: joint.element.node,
                 motion,
@@ -229,7 +230,10 @@ impl Reader<'_> {
                 limits,
                 spring_damper,
             });
-            self.read(&joint.element, format!("{} joint of body {:?}", joint.motion.word(), excerpt(link)));
+            self.report_read(
+                &joint.element,
+                format!("{} joint of body {:?}", joint.motion.word(), excerpt(link)),
+            );
             if child != link {
                 assembly.robot.links.push(LinkDescription::new(child.clone(), None));
             }
@@ -237,7 +241,7 @@ impl Reader<'_> {
             parent_from_here = Isometry3::from(Translation3::from(-anchor));
         }
         if parent != link {
-            let name = assembly.joints.free(&format!("{link}_fixed"));
+            let name = assembly.joints.unique(&format!("{link}_fixed"));
             let place = pose(&parent_from_here);
             assembly.robot.joints.push(JointDescription::new(name, JointKind::Fixed, parent, link, place));
         }
@@ -247,31 +251,34 @@ impl Reader<'_> {
         if !joint.name.is_empty() {
             return joint.name.clone();
         }
-        let name = assembly.joints.free(&format!("{link}_{}", joint.motion.word()));
-        self.defaulted(&joint.element, format!("no name: taken as {name:?}"));
+        let name = assembly.joints.unique(&format!("{link}_{}", joint.motion.word()));
+        self.report_default(&joint.element, format!("no name: taken as {name:?}"));
         name
     }
 
-    /// Sites with a name become frames; frames and links share their names here.
+    /// Adds the sites with a name as frames, which share a namespace with the links.
     fn frames(&mut self, bodies: &[Body], assembly: &mut Assembly<'_>) {
         for (index, body) in bodies.iter().enumerate() {
             for site in &body.sites {
-                let name = assembly.links.free(&site.name);
+                let name = assembly.links.unique(&site.name);
                 if name != site.name {
-                    self.defaulted(&site.element, format!("the name is taken: the site's frame is {name:?}"));
+                    self.report_default(
+                        &site.element,
+                        format!("the name is in use: the frame of the site is named {name:?}"),
+                    );
                 }
-                let link = assembly.places.links[index].clone();
+                let link = assembly.table.links[index].clone();
                 let place = pose(&site.body_from_site);
                 assembly.robot.frames.push(FrameDescription::new(name.clone(), link, place));
-                let placed = PlacedSite { frame: name, body: index, body_from_site: site.body_from_site };
-                assembly.places.sites.entry(site.name.clone()).or_insert(placed);
+                let placed = SiteEntry { frame: name, body: index, body_from_site: site.body_from_site };
+                assembly.table.sites.entry(site.name.clone()).or_insert(placed);
             }
         }
     }
 
-    /// MuJoCo refuses a body that moves without mass; here it loads, with a warning.
+    /// Warns of bodies that move without mass, which MuJoCo refuses.
     fn check_moved_mass(&mut self, bodies: &[Body], masses: &[Mass]) {
-        // Mass of the body, or of one fixed to it.
+        // Whether the body, or a body fixed to it, has mass.
         let mut has_mass: Vec<bool> = masses.iter().map(|mass| mass.properties.is_some()).collect();
         for (index, body) in bodies.iter().enumerate().skip(1).rev() {
             if body.joints.is_empty() {
@@ -280,9 +287,9 @@ impl Reader<'_> {
         }
         for (body, _) in bodies.iter().zip(has_mass).filter(|(_, has_mass)| !has_mass) {
             if !body.joints.is_empty() {
-                let message = "it moves, but neither it nor what is fixed to it has mass, which MuJoCo refuses: the mass matrix \
+                let message = "it moves, but neither it nor a body fixed to it has mass, which MuJoCo refuses: the mass matrix \
                                may be singular; give it an <inertial> or a geom";
-                self.as_written(&body.element, message);
+                self.warn(&body.element, message);
             }
         }
     }
@@ -299,8 +306,8 @@ fn kind(joint: &Joint) -> JointKind {
     }
 }
 
-/// From where the joint is at q = `ref`, which is where the file places the body, to where it is at q = 0.
-fn back_by(joint: &Joint) -> Isometry3<f64> {
+/// The transform from the placement in the file, which is that of q = `ref`, to that of q = 0.
+fn to_zero_position(joint: &Joint) -> Isometry3<f64> {
     match joint.motion {
         Motion::Hinge => {
             let axis = Unit::new_unchecked(joint.axis);
@@ -314,7 +321,7 @@ fn back_by(joint: &Joint) -> Isometry3<f64> {
     }
 }
 
-/// The spring of a ball or free joint; it rests where the file places the body.
+/// The spring of a ball or free joint, which is at rest in the pose of the file.
 pub(crate) fn placement_spring(
     joint: &Joint,
     stiffness: f64,
@@ -322,13 +329,13 @@ pub(crate) fn placement_spring(
 ) -> Option<PlacementSpring> {
     let rest = if joint.motion == Motion::Free { pose(parent_from_body) } else { Pose::IDENTITY };
     let has_one = stiffness != 0.0 && matches!(joint.motion, Motion::Ball | Motion::Free);
-    // A higher term of a free joint's spring has the same rest.
+    // The higher terms of a free joint's spring have the same rest.
     let has_higher = joint.motion == Motion::Free && joint.higher_terms.stiffness != [0.0; 2];
     (has_one || has_higher).then_some(PlacementSpring { stiffness, rest })
 }
 
-/// q in the file's own pose.
-fn initial(joint: &Joint, parent_from_body: &Isometry3<f64>) -> Vec<f64> {
+/// q in the pose of the file.
+fn initial_position(joint: &Joint, parent_from_body: &Isometry3<f64>) -> Vec<f64> {
     match joint.motion {
         Motion::Hinge | Motion::Slide => vec![joint.reference],
         Motion::Ball => vec![0.0, 0.0, 0.0, 1.0],

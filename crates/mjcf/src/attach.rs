@@ -1,43 +1,44 @@
-//! `<attach>`: parts of other files, or of this one, in new places under new names; and what replicates make of elements that name
-//! what is in them.
+//! `<attach>`: copies parts of other files, or of the same file, under new names. This module also copies the
+//! elements outside bodies that refer to replicated bodies.
 //!
-//! As in MuJoCo each is done where it stands, in the file's order: the part is copied with a prefix before every name, and with it each
-//! equality and actuator of its file that names nothing but what is there then, and each tendon and excluded pair that names some of it.
+//! As in MuJoCo the attachments are made in the order of the file. Every name in a copied part gets a prefix.
+//! The equalities, actuators and sensors of the attached file are copied if all names in them exist by then.
+//! Tendons and contact pairs are copied if at least one of their names exists.
 
 mod copies;
 
 use std::collections::{HashMap, HashSet};
 
-use robot_xml::excerpt;
+use robot_dynamics_xml::excerpt;
 
 use crate::MjcfError;
-use crate::renaming::{MOST, OUTER, Renaming, Sort, asset_name, names_in, of_element};
+use crate::renaming::{COPY_LIMIT, OUTER_SECTIONS, ObjectKind, Renaming, asset_name, names_in, of_element};
 use crate::source::{Source, in_file_place};
 use crate::tree::{Id, Node, Origin, Tree};
 
-/// Bodies and frames by name, with the class that stands around each.
-type Parts = HashMap<(Sort, String), (Id, Option<String>)>;
+/// Bodies and frames by name, with the `childclass` that applies to each.
+type Parts = HashMap<(ObjectKind, String), (Id, Option<String>)>;
 
-/// One model whose attachments are being made.
-struct Growth<'s> {
+/// The expansion of all attachments in one model.
+struct Expansion<'s> {
     source: &'s mut Source,
     root: Id,
-    /// The roots of the models that `<asset>` names.
+    /// The roots of the models in `<asset>`, by name.
     assets: HashMap<String, Id>,
-    /// What is there so far.
-    names: HashSet<(Sort, String)>,
-    /// Bodies and frames so far, with the class that stands around each.
+    /// The names that exist so far.
+    names: HashSet<(ObjectKind, String)>,
+    /// The bodies and frames that exist so far.
     parts: Parts,
-    /// Those that are being walked through.
-    open: HashSet<Id>,
-    /// Of each replicate that is being walked through, what is in it.
-    inside: Vec<Vec<(Sort, String)>>,
-    /// The parts of each model that was attached from, as `parts`.
+    /// The bodies, frames and replicates around the current element.
+    ancestors: HashSet<Id>,
+    /// For each replicate around the current element the names in it.
+    replicate_names: Vec<Vec<(ObjectKind, String)>>,
+    /// The bodies and frames of each attached model.
     parts_of: HashMap<Id, Parts>,
-    /// What each model's classes are called here, by prefix.
+    /// The new names of the classes of each attached model, by prefix.
     classes: HashMap<(Id, String), HashMap<String, String>>,
     class_names: HashSet<String>,
-    /// Meshes and other assets that are there, by sort and name.
+    /// The meshes and other assets that exist, by kind and name.
     asset_names: HashSet<(String, String)>,
 }
 
@@ -47,28 +48,28 @@ enum Step {
 }
 
 impl Source {
-    /// Makes all attachments of the model with this root, those of the models it names first.
+    /// Expands all attachments in the model with this root, after those in the models that it names.
     pub(crate) fn attach(&mut self, root: Id) {
-        let mut growth = Growth {
+        let mut expansion = Expansion {
             source: self,
             root,
             assets: HashMap::new(),
             names: HashSet::from([("body", "world".to_owned())]),
             parts: HashMap::new(),
-            open: HashSet::new(),
-            inside: Vec::new(),
+            ancestors: HashSet::new(),
+            replicate_names: Vec::new(),
             parts_of: HashMap::new(),
             classes: HashMap::new(),
             class_names: HashSet::new(),
             asset_names: HashSet::new(),
         };
-        growth.read_models();
-        growth.list_outer_names();
-        growth.walk();
+        expansion.read_models();
+        expansion.list_outer_names();
+        expansion.walk();
     }
 }
 
-impl Growth<'_> {
+impl Expansion<'_> {
     fn tree(&self) -> &Tree {
         &self.source.tree
     }
@@ -83,12 +84,12 @@ impl Growth<'_> {
         self.source.errors.push(MjcfError::Misplaced { line, place, reason: reason.into() });
     }
 
-    fn unknown(&mut self, id: Id, what: &'static str, name: &str) {
+    fn refuse_unknown_name(&mut self, id: Id, what: &'static str, name: &str) {
         let (line, place) = self.place(id);
         self.source.errors.push(MjcfError::UnknownName { line, place, what, name: excerpt(name) });
     }
 
-    /// `<asset>/<model>`: each is read with what it attaches itself.
+    /// Reads the models of `<asset>/<model>` and expands their attachments.
     fn read_models(&mut self) {
         for id in self.tree().in_sections_of(self.root, "asset") {
             if self.tree().nodes[id].name != "model" {
@@ -101,10 +102,10 @@ impl Growth<'_> {
         }
     }
 
-    /// Names outside bodies, which the format reads before them.
+    /// Collects the names outside bodies, which MuJoCo reads before the bodies.
     fn list_outer_names(&mut self) {
         let tree = &self.source.tree;
-        for section in OUTER {
+        for section in OUTER_SECTIONS {
             for id in tree.in_sections_of(self.root, section) {
                 self.names.extend(of_element(&tree.nodes[id], section));
             }
@@ -121,7 +122,7 @@ impl Growth<'_> {
         self.class_names.insert("main".into());
     }
 
-    /// Through all bodies in the file's order.
+    /// Visits all bodies in the order of the file.
     fn walk(&mut self) {
         let sections: Vec<Id> = self.tree().children(self.root, "worldbody").collect();
         let mut pending: Vec<Step> = Vec::new();
@@ -129,7 +130,7 @@ impl Growth<'_> {
             pending.extend(self.tree().nodes[section].children.iter().rev().map(|&id| Step::Enter(id, None)));
         }
         while let Some(step) = pending.pop() {
-            if self.source.copied > MOST {
+            if self.source.copied > COPY_LIMIT {
                 return;
             }
             match step {
@@ -141,23 +142,23 @@ impl Growth<'_> {
                         self.attach(id);
                         continue;
                     }
-                    if let Some((sort, own)) = of_element(node, "worldbody") {
-                        self.enter((sort, own.clone()));
-                        if matches!(sort, "body" | "frame") {
-                            self.parts.insert((sort, own), (id, class.clone()));
+                    if let Some((kind, own)) = of_element(node, "worldbody") {
+                        self.enter((kind, own.clone()));
+                        if matches!(kind, "body" | "frame") {
+                            self.parts.insert((kind, own), (id, class.clone()));
                         }
                     }
                     if matches!(name.as_str(), "body" | "frame" | "replicate") {
-                        self.open.insert(id);
+                        self.ancestors.insert(id);
                         if name == "replicate" {
-                            self.inside.push(Vec::new());
+                            self.replicate_names.push(Vec::new());
                         }
                         pending.push(Step::Leave(id));
                         pending.extend(children.into_iter().rev().map(|id| Step::Enter(id, inner.clone())));
                     }
                 }
                 Step::Leave(id) => {
-                    self.open.remove(&id);
+                    self.ancestors.remove(&id);
                     if self.tree().nodes[id].name == "replicate" {
                         self.replicate(id);
                     }
@@ -166,14 +167,14 @@ impl Growth<'_> {
         }
     }
 
-    fn enter(&mut self, name: (Sort, String)) {
-        if let Some(inside) = self.inside.last_mut() {
+    fn enter(&mut self, name: (ObjectKind, String)) {
+        if let Some(inside) = self.replicate_names.last_mut() {
             inside.push(name.clone());
         }
         self.names.insert(name);
     }
 
-    /// What an `<attach>` says, done in its place: it becomes a frame.
+    /// Replaces an `<attach>` by a frame that contains the copied part.
     fn attach(&mut self, id: Id) {
         let attribute = |name| self.tree().nodes[id].attribute(name).map(str::to_owned);
         let [model, body, frame, prefix] = ["model", "body", "frame", "prefix"].map(attribute);
@@ -192,7 +193,7 @@ impl Growth<'_> {
         let child = match &model {
             Some(model) => match self.assets.get(model) {
                 Some(&child) => child,
-                None => return self.unknown(id, "model in <asset>", model),
+                None => return self.refuse_unknown_name(id, "model in <asset>", model),
             },
             None if part.is_none() => {
                 return self.refuse(id, "give it a model, or a body or a frame of this file");
@@ -205,8 +206,8 @@ impl Growth<'_> {
                 let sections = tree.children(child, "worldbody");
                 (sections.flat_map(|id| tree.nodes[id].children.clone()).collect(), None)
             }
-            Some((sort, name)) => {
-                let key = (sort, name.clone());
+            Some((kind, name)) => {
+                let key = (kind, name.clone());
                 let found = if child == self.root {
                     self.parts.get(&key).cloned()
                 } else {
@@ -215,21 +216,20 @@ impl Growth<'_> {
                     parts.get(&key).cloned()
                 };
                 let Some((found, around)) = found else {
-                    let what = if sort == "body" { "body to be attached" } else { "frame to be attached" };
-                    return self.unknown(id, what, &name);
+                    let what = if kind == "body" { "body to be attached" } else { "frame to be attached" };
+                    return self.refuse_unknown_name(id, what, &name);
                 };
-                if self.open.contains(&found) {
-                    return self
-                        .refuse(id, format!("it is in the {sort} {name:?} that it attaches, without end"));
+                if self.ancestors.contains(&found) {
+                    return self.refuse(id, format!("it attaches the {kind} {name:?} that contains it"));
                 }
-                if self.names.contains(&(sort, format!("{prefix}{name}"))) {
-                    let reason = format!("there is a {sort} {prefix}{name} already; give it another prefix");
+                if self.names.contains(&(kind, format!("{prefix}{name}"))) {
+                    let reason = format!("the {kind} {prefix}{name} already exists; use another prefix");
                     return self.refuse(id, reason);
                 }
                 (vec![found], around)
             }
         };
-        self.source.tree.grown = true;
+        self.source.tree.has_copies = true;
         let external = child != self.root;
         let is_first = external && !self.classes.contains_key(&(child, prefix.clone()));
         if is_first {
@@ -237,7 +237,7 @@ impl Growth<'_> {
         }
         let classes = self.classes.get(&(child, prefix.clone())).cloned();
         let renaming = Renaming { prefix: &prefix, classes: classes.as_ref(), ..Renaming::default() };
-        // Classes are those where the part was, and not those where it goes.
+        // The classes are those of the original place of the part.
         let childclass = renaming.class(around.as_deref().unwrap_or("main"));
         let mut copies = HashMap::new();
         let children: Vec<Id> =
@@ -252,7 +252,7 @@ impl Growth<'_> {
         node.attributes = vec![("childclass".into(), childclass)];
         node.children = children;
         let mut actuators = Vec::new();
-        for section in OUTER {
+        for section in OUTER_SECTIONS {
             let elements = self.tree().in_sections_of(child, section);
             let copies = self.copy_outer(section, &elements, &renaming);
             if section == "actuator" {
@@ -264,7 +264,8 @@ impl Growth<'_> {
         }
     }
 
-    /// Poses of the model itself, not those that it has from others; `copies` is what was attached to the frame.
+    /// Copies the keyframes of a model, but not those of models that it attaches. `copies` maps the elements
+    /// of the model to those in the frame.
     fn attach_poses(
         &mut self,
         frame: Id,
@@ -276,8 +277,8 @@ impl Growth<'_> {
         let is_own = |key: &Id| self.source.tree.nodes[*key].scope.is_none();
         let others: Vec<Id> = keys.iter().copied().filter(|key| !is_own(key)).collect();
         keys.retain(is_own);
-        let why = "a pose of a model that an attached model attaches: not read";
-        self.source.tree.left.extend(others.into_iter().map(|key| (key, why)));
+        let why = "a keyframe of a model that an attached model attaches: not read";
+        self.source.tree.omissions.extend(others.into_iter().map(|key| (key, why)));
         if keys.is_empty() {
             return;
         }
@@ -289,7 +290,7 @@ impl Growth<'_> {
             let mut all = HashMap::new();
             let children = world.iter().filter_map(|&from| self.copy(from, renaming, &mut all)).collect();
             let class = ("childclass".to_owned(), renaming.class("main"));
-            let node = Node { attributes: vec![class], children, ..self.tree().nodes[frame].bare() };
+            let node = Node { attributes: vec![class], children, ..self.tree().nodes[frame].empty_copy() };
             whole = self.source.tree.push(node);
             attached = all.into_iter().filter_map(|(own, copy)| Some((copy, copies.remove(&own)?))).collect();
         }
@@ -300,9 +301,9 @@ impl Growth<'_> {
         }
     }
 
-    /// Defaults and assets of a model, under the prefix.
+    /// Copies the defaults and assets of a model, with the prefix.
     fn attach_classes_and_assets(&mut self, id: Id, child: Id, prefix: &str) {
-        // A class of a name that is taken gets one that no file has.
+        // A class whose name is in use gets a name that no file has.
         let tree = &self.source.tree;
         let mut pending: Vec<Id> = tree.children(child, "default").collect();
         let mut own = vec!["main".to_owned()];
@@ -320,15 +321,15 @@ impl Growth<'_> {
         }
         let renaming = Renaming { prefix, classes: Some(&classes), ..Renaming::default() };
         let mut sections: Vec<Id> = self.tree().children(child, "default").collect();
-        // The outermost class, also where the model says nothing of it.
+        // The outermost class exists even if the model has no <default>.
         let main = ("class".to_owned(), renaming.class("main"));
-        let empty = Node { name: "default".into(), ..self.tree().nodes[child].bare() };
+        let empty = Node { name: "default".into(), ..self.tree().nodes[child].empty_copy() };
         let model = empty.model;
         sections.insert(0, self.source.tree.push(empty));
         for section in sections {
             if let Some(copy) = self.copy(section, &renaming, &mut HashMap::new()) {
                 let node = &mut self.source.tree.nodes[copy];
-                // Those of models that it attaches have their own names.
+                // The sections of models that it attaches have class names of their own.
                 if node.model == model {
                     node.attributes.retain(|(name, _)| name != "class");
                     node.attributes.push(main.clone());
@@ -337,7 +338,7 @@ impl Growth<'_> {
             }
         }
         let assets = self.tree().in_sections_of(child, "asset");
-        let section = Node { name: "asset".into(), ..self.tree().nodes[child].bare() };
+        let section = Node { name: "asset".into(), ..self.tree().nodes[child].empty_copy() };
         let section = self.source.tree.push(section);
         for asset in
             assets.into_iter().filter(|&asset| self.tree().nodes[asset].name != "model").collect::<Vec<_>>()
@@ -349,7 +350,7 @@ impl Growth<'_> {
                 && !self.asset_names.insert(key.clone())
             {
                 let reason =
-                    format!("there is a {} {:?} already; give it another prefix", key.0, excerpt(&key.1));
+                    format!("the {} {:?} already exists; use another prefix", key.0, excerpt(&key.1));
                 self.refuse(id, reason);
             }
             self.source.tree.nodes[section].children.push(copy);
@@ -359,17 +360,17 @@ impl Growth<'_> {
     }
 }
 
-/// All bodies and frames of a model by name, with the class around each.
+/// All bodies and frames of a model by name, with the `childclass` that applies to each.
 fn parts_of(tree: &Tree, root: Id) -> Parts {
     let mut parts = HashMap::new();
     let mut pending: Vec<(Id, Option<String>)> =
         tree.children(root, "worldbody").map(|section| (section, None)).collect();
     while let Some((id, class)) = pending.pop() {
         let node = &tree.nodes[id];
-        if let Some((sort, name)) =
-            of_element(node, "worldbody").filter(|(sort, _)| matches!(*sort, "body" | "frame"))
+        if let Some((kind, name)) =
+            of_element(node, "worldbody").filter(|(kind, _)| matches!(*kind, "body" | "frame"))
         {
-            parts.insert((sort, name), (id, class.clone()));
+            parts.insert((kind, name), (id, class.clone()));
         }
         let class = node.attribute("childclass").map(str::to_owned).or(class);
         pending.extend(node.children.iter().map(|&child| (child, class.clone())));

@@ -1,20 +1,21 @@
-//! Attributes of an element and of the defaults behind it, each complaint with line and place.
+//! Reads the attributes of an element and of its defaults. Every error gives line and place.
 //!
-//! A value that cannot be read is listed as an error, and the walk goes on, so that all of a file's errors are found
-//! at once; NaN stands in for it and silences what would only follow from it. A file with an error is refused, so
-//! no stand-in reaches a robot.
+//! A value that cannot be read is listed as an error and replaced by NaN, and reading continues, so that one
+//! pass finds all errors of a file. NaN suppresses errors that would only follow from the first one. A file
+//! with an error is refused, so no replacement value reaches a robot.
 
-use robot_xml::excerpt;
+use robot_dynamics_xml::excerpt;
 
 use crate::MjcfError;
 use crate::reader::{Element, Reader};
 use crate::tree::Id;
 
-/// Larger numbers are no length, mass, inertia or force in SI units, and their products overflow.
-const BIGGEST: f64 = 1e30;
+/// Larger numbers are refused: they cannot be lengths, masses, inertias or forces in SI units, and their
+/// products overflow.
+const LARGEST_NUMBER: f64 = 1e30;
 
 impl<'a> Reader<'a> {
-    /// The attribute's text, and where it is: in the element, or else in the innermost of its defaults.
+    /// The attribute's text and its node: the element, or the innermost default that has the attribute.
     pub(crate) fn text_at(&self, element: &Element, attribute: &str) -> Option<(&'a str, Id)> {
         let mut nodes = element.defaults.iter().copied().chain([element.node]).rev();
         nodes.find_map(|node| Some((self.tree.nodes[node].attribute(attribute)?, node)))
@@ -25,7 +26,7 @@ impl<'a> Reader<'a> {
         self.text_at(element, attribute).map(|(text, _)| text)
     }
 
-    /// The attribute's text, which must be there and not be blank.
+    /// The text of a required attribute, which must not be blank.
     pub(crate) fn required_text(
         &mut self,
         element: &Element,
@@ -41,11 +42,11 @@ impl<'a> Reader<'a> {
     }
 
     /// `true` or `false`.
-    pub(crate) fn truth(&mut self, element: &Element, attribute: &str) -> Option<bool> {
+    pub(crate) fn boolean(&mut self, element: &Element, attribute: &str) -> Option<bool> {
         self.word(element, attribute, &["false", "true"]).map(|word| word == "true")
     }
 
-    /// One of these words.
+    /// One of the known words.
     pub(crate) fn word(&mut self, element: &Element, attribute: &str, known: &[&'a str]) -> Option<&'a str> {
         let (text, node) = self.text_at(element, attribute)?;
         let found = known.contains(&text.trim());
@@ -67,7 +68,7 @@ impl<'a> Reader<'a> {
         self.numbers::<1>(element, attribute).map(|[value]| value)
     }
 
-    /// A number that must be there.
+    /// A required number.
     pub(crate) fn required_number(&mut self, element: &Element, attribute: &'static str) -> f64 {
         self.required_text(element, attribute, "NUMBER");
         self.number(element, attribute).unwrap_or(f64::NAN)
@@ -84,19 +85,20 @@ impl<'a> Reader<'a> {
         Some(value)
     }
 
-    /// `N` numbers between white space.
+    /// `N` numbers separated by white space.
     pub(crate) fn numbers<const N: usize>(&mut self, element: &Element, attribute: &str) -> Option<[f64; N]> {
         let (text, node) = self.text_at(element, attribute)?;
         let mut values = [f64::NAN; N];
         match self.list(text, attribute, node) {
             Some(list) if list.len() == N => values.copy_from_slice(&list),
-            Some(list) => self.wrong_count(attribute, text, node, N.to_string(), list.len()),
+            Some(list) => self.refuse_count(attribute, text, node, N.to_string(), list.len()),
             None => {}
         }
         Some(values)
     }
 
-    /// Up to `N` numbers, over those of the outer defaults, over these: an element with fewer numbers keeps the rest.
+    /// Up to `N` numbers that replace the first of `values`. The defaults are applied before the element, the
+    /// outermost first.
     pub(crate) fn overlay<const N: usize>(
         &mut self,
         element: &Element,
@@ -109,7 +111,7 @@ impl<'a> Reader<'a> {
             match self.list(text, attribute, node) {
                 Some(list) if list.len() <= N => values[..list.len()].copy_from_slice(&list),
                 Some(list) => {
-                    self.wrong_count(attribute, text, node, format!("at most {N}"), list.len());
+                    self.refuse_count(attribute, text, node, format!("at most {N}"), list.len());
                 }
                 None => values = [f64::NAN; N],
             }
@@ -123,7 +125,7 @@ impl<'a> Reader<'a> {
         self.list(text, attribute, node)
     }
 
-    pub(crate) fn wrong_count(
+    pub(crate) fn refuse_count(
         &mut self,
         attribute: &str,
         text: &str,
@@ -136,19 +138,19 @@ impl<'a> Reader<'a> {
         self.errors.push(MjcfError::WrongCount { line, place, attribute, text, expected, found });
     }
 
-    /// The numbers in a text; `None`, with an error, where one is none.
+    /// The numbers in a text; `None`, with an error, if a word is not a valid number.
     fn list(&mut self, text: &str, attribute: &str, node: Id) -> Option<Vec<f64>> {
         let mut values = Vec::new();
         for word in text.split_ascii_whitespace() {
             match word.parse::<f64>() {
-                Ok(value) if value.abs() <= BIGGEST => values.push(value),
+                Ok(value) if value.abs() <= LARGEST_NUMBER => values.push(value),
                 outcome => {
                     let (line, place) = (self.tree.nodes[node].line, self.place(node));
                     let (attribute, text) = (attribute.to_owned(), excerpt(text));
                     self.errors.push(match outcome {
                         Err(_) if word.contains(',') => {
                             let advice =
-                                "; it has a comma: write a decimal point, and white space between numbers";
+                                "; it has a comma: use decimal points, and white space between numbers";
                             MjcfError::NotANumber { line, place, attribute, text, advice }
                         }
                         Err(_) => MjcfError::NotANumber { line, place, attribute, text, advice: "" },

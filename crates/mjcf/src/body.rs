@@ -1,4 +1,4 @@
-//! A body as the file has it, before it becomes a link with joints.
+//! A body of the file, before it becomes a link with joints.
 
 use nalgebra::Isometry3;
 
@@ -7,26 +7,26 @@ use crate::inertial::Inertial;
 use crate::joint::Joint;
 use crate::reader::Element;
 
-/// A `<body>`; the first of all is the world.
+/// A `<body>`; the first body is the world.
 pub(crate) struct Body {
-    /// With the suffixes of the replicates around it; empty for one without a name.
+    /// The name with the suffixes of the replicates around it; empty for a body without a name.
     pub(crate) name: String,
     pub(crate) element: Element,
-    /// Index of the body it is in; of the world its own.
+    /// The index of its parent; the world is its own parent.
     pub(crate) parent: usize,
     pub(crate) parent_from_body: Isometry3<f64>,
     pub(crate) inertial: Option<Box<Inertial>>,
     pub(crate) joints: Vec<Joint>,
     pub(crate) geoms: Vec<Geom>,
     pub(crate) sites: Vec<Site>,
-    /// How much of its weight is carried for it.
+    /// The fraction of its weight that is compensated.
     pub(crate) gravity_compensation: f64,
-    /// Whether a user moves it.
+    /// Whether it is a mocap body.
     pub(crate) mocap: bool,
 }
 
 impl Body {
-    /// A body of which nothing is known yet but its place.
+    /// A body at a placement, without joints, geoms and sites.
     pub(crate) fn new(
         name: String,
         element: Element,

@@ -1,24 +1,25 @@
-//! `<default>`: what an element of a class takes where it leaves something out.
+//! Reads `<default>`: the default attributes of each class.
 
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use robot_xml::excerpt;
+use robot_dynamics_xml::excerpt;
 
 use crate::MjcfError;
 use crate::reader::Reader;
 use crate::tree::{Id, Tree};
 
-/// Which class.
+/// The index of a class.
 pub(crate) type Class = usize;
 
-/// The outermost class, `main`, which everything takes after.
+/// The outermost class, `main`, from which all classes of the main file inherit.
 pub(crate) const MAIN: Class = 0;
 
-/// The most default elements that may stand behind one element: each is looked into for each attribute.
-const MOST: usize = 100;
+/// The largest number of default elements that apply to one element. Every attribute is looked up in each of
+/// them.
+const DEFAULTS_LIMIT: usize = 100;
 
-/// Elements of actuators; a class has one actuator, which each of them writes to.
+/// The elements of actuators. They all set the one default actuator of a class.
 pub(crate) const ACTUATORS: [&str; 14] = [
     "general",
     "motor",
@@ -36,16 +37,17 @@ pub(crate) const ACTUATORS: [&str; 14] = [
     "actuator",
 ];
 
-/// All classes with their elements.
+/// All classes with their default elements.
 #[derive(Default)]
 pub(crate) struct Classes {
     names: HashMap<String, Class>,
-    /// For each class and sort of element: the default elements from the outermost class to this one.
+    /// For each class and kind of element the default elements, from the outermost class to this one.
     chains: Vec<HashMap<&'static str, Rc<[Id]>>>,
 }
 
-/// The sort of default that an element takes: all actuators share one, and so do tendons and equalities.
-fn sort(name: &str) -> Option<&'static str> {
+/// The kind of default that applies to an element. All actuators share one kind, as do tendons and
+/// equalities.
+fn default_kind(name: &str) -> Option<&'static str> {
     match name {
         "joint" => Some("joint"),
         "geom" => Some("geom"),
@@ -62,18 +64,18 @@ fn sort(name: &str) -> Option<&'static str> {
 
 impl Classes {
     /// The class of this name.
-    pub(crate) fn named(&self, name: &str) -> Option<Class> {
+    pub(crate) fn find(&self, name: &str) -> Option<Class> {
         self.names.get(name).copied()
     }
 
-    /// The default elements behind an element of this name, the outermost class first.
+    /// The default elements that apply to an element of this name, the outermost class first.
     pub(crate) fn defaults(&self, class: Class, element: &str) -> Rc<[Id]> {
-        sort(element).map_or_else(|| Rc::from([]), |sort| self.of_sort(class, sort))
+        default_kind(element).map_or_else(|| Rc::from([]), |kind| self.of_kind(class, kind))
     }
 
-    /// The default elements of a sort.
-    pub(crate) fn of_sort(&self, class: Class, sort: &str) -> Rc<[Id]> {
-        self.chains.get(class).and_then(|chain| chain.get(sort)).cloned().unwrap_or_else(|| Rc::from([]))
+    /// The default elements of a kind.
+    pub(crate) fn of_kind(&self, class: Class, kind: &str) -> Rc<[Id]> {
+        self.chains.get(class).and_then(|chain| chain.get(kind)).cloned().unwrap_or_else(|| Rc::from([]))
     }
 }
 
@@ -89,17 +91,14 @@ impl Reader<'_> {
             let other =
                 node.attribute("class").filter(|name| !["", "main"].contains(name) && node.model == 0);
             if let Some(name) = other {
-                let element = self.plain(section);
-                self.as_written(
+                let element = self.raw_element(section);
+                self.warn(
                     &element,
-                    format!(
-                        "the outermost default class is `main`: {:?} is not taken as its name",
-                        excerpt(name)
-                    ),
+                    format!("the outermost default class is `main`: the name {:?} is ignored", excerpt(name)),
                 );
             }
             self.fill_class(section, main);
-            // Outer classes are complete before what is nested in them takes after them.
+            // An outer class is complete before nested classes inherit from it.
             let mut pending: Vec<(Id, Class)> = Vec::new();
             self.nested(section, main, &mut pending);
             while let Some((node, parent)) = pending.pop() {
@@ -111,10 +110,10 @@ impl Reader<'_> {
         }
     }
 
-    /// The outermost class of an attached model, which takes after no other.
+    /// The outermost class of an attached model, which inherits from no class.
     fn attached_main(&mut self, section: Id) -> Class {
         let name = self.tree.nodes[section].attribute("class").unwrap_or_default().to_owned();
-        if let Some(known) = self.classes.named(&name) {
+        if let Some(known) = self.classes.find(&name) {
             return known;
         }
         let class = self.classes.chains.len();
@@ -128,9 +127,9 @@ impl Reader<'_> {
         pending.extend(nested.into_iter().rev().map(|node| (node, class)));
     }
 
-    /// A class that takes after its parent.
+    /// Adds a class that inherits from its parent.
     fn add_class(&mut self, node: Id, parent: Class) -> Option<Class> {
-        let element = self.plain(node);
+        let element = self.raw_element(node);
         let (line, place) = (element.line, element.place.clone());
         let Some(name) = self.tree.nodes[node].attribute("class").filter(|name| !name.is_empty()) else {
             self.errors.push(MjcfError::MissingAttribute {
@@ -143,33 +142,36 @@ impl Reader<'_> {
         };
         let class = self.classes.chains.len();
         if self.classes.names.insert(name.to_owned(), class).is_some() {
-            self.misplaced(&element, "there is a default class of this name already; give each its own name");
+            self.refuse(&element, "a default class of this name already exists; give each its own name");
         }
         self.classes.chains.push(self.classes.chains[parent].clone());
         Some(class)
     }
 
-    /// Adds a `<default>`'s own elements to its class: at most one of a sort, as the format has it.
+    /// Adds the elements of a `<default>` to its class, at most one of each kind.
     fn fill_class(&mut self, section: Id, class: Class) {
-        let mut filled: Vec<&'static str> = Vec::new();
+        let mut kinds: Vec<&'static str> = Vec::new();
         for &child in &self.tree.nodes[section].children {
             let name = self.tree.nodes[child].name.as_str();
-            let Some(sort) = sort(name) else { continue };
-            // Actuators of several kinds fill one set of numbers, one after the other.
-            if filled.contains(&sort) && sort != "actuator" {
-                let element = self.plain(child);
-                self.as_written(&element, "a second one in this class; the first counts; delete one of them");
+            let Some(kind) = default_kind(name) else { continue };
+            // Several actuator elements set the same numbers, one after the other.
+            if kinds.contains(&kind) && kind != "actuator" {
+                let element = self.raw_element(child);
+                self.warn(
+                    &element,
+                    "a second default of this kind in the class; the first counts; delete one of them",
+                );
                 continue;
             }
-            filled.push(sort);
-            let chain = self.classes.chains[class].entry(sort).or_insert_with(|| Rc::from([]));
-            if chain.len() >= MOST {
+            kinds.push(kind);
+            let chain = self.classes.chains[class].entry(kind).or_insert_with(|| Rc::from([]));
+            if chain.len() >= DEFAULTS_LIMIT {
                 let (line, place) = (self.tree.nodes[child].line, self.place(child));
                 self.errors.push(MjcfError::TooMany {
                     line,
                     place,
                     what: "defaults of one element",
-                    limit: MOST,
+                    limit: DEFAULTS_LIMIT,
                 });
                 return;
             }

@@ -1,51 +1,51 @@
-//! `<compiler>`: how the rest of the file is to be understood.
+//! Reads `<compiler>`: the settings that the rest of the file depends on.
 
 use core::ops::RangeInclusive;
 
 use crate::reader::{Element, Reader};
 use crate::tree::Id;
 
-/// Where bodies' inertia comes from.
+/// The source of the inertia of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FromGeoms {
-    /// From `<inertial>` alone.
+    /// The inertia is that of `<inertial>`.
     Never,
-    /// From the geoms, whatever `<inertial>` says.
+    /// The inertia is that of the geoms, even with an `<inertial>`.
     Always,
-    /// From the geoms where there is no `<inertial>`.
+    /// The inertia is that of the geoms if there is no `<inertial>`.
     WhereMissing,
 }
 
-/// The settings, those of MuJoCo where the file says nothing.
+/// The settings; the defaults are those of MuJoCo.
 #[derive(Clone, Debug)]
 #[allow(clippy::struct_excessive_bools)] // one for each setting that is on or off
 pub(crate) struct Compiler {
-    /// Angles are in degrees, which is the format's default.
+    /// Whether angles are in degrees.
     pub(crate) degrees: bool,
-    /// The axes of Euler angles, in lower case about moving axes, in upper case about fixed ones.
+    /// The axes of Euler angles: moving axes in lower case, fixed axes in upper case.
     pub(crate) euler_sequence: [u8; 3],
-    /// A range makes a limit.
+    /// Whether a range implies a limit.
     pub(crate) auto_limits: bool,
     pub(crate) inertia_from_geoms: FromGeoms,
-    /// The groups of geoms that inertia is taken from.
+    /// The groups of geoms that contribute to the inertia.
     pub(crate) inertia_groups: RangeInclusive<i64>,
     /// The least mass of a body \[kg\].
     pub(crate) least_mass: f64,
     /// The least principal moment of a body \[kg·m²\].
     pub(crate) least_moment: f64,
-    /// Moments that break the triangle inequality become their mean.
+    /// Whether moments that violate the triangle inequality are replaced by their mean.
     pub(crate) balance_inertia: bool,
-    /// The mass that all bodies together are scaled to \[kg\]; zero or less for none.
+    /// The total mass to which all bodies are scaled \[kg\]; no scaling if it is not positive.
     pub(crate) total_mass: f64,
-    /// A free body without children has its frame where its centre of mass and principal axes are.
+    /// Whether the frame of a free body without children is moved to its centre of mass and principal axes.
     pub(crate) align_free: bool,
-    /// A primitive is fitted to the mesh's bounding box, not to its inertia.
+    /// Whether a primitive is fitted to the bounding box of a mesh instead of its inertia.
     pub(crate) fit_bounds: bool,
-    /// The folder of the mesh files, in that of the main file.
+    /// The folder of the mesh files, relative to the folder of the main file.
     pub(crate) mesh_folder: String,
     /// The folder of other files.
     pub(crate) asset_folder: String,
-    /// Only the last part of a mesh file's name counts.
+    /// Whether only the last part of the name of a mesh file counts.
     pub(crate) strip_path: bool,
 }
 
@@ -71,14 +71,14 @@ impl Default for Compiler {
 }
 
 impl Compiler {
-    /// An angle of the file \[rad\].
+    /// Converts an angle of the file to radians.
     pub(crate) fn angle(&self, angle: f64) -> f64 {
         if self.degrees { angle.to_radians() } else { angle }
     }
 }
 
 impl Reader<'_> {
-    /// Reads the settings of the main file and of each model that it attaches.
+    /// Reads the settings of the main file and of each attached model.
     pub(crate) fn read_compilers(&mut self) {
         for model in 0..self.tree.models.len() {
             let compiler = self.read_compiler(self.tree.models[model].root);
@@ -86,20 +86,20 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads all `<compiler>` elements of a file; what several of them say, the last one says.
+    /// Reads all `<compiler>` elements of a file. The last value of an attribute counts.
     fn read_compiler(&mut self, root: Id) -> Compiler {
         let mut compiler = Compiler::default();
         let mut asset_folder = None;
         let mut mesh_folder = None;
         for node in self.tree.children(root, "compiler").collect::<Vec<_>>() {
-            let element = self.plain(node);
+            let element = self.raw_element(node);
             if let Some(unit) = self.word(&element, "angle", &["radian", "degree"]) {
                 compiler.degrees = unit == "degree";
             }
             if self.word(&element, "coordinate", &["local", "global"]) == Some("global") {
-                self.misplaced(
+                self.refuse(
                     &element,
-                    "coordinate=\"global\" has gone from the format: load and save the file with MuJoCo 2.3.3 or older",
+                    "coordinate=\"global\" is not supported; convert the file with MuJoCo 2.3.3 or older",
                 );
             }
             if let Some(sequence) = self.text(&element, "eulerseq") {
@@ -128,7 +128,7 @@ impl Reader<'_> {
                 compiler.total_mass = mass;
             }
             let mut truth = |name, setting: fn(&mut Compiler) -> &mut bool| {
-                if let Some(value) = self.truth(&element, name) {
+                if let Some(value) = self.boolean(&element, name) {
                     *setting(&mut compiler) = value;
                 }
             };
@@ -139,7 +139,7 @@ impl Reader<'_> {
             truth("strippath", |compiler| &mut compiler.strip_path);
             asset_folder = self.text(&element, "assetdir").map(str::to_owned).or(asset_folder);
             mesh_folder = self.text(&element, "meshdir").map(str::to_owned).or(mesh_folder);
-            self.read(&element, "settings");
+            self.report_read(&element, "settings");
         }
         compiler.asset_folder = asset_folder.unwrap_or_default();
         compiler.mesh_folder = mesh_folder.unwrap_or_else(|| compiler.asset_folder.clone());
@@ -151,7 +151,7 @@ impl Reader<'_> {
             &[a, b, c] if [a, b, c].iter().all(|axis| b"xyzXYZ".contains(axis)) => {
                 compiler.euler_sequence = [a, b, c];
             }
-            _ => self.misplaced(element, "eulerseq is three letters of x, y, z, X, Y, Z"),
+            _ => self.refuse(element, "eulerseq must be three letters of x, y, z, X, Y, Z"),
         }
     }
 }

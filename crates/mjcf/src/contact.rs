@@ -1,32 +1,32 @@
-//! `<contact>`: bodies that never touch, and geoms that always may.
+//! Reads `<contact>`: excluded pairs of bodies, and explicit pairs of geoms.
 
 use std::collections::HashSet;
 
-use multibody::{ContactPairDescription, RobotDescription, Treatment};
+use robot_dynamics_description::{ContactPairDescription, Disposition, RobotDescription};
 
-use crate::assemble::Places;
+use crate::assemble::ElementTable;
 use crate::body::Body;
 use crate::classes::MAIN;
 use crate::reader::{Element, Reader};
 use crate::tree::Id;
 
 impl Reader<'_> {
-    /// Pairs of links by name.
-    pub(crate) fn exclusions(&mut self, bodies: &[Body], places: &Places, robot: &mut RobotDescription) {
+    /// Reads `<exclude>`: pairs of links.
+    pub(crate) fn exclusions(&mut self, bodies: &[Body], table: &ElementTable, robot: &mut RobotDescription) {
         let all: Vec<Id> =
             self.tree.in_sections("contact").filter(|&id| self.tree.nodes[id].name == "exclude").collect();
         for id in all {
-            let element = self.plain(id);
+            let element = self.raw_element(id);
             let first = self.body_named(&element, "body1", bodies);
             let second = self.body_named(&element, "body2", bodies);
             if let (Some(first), Some(second)) = (first, second) {
-                let link = |body: usize| places.links[body].clone();
+                let link = |body: usize| table.links[body].clone();
                 robot.contact_exclusions.push((link(first), link(second)));
             }
         }
     }
 
-    /// Pairs of geoms by name, with the surface that the file or MJCF gives them: it is not that of the geoms.
+    /// Reads `<pair>`: pairs of geoms. The contact parameters are those of the pair, not those of the geoms.
     pub(crate) fn pairs(&mut self, bodies: &[Body]) -> Vec<(Element, ContactPairDescription)> {
         let all: Vec<Id> =
             self.tree.in_sections("contact").filter(|&id| self.tree.nodes[id].name == "pair").collect();
@@ -46,7 +46,7 @@ impl Reader<'_> {
             pair.friction = self.overlay(&element, "friction", pair.friction);
             pair.solref = self.overlay(&element, "solref", pair.solref);
             let of_friction = self.overlay(&element, "solreffriction", [0.0; 2]);
-            // Zeros stand for the numbers of the normal force.
+            // Zeros mean that the numbers of the normal force apply.
             pair.solreffriction = Some(of_friction).filter(|solref| *solref != [0.0; 2]);
             pair.solimp = self.overlay(&element, "solimp", pair.solimp);
             pair.margin = self.number(&element, "margin").unwrap_or(pair.margin);
@@ -59,21 +59,21 @@ impl Reader<'_> {
                 Some(4.0) => pair.condim = 4,
                 Some(6.0) => pair.condim = 6,
                 Some(dimensions) => {
-                    self.misplaced(&element, format!("condim={dimensions} is none; use 1, 3, 4 or 6"));
+                    self.refuse(&element, format!("invalid condim={dimensions}; use 1, 3, 4 or 6"));
                 }
             }
             let [slide, across, _, roll, other] = pair.friction;
             if slide < across || across < slide || roll < other || other < roll {
-                let message = "friction differs in two directions: contacts take the first for both";
+                let message = "friction differs in two directions: contacts use the first for both";
                 let (line, place) = (element.line, element.place.clone());
-                self.push(line, place, Treatment::Ignored { physics: false }, message.into());
+                self.push(line, place, Disposition::Ignored { physics: false }, message.into());
             }
             found.push((element, pair));
         }
         found
     }
 
-    /// The pairs whose shapes are both kept.
+    /// Adds the pairs whose two shapes are both kept.
     pub(crate) fn keep_pairs(
         &mut self,
         pairs: Vec<(Element, ContactPairDescription)>,
@@ -84,8 +84,8 @@ impl Reader<'_> {
             if pair.shapes.iter().all(|shape| kept.contains(shape.as_str())) {
                 robot.contact_pairs.push(pair);
             } else {
-                let message = "the shape of one of its geoms is not kept, nor is the pair";
-                self.push(line, place, Treatment::Ignored { physics: false }, message.into());
+                let message = "omitted, because the shape of one of its geoms is not kept";
+                self.push(line, place, Disposition::Ignored { physics: false }, message.into());
             }
         }
     }
@@ -100,11 +100,11 @@ impl Reader<'_> {
         if geoms.contains(name) {
             return Some(name.to_owned());
         }
-        self.unknown_name(element, "geom", name);
+        self.refuse_unknown_name(element, "geom", name);
         None
     }
 
-    /// The body that an attribute names, which must be there.
+    /// The body that a required attribute names.
     pub(crate) fn body_named(
         &mut self,
         element: &Element,
@@ -114,7 +114,7 @@ impl Reader<'_> {
         let name = self.required_text(element, attribute, "BODY")?;
         let index = self.body_index(name, bodies);
         if index.is_none() {
-            self.unknown_name(element, "body", name);
+            self.refuse_unknown_name(element, "body", name);
         }
         index
     }

@@ -1,9 +1,9 @@
-//! `<equality>`: joints that follow each other, points that stay together, bodies welded to each other.
+//! Reads `<equality>`: couplings of joints, connected points, welded bodies.
 
-use multibody::{Equality, EqualityDescription, RobotDescription};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use robot_dynamics_description::{Equality, EqualityDescription, RobotDescription};
 
-use crate::assemble::{Placed, Places};
+use crate::assemble::{ElementTable, JointEntry};
 use crate::body::Body;
 use crate::classes::MAIN;
 use crate::joint::Motion;
@@ -13,10 +13,10 @@ use crate::reader::{Element, Reader};
 use crate::tree::Id;
 
 impl Reader<'_> {
-    /// All equalities that are read, in the file's order.
-    pub(crate) fn equalities(&mut self, bodies: &[Body], places: &Places, robot: &mut RobotDescription) {
+    /// Reads all equalities, in the order of the file.
+    pub(crate) fn equalities(&mut self, bodies: &[Body], table: &ElementTable, robot: &mut RobotDescription) {
         let mut names = Names::default();
-        // Where each body is in the file's own pose.
+        // The pose of each body in the file.
         let mut world_from_body: Vec<Isometry3<f64>> = Vec::with_capacity(bodies.len());
         for body in bodies {
             let parent = world_from_body.get(body.parent).copied().unwrap_or_else(Isometry3::identity);
@@ -29,112 +29,109 @@ impl Reader<'_> {
                 continue;
             }
             let mut element = self.element(id, MAIN);
-            let class = self.text(&self.plain(id), "class").and_then(|name| self.classes.named(name));
-            element.defaults = self.classes.of_sort(class.unwrap_or(MAIN), "equality");
+            let class = self.text(&self.raw_element(id), "class").and_then(|name| self.classes.find(name));
+            element.defaults = self.classes.of_kind(class.unwrap_or(MAIN), "equality");
             let kind = match sort {
-                "joint" => self.coupled_joints(&element, places),
-                "connect" => self.connected(&element, bodies, places, &world_from_body),
-                _ => self.welded(&element, bodies, places, &world_from_body),
+                "joint" => self.joint_coupling(&element, table),
+                "connect" => self.connect_constraint(&element, bodies, table, &world_from_body),
+                _ => self.weld_constraint(&element, bodies, table, &world_from_body),
             };
             let Some(kind) = kind else { continue };
             let name = match self.tree.nodes[id].attribute("name") {
-                Some(name) if !name.is_empty() => names.free(name),
-                _ => names.free(&format!("equality_{index}")),
+                Some(name) if !name.is_empty() => names.unique(name),
+                _ => names.unique(&format!("equality_{index}")),
             };
             let mut equality = EqualityDescription::new(name, kind);
-            equality.active = self.truth(&element, "active").unwrap_or(true);
+            equality.active = self.boolean(&element, "active").unwrap_or(true);
             equality.solref = self.overlay(&element, "solref", equality.solref);
             equality.solimp = self.overlay(&element, "solimp", equality.solimp);
-            self.read(&element, "a constraint beside the tree");
+            self.report_read(&element, "an equality constraint");
             robot.equalities.push(equality);
         }
     }
 
-    fn coupled_joints(&mut self, element: &Element, places: &Places) -> Option<Equality> {
+    fn joint_coupling(&mut self, element: &Element, table: &ElementTable) -> Option<Equality> {
         let name = self.required_text(element, "joint1", "JOINT")?;
-        let joint = self.single_joint(element, name, places)?;
+        let joint = self.single_joint(element, name, table)?;
         let leader = match self.text(element, "joint2") {
-            Some(name) => Some(self.single_joint(element, name, places)?),
+            Some(name) => Some(self.single_joint(element, name, table)?),
             None => None,
         };
         let polynomial = self.overlay(element, "polycoef", [0.0, 1.0, 0.0, 0.0, 0.0]);
         Some(Equality::Joints { joint, leader, polynomial })
     }
 
-    /// A joint of one freedom, and its q in the file's own pose.
-    fn single_joint(&mut self, element: &Element, name: &str, places: &Places) -> Option<(String, f64)> {
-        let joint = self.joint_named(element, name, places)?;
+    /// A joint with one degree of freedom, and its q in the pose of the file.
+    fn single_joint(&mut self, element: &Element, name: &str, table: &ElementTable) -> Option<(String, f64)> {
+        let joint = self.joint_named(element, name, table)?;
         if !matches!(joint.motion, Motion::Hinge | Motion::Slide) {
-            self.misplaced(
+            self.refuse(
                 element,
-                format!(
-                    "joint {name:?} is a {} joint; only hinges and slides have one number",
-                    joint.motion.word()
-                ),
+                format!("joint {name:?} is a {} joint; use a hinge or slide joint", joint.motion.word()),
             );
             return None;
         }
         Some((joint.name.clone(), joint.initial[0]))
     }
 
-    /// The joint of this name, which must be there.
+    /// The joint of this name, which must exist.
     pub(crate) fn joint_named<'p>(
         &mut self,
         element: &Element,
         name: &str,
-        places: &'p Places,
-    ) -> Option<&'p Placed> {
-        let found = places.joint(name);
+        table: &'p ElementTable,
+    ) -> Option<&'p JointEntry> {
+        let found = table.joint(name);
         if found.is_none() {
-            self.unknown_name(element, "joint", name);
+            self.refuse_unknown_name(element, "joint", name);
         }
         found
     }
 
-    fn connected(
+    fn connect_constraint(
         &mut self,
         element: &Element,
         bodies: &[Body],
-        places: &Places,
+        table: &ElementTable,
         world_from_body: &[Isometry3<f64>],
     ) -> Option<Equality> {
         if self.text(element, "site1").is_some() {
-            let [a, b] = self.two_sites(element, places)?;
+            let [a, b] = self.two_sites(element, table)?;
             let point = |(link, place): (String, Isometry3<f64>)| (link, place.translation.vector.into());
             return Some(Equality::Connect { a: point(a), b: point(b) });
         }
         let [a, b] = self.two_bodies(element, bodies)?;
         self.required_text(element, "anchor", "X Y Z");
         let anchor = self.numbers::<3>(element, "anchor")?;
-        // The same point of the other body, where the file places both.
+        // The coordinates of the same point in the other body, in the pose of the file.
         let other = world_from_body[b].inverse_transform_point(&(world_from_body[a] * Point3::from(anchor)));
-        let link = |body: usize| places.links[body].clone();
+        let link = |body: usize| table.links[body].clone();
         Some(Equality::Connect { a: (link(a), anchor), b: (link(b), other.coords.into()) })
     }
 
-    fn welded(
+    fn weld_constraint(
         &mut self,
         element: &Element,
         bodies: &[Body],
-        places: &Places,
+        table: &ElementTable,
         world_from_body: &[Isometry3<f64>],
     ) -> Option<Equality> {
         if self.text(element, "site1").is_some() {
-            let [(a, a_from_site), (b, b_from_site)] = self.two_sites(element, places)?;
+            let [(a, a_from_site), (b, b_from_site)] = self.two_sites(element, table)?;
             return Some(Equality::Weld { a, b, a_from_b: pose(&(a_from_site * b_from_site.inverse())) });
         }
         let [a, b] = self.two_bodies(element, bodies)?;
         let written = self.numbers::<7>(element, "relpose").and_then(|[x, y, z, qw, qx, qy, qz]| {
-            // A quaternion of zeros asks for the file's own pose.
+            // A quaternion of zeros stands for the pose of the file.
             let turn = UnitQuaternion::try_new(Quaternion::new(qw, qx, qy, qz), 0.0)?;
             Some(Isometry3::from_parts(Translation3::new(x, y, z), turn))
         });
         let a_from_b = written.unwrap_or_else(|| world_from_body[a].inverse() * world_from_body[b]);
-        let link = |body: usize| places.links[body].clone();
+        let link = |body: usize| table.links[body].clone();
         Some(Equality::Weld { a: link(a), b: link(b), a_from_b: pose(&a_from_b) })
     }
 
-    /// `body1` and `body2`, which is the world where it is left out.
+    /// `body1` and `body2`, whose default is the world.
     fn two_bodies(&mut self, element: &Element, bodies: &[Body]) -> Option<[usize; 2]> {
         let first = self.body_named(element, "body1", bodies)?;
         let second = match self.text(element, "body2") {
@@ -144,15 +141,19 @@ impl Reader<'_> {
         Some([first, second])
     }
 
-    /// `site1` and `site2`: the link of each, and the site in it.
-    fn two_sites(&mut self, element: &Element, places: &Places) -> Option<[(String, Isometry3<f64>); 2]> {
+    /// `site1` and `site2`: the link of each, and the pose of the site in the link.
+    fn two_sites(
+        &mut self,
+        element: &Element,
+        table: &ElementTable,
+    ) -> Option<[(String, Isometry3<f64>); 2]> {
         let mut site = |attribute| {
             let name = self.required_text(element, attribute, "SITE")?;
-            let found = places.site(name);
+            let found = table.site(name);
             if found.is_none() {
-                self.unknown_name(element, "site", name);
+                self.refuse_unknown_name(element, "site", name);
             }
-            found.map(|site| (places.links[site.body].clone(), site.body_from_site))
+            found.map(|site| (table.links[site.body].clone(), site.body_from_site))
         };
         let (first, second) = (site("site1"), site("site2"));
         Some([first?, second?])

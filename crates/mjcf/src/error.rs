@@ -1,16 +1,16 @@
-//! Why a robot file was refused.
+//! The reasons for which an MJCF file is refused.
 
-use multibody::{LoadReport, RefusedFile, Severity};
-use robot_xml::XmlError;
+use robot_dynamics_description::{LoadReport, RefusedFile, Severity};
+use robot_dynamics_xml::XmlError;
 use thiserror::Error;
 
-/// Why a robot file was refused: every error in it, in the order of its lines.
+/// A refused MJCF file: all of its errors, in the order of its lines.
 ///
 /// ```
 /// let text = r#"<mujoco><worldbody>
 ///     <body name="a"><joint type="hing"/></body>
 ///     <body name="a" pos="0 zero 0"/></worldbody></mujoco>"#;
-/// let refused = mjcf::parse(text, &mjcf::Options::default()).unwrap_err();
+/// let refused = robot_dynamics_mjcf::parse(text, &robot_dynamics_mjcf::Options::default()).unwrap_err();
 /// let lines: Vec<_> = refused.errors().iter().map(|error| error.line()).collect();
 /// assert_eq!(lines, [Some(2), Some(3), Some(3)]);
 /// ```
@@ -22,15 +22,15 @@ impl From<MjcfError> for LoadError {
     }
 }
 
-/// One error of a robot file: what is wrong, where, and what to do.
+/// One error of an MJCF file, with its place and advice.
 ///
-/// `line` counts from 1; `place` is the element, as in `body "hand"/joint "thumb"`, behind the file's name if that is an
-/// included one.
+/// `line` counts from 1; `place` is the element, as in `joint "thumb"`, after the name of the file if it is
+/// an included one.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // The fields are the nouns of each variant's sentence.
+#[allow(missing_docs)] // The message of each variant names its fields.
 pub enum MjcfError {
-    /// The text is not one that is parsed; `file` is empty for the main file.
+    /// The file cannot be read, or is not XML; `file` is empty for the main file.
     #[error("{}{source}", if file.is_empty() { String::new() } else { format!("{file}: ") })]
     Xml { file: String, source: XmlError },
     /// Well-formed XML of another kind.
@@ -39,67 +39,65 @@ pub enum MjcfError {
     /// A file that cannot be included.
     #[error("line {line}: {place}: {file:?} cannot be included: {reason}")]
     Include { line: usize, place: String, file: String, reason: String },
-    /// A model that no parts can be attached of.
+    /// A model that cannot be attached.
     #[error("line {line}: {place}: {file:?} cannot be attached: {reason}")]
     Attach { line: usize, place: String, file: String, reason: String },
 
-    /// A required attribute is not there.
+    /// A required attribute is missing.
     #[error("line {line}: {place}: the attribute `{attribute}` is missing; write {attribute}=\"{example}\"")]
     MissingAttribute { line: usize, place: String, attribute: &'static str, example: &'static str },
     /// Text where a number belongs.
     #[error("line {line}: {place}: {attribute}={text:?} is not a number{advice}")]
     NotANumber { line: usize, place: String, attribute: String, text: String, advice: &'static str },
-    /// NaN, infinity, or a number that no double holds.
-    #[error("line {line}: {place}: {attribute}={text:?} is not a finite number; write an ordinary number")]
+    /// NaN, infinity, or a number that overflows a double.
+    #[error("line {line}: {place}: {attribute}={text:?} is not a finite number; correct it")]
     NotFinite { line: usize, place: String, attribute: String, text: String },
-    /// Larger than any length, mass or inertia.
-    #[error("line {line}: {place}: {attribute}={text:?} is beyond 1e30; give SI units (m, kg, s)")]
+    /// A number larger than any length, mass or inertia.
+    #[error("line {line}: {place}: {attribute}={text:?} is larger than 1e30; use SI units (m, kg, s)")]
     TooBig { line: usize, place: String, attribute: String, text: String },
     /// Too few or too many numbers in a list.
-    #[error("line {line}: {place}: {attribute}={text:?} holds {found} numbers, not {expected}")]
+    #[error("line {line}: {place}: {attribute}={text:?} has {found} numbers instead of {expected}")]
     WrongCount { line: usize, place: String, attribute: String, text: String, expected: String, found: usize },
-    /// A word that is none of those that the format has.
+    /// An unknown keyword.
     #[error("line {line}: {place}: {attribute}={text:?} is unknown; use {known}")]
     UnknownWord { line: usize, place: String, attribute: String, text: String, known: String },
-    /// A quantity that cannot be negative is.
-    #[error("line {line}: {place}: {attribute}={value} is negative; it is zero or positive")]
+    /// A negative value of a quantity that cannot be negative.
+    #[error("line {line}: {place}: {attribute}={value} is negative; it must be zero or positive")]
     Negative { line: usize, place: String, attribute: String, value: f64 },
     /// A direction, a quaternion or a length that is zero.
     #[error("line {line}: {place}: {attribute} is zero; {advice}")]
     Zero { line: usize, place: String, attribute: String, advice: &'static str },
-    /// Two ways to say one thing, which may disagree.
+    /// Two attributes for one quantity.
     #[error("line {line}: {place}: both `{first}` and `{second}` are given; keep one of them")]
     Both { line: usize, place: String, first: String, second: String },
 
-    /// A name of something that is not in the file.
+    /// A reference to an element that does not exist.
     #[error("line {line}: {place}: the {what} {name:?} does not exist; add it or correct the name")]
     UnknownName { line: usize, place: String, what: &'static str, name: String },
-    /// One name for two things.
+    /// A name that is used twice.
     #[error(
         "line {line}: {place}: the {what} {name:?} is already defined on line {first}; give each its own name"
     )]
     DuplicateName { line: usize, place: String, what: &'static str, name: String, first: usize },
-    /// An element where the format has none, or a combination that has no meaning.
+    /// A misplaced element, or a combination that has no meaning.
     #[error("line {line}: {place}: {reason}")]
     Misplaced { line: usize, place: String, reason: String },
-    /// More bodies than any robot has, as nested replicates make them.
+    /// Too many elements, for example from nested replicates.
     #[error("line {line}: {place}: more than {limit} {what}; this is not a robot file")]
     TooMany { line: usize, place: String, what: &'static str, limit: usize },
-    /// A body's inertia is to be inferred from a mesh that cannot be read.
+    /// The inertia of a body comes from a mesh that cannot be read.
     #[error(
         "line {line}: {place}: the inertia of this body comes from mesh {mesh:?}, which cannot be used: {reason}"
     )]
     Mesh { line: usize, place: String, mesh: String, reason: String },
 
-    /// Strict reading met a warning.
-    #[error(
-        "line {line}: {place}: {message} (a warning, which strict reading refuses; correct it or do not be strict)"
-    )]
+    /// A warning in a strict reading.
+    #[error("line {line}: {place}: {message} (a warning, which a strict reading refuses)")]
     Strict { line: usize, place: String, message: String },
 }
 
 impl MjcfError {
-    /// The line at fault, from 1; `None` where it is not about a line.
+    /// The line of the error, from 1; `None` for errors of a whole file.
     pub fn line(&self) -> Option<usize> {
         match self {
             Self::Xml { source, .. } => source.line(),
@@ -124,7 +122,7 @@ impl MjcfError {
         }
     }
 
-    /// The element at fault, as in `joint "elbow"`; `None` where it is about a whole file.
+    /// The element of the error, as in `joint "elbow"`; `None` for errors of a whole file.
     pub fn place(&self) -> Option<&str> {
         match self {
             Self::Xml { .. } | Self::NotMjcf { .. } => None,

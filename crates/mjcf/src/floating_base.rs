@@ -1,35 +1,36 @@
-//! The body that floats where a floating base is asked for.
+//! Chooses the body that becomes the floating base.
 
 use std::collections::{HashMap, HashSet};
 
-use multibody::{Base, JointKind, RobotDescription, Treatment};
-use robot_xml::excerpt;
+use robot_dynamics_description::{Base, Disposition, JointKind, RobotDescription};
+use robot_dynamics_xml::excerpt;
 
 use crate::MjcfError;
 use crate::reader::Reader;
 use crate::tree::Tree;
 
-/// How a body hangs in the world.
-enum Hangs {
+/// The connection of a body to the world.
+enum WorldConnection {
     Fixed,
     Free,
     ByJoint(String),
 }
 
-/// A body of the world with all that it carries.
+/// A child of the world.
 struct WorldBody {
     /// Its joint to the world.
     joint: usize,
     name: String,
-    hangs: Hangs,
-    /// Whether joints move what it carries.
+    connection: WorldConnection,
+    /// Whether there are moving joints in its subtree.
     has_joints: bool,
 }
 
-/// Frees the robot's base: the one body of the world that carries joints. A table and a floor stay where they are.
+/// Gives the robot a floating base: the only child of the world that has joints in its subtree. Other
+/// children of the world, such as a table, stay fixed.
 ///
-/// A file of one robot alone has its world freed, which is the robot's base by another name.
-pub(crate) fn free_base(reader: &mut Reader<'_>, robot: &mut RobotDescription) {
+/// If the world has at most one child and no shapes, the world itself becomes the floating base.
+pub(crate) fn add_floating_base(reader: &mut Reader<'_>, robot: &mut RobotDescription) {
     if !reader.options.floating_base {
         return;
     }
@@ -37,51 +38,50 @@ pub(crate) fn free_base(reader: &mut Reader<'_>, robot: &mut RobotDescription) {
     let world = robot.links[0].name.clone();
     let is_alone = bodies.len() <= 1 && robot.shapes.iter().all(|shape| shape.link != world);
     if robot.root_floats() {
-        let message = "the root floats by a joint of its own: a floating base adds nothing and is left out";
-        note(reader, Treatment::Ignored { physics: false }, message.into());
+        let message = "the root link has a floating joint: the floating base is omitted";
+        note(reader, Disposition::Ignored { physics: false }, message.into());
         return;
     }
     if is_alone {
         robot.base = Base::Floating;
         return;
     }
-    let moving = |body: &&WorldBody| body.has_joints || matches!(body.hangs, Hangs::ByJoint(_));
+    let moving =
+        |body: &&WorldBody| body.has_joints || matches!(body.connection, WorldConnection::ByJoint(_));
     let robots: Vec<&WorldBody> = bodies.iter().filter(moving).collect();
     let candidates = if robots.is_empty() {
-        bodies.iter().filter(|body| matches!(body.hangs, Hangs::Fixed)).collect()
+        bodies.iter().filter(|body| matches!(body.connection, WorldConnection::Fixed)).collect()
     } else {
         robots
     };
     match candidates[..] {
         [] => robot.base = Base::Floating,
-        [WorldBody { hangs: Hangs::Fixed, joint, name, .. }] => {
+        [WorldBody { connection: WorldConnection::Fixed, joint, name, .. }] => {
             let base = robot.floating_base_name();
             let own = &mut robot.joints[*joint];
             (own.kind, own.name) = (JointKind::Floating, base.clone());
             let message = format!(
-                "body {name:?} is freed with all that it carries, by the joint {base:?}, whose position counts from where the file \
-                 places it; the other bodies of the world stay"
+                "body {name:?} becomes the floating base by the joint {base:?}, whose position is relative to the pose in \
+                 the file; the other bodies of the world stay fixed"
             );
-            note(reader, Treatment::Defaulted, message);
+            note(reader, Disposition::Defaulted, message);
         }
-        [WorldBody { hangs: Hangs::Free, name, .. }] => {
-            let message = format!(
-                "body {name:?} floats by a joint of its own: a floating base adds nothing and is left out"
-            );
-            note(reader, Treatment::Ignored { physics: false }, message);
+        [WorldBody { connection: WorldConnection::Free, name, .. }] => {
+            let message = format!("body {name:?} has a floating joint: the floating base is omitted");
+            note(reader, Disposition::Ignored { physics: false }, message);
         }
-        [WorldBody { hangs: Hangs::ByJoint(joint), name, .. }] => refuse(
+        [WorldBody { connection: WorldConnection::ByJoint(joint), name, .. }] => refuse(
             reader,
             format!(
-                "a floating base is asked for, but body {name:?} hangs in the world by joint {joint:?} and has no base; put it into a body \
-                 without joints"
+                "body {name:?} cannot be the floating base, because joint {joint:?} connects it to the world; put it into a \
+                 body without joints"
             ),
         ),
         _ => {
             let names: Vec<String> = candidates.iter().map(|body| format!("{:?}", body.name)).collect();
             let message = format!(
-                "a floating base is asked for, but several bodies of the world may be meant: {}; write <freejoint/> into the one that \
-                 floats, or load its file alone",
+                "several bodies of the world can be the floating base: {}; add a <freejoint/> to one of them, or load its \
+                 file alone",
                 names.join(", ")
             );
             refuse(reader, message);
@@ -89,7 +89,7 @@ pub(crate) fn free_base(reader: &mut Reader<'_>, robot: &mut RobotDescription) {
     }
 }
 
-/// The bodies that hang in the world, in the file's order.
+/// The children of the world, in the order of the file.
 fn bodies_of_the_world(robot: &RobotDescription) -> Vec<WorldBody> {
     let mut below = HashMap::<&str, Vec<usize>>::new();
     for (index, joint) in robot.joints.iter().enumerate() {
@@ -114,18 +114,18 @@ fn bodies_of_the_world(robot: &RobotDescription) -> Vec<WorldBody> {
     of_the_world
         .map(|&index| {
             let joint = &robot.joints[index];
-            let hangs = match joint.kind {
-                JointKind::Fixed => Hangs::Fixed,
-                JointKind::Floating => Hangs::Free,
-                _ => Hangs::ByJoint(excerpt(&joint.name)),
+            let connection = match joint.kind {
+                JointKind::Fixed => WorldConnection::Fixed,
+                JointKind::Floating => WorldConnection::Free,
+                _ => WorldConnection::ByJoint(excerpt(&joint.name)),
             };
             let name = excerpt(&joint.child);
-            WorldBody { joint: index, name, hangs, has_joints: has_joints(&joint.child) }
+            WorldBody { joint: index, name, connection, has_joints: has_joints(&joint.child) }
         })
         .collect()
 }
 
-fn note(reader: &mut Reader<'_>, treatment: Treatment, message: String) {
+fn note(reader: &mut Reader<'_>, treatment: Disposition, message: String) {
     let (line, place) = (reader.tree.nodes[Tree::ROOT].line, excerpt("mujoco"));
     reader.push(line, place, treatment, message);
 }

@@ -1,4 +1,4 @@
-//! Where the files are that a robot's file names: beside it on the disk, or in memory.
+//! Access to the files that an MJCF file names, on the disk or in memory.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -6,27 +6,28 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
-use robot_mesh::Triangles;
+use robot_dynamics_mesh::Triangles;
 
-use crate::source::inside;
+use crate::source::normalize;
 
-/// Files in memory by their relative paths, as a browser or an archive hands them over; clones share them.
+/// Files in memory by their relative paths, for example from a browser or an archive. Clones share the
+/// content.
 ///
 /// ```
-/// use mjcf::{FileSet, Options};
+/// use robot_dynamics_mjcf::{FileSet, Options};
 /// let files = FileSet::new([
 ///     ("ball/scene.xml", r#"<mujoco><include file="parts/ball.xml"/></mujoco>"#),
 ///     ("ball/parts/ball.xml", r#"<mujoco><worldbody><body name="ball"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#),
 /// ]);
-/// let robot = mjcf::load_among(&files, "ball/scene.xml", &Options::default())?;
+/// let robot = robot_dynamics_mjcf::load_among(&files, "ball/scene.xml", &Options::default())?;
 /// assert_eq!(robot.description.links[1].name, "ball");
-/// # Ok::<(), mjcf::LoadError>(())
+/// # Ok::<(), robot_dynamics_mjcf::LoadError>(())
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct FileSet(Arc<BTreeMap<PathBuf, Vec<u8>>>);
 
 impl FileSet {
-    /// Of paths and contents; `.` and `..` in paths are followed.
+    /// A set of paths with contents; `.` and `..` in paths are resolved.
     pub fn new<P: AsRef<Path>, C: Into<Vec<u8>>>(files: impl IntoIterator<Item = (P, C)>) -> Self {
         let mut all = Self::default();
         for (path, content) in files {
@@ -35,46 +36,44 @@ impl FileSet {
         all
     }
 
-    /// With one more, in the place of one of that path. A path that leaves its start is nowhere: such a file is left out.
+    /// Adds a file, or replaces the one at that path. A file whose path is absolute or begins outside (`..`)
+    /// is ignored.
     pub fn insert(&mut self, path: impl AsRef<Path>, content: impl Into<Vec<u8>>) {
-        if let Some(path) = inside(path.as_ref()) {
+        if let Some(path) = normalize(path.as_ref()) {
             Arc::make_mut(&mut self.0).insert(path, content.into());
         }
     }
 
-    /// A file's content.
+    /// The content of a file.
     pub fn get(&self, path: impl AsRef<Path>) -> Option<&[u8]> {
-        self.0.get(&inside(path.as_ref())?).map(Vec::as_slice)
+        self.0.get(&normalize(path.as_ref())?).map(Vec::as_slice)
     }
 
-    /// A file's text.
+    /// The text of a file.
     ///
     /// # Errors
-    /// It is not there, too large, or no text.
-    pub(crate) fn text(&self, path: &Path) -> Result<String, robot_xml::XmlError> {
+    /// The file is missing, too large, or not text.
+    pub(crate) fn text(&self, path: &Path) -> Result<String, robot_dynamics_xml::XmlError> {
         let Some(bytes) = self.get(path) else {
-            let source = std::io::Error::new(
-                std::io::ErrorKind::NotFound,
-                "it is not among the files that were given",
-            );
-            return Err(robot_xml::XmlError::Unreadable { path: path.to_owned(), source });
+            let source = std::io::Error::new(std::io::ErrorKind::NotFound, "it is not among the given files");
+            return Err(robot_dynamics_xml::XmlError::Unreadable { path: path.to_owned(), source });
         };
-        robot_xml::text_of(bytes)
+        robot_dynamics_xml::text_of(bytes)
     }
 }
 
-/// The main file's folder.
+/// The folder of the main file.
 #[derive(Clone)]
 pub(crate) struct Folder {
     path: PathBuf,
-    /// `None`: on the disk.
+    /// The files in memory; `None` for a folder on the disk.
     given: Option<FileSet>,
-    /// The files on the disk that were opened by it, or by a clone.
+    /// The files on the disk that were opened through this folder or a clone.
     opened: Rc<RefCell<Vec<PathBuf>>>,
 }
 
 impl Folder {
-    /// Of the file at that path.
+    /// The folder of the file at that path.
     pub(crate) fn of(path: &Path, given: Option<&FileSet>) -> Self {
         Self {
             path: path.parent().unwrap_or(Path::new("")).to_owned(),
@@ -83,7 +82,7 @@ impl Folder {
         }
     }
 
-    /// The path of a file in it.
+    /// The path of a file in the folder.
     pub(crate) fn join(&self, name: &Path) -> PathBuf {
         self.path.join(name)
     }
@@ -92,33 +91,33 @@ impl Folder {
         self.given.is_none()
     }
 
-    /// Whether there is an ordinary file of that path.
+    /// Whether there is a regular file at that path.
     pub(crate) fn has(&self, path: &Path) -> bool {
         self.given.as_ref().map_or_else(|| path.is_file(), |files| files.get(path).is_some())
     }
 
-    /// The files on the disk that were opened, in their order.
+    /// The files on the disk that were opened, in order.
     pub(crate) fn opened(&self) -> Vec<PathBuf> {
         self.opened.borrow().clone()
     }
 
-    /// The text of the file at that path, or why there is none.
+    /// The text of the file at that path, or the reason of the failure.
     pub(crate) fn text(&self, path: &Path) -> Result<String, String> {
         let read = || {
             self.opened.borrow_mut().push(path.to_owned());
-            robot_xml::read_file(path)
+            robot_dynamics_xml::read_file(path)
         };
         let text = self.given.as_ref().map_or_else(read, |files| files.text(path));
         text.map_err(|error| error.to_string())
     }
 
-    /// The mesh in the file at that path, or why there is none.
+    /// The mesh in the file at that path, or the reason of the failure.
     pub(crate) fn mesh(&self, path: &Path, content_type: Option<&str>) -> Result<Triangles, String> {
         let Some(files) = &self.given else {
             self.opened.borrow_mut().push(path.to_owned());
-            return robot_mesh::read(path, content_type);
+            return robot_dynamics_mesh::read(path, content_type);
         };
-        let missing = || format!("{} is not among the files that were given", path.display());
-        robot_mesh::parse(files.get(path).ok_or_else(missing)?, path, content_type)
+        let missing = || format!("{} is not among the given files", path.display());
+        robot_dynamics_mesh::parse(files.get(path).ok_or_else(missing)?, path, content_type)
     }
 }

@@ -1,13 +1,13 @@
-//! `<geom>`: a shape on a body, which the body's inertia may come from.
+//! Reads `<geom>`: a shape of a body, which can contribute to its inertia.
 
 use nalgebra::{Isometry3, Translation3, Vector3};
-use robot_xml::excerpt;
+use robot_dynamics_xml::excerpt;
 
 use crate::MjcfError;
-use crate::orientation::{SHORTEST, from_z_to};
+use crate::orientation::{LENGTH_THRESHOLD, from_z_to};
 use crate::reader::{Element, Reader};
 
-/// The form of a geom.
+/// The type of a geom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Form {
     Plane,
@@ -22,7 +22,7 @@ pub(crate) enum Form {
 }
 
 impl Form {
-    /// How many numbers of `size` it has.
+    /// The number of values of `size` that the type uses.
     fn sizes(self) -> usize {
         match self {
             Self::Plane | Self::HeightField | Self::Mesh | Self::SignedDistance => 0,
@@ -33,29 +33,30 @@ impl Form {
     }
 }
 
-/// A shape on a body.
+/// A geom of a body.
 pub(crate) struct Geom {
-    /// With the suffixes of the replicates around it; empty for one without a name.
+    /// The name with the suffixes of the replicates around it; empty for a geom without a name.
     pub(crate) name: String,
     pub(crate) element: Element,
     pub(crate) form: Form,
-    /// Radius and half length, or half edges, or semi-axes \[m\]; of a primitive fitted to a mesh not known yet.
+    /// Radius and half length, or half edges, or semi-axes \[m\]; not used for a primitive that is fitted to
+    /// a mesh.
     pub(crate) size: [f64; 3],
     pub(crate) body_from_geom: Isometry3<f64>,
-    /// \[kg\]; without one the density counts.
+    /// \[kg\]; the density applies if it is `None`.
     pub(crate) mass: Option<f64>,
-    /// \[kg/m³\], or \[kg/m²\] of a shell.
+    /// \[kg/m³\], or \[kg/m²\] for a shell.
     pub(crate) density: f64,
-    /// Whether its mass is in its surface.
+    /// Whether the mass is distributed over the surface.
     pub(crate) shell: bool,
     pub(crate) group: i64,
-    /// The mesh it is, or that a primitive is fitted to.
+    /// The mesh of the geom, or the mesh to which a primitive is fitted.
     pub(crate) mesh: Option<String>,
     pub(crate) fit_scale: f64,
 }
 
 impl Reader<'_> {
-    /// `frame` is that of the `<frame>` elements around it, in the body's.
+    /// Reads a geom; `frame` is the pose of the `<frame>` elements around it in the body.
     pub(crate) fn geom(&mut self, element: Element, name: String, frame: &Isometry3<f64>) -> Geom {
         let words = ["plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf"];
         let form = match self.word(&element, "type", &words) {
@@ -73,7 +74,7 @@ impl Reader<'_> {
         let mesh = self.text(&element, "mesh").map(str::to_owned);
         let from_to = self.numbers::<6>(&element, "fromto");
         let own = match from_to {
-            Some(ends) => self.between(&element, form, ends, &mut size),
+            Some(ends) => self.segment_placement(&element, form, ends, &mut size),
             None => self.placement(&element),
         };
         if mesh.is_none() {
@@ -100,7 +101,7 @@ impl Reader<'_> {
         }
         let mass = self.magnitude(&element, "mass");
         let density = self.magnitude(&element, "density").unwrap_or(1000.0);
-        let shell = self.truth(&element, "shellinertia").unwrap_or(false);
+        let shell = self.boolean(&element, "shellinertia").unwrap_or(false);
         #[allow(clippy::cast_possible_truncation)] // groups are small whole numbers
         let group = self.number(&element, "group").unwrap_or(0.0) as i64;
         let fit_scale = self.number(&element, "fitscale").unwrap_or(1.0);
@@ -108,8 +109,9 @@ impl Reader<'_> {
         Geom { name, element, form, size, body_from_geom, mass, density, shell, group, mesh, fit_scale }
     }
 
-    /// `fromto`: along z from the second point to the first, as MuJoCo has it; the distance is the length.
-    fn between(
+    /// The placement by `fromto`: z points from the second point to the first, as in MuJoCo, and the distance
+    /// is the length.
+    fn segment_placement(
         &mut self,
         element: &Element,
         form: Form,
@@ -118,21 +120,21 @@ impl Reader<'_> {
     ) -> Isometry3<f64> {
         let (from, to) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
         let half = 0.5 * (from - to).norm();
-        // Of no length it has no meaning, which is told once.
-        let half = if half < SHORTEST { f64::NAN } else { half };
+        // A length of zero is an error, which is listed once below.
+        let half = if half < LENGTH_THRESHOLD { f64::NAN } else { half };
         match form {
             Form::Capsule | Form::Cylinder => size[1] = half,
             Form::Ellipsoid | Form::Box => *size = [size[0], size[0], half],
             _ => {
                 let text = excerpt(self.text(element, "type").unwrap_or("sphere"));
-                self.misplaced(
+                self.refuse(
                     element,
                     format!("fromto is for a capsule, cylinder, ellipsoid or box, not for a {text}"),
                 );
             }
         }
         if half.is_nan() {
-            self.zero(element, "fromto", "its two points are the same; move one of them");
+            self.refuse_zero(element, "fromto", "its two points coincide; move one of them");
             return Isometry3::identity();
         }
         let turn = from_z_to((from - to) / (2.0 * half));

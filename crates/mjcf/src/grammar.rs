@@ -1,52 +1,53 @@
-//! What the format has, and what of it is read: every element with its attributes.
+//! The table of all elements and attributes of MJCF, and whether they are read.
 //!
-//! The account of what is not read ([`crate::unread`]) follows this table, so an attribute is read where it says so or nowhere.
+//! The report of what is not read ([`crate::unread_parts`]) follows this table, so an attribute that is read
+//! must be listed here.
 
-/// What an element is to this reader.
+/// The handling of an element by this reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sort {
-    /// Read, and so is what is in it.
+pub(crate) enum Handling {
+    /// Reads it and its content.
     Read,
-    /// How things look.
-    Looks,
-    /// Not read and no part of the motion: why.
-    Aside(&'static str),
-    /// Not read though it may move the robot: what is missing.
+    /// Counts it as appearance.
+    Appearance,
+    /// Ignores it because it does not affect the motion, with a description.
+    NotDynamics(&'static str),
+    /// Warns that it may affect the motion and is not in the model, with a description.
     Physics(&'static str),
 }
 
 /// One element of the format.
 pub(crate) struct Rule {
-    /// The elements that it is found in.
+    /// The possible parents.
     pub(crate) within: &'static [&'static str],
     pub(crate) name: &'static str,
-    pub(crate) sort: Sort,
+    pub(crate) handling: Handling,
     /// Attributes that are read.
     pub(crate) read: &'static [&'static str],
-    /// Attributes of looks, of contact and of solvers, which do not enter the equations of motion.
-    pub(crate) aside: &'static [&'static str],
-    /// Attributes of physics that is not in the model, with the value that does nothing.
+    /// Attributes of appearance, contact and solvers, which do not enter the equations of motion.
+    pub(crate) ignored: &'static [&'static str],
+    /// Attributes of physics that is not in the model, with the value that has no effect.
     pub(crate) physics: &'static [(&'static str, &'static str)],
 }
 
 mod bodies;
 mod sensors;
 
-use Sort::{Aside, Looks, Physics, Read};
+use Handling::{Appearance, NotDynamics, Physics, Read};
 
 const TOP: &[&str] = &["mujoco"];
 
-const fn rule(within: &'static [&'static str], name: &'static str, sort: Sort) -> Rule {
-    Rule { within, name, sort, read: &[], aside: &[], physics: &[] }
+const fn rule(within: &'static [&'static str], name: &'static str, handling: Handling) -> Rule {
+    Rule { within, name, handling, read: &[], ignored: &[], physics: &[] }
 }
 
 const fn read(within: &'static [&'static str], name: &'static str, read: &'static [&'static str]) -> Rule {
-    Rule { within, name, sort: Read, read, aside: &[], physics: &[] }
+    Rule { within, name, handling: Read, read, ignored: &[], physics: &[] }
 }
 
 impl Rule {
-    const fn aside(self, aside: &'static [&'static str]) -> Self {
-        Self { aside, ..self }
+    const fn ignored(self, ignored: &'static [&'static str]) -> Self {
+        Self { ignored, ..self }
     }
 
     const fn physics(self, physics: &'static [(&'static str, &'static str)]) -> Self {
@@ -54,7 +55,7 @@ impl Rule {
     }
 }
 
-const SERVO: &[&str] = &[
+const ACTUATOR: &[&str] = &[
     "name",
     "class",
     "joint",
@@ -89,20 +90,20 @@ const SERVO: &[&str] = &[
     "armature",
     "damping",
 ];
-const SERVO_ASIDE: &[&str] = &["group", "user", "lengthrange", "nsample", "interp"];
-const SERVO_PHYSICS: &[(&str, &str)] = &[("delay", "0"), ("actlimited", "false"), ("actrange", "0")];
+const ACTUATOR_IGNORED: &[&str] = &["group", "user", "lengthrange", "nsample", "interp"];
+const ACTUATOR_PHYSICS: &[(&str, &str)] = &[("delay", "0"), ("actlimited", "false"), ("actrange", "0")];
 
-/// An actuator of a kind that is read.
-const fn servo(name: &'static str) -> Rule {
-    read(&["actuator", "default"], name, SERVO).aside(SERVO_ASIDE).physics(SERVO_PHYSICS)
+/// An actuator of a supported kind.
+const fn actuator(name: &'static str) -> Rule {
+    read(&["actuator", "default"], name, ACTUATOR).ignored(ACTUATOR_IGNORED).physics(ACTUATOR_PHYSICS)
 }
 
-const fn other_actuator(name: &'static str) -> Rule {
+const fn unsupported_actuator(name: &'static str) -> Rule {
     rule(&["actuator", "default"], name, Physics("an actuator of this kind is not in the model"))
 }
 
-const fn flexible(within: &'static [&'static str], name: &'static str) -> Rule {
-    rule(within, name, Physics("bodies that bend are not in the model"))
+const fn deformable(within: &'static [&'static str], name: &'static str) -> Rule {
+    rule(within, name, Physics("deformable bodies are not in the model"))
 }
 
 const EQUALITY: &[&str] = &["name", "class", "active", "solref", "solimp"];
@@ -124,7 +125,7 @@ const TENDON: &[&str] = &[
     "solimpfriction",
     "margin",
 ];
-const TENDON_ASIDE: &[&str] = &["group", "width", "material", "rgba", "user"];
+const TENDON_IGNORED: &[&str] = &["group", "width", "material", "rgba", "user"];
 
 /// Elements outside bodies.
 const SECTIONS: &[Rule] = &[
@@ -150,10 +151,10 @@ const SECTIONS: &[Rule] = &[
             "conflict",
         ],
     )
-    .aside(&["texturedir", "discardvisual", "usethread", "fusestatic", "saveinertial"]),
-    rule(&["compiler"], "lengthrange", Aside("how ranges of muscles are found")),
+    .ignored(&["texturedir", "discardvisual", "usethread", "fusestatic", "saveinertial"]),
+    rule(&["compiler"], "lengthrange", NotDynamics("settings for the length ranges of muscles")),
     read(TOP, "option", &["gravity", "timestep", "integrator", "magnetic", "impratio"])
-        .aside(&[
+        .ignored(&[
             "tolerance",
             "ls_tolerance",
             "noslip_tolerance",
@@ -178,7 +179,7 @@ const SECTIONS: &[Rule] = &[
         ])
         .physics(&[("density", "0"), ("viscosity", "0"), ("wind", "0"), ("actuatorgroupdisable", "")]),
     read(&["option"], "flag", &["gravity", "spring", "damper", "frictionloss", "passive"])
-        .aside(&[
+        .ignored(&[
             "warmstart",
             "filterparent",
             "refsafe",
@@ -204,17 +205,17 @@ const SECTIONS: &[Rule] = &[
             ("actuation", "enable"),
             ("override", "disable"),
         ]),
-    rule(TOP, "size", Aside("sizes of MuJoCo's memory")),
-    rule(TOP, "statistic", Looks),
-    rule(TOP, "visual", Looks),
+    rule(TOP, "size", NotDynamics("memory sizes of MuJoCo")),
+    rule(TOP, "statistic", Appearance),
+    rule(TOP, "visual", Appearance),
     read(TOP, "default", &["class"]),
     read(&["default"], "default", &["class"]),
-    rule(TOP, "custom", Aside("data for other programs")),
-    rule(TOP, "extension", Aside("declares plugins")),
+    rule(TOP, "custom", NotDynamics("data for other programs")),
+    rule(TOP, "extension", NotDynamics("declarations of plugins")),
     read(TOP, "asset", &[]),
     read(TOP, "worldbody", &[]),
     read(TOP, "contact", &[]),
-    flexible(TOP, "deformable"),
+    deformable(TOP, "deformable"),
     read(TOP, "tendon", &[]),
     read(TOP, "equality", &[]),
     read(TOP, "actuator", &[]),
@@ -237,11 +238,11 @@ const SECTIONS: &[Rule] = &[
             "builtin",
         ],
     )
-    .aside(&["normal", "texcoord", "smoothnormal", "params", "material", "maxhullvert"]),
-    rule(&["mesh", "geom"], "plugin", Physics("a shape made by a plugin is not in the model")),
+    .ignored(&["normal", "texcoord", "smoothnormal", "params", "material", "maxhullvert"]),
+    rule(&["mesh", "geom"], "plugin", Physics("the shape of a plugin is not in the model")),
     read(&["asset"], "hfield", &["name", "file", "size", "nrow", "ncol", "elevation"])
-        .aside(&["content_type"]),
-    read(&["asset", "default"], "material", &["name", "class", "rgba"]).aside(&[
+        .ignored(&["content_type"]),
+    read(&["asset", "default"], "material", &["name", "class", "rgba"]).ignored(&[
         "texture",
         "texrepeat",
         "texuniform",
@@ -252,11 +253,11 @@ const SECTIONS: &[Rule] = &[
         "metallic",
         "roughness",
     ]),
-    rule(&["material"], "layer", Looks),
-    rule(&["asset"], "texture", Looks),
-    rule(&["asset", "deformable"], "skin", Looks),
+    rule(&["material"], "layer", Appearance),
+    rule(&["asset"], "texture", Appearance),
+    rule(&["asset", "deformable"], "skin", Appearance),
     read(&["asset"], "model", &["name", "file", "content_type"]),
-    read(&["contact"], "exclude", &["body1", "body2"]).aside(&["name"]),
+    read(&["contact"], "exclude", &["body1", "body2"]).ignored(&["name"]),
     read(
         &["contact", "default"],
         "pair",
@@ -274,10 +275,10 @@ const SECTIONS: &[Rule] = &[
             "gap",
         ],
     ),
-    read(&["tendon"], "fixed", TENDON).aside(TENDON_ASIDE),
+    read(&["tendon"], "fixed", TENDON).ignored(TENDON_IGNORED),
     read(&["fixed"], "joint", &["joint", "coef"]),
-    rule(&["tendon"], "spatial", Physics("a tendon through space is not in the model")),
-    read(&["default"], "tendon", TENDON).aside(TENDON_ASIDE),
+    rule(&["tendon"], "spatial", Physics("a spatial tendon is not in the model")),
+    read(&["default"], "tendon", TENDON).ignored(TENDON_IGNORED),
     read(
         &["equality"],
         "joint",
@@ -296,24 +297,24 @@ const SECTIONS: &[Rule] = &[
             "relpose",
         ],
     )
-    .aside(&["torquescale"]),
+    .ignored(&["torquescale"]),
     rule(&["equality"], "tendon", Physics("an equality of tendons is not in the model")),
-    rule(&["equality"], "flex", Physics("an equality of bodies that bend is not in the model")),
+    rule(&["equality"], "flex", Physics("an equality of deformable bodies is not in the model")),
     read(&["default"], "equality", EQUALITY),
-    servo("general"),
-    servo("motor"),
-    servo("position"),
-    servo("velocity"),
-    servo("intvelocity"),
-    servo("damper"),
-    servo("cylinder"),
-    other_actuator("muscle"),
-    other_actuator("adhesion"),
-    other_actuator("dcmotor"),
-    other_actuator("pid"),
-    other_actuator("orientation"),
-    other_actuator("plugin"),
-    read(&["keyframe"], "key", &["name", "qpos", "qvel", "ctrl"]).aside(&["time", "act", "mpos", "mquat"]),
+    actuator("general"),
+    actuator("motor"),
+    actuator("position"),
+    actuator("velocity"),
+    actuator("intvelocity"),
+    actuator("damper"),
+    actuator("cylinder"),
+    unsupported_actuator("muscle"),
+    unsupported_actuator("adhesion"),
+    unsupported_actuator("dcmotor"),
+    unsupported_actuator("pid"),
+    unsupported_actuator("orientation"),
+    unsupported_actuator("plugin"),
+    read(&["keyframe"], "key", &["name", "qpos", "qvel", "ctrl"]).ignored(&["time", "act", "mpos", "mquat"]),
 ];
 
 /// The rule for an element of this name within another.

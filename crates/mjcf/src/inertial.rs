@@ -1,12 +1,12 @@
-//! `<inertial>`: a body's mass, centre of mass and inertia, as the file states them.
+//! Reads `<inertial>`: the mass, centre of mass and inertia of a body, as written.
 
-use dynamics::MassProperties;
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use robot_dynamics_description::MassProperties;
 
 use crate::MjcfError;
 use crate::reader::{Element, Reader};
 
-/// What an `<inertial>` says.
+/// The content of an `<inertial>`.
 #[derive(Clone)]
 pub(crate) struct Inertial {
     pub(crate) element: Element,
@@ -16,12 +16,12 @@ pub(crate) struct Inertial {
     pub(crate) inertia: Matrix3<f64>,
     /// The centre of mass, and the axes of the inertia.
     pub(crate) body_from_inertial: Isometry3<f64>,
-    /// Whether the inertia is stated as a full matrix, which MuJoCo turns to its principal axes.
+    /// Whether the inertia is a full matrix, which MuJoCo diagonalizes.
     pub(crate) is_full: bool,
 }
 
 impl Inertial {
-    /// Mass properties in the body's axes; `None` where a number is listed as an error.
+    /// Mass properties in the axes of the body; `None` if a number is listed as an error.
     pub(crate) fn mass_properties(&self) -> Option<MassProperties> {
         let own = MassProperties::as_written(self.mass, Vector3::zeros(), self.inertia).ok()?;
         let Isometry3 { rotation, translation } = self.body_from_inertial;
@@ -52,10 +52,10 @@ impl Reader<'_> {
             (None, None) => {
                 if mass > 0.0 {
                     let message = format!(
-                        "neither diaginertia nor fullinertia: taken as a point mass of {mass} kg; give its moments, all zero \
-                         if it is meant so"
+                        "neither diaginertia nor fullinertia: taken as a point mass of {mass} kg; give the moments (zeros \
+                         for a point mass)"
                     );
-                    self.as_written(&element, message);
+                    self.warn(&element, message);
                 }
                 Matrix3::zeros()
             }

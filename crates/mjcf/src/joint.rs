@@ -1,11 +1,11 @@
-//! `<joint>` and `<freejoint>`: motion, place, axis, limits, and the forces of the joint itself.
+//! Reads `<joint>` and `<freejoint>`: type, placement, axis, limits and passive forces.
 
-use multibody::{HigherTerms, JointSoftness, Limits, PassiveForces};
 use nalgebra::{Isometry3, Point3, Vector3};
+use robot_dynamics_description::{HigherTerms, JointSoftness, Limits, PassiveForces};
 
 use crate::reader::{Element, Reader};
 
-/// How a joint moves.
+/// The type of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Motion {
     Hinge,
@@ -15,7 +15,7 @@ pub(crate) enum Motion {
 }
 
 impl Motion {
-    /// As the file names it.
+    /// The name of the type in MJCF.
     pub(crate) fn word(self) -> &'static str {
         match self {
             Self::Hinge => "hinge",
@@ -25,7 +25,7 @@ impl Motion {
         }
     }
 
-    /// How many numbers its position has.
+    /// The number of position coordinates.
     pub(crate) fn positions(self) -> usize {
         match self {
             Self::Hinge | Self::Slide => 1,
@@ -34,8 +34,8 @@ impl Motion {
         }
     }
 
-    /// How many numbers its velocity has.
-    pub(crate) fn freedoms(self) -> usize {
+    /// The number of degrees of freedom.
+    pub(crate) fn dof_count(self) -> usize {
         match self {
             Self::Hinge | Self::Slide => 1,
             Self::Ball => 3,
@@ -44,37 +44,38 @@ impl Motion {
     }
 }
 
-/// A joint between a body and the one it is in.
+/// A joint between a body and its parent.
 pub(crate) struct Joint {
-    /// Empty for one without a name.
+    /// Empty for a joint without a name.
     pub(crate) name: String,
     pub(crate) element: Element,
     pub(crate) motion: Motion,
-    /// The point that it turns about, in the body's frame \[m\].
+    /// The fixed point of the rotation, in the frame of the body \[m\].
     pub(crate) anchor: Vector3<f64>,
-    /// In the body's frame, of length one.
+    /// The unit axis, in the frame of the body.
     pub(crate) axis: Vector3<f64>,
-    /// q where the body is as the file places it \[rad or m\].
+    /// q in the pose of the file \[rad or m\].
     pub(crate) reference: f64,
     pub(crate) limits: Limits,
     pub(crate) passive: PassiveForces,
-    /// Of the spring of a ball or free joint.
+    /// The stiffness of the spring of a ball or free joint.
     pub(crate) placement_stiffness: f64,
     pub(crate) higher_terms: HigherTerms,
-    /// Bounds on what its actuators give it together \[N·m or N\].
+    /// Bounds on the total force of its actuators \[N·m or N\].
     pub(crate) actuator_force_range: [f64; 2],
-    /// Whether gravity compensation comes from its actuators.
+    /// Whether the actuators provide the gravity compensation.
     pub(crate) actuator_compensates_gravity: bool,
-    /// How limits and friction yield.
+    /// The softness of limits and friction.
     pub(crate) softness: JointSoftness,
-    /// `springdamper`: time constant \[s\] and damping ratio, from which stiffness and damping follow.
+    /// `springdamper`: time constant \[s\] and damping ratio, which determine stiffness and damping.
     pub(crate) spring_damper: Option<[f64; 2]>,
-    /// Whether a free joint's frame is to be aligned with the body's inertia, where the file says it.
+    /// Whether the frame of a free body is aligned with its inertia; `None` if the file leaves it to
+    /// `alignfree`.
     pub(crate) align: Option<bool>,
 }
 
 impl Reader<'_> {
-    /// `<freejoint>`: no default stands behind it.
+    /// Reads a `<freejoint>`, which has no defaults.
     pub(crate) fn free_joint(&mut self, element: &Element, name: String) -> Joint {
         let align = self.word(element, "align", &["false", "true", "auto"]);
         Joint {
@@ -100,7 +101,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `<joint>`; `frame` is that of the `<frame>` elements around it, in the body's.
+    /// Reads a `<joint>`; `frame` is the pose of the `<frame>` elements around it in the body.
     pub(crate) fn joint(&mut self, element: &Element, name: String, frame: &Isometry3<f64>) -> Joint {
         let motion = match self.word(element, "type", &["hinge", "slide", "ball", "free"]) {
             Some("slide") => Motion::Slide,
@@ -129,15 +130,15 @@ impl Reader<'_> {
             joint.actuator_force_range = [lower, upper];
             joint.limits.effort = lower.abs().max(upper.abs());
         }
-        joint.actuator_compensates_gravity = self.truth(element, "actuatorgravcomp").unwrap_or(false);
+        joint.actuator_compensates_gravity = self.boolean(element, "actuatorgravcomp").unwrap_or(false);
         self.passive_forces(element, &mut joint);
         joint.softness = self.softness(element, &joint);
         joint.spring_damper =
             self.numbers::<2>(element, "springdamper").filter(|&[t, d]| t != 0.0 || d != 0.0);
         if joint.spring_damper.is_some_and(|[time, ratio]| time <= 0.0 || ratio <= 0.0) {
-            self.misplaced(
+            self.refuse(
                 element,
-                "both numbers of springdamper are positive: time constant and damping ratio",
+                "both numbers of springdamper must be positive: time constant and damping ratio",
             );
         }
         joint
@@ -150,13 +151,13 @@ impl Reader<'_> {
         limit.solimp = self.overlay(element, "solimplimit", limit.solimp);
         friction.solref = self.overlay(element, "solreffriction", friction.solref);
         friction.solimp = self.overlay(element, "solimpfriction", friction.solimp);
-        // In radians, whatever the file's angles are in.
+        // In radians, even if the angles of the file are in degrees.
         softness.margin = self.number(element, "margin").unwrap_or(0.0);
         softness.reference = joint.reference;
         softness
     }
 
-    /// Hinges' numbers are angles.
+    /// Converts a number of a hinge or ball joint from the angle unit of the file.
     fn joint_angle(&self, element: &Element, motion: Motion, number: f64) -> f64 {
         let turns = matches!(motion, Motion::Hinge | Motion::Ball);
         if turns { self.compiler(element).angle(number) } else { number }
@@ -168,15 +169,16 @@ impl Reader<'_> {
             let [lower, upper] = [lower, upper].map(|bound| self.joint_angle(element, motion, bound));
             match motion {
                 Motion::Hinge | Motion::Slide => (limits.lower, limits.upper) = (lower, upper),
-                // As the format has it: the larger one counts.
+                // The larger number counts, as in MuJoCo.
                 Motion::Ball => limits.turn = lower.max(upper),
-                Motion::Free => self.as_written(element, "range: a free joint has no limits"),
+                Motion::Free => self.warn(element, "range: a free joint has no limits"),
             }
         }
         limits
     }
 
-    /// A range, if it is one that limits: by the word, or, where that leaves it open, by there being one.
+    /// A range if it is a limit: because the attribute `word` says so, or, with `auto`, because the range is
+    /// present.
     pub(crate) fn limit(
         &mut self,
         element: &Element,
@@ -189,7 +191,7 @@ impl Reader<'_> {
             (Some("false"), _) | (_, None) => None,
             (Some("true"), Some([lower, upper])) => {
                 if lower >= upper {
-                    self.as_written(
+                    self.warn(
                         element,
                         format!("{range}: the lower limit {lower} is not below the upper limit {upper}: taken as written"),
                     );
@@ -198,7 +200,7 @@ impl Reader<'_> {
             }
             (_, Some([lower, upper])) => {
                 if !self.compiler(element).auto_limits && (lower != 0.0 || upper != 0.0) {
-                    self.as_written(
+                    self.warn(
                         element,
                         format!(
                             "{range} without {word}, and autolimits is off: no limit; give {word}=\"true\" or \"false\""
@@ -216,10 +218,7 @@ impl Reader<'_> {
         let [armature, friction] = ["armature", "frictionloss"].map(|name| {
             let value = self.number(element, name).unwrap_or(0.0);
             if value < 0.0 {
-                self.as_written(
-                    element,
-                    format!("{name}={value} is negative: taken as written; correct its sign"),
-                );
+                self.warn(element, format!("{name}={value} is negative: taken as written; correct its sign"));
             }
             value
         });
@@ -231,16 +230,16 @@ impl Reader<'_> {
         joint.higher_terms = HigherTerms { stiffness: [k2, k3], damping: [d2, d3] };
         if motion == Motion::Free && armature != 0.0 {
             let message = format!(
-                "armature={armature} of a free joint: in the model it resists along the body's axes, in MuJoCo along the \
-                 world's; M is the same, the bias lacks armature·ω×v"
+                "armature={armature} of a free joint: in the model it acts along the axes of the body, in MuJoCo along those \
+                 of the world; M is equal, and the bias lacks armature·ω×v"
             );
-            self.ignored_physics(element, message);
+            self.report_ignored_physics(element, message);
         }
         if motion == Motion::Free && friction != 0.0 {
             let message = format!(
-                "frictionloss={friction} of a free joint: in the model it resists along the body's axes, in MuJoCo along the world's"
+                "frictionloss={friction} of a free joint: in the model it acts along the axes of the body, in MuJoCo along those of the world"
             );
-            self.ignored_physics(element, message);
+            self.report_ignored_physics(element, message);
         }
         if matches!(motion, Motion::Hinge | Motion::Slide) {
             joint.passive = joint.passive.with_spring(stiffness, self.joint_angle(element, motion, rest));
@@ -249,11 +248,11 @@ impl Reader<'_> {
         }
     }
 
-    /// The coefficients of the first three powers.
+    /// The coefficients of the first to third power.
     pub(crate) fn polynomial(&mut self, element: &Element, name: &'static str) -> [f64; 3] {
         let coefficients = self.overlay(element, name, [0.0; 3]);
         if coefficients[0] < 0.0 {
-            self.as_written(
+            self.warn(
                 element,
                 format!("{name}={} is negative: taken as written; correct its sign", coefficients[0]),
             );

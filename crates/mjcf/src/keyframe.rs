@@ -1,42 +1,47 @@
-//! `<keyframe>`: poses by name.
+//! Reads `<keyframe>`: named poses.
 
 use std::collections::{HashMap, VecDeque};
 
-use multibody::{NamedPose, RobotDescription};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use robot_dynamics_description::{NamedPose, RobotDescription};
 
 use crate::MjcfError;
 use crate::actuator::Actuators;
-use crate::assemble::{Placed, Places};
+use crate::assemble::{ElementTable, JointEntry};
 use crate::joint::Motion;
 use crate::names::Names;
 use crate::reader::{Element, Reader};
 use crate::tree::Id;
 
-/// The name of the pose that the file places the bodies in.
+/// The name of the pose in which the file places the bodies.
 const INITIAL: &str = "qpos0";
 
 impl Reader<'_> {
-    /// All keyframes, and the file's own pose where that is not neutral.
-    pub(crate) fn poses(&mut self, places: &Places, actuators: &Actuators, robot: &mut RobotDescription) {
+    /// Reads all keyframes, and adds the pose of the file if it is not neutral.
+    pub(crate) fn poses(
+        &mut self,
+        table: &ElementTable,
+        actuators: &Actuators,
+        robot: &mut RobotDescription,
+    ) {
         let mut names = Names::default();
         let mut parts: HashMap<Id, Part> = HashMap::new();
         let all: Vec<Id> =
             self.tree.in_sections("keyframe").filter(|&id| self.tree.nodes[id].name == "key").collect();
         for (index, id) in all.into_iter().enumerate() {
-            let element = self.plain(id);
+            let element = self.raw_element(id);
             let written = self.text(&element, "name").filter(|name| !name.is_empty());
-            let name = names.free(&written.map_or_else(|| format!("key_{index}"), str::to_owned));
+            let name = names.unique(&written.map_or_else(|| format!("key_{index}"), str::to_owned));
             let initial: Vec<f64> =
-                places.joints.iter().flat_map(|joint| to_mujoco(joint, &joint.initial)).collect();
-            let freedoms: usize = places.joints.iter().map(|joint| joint.motion.freedoms()).sum();
+                table.joints.iter().flat_map(|joint| to_mujoco(joint, &joint.initial)).collect();
+            let dofs: usize = table.joints.iter().map(|joint| joint.motion.dof_count()).sum();
             let (q, v, controls) = if let Some(frame) = self.tree.nodes[id].scope {
-                let part = parts.entry(frame).or_insert_with(|| self.part(frame, places, actuators));
-                let mut all = [initial, vec![0.0; freedoms], vec![0.0; actuators.count]];
+                let part = parts.entry(frame).or_insert_with(|| self.part(frame, table, actuators));
+                let mut all = [initial, vec![0.0; dofs], vec![0.0; actuators.count]];
                 let mut has_controls = false;
                 for (which, name) in ["qpos", "qvel", "ctrl"].into_iter().enumerate() {
                     let rest = vec![0.0; part.0[which].len()];
-                    if let Some(list) = self.stretch(&element, name, &rest) {
+                    if let Some(list) = self.read_list(&element, name, &rest) {
                         part.place(which, &list, &mut all[which]);
                         has_controls |= which == 2;
                     }
@@ -44,26 +49,28 @@ impl Reader<'_> {
                 let [q, v, u] = all;
                 (q, v, if has_controls { u } else { Vec::new() })
             } else {
-                let q = self.stretch(&element, "qpos", &initial).unwrap_or(initial);
-                let v = self.stretch(&element, "qvel", &vec![0.0; freedoms]);
-                let controls = self.stretch(&element, "ctrl", &vec![0.0; actuators.count]);
-                (q, v.unwrap_or_else(|| vec![0.0; freedoms]), controls.unwrap_or_default())
+                let q = self.read_list(&element, "qpos", &initial).unwrap_or(initial);
+                let v = self.read_list(&element, "qvel", &vec![0.0; dofs]);
+                let controls = self.read_list(&element, "ctrl", &vec![0.0; actuators.count]);
+                (q, v.unwrap_or_else(|| vec![0.0; dofs]), controls.unwrap_or_default())
             };
             let mut pose = NamedPose::new(name, []);
             let (mut at_q, mut at_v) = (0, 0);
-            for joint in &places.joints {
-                let (nq, nv) = (joint.initial.len(), joint.motion.freedoms());
+            for joint in &table.joints {
+                let (nq, nv) = (joint.initial.len(), joint.motion.dof_count());
                 let own = &q[at_q..at_q + nq];
                 let (position, turn) = from_mujoco(joint, own).unwrap_or_else(|| {
-                    let message =
-                        format!("qpos: the quaternion of joint {:?} is zero: taken as no turn", joint.name);
-                    self.as_written(&element, message);
+                    let message = format!(
+                        "qpos: the quaternion of joint {:?} is zero: taken as the identity",
+                        joint.name
+                    );
+                    self.warn(&element, message);
                     let place = &own[..own.len() - 4];
                     ([place, &[0.0, 0.0, 0.0, 1.0]].concat(), UnitQuaternion::identity())
                 });
                 let mut velocity = v[at_v..at_v + nv].to_vec();
                 if joint.motion == Motion::Free {
-                    // Along the world's axes there, along the body's own here.
+                    // MuJoCo's linear velocity is along the axes of the world, ours along those of the body.
                     let linear = turn.inverse() * Vector3::new(velocity[0], velocity[1], velocity[2]);
                     velocity[..3].copy_from_slice(linear.as_slice());
                 }
@@ -76,10 +83,10 @@ impl Reader<'_> {
             if !controls.is_empty() {
                 pose.controls = actuators.read.iter().map(|&index| controls[index]).collect();
             }
-            self.read(&element, "a pose");
+            self.report_read(&element, "a keyframe");
             robot.poses.push(pose);
         }
-        let is_neutral = |joint: &Placed| match joint.initial[..] {
+        let is_neutral = |joint: &JointEntry| match joint.initial[..] {
             [angle] => angle == 0.0,
             [.., x, y, z, w] => {
                 [x, y, z, w] == [0.0, 0.0, 0.0, 1.0]
@@ -87,18 +94,18 @@ impl Reader<'_> {
             }
             _ => true,
         };
-        if !places.joints.iter().all(is_neutral) && names.take(INITIAL) {
-            let positions = places.joints.iter().map(|joint| (joint.name.clone(), joint.initial.clone()));
+        if !table.joints.iter().all(is_neutral) && names.reserve(INITIAL) {
+            let positions = table.joints.iter().map(|joint| (joint.name.clone(), joint.initial.clone()));
             robot.poses.push(NamedPose::new(INITIAL, positions));
         }
     }
 
-    /// A list of as many numbers as there are in `rest`, from which come those that a file leaves out that attaches or replicates
-    /// parts; `None` where it is left out or wrong.
-    fn stretch(&mut self, element: &Element, attribute: &str, rest: &[f64]) -> Option<Vec<f64>> {
+    /// A list with as many numbers as `rest`; `None` if the attribute is missing or has an error. In a file
+    /// that attaches or replicates parts, `rest` completes a shorter list.
+    fn read_list(&mut self, element: &Element, attribute: &str, rest: &[f64]) -> Option<Vec<f64>> {
         let mut list = self.all_numbers(element, attribute)?;
         let count = rest.len();
-        if self.tree.grown && list.len() < count {
+        if self.tree.has_copies && list.len() < count {
             list.extend(&rest[list.len()..]);
         }
         if list.len() == count {
@@ -112,26 +119,26 @@ impl Reader<'_> {
     }
 }
 
-/// Where the numbers of a model are among those of the robot that a part of it was attached to: of q, of v, of the controls.
+/// Maps the q, v and controls of an attached model to those of the robot.
 struct Part([Vec<Option<usize>>; 3]);
 
 impl Reader<'_> {
-    /// Of the model that the frame's contents are of.
-    fn part(&mut self, frame: Id, places: &Places, actuators: &Actuators) -> Part {
+    /// The map for the model that was attached in a frame.
+    fn part(&mut self, frame: Id, table: &ElementTable, actuators: &Actuators) -> Part {
         let tree = self.tree;
         let Some(origin) = tree.origins.get(&frame) else { return Part(Default::default()) };
-        // Where each joint is, as often as replicates have it: the first ones are those of the attachment itself.
+        // The indices of each joint, once for each replica. The first replica belongs to the attachment.
         let mut found: HashMap<Id, VecDeque<(usize, usize)>> = HashMap::new();
         let (mut at_q, mut at_v) = (0, 0);
-        for joint in &places.joints {
+        for joint in &table.joints {
             found.entry(joint.node).or_default().push_back((at_q, at_v));
-            (at_q, at_v) = (at_q + joint.initial.len(), at_v + joint.motion.freedoms());
+            (at_q, at_v) = (at_q + joint.initial.len(), at_v + joint.motion.dof_count());
         }
         let mut part: [Vec<Option<usize>>; 3] = Default::default();
         for (node, motion) in self.joints_in(origin.whole) {
             let own = if origin.whole == frame { Some(&node) } else { origin.attached.get(&node) };
             let at = own.and_then(|own| found.get_mut(own)?.pop_front());
-            let (nq, nv) = (motion.positions(), motion.freedoms());
+            let (nq, nv) = (motion.positions(), motion.dof_count());
             part[0].extend((0..nq).map(|k| Some(at?.0 + k)));
             part[1].extend((0..nv).map(|k| Some(at?.1 + k)));
         }
@@ -143,7 +150,7 @@ impl Reader<'_> {
 }
 
 impl Part {
-    /// A list of the model's, put where it belongs among `all`.
+    /// Copies a list of the model to its places in `all`.
     fn place(&self, which: usize, list: &[f64], all: &mut [f64]) {
         for (at, number) in self.0[which].iter().zip(list) {
             if let Some(at) = *at {
@@ -153,8 +160,8 @@ impl Part {
     }
 }
 
-/// A joint's q with its quaternion as w x y z.
-fn to_mujoco(joint: &Placed, q: &[f64]) -> Vec<f64> {
+/// The q of a joint with its quaternion in the order w x y z.
+fn to_mujoco(joint: &JointEntry, q: &[f64]) -> Vec<f64> {
     match (joint.motion, q) {
         (Motion::Ball, &[x, y, z, w]) => vec![w, x, y, z],
         (Motion::Free, &[a, b, c, x, y, z, w]) => vec![a, b, c, w, x, y, z],
@@ -162,8 +169,9 @@ fn to_mujoco(joint: &Placed, q: &[f64]) -> Vec<f64> {
     }
 }
 
-/// The other way, the quaternion normalised, with the turn that it is; `None` where it is zero.
-fn from_mujoco(joint: &Placed, q: &[f64]) -> Option<(Vec<f64>, UnitQuaternion<f64>)> {
+/// Converts q from MuJoCo's order. Also returns the rotation of the normalized quaternion; `None` if it is
+/// zero.
+fn from_mujoco(joint: &JointEntry, q: &[f64]) -> Option<(Vec<f64>, UnitQuaternion<f64>)> {
     let turn = |w, x, y, z| UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-15);
     match (joint.motion, q) {
         (Motion::Ball, &[w, x, y, z]) => {

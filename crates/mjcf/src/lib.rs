@@ -1,13 +1,14 @@
-//! MJCF robot files, the format of MuJoCo, read without losing physics.
+//! Reads and writes MJCF robot files, the format of MuJoCo.
 //!
-//! [`load`], [`load_among`] and [`parse`] turn an MJCF file, with the files that it includes, into a [`multibody::RobotDescription`] and a
-//! [`LoadReport`] that lists, by line, everything that was read, defaulted and ignored. What has no meaning in the
-//! equations of motion is refused, with all such places in one [`LoadError`]; what is only suspicious is taken as
-//! written, with a warning in the report ([`Severity`]). Mesh files are opened only where a body's inertia is to be
-//! inferred from them. [`write()`] is the way back.
+//! [`load`], [`load_among`] and [`parse`] turn an MJCF file and the files that it includes or attaches into a
+//! [`robot_dynamics_description::RobotDescription`] and a [`LoadReport`], which lists, by line, everything
+//! that was read, defaulted and ignored. A file without a meaning in the equations of motion is refused with
+//! a [`LoadError`] that lists all of its errors. Suspicious values are taken as written, with a warning in
+//! the report ([`Severity`]). A mesh file is opened only if the inertia of a body comes from it. [`write()`]
+//! writes a robot as MJCF.
 //!
 //! ```
-//! let robot = mjcf::parse(
+//! let robot = robot_dynamics_mjcf::parse(
 //!     r#"<mujoco model="pendulum">
 //!          <compiler angle="radian"/>
 //!          <worldbody>
@@ -17,19 +18,19 @@
 //!            </body>
 //!          </worldbody>
 //!        </mujoco>"#,
-//!     &mjcf::Options::default(),
+//!     &robot_dynamics_mjcf::Options::default(),
 //! )?;
 //! assert_eq!(robot.description.joints[0].passive.damping, 0.1);
 //! assert_eq!(robot.description.links[1].mass_properties.map(|bob| bob.mass()), Some(2.0));
 //! assert_eq!(robot.report.counts.degrees_of_freedom, 1);
-//! # Ok::<(), mjcf::LoadError>(())
+//! # Ok::<(), robot_dynamics_mjcf::LoadError>(())
 //! ```
 
-// What goes in and what comes out.
+// Entry points and errors.
 mod error;
 mod load;
 
-// The XML: one tree of all included files, walked with every line and every unread thing accounted for.
+// XML: one tree of all files, and the report of everything that is not read.
 mod attach;
 mod attribute;
 mod floating_base;
@@ -39,14 +40,14 @@ mod reader;
 mod renaming;
 mod source;
 mod tree;
-mod unread;
+mod unread_parts;
 
-// What the file says of itself.
+// Settings and defaults.
 mod classes;
 mod compiler;
 mod option;
 
-// Bodies and what is in them.
+// Bodies and their content.
 mod body;
 mod geom;
 mod inertial;
@@ -66,10 +67,10 @@ mod mass;
 mod names;
 mod simple_slides;
 
-// What stands beside the tree.
+// Actuators, sensors, constraints, keyframes and shapes.
 mod actuator;
 mod contact;
-mod derived;
+mod damping_ratios;
 mod equality;
 mod keyframe;
 mod motor;
@@ -77,12 +78,12 @@ mod sensor;
 mod shapes;
 mod tendon;
 
-// The way back: from a robot to a file.
+// The writer.
 mod write;
 
 pub use error::{LoadError, MjcfError};
 pub use folder::FileSet;
 pub use load::{Robot, load, load_among, parse, parse_as};
-pub use multibody::{Counts, Finding, LoadReport, Severity, Treatment};
-pub use robot_xml::{Options, SIZE_LIMIT};
+pub use robot_dynamics_description::{Counts, Disposition, Finding, LoadReport, Severity};
+pub use robot_dynamics_xml::{Options, SIZE_LIMIT};
 pub use write::write;

@@ -1,11 +1,11 @@
-//! From a file to a robot.
+//! Loads a robot from an MJCF file.
 
 use std::path::{Path, PathBuf};
 
-use multibody::plausibility::WrittenAngles;
-use multibody::{Base, LoadReport, RobotDescription, Treatment};
+use robot_dynamics_description::plausibility::WrittenAngles;
+use robot_dynamics_description::{Base, Disposition, LoadReport, RobotDescription};
 
-use crate::floating_base::free_base;
+use crate::floating_base::add_floating_base;
 use crate::folder::{FileSet, Folder};
 use crate::reader::Reader;
 use crate::source::{Source, in_file_place};
@@ -13,26 +13,26 @@ use crate::tendon::armature_to_joints;
 use crate::tree::Tree;
 use crate::{LoadError, MjcfError, Options};
 
-/// A robot and the account of how it was read.
+/// A robot and the report of how it was read.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Robot {
-    /// Links and joints, as the file states them: one tree under the world, a link without mass named `world`.
+    /// Links and joints, as written in the file: one tree, whose root is a link without mass named `world`.
     pub description: RobotDescription,
-    /// What was read, defaulted, suspicious and ignored.
+    /// Everything that was read, defaulted, suspicious or ignored.
     pub report: LoadReport,
-    /// The Euler angles of all frames as the file means them \[rad\], before they become rotations.
+    /// The Euler angles of all frames \[rad\], before conversion to rotations.
     pub angles: Vec<WrittenAngles>,
 }
 
-/// Reads an MJCF file and the files that it includes. Mesh files are opened only where a body's inertia is to be inferred
-/// from them.
+/// Reads an MJCF file and the files that it includes or attaches. A mesh file is opened only if the inertia
+/// of a body comes from it.
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/arm.xml");
-/// let robot = mjcf::load(file, &mjcf::Options::default())?;
-/// assert_eq!(robot.report.counts.ignored_physics, 0); // all that moves the robot was read
-/// let model = multibody::Model::new(robot.description)?;
+/// let robot = robot_dynamics_mjcf::load(file, &robot_dynamics_mjcf::Options::default())?;
+/// assert_eq!(robot.report.counts.ignored_physics, 0); // no physics was ignored
+/// let model = robot_dynamics::model::Model::new(robot.description)?;
 /// assert_eq!((model.nq(), model.nv()), (6, 6));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -41,18 +41,19 @@ pub struct Robot {
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.
 pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
     let path = path.as_ref();
-    let text = robot_xml::read_file(path).map_err(|source| MjcfError::Xml { file: String::new(), source })?;
+    let text = robot_dynamics_xml::read_file(path)
+        .map_err(|source| MjcfError::Xml { file: String::new(), source })?;
     parse_as(&text, path, options)
 }
 
-/// Reads the text of the file at that path, which is opened no more: what it includes and the meshes it names are looked for
-/// from there.
+/// Reads a text as the content of the file at `path`, which is not opened. Included files and meshes are
+/// located from the folder of `path`.
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/arm.xml");
 /// let text = std::fs::read_to_string(file)?;
-/// let robot = mjcf::parse_as(&text, file, &mjcf::Options::default())?;
-/// assert_eq!(robot, mjcf::load(file, &mjcf::Options::default())?);
+/// let robot = robot_dynamics_mjcf::parse_as(&text, file, &robot_dynamics_mjcf::Options::default())?;
+/// assert_eq!(robot, robot_dynamics_mjcf::load(file, &robot_dynamics_mjcf::Options::default())?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -62,16 +63,16 @@ pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result
     read(text, Some(path.as_ref()), None, options.clone())
 }
 
-/// Reads the file of that path among files in memory: what it includes and the meshes that inertia comes from are looked for
-/// there. Shapes keep their meshes' names alone.
+/// Reads the file at `path` from files in memory, which also provide included files and the meshes that
+/// inertia comes from. Shapes keep the names of their mesh files, without paths.
 ///
 /// ```
-/// use mjcf::{FileSet, Options, load_among};
+/// use robot_dynamics_mjcf::{FileSet, Options, load_among};
 /// let scene = "<mujoco><include file='ball.xml'/></mujoco>";
 /// let ball = "<mujoco><worldbody><body name='ball'><geom size='0.1'/></body></worldbody></mujoco>";
 /// let files = FileSet::new([("scene.xml", scene), ("ball.xml", ball)]);
 /// assert_eq!(load_among(&files, "scene.xml", &Options::default())?.description.links[1].name, "ball");
-/// # Ok::<(), mjcf::LoadError>(())
+/// # Ok::<(), robot_dynamics_mjcf::LoadError>(())
 /// ```
 ///
 /// # Errors
@@ -82,17 +83,18 @@ pub fn load_among(files: &FileSet, path: impl AsRef<Path>, options: &Options) ->
     read(&text, Some(path), Some(files), options.clone())
 }
 
-/// Reads the text of an MJCF file, which can include no others and name no mesh files that inertia comes from.
+/// Reads the text of an MJCF file. Includes, and mesh files that inertia comes from, are errors, because a
+/// text has no folder.
 ///
 /// ```
 /// let text = r#"<mujoco><worldbody><body name="ball">
 ///   <freejoint name="float"/> <geom size="0.1"/>
 /// </body></worldbody></mujoco>"#;
-/// let robot = mjcf::parse(text, &mjcf::Options::default())?;
+/// let robot = robot_dynamics_mjcf::parse(text, &robot_dynamics_mjcf::Options::default())?;
 /// assert_eq!(robot.description.joints[0].name, "float");
 /// let ball = robot.description.links[1].mass_properties.expect("a ball of water");
 /// assert!((ball.mass() - 4.18879).abs() < 1e-5); // 4/3 π r³ · 1000 kg/m³
-/// # Ok::<(), mjcf::LoadError>(())
+/// # Ok::<(), robot_dynamics_mjcf::LoadError>(())
 /// ```
 ///
 /// # Errors
@@ -115,7 +117,7 @@ fn read(
     reader.meshes.folder = folder;
     for (file, line, message) in faults {
         let place = in_file_place(&tree.files[file], "mujoco");
-        reader.push(line, place, Treatment::AsWritten, message);
+        reader.push(line, place, Disposition::AsWritten, message);
     }
     let stem = path.and_then(Path::file_stem).map(|stem| stem.to_string_lossy().into_owned());
     robot(reader, stem)
@@ -133,26 +135,26 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     reader.read_materials();
     let mut bodies = reader.bodies();
     if reader.has_too_many_copies() {
-        // Of a robot cut short the rest would say what is not so.
+        // The other findings would describe an incomplete robot.
         return Err(LoadError::new(reader.errors, MjcfError::line, reader.report));
     }
     let mut masses = reader.masses(&bodies);
     reader.align_free_bodies(&mut bodies, &mut masses);
-    let places = reader.assemble(&mut robot, &bodies, &masses, disabled);
+    let table = reader.assemble(&mut robot, &bodies, &masses, disabled);
     let pairs = reader.pairs(&bodies);
-    reader.shapes(&bodies, &places.links, &pairs, &mut robot);
+    reader.shapes(&bodies, &table.links, &pairs, &mut robot);
     reader.keep_pairs(pairs, &mut robot);
-    reader.exclusions(&bodies, &places, &mut robot);
-    reader.tendons(&places, disabled, &mut robot);
-    reader.equalities(&bodies, &places, &mut robot);
-    let actuators = reader.actuators(&places, disabled, &mut robot);
+    reader.exclusions(&bodies, &table, &mut robot);
+    reader.tendons(&table, disabled, &mut robot);
+    reader.equalities(&bodies, &table, &mut robot);
+    let actuators = reader.actuators(&table, disabled, &mut robot);
     armature_to_joints(&mut robot);
-    reader.poses(&places, &actuators, &mut robot);
-    reader.sensors(&bodies, &places, &mut robot);
-    reader.derived(&bodies, &places, &actuators, &mut robot);
-    drop((bodies, masses, places, actuators));
+    reader.poses(&table, &actuators, &mut robot);
+    reader.sensors(&bodies, &table, &mut robot);
+    reader.resolve_damping_ratios(&bodies, &table, &actuators, &mut robot);
+    drop((bodies, masses, table, actuators));
     reader.list_unread();
-    free_base(&mut reader, &mut robot);
+    add_floating_base(&mut reader, &mut robot);
 
     let mut report = core::mem::take(&mut reader.report);
     let opened = reader.meshes.folder.as_ref().map(Folder::opened).unwrap_or_default();

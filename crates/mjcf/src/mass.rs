@@ -1,33 +1,31 @@
-//! What each body's mass is: its `<inertial>`, or its geoms, within the bounds of `<compiler>`.
+//! The mass properties of bodies: from `<inertial>` or geoms, within the bounds of `<compiler>`.
 
-use dynamics::{MassProperties, PrincipalInertia, six_digits};
-use multibody::Treatment;
 use nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
-use robot_xml::excerpt;
+use robot_dynamics_description::{Disposition, MassProperties, PrincipalInertia, six_digits};
+use robot_dynamics_xml::excerpt;
 
-use crate::MjcfError;
 use crate::body::Body;
 use crate::compiler::{Compiler, FromGeoms};
 use crate::geom::{Form, Geom};
 use crate::inertial::Inertial;
 use crate::mesh_mass::MeshExtent;
-use crate::primitive;
 use crate::reader::Reader;
+use crate::{MjcfError, primitive};
 
-/// A body's mass.
+/// The mass properties of a body.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Mass {
-    /// In the body's axes; `None` for the world and for bodies without mass.
+    /// In the axes of the body; `None` for the world and for bodies without mass.
     pub(crate) properties: Option<MassProperties>,
-    /// The frame that its moments were given in, where they were given as principal ones.
+    /// The principal frame in the file, if the file gives principal moments.
     pub(crate) frame: Option<Isometry3<f64>>,
 }
 
-/// A geom of less mass \[kg\] counts as none, as in MuJoCo.
-const LEAST: f64 = 1e-14;
+/// A geom of less mass \[kg\] is ignored, as in MuJoCo.
+const MASS_THRESHOLD: f64 = 1e-14;
 
 impl Reader<'_> {
-    /// The masses of all bodies.
+    /// The mass properties of all bodies.
     pub(crate) fn masses(&mut self, bodies: &[Body]) -> Vec<Mass> {
         let mut masses: Vec<Mass> = vec![Mass::default()];
         masses.extend(bodies[1..].iter().map(|body| self.mass(body)));
@@ -37,7 +35,7 @@ impl Reader<'_> {
             let factor = wanted / total;
             for mass in masses.iter_mut().filter_map(|mass| mass.properties.as_mut()) {
                 let (own, inertia) = (mass.mass(), mass.inertia_about_center_of_mass());
-                // Finite numbers times a finite one; an overflow keeps the mass and is refused by the model.
+                // Fails only for an overflow. The mass then stays, and the model refuses it.
                 if let Ok(scaled) =
                     MassProperties::as_written(own * factor, mass.center_of_mass(), inertia * factor)
                 {
@@ -46,7 +44,7 @@ impl Reader<'_> {
             }
             let message =
                 format!("settotalmass={wanted}: all masses and inertias times {}", six_digits(factor));
-            self.push(1, "compiler".into(), Treatment::Read, message);
+            self.push(1, "compiler".into(), Disposition::Read, message);
         }
         masses
     }
@@ -72,12 +70,12 @@ impl Reader<'_> {
         let element = if is_inferred { None } else { written.map(|written| written.element.clone()) };
         let element = element.unwrap_or_else(|| body.element.clone());
         let (m, how) = (six_digits(mass.mass()), if is_inferred { "its geoms" } else { "its <inertial>" });
-        self.read(&element, format!("mass {m} kg and inertia from {how}"));
-        let is_something = mass.mass() > 0.0 || mass.inertia_about_center_of_mass() != Matrix3::zeros();
-        Mass { properties: is_something.then_some(mass), frame }
+        self.report_read(&element, format!("mass {m} kg and inertia from {how}"));
+        let has_mass = mass.mass() > 0.0 || mass.inertia_about_center_of_mass() != Matrix3::zeros();
+        Mass { properties: has_mass.then_some(mass), frame }
     }
 
-    /// An `<inertial>`, with a warning where no rigid body has such moments.
+    /// The mass properties of an `<inertial>`, with a warning if no rigid body has such moments.
     fn written_mass(&mut self, written: &Inertial) -> Option<MassProperties> {
         let body = written.mass_properties()?;
         let size = body.center_of_mass().norm();
@@ -92,26 +90,26 @@ impl Reader<'_> {
             moments.map(six_digits).join(", ")
         };
         if self.options.repair_inertia && !self.options.strict {
-            let mended = body.repaired();
+            let repaired = body.repaired();
             let message = format!(
                 "{flaw}; repaired: principal moments {} → {} kg·m²",
                 moments(&body),
-                moments(&mended)
+                moments(&repaired)
             );
-            self.push(element.line, element.place.clone(), Treatment::Repaired, message);
-            return Some(mended);
+            self.push(element.line, element.place.clone(), Disposition::Repaired, message);
+            return Some(repaired);
         }
-        self.as_written(element, format!("{flaw}; taken as written: correct it, or repair it on loading"));
+        self.warn(element, format!("{flaw}; taken as written: correct it, or repair it on loading"));
         Some(body)
     }
 
-    /// `boundmass`, `boundinertia` and `balanceinertia`.
+    /// Applies `boundmass`, `boundinertia` and `balanceinertia`.
     fn within_bounds(&mut self, body: &Body, mass: Option<MassProperties>) -> Option<MassProperties> {
         let Compiler { least_mass, least_moment, balance_inertia, .. } = *self.compiler(&body.element);
         if least_mass <= 0.0 && least_moment <= 0.0 && !balance_inertia {
             return mass;
         }
-        // A body without mass gets the least one where its own frame is in its parent, as in MuJoCo.
+        // MuJoCo puts the least mass of a body without mass at the position of the body in its parent.
         let nothing = || {
             let place = body.parent_from_body.translation.vector;
             MassProperties::as_written(0.0, place, Matrix3::zeros()).ok()
@@ -123,7 +121,7 @@ impl Reader<'_> {
             let mean = bounded.mean();
             bounded = Vector3::repeat(mean);
             let message = format!("balanceinertia: three moments of {} kg·m²", six_digits(mean));
-            self.defaulted(&body.element, message);
+            self.report_default(&body.element, message);
         }
         if bounded == moments && mass.mass() >= least_mass {
             return Some(mass);
@@ -132,18 +130,18 @@ impl Reader<'_> {
         let inertia = turn * Matrix3::from_diagonal(&bounded) * turn.transpose();
         let inertia = (inertia + inertia.transpose()) * 0.5;
         if mass.mass() < least_mass || moments.min() < least_moment {
-            self.defaulted(&body.element, "boundmass or boundinertia raises its mass or its moments");
+            self.report_default(&body.element, "boundmass or boundinertia raises its mass or its moments");
         }
         MassProperties::as_written(mass.mass().max(least_mass), mass.center_of_mass(), inertia).ok()
     }
 
-    /// The geoms of the groups that count, together; and the frame of the only one, if it is a primitive.
+    /// The mass properties of all geoms of the inertia groups, and the frame of a single primitive.
     fn mass_of_geoms(&mut self, body: &Body) -> Option<(MassProperties, Option<Isometry3<f64>>)> {
         let mut parts = Vec::new();
         let mut frames = Vec::new();
         for geom in &body.geoms {
             if self.compiler(&body.element).inertia_groups.contains(&geom.group)
-                && let Some(part) = self.mass_of_geom(geom).filter(|part| part.mass() > LEAST)
+                && let Some(part) = self.mass_of_geom(geom).filter(|part| part.mass() > MASS_THRESHOLD)
             {
                 parts.push(part);
                 frames.push(geom.mesh.is_none().then_some(geom.body_from_geom));
@@ -153,25 +151,24 @@ impl Reader<'_> {
         MassProperties::composite(&parts).ok().map(|mass| (mass, only))
     }
 
-    /// A geom's mass in its body's axes.
+    /// The mass properties of a geom in the axes of its body.
     fn mass_of_geom(&mut self, geom: &Geom) -> Option<MassProperties> {
         if geom.mass == Some(0.0) || (geom.mass.is_none() && geom.density == 0.0) {
             return None;
         }
-        // At density 1, and its frame in the body.
+        // Volume or area, mass properties at density 1, and the frame in the body.
         let (measure, own, place) = match (geom.form, &geom.mesh) {
             (Form::Plane, _) => return None,
             (Form::HeightField | Form::SignedDistance, _) => {
-                let message =
-                    "its mass is not in the model: height fields and signed distance fields have none here";
-                self.ignored_physics(&geom.element, message);
+                let message = "its mass is not in the model: masses of height fields and signed distance fields are not supported";
+                self.report_ignored_physics(&geom.element, message);
                 return None;
             }
             (Form::Mesh, Some(mesh)) => {
                 if geom.shell {
-                    let message = "shellinertia of a mesh, which MuJoCo 4 refuses: its mass is taken to be in its surface; write \
+                    let message = "shellinertia of a mesh, which MuJoCo 4 refuses: taken as mass in the surface; write \
                                    inertia=\"shell\" in its <asset>";
-                    self.as_written(&geom.element, message);
+                    self.warn(&geom.element, message);
                 }
                 let extent = self.usable_mesh(geom, mesh)?;
                 (extent.measure, extent.body, geom.body_from_geom)
@@ -179,7 +176,7 @@ impl Reader<'_> {
             (form, mesh) => {
                 let (size, place) = match mesh {
                     None => (geom.size, geom.body_from_geom),
-                    Some(mesh) => self.fitted(geom, mesh)?,
+                    Some(mesh) => self.fit_primitive(geom, mesh)?,
                 };
                 let extent = primitive::extent(form, size, geom.shell)?;
                 let inertia =
@@ -188,7 +185,7 @@ impl Reader<'_> {
                 (extent.measure, own, place)
             }
         };
-        if measure <= LEAST && geom.mass.is_some() {
+        if measure <= MASS_THRESHOLD && geom.mass.is_some() {
             return None;
         }
         let density = geom.mass.map_or(geom.density, |mass| mass / measure);
@@ -198,7 +195,8 @@ impl Reader<'_> {
         Some(own.transformed(&rotation.to_rotation_matrix(), &translation.vector))
     }
 
-    /// The mesh's extent; where there is none, an error. A mesh that is not in the file is told with the shapes.
+    /// The extent of a mesh; `None` with an error if it cannot be used. An unknown mesh is reported by
+    /// `mesh_shape`.
     fn usable_mesh(&mut self, geom: &Geom, mesh: &str) -> Option<MeshExtent> {
         self.mesh_named(mesh)?;
         match &*self.mesh_extent(mesh, geom.shell && geom.form == Form::Mesh) {
@@ -212,16 +210,17 @@ impl Reader<'_> {
         }
     }
 
-    /// Size and place of a primitive that is fitted to a mesh: its axes are the mesh's principal ones, the longest along z,
-    /// its size from the box of the same inertia.
-    fn fitted(&mut self, geom: &Geom, mesh: &str) -> Option<([f64; 3], Isometry3<f64>)> {
+    /// Size and frame of a primitive that is fitted to a mesh. Its axes are the principal axes of the mesh,
+    /// the longest along z. Its size is that of the box with the same inertia.
+    fn fit_primitive(&mut self, geom: &Geom, mesh: &str) -> Option<([f64; 3], Isometry3<f64>)> {
         if self.compiler(&geom.element).fit_bounds {
-            let message = "fitaabb: a primitive fitted to a mesh's bounding box is not read; its mass is from the inertia box";
-            self.ignored_physics(&geom.element, message);
+            let message = "fitaabb is not supported: the mass of the primitive is that of the inertia box";
+            self.report_ignored_physics(&geom.element, message);
         }
         let extent = self.usable_mesh(geom, mesh)?;
         let PrincipalInertia { moments, body_from_principal } = extent.body.principal();
-        // Half edges of a box with these moments: I₁ + I₂ − I₃ = m a²·2/3 and so on, the largest moment about x.
+        // Half edges of a box with these moments, the largest about x: I₁ + I₂ − I₃ = m a²·2/3, and
+        // cyclically.
         let half_edge = |sum: f64| 0.5 * (6.0 * sum.max(0.0) / extent.measure).sqrt();
         let [c, b, a]: [f64; 3] = moments.into();
         let [x, y, z] = [half_edge(b + c - a), half_edge(a + c - b), half_edge(a + b - c)];
@@ -232,7 +231,7 @@ impl Reader<'_> {
             _ => [x, y, z],
         };
         let axes = body_from_principal.matrix();
-        // Descending moments: the columns the other way round, and one of them too, to stay right-handed.
+        // Reversed columns give descending moments; one sign keeps the frame right-handed.
         let axes = Matrix3::from_columns(&[
             axes.column(2).into_owned(),
             -axes.column(1),

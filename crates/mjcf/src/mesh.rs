@@ -1,12 +1,12 @@
-//! `<asset>/<mesh>`: meshes by name, opened where a body's inertia comes from them.
+//! Reads `<asset>/<mesh>`: meshes by name. A mesh file is opened if the inertia of a body comes from it.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::rc::Rc;
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
-use robot_mesh::Triangles;
-use robot_xml::excerpt;
+use robot_dynamics_mesh::Triangles;
+use robot_dynamics_xml::excerpt;
 
 use crate::classes::MAIN;
 use crate::compiler::Compiler;
@@ -15,7 +15,7 @@ use crate::mesh_mass::{MeshExtent, MeshInertia, extent};
 use crate::reader::{Element, Reader};
 use crate::tree::Id;
 
-/// The meshes of a file.
+/// The meshes of the file.
 #[derive(Default)]
 pub(crate) struct Meshes {
     /// The folder of the main file; `None` for a text.
@@ -25,12 +25,12 @@ pub(crate) struct Meshes {
 }
 
 impl Reader<'_> {
-    /// Lists all meshes by name: their own, or that of their file.
+    /// Collects all meshes by name, which defaults to that of their file.
     pub(crate) fn read_meshes(&mut self) {
         let meshes: Vec<Id> =
             self.tree.in_sections("asset").filter(|&id| self.tree.nodes[id].name == "mesh").collect();
         for id in meshes {
-            let element = self.plain(id);
+            let element = self.raw_element(id);
             let own = self.text(&element, "name").filter(|name| !name.is_empty());
             let Some(name) = own.or_else(|| self.text(&element, "file").map(stem)) else {
                 self.required_text(&element, "name", "NAME");
@@ -47,11 +47,11 @@ impl Reader<'_> {
         Some(self.element(id, MAIN))
     }
 
-    /// A mesh's mass at density 1, or why it has none; each mesh is opened once. With `shell` its mass is in its surface,
-    /// whatever the mesh itself says.
+    /// The mass properties of a mesh at density 1, or the reason of the failure. Each mesh is opened once.
+    /// With `shell` the mass is in the surface, whatever the attribute `inertia` of the mesh is.
     pub(crate) fn mesh_extent(&mut self, name: &str, shell: bool) -> Rc<Result<MeshExtent, String>> {
         let Some(element) = self.mesh_named(name) else {
-            return Rc::new(Err(format!("there is no <mesh name={:?}/> in <asset>", excerpt(name))));
+            return Rc::new(Err(format!("<mesh name={:?}/> is missing in <asset>", excerpt(name))));
         };
         if let Some(known) = self.meshes.extents.get(&(element.node, shell)) {
             return Rc::clone(known);
@@ -61,7 +61,7 @@ impl Reader<'_> {
         extent
     }
 
-    /// The file that a mesh is in: its name, and its path where the folder is known.
+    /// The file of a mesh: its name, and its path if the folder is known.
     pub(crate) fn mesh_file(&self, element: &Element) -> Option<(String, Option<PathBuf>)> {
         let name = self.text(element, "file")?;
         let own = if self.compiler(element).strip_path {
@@ -73,7 +73,7 @@ impl Reader<'_> {
         Some((name.to_owned(), folder.map(|folder| folder.join(own))))
     }
 
-    /// The folder that an asset's file is in, by the settings of the file that names it; `None` for a text.
+    /// The folder of an asset's file, by the settings of the model that names it; `None` for a text.
     pub(crate) fn asset_folder(&self, element: &Element, own: fn(&Compiler) -> &String) -> Option<PathBuf> {
         let model = &self.tree.models[self.tree.nodes[element.node].model];
         let folder = self.meshes.folder.as_ref()?;
@@ -106,7 +106,7 @@ impl Reader<'_> {
             None => self.written_mesh(element)?,
         };
         if self.errors.len() > errors {
-            return Err("its numbers are listed above".into());
+            return Err("it has invalid numbers".into());
         }
         let quaternion = Quaternion::new(w, x, y, z);
         let turn = UnitQuaternion::try_new(quaternion, 0.0).ok_or("refquat is zero")?;
@@ -115,18 +115,18 @@ impl Reader<'_> {
             *point = factors * (turn.inverse() * (*point - Vector3::from(shift)));
         }
         if scale.iter().product::<f64>() < 0.0 {
-            // A mirror image is seen from the other side.
+            // A reflection reverses the orientation of the faces.
             mesh.faces.iter_mut().for_each(|face| face.swap(1, 2));
         }
         extent(&mesh, inertia)
     }
 
-    /// `vertex` and `face`.
+    /// Reads a mesh from `vertex` and `face`.
     fn written_mesh(&mut self, element: &Element) -> Result<Triangles, String> {
         let points = self.all_numbers(element, "vertex").ok_or("it has neither file nor vertex")?;
         let corners = self.all_numbers(element, "face").unwrap_or_default();
         if !points.len().is_multiple_of(3) || !corners.len().is_multiple_of(3) {
-            return Err("vertex and face hold three numbers for each point and each triangle".into());
+            return Err("vertex and face need three numbers for each point and each triangle".into());
         }
         #[allow(clippy::cast_possible_truncation)] // the format's numbers are of single precision
         let single = |x: f64| f64::from(x as f32);
@@ -139,12 +139,12 @@ impl Reader<'_> {
                 .map(|face| [index(face[0]), index(face[1]), index(face[2])])
                 .collect(),
         };
-        robot_mesh::check(&mesh)?;
+        robot_dynamics_mesh::check(&mesh)?;
         Ok(mesh)
     }
 }
 
-/// A file's name without folder and ending.
+/// The name of a file without folder and extension.
 pub(crate) fn stem(file: &str) -> &str {
     let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
     name.rsplit_once('.').map_or(name, |(stem, _)| stem)

@@ -1,34 +1,33 @@
-//! What a mesh's mass is, by each of the format's four ways.
+//! The mass properties of a mesh, by the four methods of MJCF.
 
-use dynamics::MassProperties;
 use nalgebra::{Matrix3, Vector3};
+use robot_dynamics_description::MassProperties;
+use robot_dynamics_mesh::{Triangles, hull};
 
-use robot_mesh::{Triangles, hull};
-
-/// The format's words for how a mesh holds mass.
+/// The values of the attribute `inertia` of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MeshInertia {
-    /// The solid that it bounds.
+    /// The solid inside the mesh.
     Exact,
-    /// Its convex hull.
+    /// The convex hull.
     Convex,
-    /// Its surface.
+    /// The surface.
     Shell,
-    /// The pyramids from its middle to each triangle, all counted as positive: right for a convex mesh, too much for
-    /// others, and the format's default.
+    /// The pyramids from the centre to each triangle, all with positive volume. This is exact for a convex
+    /// mesh and overestimates others. It is the default of MJCF.
     Legacy,
 }
 
-/// A mesh filled evenly.
+/// A mesh of uniform density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MeshExtent {
-    /// Volume \[m³\], or of a shell area \[m²\].
+    /// Volume \[m³\], or area \[m²\] of a shell.
     pub(crate) measure: f64,
     /// At density 1, in the mesh's frame.
     pub(crate) body: MassProperties,
 }
 
-/// Mass of a mesh at density 1; a mesh of points alone is its hull.
+/// The mass properties of a mesh at density 1. For a mesh without faces they are those of its convex hull.
 pub(crate) fn extent(mesh: &Triangles, inertia: MeshInertia) -> Result<MeshExtent, String> {
     let convex;
     let triangles: Vec<[Vector3<f64>; 3]> = if mesh.faces.is_empty() || inertia == MeshInertia::Convex {
@@ -39,17 +38,18 @@ pub(crate) fn extent(mesh: &Triangles, inertia: MeshInertia) -> Result<MeshExten
     };
     let body = match inertia {
         MeshInertia::Exact | MeshInertia::Convex => MassProperties::solid_mesh(1.0, &triangles)
-            .map_err(|error| format!("{error}: are its triangles counter-clockwise as seen from outside?")),
+            .map_err(|error| format!("{error}; check that its triangles are counter-clockwise from outside")),
         MeshInertia::Shell => MassProperties::shell_mesh(1.0, &triangles).map_err(|error| error.to_string()),
         MeshInertia::Legacy => {
-            legacy(&triangles).ok_or_else(|| "it has no volume; give it inertia=\"shell\"".to_owned())
+            legacy_mass(&triangles).ok_or_else(|| "it has no volume; give it inertia=\"shell\"".to_owned())
         }
     }?;
     Ok(MeshExtent { measure: body.mass(), body })
 }
 
-/// The volumes from the middle of the surface give the centre of mass; those from there the mass and inertia.
-fn legacy(triangles: &[[Vector3<f64>; 3]]) -> Option<MassProperties> {
+/// The pyramids from the centroid of the surface give the centre of mass. Those from the centre of mass give
+/// mass and inertia.
+fn legacy_mass(triangles: &[[Vector3<f64>; 3]]) -> Option<MassProperties> {
     let surface = MassProperties::shell_mesh(1.0, triangles).ok()?;
     let middle = surface.center_of_mass();
     let volume = |[p, q, r]: &[Vector3<f64>; 3]| (p.dot(&q.cross(r)) / 6.0).abs();

@@ -1,20 +1,20 @@
-//! Armature and damping of an actuator: those of its motor.
+//! Reads `armature` and `damping` of an actuator.
 
 use std::collections::HashMap;
 
-use multibody::{RobotDescription, Transmission};
+use robot_dynamics_description::{RobotDescription, Transmission};
 
-use crate::option::Disabled;
+use crate::option::DisabledForces;
 use crate::reader::{Element, Reader};
 
 impl Reader<'_> {
-    /// The rotor's inertia and the motor's damping are the joint's or the tendon's, seen through the gear, whose first number is
-    /// that of all freedoms.
+    /// Adds the armature and damping of an actuator to its joint or tendon, multiplied by the square of the
+    /// gear. The first number of the gear applies to all degrees of freedom.
     pub(crate) fn motor(
         &mut self,
         element: &Element,
         transmission: &Transmission,
-        disabled: Disabled,
+        disabled: DisabledForces,
         joints: &HashMap<String, usize>,
         tendons: &HashMap<String, usize>,
         robot: &mut RobotDescription,
@@ -34,7 +34,10 @@ impl Reader<'_> {
                 (own.map(|own| (&mut own.passive, &mut own.higher_terms)), *gear)
             }
             _ => {
-                self.misplaced(element, "armature and damping are for an actuator of a joint or a tendon");
+                self.refuse(
+                    element,
+                    "armature and damping are only supported for actuators of joints and tendons",
+                );
                 return;
             }
         };

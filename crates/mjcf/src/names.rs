@@ -1,36 +1,36 @@
-//! Names for what the file leaves without one, each used once.
+//! Unique names for elements without a name.
 
 use std::collections::{HashMap, HashSet};
 
-/// Names that are taken.
+/// The names in use.
 #[derive(Default)]
 pub(crate) struct Names {
-    taken: HashSet<String>,
-    /// The number behind each name that is tried next, so that many of one name take no quadratic work.
+    used: HashSet<String>,
+    /// The next number to try for each name, which avoids quadratic work for many equal names.
     next: HashMap<String, usize>,
 }
 
 impl Names {
-    /// Takes this name; `false` if it is taken already.
-    pub(crate) fn take(&mut self, name: &str) -> bool {
-        self.taken.insert(name.to_owned())
+    /// Reserves a name; `false` if it is in use.
+    pub(crate) fn reserve(&mut self, name: &str) -> bool {
+        self.used.insert(name.to_owned())
     }
 
-    /// Whether it is taken.
-    pub(crate) fn has(&self, name: &str) -> bool {
-        self.taken.contains(name)
+    /// Whether a name is in use.
+    pub(crate) fn contains(&self, name: &str) -> bool {
+        self.used.contains(name)
     }
 
-    /// This name, or, where it is taken, the first free one of `name_2`, `name_3` and so on.
-    pub(crate) fn free(&mut self, name: &str) -> String {
-        if self.take(name) {
+    /// Reserves this name, or, if it is in use, the first unused one of `name_2`, `name_3` and so on.
+    pub(crate) fn unique(&mut self, name: &str) -> String {
+        if self.reserve(name) {
             return name.to_owned();
         }
         let mut number = self.next.get(name).copied().unwrap_or(2);
         loop {
             let numbered = format!("{name}_{number}");
             number += 1;
-            if self.take(&numbered) {
+            if self.reserve(&numbered) {
                 self.next.insert(name.to_owned(), number);
                 return numbered;
             }

@@ -1,15 +1,15 @@
-//! `<option>`: gravity and how a run is to be made.
+//! Reads `<option>`: gravity, time step and flags.
 
-use multibody::{RobotDescription, Treatment};
-use robot_xml::excerpt;
+use robot_dynamics_description::{Disposition, RobotDescription};
+use robot_dynamics_xml::excerpt;
 
 use crate::reader::Reader;
 use crate::tree::Tree;
 
-/// What is switched off.
+/// The forces that flags disable.
 #[derive(Clone, Copy, Debug, Default)]
 #[allow(clippy::struct_excessive_bools)] // one for each thing that can be switched off
-pub(crate) struct Disabled {
+pub(crate) struct DisabledForces {
     pub(crate) gravity: bool,
     pub(crate) springs: bool,
     pub(crate) dampers: bool,
@@ -17,33 +17,34 @@ pub(crate) struct Disabled {
 }
 
 impl Reader<'_> {
-    /// Reads all `<option>` elements; what several of them say, the last one says.
-    pub(crate) fn read_option(&mut self, robot: &mut RobotDescription) -> Disabled {
-        let mut disabled = Disabled::default();
+    /// Reads all `<option>` elements. The last value of an attribute counts.
+    pub(crate) fn read_option(&mut self, robot: &mut RobotDescription) -> DisabledForces {
+        let mut disabled = DisabledForces::default();
         for node in self.tree.children(Tree::ROOT, "option").collect::<Vec<_>>() {
-            let element = self.plain(node);
+            let element = self.raw_element(node);
             if let Some(gravity) = self.numbers::<3>(&element, "gravity") {
                 robot.gravity = gravity;
-                self.read(&element, format!("gravity {gravity:?} m/s²"));
+                self.report_read(&element, format!("gravity {gravity:?} m/s²"));
             }
             if let Some(step) = self.number(&element, "timestep") {
                 robot.time_step = Some(step);
-                self.read(&element, format!("time step {step} s"));
+                self.report_read(&element, format!("time step {step} s"));
             }
             if let Some(impratio) = self.number(&element, "impratio") {
                 robot.impratio = Some(impratio);
-                self.read(&element, format!("impratio {impratio}"));
+                self.report_read(&element, format!("impratio {impratio}"));
             }
             if let Some(integrator) = self.text(&element, "integrator") {
-                let message = format!("integrator {:?}: each run chooses its own", excerpt(integrator));
-                self.read(&element, message);
+                let message =
+                    format!("integrator {:?}: each simulation chooses its own", excerpt(integrator));
+                self.report_read(&element, message);
             }
             for flags in self.tree.children(node, "flag").collect::<Vec<_>>() {
-                let flags = self.plain(flags);
+                let flags = self.raw_element(flags);
                 let mut read = |name| {
                     let word = self.word(&flags, name, &["enable", "disable"]);
                     if word == Some("disable") {
-                        self.read(&flags, format!("{name} is switched off"));
+                        self.report_read(&flags, format!("{name} is disabled"));
                     }
                     word.map(|word| word == "disable")
                 };
@@ -61,27 +62,28 @@ impl Reader<'_> {
         disabled
     }
 
-    /// Options of models that are attached, which MuJoCo leaves out, too, unless it is told to merge them.
+    /// Reports the options of attached models, which are ignored. MuJoCo ignores them, too, unless `conflict`
+    /// is `merge`.
     pub(crate) fn other_options(&mut self) {
         let tree = self.tree;
         let mut policy = None;
         for node in tree.children(Tree::ROOT, "compiler") {
-            let element = self.plain(node);
+            let element = self.raw_element(node);
             policy = self.word(&element, "conflict", &["warning", "merge", "error"]).or(policy);
         }
         let is_merged = policy == Some("merge");
         for node in tree.models.iter().skip(1).flat_map(|model| tree.children(model.root, "option")) {
-            let element = self.plain(node);
+            let element = self.raw_element(node);
             let physics = ["gravity", "density", "viscosity", "wind", "timestep"];
             let has_physics = physics.iter().any(|name| tree.nodes[node].attribute(name).is_some());
             if is_merged && (has_physics || !tree.nodes[node].children.is_empty()) {
-                self.ignored_physics(
+                self.report_ignored_physics(
                     &element,
                     "conflict=\"merge\": options of an attached model are not merged",
                 );
             } else {
                 let message = "options of an attached model: those of the main file count";
-                let treatment = Treatment::Ignored { physics: false };
+                let treatment = Disposition::Ignored { physics: false };
                 self.push(element.line, element.place, treatment, message.into());
             }
         }

@@ -1,33 +1,34 @@
-//! Where a frame sits and how it is turned: `pos` with `quat`, `axisangle`, `xyaxes`, `zaxis` or `euler`.
+//! Reads the placement of a frame: `pos` with `quat`, `axisangle`, `xyaxes`, `zaxis` or `euler`.
 
-use multibody::Pose;
-use multibody::plausibility::WrittenAngles;
 use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
+use robot_dynamics_description::Pose;
+use robot_dynamics_description::plausibility::WrittenAngles;
 
 use crate::MjcfError;
 use crate::reader::{Element, Reader};
 use crate::tree::Id;
 
-/// Shorter directions count as none, as in MuJoCo.
-pub(crate) const SHORTEST: f64 = 1e-14;
+/// Shorter directions count as zero, as in MuJoCo.
+pub(crate) const LENGTH_THRESHOLD: f64 = 1e-14;
 
-/// The ways to say a turn.
-const WAYS: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
+/// The attributes that give a rotation.
+const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
 
 impl Reader<'_> {
-    /// `pos` and the turn; the parent's frame where the file says nothing.
+    /// The placement of an element in its parent; the default is the identity.
     pub(crate) fn placement(&mut self, element: &Element) -> Isometry3<f64> {
         let position = self.numbers::<3>(element, "pos").unwrap_or_default();
         let turn = self.turn(element).unwrap_or_else(UnitQuaternion::identity);
         Isometry3::from_parts(Translation3::from(position), turn)
     }
 
-    /// The turn; `None` where the file says nothing. What the element says goes before what its class does, whichever way
-    /// each says it.
+    /// The rotation of an element; `None` if no attribute gives one. An attribute of the element takes
+    /// precedence over those of its class, even if they differ in kind.
     pub(crate) fn turn(&mut self, element: &Element) -> Option<UnitQuaternion<f64>> {
         self.refuse_two_turns(element);
         let nodes = element.defaults.iter().copied().chain([element.node]).rev();
-        let of = |node: Id| WAYS.into_iter().find(|way| self.tree.nodes[node].attribute(way).is_some());
+        let of =
+            |node: Id| ORIENTATIONS.into_iter().find(|way| self.tree.nodes[node].attribute(way).is_some());
         match nodes.into_iter().find_map(of) {
             Some("axisangle") => {
                 let [x, y, z, angle] = self.numbers::<4>(element, "axisangle")?;
@@ -58,8 +59,8 @@ impl Reader<'_> {
                 let [w, x, y, z] = self.numbers::<4>(element, "quat")?;
                 let vector = Vector3::new(x, y, z);
                 let length = Quaternion::new(w, x, y, z).norm();
-                if length < SHORTEST {
-                    self.zero(element, "quat", "write \"1 0 0 0\" for no turn");
+                if length < LENGTH_THRESHOLD {
+                    self.refuse_zero(element, "quat", "write \"1 0 0 0\" for no rotation");
                     return None;
                 }
                 Some(unit(w, vector))
@@ -67,8 +68,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Turns about three axes in the order of `eulerseq`, each about an axis that the turns before it carried along, or,
-    /// in upper case, about one of the parent's \[rad\].
+    /// The rotation by three angles \[rad\] in the order of `eulerseq`: about moving axes in lower case,
+    /// about the axes of the parent in upper case.
     pub(crate) fn euler(&self, element: &Element, angles: [f64; 3]) -> UnitQuaternion<f64> {
         let mut turn = UnitQuaternion::identity();
         for (axis, angle) in self.compiler(element).euler_sequence.iter().zip(angles) {
@@ -83,24 +84,24 @@ impl Reader<'_> {
         turn
     }
 
-    /// A vector of length one in this direction.
+    /// The unit vector in this direction; an error for the zero vector.
     pub(crate) fn direction(&mut self, element: &Element, attribute: &str, v: Vector3<f64>) -> Vector3<f64> {
         let length = v.norm();
-        if length < SHORTEST {
-            self.zero(element, attribute, "give a direction such as \"0 0 1\"");
+        if length < LENGTH_THRESHOLD {
+            self.refuse_zero(element, attribute, "give a direction such as \"0 0 1\"");
             return Vector3::z();
         }
         v / length
     }
 
-    pub(crate) fn zero(&mut self, element: &Element, attribute: &str, advice: &'static str) {
+    pub(crate) fn refuse_zero(&mut self, element: &Element, attribute: &str, advice: &'static str) {
         let (line, place) = (element.line, element.place.clone());
         self.errors.push(MjcfError::Zero { line, place, attribute: attribute.to_owned(), advice });
     }
 
     fn refuse_two_turns(&mut self, element: &Element) {
         let node = &self.tree.nodes[element.node];
-        let mut given = WAYS.into_iter().filter(|name| node.attribute(name).is_some());
+        let mut given = ORIENTATIONS.into_iter().filter(|name| node.attribute(name).is_some());
         if let (Some(first), Some(second)) = (given.next(), given.next()) {
             let (line, place) = (element.line, element.place.clone());
             self.errors.push(MjcfError::Both { line, place, first: first.into(), second: second.into() });
@@ -108,12 +109,12 @@ impl Reader<'_> {
     }
 }
 
-/// w + v as a rotation.
+/// The unit quaternion w + v.
 fn unit(w: f64, v: Vector3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(Quaternion::from_parts(w, v))
 }
 
-/// The shortest turn that brings z to a direction; half a turn about x for −z, as in MuJoCo.
+/// The shortest rotation from z to a direction; for −z a half turn about x, as in MuJoCo.
 pub(crate) fn from_z_to(direction: Vector3<f64>) -> UnitQuaternion<f64> {
     let axis = Vector3::z().cross(&direction);
     let sine = axis.norm();
@@ -125,14 +126,14 @@ pub(crate) fn from_z_to(direction: Vector3<f64>) -> UnitQuaternion<f64> {
     unit(half.cos(), axis / sine * half.sin())
 }
 
-/// The same placement as numbers.
+/// Converts a placement to a `Pose`.
 pub(crate) fn pose(placement: &Isometry3<f64>) -> Pose {
     let q = placement.rotation.quaternion();
     let translation = placement.translation.vector.into();
     if q.w.is_finite() && q.norm() > 0.0 {
         Pose::from_translation_quaternion_xyzw(translation, [q.i, q.j, q.k, q.w])
     } else {
-        // Stands in for numbers that are listed as errors.
+        // The numbers are listed as errors.
         Pose::from_translation(translation)
     }
 }

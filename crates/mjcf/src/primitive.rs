@@ -1,19 +1,20 @@
-//! Volume or surface of a primitive shape, and its principal moments, of mass 1. **(PRM 10.42)**
+//! Volume or area of a primitive shape, and its principal moments at mass 1. **(PRM 10.42)**
 
 use core::f64::consts::PI;
 
 use crate::geom::Form;
 
-/// A shape filled evenly, or with its mass in its surface.
+/// A solid of uniform density, or a shell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Extent {
-    /// Volume \[m³\], or of a shell area \[m²\].
+    /// Volume \[m³\], or area \[m²\] of a shell.
     pub(crate) measure: f64,
     /// Principal moments for 1 kg, about x, y, z \[m²\].
     pub(crate) moments: [f64; 3],
 }
 
-/// `None` for a form that is no body. `size`: radius and half length, or half edges, or semi-axes.
+/// The extent of a primitive; `None` for other types. `size`: radius and half length, or half edges, or
+/// semi-axes.
 pub(crate) fn extent(form: Form, size: [f64; 3], shell: bool) -> Option<Extent> {
     let [a, b, c] = size;
     Some(match (form, shell) {
@@ -21,50 +22,52 @@ pub(crate) fn extent(form: Form, size: [f64; 3], shell: bool) -> Option<Extent> 
         (Form::Sphere, true) => Extent { measure: 4.0 * PI * a * a, moments: [2.0 / 3.0 * a * a; 3] },
         (Form::Cylinder, false) => {
             let measure = 2.0 * PI * a * a * b;
-            Extent { measure, moments: about_z(a * a / 4.0 + b * b / 3.0, a * a / 2.0) }
+            Extent { measure, moments: symmetric_moments(a * a / 4.0 + b * b / 3.0, a * a / 2.0) }
         }
         (Form::Cylinder, true) => {
             // A tube and two discs.
             let tube = (4.0 * PI * a * b, a * a / 2.0 + b * b / 3.0, a * a);
             let discs = (2.0 * PI * a * a, a * a / 4.0 + b * b, a * a / 2.0);
-            of_parts([tube, discs])
+            combine_parts([tube, discs])
         }
         (Form::Capsule, false) => {
             // A cylinder, and two half balls whose centres of mass are 3/8 of the radius beyond its ends.
             let cylinder = (2.0 * PI * a * a * b, a * a / 4.0 + b * b / 3.0, a * a / 2.0);
             let ends = 0.4 * a * a;
             let balls = (4.0 / 3.0 * PI * a.powi(3), ends + b * b + 0.75 * a * b, ends);
-            of_parts([cylinder, balls])
+            combine_parts([cylinder, balls])
         }
         (Form::Capsule, true) => {
             // A tube, and two half spheres whose centres of mass are half the radius beyond its ends.
             let tube = (4.0 * PI * a * b, a * a / 2.0 + b * b / 3.0, a * a);
             let ends = 2.0 / 3.0 * a * a;
             let spheres = (4.0 * PI * a * a, ends + b * b + a * b, ends);
-            of_parts([tube, spheres])
+            combine_parts([tube, spheres])
         }
-        (Form::Ellipsoid, false) => {
-            Extent { measure: 4.0 / 3.0 * PI * a * b * c, moments: of_squares(size.map(|x| x * x / 5.0)) }
-        }
+        (Form::Ellipsoid, false) => Extent {
+            measure: 4.0 / 3.0 * PI * a * b * c,
+            moments: moments_from_squares(size.map(|x| x * x / 5.0)),
+        },
         (Form::Ellipsoid, true) => {
-            // No closed form: the area by Thomsen's formula, the moments of a layer whose semi-axes differ by 1 µm, both
-            // as MuJoCo has them.
+            // There is no closed form. As in MuJoCo, the area is that of Thomsen's formula, and the moments
+            // are those of a layer between ellipsoids whose semi-axes differ by 1 µm.
             const P: f64 = 1.6075;
             const LAYER: f64 = 1e-6;
             let mean = ((a * b).powf(P) + (b * c).powf(P) + (c * a).powf(P)) / 3.0;
             let outer = size.map(|x| x + LAYER);
             let volume = |[a, b, c]: [f64; 3]| 4.0 / 3.0 * PI * a * b * c;
             let (inside, outside) = (volume(size), volume(outer));
-            let moments = |size: [f64; 3], volume: f64| of_squares(size.map(|x| volume * x * x / 5.0));
+            let moments =
+                |size: [f64; 3], volume: f64| moments_from_squares(size.map(|x| volume * x * x / 5.0));
             let (inner, whole) = (moments(size, inside), moments(outer, outside));
             let layer = core::array::from_fn(|k| (whole[k] - inner[k]) / (outside - inside));
             Extent { measure: 4.0 * PI * mean.powf(1.0 / P), moments: layer }
         }
         (Form::Box, false) => {
-            Extent { measure: 8.0 * a * b * c, moments: of_squares(size.map(|x| x * x / 3.0)) }
+            Extent { measure: 8.0 * a * b * c, moments: moments_from_squares(size.map(|x| x * x / 3.0)) }
         }
         (Form::Box, true) => {
-            // Three pairs of plates; a plate across x is at ±a, and even over y and z.
+            // Three pairs of plates: a plate normal to x is at x = ±a and uniform over y and z.
             let areas = [8.0 * b * c, 8.0 * c * a, 8.0 * a * b];
             let total: f64 = areas.iter().sum();
             let mean_square = core::array::from_fn(|axis| {
@@ -74,29 +77,30 @@ pub(crate) fn extent(form: Form, size: [f64; 3], shell: bool) -> Option<Extent> 
                     .sum::<f64>()
                     / total
             });
-            Extent { measure: total, moments: of_squares(mean_square) }
+            Extent { measure: total, moments: moments_from_squares(mean_square) }
         }
         _ => return None,
     })
 }
 
-/// Alike about x and y.
-fn about_z(across: f64, along: f64) -> [f64; 3] {
+/// Equal moments about x and y.
+fn symmetric_moments(across: f64, along: f64) -> [f64; 3] {
     [across, across, along]
 }
 
-/// ⟨y²⟩+⟨z²⟩, ⟨x²⟩+⟨z²⟩, ⟨x²⟩+⟨y²⟩.
-fn of_squares([x, y, z]: [f64; 3]) -> [f64; 3] {
+/// The moments ⟨y²⟩+⟨z²⟩, ⟨x²⟩+⟨z²⟩, ⟨x²⟩+⟨y²⟩.
+fn moments_from_squares([x, y, z]: [f64; 3]) -> [f64; 3] {
     [y + z, x + z, x + y]
 }
 
-/// Two parts about one centre, each with its measure, its moment across and its moment along the axis.
-fn of_parts(parts: [(f64, f64, f64); 2]) -> Extent {
+/// Two parts with a common centre, each with its measure, its moment across the axis and its moment about the
+/// axis.
+fn combine_parts(parts: [(f64, f64, f64); 2]) -> Extent {
     let measure: f64 = parts.iter().map(|part| part.0).sum();
     let mean = |moment: fn(&(f64, f64, f64)) -> f64| {
         parts.iter().map(|part| part.0 * moment(part)).sum::<f64>() / measure
     };
-    Extent { measure, moments: about_z(mean(|part| part.1), mean(|part| part.2)) }
+    Extent { measure, moments: symmetric_moments(mean(|part| part.1), mean(|part| part.2)) }
 }
 
 #[cfg(test)]
@@ -117,12 +121,12 @@ mod tests {
         }
     }
 
-    /// A shell is what growing the solid by a thin layer of even thickness adds: dI/dr.
+    /// A shell is the derivative of the solid with respect to the thickness of a uniform layer.
     #[test]
     fn shells_are_the_growth_of_solids() {
         let h = 1e-6;
         for form in [Form::Sphere, Form::Cylinder, Form::Capsule, Form::Box] {
-            // A capsule's half length is that of its cylinder, which does not grow.
+            // The half length of a capsule is that of its cylinder, which does not change.
             let grown = |h: f64| match form {
                 Form::Capsule => [SIZE[0] + h, SIZE[1], SIZE[2]],
                 _ => SIZE.map(|x| x + h),
@@ -140,7 +144,7 @@ mod tests {
 
     #[test]
     fn solids_agree_with_those_of_the_library() {
-        use dynamics::MassProperties;
+        use robot_dynamics_description::MassProperties;
         let of = |body: Result<MassProperties, _>| {
             let body: MassProperties = body.expect("a body");
             let moments: [f64; 3] = body.inertia_about_center_of_mass().diagonal().into();
@@ -155,13 +159,14 @@ mod tests {
         assert_near(moments(Form::Cylinder, SIZE, false), can, 1e-14);
     }
 
-    /// A capsule without length is a ball, an ellipsoid of three equal semi-axes too.
+    /// A capsule of length zero and an ellipsoid with equal semi-axes are balls.
     #[test]
     fn degenerate_shapes_are_balls() {
         for shell in [false, true] {
             let ball = moments(Form::Sphere, SIZE, shell);
             assert_near(moments(Form::Capsule, [0.3, 0.0, 0.0], shell), ball, 1e-14);
-            // The layer of 1 µm is half of that too far out: 5e-7/0.3 of the radius, twice that of its square.
+            // The middle of the layer is 0.5 µm outside: a relative error of 5e-7/0.3 of the radius, and
+            // twice that of its square.
             let tolerance = if shell { 7e-6 } else { 1e-14 };
             assert_near(moments(Form::Ellipsoid, [0.3; 3], shell), ball, tolerance);
         }

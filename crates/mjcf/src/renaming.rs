@@ -1,20 +1,21 @@
-//! Names under a prefix: which attributes hold them, and of what.
+//! Renames copied elements: which attributes hold names, and of which kind of object.
 
 use std::collections::{HashMap, HashSet};
 
 use crate::tree::{Id, Node, Tree};
 
-/// How much copies may make of a file: names count one each.
-pub(crate) const MOST: usize = 2_000_000;
+/// The limit on the total weight of copies; a name has weight 1.
+pub(crate) const COPY_LIMIT: usize = 2_000_000;
 
-/// The sort of object that a name belongs to: `body`, `joint`, `site`, `geom`, `frame`, `tendon`, `actuator`.
-pub(crate) type Sort = &'static str;
+/// The kind of object that a name belongs to: `body`, `joint`, `site`, `geom`, `frame`, `tendon`, `actuator`.
+pub(crate) type ObjectKind = &'static str;
 
-/// The sections outside bodies whose elements name what is in bodies, those first that others name.
-pub(crate) const OUTER: [&str; 5] = ["contact", "tendon", "equality", "actuator", "sensor"];
+/// The sections outside bodies whose elements refer to elements in bodies. A section comes before those that
+/// refer to it.
+pub(crate) const OUTER_SECTIONS: [&str; 5] = ["contact", "tendon", "equality", "actuator", "sensor"];
 
-/// Attributes that name something, and of what sort it is.
-const REFERENCES: &[(&str, Sort)] = &[
+/// Attributes that refer to an object, with its kind.
+const REFERENCES: &[(&str, ObjectKind)] = &[
     ("joint", "joint"),
     ("jointinparent", "joint"),
     ("joint1", "joint"),
@@ -38,16 +39,16 @@ const REFERENCES: &[(&str, Sort)] = &[
     ("geom2", "geom"),
 ];
 
-/// Attributes that name an object, each with the attribute that gives its sort.
-const BY_SORT: [(&str, &str); 2] = [("objname", "objtype"), ("refname", "reftype")];
+/// Attributes that refer to an object, with the attribute that gives its kind.
+const BY_KIND: [(&str, &str); 2] = [("objname", "objtype"), ("refname", "reftype")];
 
-/// The sort of object that an attribute of the element names.
-fn sort_of(node: &Node, attribute: &str) -> Option<Sort> {
-    if let Some((_, sort)) = REFERENCES.iter().find(|(own, _)| *own == attribute) {
-        return Some(sort);
+/// The kind of object that an attribute of the element refers to.
+fn kind_of(node: &Node, attribute: &str) -> Option<ObjectKind> {
+    if let Some((_, kind)) = REFERENCES.iter().find(|(own, _)| *own == attribute) {
+        return Some(kind);
     }
-    let (_, sort) = BY_SORT.iter().find(|(own, _)| *own == attribute)?;
-    match node.attribute(sort)? {
+    let (_, kind) = BY_KIND.iter().find(|(own, _)| *own == attribute)?;
+    match node.attribute(kind)? {
         "body" | "xbody" => Some("body"),
         "geom" => Some("geom"),
         "site" => Some("site"),
@@ -55,18 +56,18 @@ fn sort_of(node: &Node, attribute: &str) -> Option<Sort> {
     }
 }
 
-/// Attributes that name assets, which a part of the same file shares.
+/// Attributes that refer to assets. A copy within the same file shares the assets.
 const ASSETS: [&str; 4] = ["mesh", "material", "hfield", "texture"];
 
-/// How a copy's names differ.
+/// The changes of names in a copy.
 #[derive(Default)]
 pub(crate) struct Renaming<'a> {
     pub(crate) prefix: &'a str,
     pub(crate) suffix: &'a str,
-    /// What the classes of another model are called here; `None` for a part of the same one.
+    /// The new names of the classes of an attached model; `None` for a copy within the same model.
     pub(crate) classes: Option<&'a HashMap<String, String>>,
-    /// Names that stay as they are, as that of the world does.
-    pub(crate) kept: HashSet<(Sort, String)>,
+    /// Names that do not change.
+    pub(crate) kept: HashSet<(ObjectKind, String)>,
 }
 
 impl Renaming<'_> {
@@ -74,17 +75,17 @@ impl Renaming<'_> {
         format!("{}{name}{}", self.prefix, self.suffix)
     }
 
-    /// A class of a name that the model lacks is one here, too.
+    /// The new name of a class. A class that the model lacks is renamed like other names.
     pub(crate) fn class(&self, name: &str) -> String {
         let Some(classes) = self.classes else { return name.to_owned() };
         classes.get(name).cloned().unwrap_or_else(|| self.name(name))
     }
 
-    /// An attribute's text in the copy.
+    /// The text of an attribute in the copy.
     pub(crate) fn attribute(&self, node: &Node, name: &str, text: &str) -> String {
-        let sort = sort_of(node, name);
-        let stays = |sort| (sort, text) == ("body", "world") || self.kept.contains(&(sort, text.to_owned()));
-        let is_name = name == "name" || sort.is_some_and(|sort| !stays(sort));
+        let kind = kind_of(node, name);
+        let stays = |kind| (kind, text) == ("body", "world") || self.kept.contains(&(kind, text.to_owned()));
+        let is_name = name == "name" || kind.is_some_and(|kind| !stays(kind));
         let is_asset = self.classes.is_some() && ASSETS.contains(&name);
         match name {
             "class" | "childclass" => self.class(text),
@@ -94,9 +95,9 @@ impl Renaming<'_> {
     }
 }
 
-/// What an element in this section names itself as.
-pub(crate) fn of_element(node: &Node, section: &str) -> Option<(Sort, String)> {
-    let sort = match (section, node.name.as_str()) {
+/// The kind and name of an element in this section.
+pub(crate) fn of_element(node: &Node, section: &str) -> Option<(ObjectKind, String)> {
+    let kind = match (section, node.name.as_str()) {
         ("worldbody", "body") => "body",
         ("worldbody", "joint" | "freejoint") => "joint",
         ("worldbody", "site") => "site",
@@ -107,7 +108,7 @@ pub(crate) fn of_element(node: &Node, section: &str) -> Option<(Sort, String)> {
         _ => return None,
     };
     let name = node.attribute("name").filter(|name| !name.is_empty())?;
-    Some((sort, name.to_owned()))
+    Some((kind, name.to_owned()))
 }
 
 /// The name of an asset, or that of its file.
@@ -116,32 +117,34 @@ pub(crate) fn asset_name(node: &Node) -> String {
     own.or_else(|| node.attribute("file").map(crate::mesh::stem)).unwrap_or_default().to_owned()
 }
 
-/// All that an element outside bodies names, with what is in it.
-pub(crate) fn references(tree: &Tree, element: Id) -> Vec<(Sort, String)> {
+/// All objects that an element outside bodies and its descendants refer to.
+pub(crate) fn references(tree: &Tree, element: Id) -> Vec<(ObjectKind, String)> {
     let mut found = Vec::new();
     let mut pending = vec![element];
     while let Some(id) = pending.pop() {
         let node = &tree.nodes[id];
-        for own in REFERENCES.iter().map(|(own, _)| *own).chain(BY_SORT.map(|(own, _)| own)) {
+        for own in REFERENCES.iter().map(|(own, _)| *own).chain(BY_KIND.map(|(own, _)| own)) {
             let name = node.attribute(own).filter(|name| !name.is_empty());
-            found.extend(name.and_then(|name| Some((sort_of(node, own)?, name.to_owned()))));
+            found.extend(name.and_then(|name| Some((kind_of(node, own)?, name.to_owned()))));
         }
         pending.extend(&node.children);
     }
     found
 }
 
-/// What is in a part of the bodies, itself included, as replicates name it.
-pub(crate) fn names_in(tree: &Tree, part: Id) -> Vec<(Sort, String)> {
+/// The names in a part of the bodies, including its own, with the suffixes of replicates.
+pub(crate) fn names_in(tree: &Tree, part: Id) -> Vec<(ObjectKind, String)> {
     let mut found = Vec::new();
     let mut pending = vec![(part, String::new())];
     while let Some((id, suffix)) = pending.pop() {
         let node = &tree.nodes[id];
-        found.extend(of_element(node, "worldbody").map(|(sort, name)| (sort, format!("{name}{suffix}"))));
+        found.extend(of_element(node, "worldbody").map(|(kind, name)| (kind, format!("{name}{suffix}"))));
         let replicate = Some(node).filter(|node| node.name == "replicate").and_then(Suffixes::of);
         let count = replicate.as_ref().map_or(1, |replicate| replicate.count);
-        if (found.len() + pending.len()).saturating_add(count.saturating_mul(node.children.len())) > MOST {
-            return found; // told where the bodies are made
+        if (found.len() + pending.len()).saturating_add(count.saturating_mul(node.children.len()))
+            > COPY_LIMIT
+        {
+            return found; // `Reader::replicate` lists the error
         }
         for copy in 0..count {
             let own = replicate.as_ref().map_or_else(String::new, |replicate| replicate.suffix(copy));
@@ -152,14 +155,14 @@ pub(crate) fn names_in(tree: &Tree, part: Id) -> Vec<(Sort, String)> {
     found
 }
 
-/// What a `<replicate>` adds to the names in each of its copies.
+/// The suffixes that a `<replicate>` adds to the names in its copies.
 pub(crate) struct Suffixes {
     pub(crate) count: usize,
     separator: String,
 }
 
 impl Suffixes {
-    /// `None` where its count is none that is read.
+    /// Reads the attributes of a `<replicate>`; `None` if its count is invalid.
     pub(crate) fn of(node: &Node) -> Option<Self> {
         let count: f64 = node.attribute("count")?.trim().parse().ok()?;
         if !(0.0..=1e6).contains(&count) || count.fract() != 0.0 {
@@ -170,7 +173,7 @@ impl Suffixes {
         Some(Self { count: count as usize, separator })
     }
 
-    /// The separator and the copy's number, with as many digits as the count has.
+    /// The separator and the number of the copy, padded to the digits of the count.
     pub(crate) fn suffix(&self, copy: usize) -> String {
         let digits = self.count.to_string().len();
         format!("{}{copy:0digits$}", self.separator)

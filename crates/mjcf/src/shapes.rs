@@ -1,13 +1,13 @@
-//! Geoms as the links' shapes: data beside the dynamics.
+//! Converts geoms to the shapes of links.
 
 use std::collections::HashSet;
 use std::path::Path;
 
-use multibody::{
-    ContactPairDescription, Elevation, LinkShape, Pose, RobotDescription, Shape, ShapeRole, Surface,
-    Treatment,
-};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use robot_dynamics_description::{
+    ContactPairDescription, Disposition, Elevation, LinkShape, Pose, RobotDescription, Shape, ShapeRole,
+    Surface,
+};
 
 use crate::body::Body;
 use crate::classes::MAIN;
@@ -18,7 +18,8 @@ use crate::reader::{Element, Reader};
 use crate::tree::Id;
 
 impl Reader<'_> {
-    /// All geoms, those of the world included. What a pair names touches something, whatever its bits say.
+    /// Adds all geoms as shapes, including those of the world. A geom in a `<pair>` collides whatever its
+    /// bits are.
     pub(crate) fn shapes(
         &mut self,
         bodies: &[Body],
@@ -50,12 +51,12 @@ impl Reader<'_> {
         if let Some((line, name)) =
             missing.first().filter(|_| self.meshes.folder.as_ref().is_some_and(Folder::is_on_disk))
         {
-            let message = format!("{} shapes whose file is not there, {name:?} the first", missing.len());
-            self.push(*line, "asset".into(), Treatment::Ignored { physics: false }, message);
+            let message = format!("{} shapes with missing files; the first is {name:?}", missing.len());
+            self.push(*line, "asset".into(), Disposition::Ignored { physics: false }, message);
         }
     }
 
-    /// Form and place; `None`, with a note, for one that is not kept.
+    /// Shape and pose of a geom; `None`, with a note, if it is not kept.
     fn shape(&mut self, geom: &Geom) -> Option<(Shape, Pose)> {
         let [a, b, c] = geom.size;
         let shape = match (geom.form, &geom.mesh) {
@@ -72,25 +73,25 @@ impl Reader<'_> {
         Some((shape, pose(&geom.body_from_geom)))
     }
 
-    /// A mesh in its file's own axes; a primitive fitted to a mesh is kept as the mesh.
+    /// The shape of a mesh in the axes of its file. A primitive that is fitted to a mesh is kept as the mesh.
     fn mesh_shape(&mut self, geom: &Geom, mesh: &str) -> Option<(Shape, Pose)> {
         let Some(element) = self.mesh_named(mesh) else {
-            self.unknown_name(&geom.element, "mesh", mesh);
+            self.refuse_unknown_name(&geom.element, "mesh", mesh);
             return None;
         };
         let scale = self.numbers::<3>(&element, "scale").unwrap_or([1.0; 3]);
         let shift = self.numbers::<3>(&element, "refpos").unwrap_or_default();
         let [w, x, y, z] = self.numbers::<4>(&element, "refquat").unwrap_or([1.0, 0.0, 0.0, 0.0]);
         let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.0).unwrap_or_default().inverse();
-        // The format takes x to S Rᵀ (x − p), a shape to R′ S x + p′: the same where S commutes with the turn.
+        // MJCF maps x to S Rᵀ (x − p), a shape to R′ S x + p′. They agree if S commutes with the rotation.
         let shifted = Vector3::from(scale).component_mul(&(turn * -Vector3::from(shift)));
         if turn != UnitQuaternion::identity() && (scale[0] != scale[1] || scale[1] != scale[2]) {
-            let message = "a mesh that is turned by refquat and then stretched: its shape is not kept";
-            self.push(element.line, element.place, Treatment::Ignored { physics: false }, message.into());
+            let message = "a mesh with refquat and a scale that is not uniform: its shape is not kept";
+            self.push(element.line, element.place, Disposition::Ignored { physics: false }, message.into());
             return None;
         }
         let Some((name, path)) = self.mesh_file(&element) else {
-            // Written out in the file itself.
+            // The points are in the MJCF file.
             self.report.counts.not_dynamics += 1;
             return None;
         };
@@ -99,7 +100,7 @@ impl Reader<'_> {
         Some((Shape::Mesh { name, file, scale }, pose(&place)))
     }
 
-    /// Whether there is such a file, and others can open it: not one in memory.
+    /// Whether there is a file at this path on the disk.
     fn is_on_disk(&self, path: &Path) -> bool {
         self.meshes.folder.as_ref().is_some_and(Folder::is_on_disk) && path.is_file()
     }
@@ -110,10 +111,10 @@ impl Reader<'_> {
             self.tree.in_sections("asset").filter(|&id| self.tree.nodes[id].name == "hfield").collect();
         let found = fields
             .into_iter()
-            .map(|id| self.plain(id))
+            .map(|id| self.raw_element(id))
             .find(|field| self.text(field, "name") == Some(wanted));
         let Some(field) = found else {
-            self.unknown_name(&geom.element, "hfield", wanted);
+            self.refuse_unknown_name(&geom.element, "hfield", wanted);
             return None;
         };
         let size = self.numbers::<4>(&field, "size")?;
@@ -125,7 +126,7 @@ impl Reader<'_> {
         Some(Shape::HeightField { name, file, size, elevation })
     }
 
-    /// Heights that the file itself has: its first row is that of largest y. Without numbers they are 0.
+    /// The heights of `elevation`, whose first row is that of the largest y; 0 without numbers.
     fn elevation(&mut self, field: &Element, highest: f64) -> Option<Elevation> {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // small whole numbers; saturating
         let [rows, columns] = ["nrow", "ncol"].map(|name| self.number(field, name).unwrap_or(0.0) as usize);
@@ -135,14 +136,14 @@ impl Reader<'_> {
         };
         let numbers = self.all_numbers(field, "elevation")?;
         if numbers.len() != count {
-            self.wrong_count("elevation", text, node, format!("nrow times ncol, {count}"), numbers.len());
+            self.refuse_count("elevation", text, node, format!("nrow times ncol, {count}"), numbers.len());
             return None;
         }
         let from_least_y: Vec<f64> = numbers.chunks_exact(columns).rev().flatten().copied().collect();
         Some(Elevation::stretched(rows, columns, &from_least_y, highest))
     }
 
-    /// How it touches others; the defaults are the format's.
+    /// The contact parameters of a geom, with the defaults of MJCF.
     fn surface(&mut self, element: &Element) -> Surface {
         let mut surface = Surface::default();
         surface.friction = self.overlay(element, "friction", surface.friction);
@@ -162,7 +163,7 @@ impl Reader<'_> {
         surface
     }
 
-    /// Its own colour, or that of its material.
+    /// The colour of a geom, or that of its material.
     fn color(&mut self, element: &Element) -> Option<[f64; 4]> {
         if let Some(own) = self.numbers::<4>(element, "rgba") {
             return Some(own);
@@ -173,7 +174,7 @@ impl Reader<'_> {
         self.numbers::<4>(&material, "rgba")
     }
 
-    /// Lists all materials by name.
+    /// Collects all materials by name.
     pub(crate) fn read_materials(&mut self) {
         for id in self
             .tree

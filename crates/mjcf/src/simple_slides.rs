@@ -1,4 +1,4 @@
-//! Bodies on slides that MuJoCo's law weighs by their mass alone (`body_simple`).
+//! Finds bodies on slides whose constraints MuJoCo weighs by their mass alone (`body_simple`).
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
@@ -6,22 +6,27 @@ use crate::body::Body;
 use crate::joint::{Joint, Motion};
 use crate::mass::Mass;
 
-/// MuJoCo's rounding of places and axes, and of moments.
+/// MuJoCo's tolerances for positions and axes, and for moments.
 const SAME_PLACE: f64 = 1e-14;
 const SAME_MOMENT: f64 = 1e-12;
 
-/// Whether the law weighs each body by its mass alone. Such a body hangs in the world or on a body that is fixed there, and carries no other body.
-/// It moves on slides along its own axes, and has its inertia in its own frame.
-pub(crate) fn weighed_by_mass(bodies: &[Body], masses: &[Mass]) -> Vec<bool> {
-    let mut carries = vec![false; bodies.len()];
+/// Whether MuJoCo weighs the constraints of each body by its mass alone. The parent of such a body is the
+/// world or a body that is fixed to it, and it has no children. It moves on slides along its own axes, and
+/// its principal frame is its own.
+pub(crate) fn bodies_weighed_by_mass(bodies: &[Body], masses: &[Mass]) -> Vec<bool> {
+    let mut has_children = vec![false; bodies.len()];
     for body in bodies.iter().skip(1) {
-        carries[body.parent] = true;
+        has_children[body.parent] = true;
     }
     let is_weighed = |(index, body): (usize, &Body)| {
         let parent = &bodies[body.parent];
         let is_near_world = body.parent == 0 || (parent.parent == 0 && parent.joints.is_empty());
         let slides = !body.joints.is_empty() && body.joints.iter().all(slides_along_an_axis);
-        index > 0 && slides && is_near_world && !carries[index] && has_inertia_in_its_frame(&masses[index])
+        index > 0
+            && slides
+            && is_near_world
+            && !has_children[index]
+            && has_inertia_in_its_frame(&masses[index])
     };
     bodies.iter().enumerate().map(is_weighed).collect()
 }
@@ -31,7 +36,8 @@ fn slides_along_an_axis(joint: &Joint) -> bool {
     joint.motion == Motion::Slide && joint.anchor == Vector3::zeros() && parts == 1
 }
 
-/// MuJoCo sorts moments that it computes, the largest first, and turns the inertia's frame so.
+/// Whether the principal frame is that of the body. MuJoCo sorts the moments that it computes, the largest
+/// first.
 fn has_inertia_in_its_frame(mass: &Mass) -> bool {
     let Some(properties) = mass.properties else { return false };
     if let Some(Isometry3 { rotation, translation }) = mass.frame {

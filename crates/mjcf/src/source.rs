@@ -1,80 +1,81 @@
-//! From a file, with the files that it includes, to one tree of elements.
+//! Reads a file and the files that it includes or attaches into one tree of elements.
 
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
 
-use robot_xml::roxmltree::{Document, Node as XmlNode};
-use robot_xml::{Lines, excerpt};
+use robot_dynamics_xml::roxmltree::{Document, Node as XmlNode};
+use robot_dynamics_xml::{Lines, excerpt};
 
 use crate::MjcfError;
 use crate::folder::{FileSet, Folder};
-use crate::renaming::OUTER;
+use crate::renaming::OUTER_SECTIONS;
 use crate::tree::{Id, ModelFile, Node, Tree};
 
-/// Deepest nesting in one file, as in MuJoCo's own parser.
+/// The deepest nesting in one file, as in MuJoCo's parser.
 const DEPTH_LIMIT: usize = 500;
-/// Deepest chain of files that include one another.
+/// The longest chain of files that include one another.
 const INCLUDE_LIMIT: usize = 50;
+/// The reason for which a path outside the folder of the main file is refused.
+const OUTSIDE: &str = "it is outside the folder of the main file; move it into that folder, or load a file in a \
+                       folder above both";
 
-/// What reading the files gave.
+/// The elements of all files, and the errors of reading them.
 #[derive(Default)]
 pub(crate) struct Source {
     pub(crate) tree: Tree,
-    /// What was mended: file, line, message.
+    /// The repaired XML faults: file, line, message.
     pub(crate) faults: Vec<(usize, usize, String)>,
     pub(crate) errors: Vec<MjcfError>,
-    /// The main file's folder, which relative names start from; `None` for a text.
+    /// The folder of the main file; `None` for a text.
     pub(crate) folder: Option<Folder>,
     included: HashSet<PathBuf>,
     bytes: usize,
-    /// Elements that attachments and replicates have made.
+    /// The number of elements that attachments and replicates have created.
     pub(crate) copied: usize,
-    /// The models that are being read, each named by the one before it.
-    open: Vec<PathBuf>,
-    /// Which model is being read.
+    /// The models that are being read; each is named by the one before it.
+    model_stack: Vec<PathBuf>,
+    /// The index of the model that is being read.
     model: usize,
 }
 
 impl Source {
-    /// The main file, its folder known or not.
+    /// Reads the main file; `path` is `None` for a text.
     pub(crate) fn read(text: &str, path: Option<&Path>, given: Option<&FileSet>) -> Result<Self, MjcfError> {
         let folder = path.map(|path| Folder::of(path, given));
         let mut source = Self { folder, bytes: text.len(), ..Self::default() };
         if let Some(name) = path.and_then(Path::file_name) {
             source.included.insert(name.into());
-            source.open.push(name.into());
+            source.model_stack.push(name.into());
         }
         source.tree.files.push(String::new());
         source.tree.models.push(ModelFile { root: Tree::ROOT, folder: PathBuf::new() });
-        robot_xml::parse(text, DEPTH_LIMIT, |document, faults| {
+        robot_dynamics_xml::parse(text, DEPTH_LIMIT, |document, faults| {
             let root = document.root_element();
             let found = root.tag_name().name();
             if found != "mujoco" {
                 let line = Lines::of(document.input_text()).line(root.range().start);
                 let advice = match found {
                     "robot" => "this is URDF; read it with `urdf::load`",
-                    "mujocoinclude" => {
-                        "this is a part of a model, which another file includes; load that file"
-                    }
+                    "mujocoinclude" => "another file includes this one; load that file",
                     "sdf" | "world" | "model" => "SDF files are not read; export URDF or MJCF",
-                    _ => "an MJCF file holds one <mujoco> element",
+                    _ => "an MJCF file has one <mujoco> element",
                 };
                 return Err(MjcfError::NotMjcf { line, found: excerpt(found), advice });
             }
-            source.take(document, faults, 0, None, &[]);
+            source.add_document(document, faults, 0, None, &[]);
             Ok(())
         })
         .map_err(|source| MjcfError::Xml { file: String::new(), source })??;
         let has = |names: &[&str]| source.tree.nodes.iter().any(|node| names.contains(&node.name.as_str()));
-        if has(&["attach", "model"]) || (has(&["replicate"]) && has(&OUTER)) {
+        if has(&["attach", "model"]) || (has(&["replicate"]) && has(&OUTER_SECTIONS)) {
             source.attach(Tree::ROOT);
         }
         Ok(source)
     }
 
-    /// Adds a document's elements: the root itself, or, for an included file, its children to `parent`. `folders` are
-    /// those of the files on the way here, in the main file's folder.
-    fn take(
+    /// Adds the elements of a document: its root, or, for an included file, the children of its root to
+    /// `parent`. `folders` are the folders of the including files, relative to that of the main file.
+    fn add_document(
         &mut self,
         document: &Document<'_>,
         faults: &[(usize, String)],
@@ -86,7 +87,7 @@ impl Source {
         let lines = Lines::of(document.input_text());
         let line_of = |node: XmlNode<'_, '_>| lines.line(node.range().start);
         let root = document.root_element();
-        // Children in reverse on a stack come out in order; an include is followed where it stands.
+        // A stack of reversed children gives the order of the file. An include is expanded in its place.
         let mut pending: Vec<(XmlNode<'_, '_>, Option<Id>)> = Vec::new();
         match parent {
             None => pending.push((root, None)),
@@ -96,7 +97,7 @@ impl Source {
             if !node.is_element() {
                 let text = node.text().filter(|_| node.is_text()).unwrap_or_default().trim();
                 if !text.is_empty() {
-                    self.tree.loose.push((file, line_of(node), excerpt(text)));
+                    self.tree.loose_text.push((file, line_of(node), excerpt(text)));
                 }
                 continue;
             }
@@ -125,7 +126,7 @@ impl Source {
         }
     }
 
-    /// `<include file>`: the children of the named file's outermost element take its place.
+    /// Replaces `<include file>` by the children of the outermost element of the file.
     fn include(&mut self, name: Option<&str>, file: usize, line: usize, parent: Id, folders: &[PathBuf]) {
         let in_file = self.tree.files[file].clone();
         let refuse = |reason: String| MjcfError::Include {
@@ -142,53 +143,55 @@ impl Source {
                 self.tree.files.push(shown.clone());
                 let mut folders = folders.to_vec();
                 folders.push(path.parent().unwrap_or(Path::new("")).to_owned());
-                let taken = robot_xml::parse(&text, DEPTH_LIMIT, |document, faults| {
-                    self.take(document, faults, index, Some(parent), &folders);
+                let outcome = robot_dynamics_xml::parse(&text, DEPTH_LIMIT, |document, faults| {
+                    self.add_document(document, faults, index, Some(parent), &folders);
                 });
-                if let Err(source) = taken {
+                if let Err(source) = outcome {
                     self.errors.push(MjcfError::Xml { file: shown, source });
                 }
             }
         }
     }
 
-    /// The path in the main file's folder, and the text, of an included file; or why there is none.
+    /// The path of an included file, relative to the folder of the main file, and its text; or the reason of
+    /// the failure.
     fn included_text(
         &mut self,
         name: Option<&str>,
         folders: &[PathBuf],
     ) -> Result<(PathBuf, String), String> {
-        let name = name.filter(|name| !name.trim().is_empty()).ok_or("no file=\"NAME\"")?;
+        let name = name.filter(|name| !name.trim().is_empty()).ok_or("the attribute `file` is missing")?;
         let folder = self.folder.as_ref().ok_or("a text has no folder; load the file instead")?;
         if folders.len() >= INCLUDE_LIMIT {
-            return Err(format!("files include one another more than {INCLUDE_LIMIT} deep"));
+            return Err(format!("includes are nested more than {INCLUDE_LIMIT} deep"));
         }
-        // As in MuJoCo: from the model's folder, else from that of the including file.
+        // As in MuJoCo: in the folder of the model, or in that of the including file.
         let beside = folders.last().map(|folder| folder.join(name));
         let own = self.tree.models[self.model].folder.join(name);
         let candidates = core::iter::once(own).chain(beside);
         let mut paths = Vec::new();
         for candidate in candidates {
-            paths.push(inside(&candidate).ok_or(
-                "it leaves the folder of the main file; move it into that folder, or load a file above both",
-            )?);
+            paths.push(normalize(&candidate).ok_or(OUTSIDE)?);
         }
         let found = paths.iter().find(|path| folder.has(&folder.join(path))).unwrap_or(&paths[0]);
         if !self.included.insert(found.clone()) {
-            return Err("it is included already, by itself or another; a file is included once".into());
+            return Err("it is included a second time, or by itself; a file can be included once".into());
         }
         let text = folder.text(&folder.join(found))?;
         self.bytes += text.len();
-        if self.bytes > robot_xml::SIZE_LIMIT {
-            return Err(format!("all files together hold more than {} bytes", robot_xml::SIZE_LIMIT));
+        if self.bytes > robot_dynamics_xml::SIZE_LIMIT {
+            return Err(format!(
+                "all files together have more than {} bytes",
+                robot_dynamics_xml::SIZE_LIMIT
+            ));
         }
         Ok((found.clone(), text))
     }
 }
 
 impl Source {
-    /// `<asset>/<model file>`: the root of the file's elements, what it attaches itself in place; `None`, with an error, where
-    /// there is none.
+    /// Reads the file of `<asset>/<model>`, expands its attachments and returns its root; `None`, with an
+    /// error, if it fails.
     pub(crate) fn read_model(&mut self, id: Id) -> Option<Id> {
         let node = &self.tree.nodes[id];
         let (name, line) = (node.attribute("file").unwrap_or_default().to_owned(), node.line);
@@ -208,17 +211,17 @@ impl Source {
                 self.tree.models.push(ModelFile { root, folder });
                 let outer = core::mem::replace(&mut self.model, model);
                 let included = core::mem::replace(&mut self.included, HashSet::from([path.clone()]));
-                self.open.push(path);
-                let taken = robot_xml::parse(&text, DEPTH_LIMIT, |document, faults| {
+                self.model_stack.push(path);
+                let outcome = robot_dynamics_xml::parse(&text, DEPTH_LIMIT, |document, faults| {
                     let found = document.root_element().tag_name().name();
                     if found != "mujoco" {
                         let found = excerpt(found);
                         return Err(format!("its outermost element is <{found}>, not <mujoco>"));
                     }
-                    self.take(document, faults, file, None, &[]);
+                    self.add_document(document, faults, file, None, &[]);
                     Ok(())
                 });
-                let found = match taken {
+                let found = match outcome {
                     Err(source) => Err(MjcfError::Xml { file: shown, source }),
                     Ok(Err(reason)) => Err(refuse(reason)),
                     Ok(Ok(())) => Ok(root),
@@ -226,7 +229,7 @@ impl Source {
                 if found.is_ok() {
                     self.attach(root);
                 }
-                self.open.pop();
+                self.model_stack.pop();
                 (self.model, self.included) = (outer, included);
                 if found.is_err() {
                     self.tree.models.truncate(model);
@@ -236,34 +239,34 @@ impl Source {
         }
     }
 
-    /// The path in the main file's folder, and the text, of a model's file; or why there is none.
+    /// The path of a model's file, relative to the folder of the main file, and its text; or the reason of
+    /// the failure.
     fn model_text(&mut self, name: &str) -> Result<(PathBuf, String), String> {
         if name.trim().is_empty() {
-            return Err("no file=\"NAME\"".into());
+            return Err("the attribute `file` is missing".into());
         }
         let folder = self.folder.as_ref().ok_or("a text has no folder; load the file instead")?;
-        if self.open.len() >= INCLUDE_LIMIT {
-            return Err(format!("models attach one another more than {INCLUDE_LIMIT} deep"));
+        if self.model_stack.len() >= INCLUDE_LIMIT {
+            return Err(format!("attached models are nested more than {INCLUDE_LIMIT} deep"));
         }
-        let path = inside(&self.tree.models[self.model].folder.join(name)).ok_or(
-            "it leaves the folder of the main file; move it into that folder, or load a file above both",
-        )?;
-        if self.open.contains(&path) {
-            return Err(
-                "it names itself, or a model that names it: parts of it would be attached without end".into(),
-            );
+        let path = normalize(&self.tree.models[self.model].folder.join(name)).ok_or(OUTSIDE)?;
+        if self.model_stack.contains(&path) {
+            return Err("it attaches itself, directly or through other models".into());
         }
         let text = folder.text(&folder.join(&path))?;
         self.bytes += text.len();
-        if self.bytes > robot_xml::SIZE_LIMIT {
-            return Err(format!("all files together hold more than {} bytes", robot_xml::SIZE_LIMIT));
+        if self.bytes > robot_dynamics_xml::SIZE_LIMIT {
+            return Err(format!(
+                "all files together have more than {} bytes",
+                robot_dynamics_xml::SIZE_LIMIT
+            ));
         }
         Ok((path, text))
     }
 }
 
-/// A relative path without `.` and `..`; `None` for one that is absolute or leaves its start.
-pub(crate) fn inside(path: &Path) -> Option<PathBuf> {
+/// A relative path without `.` and `..`; `None` for a path that is absolute or begins outside.
+pub(crate) fn normalize(path: &Path) -> Option<PathBuf> {
     let mut clean = PathBuf::new();
     for component in path.components() {
         match component {
@@ -280,7 +283,7 @@ pub(crate) fn inside(path: &Path) -> Option<PathBuf> {
     Some(clean)
 }
 
-/// The place of something in an included file, or, with an empty name, in the main one.
+/// A place in an included file, or, with an empty file name, in the main file.
 pub(crate) fn in_file_place(file: &str, place: &str) -> String {
     if file.is_empty() { place.to_owned() } else { format!("{file}: {place}") }
 }

@@ -1,18 +1,19 @@
-//! `<tendon>/<fixed>`: lengths that are sums of joint positions.
+//! Reads `<tendon>/<fixed>`: tendons whose length is a linear combination of joint positions.
 
 use std::collections::HashMap;
 
-use multibody::{PassiveForces, RobotDescription, TendonDescription, TendonSoftness};
+use robot_dynamics_description::{PassiveForces, RobotDescription, TendonDescription, TendonSoftness};
 
-use crate::assemble::Places;
+use crate::assemble::ElementTable;
 use crate::classes::MAIN;
 use crate::joint::Motion;
 use crate::names::Names;
-use crate::option::Disabled;
+use crate::option::DisabledForces;
 use crate::reader::Reader;
 use crate::tree::Id;
 
-/// Gives a joint the armature of each tendon over it alone, as armature·c² on the diagonal of M: what formats without tendons can say.
+/// Moves the armature of each tendon over a single joint to that joint, as armature·c² on the diagonal of M.
+/// Formats without tendons can represent it there.
 pub(crate) fn armature_to_joints(robot: &mut RobotDescription) {
     let joints: HashMap<String, usize> =
         robot.joints.iter().enumerate().map(|(at, joint)| (joint.name.clone(), at)).collect();
@@ -27,47 +28,49 @@ pub(crate) fn armature_to_joints(robot: &mut RobotDescription) {
 }
 
 impl Reader<'_> {
-    /// All fixed tendons, in the file's order.
-    pub(crate) fn tendons(&mut self, places: &Places, disabled: Disabled, robot: &mut RobotDescription) {
+    /// Reads all fixed tendons, in the order of the file.
+    pub(crate) fn tendons(
+        &mut self,
+        table: &ElementTable,
+        disabled: DisabledForces,
+        robot: &mut RobotDescription,
+    ) {
         let mut names = Names::default();
         let all: Vec<Id> =
             self.tree.in_sections("tendon").filter(|&id| self.tree.nodes[id].name == "fixed").collect();
         for (index, id) in all.into_iter().enumerate() {
             let element = self.element(id, MAIN);
             let mut terms = Vec::new();
-            // Where its springs are at rest.
+            // The length at the rest positions of the joints' springs.
             let mut relaxed = 0.0;
             for term in self.tree.children(id, "joint").collect::<Vec<_>>() {
-                let term = self.plain(term);
+                let term = self.raw_element(term);
                 let coefficient = self.required_number(&term, "coef");
                 let Some(name) = self.required_text(&term, "joint", "JOINT") else { continue };
-                let Some(joint) = self.joint_named(&term, name, places) else { continue };
+                let Some(joint) = self.joint_named(&term, name, table) else { continue };
                 if matches!(joint.motion, Motion::Hinge | Motion::Slide) {
                     terms.push((joint.name.clone(), coefficient));
                     relaxed += coefficient * joint.rest;
                 } else {
                     let word = joint.motion.word();
-                    self.misplaced(
+                    self.refuse(
                         &term,
-                        format!("joint {name:?} is a {word} joint; a fixed tendon is over hinges and slides"),
+                        format!("joint {name:?} is a {word} joint; a fixed tendon needs hinges or slides"),
                     );
                 }
             }
             let written = self.text(&element, "name").filter(|name| !name.is_empty());
             let name = written.map_or_else(|| format!("tendon_{index}"), str::to_owned);
-            let own = names.free(&name);
+            let own = names.unique(&name);
             if written.is_some() && own != name {
-                self.misplaced(
-                    &element,
-                    format!("there is a tendon {name:?} already; give each its own name"),
-                );
+                self.refuse(&element, format!("the tendon {name:?} already exists; give each its own name"));
             }
             let mut tendon = TendonDescription::new(own, terms);
             let [armature, friction] =
                 ["armature", "frictionloss"].map(|name| self.number(&element, name).unwrap_or(0.0));
             let [damping, d2, d3] = self.polynomial(&element, "damping");
             let [stiffness, k2, k3] = self.polynomial(&element, "stiffness");
-            // One number is both ends of the dead band; −1 asks for the length in the springs' own pose.
+            // One number gives both ends of the dead band; −1 stands for the length at rest.
             let [from, to] = match self.all_numbers(&element, "springlength").as_deref() {
                 Some(&[length]) => [length, length],
                 Some(&[from, to]) => [from, to],
@@ -95,7 +98,7 @@ impl Reader<'_> {
             friction.solref = self.overlay(&element, "solreffriction", friction.solref);
             friction.solimp = self.overlay(&element, "solimpfriction", friction.solimp);
             *margin = self.number(&element, "margin").unwrap_or(0.0);
-            self.read(&element, "a tendon over joints");
+            self.report_read(&element, "a tendon over joints");
             robot.tendons.push(tendon);
         }
     }

@@ -1,9 +1,9 @@
-//! All elements of a file and of the files that it includes, in one tree.
+//! The tree of all elements of a file and of the files that it includes or attaches.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-/// Which node of a [`Tree`].
+/// The index of a node in a [`Tree`].
 pub(crate) type Id = usize;
 
 /// One element.
@@ -12,63 +12,64 @@ pub(crate) struct Node {
     pub(crate) name: String,
     pub(crate) attributes: Vec<(String, String)>,
     pub(crate) children: Vec<Id>,
-    /// Which of [`Tree::files`] it is in.
+    /// The index of its file in [`Tree::files`].
     pub(crate) file: usize,
-    /// From 1.
+    /// The line, from 1.
     pub(crate) line: usize,
-    /// Which of [`Tree::models`] it is of.
+    /// The index of its model in [`Tree::models`].
     pub(crate) model: usize,
-    /// Of a pose that came with an attachment: the frame that holds what was attached.
+    /// For a keyframe of an attached model the frame that contains the attached part.
     pub(crate) scope: Option<Id>,
 }
 
 impl Node {
-    /// The attribute's text, of this element alone.
+    /// The text of an attribute of this element, without defaults.
     pub(crate) fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
     }
 
-    /// An element of this name and place, with nothing in it.
-    pub(crate) fn bare(&self) -> Self {
+    /// An element with the same name and place, without attributes and children.
+    pub(crate) fn empty_copy(&self) -> Self {
         let (attributes, children) = (Vec::new(), Vec::new());
         Self { name: self.name.clone(), attributes, children, ..*self }
     }
 }
 
-/// Elements by number, the outermost first.
+/// Elements by index, the outermost first.
 #[derive(Debug, Default)]
 pub(crate) struct Tree {
     pub(crate) nodes: Vec<Node>,
-    /// The included files as they are named, behind an empty name for the main file.
+    /// The names of the files; that of the main file is empty.
     pub(crate) files: Vec<String>,
-    /// Text between elements, which MJCF has none of: file, line, text.
-    pub(crate) loose: Vec<(usize, usize, String)>,
-    /// The main file, and the models that it attaches parts of.
+    /// Text between elements, which MJCF does not have: file, line, text.
+    pub(crate) loose_text: Vec<(usize, usize, String)>,
+    /// The main file and the attached models.
     pub(crate) models: Vec<ModelFile>,
-    /// By the frame that holds what was attached, what it is of.
+    /// The origin of each attached part, by the frame that contains it.
     pub(crate) origins: HashMap<Id, Origin>,
-    /// Elements of attached models that did not come with them, and why.
-    pub(crate) left: Vec<(Id, &'static str)>,
-    /// Whether something was attached, or an element outside bodies replicated.
-    pub(crate) grown: bool,
+    /// Elements of attached models that were not copied, with the reason.
+    pub(crate) omissions: Vec<(Id, &'static str)>,
+    /// Whether a part was attached, or an element outside bodies was replicated.
+    pub(crate) has_copies: bool,
 }
 
-/// The model that a part was attached of.
+/// The model of an attached part.
 #[derive(Debug)]
 pub(crate) struct Origin {
-    /// A frame with all that is in its world; where only a part was attached, one that is nowhere in the tree.
+    /// A frame with everything in the world of the model. If only a part was attached, the frame is not in
+    /// the tree.
     pub(crate) whole: Id,
-    /// Where each element of the whole is in the tree, if it is.
+    /// Maps elements of `whole` to their copies in the tree.
     pub(crate) attached: HashMap<Id, Id>,
-    /// Its actuators, as they are in the tree.
+    /// The copies of its actuators in the tree.
     pub(crate) actuators: Vec<Option<Id>>,
 }
 
-/// A file with those that it includes.
+/// A file with the files that it includes.
 #[derive(Debug)]
 pub(crate) struct ModelFile {
     pub(crate) root: Id,
-    /// Its folder, in that of the main file.
+    /// Its folder, relative to that of the main file.
     pub(crate) folder: PathBuf,
 }
 
@@ -81,20 +82,20 @@ impl Tree {
         self.nodes[parent].children.iter().copied().filter(move |&child| self.nodes[child].name == name)
     }
 
-    /// Adds a node that is in no other yet.
+    /// Adds a node without a parent.
     pub(crate) fn push(&mut self, node: Node) -> Id {
         self.nodes.push(node);
         self.nodes.len() - 1
     }
 
-    /// The children of all sections of this name of the model with this root.
+    /// The children of all sections of this name, in the model with this root.
     pub(crate) fn in_sections_of(&self, root: Id, section: &str) -> Vec<Id> {
         self.children(root, section)
             .flat_map(|section| self.nodes[section].children.iter().copied())
             .collect()
     }
 
-    /// The children of all sections of this name.
+    /// The children of all sections of this name, in the main model.
     pub(crate) fn in_sections<'t>(&'t self, section: &'t str) -> impl Iterator<Item = Id> + 't {
         self.children(Self::ROOT, section).flat_map(|section| self.nodes[section].children.iter().copied())
     }

@@ -1,9 +1,9 @@
-//! The walk through `<worldbody>`: bodies with what is in them, frames and replicates resolved.
+//! Reads `<worldbody>`: bodies with their content, with frames and replicates resolved.
 
 use std::rc::Rc;
 
-use multibody::Treatment;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+use robot_dynamics_description::Disposition;
 
 use crate::MjcfError;
 use crate::body::{Body, Site};
@@ -12,171 +12,172 @@ use crate::joint::Motion;
 use crate::reader::{Element, Reader};
 use crate::tree::{Id, Tree};
 
-/// The most elements that replicates may make of a file.
-const MOST: usize = 2_000_000;
+/// The largest number of elements that replicates may create.
+const ELEMENT_LIMIT: usize = 2_000_000;
 
-/// What stands around an element.
+/// The context of an element.
 #[derive(Clone)]
-struct Around {
-    /// Index of the body that it belongs to.
+struct Context {
+    /// The index of its body.
     body: usize,
-    /// Of the `<frame>` elements around it, in the body's frame.
+    /// The pose of the `<frame>` elements around it, in the body.
     frame: Isometry3<f64>,
     class: Class,
-    /// What the replicates around it add to names.
+    /// The suffix of the replicates around it.
     suffix: Rc<str>,
 }
 
 impl Reader<'_> {
-    /// All bodies, the world first, each after the one it is in.
+    /// Reads all bodies, the world first, parents before children.
     pub(crate) fn bodies(&mut self) -> Vec<Body> {
         let sections: Vec<Id> = self.tree.children(Tree::ROOT, "worldbody").collect();
         self.walk(&sections, MAIN)
     }
 
-    /// The joints of a frame that may be nowhere in the tree, each with its element; nothing is told of them.
+    /// The joints in a frame, which need not be in the tree, with their elements. Reports nothing.
     pub(crate) fn joints_in(&mut self, frame: Id) -> Vec<(Id, Motion)> {
-        let told = (self.errors.len(), self.refused_warnings.len(), self.angles.len(), self.copied);
+        let saved = (self.errors.len(), self.refused_warnings.len(), self.angles.len(), self.copied);
         let report = self.report.clone();
         let node = &self.tree.nodes[frame];
-        let class = node.attribute("childclass").and_then(|name| self.classes.named(name));
+        let class = node.attribute("childclass").and_then(|name| self.classes.find(name));
         let bodies = self.walk(&[frame], class.unwrap_or(MAIN));
-        self.errors.truncate(told.0);
-        self.refused_warnings.truncate(told.1);
-        self.angles.truncate(told.2);
-        (self.copied, self.report) = (told.3, report);
+        self.errors.truncate(saved.0);
+        self.refused_warnings.truncate(saved.1);
+        self.angles.truncate(saved.2);
+        (self.copied, self.report) = (saved.3, report);
         let joints = bodies.iter().flat_map(|body| &body.joints);
         joints.map(|joint| (joint.element.node, joint.motion)).collect()
     }
 
-    /// What is in these elements, the world first.
+    /// Reads the bodies in these elements, the world first.
     fn walk(&mut self, sections: &[Id], class: Class) -> Vec<Body> {
-        let world = self.plain(Tree::ROOT);
+        let world = self.raw_element(Tree::ROOT);
         let mut bodies = vec![Body::new("world".into(), world, 0, Isometry3::identity())];
-        let around = Around { body: 0, frame: Isometry3::identity(), class, suffix: Rc::from("") };
-        let around = Rc::new(around);
-        // Reversed on a stack they come out in order, whatever is nested before what follows.
-        let mut pending: Vec<(Id, Rc<Around>)> = Vec::new();
+        let context = Context { body: 0, frame: Isometry3::identity(), class, suffix: Rc::from("") };
+        let context = Rc::new(context);
+        // A stack of reversed children gives the order of the file, depth first.
+        let mut pending: Vec<(Id, Rc<Context>)> = Vec::new();
         for &section in sections.iter().rev() {
-            self.push_children(section, &around, &mut pending);
+            self.push_children(section, &context, &mut pending);
         }
-        while let Some((node, around)) = pending.pop() {
-            self.element_of_body(node, &around, &mut bodies, &mut pending);
+        while let Some((node, context)) = pending.pop() {
+            self.element_of_body(node, &context, &mut bodies, &mut pending);
         }
         bodies
     }
 
-    fn push_children(&self, node: Id, around: &Rc<Around>, pending: &mut Vec<(Id, Rc<Around>)>) {
-        pending.extend(self.tree.nodes[node].children.iter().rev().map(|&child| (child, Rc::clone(around))));
+    fn push_children(&self, node: Id, context: &Rc<Context>, pending: &mut Vec<(Id, Rc<Context>)>) {
+        pending.extend(self.tree.nodes[node].children.iter().rev().map(|&child| (child, Rc::clone(context))));
     }
 
     fn element_of_body(
         &mut self,
         node: Id,
-        around: &Rc<Around>,
+        context: &Rc<Context>,
         bodies: &mut Vec<Body>,
-        pending: &mut Vec<(Id, Rc<Around>)>,
+        pending: &mut Vec<(Id, Rc<Context>)>,
     ) {
         let tree = self.tree;
         let own_name = tree.nodes[node].attribute("name").unwrap_or_default();
-        let name = if own_name.is_empty() { String::new() } else { format!("{own_name}{}", around.suffix) };
-        let is_world = around.body == 0;
+        let name = if own_name.is_empty() { String::new() } else { format!("{own_name}{}", context.suffix) };
+        let is_world = context.body == 0;
         match tree.nodes[node].name.as_str() {
             "body" => {
-                let element = self.plain(node);
-                let class = self.child_class(&element, around.class);
-                let parent_from_body = around.frame * self.placement(&element);
-                let mut body = Body::new(name, element.clone(), around.body, parent_from_body);
+                let element = self.raw_element(node);
+                let class = self.child_class(&element, context.class);
+                let parent_from_body = context.frame * self.placement(&element);
+                let mut body = Body::new(name, element.clone(), context.body, parent_from_body);
                 body.gravity_compensation = self.number(&element, "gravcomp").unwrap_or(0.0);
-                body.mocap = self.truth(&element, "mocap").unwrap_or(false);
-                let inside = Around {
+                body.mocap = self.boolean(&element, "mocap").unwrap_or(false);
+                let inside = Context {
                     body: bodies.len(),
                     frame: Isometry3::identity(),
                     class,
-                    suffix: Rc::clone(&around.suffix),
+                    suffix: Rc::clone(&context.suffix),
                 };
                 bodies.push(body);
                 self.push_children(node, &Rc::new(inside), pending);
             }
             "frame" => {
-                let element = self.plain(node);
-                let class = self.child_class(&element, around.class);
-                let frame = around.frame * self.placement(&element);
-                let inside = Around { frame, class, ..Around::clone(around) };
+                let element = self.raw_element(node);
+                let class = self.child_class(&element, context.class);
+                let frame = context.frame * self.placement(&element);
+                let inside = Context { frame, class, ..Context::clone(context) };
                 self.push_children(node, &Rc::new(inside), pending);
             }
-            "replicate" => self.replicate(node, around, pending),
+            "replicate" => self.replicate(node, context, pending),
             "inertial" if is_world => {
-                let element = self.plain(node);
-                self.misplaced(&element, "the world has no inertia; put it into a body");
+                let element = self.raw_element(node);
+                self.refuse(&element, "the world cannot have an <inertial>; put it into a body");
             }
             "inertial" => {
-                let element = self.plain(node);
-                let place = format!("{}/inertial", bodies[around.body].element.place);
+                let element = self.raw_element(node);
+                let place = format!("{}/inertial", bodies[context.body].element.place);
                 let element = Element { place, ..element };
-                if let Some(first) = &bodies[around.body].inertial {
+                if let Some(first) = &bodies[context.body].inertial {
                     let message = format!(
                         "a second <inertial>; the first, on line {}, counts; delete one of them",
                         first.element.line
                     );
-                    self.as_written(&element, message);
+                    self.warn(&element, message);
                 } else {
-                    bodies[around.body].inertial = Some(Box::new(self.inertial(element)));
+                    bodies[context.body].inertial = Some(Box::new(self.inertial(element)));
                 }
             }
             "joint" | "freejoint" if is_world => {
-                let element = self.plain(node);
-                self.misplaced(&element, "the world has no joints; put it into a body");
+                let element = self.raw_element(node);
+                self.refuse(&element, "the world cannot have joints; put the joint into a body");
             }
             "joint" => {
-                let element = self.element(node, around.class);
-                let joint = self.joint(&element, name, &around.frame);
-                push(&mut bodies[around.body].joints, joint);
+                let element = self.element(node, context.class);
+                let joint = self.joint(&element, name, &context.frame);
+                push(&mut bodies[context.body].joints, joint);
             }
             "freejoint" => {
-                let element = self.plain(node);
+                let element = self.raw_element(node);
                 let joint = self.free_joint(&element, name);
-                push(&mut bodies[around.body].joints, joint);
+                push(&mut bodies[context.body].joints, joint);
             }
             "geom" => {
-                let element = self.element(node, around.class);
-                let geom = self.geom(element, name, &around.frame);
-                push(&mut bodies[around.body].geoms, geom);
+                let element = self.element(node, context.class);
+                let geom = self.geom(element, name, &context.frame);
+                push(&mut bodies[context.body].geoms, geom);
             }
             "site" => {
-                let element = self.element(node, around.class);
+                let element = self.element(node, context.class);
                 let placement = match self.numbers::<6>(&element, "fromto") {
                     Some([a, b, c, d, e, f]) => {
-                        // Its frame is in the middle, z along it.
+                        // The frame is at the midpoint, with z along the segment.
                         let (from, to) = ([a, b, c].into(), [d, e, f].into());
                         segment(from, to)
                     }
                     None => self.placement(&element),
                 };
                 if !name.is_empty() {
-                    let body_from_site = around.frame * placement;
-                    push(&mut bodies[around.body].sites, Site { name, element, body_from_site });
+                    let body_from_site = context.frame * placement;
+                    push(&mut bodies[context.body].sites, Site { name, element, body_from_site });
                 }
             }
-            // Told by the account of what is not read.
+            // Reported by `list_unread`.
             _ => {}
         }
     }
 
-    /// `childclass`, or else the class around.
-    fn child_class(&mut self, element: &Element, around: Class) -> Class {
+    /// The class of `childclass`, or that of the context.
+    fn child_class(&mut self, element: &Element, context: Class) -> Class {
         match self.tree.nodes[element.node].attribute("childclass") {
-            Some(name) => self.class_named(name, element).unwrap_or(around),
-            None => around,
+            Some(name) => self.class_named(name, element).unwrap_or(context),
+            None => context,
         }
     }
 
-    /// Whether `<replicate>`s made more than is read of them.
+    /// Whether replicates have created more elements than the limit.
     pub(crate) fn has_too_many_copies(&self) -> bool {
-        self.copied > MOST
+        self.copied > ELEMENT_LIMIT
     }
 
-    /// How many elements a copy of a `<replicate>` has, itself and those at any depth; a replicate in it counts its own copies where it is met.
+    /// The number of elements in one copy of a `<replicate>`, including itself. A nested replicate counts its
+    /// own copies when it is read.
     fn elements_of_copy(&self, node: Id) -> usize {
         let (mut count, mut pending) = (1, self.tree.nodes[node].children.clone());
         while let Some(id) = pending.pop() {
@@ -188,15 +189,15 @@ impl Reader<'_> {
         count
     }
 
-    /// `<replicate>`: `count` copies, each shifted by `offset` and turned by `euler` from the one before, their number
-    /// behind their names.
-    fn replicate(&mut self, node: Id, around: &Rc<Around>, pending: &mut Vec<(Id, Rc<Around>)>) {
-        let element = self.plain(node);
-        let class = self.child_class(&element, around.class);
+    /// Reads a `<replicate>`: `count` copies, each translated by `offset` and rotated by `euler` relative to
+    /// the one before. The number of a copy is appended to its names.
+    fn replicate(&mut self, node: Id, context: &Rc<Context>, pending: &mut Vec<(Id, Rc<Context>)>) {
+        let element = self.raw_element(node);
+        let class = self.child_class(&element, context.class);
         let count = self.required_number(&element, "count");
         if !(0.0..=1e6).contains(&count) || count.fract() != 0.0 {
             if !count.is_nan() {
-                self.misplaced(&element, format!("count={count} is not a number of copies"));
+                self.refuse(&element, format!("count={count} is not a valid number of copies"));
             }
             return;
         }
@@ -205,7 +206,12 @@ impl Reader<'_> {
         self.copied = self.copied.saturating_add(count.saturating_mul(self.elements_of_copy(node)));
         if self.has_too_many_copies() {
             let (line, place) = (element.line, element.place);
-            self.errors.push(MjcfError::TooMany { line, place, what: "elements in bodies", limit: MOST });
+            self.errors.push(MjcfError::TooMany {
+                line,
+                place,
+                what: "elements in bodies",
+                limit: ELEMENT_LIMIT,
+            });
             pending.clear();
             return;
         }
@@ -219,25 +225,25 @@ impl Reader<'_> {
         let mut place = Isometry3::identity();
         let mut copies = Vec::new();
         for copy in 0..count {
-            // The turn afresh for each copy, so that no rounding adds up.
+            // The rotation is computed anew for each copy, so that rounding does not accumulate.
             let here = Isometry3::from_parts(place.translation, turn(copy as f64));
-            let suffix = format!("{separator}{copy:0digits$}{}", around.suffix);
-            copies.push(Rc::new(Around {
-                frame: around.frame * here,
+            let suffix = format!("{separator}{copy:0digits$}{}", context.suffix);
+            copies.push(Rc::new(Context {
+                frame: context.frame * here,
                 class,
                 suffix: Rc::from(suffix),
-                ..Around::clone(around)
+                ..Context::clone(context)
             }));
             place *= step;
         }
         for copy in copies.iter().rev() {
             self.push_children(node, copy, pending);
         }
-        self.push(element.line, element.place, Treatment::Read, format!("{count} copies"));
+        self.push(element.line, element.place, Disposition::Read, format!("{count} copies"));
     }
 }
 
-/// Adds to what a body has. Most have one of a kind, for which a vector would take memory of four.
+/// Adds an item. Most bodies have one of a kind, for which a vector would reserve four.
 fn push<T>(list: &mut Vec<T>, item: T) {
     if list.is_empty() {
         list.reserve_exact(1);
@@ -245,7 +251,7 @@ fn push<T>(list: &mut Vec<T>, item: T) {
     list.push(item);
 }
 
-/// In the middle between two points, z from the second to the first.
+/// The frame at the midpoint of a segment, with z from the second point to the first.
 fn segment(from: nalgebra::Vector3<f64>, to: nalgebra::Vector3<f64>) -> Isometry3<f64> {
     let along = from - to;
     let length = along.norm();

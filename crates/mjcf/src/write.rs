@@ -1,9 +1,9 @@
-//! From a robot to the text of an MJCF file.
+//! Writes a robot as the text of an MJCF file.
 
 mod actuators;
-mod beside;
 mod bodies;
 mod chain;
+mod constraints;
 mod joints;
 mod poses;
 mod sensors;
@@ -12,91 +12,92 @@ mod shapes;
 use std::collections::HashMap;
 use std::path::Path;
 
-use multibody::{
-    EARTH_GRAVITY, JointKind, LeftOut, LinkShape, Model, Pose, RobotDescription, Shape, WriteError,
+use robot_dynamics_core::Model;
+use robot_dynamics_description::{
+    EARTH_GRAVITY, JointKind, LinkShape, Pose, RobotDescription, Shape, UnsupportedFeature, WriteError,
     WrittenFile,
 };
-use robot_xml::{Writer, excerpt, is_name};
+use robot_dynamics_xml::{Writer, excerpt, is_name};
 
 use crate::names::Names;
 
-/// The largest number that the format's readers take: stands for infinity on the open side of a range.
-const ENDLESS: f64 = 1e30;
+/// The largest number that readers of MJCF accept, written for infinity on the open side of a range.
+const LARGEST_BOUND: f64 = 1e30;
 
-/// Writes a robot as an MJCF file. `folder` is where the file will lie: meshes are named from there, and those whose files
-/// were not found, or are of a kind that MuJoCo does not read, are left out.
+/// Writes a robot as an MJCF file. `folder` is the folder of the new file: the names of meshes are relative
+/// to it. Meshes whose files were not found, or that MuJoCo cannot read, are omitted.
 ///
-/// Numbers keep all their digits. A root link named `world` is the world's body; links without mass between joints become
-/// several joints of one body, as MuJoCo refuses to move what has no mass. Universal and planar joints become their hinges
-/// and slides, followers become equalities of joints, and what the format has no words for is listed in
-/// [`WrittenFile::left_out`].
+/// Numbers keep all their digits. A root link named `world` becomes the world body. MuJoCo refuses to move
+/// links without mass, so such links between joints become several joints of one body. Universal and planar
+/// joints become hinges and slides, and mimic joints become equalities. Features that MJCF lacks are listed
+/// in [`WrittenFile::left_out`].
 ///
 /// ```
-/// let mut robot = multibody::pendulum(2.0, 0.5);
+/// let mut robot = robot_dynamics::description::pendulum(2.0, 0.5);
 /// robot.joints[0].limits.velocity = 3.0;
-/// let file = mjcf::write(&robot, None)?;
+/// let file = robot_dynamics_mjcf::write(&robot, None)?;
 /// assert!(file.lost_physics().count() == 0 && file.left_out[0].message.contains("velocity"));
-/// let back = mjcf::parse(&file.text, &mjcf::Options::default())?.description;
+/// let back = robot_dynamics_mjcf::parse(&file.text, &robot_dynamics_mjcf::Options::default())?.description;
 /// let rod = back.links.iter().find(|link| link.name == "rod").expect("the rod");
 /// assert_eq!(rod.mass_properties, robot.links[1].mass_properties);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// [`WriteError`] for what is no robot, for helical joints, for floating ones that do not hang on the world, and for names
-/// that XML cannot hold.
+/// [`WriteError`] for an invalid robot, for helical joints, for floating joints whose parent is not the
+/// world, and for names that XML cannot represent.
 pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenFile, WriteError> {
     Model::new(robot.clone())?;
-    let mut writing = Writing::new(robot, folder);
-    writing.check();
-    writing.plan_sites();
-    writing.xml.start("mujoco").attribute("model", if is_name(&robot.name) { &robot.name } else { "robot" });
-    writing.settings();
-    writing.assets();
-    writing.bodies();
-    writing.contact();
-    writing.tendons();
-    writing.equalities();
-    writing.actuators();
-    writing.sensors();
-    writing.poses();
-    writing.left_out.dedup();
-    if writing.unwritable.is_empty() {
-        Ok(WrittenFile::new(writing.xml.finish(), writing.left_out))
+    let mut writer = MjcfWriter::new(robot, folder);
+    writer.check_names();
+    writer.plan_sites();
+    writer.xml.start("mujoco").attribute("model", if is_name(&robot.name) { &robot.name } else { "robot" });
+    writer.write_settings();
+    writer.write_assets();
+    writer.write_bodies();
+    writer.write_contact();
+    writer.write_tendons();
+    writer.write_equalities();
+    writer.write_actuators();
+    writer.write_sensors();
+    writer.write_poses();
+    writer.left_out.dedup();
+    if writer.unwritable.is_empty() {
+        Ok(WrittenFile::new(writer.xml.finish(), writer.left_out))
     } else {
-        Err(WriteError::Unwritable(writing.unwritable))
+        Err(WriteError::Unwritable(writer.unwritable))
     }
 }
 
-struct Writing<'r> {
+struct MjcfWriter<'r> {
     robot: &'r RobotDescription,
     folder: Option<&'r Path>,
     xml: Writer,
-    left_out: Vec<LeftOut>,
+    left_out: Vec<UnsupportedFeature>,
     unwritable: Vec<String>,
-    /// Which link has which name, and the joints below each.
+    /// The index of each link by name, and its child joints.
     link_index: HashMap<&'r str, usize>,
     below: Vec<Vec<usize>>,
     root: usize,
-    /// Names of bodies, of joints and of sites in the file.
+    /// The names of bodies, joints and sites in the file.
     body_names: Vec<String>,
     joint_names: Names,
     site_names: Names,
     /// The sites on each link.
     sites: HashMap<&'r str, Vec<(String, Pose)>>,
-    /// Of each connection, the names of its sites; of each link that an actuator acts on, its site.
+    /// The names of the two sites of each connection, and of the site of each link that an actuator acts on.
     connections: HashMap<usize, [String; 2]>,
     link_sites: HashMap<&'r str, String>,
-    /// The forms of the sites that are zones of sensors.
+    /// The shapes of the sites that are zones of sensors.
     zones: HashMap<String, &'r Shape>,
-    /// The shapes on each link, with the name of the mesh or height field of those that have one.
+    /// The shapes of each link, with the name of their mesh or height field.
     shapes: HashMap<&'r str, Vec<(&'r LinkShape, Option<String>)>>,
     shape_names: Names,
-    /// Whether any shape is there for its looks alone.
+    /// Whether there are visual shapes.
     has_looks: bool,
-    /// The moving joints as they are written: the robot's index, or `None` for its floating base.
+    /// The moving joints in the order of the file: index in the robot, or `None` for its floating base.
     order: Vec<Option<usize>>,
-    /// The robot's actuators that are written.
+    /// The indices of the actuators in the file.
     written_actuators: Vec<usize>,
 }
 
@@ -104,7 +105,7 @@ fn joint_place(name: &str) -> String {
     format!("joint {:?}", excerpt(name))
 }
 
-impl<'r> Writing<'r> {
+impl<'r> MjcfWriter<'r> {
     fn new(robot: &'r RobotDescription, folder: Option<&'r Path>) -> Self {
         let link_index: HashMap<&str, usize> =
             robot.links.iter().enumerate().map(|(index, link)| (link.name.as_str(), index)).collect();
@@ -117,10 +118,10 @@ impl<'r> Writing<'r> {
         let root = is_child.iter().position(|is_child| !is_child).unwrap_or(0);
         let (mut joint_names, mut site_names) = (Names::default(), Names::default());
         for joint in &robot.joints {
-            joint_names.take(&joint.name);
+            joint_names.reserve(&joint.name);
         }
         for frame in &robot.frames {
-            site_names.take(&frame.name);
+            site_names.reserve(&frame.name);
         }
         Self {
             robot,
@@ -146,18 +147,18 @@ impl<'r> Writing<'r> {
         }
     }
 
-    fn lost(&mut self, place: &str, message: impl Into<String>) {
-        self.left_out.push(LeftOut::new(place, message, true));
+    fn add_loss(&mut self, place: &str, message: impl Into<String>) {
+        self.left_out.push(UnsupportedFeature::new(place, message, true));
     }
 
-    fn note(&mut self, place: &str, message: impl Into<String>) {
-        self.left_out.push(LeftOut::new(place, message, false));
+    fn add_note(&mut self, place: &str, message: impl Into<String>) {
+        self.left_out.push(UnsupportedFeature::new(place, message, false));
     }
 
-    /// Refuses names that no file can hold and joints that the format has not.
-    fn check(&mut self) {
+    /// Refuses names that XML cannot represent, and joint types that MJCF lacks.
+    fn check_names(&mut self) {
         let robot = self.robot;
-        let named = |sort: &'static str, name: &'r String| (sort, name);
+        let named = |kind: &'static str, name: &'r String| (kind, name);
         let names = (robot.links.iter().map(|link| named("link", &link.name)))
             .chain(robot.joints.iter().map(|joint| named("joint", &joint.name)))
             .chain(robot.frames.iter().map(|frame| named("frame", &frame.name)))
@@ -166,30 +167,33 @@ impl<'r> Writing<'r> {
             .chain(robot.actuators.iter().map(|actuator| named("actuator", &actuator.name)))
             .chain(robot.sensors.iter().map(|sensor| named("sensor", &sensor.name)))
             .chain(robot.poses.iter().map(|pose| named("pose", &pose.name)));
-        for (sort, name) in names.filter(|(_, name)| !is_name(name)) {
-            self.unwritable.push(format!("the {sort} name {:?} is none in a file: rename it", excerpt(name)));
+        for (kind, name) in names.filter(|(_, name)| !is_name(name)) {
+            self.unwritable
+                .push(format!("the {kind} name {:?} is invalid in a file: rename it", excerpt(name)));
         }
         for joint in &robot.joints {
             if let JointKind::Helical { .. } = joint.kind {
-                self.unwritable
-                    .push(format!("{}: the format has no helical joints", joint_place(&joint.name)));
+                self.unwritable.push(format!("{}: MJCF has no helical joints", joint_place(&joint.name)));
             }
         }
-        // The format has a world of its own.
+        // The name `world` is reserved in MJCF.
         let mut taken = Names::default();
         for link in &robot.links {
-            taken.take(&link.name);
+            taken.reserve(&link.name);
         }
         if let Some(&world) = self.link_index.get("world")
             && !self.root_is_world()
         {
-            let name = taken.free("world");
-            self.note("link \"world\"", format!("the name is the world's own: written as {name:?}"));
+            let name = taken.unique("world");
+            self.add_note(
+                "link \"world\"",
+                format!("the name is reserved for the world: written as {name:?}"),
+            );
             self.body_names[world] = name;
         }
     }
 
-    fn settings(&mut self) {
+    fn write_settings(&mut self) {
         self.xml.start("compiler").attribute("angle", "radian").attribute("autolimits", "true");
         self.xml.attribute("inertiafromgeom", "false").end();
         let RobotDescription { gravity, time_step, impratio, .. } = self.robot;
@@ -212,17 +216,18 @@ impl<'r> Writing<'r> {
         }
     }
 
-    /// A range that limits; none where both sides are open, or where MuJoCo takes it for none.
-    fn range(&mut self, place: &str, name: &str, [lower, upper]: [f64; 2]) {
+    /// Writes a range. It is omitted if both sides are infinite, or if it is empty, which MuJoCo reads as no
+    /// limit.
+    fn write_range(&mut self, place: &str, name: &str, [lower, upper]: [f64; 2]) {
         if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
             return;
         }
         if lower < upper {
-            self.xml.numbers(name, &[lower.max(-ENDLESS), upper.min(ENDLESS)]);
+            self.xml.numbers(name, &[lower.max(-LARGEST_BOUND), upper.min(LARGEST_BOUND)]);
         } else {
-            self.lost(
+            self.add_loss(
                 place,
-                format!("{name} from {lower} to {upper}: in the format the upper end is the larger"),
+                format!("{name} from {lower} to {upper}: MJCF requires an upper end above the lower end"),
             );
         }
     }

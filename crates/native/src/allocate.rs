@@ -1,30 +1,31 @@
-//! Registers for straight-line code: the value whose next use is farthest leaves first (L. A. Belady, *A study of replacement
-//! algorithms for a virtual-storage computer*, IBM Systems Journal 5, 1966).
+//! Register allocation for straight-line code. The value whose next use is farthest is spilled first (L. A.
+//! Belady, *A study of replacement algorithms for a virtual-storage computer*, IBM Systems Journal 5, 1966).
 //!
-//! An operation's operands are read before its result is written, so that a result may take any register, also one of its operands',
-//! once that value is dead or saved. A memory slot that an operation reads for the last time is free after the operation, not within it.
+//! An operation reads its operands before it writes its result. The result may therefore take any register,
+//! even that of an operand, once that value is dead or stored. A spill slot that an operation reads for the
+//! last time is free after the operation, not within it.
 
 use crate::instruction::{Instruction, Register, Source};
-use crate::list::{Address, Base, Binary, Extent, List, NONE, Operation, Reads, Value};
-use crate::machine::{Counts, MOST_REGISTERS, Machine};
+use crate::list::{Address, Base, Binary, Extent, List, NONE, OperandAccess, Operation, Value};
+use crate::machine::{Counts, MAX_REGISTERS, Machine};
 
-/// No register.
-const NOWHERE: Register = Register::MAX;
-/// No further use.
-const NEVER: u32 = u32::MAX;
-/// No slot.
+/// Marks a value without a register.
+const NO_REGISTER: Register = Register::MAX;
+/// Marks a value without a further use.
+const NO_USE: u32 = u32::MAX;
+/// Marks a value without a spill slot.
 const NO_SLOT: i32 = -1;
 
-/// A list with registers.
+/// The result of register allocation.
 #[derive(Clone, Debug)]
 pub(crate) struct Allocation {
     pub(crate) instructions: Vec<Instruction>,
     pub(crate) counts: Counts,
-    /// Bytes of scratch memory in use, those before the slots included.
+    /// Bytes of scratch memory in use, including those before the slots.
     pub(crate) scratch_end: i32,
 }
 
-/// Registers for a list, whose slots begin at a byte of the scratch memory.
+/// Allocates registers for a list, with spill slots from byte `scratch_begin` of the scratch memory.
 pub(crate) fn allocate(list: &List, machine: Machine, scratch_begin: i32) -> Allocation {
     let mut allocator = Allocator::new(list, machine, scratch_begin);
     for number in 0..list.steps.len() {
@@ -39,13 +40,14 @@ struct Allocator<'a> {
     machine: Machine,
     instructions: Vec<Instruction>,
     counts: Counts,
-    /// Where each value is in memory, if it is there, and its slot if that is one.
+    /// The location of each value in memory, if it is there, and its spill slot, if it has one.
     home: Vec<Option<Address>>,
     slot: Vec<i32>,
     /// The register of each value, and the value of each register.
     register: Vec<Register>,
-    holds: [Value; MOST_REGISTERS],
-    /// The steps that read each value in order, beside each other; of each value the first still to come, and the end.
+    value_in: [Value; MAX_REGISTERS],
+    /// The steps that read each value, in order, concatenated; the position of each value's next use in that
+    /// list, and the end of its uses.
     uses: Vec<u32>,
     cursor: Vec<u32>,
     ends: Vec<u32>,
@@ -55,7 +57,7 @@ struct Allocator<'a> {
     /// Slots that this step reads for the last time.
     freed: Vec<i32>,
     scratch_end: i32,
-    /// The pointer in the register for those without one of their own.
+    /// The pointer in the register that is shared by pointers without their own.
     pointer: Option<u8>,
     /// Registers that this step reads.
     locked: u32,
@@ -85,7 +87,7 @@ impl<'a> Allocator<'a> {
             }
         }
         let ends = cursor[1..].to_vec();
-        let first = |value| if cursor[value] < ends[value] { uses[cursor[value] as usize] } else { NEVER };
+        let first = |value| if cursor[value] < ends[value] { uses[cursor[value] as usize] } else { NO_USE };
         let next = (0..count).map(first).collect();
         Self {
             list,
@@ -94,8 +96,8 @@ impl<'a> Allocator<'a> {
             counts: Counts::default(),
             home: list.homes.clone(),
             slot: vec![NO_SLOT; count],
-            register: vec![NOWHERE; count],
-            holds: [NONE; MOST_REGISTERS],
+            register: vec![NO_REGISTER; count],
+            value_in: [NONE; MAX_REGISTERS],
             uses,
             cursor,
             ends,
@@ -123,10 +125,10 @@ impl<'a> Allocator<'a> {
         }
         let to = match step.operation {
             Operation::Store(value, to) => {
-                let from = self.in_register(value);
-                self.point_to(to);
+                let from = self.load_to_register(value);
+                self.load_base_pointer(to);
                 self.instructions.push(Instruction::Store { from, to });
-                // Places of one state's results are written once, so that the value can be read there.
+                // Each result of one state is written once, so the value can be read from there.
                 let stays = to.base == Base::Scratch || to.extent == Extent::Number;
                 if self.home[value as usize].is_none() && stays {
                     self.home[value as usize] = Some(to);
@@ -136,30 +138,30 @@ impl<'a> Allocator<'a> {
             }
             Operation::Binary(kind, a, b) => Some(self.binary(kind, a, b)),
             Operation::Root(a) => {
-                let source = self.source(a, Reads::Numbers);
-                let to = self.destination(reads);
+                let source = self.source(a, OperandAccess::Numbers);
+                let to = self.result_register(reads);
                 self.instructions.push(Instruction::Root { to, a: source });
                 Some(to)
             }
             Operation::Shift(a, by) => {
-                let from = self.in_register(a);
-                let to = self.destination(reads);
+                let from = self.load_to_register(a);
+                let to = self.result_register(reads);
                 self.instructions.push(Instruction::Shift { to, a: from, by });
                 Some(to)
             }
             Operation::Blend { otherwise, negative, mask } => {
-                let mask = self.in_register(mask);
-                let otherwise = self.in_register(otherwise);
-                let negative = self.source(negative, Reads::Bits);
-                let to = self.destination(reads);
+                let mask = self.load_to_register(mask);
+                let otherwise = self.load_to_register(otherwise);
+                let negative = self.source(negative, OperandAccess::Bits);
+                let to = self.result_register(reads);
                 self.instructions.push(Instruction::Blend { to, otherwise, negative, mask });
                 Some(to)
             }
             Operation::Fused { a, b, c, is_minus } => Some(self.fused(a, b, c, is_minus)),
         };
         if let Some(to) = to {
-            debug_assert!(self.holds[usize::from(to)] == NONE, "a result overwrites a value");
-            if self.next[step.result as usize] != NEVER {
+            debug_assert!(self.value_in[usize::from(to)] == NONE, "a result overwrites a value");
+            if self.next[step.result as usize] != NO_USE {
                 self.bind(step.result, to);
             }
         }
@@ -173,21 +175,21 @@ impl<'a> Allocator<'a> {
                 || match (self.can_be_source(a, extent), self.can_be_source(b, extent)) {
                     (true, false) => true,
                     (false, true) => false,
-                    // The one that is read again sooner is loaded.
+                    // The value with the sooner next use is loaded.
                     _ => self.next[b as usize] < self.next[a as usize],
                 };
             if exchanged {
                 core::mem::swap(&mut a, &mut b);
             }
         }
-        let left = self.in_register(a);
+        let left = self.load_to_register(a);
         let right = self.source(b, extent);
-        let to = self.destination(&[a, b]);
+        let to = self.result_register(&[a, b]);
         self.instructions.push(Instruction::Binary { kind, to, a: left, b: right });
         to
     }
 
-    /// The next use of a value after this step.
+    /// Advances the next use of a value past this step.
     fn advance(&mut self, value: Value) {
         let value = value as usize;
         let (mut at, end) = (self.cursor[value], self.ends[value]);
@@ -195,7 +197,7 @@ impl<'a> Allocator<'a> {
             at += 1;
         }
         self.cursor[value] = at;
-        self.next[value] = if at < end { self.uses[at as usize] } else { NEVER };
+        self.next[value] = if at < end { self.uses[at as usize] } else { NO_USE };
     }
 
     fn lock(&mut self, register: Register) {
@@ -203,12 +205,12 @@ impl<'a> Allocator<'a> {
     }
 
     pub(super) fn is_in_register(&self, value: Value) -> bool {
-        self.register[value as usize] != NOWHERE
+        self.register[value as usize] != NO_REGISTER
     }
 
-    /// Whether the value is not read after this step.
+    /// Whether the value is dead after this step.
     fn is_dead(&self, value: Value) -> bool {
-        self.next[value as usize] == NEVER
+        self.next[value as usize] == NO_USE
     }
 
     fn registers(&self) -> impl Iterator<Item = Register> + use<> {
@@ -216,34 +218,35 @@ impl<'a> Allocator<'a> {
     }
 
     fn free_register(&self) -> Option<Register> {
-        self.registers().find(|&r| self.holds[usize::from(r)] == NONE && self.locked >> r & 1 == 0)
+        self.registers().find(|&r| self.value_in[usize::from(r)] == NONE && self.locked >> r & 1 == 0)
     }
 
-    /// The register whose value is read again last, of those that may leave; at the same distance one that is in memory anyway.
+    /// The unlocked register whose value has the farthest next use; among equals, one whose value is in
+    /// memory already.
     fn victim(&self, locked: u32) -> Register {
         let distance = |r: &Register| {
-            let value = self.holds[usize::from(*r)] as usize;
+            let value = self.value_in[usize::from(*r)] as usize;
             (self.next[value], self.home[value].is_some())
         };
         let candidates = self.registers().filter(|r| locked >> r & 1 == 0);
         candidates.max_by_key(distance).expect("an operation has fewer operands than a machine has registers")
     }
 
-    /// A register that holds nothing.
+    /// A free register, after a spill if necessary.
     fn acquire(&mut self, locked: u32) -> Register {
         if let Some(register) = self.free_register() {
             return register;
         }
         let register = self.victim(locked);
-        self.save(register);
-        self.unbind(self.holds[usize::from(register)]);
+        self.spill(register);
+        self.unbind(self.value_in[usize::from(register)]);
         register
     }
 
-    /// Stores the value of a register where it is read again and not in memory.
-    fn save(&mut self, register: Register) {
-        let value = self.holds[usize::from(register)] as usize;
-        if self.next[value] == NEVER || self.home[value].is_some() {
+    /// Spills the value of a register if it is live and not in memory.
+    fn spill(&mut self, register: Register) {
+        let value = self.value_in[usize::from(register)] as usize;
+        if self.next[value] == NO_USE || self.home[value].is_some() {
             return;
         }
         let offset = self.free_slots.pop().unwrap_or_else(|| {
@@ -259,17 +262,17 @@ impl<'a> Allocator<'a> {
 
     fn bind(&mut self, value: Value, register: Register) {
         self.register[value as usize] = register;
-        self.holds[usize::from(register)] = value;
+        self.value_in[usize::from(register)] = value;
     }
 
     fn unbind(&mut self, value: Value) {
-        let register = core::mem::replace(&mut self.register[value as usize], NOWHERE);
-        if register != NOWHERE {
-            self.holds[usize::from(register)] = NONE;
+        let register = core::mem::replace(&mut self.register[value as usize], NO_REGISTER);
+        if register != NO_REGISTER {
+            self.value_in[usize::from(register)] = NONE;
         }
     }
 
-    /// Frees what a value holds that is not read again: its register at once, its slot after this step.
+    /// Frees the register of a dead value at once, and its slot after this step.
     fn release(&mut self, value: Value) {
         if self.is_dead(value) {
             self.unbind(value);
@@ -280,8 +283,8 @@ impl<'a> Allocator<'a> {
         }
     }
 
-    /// Makes the base of an address available.
-    fn point_to(&mut self, address: Address) {
+    /// Loads the base pointer of an address if necessary.
+    fn load_base_pointer(&mut self, address: Address) {
         if let Base::Table(number) = address.base
             && number >= self.machine.fixed_pointers
             && self.pointer != Some(number)
@@ -293,12 +296,12 @@ impl<'a> Allocator<'a> {
 
     fn home_of(&mut self, value: Value) -> Address {
         let address = self.home[value as usize].expect("a value is in a register or in memory");
-        self.point_to(address);
+        self.load_base_pointer(address);
         address
     }
 
-    /// The register of a value, which is loaded if it is in memory.
-    fn in_register(&mut self, value: Value) -> Register {
+    /// The register of a value, which is loaded if necessary.
+    fn load_to_register(&mut self, value: Value) -> Register {
         if self.is_in_register(value) {
             return self.register[value as usize];
         }
@@ -311,8 +314,8 @@ impl<'a> Allocator<'a> {
         to
     }
 
-    /// Whether an instruction can read the value where it is.
-    fn can_be_source(&self, value: Value, reads: Reads) -> bool {
+    /// Whether an instruction can read the value from its current location.
+    fn can_be_source(&self, value: Value, reads: OperandAccess) -> bool {
         if self.is_in_register(value) {
             return true;
         }
@@ -320,22 +323,22 @@ impl<'a> Allocator<'a> {
         self.machine.has_memory_operands
             && match extent {
                 Some(Extent::Register) => true,
-                Some(Extent::Number) => reads == Reads::Numbers,
-                Some(Extent::Broadcast) => self.machine.has_broadcast && reads != Reads::Register,
+                Some(Extent::Number) => reads == OperandAccess::Numbers,
+                Some(Extent::Broadcast) => self.machine.has_broadcast && reads != OperandAccess::Register,
                 None => false,
             }
     }
 
     /// A value as an operand that may be in memory.
-    fn source(&mut self, value: Value, reads: Reads) -> Source {
+    fn source(&mut self, value: Value, reads: OperandAccess) -> Source {
         if self.is_in_register(value) || !self.can_be_source(value, reads) {
-            return Source::Register(self.in_register(value));
+            return Source::Register(self.load_to_register(value));
         }
         Source::Memory(self.home_of(value))
     }
 
-    /// The register of a result: that of an operand which is not read again, or another.
-    fn destination(&mut self, reads: &[Value]) -> Register {
+    /// The register of a result: that of a dead operand, or another one.
+    fn result_register(&mut self, reads: &[Value]) -> Register {
         let mut found = None;
         for &read in reads {
             if self.is_dead(read) && self.is_in_register(read) {
@@ -343,9 +346,9 @@ impl<'a> Allocator<'a> {
             }
             self.release(read);
         }
-        // The operands are read before: also their registers may be taken once they are saved.
+        // The operands are read first, so their registers can be used too once their values are spilled.
         found.unwrap_or_else(|| {
-            let free = self.registers().find(|&r| self.holds[usize::from(r)] == NONE);
+            let free = self.registers().find(|&r| self.value_in[usize::from(r)] == NONE);
             free.unwrap_or_else(|| self.acquire(0))
         })
     }

@@ -1,34 +1,36 @@
-//! Instructions of 64-bit ARM in bytes: NEON, one state in the lowest lane of a register, or states in the lanes of two registers.
+//! Encoding of 64-bit ARM instructions: NEON, with one state in the lowest lane of a register, or with states
+//! in the lanes of two registers.
 //!
-//! A function takes two pointers in `x0` and `x1` (the convention of the architecture, AAPCS64): the table of arguments and results, and
-//! scratch memory. It changes `x2` to `x15`, `x17` and vector registers. The convention preserves the lower halves of `v8` to `v15`: they
-//! are kept in the last 64 bytes of the scratch memory. There is no stack frame.
+//! A function takes two pointers in `x0` and `x1` (AAPCS64, the architecture's convention): the table of
+//! arguments and results, and scratch memory. It changes `x2` to `x15`, `x17` and vector registers. The
+//! convention preserves the lower halves of `v8` to `v15`: they are saved in the last 64 bytes of the scratch
+//! memory. There is no stack frame.
 
 mod writer;
 
-use crate::instruction::{Form, Instruction, Register, Source};
+use crate::instruction::{FusedForm, Instruction, Register, Source};
 use crate::list::{Address, Base, Binary, Extent};
 use crate::target::{Target, Width};
-use writer::{ADDRESS, General, Piece, Shape, Writer};
+use writer::{ADDRESS, General, Shape, Unit, Writer};
 
-/// Bytes of scratch memory for the registers that are preserved.
+/// Bytes of scratch memory for the preserved registers.
 pub(crate) const PRESERVED_BYTES: i32 = 64;
 
 const TABLES: General = 0;
 const SCRATCH: General = 1;
 const CONSTANTS: General = 2;
-/// The register of the first pointer of the table; those of the others follow.
+/// The register of the first pointer of the table; the others follow.
 const FIRST_POINTER: General = 3;
-/// Pointers of the table with a register of their own.
+/// The number of pointers of the table with a register of their own.
 pub(crate) const FIXED_POINTERS: u8 = 12;
-/// The register for all other pointers.
+/// The register that the other pointers share.
 const OTHER_POINTER: General = 15;
-/// A vector register that no value has.
+/// A vector register that is not allocated to values.
 const SPARE: Register = 31;
 
-/// Instructions in bytes with the constants behind them, and how many bytes of these are instructions. `scratch_end` is where the scratch memory
-/// ends that values have.
-pub(crate) fn encoded(
+/// Encodes instructions, followed by their constants, and returns how many bytes are instructions. The
+/// scratch memory for values ends at `scratch_end`.
+pub(crate) fn encode(
     target: Target,
     parts: &[(Target, Vec<Instruction>)],
     tables: usize,
@@ -41,7 +43,7 @@ pub(crate) fn encoded(
     let length = code.len();
     code.resize(length.next_multiple_of(64), 0);
     let distance = u32::try_from(code.len()).expect("the size was checked");
-    // The second and third instruction hold its halves.
+    // The second and third instruction contain the halves of the distance.
     for (at, half) in [(4, distance & 0xFFFF), (8, distance >> 16)] {
         let word = u32::from_le_bytes(code[at..at + 4].try_into().expect("four bytes")) | half << 5;
         code[at..at + 4].copy_from_slice(&word.to_le_bytes());
@@ -50,7 +52,8 @@ pub(crate) fn encoded(
     (code, length)
 }
 
-/// All instructions as text, one a line. `distance` is that from the first one to the constants.
+/// All instructions as text, one a line. `distance` is the distance from the first instruction to the
+/// constants.
 pub(crate) fn assembly(
     target: Target,
     parts: &[(Target, Vec<Instruction>)],
@@ -64,24 +67,24 @@ pub(crate) fn assembly(
     encoder.writer.text.unwrap_or_default()
 }
 
-/// Code that is being written.
+/// The state of the encoder.
 #[derive(Clone, Debug)]
 struct Encoder {
     writer: Writer,
     width: Width,
     is_double: bool,
-    /// Where the preserved registers are in scratch memory.
+    /// The offset of the preserved registers in scratch memory.
     preserved_at: u32,
 }
 
 impl Encoder {
-    /// `scratch_end` is where the scratch memory ends that values have.
+    /// `scratch_end` is the end of the scratch memory for values.
     fn new(target: Target, scratch_end: i32) -> Self {
         let (is_double, preserved_at) = (target.size() == 8, offset(scratch_end));
         Self { writer: Writer::default(), width: target.width, is_double, preserved_at }
     }
 
-    /// All of a program. The distance to the constants is known once all is written.
+    /// Encodes a whole program. The distance to the constants is known only afterwards.
     fn program(&mut self, parts: &[(Target, Vec<Instruction>)], tables: usize, distance: u32) {
         self.begin(tables, distance);
         for (target, instructions) in parts {
@@ -91,12 +94,12 @@ impl Encoder {
             }
         }
         self.move_preserved(true);
-        self.writer.end();
+        self.writer.ret();
     }
 
-    /// The beginning of the function: registers kept, pointers into registers.
+    /// The prologue: saves registers and loads pointers.
     fn begin(&mut self, tables: usize, distance: u32) {
-        self.writer.here(CONSTANTS);
+        self.writer.load_own_address(CONSTANTS);
         self.writer.constant(distance);
         self.writer.add(CONSTANTS, CONSTANTS);
         for number in 0..tables.min(usize::from(FIXED_POINTERS)) {
@@ -120,14 +123,14 @@ impl Encoder {
             }
             Instruction::Load { to, from } => self.load(to, from),
             Instruction::Store { from, to } => self.store(from, to),
-            Instruction::Copy { to, from } => self.whole("orr", 0x4EA0_1C00, &[to, from, from]),
+            Instruction::Copy { to, from } => self.on_whole_registers("orr", 0x4EA0_1C00, &[to, from, from]),
             Instruction::Binary { kind, to, a, b } => self.binary(kind, to, a, register(b)),
             Instruction::Fused { form, is_minus, to, a, b } => {
-                debug_assert!(form == Form::Addend, "only the addend can be overwritten");
+                debug_assert!(form == FusedForm::Addend, "only the addend can be overwritten");
                 let (name, word) = if is_minus { ("fmls", 0x4EA0_CC00) } else { ("fmla", 0x4E20_CC00) };
-                self.vectors(name, word, &[to, a, register(b)]);
+                self.on_lanes(name, word, &[to, a, register(b)]);
             }
-            Instruction::FusedApart { is_minus, to, a, b, c } => {
+            Instruction::FusedWithDestination { is_minus, to, a, b, c } => {
                 let (name, word) = if is_minus { ("fmsub", 0x1F00_8000) } else { ("fmadd", 0x1F00_0000) };
                 self.writer.registers(name, word | self.type_bit(), self.scalar(), &[to, a, b, c]);
             }
@@ -136,7 +139,7 @@ impl Encoder {
                     let word = 0x1E21_C000 | self.type_bit();
                     self.writer.registers("fsqrt", word, self.scalar(), &[to, register(a)]);
                 }
-                Width::Lanes => self.vectors("fsqrt", 0x6EA1_F800, &[to, register(a)]),
+                Width::Lanes => self.on_lanes("fsqrt", 0x6EA1_F800, &[to, register(a)]),
             },
             Instruction::Shift { to, a, by } => {
                 let lane = if self.is_double { 64 } else { 32 };
@@ -155,12 +158,12 @@ impl Encoder {
             Binary::Multiply => ("fmul", 0x1E20_0800, 0x6E20_DC00),
             Binary::Divide => ("fdiv", 0x1E20_1800, 0x6E20_FC00),
             Binary::Maximum => ("fmaxnm", 0x1E20_6800, 0x4E20_C400),
-            Binary::And => return self.whole("and", 0x4E20_1C00, &[to, a, b]),
-            Binary::Or => return self.whole("orr", 0x4EA0_1C00, &[to, a, b]),
-            Binary::Xor => return self.whole("eor", 0x6E20_1C00, &[to, a, b]),
+            Binary::And => return self.on_whole_registers("and", 0x4E20_1C00, &[to, a, b]),
+            Binary::Or => return self.on_whole_registers("orr", 0x4EA0_1C00, &[to, a, b]),
+            Binary::Xor => return self.on_whole_registers("eor", 0x6E20_1C00, &[to, a, b]),
             Binary::EqualOrUnordered => return self.equal_or_unordered(to, a, b),
-            Binary::InterleaveLow(bytes) => return self.interleaved("zip1", 0x4E80_3800, bytes, [to, a, b]),
-            Binary::InterleaveHigh(bytes) => return self.interleaved("zip2", 0x4E80_7800, bytes, [to, a, b]),
+            Binary::InterleaveLow(bytes) => return self.interleave("zip1", 0x4E80_3800, bytes, [to, a, b]),
+            Binary::InterleaveHigh(bytes) => return self.interleave("zip2", 0x4E80_7800, bytes, [to, a, b]),
             Binary::EvenBlocks => return self.blocks(to, [2 * a, 2 * b]),
             Binary::OddBlocks => return self.blocks(to, [2 * a + 1, 2 * b + 1]),
         };
@@ -169,11 +172,11 @@ impl Encoder {
                 let word = scalar | self.type_bit();
                 self.writer.registers(name, word, self.scalar(), &[to, a, b]);
             }
-            Width::Lanes => self.vectors(name, vector, &[to, a, b]),
+            Width::Lanes => self.on_lanes(name, vector, &[to, a, b]),
         }
     }
 
-    /// Not a > b and not b > a.
+    /// Computes not (a > b) and not (b > a).
     fn equal_or_unordered(&mut self, to: Register, a: Register, b: Register) {
         let (word, shape) = (0x6EA0_E400 | self.type_bit(), self.vector());
         for half in self.halves() {
@@ -185,7 +188,7 @@ impl Encoder {
         }
     }
 
-    /// The sign of the mask in all bits of a lane, then one or the other by bits.
+    /// Extends the sign of the mask to all bits of each lane, then selects by bits.
     fn blend(&mut self, to: Register, otherwise: Register, negative: Register, mask: Register) {
         let (twice, by) = if self.is_double { (128, 63) } else { (64, 31) };
         let word = 0x4F00_0400 | (twice - u32::from(by)) << 16;
@@ -199,7 +202,7 @@ impl Encoder {
         }
     }
 
-    fn interleaved(&mut self, name: &str, word: u32, bytes: u8, operands: [Register; 3]) {
+    fn interleave(&mut self, name: &str, word: u32, bytes: u8, operands: [Register; 3]) {
         let (of_size, shape) = if bytes == 8 { (0x40_0000, Shape::Doubles) } else { (0, Shape::Singles) };
         for half in self.halves() {
             let operands = operands.map(|value| self.half(value, half));
@@ -207,7 +210,7 @@ impl Encoder {
         }
     }
 
-    /// Two registers as the registers of a value, of which one or both may be among those.
+    /// Moves two registers to the two registers of a value, which may overlap.
     fn blocks(&mut self, to: Register, [low, high]: [Register; 2]) {
         let mut copy = |to: Register, from: Register| {
             if to != from {
@@ -233,16 +236,16 @@ impl Encoder {
     }
 
     /// An operation on lanes of numbers.
-    fn vectors(&mut self, name: &str, word: u32, operands: &[Register]) {
-        self.shaped(name, word | self.type_bit(), self.vector(), operands);
+    fn on_lanes(&mut self, name: &str, word: u32, operands: &[Register]) {
+        self.emit(name, word | self.type_bit(), self.vector(), operands);
     }
 
     /// An operation on whole registers.
-    fn whole(&mut self, name: &str, word: u32, operands: &[Register]) {
-        self.shaped(name, word, Shape::Bytes, operands);
+    fn on_whole_registers(&mut self, name: &str, word: u32, operands: &[Register]) {
+        self.emit(name, word, Shape::Bytes, operands);
     }
 
-    fn shaped(&mut self, name: &str, word: u32, shape: Shape, operands: &[Register]) {
+    fn emit(&mut self, name: &str, word: u32, shape: Shape, operands: &[Register]) {
         for half in self.halves() {
             let mut registers = [0; 4];
             for (register, &value) in registers.iter_mut().zip(operands) {
@@ -256,10 +259,10 @@ impl Encoder {
         let (base, offset) = place(from);
         match (self.width, from.extent) {
             (Width::One, Extent::Number) => self.writer.load(self.number(), to, base, offset),
-            (Width::One, _) => self.writer.load(Piece::Quad, to, base, offset),
+            (Width::One, _) => self.writer.load(Unit::Quad, to, base, offset),
             (Width::Lanes, Extent::Register) => self.writer.load_pair([2 * to, 2 * to + 1], base, offset),
             (Width::Lanes, _) => {
-                self.writer.load(Piece::Quad, 2 * to, base, offset);
+                self.writer.load(Unit::Quad, 2 * to, base, offset);
                 self.writer.registers("orr", 0x4EA0_1C00, Shape::Bytes, &[2 * to + 1, 2 * to, 2 * to]);
             }
         }
@@ -269,12 +272,12 @@ impl Encoder {
         let (base, offset) = place(to);
         match (self.width, to.extent) {
             (Width::One, Extent::Number) => self.writer.store(self.number(), from, base, offset),
-            (Width::One, _) => self.writer.store(Piece::Quad, from, base, offset),
+            (Width::One, _) => self.writer.store(Unit::Quad, from, base, offset),
             (Width::Lanes, _) => self.writer.store_pair([2 * from, 2 * from + 1], base, offset),
         }
     }
 
-    /// The registers that one value has, by number.
+    /// The indices of the registers of one value.
     fn halves(&self) -> core::ops::Range<u8> {
         match self.width {
             Width::One => 0..1,
@@ -289,8 +292,8 @@ impl Encoder {
         }
     }
 
-    fn number(&self) -> Piece {
-        if self.is_double { Piece::Double } else { Piece::Single }
+    fn number(&self) -> Unit {
+        if self.is_double { Unit::Double } else { Unit::Single }
     }
 
     fn scalar(&self) -> Shape {
@@ -301,7 +304,7 @@ impl Encoder {
         if self.is_double { Shape::Doubles } else { Shape::Singles }
     }
 
-    /// The bit that tells doubles from singles.
+    /// The bit that distinguishes doubles from singles.
     fn type_bit(&self) -> u32 {
         if self.is_double { 1 << 22 } else { 0 }
     }
@@ -322,7 +325,7 @@ fn offset(bytes: i32) -> u32 {
     u32::try_from(bytes).expect("offsets are counted upwards")
 }
 
-/// Operands are in registers.
+/// The register of an operand, which is never in memory.
 fn register(source: Source) -> Register {
     match source {
         Source::Register(register) => register,

@@ -1,15 +1,15 @@
-//! A kernel against its graph.
+//! Comparison of a kernel with its graph.
 
-use expression::{Graph, Operand, Plan, as_traced, interpret};
-use number::SplitMix64;
+use robot_dynamics_expression::{Graph, Operand, Plan, as_traced, interpret};
+use robot_dynamics_number::SplitMix64;
 
 use crate::error::CompileError;
 use crate::kernel::{Float, Kernel};
 
-/// States that are compared.
+/// The number of states to compare.
 const STATES: usize = 2;
 
-/// Computes random states by a kernel and by its graph, operation by operation.
+/// Compares a kernel with its graph, evaluated operation by operation, in random states.
 ///
 /// # Errors
 /// [`CompileError::Differs`].
@@ -61,18 +61,19 @@ pub(crate) fn is_same(a: f64, b: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use expression::{Arithmetic, trace};
+    use robot_dynamics_expression::{Arithmetic, trace};
 
     use super::*;
     use crate::code::Code;
     use crate::target::{Target, Width, best_instructions};
 
-    /// A constant that is changed behind the compiler's back.
+    /// A constant is changed in the compiled code.
     #[test]
-    fn code_that_computes_something_else_is_refused() {
+    fn code_with_a_changed_constant_is_rejected() {
         let arithmetic = Arithmetic::default();
-        let (graph, results) =
-            trace(arithmetic, &[1], |x| vec![vec![x[0][0] * expression::Traced(Operand::constant(3.0))]]);
+        let (graph, results) = trace(arithmetic, &[1], |x| {
+            vec![vec![x[0][0] * robot_dynamics_expression::Traced(Operand::constant(3.0))]]
+        });
         for width in [Width::One, Width::Lanes] {
             let target = Target { instructions: best_instructions(), width, arithmetic };
             let Ok(mut code) = Code::new(&graph, &results, &[1], target) else {

@@ -1,14 +1,14 @@
 //! Machine code of a graph, as bytes.
 
-use expression::{Graph, Operand, Operation as Node, Sine, as_traced};
-use number::InstructionSet;
+use robot_dynamics_expression::{Graph, Operand, Operation as Node, Sine, as_traced};
+use robot_dynamics_number::InstructionSet;
 
 use crate::allocate::allocate;
 use crate::arm;
 use crate::error::CompileError;
 use crate::instruction::Instruction;
 use crate::list::{Address, Base, Extent, List};
-use crate::lower::{Given, Lowering, Source};
+use crate::lower::{Lowering, PreludeValues, Source};
 use crate::machine::{Counts, Machine};
 use crate::pool::Pool;
 use crate::prelude::Prelude;
@@ -16,25 +16,25 @@ use crate::rows::{Finiteness, Inputs, Outputs, Rows};
 use crate::target::{Target, Width, has_encoder};
 use crate::x86;
 
-/// The most arguments and results together.
-pub(crate) const MOST_TABLES: usize = 16;
+/// The largest number of arguments and results together.
+pub(crate) const MAX_TABLES: usize = 16;
 
-/// More operations and numbers than this need addresses that an instruction cannot hold.
-const MOST_OPERATIONS: usize = 1 << 22;
+/// The largest number of operations and numbers: more need addresses that an instruction cannot hold.
+const MAX_OPERATIONS: usize = 1 << 22;
 
 /// Counts of a kernel's code.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Statistics {
-    /// Operations of the graph that the results need.
+    /// Operations of the graph that the results depend on.
     pub operations: usize,
-    /// Instructions, without those that fetch pointers at the beginning.
+    /// Instructions, without those that load pointers at the beginning.
     pub instructions: usize,
     /// Bytes of instructions.
     pub code_bytes: usize,
     /// Bytes of constants.
     pub constant_bytes: usize,
-    /// Values that were stored as no register was free.
+    /// Values that were spilled because no register was free.
     pub spills: usize,
     /// Instructions that only load a value into a register.
     pub loads: usize,
@@ -42,100 +42,37 @@ pub struct Statistics {
     pub copies: usize,
 }
 
-/// Machine code of a graph for some processor, not necessarily this one.
+/// Machine code of a graph, for any supported processor.
 #[derive(Clone, Debug)]
 pub struct Code {
     pub(crate) target: Target,
     pub(crate) bytes: Vec<u8>,
     pub(crate) parts: Vec<(Target, Vec<Instruction>)>,
     pub(crate) lengths: Lengths,
-    /// Bytes of scratch memory that values have.
+    /// Bytes of scratch memory for values.
     scratch_end: i32,
     statistics: Statistics,
 }
 
-/// Lengths of what a kernel reads and writes, in numbers.
+/// Lengths of the tables and the scratch memory of a kernel, in numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Lengths {
     pub(crate) inputs: Vec<usize>,
     pub(crate) outputs: Vec<usize>,
     pub(crate) scratch: usize,
-    /// The first numbers of the scratch memory, where the largest angles are.
+    /// The count of numbers at the beginning of the scratch memory that hold the largest angles.
     pub(crate) angles: usize,
-    /// The place of the lanes' sums, which are zeros if all results are finite.
+    /// The location of the lanes' sums in scratch memory, which are zero if all results are finite.
     pub(crate) finite: core::ops::Range<usize>,
     /// Whether all constants among the results are finite.
     pub(crate) has_finite_constants: bool,
 }
 
-impl Code {
-    /// Compiles the results of a graph whose arguments have these lengths.
-    ///
-    /// # Errors
-    /// [`CompileError`], but for those that depend on the processor at hand.
-    ///
-    /// ```
-    /// use expression::{Arithmetic, trace};
-    /// use native::{Code, Target, Width};
-    /// let arithmetic = Arithmetic::default();
-    /// let (graph, results) = trace(arithmetic, &[1], |x| vec![vec![x[0][0] * x[0][0]]]);
-    /// let target = Target { instructions: number::InstructionSet::Avx2, width: Width::One, arithmetic };
-    /// let code = Code::new(&graph, &results, &[1], target)?;
-    /// assert!(code.assembly().contains("vmulsd xmm0, xmm0, xmm0"));
-    /// # Ok::<(), native::CompileError>(())
-    /// ```
-    #[allow(clippy::missing_panics_doc)] // counts are checked first
-    pub fn new(
-        graph: &Graph,
-        results: &[Vec<Operand>],
-        lengths: &[usize],
-        target: Target,
-    ) -> Result<Self, CompileError> {
-        check(graph, results, lengths, target)?;
-        // The order of `Plan` was the trace's for all functions of robots but one, where it led to more stored values.
-        let order = as_traced(graph, results);
-        let source = Source { graph, results, order: &order };
-        let mut pool = Pool::default();
-        let prelude = match target.width {
-            Width::One => Prelude::new(target, source, lengths, &mut pool),
-            Width::Lanes => None,
-        };
-        let nothing = Given::default();
-        let given = prelude.as_ref().map_or(&nothing, |prelude| &prelude.given);
-        let with_sines = prelude.as_ref().filter(|prelude| prelude.has_sines);
-        let angles_before = with_sines.map_or(0, |prelude| prelude.target.value_bytes());
-        let (list, has_sines) = lowered(target, source, lengths, given, angles_before, &mut pool);
-        let size = target.size();
-        let angles = angles_before + if has_sines { target.value_bytes() } else { 0 };
-        let mut scratch = prelude.as_ref().map_or(2 * target.value_bytes(), |prelude| prelude.scratch_end);
-        let mut parts = Vec::new();
-        let mut counts = Counts::default();
-        let lists = prelude.iter().map(|prelude| (prelude.target, &prelude.list)).chain([(target, &list)]);
-        for (target, list) in lists {
-            let allocation = allocate(list, Machine::of(target), scratch);
-            scratch = allocation.scratch_end;
-            counts = counts.plus(allocation.counts);
-            parts.push((target, allocation.instructions));
-        }
-        let tables = lengths.len() + results.len();
-        let scratch_end = scratch;
-        let (bytes, code_bytes) = if target.instructions == InstructionSet::Neon {
-            scratch += arm::PRESERVED_BYTES;
-            arm::encoded(target, &parts, tables, scratch_end, &pool.bytes)
-        } else {
-            x86::encoded(target, &parts, tables, &pool.bytes)
-        };
-        let statistics = Statistics {
-            operations: order.len(),
-            instructions: parts.iter().map(|part| part.1.len()).sum(),
-            code_bytes,
-            constant_bytes: pool.bytes.len(),
-            spills: counts.spills,
-            loads: counts.loads,
-            copies: counts.copies,
-        };
-        let numbers = |bytes: i32| usize::try_from(bytes / size).expect("bytes are counted upwards");
-        let lengths = Lengths {
+impl Lengths {
+    /// `scratch` and `angles` are in bytes.
+    fn new(target: Target, lengths: &[usize], results: &[Vec<Operand>], scratch: i32, angles: i32) -> Self {
+        let numbers = |bytes: i32| usize::try_from(bytes / target.size()).expect("bytes are counted upwards");
+        Self {
             inputs: lengths.to_vec(),
             outputs: results.iter().map(Vec::len).collect(),
             scratch: numbers(scratch),
@@ -146,7 +83,102 @@ impl Code {
             },
             has_finite_constants: (results.iter().flatten())
                 .all(|result| result.known().is_none_or(f64::is_finite)),
+        }
+    }
+}
+
+/// The result of instruction selection: the lists of a program.
+struct Selection {
+    /// The vector prelude of a program for one state.
+    prelude: Option<Prelude>,
+    list: List,
+    /// Bytes of scratch memory for the largest angles.
+    angles: i32,
+}
+
+/// Selects the operations of a program.
+fn select(target: Target, source: Source<'_>, lengths: &[usize], pool: &mut Pool) -> Selection {
+    let prelude = match target.width {
+        Width::One => Prelude::new(target, source, lengths, pool),
+        Width::Lanes => None,
+    };
+    let nothing = PreludeValues::default();
+    let given = prelude.as_ref().map_or(&nothing, |prelude| &prelude.given);
+    let with_sines = prelude.as_ref().filter(|prelude| prelude.has_sines);
+    let angles_before = with_sines.map_or(0, |prelude| prelude.target.value_bytes());
+    let (list, has_sines) = select_operations(target, source, lengths, given, angles_before, pool);
+    let angles = angles_before + if has_sines { target.value_bytes() } else { 0 };
+    Selection { prelude, list, angles }
+}
+
+/// The instructions of each part of a program, with the target of the part.
+type Parts = Vec<(Target, Vec<Instruction>)>;
+
+/// Allocates registers for the prelude and the rest of a program. Returns the instructions, the counts, and
+/// the end of the scratch memory in bytes.
+fn allocate_registers(target: Target, selection: &Selection) -> (Parts, Counts, i32) {
+    let Selection { prelude, list, .. } = selection;
+    let mut scratch = prelude.as_ref().map_or(2 * target.value_bytes(), |prelude| prelude.scratch_end);
+    let (mut parts, mut counts) = (Vec::new(), Counts::default());
+    let lists = prelude.iter().map(|prelude| (prelude.target, &prelude.list)).chain([(target, list)]);
+    for (target, list) in lists {
+        let allocation = allocate(list, Machine::of(target), scratch);
+        scratch = allocation.scratch_end;
+        counts = counts.plus(allocation.counts);
+        parts.push((target, allocation.instructions));
+    }
+    (parts, counts, scratch)
+}
+
+impl Code {
+    /// Compiles the results of a graph whose arguments have these lengths.
+    ///
+    /// # Errors
+    /// [`CompileError`], except those that depend on this processor.
+    ///
+    /// ```
+    /// use robot_dynamics_expression::{Arithmetic, trace};
+    /// use robot_dynamics_native::{Code, Target, Width};
+    /// let arithmetic = Arithmetic::default();
+    /// let (graph, results) = trace(arithmetic, &[1], |x| vec![vec![x[0][0] * x[0][0]]]);
+    /// let target = Target { instructions: robot_dynamics_number::InstructionSet::Avx2, width: Width::One, arithmetic };
+    /// let code = Code::new(&graph, &results, &[1], target)?;
+    /// assert!(code.assembly().contains("vmulsd xmm0, xmm0, xmm0"));
+    /// # Ok::<(), robot_dynamics_native::CompileError>(())
+    /// ```
+    #[allow(clippy::missing_panics_doc)] // counts are checked first
+    pub fn new(
+        graph: &Graph,
+        results: &[Vec<Operand>],
+        lengths: &[usize],
+        target: Target,
+    ) -> Result<Self, CompileError> {
+        check(graph, results, lengths, target)?;
+        // The order of the trace is used: that of `Plan` is the same for all functions of robots except one,
+        // where it spills more values.
+        let order = as_traced(graph, results);
+        let source = Source { graph, results, order: &order };
+        let mut pool = Pool::default();
+        let selection = select(target, source, lengths, &mut pool);
+        let (parts, counts, mut scratch) = allocate_registers(target, &selection);
+        let tables = lengths.len() + results.len();
+        let scratch_end = scratch;
+        let (bytes, code_bytes) = if target.instructions == InstructionSet::Neon {
+            scratch += arm::PRESERVED_BYTES;
+            arm::encode(target, &parts, tables, scratch_end, &pool.bytes)
+        } else {
+            x86::encode(target, &parts, tables, &pool.bytes)
         };
+        let statistics = Statistics {
+            operations: order.len(),
+            instructions: parts.iter().map(|part| part.1.len()).sum(),
+            code_bytes,
+            constant_bytes: pool.bytes.len(),
+            spills: counts.spills,
+            loads: counts.loads,
+            copies: counts.copies,
+        };
+        let lengths = Lengths::new(target, lengths, results, scratch, selection.angles);
         Ok(Self { target, bytes, parts, lengths, scratch_end, statistics })
     }
 
@@ -176,12 +208,13 @@ impl Code {
     }
 }
 
-/// The list of a program, and whether it takes sines; the largest angle is stored in the scratch memory at that byte.
-fn lowered(
+/// Selects the operations of a program, and returns whether it computes sines. The largest angle is stored in
+/// scratch memory at byte `largest_angle_at`.
+fn select_operations(
     target: Target,
     source: Source<'_>,
     lengths: &[usize],
-    given: &Given,
+    given: &PreludeValues,
     largest_angle_at: i32,
     pool: &mut Pool,
 ) -> (List, bool) {
@@ -221,10 +254,10 @@ fn lowered(
     if let Some(largest) = largest {
         lowering.list.store(largest, Address::new(Base::Scratch, largest_angle_at, extent));
     }
-    (lowering.list.swept(), largest.is_some())
+    (lowering.list.remove_dead_code(), largest.is_some())
 }
 
-/// Refuses what has no code.
+/// Rejects graphs that cannot be compiled.
 fn check(
     graph: &Graph,
     results: &[Vec<Operand>],
@@ -242,12 +275,12 @@ fn check(
         return Err(CompileError::Precision { found: graph.precision, expected: arithmetic.precision });
     }
     let count = lengths.len() + results.len();
-    if count > MOST_TABLES {
-        return Err(CompileError::TooManyTables { count, most: MOST_TABLES });
+    if count > MAX_TABLES {
+        return Err(CompileError::TooManyTables { count, most: MAX_TABLES });
     }
     let numbers = lengths.iter().copied().chain(results.iter().map(Vec::len)).fold(0, usize::saturating_add);
     let operations = graph.nodes.len();
-    if numbers.saturating_add(operations) > MOST_OPERATIONS {
+    if numbers.saturating_add(operations) > MAX_OPERATIONS {
         return Err(CompileError::TooLarge { operations });
     }
     for node in &graph.nodes {

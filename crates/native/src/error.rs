@@ -1,71 +1,71 @@
-//! Reasons why there is no machine code.
+//! Errors of compilation to machine code.
 
-use number::InstructionSet;
+use robot_dynamics_number::InstructionSet;
 
-/// Why a graph was not compiled.
+/// The reason why a graph was not compiled.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompileError {
-    /// There is no encoder for these instructions.
-    #[error("there is no encoder for {instructions:?} instructions; use the library's recursions")]
+    /// This crate has no encoder for these instructions.
+    #[error("no encoder for {instructions:?} instructions; use the library's recursions")]
     NoEncoder {
-        /// The instructions that were asked for.
+        /// The requested instructions.
         instructions: InstructionSet,
     },
     /// This processor cannot run the code.
     #[error(
-        "not on this processor: it has no {instructions:?} instructions; ask for those of `best_instructions`"
+        "this processor does not support {instructions:?} instructions; use those of `best_instructions`"
     )]
     NotOnThisProcessor {
-        /// The instructions that were asked for.
+        /// The requested instructions.
         instructions: InstructionSet,
     },
     /// The graph was traced in another precision than the kernel's numbers have.
-    #[error("the graph is in {found}, the kernel computes in {expected}; trace it in {expected}")]
+    #[error("the graph is in {found}, but the kernel computes in {expected}; trace the graph in {expected}")]
     Precision {
         /// The graph's precision.
-        found: expression::Precision,
+        found: robot_dynamics_expression::Precision,
         /// The precision of the kernel's numbers.
-        expected: expression::Precision,
+        expected: robot_dynamics_expression::Precision,
     },
-    /// The platform's sine is not a part of the graph.
-    #[error("the graph takes the platform's sine, which machine code cannot call; trace it with `Sine::Own`")]
+    /// The graph uses the platform's sine.
+    #[error("the graph uses the platform's sine, which machine code cannot call; trace it with `Sine::Own`")]
     PlatformSine,
-    /// An argument has another length than the graph reads.
-    #[error("the graph reads number {index} of argument {argument}, which has {length} numbers")]
+    /// An argument is shorter than the graph requires.
+    #[error("the graph reads number {index} of argument {argument}, which has a length of {length}")]
     Argument {
         /// The number of the argument.
         argument: usize,
         /// The number that the graph reads.
         index: usize,
-        /// The length that was given.
+        /// The length of the argument.
         length: usize,
     },
-    /// There are more arguments and results than a kernel takes.
-    #[error("{count} arguments and results; a kernel takes at most {most}")]
+    /// The number of arguments and results exceeds the limit of a kernel.
+    #[error("the graph has {count} arguments and results, but a kernel supports at most {most}")]
     TooManyTables {
         /// Arguments and results together.
         count: usize,
-        /// The most that a kernel takes.
+        /// The limit of a kernel.
         most: usize,
     },
     /// The code would be larger than its addresses reach.
     #[error(
-        "the graph needs {operations} operations, and addresses within its code reach 2³¹ bytes; compile smaller parts"
+        "the graph has {operations} operations, too many for the 32-bit addresses of its code; compile smaller parts"
     )]
     TooLarge {
         /// Operations of the graph.
         operations: usize,
     },
-    /// The operating system refused memory that can be executed.
+    /// The operating system refused executable memory.
     #[error("the operating system refused to make memory executable: {cause}")]
     Refused {
         /// The system's error.
         cause: std::io::Error,
     },
-    /// The code computes something else than the graph says.
+    /// The results of the code differ from those of the graph.
     #[error(
-        "number {index} of result {result} is {found:e} by machine code and {expected:e} by the graph; please report this robot, and use the library's recursions"
+        "number {index} of result {result} is {found:e} by machine code, but {expected:e} by the graph; please report this robot, and use the library's recursions"
     )]
     Differs {
         /// The number of the result.

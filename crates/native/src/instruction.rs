@@ -12,10 +12,10 @@ pub(crate) enum Source {
     Memory(Address),
 }
 
-/// The operand of a fused multiply-add that is overwritten. `a` is in a register, `b` in a register or in memory; the product is subtracted
-/// where the instruction says so.
+/// The operand of a fused multiply-add that the result overwrites. `a` is in a register, `b` in a register or
+/// in memory. The product is subtracted if `is_minus` is set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Form {
+pub(crate) enum FusedForm {
     /// to = to b + a.
     Factor,
     /// to = a to + b.
@@ -27,7 +27,7 @@ pub(crate) enum Form {
 /// An instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Instruction {
-    /// Loads a pointer of the table, where no register holds it all the time.
+    /// Loads a pointer of the table that has no register of its own.
     Pointer(u8),
     Load {
         to: Register,
@@ -48,14 +48,14 @@ pub(crate) enum Instruction {
         b: Source,
     },
     Fused {
-        form: Form,
+        form: FusedForm,
         is_minus: bool,
         to: Register,
         a: Register,
         b: Source,
     },
-    /// a b + c, or c − a b, where no operand is overwritten.
-    FusedApart {
+    /// a b + c, or c − a b, without overwriting an operand.
+    FusedWithDestination {
         is_minus: bool,
         to: Register,
         a: Register,

@@ -2,14 +2,14 @@
 
 use core::marker::PhantomData;
 
-use expression::{Arithmetic, Graph, Operand, Precision};
-use number::InstructionSet;
-use number::sine::{RANGE, SHORT_RANGE};
+use robot_dynamics_expression::{Arithmetic, Graph, Operand, Precision};
+use robot_dynamics_number::InstructionSet;
+use robot_dynamics_number::sine::{RANGE, SHORT_RANGE};
 
 use crate::check::check;
 use crate::code::{Code, Statistics};
 use crate::error::CompileError;
-use crate::page::{Page, Reach, Table};
+use crate::page::{AccessBounds, Page, Table};
 use crate::rows::padding;
 use crate::target::{Target, Width};
 
@@ -45,19 +45,19 @@ impl Float for f32 {
     }
 }
 
-/// An angle is too large for the sine of machine code: at least 1e5 rad in double precision, 8192 rad in single precision. The results
-/// are not those of the graph.
+/// An angle is too large for the sine of machine code: at least 1e5 rad in double precision, 8192 rad in
+/// single precision. The results differ from those of the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "an angle is out of the range of the machine code's sine; compute this state by the library's recursions"
+    "an angle exceeds the range of the machine code's sine; compute this state by the library's recursions"
 )]
 pub struct AngleOutOfRange;
 
 /// A graph as machine code, for one state or for several at once.
 ///
 /// ```
-/// use expression::{Arithmetic, trace};
-/// use native::{Kernel, Width, best_instructions};
+/// use robot_dynamics_expression::{Arithmetic, trace};
+/// use robot_dynamics_native::{Kernel, Width, best_instructions};
 /// let arithmetic = Arithmetic::default();
 /// let (graph, results) = trace(arithmetic, &[2], |x| vec![vec![x[0][0] * x[0][0] + x[0][1]]]);
 /// let instructions = best_instructions();
@@ -68,17 +68,17 @@ pub struct AngleOutOfRange;
 /// let (mut y, mut scratch) = ([0.0], vec![0.0; kernel.scratch_len()]);
 /// kernel.call(&[&[3.0, 0.5]], &mut [&mut y], &mut scratch)?;
 /// assert_eq!(y, [9.5]);
-/// # Ok::<(), native::AngleOutOfRange>(())
+/// # Ok::<(), robot_dynamics_native::AngleOutOfRange>(())
 /// ```
 #[derive(Debug)]
 pub struct Kernel<T> {
     page: Page,
-    reach: Reach,
+    reach: AccessBounds,
     target: Target,
     angles: usize,
     finite: core::ops::Range<usize>,
     has_finite_constants: bool,
-    /// Numbers of scratch memory that the code itself takes.
+    /// Numbers of scratch memory that the code itself uses.
     own_scratch: usize,
     statistics: Statistics,
     code: usize,
@@ -86,7 +86,8 @@ pub struct Kernel<T> {
 }
 
 impl<T: Float> Kernel<T> {
-    /// Compiles the results of a graph whose arguments have these lengths, and checks the code in two random states.
+    /// Compiles the results of a graph whose arguments have these lengths, and checks the code in two random
+    /// states.
     ///
     /// # Errors
     /// [`CompileError`].
@@ -111,8 +112,8 @@ impl<T: Float> Kernel<T> {
     /// [`CompileError::Precision`], [`CompileError::NotOnThisProcessor`], [`CompileError::Refused`].
     ///
     /// ```
-    /// use expression::{Arithmetic, trace};
-    /// use native::{Code, Kernel, Target, Width, best_instructions};
+    /// use robot_dynamics_expression::{Arithmetic, trace};
+    /// use robot_dynamics_native::{Code, Kernel, Target, Width, best_instructions};
     /// let arithmetic = Arithmetic::default();
     /// let (graph, results) = trace(arithmetic, &[2], |x| vec![vec![x[0][0] + x[0][1]]]);
     /// let target = Target { instructions: best_instructions(), width: Width::One, arithmetic };
@@ -120,7 +121,7 @@ impl<T: Float> Kernel<T> {
     ///     let kernel = Kernel::<f64>::load(&code)?;
     ///     assert_eq!(kernel.statistics().operations, 1);
     /// }
-    /// # Ok::<(), native::CompileError>(())
+    /// # Ok::<(), robot_dynamics_native::CompileError>(())
     /// ```
     pub fn load(code: &Code) -> Result<Self, CompileError> {
         let target = code.target;
@@ -139,7 +140,7 @@ impl<T: Float> Kernel<T> {
         };
         let lengths = &code.lengths;
         let tables = |lengths: &[usize]| lengths.iter().map(table).collect::<Vec<Table>>();
-        let reach = Reach::new(&tables(&lengths.inputs), &tables(&lengths.outputs), lengths.scratch);
+        let reach = AccessBounds::new(&tables(&lengths.inputs), &tables(&lengths.outputs), lengths.scratch);
         Ok(Self {
             page,
             reach,
@@ -154,7 +155,7 @@ impl<T: Float> Kernel<T> {
         })
     }
 
-    /// How many states the code computes at once: 1, or the lanes of a register.
+    /// The number of states that one run computes: 1, or the lanes of a register.
     pub fn lanes(&self) -> usize {
         self.target.lanes()
     }
@@ -174,7 +175,7 @@ impl<T: Float> Kernel<T> {
         self.code
     }
 
-    /// Numbers of scratch memory that a call needs; it needs no values in them.
+    /// Numbers of scratch memory that a call needs. They need no initial values.
     pub fn scratch_len(&self) -> usize {
         match self.target.width {
             Width::One => self.own_scratch,
@@ -187,10 +188,11 @@ impl<T: Float> Kernel<T> {
     /// Computes one state.
     ///
     /// # Errors
-    /// [`AngleOutOfRange`]: then the results are not those of the graph.
+    /// [`AngleOutOfRange`]: the results differ from those of the graph.
     ///
     /// # Panics
-    /// If an argument or a result has another length than compiled for, the scratch memory is too short, or the kernel is one for lanes.
+    /// If an argument or a result has the wrong length, if the scratch memory is too short, or if the kernel
+    /// is one for lanes.
     #[inline]
     pub fn call(
         &self,
@@ -198,23 +200,24 @@ impl<T: Float> Kernel<T> {
         outputs: &mut [&mut [T]],
         scratch: &mut [T],
     ) -> Result<(), AngleOutOfRange> {
-        assert!(self.target.width == Width::One, "a kernel for lanes computes rows: use `call_rows`");
+        assert!(self.target.width == Width::One, "this kernel is compiled for lanes: use `call_rows`");
         if !self.page.run(&self.reach, inputs, outputs, scratch) {
-            self.refuse_lengths(inputs, outputs, scratch);
+            self.panic_for_lengths(inputs, outputs, scratch);
         }
         let is_within = scratch[..self.angles].iter().all(|&largest| Self::is_within(largest));
         if is_within { Ok(()) } else { Err(AngleOutOfRange) }
     }
 
-    /// Computes states whose arguments and results are rows of tables, and returns whether all results are finite. Rows with an angle out of
-    /// range are passed to `out_of_range`: their results are not those of the graph.
+    /// Computes states whose arguments and results are rows of tables, and returns whether all results are
+    /// finite. Calls `out_of_range` with each row that has an angle out of range, whose results differ from
+    /// those of the graph.
     ///
     /// # Panics
-    /// If a table has another number of rows, or the scratch memory is too short.
+    /// If a table has the wrong number of rows, or the scratch memory is too short.
     ///
     /// ```
-    /// use expression::{Arithmetic, trace};
-    /// use native::{Code, Kernel, Target, Width, best_instructions};
+    /// use robot_dynamics_expression::{Arithmetic, trace};
+    /// use robot_dynamics_native::{Code, Kernel, Target, Width, best_instructions};
     /// let arithmetic = Arithmetic::default();
     /// let (graph, results) = trace(arithmetic, &[2], |x| vec![vec![x[0][0] + x[0][1]]]);
     /// let instructions = best_instructions();
@@ -240,7 +243,7 @@ impl<T: Float> Kernel<T> {
             .tables()
             .iter()
             .zip(inputs.iter().map(|x| x.len()).chain(outputs.iter().map(|x| x.len())));
-        // Blocks of rows in place, as long as each table goes on far enough.
+        // Blocks of rows are computed in place, as far as each table extends.
         let of_table = |(table, length): (&Table, usize)| match length.checked_sub(table.reach) {
             None => 0,
             Some(_) if table.width == 0 => usize::MAX,
@@ -256,7 +259,7 @@ impl<T: Float> Kernel<T> {
         let mut row = blocks * lanes;
         while row < rows {
             let here = lanes.min(rows - row);
-            self.run_copied(row, here, inputs, outputs, own, copies);
+            self.run_on_copy(row, here, inputs, outputs, own, copies);
             self.report(own, |lane| out_of_range(row + lane), here);
             is_finite &= self.is_finite(own);
             row += here;
@@ -265,13 +268,13 @@ impl<T: Float> Kernel<T> {
         is_finite && (self.target.width == Width::Lanes || of_one_state())
     }
 
-    /// Whether the results of all lanes are finite, but for constants.
+    /// Whether the results of all lanes, constants excepted, are finite.
     fn is_finite(&self, scratch: &[T]) -> bool {
         scratch[self.finite.clone()].iter().all(|&sum| sum.into() == 0.0)
     }
 
-    /// Some rows by way of a copy, which goes on behind its last row.
-    fn run_copied(
+    /// Computes some rows in a copy that extends beyond its last row.
+    fn run_on_copy(
         &self,
         row: usize,
         count: usize,
@@ -280,7 +283,7 @@ impl<T: Float> Kernel<T> {
         own: &mut [T],
         mut copies: &mut [T],
     ) {
-        const MOST: usize = crate::code::MOST_TABLES;
+        const MOST: usize = crate::code::MAX_TABLES;
         let mut tables: [&mut [T]; MOST] = core::array::from_fn(|_| Default::default());
         for (copy, table) in tables.iter_mut().zip(self.reach.tables()) {
             (*copy, copies) = core::mem::take(&mut copies).split_at_mut(table.reach);
@@ -289,7 +292,7 @@ impl<T: Float> Kernel<T> {
         for ((copy, input), table) in of_inputs.iter_mut().zip(inputs).zip(self.reach.inputs()) {
             let width = table.width;
             for lane in 0..self.lanes() {
-                // Lanes without a state compute the last one again.
+                // Unused lanes repeat the last state.
                 let from = (row + lane.min(count - 1)) * width;
                 copy[lane * width..][..width].copy_from_slice(&input[from..from + width]);
             }
@@ -304,7 +307,7 @@ impl<T: Float> Kernel<T> {
         }
     }
 
-    /// Passes on the first lanes whose angles are out of range.
+    /// Reports the lanes, among the first ones, whose angles are out of range.
     fn report(&self, scratch: &[T], mut out_of_range: impl FnMut(usize), lanes: usize) {
         let largest = &scratch[..self.angles];
         if largest.iter().all(|&largest| Self::is_within(largest)) {
@@ -318,7 +321,7 @@ impl<T: Float> Kernel<T> {
         }
     }
 
-    /// Whether the sine takes angles up to this one.
+    /// Whether the sine is valid for angles up to this magnitude.
     #[inline]
     fn is_within(largest: T) -> bool {
         let range = match T::PRECISION {
@@ -328,9 +331,9 @@ impl<T: Float> Kernel<T> {
         largest.into() < range
     }
 
-    /// Says which slice has another length than compiled for.
+    /// Panics with the slice that has the wrong length.
     #[cold]
-    fn refuse_lengths(&self, inputs: &[&[T]], outputs: &[&mut [T]], scratch: &[T]) -> ! {
+    fn panic_for_lengths(&self, inputs: &[&[T]], outputs: &[&mut [T]], scratch: &[T]) -> ! {
         self.check_lengths(1, inputs, outputs, scratch);
         unreachable!("one of the lengths is another")
     }
@@ -339,7 +342,7 @@ impl<T: Float> Kernel<T> {
         let (of_inputs, of_outputs) = (self.reach.inputs(), self.reach.outputs());
         assert!(
             inputs.len() == of_inputs.len() && outputs.len() == of_outputs.len(),
-            "the kernel has {} arguments and {} results, not {} and {}",
+            "the kernel has {} arguments and {} results, got {} and {}",
             of_inputs.len(),
             of_outputs.len(),
             inputs.len(),
@@ -348,16 +351,16 @@ impl<T: Float> Kernel<T> {
         let expected = |table: &Table| rows.checked_mul(table.width).expect("so many rows fit into memory");
         for (number, (input, table)) in inputs.iter().zip(of_inputs).enumerate() {
             let (found, expected) = (input.len(), expected(table));
-            assert!(found == expected, "argument {number} has {found} numbers, not {expected}");
+            assert!(found == expected, "argument {number} has {found} numbers, expected {expected}");
         }
         for (number, (output, table)) in outputs.iter().zip(of_outputs).enumerate() {
             let (found, expected) = (output.len(), expected(table));
-            assert!(found == expected, "result {number} has {found} numbers, not {expected}");
+            assert!(found == expected, "result {number} has {found} numbers, expected {expected}");
         }
         let needed = self.scratch_len();
         assert!(
             scratch.len() >= needed,
-            "the scratch memory has {} numbers; a call needs {needed}",
+            "the scratch memory has {} numbers, but a call needs {needed}",
             scratch.len()
         );
     }

@@ -1,40 +1,43 @@
 //! Machine code in memory from an expression, without a compiler.
 //!
-//! A graph of operations, traced by [`expression`], becomes straight-line code for the processor at hand:
+//! A graph of operations, traced by [`robot_dynamics_expression`], becomes straight-line code for this
+//! processor:
 //!
-//! 1. The graph becomes a list of operations that the processor has; sines become the library's polynomials.
-//! 2. Values get registers. Where there are too few, the value that is read again last is stored in scratch memory of the caller.
-//! 3. Instructions become bytes, with their constants behind them.
-//! 4. The bytes are written into a page of memory, which is made executable.
-//! 5. The code is compared with its graph in two random states.
+//! 1. Instruction selection: the graph becomes a list of operations that the processor has, and sines become
+//!    the library's polynomials.
+//! 2. Register allocation: values get registers. Where there are too few, the value whose next use is
+//!    farthest is spilled to scratch memory of the caller.
+//! 3. Encoding: instructions become bytes, followed by their constants.
+//! 4. Loading: the bytes are written into a page of memory, which is then made executable.
+//! 5. Self-check: the code is compared with its graph in two random states.
 //!
-//! The results have the bits of the graph's operations done one by one, as those of generated C and Rust have.
+//! The results have the same bits as the graph's operations done one by one, and as generated C and Rust.
 
-// Errors, and what code is made for,
+// Errors and targets,
 mod error;
 mod target;
 
-// operations of a list,
+// the list of operations,
 mod list;
 mod pool;
 
-// from the graph,
+// instruction selection,
 mod lower;
 mod prelude;
 mod rows;
 mod sine;
 
-// with registers,
+// register allocation,
 mod allocate;
 mod instruction;
 mod machine;
 
-// as bytes,
+// encoding,
 mod arm;
 mod code;
 mod x86;
 
-// which are run and checked.
+// and execution.
 mod check;
 mod kernel;
 mod page;

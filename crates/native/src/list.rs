@@ -1,23 +1,23 @@
-//! A program as a list of operations on values, before it has registers.
+//! A program as a list of operations on values (virtual registers), before register allocation.
 
 /// A value of the list, by its number.
 pub(crate) type Value = u32;
 
-/// No value: the result of a store.
+/// The result of a store: no value.
 pub(crate) const NONE: Value = Value::MAX;
 
-/// The pointer that an address starts from.
+/// The base pointer of an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Base {
     /// The constants behind the code.
     Constants,
     /// The caller's scratch memory.
     Scratch,
-    /// An argument's or a result's numbers, by its place in the table of pointers.
+    /// The numbers of an argument or a result, by its index in the table of pointers.
     Table(u8),
 }
 
-/// How much can be read at an address.
+/// The extent of memory that can be read at an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Extent {
     /// One number, for the lowest lane.
@@ -28,7 +28,7 @@ pub(crate) enum Extent {
     Register,
 }
 
-/// Where a value is in memory.
+/// The location of a value in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Address {
     pub(crate) base: Base,
@@ -43,38 +43,38 @@ impl Address {
     }
 }
 
-/// Operations of two values that each machine has.
+/// Operations of two values that every machine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Binary {
     Add,
     Subtract,
     Multiply,
     Divide,
-    /// The larger; the second where either is NaN.
+    /// The larger value; the second if either is NaN.
     Maximum,
     And,
     Or,
     Xor,
-    /// All bits set where both are equal or one is NaN, else none.
+    /// All bits set where both are equal or one is NaN, all clear elsewhere.
     EqualOrUnordered,
-    /// In each 128 bits: pieces of so many bytes in turn from the lower halves of both.
+    /// In each block of 128 bits: pieces of this many bytes alternately from the lower halves of both.
     InterleaveLow(u8),
-    /// From the upper halves.
+    /// The same from the upper halves.
     InterleaveHigh(u8),
-    /// Blocks of 128 bits with even numbers, first all of one register, then of the other.
+    /// The even-numbered blocks of 128 bits, first those of one register, then those of the other.
     EvenBlocks,
-    /// Those with odd numbers.
+    /// The odd-numbered blocks.
     OddBlocks,
 }
 
-/// How much of an operand an operation reads, so that it can be in memory.
+/// The part of an operand that an operation reads, which determines whether it can be in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Reads {
-    /// A number for each lane in use.
+pub(crate) enum OperandAccess {
+    /// One number for each lane in use.
     Numbers,
-    /// A whole register, also for one state.
+    /// The bits of a whole register, also for one state.
     Bits,
-    /// A whole register, whose numbers need not be what the instruction takes for one.
+    /// A whole register, whose element size may differ from that of the instruction.
     Register,
 }
 
@@ -87,14 +87,14 @@ impl Binary {
         matches!(self, Self::And | Self::Or | Self::Xor)
     }
 
-    /// How much of its operands it reads.
-    pub(crate) fn reads(self) -> Reads {
+    /// The part of its operands that it reads.
+    pub(crate) fn reads(self) -> OperandAccess {
         match self {
-            Self::And | Self::Or | Self::Xor => Reads::Bits,
+            Self::And | Self::Or | Self::Xor => OperandAccess::Bits,
             Self::InterleaveLow(_) | Self::InterleaveHigh(_) | Self::EvenBlocks | Self::OddBlocks => {
-                Reads::Register
+                OperandAccess::Register
             }
-            _ => Reads::Numbers,
+            _ => OperandAccess::Numbers,
         }
     }
 }
@@ -123,7 +123,7 @@ pub(crate) enum Operation {
 }
 
 impl Operation {
-    /// The values that it reads, and how many.
+    /// The values that it reads, and their count.
     pub(crate) fn reads(&self) -> ([Value; 3], usize) {
         match *self {
             Self::Binary(_, a, b) => ([a, b, NONE], 2),
@@ -141,7 +141,7 @@ pub(crate) struct Step {
     pub(crate) result: Value,
 }
 
-/// Operations in order, and where in memory each value is before they are done.
+/// Operations in order, and the location in memory of each value that is there from the start.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct List {
     pub(crate) steps: Vec<Step>,
@@ -149,7 +149,7 @@ pub(crate) struct List {
 }
 
 impl List {
-    /// A value that is in memory, or that an operation computes.
+    /// A value in memory, or one that an operation computes.
     pub(crate) fn value(&mut self, home: Option<Address>) -> Value {
         self.homes.push(home);
         Value::try_from(self.homes.len() - 1).expect("fewer than 2³² values fit into memory")
@@ -170,8 +170,8 @@ impl List {
         self.steps.push(Step { operation: Operation::Store(value, to), result: NONE });
     }
 
-    /// Without operations whose values no store needs.
-    pub(crate) fn swept(mut self) -> Self {
+    /// Removes dead code: operations whose values no store depends on.
+    pub(crate) fn remove_dead_code(mut self) -> Self {
         let mut is_needed = vec![false; self.homes.len()];
         for step in self.steps.iter().rev() {
             if step.result == NONE || is_needed[step.result as usize] {

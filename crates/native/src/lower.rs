@@ -1,15 +1,15 @@
-//! From a graph to a list of operations that a machine has.
+//! Instruction selection: from a graph to a list of operations that a machine has.
 
 use std::collections::{HashMap, HashSet};
 
-use expression::{Graph, Operand, Operation as Node, Precision};
-use number::InstructionSet;
+use robot_dynamics_expression::{Graph, Operand, Operation as Node, Precision};
+use robot_dynamics_number::InstructionSet;
 
 use crate::list::{Address, Base, Binary, Extent, List, NONE, Operation, Value};
 use crate::pool::Pool;
 use crate::target::{Target, Width};
 
-/// A list that is being written.
+/// The state of instruction selection: a list and its constants.
 pub(crate) struct Lowering<'a> {
     pub(crate) target: Target,
     pub(crate) list: List,
@@ -27,17 +27,17 @@ pub(crate) struct Source<'a> {
     pub(crate) order: &'a [usize],
 }
 
-/// Results that were computed before.
+/// Values that the vector prelude computes and stores.
 #[derive(Debug, Default)]
-pub(crate) struct Given {
-    /// The sine and cosine of a pair, by the pair's node.
+pub(crate) struct PreludeValues {
+    /// The locations of the sine and cosine of a pair, by the pair's node.
     pub(crate) sines: HashMap<usize, (Address, Address)>,
-    /// Constants that are stored, by result and index.
+    /// Constants that are stored already, by result and index.
     pub(crate) constants: HashSet<(usize, usize)>,
 }
 
-/// Takes the number of a result, by result and index, and its value.
-pub(crate) type Finished<'a> = dyn FnMut(&mut List, (usize, usize), Value) + 'a;
+/// A callback for each number of a result, with its position (result and index) and value.
+pub(crate) type OnResult<'a> = dyn FnMut(&mut List, (usize, usize), Value) + 'a;
 
 impl<'a> Lowering<'a> {
     pub(crate) fn new(target: Target, pool: &'a mut Pool) -> Self {
@@ -65,18 +65,18 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A constant that arithmetic reads.
+    /// A constant operand of arithmetic.
     pub(crate) fn constant(&mut self, x: f64) -> Value {
         let bits = self.bits_of(x);
-        self.placed(bits, self.target.width == Width::Lanes)
+        self.place_constant(bits, self.target.width == Width::Lanes)
     }
 
-    /// A constant that bitwise operations read, which work on whole registers.
+    /// A constant operand of bitwise operations, which work on whole registers.
     pub(crate) fn bits(&mut self, bits: u64) -> Value {
-        self.placed(bits, true)
+        self.place_constant(bits, true)
     }
 
-    fn placed(&mut self, bits: u64, is_wide: bool) -> Value {
+    fn place_constant(&mut self, bits: u64, is_wide: bool) -> Value {
         if let Some(&value) = self.constants.get(&(bits, is_wide)) {
             return value;
         }
@@ -163,18 +163,18 @@ impl<'a> Lowering<'a> {
         self.list.push(Operation::Blend { otherwise: unit, negative: zero_or_nan, mask })
     }
 
-    /// All operations of a graph. `input` says where a number of an argument is, `finished` is called with a result's place and value
-    /// when that is computed.
+    /// Selects all operations of a graph. `input` returns the value of a number of an argument. `finished` is
+    /// called with a result's position and value once it is computed.
     pub(crate) fn graph(
         &mut self,
         source: Source<'_>,
         input: &mut dyn FnMut(&mut List, usize, usize) -> Value,
-        given: &Given,
-        finished: &mut Finished<'_>,
+        given: &PreludeValues,
+        finished: &mut OnResult<'_>,
     ) {
         let Source { graph, results, order } = source;
         let mut values = vec![NONE; graph.nodes.len()];
-        let stored = Stored::new(graph.nodes.len(), results);
+        let stored = ResultPositions::new(graph.nodes.len(), results);
         for &(place, bits) in &stored.constants {
             if given.constants.contains(&place) {
                 continue;
@@ -210,8 +210,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Passes on the results that a node is, with their signs.
-    fn finish(&mut self, stored: &Stored, node: usize, value: Value, finished: &mut Finished<'_>) {
+    /// Reports the results whose value is this node, with their signs.
+    fn finish(&mut self, stored: &ResultPositions, node: usize, value: Value, finished: &mut OnResult<'_>) {
         let mut negative = None;
         for &(place, is_minus) in stored.of(node) {
             let value = if is_minus { *negative.get_or_insert_with(|| self.negated(value)) } else { value };
@@ -219,7 +219,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Where a number of a table of one state is.
+    /// The address of a number in a table of one state.
     pub(crate) fn number_at(table: usize, index: usize, size: i32) -> Address {
         let table = u8::try_from(table).expect("the number of tables was checked");
         let index = i32::try_from(index).expect("lengths were checked");
@@ -227,16 +227,16 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// The results that each node is.
-struct Stored {
-    /// Result and index, and whether the negative, sorted by node.
+/// The positions in the results at which each node's value occurs.
+struct ResultPositions {
+    /// Result and index, and whether the value is negated, sorted by node.
     places: Vec<((usize, usize), bool)>,
-    /// The first place of each node.
+    /// The first entry of each node in `places`.
     first: Vec<usize>,
     constants: Vec<((usize, usize), u64)>,
 }
 
-impl Stored {
+impl ResultPositions {
     fn new(nodes: usize, results: &[Vec<Operand>]) -> Self {
         let (mut first, mut constants) = (vec![0; nodes + 1], Vec::new());
         let entries = || {

@@ -1,15 +1,15 @@
-//! Properties of a machine that the allocation of registers needs, and its counts.
+//! Properties of a machine that register allocation needs, and its counts.
 
-use number::InstructionSet;
+use robot_dynamics_number::InstructionSet;
 
 use crate::arm;
 use crate::list::Extent;
 use crate::target::{Target, Width};
 
-/// The most registers that a machine has.
-pub(crate) const MOST_REGISTERS: usize = 32;
+/// The largest number of registers of any machine.
+pub(crate) const MAX_REGISTERS: usize = 32;
 
-/// Counts of what the allocation added.
+/// Counts of the instructions that register allocation added.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Counts {
     pub(crate) spills: usize,
@@ -27,19 +27,19 @@ impl Counts {
     }
 }
 
-/// Properties of a machine that the allocation of registers needs.
+/// Properties of a machine that register allocation needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Machine {
     pub(crate) registers: u8,
-    /// Whether operands can be in memory, and each of three operands of a multiply-add be overwritten.
+    /// Whether operands can be in memory, and a multiply-add can overwrite any of its three operands.
     pub(crate) has_memory_operands: bool,
-    /// Whether a multiply-add overwrites none of its operands.
-    pub(crate) has_fused_apart: bool,
-    /// Whether one number in memory can be an operand for all lanes.
+    /// Whether a multiply-add has a separate destination register.
+    pub(crate) has_fused_destination: bool,
+    /// Whether a number in memory can be broadcast to all lanes as an operand.
     pub(crate) has_broadcast: bool,
-    /// Pointers of the table that have a register of their own.
+    /// The number of pointers of the table with a register of their own.
     pub(crate) fixed_pointers: u8,
-    /// Bytes of a spilled value, and how much of it can be read.
+    /// Bytes of a spill slot, and the extent that can be read from it.
     pub(crate) slot_bytes: i32,
     pub(crate) slot_extent: Extent,
 }
@@ -48,7 +48,7 @@ impl Machine {
     pub(crate) fn of(target: Target) -> Self {
         let (registers, has_memory_operands, fixed_pointers) = match (target.instructions, target.width) {
             (InstructionSet::Avx512, _) => (32, true, 5),
-            // One register, or a pair, is kept for sequences of instructions.
+            // One register, or a pair, is reserved for sequences of instructions.
             (InstructionSet::Neon, Width::One) => (31, false, arm::FIXED_POINTERS),
             (InstructionSet::Neon, Width::Lanes) => (15, false, arm::FIXED_POINTERS),
             _ => (16, true, 5),
@@ -56,7 +56,7 @@ impl Machine {
         Self {
             registers,
             has_memory_operands,
-            has_fused_apart: target.instructions == InstructionSet::Neon && target.width == Width::One,
+            has_fused_destination: target.instructions == InstructionSet::Neon && target.width == Width::One,
             has_broadcast: target.instructions == InstructionSet::Avx512,
             fixed_pointers,
             slot_bytes: target.value_bytes(),

@@ -1,18 +1,20 @@
 //! Memory that holds machine code, and the call into it. All unsafe code of this crate is in this file.
 //!
-//! A page is written first and made executable then; it is never both at once, on macOS on ARM for no thread. The code was made by [`Code::new`](crate::Code::new): it is
-//! a function of the System V convention, of two pointers, that
-//! - reads and writes the tables of the first pointer within the lengths that are checked here before each call,
+//! A page is written first and made executable then. It is never writable and executable at once; on macOS on
+//! ARM this holds for each thread. [`Code::new`](crate::Code::new) made the code. It is a function of the
+//! System V convention with two pointers, which
+//! - reads and writes the tables of the first pointer within the lengths that are checked here before each
+//!   call,
 //! - reads and writes the scratch memory of the second within a length that is checked here,
-//! - reads constants behind itself,
-//! - and returns, with the registers that the convention preserves as they were.
+//! - reads constants behind its instructions,
+//! - and returns, with the registers that the convention preserves unchanged.
 #![allow(unsafe_code)]
 
 use memmap2::{Mmap, MmapMut};
 
-use crate::code::MOST_TABLES;
+use crate::code::MAX_TABLES;
 
-/// The code as a function.
+/// The type of the code as a function.
 #[cfg(target_arch = "x86_64")]
 type Function = unsafe extern "sysv64" fn(tables: *const *mut (), scratch: *mut ());
 #[cfg(not(target_arch = "x86_64"))]
@@ -24,10 +26,10 @@ pub(crate) struct Page {
     memory: Memory,
 }
 
-/// Memory that is not written any more.
+/// Memory with finished code, read-only from then on.
 #[derive(Debug)]
 enum Memory {
-    /// Made executable after it was written.
+    /// Mapped memory, made executable after it was written.
     Mapped(Mmap),
     #[cfg(all(target_os = "macos", target_arch = "aarch64"))]
     Jit(jit::JitMemory),
@@ -36,7 +38,8 @@ enum Memory {
 impl Memory {
     /// Memory with this code.
     fn new(code: &[u8]) -> std::io::Result<Self> {
-        // Hardened programs that may make code, may so in this memory alone; where the system has none, the other way may be open.
+        // Hardened programs with the JIT entitlement may map code only this way. Where the system refuses it,
+        // the other way may be allowed.
         #[cfg(all(target_os = "macos", target_arch = "aarch64"))]
         if let Ok(memory) = jit::JitMemory::new(code) {
             return Ok(Self::Jit(memory));
@@ -58,30 +61,30 @@ impl Memory {
     }
 }
 
-/// A table of the code.
+/// The size of a table that the code accesses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Table {
     /// Numbers of one state.
     pub(crate) width: usize,
-    /// Numbers that the code reads or writes in one run.
+    /// Numbers that the code accesses in one run.
     pub(crate) reach: usize,
 }
 
-/// How far the code reaches from each of its pointers.
+/// The bounds of the code's accesses from each of its pointers.
 #[derive(Clone, Debug)]
-pub(crate) struct Reach {
+pub(crate) struct AccessBounds {
     /// First the arguments, then the results.
-    tables: [Table; MOST_TABLES],
+    tables: [Table; MAX_TABLES],
     inputs: usize,
     count: usize,
     scratch: usize,
 }
 
-impl Reach {
+impl AccessBounds {
     /// # Panics
-    /// If there are more tables than a kernel takes, which is checked when the code is made.
+    /// If there are more tables than a kernel supports, which is checked when the code is made.
     pub(crate) fn new(inputs: &[Table], outputs: &[Table], scratch: usize) -> Self {
-        let mut tables = [Table::default(); MOST_TABLES];
+        let mut tables = [Table::default(); MAX_TABLES];
         let count = inputs.len() + outputs.len();
         tables[..inputs.len()].copy_from_slice(inputs);
         tables[inputs.len()..count].copy_from_slice(outputs);
@@ -105,29 +108,30 @@ impl Reach {
 }
 
 impl Page {
-    /// Writes code into memory of its own and makes that executable.
+    /// Writes code into new memory and makes that executable.
     pub(crate) fn new(code: &[u8]) -> std::io::Result<Self> {
         Ok(Self { memory: Memory::new(code)? })
     }
 
     #[inline]
     fn function(&self) -> Function {
-        // SAFETY: the memory holds a whole function of this type, made by this crate for the instructions of this processor. The pointer is
-        // called only while `self` is borrowed.
+        // SAFETY: the memory holds a whole function of this type, made by this crate for the instructions of
+        // this processor. The pointer is called only while `self` is borrowed.
         unsafe { core::mem::transmute(self.memory.start()) }
     }
 
-    /// Runs the code once, if each slice has as many numbers as the code reaches, and the scratch memory at least as many.
+    /// Runs the code once if each slice has exactly the length that the code accesses, and the scratch memory
+    /// at least that length. Returns whether it ran.
     #[inline]
     #[must_use]
     pub(crate) fn run<T>(
         &self,
-        reach: &Reach,
+        reach: &AccessBounds,
         inputs: &[&[T]],
         outputs: &mut [&mut [T]],
         scratch: &mut [T],
     ) -> bool {
-        let mut pointers = [core::ptr::null_mut::<()>(); MOST_TABLES];
+        let mut pointers = [core::ptr::null_mut::<()>(); MAX_TABLES];
         let mut is_whole = inputs.len() == reach.inputs
             && outputs.len() == reach.count - reach.inputs
             && scratch.len() >= reach.scratch;
@@ -142,21 +146,22 @@ impl Page {
             *pointer = output.as_mut_ptr().cast();
         }
         if is_whole {
-            // SAFETY: from its pointers on the code reads and writes as much as was checked above. Outputs and scratch memory are borrowed
-            // exclusively, so that they overlap neither each other nor an input.
+            // SAFETY: the code accesses only the numbers behind its pointers that were checked above. Outputs
+            // and scratch memory are borrowed exclusively, so that they overlap neither each other nor an
+            // input.
             unsafe { self.function()(pointers.as_ptr(), scratch.as_mut_ptr().cast()) };
         }
         is_whole
     }
 
-    /// Runs the code for blocks of so many rows, from the beginning of each table on, and calls `after` with the scratch memory and the number
-    /// of the block.
+    /// Runs the code for blocks of `rows` rows from the beginning of each table. After each block it calls
+    /// `after` with the scratch memory and the number of the block.
     ///
     /// # Panics
-    /// If a slice is shorter than the code reaches, or there are other numbers of slices.
+    /// If a slice is shorter than the code accesses, or the number of slices is wrong.
     pub(crate) fn run_blocks<T>(
         &self,
-        reach: &Reach,
+        reach: &AccessBounds,
         (blocks, rows): (usize, usize),
         inputs: &[&[T]],
         outputs: &mut [&mut [T]],
@@ -170,14 +175,14 @@ impl Page {
                 && scratch.len() >= reach.scratch,
             "the code has other tables"
         );
-        // Numbers from a block to the next, if the last one is within the slice.
+        // The distance from a block to the next, in numbers, if the last block is within the slice.
         let step = |length: usize, table: &Table| {
             let step = rows.checked_mul(table.width)?;
             let end = last.checked_mul(step)?.checked_add(table.reach)?;
             (length >= end).then_some(step)
         };
-        let mut pointers = [core::ptr::null_mut::<T>(); MOST_TABLES];
-        let mut steps = [0; MOST_TABLES];
+        let mut pointers = [core::ptr::null_mut::<T>(); MAX_TABLES];
+        let mut steps = [0; MAX_TABLES];
         let (of_inputs, of_outputs) = pointers.split_at_mut(reach.inputs);
         let (input_steps, output_steps) = steps.split_at_mut(reach.inputs);
         for (k, (input, table)) in inputs.iter().zip(reach.inputs()).enumerate() {
@@ -189,20 +194,21 @@ impl Page {
             output_steps[k] = step(output.len(), table).expect("the code reaches beyond a result");
         }
         for block in 0..blocks {
-            // SAFETY: from its pointers on the code reads and writes as much as was checked above, as no block is beyond the last. Outputs and
-            // scratch memory are borrowed exclusively, so that they overlap neither each other nor an input.
+            // SAFETY: the code accesses only the numbers behind its pointers that were checked above, as no
+            // block is beyond the last. Outputs and scratch memory are borrowed exclusively, so that they
+            // overlap neither each other nor an input.
             unsafe { self.function()(pointers.as_ptr().cast(), scratch.as_mut_ptr().cast()) };
             after(scratch, block);
             for (pointer, &step) in pointers[..reach.count].iter_mut().zip(&steps) {
-                // It is not followed behind the last block.
+                // Behind the last block it is not dereferenced.
                 *pointer = pointer.wrapping_add(step);
             }
         }
     }
 }
 
-/// Memory for code of macOS on ARM (Apple, *Porting just-in-time compilers to Apple silicon*): each thread may either write all such memory
-/// of its process or execute it, and executes it unless it asks.
+/// Memory for code on macOS on ARM (Apple, *Porting just-in-time compilers to Apple silicon*). A thread may
+/// either write all such memory of its process or execute it; by default it may execute.
 #[cfg(all(target_os = "macos", target_arch = "aarch64"))]
 mod jit {
     use core::ffi::{c_int, c_void};
@@ -228,14 +234,15 @@ mod jit {
         fn pthread_jit_write_protect_np(enabled: c_int);
     }
 
-    /// Such memory with the code of one kernel.
+    /// JIT memory with the code of one kernel.
     #[derive(Debug)]
     pub(super) struct JitMemory {
         start: NonNull<u8>,
         len: usize,
     }
 
-    // SAFETY: nobody writes the memory once `new` has returned, and it belongs to the process, not to a thread.
+    // SAFETY: the memory is not written after `new` has returned, and it belongs to the process, not to a
+    // thread.
     unsafe impl Send for JitMemory {}
     // SAFETY: as above.
     unsafe impl Sync for JitMemory {}
@@ -244,18 +251,19 @@ mod jit {
         /// Memory with this code.
         pub(super) fn new(code: &[u8]) -> std::io::Result<Self> {
             let len = code.len();
-            // SAFETY: the system finds new memory, which overlaps no other.
+            // SAFETY: the system maps new memory, which overlaps no other.
             let start = unsafe { mmap(core::ptr::null_mut(), len, ALL, OF_CODE, -1, 0) };
             let start = NonNull::new(start.cast::<u8>()).filter(|start| start.addr().get() != FAILED);
             let Some(start) = start else { return Err(std::io::Error::last_os_error()) };
-            // SAFETY: the memory is as long as the code and nobody else knows it. In between this thread executes no code in such memory: it
-            // only copies, which calls nothing and cannot panic. Other threads go on executing theirs.
+            // SAFETY: the memory is as long as the code, and there is no other pointer to it. In between,
+            // this thread executes no code in such memory: it only copies, which calls nothing and cannot
+            // panic. Other threads continue to execute theirs.
             unsafe {
                 pthread_jit_write_protect_np(0);
                 core::ptr::copy_nonoverlapping(code.as_ptr(), start.as_ptr(), len);
                 pthread_jit_write_protect_np(1);
             }
-            // SAFETY: the memory was written whole, and is not written any more.
+            // SAFETY: the memory is fully written and not written again.
             super::clear_instruction_cache(unsafe { core::slice::from_raw_parts(start.as_ptr(), len) });
             Ok(Self { start, len })
         }
@@ -268,27 +276,28 @@ mod jit {
 
     impl Drop for JitMemory {
         fn drop(&mut self) {
-            // SAFETY: the memory was mapped with this length, and code in it runs only while `self` is borrowed.
+            // SAFETY: the memory was mapped with this length, and code in it runs only while `self` is
+            // borrowed.
             unsafe { munmap(self.start.as_ptr().cast(), self.len) };
         }
     }
 }
 
-/// Instructions of x86-64 are read as they were written.
+/// On x86-64, instruction fetch is coherent with writes.
 #[cfg(not(target_arch = "aarch64"))]
 fn clear_instruction_cache(_: &[u8]) {}
 
-/// Makes written instructions visible to the core that reads instructions, which may have read this memory before.
+/// Makes written instructions visible to instruction fetch, which may have cached this memory before.
 #[cfg(all(target_arch = "aarch64", target_vendor = "apple"))]
 fn clear_instruction_cache(memory: &[u8]) {
     unsafe extern "C" {
         fn sys_icache_invalidate(start: *const core::ffi::c_void, length: usize);
     }
-    // SAFETY: a function of the system's library, which changes no number of memory that can be read.
+    // SAFETY: a function of the system's library, which changes no readable memory.
     unsafe { sys_icache_invalidate(memory.as_ptr().cast(), memory.len()) };
 }
 
-/// Makes written instructions visible to the core that reads instructions, which may have read this memory before.
+/// Makes written instructions visible to instruction fetch, which may have cached this memory before.
 #[cfg(all(target_arch = "aarch64", windows))]
 fn clear_instruction_cache(memory: &[u8]) {
     use core::ffi::c_void;
@@ -298,19 +307,20 @@ fn clear_instruction_cache(memory: &[u8]) {
         fn GetCurrentProcess() -> *mut c_void;
         fn FlushInstructionCache(process: *mut c_void, start: *const c_void, length: usize) -> i32;
     }
-    // SAFETY: functions of the system's library, which change no number of memory that can be read.
+    // SAFETY: functions of the system's library, which change no readable memory.
     unsafe { FlushInstructionCache(GetCurrentProcess(), memory.as_ptr().cast(), memory.len()) };
 }
 
-/// Makes written instructions visible to the core that reads instructions, which may have read this memory before (Arm Architecture
-/// Reference Manual, section B2.4.4).
+/// Makes written instructions visible to instruction fetch, which may have cached this memory before (Arm
+/// Architecture Reference Manual, section B2.4.4).
 #[cfg(all(target_arch = "aarch64", not(target_vendor = "apple"), not(windows)))]
 fn clear_instruction_cache(memory: &[u8]) {
     use core::arch::asm;
 
-    /// The shortest line of any such processor.
+    /// The shortest cache line of any such processor.
     const LINE: usize = 16;
-    // SAFETY: the addresses are of memory that can be read; cleaning the data cache and invalidating the instruction cache change no number.
+    // SAFETY: the addresses are in readable memory; cleaning the data cache and invalidating the instruction
+    // cache change no number.
     unsafe {
         for line in memory.chunks(LINE) {
             asm!("dc cvau, {}", in(reg) line.as_ptr(), options(nostack, preserves_flags));

@@ -1,10 +1,10 @@
-//! Constants behind the code.
+//! The pool of constants behind the code.
 
 use std::collections::HashMap;
 
 use crate::list::{Address, Base, Extent};
 
-/// Constants, each once, as they were first needed.
+/// Constants, each once, in the order of their first use.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pool {
     pub(crate) bytes: Vec<u8>,
@@ -12,7 +12,7 @@ pub(crate) struct Pool {
 }
 
 impl Pool {
-    /// A constant of `size` bytes by its bits, repeated so often.
+    /// A constant of `size` bytes, given by its bits and repeated `count` times.
     pub(crate) fn repeated(&mut self, bits: u64, size: usize, count: usize, extent: Extent) -> Address {
         let bytes = &mut self.bytes;
         let offset = *self.places.entry((bits, count)).or_insert_with(|| {
@@ -23,7 +23,7 @@ impl Pool {
         Address::new(Base::Constants, offset, extent)
     }
 
-    /// Constants beside each other, a lane each.
+    /// Adjacent constants, one for each lane.
     pub(crate) fn pattern(&mut self, lanes: impl Iterator<Item = u64>, size: usize) -> Address {
         let offset = offset(&self.bytes);
         lanes.for_each(|bits| self.bytes.extend_from_slice(&bits.to_le_bytes()[..size]));

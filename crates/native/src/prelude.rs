@@ -1,18 +1,20 @@
-//! Work of one state's program in whole registers, before the rest: sines of several angles at once, and constants of results.
+//! The vector prelude of a program for one state: sines of several angles at once, and stores of equal
+//! constants.
 
-use expression::{Operand, Operation as Node};
-use number::InstructionSet;
+use robot_dynamics_expression::{Operand, Operation as Node};
+use robot_dynamics_number::InstructionSet;
 
 use crate::list::{Address, Base, Extent, List};
-use crate::lower::{Given, Lowering, Source};
+use crate::lower::{Lowering, PreludeValues, Source};
 use crate::pool::Pool;
 use crate::target::{Target, Width};
 
-/// Sines of angles that stand beside each other in an argument, and equal constants beside each other in a result.
+/// Sines of adjacent angles of an argument, and adjacent equal constants of a result, computed in whole
+/// registers.
 pub(crate) struct Prelude {
     pub(crate) list: List,
-    /// Where in scratch memory the sines and cosines are, and which constants are stored.
-    pub(crate) given: Given,
+    /// The locations of sines and cosines in scratch memory, and the stored constants.
+    pub(crate) given: PreludeValues,
     /// Bytes of scratch memory.
     pub(crate) scratch_end: i32,
     pub(crate) target: Target,
@@ -28,7 +30,7 @@ struct Angle {
 }
 
 impl Prelude {
-    /// Registers of 256 bits, or pairs of 128.
+    /// The target of the prelude: registers of 256 bits, or pairs of 128.
     fn target(target: Target) -> Target {
         let instructions = match target.instructions {
             InstructionSet::Avx512 => InstructionSet::Avx2,
@@ -44,14 +46,14 @@ impl Prelude {
         lengths: &[usize],
         pool: &mut Pool,
     ) -> Option<Self> {
-        // Behind the largest angle of this and that of the rest of the program.
+        // After the largest angles of the prelude and of the rest of the program.
         let mut scratch_end = target.value_bytes();
         let target = Self::target(target);
         scratch_end += target.value_bytes();
         let (size, lanes) = (target.size(), target.lanes());
         let angles = angles(source);
         let mut lowering = Lowering::new(target, pool);
-        let mut given = Given::default();
+        let mut given = PreludeValues::default();
         let mut rest = &angles[..];
         while let Some(first) = rest.first() {
             let (argument, length) = (first.argument, lengths[first.argument]);
@@ -92,13 +94,18 @@ impl Prelude {
         if let Some(largest) = lowering.largest_angle {
             lowering.list.store(largest, Address::new(Base::Scratch, 0, Extent::Register));
         }
-        let list = lowering.list.swept();
+        let list = lowering.list.remove_dead_code();
         (!list.steps.is_empty()).then_some(Self { list, given, scratch_end, target, has_sines })
     }
 }
 
-/// Stores constants that are equal in a register's worth of numbers beside each other, or more; the last register may reach back.
-fn store_constants(lowering: &mut Lowering<'_>, source: Source<'_>, first_table: usize, given: &mut Given) {
+/// Stores runs of equal constants that fill at least a register. The last store may overlap the one before.
+fn store_constants(
+    lowering: &mut Lowering<'_>,
+    source: Source<'_>,
+    first_table: usize,
+    given: &mut PreludeValues,
+) {
     let (size, lanes) = (lowering.target.size(), lowering.target.lanes());
     for (result, numbers) in source.results.iter().enumerate() {
         let mut begin = 0;
@@ -117,7 +124,7 @@ fn store_constants(lowering: &mut Lowering<'_>, source: Source<'_>, first_table:
     }
 }
 
-/// Pairs whose angle is a number of an argument, in the order of the arguments.
+/// Pairs whose angle is a number of an argument, sorted by argument and index.
 fn angles(source: Source<'_>) -> Vec<Angle> {
     let Source { graph, order, .. } = source;
     let angle = |&node: &usize| {

@@ -2,15 +2,15 @@
 
 use std::sync::OnceLock;
 
-use expression::{Arithmetic, Graph, Operand, Precision, as_traced, trace_sine};
+use robot_dynamics_expression::{Arithmetic, Graph, Operand, Precision, as_traced, trace_sine};
 
 use crate::list::{Binary, Operation, Value};
 use crate::lower::Lowering;
 
-/// Sine and cosine of one input, before quarter turns are put back.
+/// The graph of sine and cosine of one input, without the rotation by quarter turns.
 pub(crate) struct SineGraph {
     graph: Graph,
-    /// The shifted number of quarter turns, sine and cosine of what is left.
+    /// The shifted number of quarter turns, and the sine and cosine of the reduced angle.
     results: [Operand; 3],
     order: Vec<usize>,
 }
@@ -30,10 +30,10 @@ impl SineGraph {
 }
 
 impl Lowering<'_> {
-    /// The sine and cosine of an angle; the largest magnitude of such angles is kept.
+    /// The sine and cosine of an angle. The largest magnitude of all angles is recorded.
     pub(crate) fn sine_and_cosine(&mut self, angle: Value, magnitude: Value) -> (Value, Value) {
         let size = self.list.binary(Binary::And, angle, magnitude);
-        // A size that is NaN is passed over: the second is the result then.
+        // A NaN is ignored: the maximum is the second operand then.
         let largest = self.largest_angle.unwrap_or_else(|| self.constant(0.0));
         self.largest_angle = Some(self.list.binary(Binary::Maximum, size, largest));
         let sine = SineGraph::of(self.target.arithmetic);
@@ -42,12 +42,12 @@ impl Lowering<'_> {
             values[node] = self.operation(&values, sine.graph.nodes[node]);
         }
         let [shifted, sine, cosine] = sine.results.map(|operand| self.operand(&values, operand));
-        self.turned(shifted, sine, cosine)
+        self.rotate_by_quadrant(shifted, sine, cosine)
     }
 
-    /// Sine and cosine of r + n π/2 from those of r: the lowest bit of n exchanges them, and the next bit of n (of n + 1) is the
-    /// sign of the sine (cosine).
-    fn turned(&mut self, shifted: Value, sine: Value, cosine: Value) -> (Value, Value) {
+    /// Sine and cosine of r + n π/2 from those of r. The lowest bit of n exchanges them, and the next bit of
+    /// n (of n + 1) is the sign of the sine (cosine).
+    fn rotate_by_quadrant(&mut self, shifted: Value, sine: Value, cosine: Value) -> (Value, Value) {
         let sign = self.bits(self.sign_bit());
         let last_bit = self.number_bits() - 1;
         let odd = self.list.push(Operation::Shift(shifted, last_bit));
@@ -59,7 +59,7 @@ impl Lowering<'_> {
         let turned = Operation::Blend { otherwise: cosine, negative: sine, mask: odd };
         let turned_cosine = self.list.push(turned);
         let next = self.list.binary(Binary::Xor, half_turn, odd);
-        // The other bits of `odd` are zeros.
+        // The other bits of `odd` are zero.
         let turned_cosine = self.list.binary(Binary::Xor, turned_cosine, next);
         (turned_sine, turned_cosine)
     }

@@ -1,32 +1,33 @@
-//! The target of code: instructions, numbers, and how many states at once.
+//! The target of code: instructions, arithmetic, and the number of states at once.
 
-use expression::{Arithmetic, Precision};
-use number::InstructionSet;
+use robot_dynamics_expression::{Arithmetic, Precision};
+use robot_dynamics_number::InstructionSet;
 
-/// How many states one run of the code computes.
+/// The number of states that one run of the code computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Width {
     /// One state, in the lowest lane of each register.
     One,
-    /// As many states as a register has lanes; on ARM as two registers have.
+    /// As many states as a register has lanes; on ARM, as two registers have.
     Lanes,
 }
 
 /// Instructions, width and arithmetic of code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Target {
-    /// Its instructions.
+    /// The instruction set.
     pub instructions: InstructionSet,
-    /// How many states at once.
+    /// The number of states at once.
     pub width: Width,
-    /// How the graph computes.
+    /// The arithmetic of the graph.
     pub arithmetic: Arithmetic,
 }
 
-/// The newest instructions of this processor that there is an encoder for; [`InstructionSet::Portable`] where there are none.
+/// The newest instructions of this processor that this crate has an encoder for; [`InstructionSet::Portable`]
+/// if there are none.
 ///
 /// ```
-/// let best = native::best_instructions();
+/// let best = robot_dynamics_native::best_instructions();
 /// assert!(best.is_available());
 /// ```
 pub fn best_instructions() -> InstructionSet {
@@ -34,7 +35,7 @@ pub fn best_instructions() -> InstructionSet {
     InstructionSet::ALL.iter().rev().find(has_code).copied().unwrap_or(InstructionSet::Portable)
 }
 
-/// Whether this crate writes these instructions.
+/// Whether this crate has an encoder for these instructions.
 pub(crate) fn has_encoder(instructions: InstructionSet) -> bool {
     matches!(instructions, InstructionSet::Avx2 | InstructionSet::Avx512 | InstructionSet::Neon)
 }
@@ -56,7 +57,7 @@ impl Target {
         }
     }
 
-    /// Bytes from one value of a lane kernel to the next; of one state, a number's.
+    /// Bytes of a value: of all lanes in a lane kernel, of one number otherwise.
     pub(crate) fn value_bytes(self) -> i32 {
         match self.width {
             Width::One => self.size(),
@@ -64,7 +65,7 @@ impl Target {
         }
     }
 
-    /// States at once.
+    /// The number of states at once.
     pub(crate) fn lanes(self) -> usize {
         usize::try_from(self.value_bytes() / self.size()).expect("a few lanes")
     }

@@ -1,22 +1,23 @@
-//! Instructions of x86-64 in bytes: AVX2 and FMA by VEX, AVX-512 by EVEX prefixes.
+//! Encoding of x86-64 instructions: AVX2 and FMA with VEX prefixes, AVX-512 with EVEX prefixes.
 //!
-//! A function takes two pointers in `rdi` and `rsi` (the System V convention, on every system): the table of arguments and results, and
-//! scratch memory. It changes `rax`, `rcx`, `rdx`, `rsi`, `r8` to `r11` and vector registers alone, all of which that convention lets it
-//! change, and has no stack frame.
+//! A function takes two pointers in `rdi` and `rsi` (the System V convention, on every system): the table of
+//! arguments and results, and scratch memory. It changes only `rax`, `rcx`, `rdx`, `rsi`, `r8` to `r11` and
+//! vector registers, all of which that convention leaves to the callee. It has no stack frame.
 
 mod listing;
 mod prefix;
 
 pub(crate) use listing::assembly;
 
-use number::InstructionSet;
+use robot_dynamics_number::InstructionSet;
 
-use crate::instruction::{Form, Instruction, Register, Source};
+use crate::instruction::{FusedForm, Instruction, Register, Source};
 use crate::list::{Address, Base, Binary, Extent};
 use crate::target::{Target, Width};
-use prefix::{Opcode, Place};
+use prefix::{LastOperand, Opcode};
 
-/// Pointers to constants and scratch memory are this many bytes further on, so that more of both is within one byte's reach.
+/// The offset of the pointers to constants and scratch memory, so that more of both is within the reach of a
+/// one-byte displacement.
 const BIAS: i32 = 128;
 
 const RAX: u8 = 0;
@@ -26,7 +27,7 @@ const R11: u8 = 11;
 /// The registers of the first pointers of the table: `rdx`, `rcx`, `r8`, `r9`, `r10`.
 const TABLE: [u8; 5] = [2, 1, 8, 9, 10];
 
-/// How many lanes of a register instructions work on.
+/// The lanes of a register that instructions work on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Lanes {
     Lowest,
@@ -45,7 +46,7 @@ impl Lanes {
         }
     }
 
-    /// The length as prefixes have it.
+    /// The length field of a prefix.
     fn length(self) -> u8 {
         match self {
             Self::Lowest => 0,
@@ -55,8 +56,8 @@ impl Lanes {
     }
 }
 
-/// Instructions in bytes with the constants behind them, and how many bytes of these are instructions.
-pub(crate) fn encoded(
+/// Encodes instructions, followed by their constants, and returns how many bytes are instructions.
+pub(crate) fn encode(
     target: Target,
     parts: &[(Target, Vec<Instruction>)],
     tables: usize,
@@ -70,14 +71,14 @@ pub(crate) fn encoded(
     encoder.finish(constants)
 }
 
-/// Code that is being written.
+/// The state of the encoder.
 #[derive(Clone, Debug)]
 struct Encoder {
     code: Vec<u8>,
     lanes: Lanes,
     is_double: bool,
     has_evex: bool,
-    /// Where the distance to the constants is written at the end.
+    /// The position behind the distance to the constants, which is known at the end.
     constants: usize,
     changes_upper_halves: bool,
 }
@@ -94,7 +95,7 @@ impl Encoder {
         }
     }
 
-    /// The beginning of the function: pointers into registers.
+    /// The prologue: loads pointers.
     fn begin(&mut self, tables: usize) {
         // lea rax, [rip + constants]
         self.code.extend_from_slice(&[0x48, 0x8D, 0x05, 0, 0, 0, 0]);
@@ -113,7 +114,7 @@ impl Encoder {
         self.code.extend_from_slice(&[0x48 | (register >> 3) << 2, 0x8B, modrm, offset.cast_unsigned()]);
     }
 
-    /// Instructions on so many lanes.
+    /// Encodes instructions on these lanes.
     fn instructions(&mut self, lanes: Lanes, instructions: &[Instruction]) {
         self.lanes = lanes;
         self.changes_upper_halves |= lanes != Lanes::Lowest;
@@ -122,7 +123,7 @@ impl Encoder {
         }
     }
 
-    /// The whole code, with the constants behind it.
+    /// Completes the code, followed by its constants.
     fn finish(mut self, constants: &[u8]) -> (Vec<u8>, usize) {
         if self.changes_upper_halves {
             // vzeroupper
@@ -143,75 +144,87 @@ impl Encoder {
         match instruction {
             Instruction::Pointer(number) => self.pointer(R11, usize::from(number)),
             Instruction::Load { to, from } if from.extent == Extent::Broadcast => {
-                let opcode = Opcode { is_scalar: true, ..self.typed(2, 1, [0x19, 0x18]).of_vex_without_w() };
-                self.put(opcode, to, 0, Self::place(Source::Memory(from)).without_broadcast());
+                let opcode =
+                    Opcode { is_scalar: true, ..self.opcode_by_type(2, 1, [0x19, 0x18]).without_vex_w() };
+                self.emit(opcode, to, 0, Self::place(Source::Memory(from)).without_broadcast());
             }
             Instruction::Load { to, from } => {
-                let opcode = self.moved(0x10, from.extent);
-                self.put(opcode, to, 0, Self::place(Source::Memory(from)));
+                let opcode = self.move_opcode(0x10, from.extent);
+                self.emit(opcode, to, 0, Self::place(Source::Memory(from)));
             }
             Instruction::Store { from, to } => {
-                let opcode = self.moved(0x11, to.extent);
-                self.put(opcode, from, 0, Self::place(Source::Memory(to)));
+                let opcode = self.move_opcode(0x11, to.extent);
+                self.emit(opcode, from, 0, Self::place(Source::Memory(to)));
             }
-            Instruction::Copy { to, from } => self.put(self.packed(0x28), to, 0, Place::Register(from)),
+            Instruction::Copy { to, from } => {
+                self.emit(self.packed(0x28), to, 0, LastOperand::Register(from))
+            }
             Instruction::Binary { kind: Binary::EqualOrUnordered, to, a, b } => self.compare(to, a, b),
             Instruction::Binary { kind: Binary::EvenBlocks, to, a, b } => self.blocks(to, a, b, [0x20, 0x88]),
             Instruction::Binary { kind: Binary::OddBlocks, to, a, b } => self.blocks(to, a, b, [0x31, 0xDD]),
             Instruction::Binary { kind, to, a, b } => {
-                let opcode = match kind {
-                    Binary::Add => self.arithmetic(0x58),
-                    Binary::Multiply => self.arithmetic(0x59),
-                    Binary::Subtract => self.arithmetic(0x5C),
-                    Binary::Divide => self.arithmetic(0x5E),
-                    Binary::Maximum => self.arithmetic(0x5F),
-                    Binary::And => self.packed(0x54),
-                    Binary::Or => self.packed(0x56),
-                    Binary::Xor => self.packed(0x57),
-                    Binary::InterleaveLow(bytes) => interleaved(0x14, bytes),
-                    Binary::InterleaveHigh(bytes) => interleaved(0x15, bytes),
-                    Binary::EqualOrUnordered | Binary::EvenBlocks | Binary::OddBlocks => {
-                        unreachable!("matched above")
-                    }
-                };
-                self.put(opcode, to, a, Self::place(b));
+                self.emit(self.binary_opcode(kind), to, a, Self::place(b));
             }
             Instruction::Fused { form, is_minus, to, a, b } => {
-                let row = match form {
-                    Form::Factor => 0x90,
-                    Form::FactorAndMemoryAddend => 0xA0,
-                    Form::Addend => 0xB0,
-                };
-                let column = 0x8 + u8::from(self.lanes == Lanes::Lowest) + if is_minus { 0x4 } else { 0x0 };
-                let opcode = Opcode {
-                    map: 2,
-                    prefix: 1,
-                    byte: row | column,
-                    vex_w: self.is_double,
-                    evex_w: self.is_double,
-                    is_scalar: self.lanes == Lanes::Lowest,
-                };
-                self.put(opcode, to, a, Self::place(b));
+                self.emit(self.fused_opcode(form, is_minus), to, a, Self::place(b));
             }
-            Instruction::FusedApart { .. } => unreachable!("multiply-adds overwrite an operand"),
+            Instruction::FusedWithDestination { .. } => unreachable!("multiply-adds overwrite an operand"),
             Instruction::Root { to, a } => {
-                // One state's upper lanes come from the second register; its own avoids waiting for another.
+                // For one state, the upper lanes come from the second register. Using the source register
+                // avoids a false dependency.
                 let upper = match (self.lanes, a) {
                     (Lanes::Lowest, Source::Register(a)) => a,
                     (Lanes::Lowest, Source::Memory(_)) => to,
                     _ => 0,
                 };
-                self.put(self.arithmetic(0x51), to, upper, Self::place(a));
+                self.emit(self.arithmetic(0x51), to, upper, Self::place(a));
             }
             Instruction::Shift { to, a, by } => {
-                let opcode = self.typed(1, 1, [0x73, 0x72]).of_vex_without_w();
-                // The register field extends the opcode; the result takes the place of the first operand.
-                self.put(opcode, 6, to, Place::Register(a));
+                let opcode = self.opcode_by_type(1, 1, [0x73, 0x72]).without_vex_w();
+                // The register field extends the opcode; the result is the second register.
+                self.emit(opcode, 6, to, LastOperand::Register(a));
                 self.code.push(by);
             }
             Instruction::Blend { to, otherwise, negative, mask } => {
                 self.blend(to, otherwise, negative, mask);
             }
+        }
+    }
+
+    /// The opcode of an operation of two values, except comparisons and permutations of blocks.
+    fn binary_opcode(&self, kind: Binary) -> Opcode {
+        match kind {
+            Binary::Add => self.arithmetic(0x58),
+            Binary::Multiply => self.arithmetic(0x59),
+            Binary::Subtract => self.arithmetic(0x5C),
+            Binary::Divide => self.arithmetic(0x5E),
+            Binary::Maximum => self.arithmetic(0x5F),
+            Binary::And => self.packed(0x54),
+            Binary::Or => self.packed(0x56),
+            Binary::Xor => self.packed(0x57),
+            Binary::InterleaveLow(bytes) => interleave(0x14, bytes),
+            Binary::InterleaveHigh(bytes) => interleave(0x15, bytes),
+            Binary::EqualOrUnordered | Binary::EvenBlocks | Binary::OddBlocks => {
+                unreachable!("these have several instructions or an immediate")
+            }
+        }
+    }
+
+    /// The opcode of a fused multiply-add.
+    fn fused_opcode(&self, form: FusedForm, is_minus: bool) -> Opcode {
+        let row = match form {
+            FusedForm::Factor => 0x90,
+            FusedForm::FactorAndMemoryAddend => 0xA0,
+            FusedForm::Addend => 0xB0,
+        };
+        let column = 0x8 + u8::from(self.lanes == Lanes::Lowest) + if is_minus { 0x4 } else { 0x0 };
+        Opcode {
+            map: 2,
+            prefix: 1,
+            byte: row | column,
+            vex_w: self.is_double,
+            evex_w: self.is_double,
+            is_scalar: self.lanes == Lanes::Lowest,
         }
     }
 
@@ -222,21 +235,21 @@ impl Encoder {
         let opcode = self.arithmetic(0xC2);
         if self.is_evex(&[to, a], b) {
             // vcmp k1, a, b; vpmovm2q to, k1
-            self.put_evex(opcode, 1, a, b, 0);
+            self.emit_evex(opcode, 1, a, b, 0);
             self.code.push(PREDICATE);
-            self.put_evex(self.typed(2, 2, [0x38, 0x38]), to, 0, Place::Register(1), 0);
+            self.emit_evex(self.opcode_by_type(2, 2, [0x38, 0x38]), to, 0, LastOperand::Register(1), 0);
         } else {
-            self.put_vex(opcode, to, a, b);
+            self.emit_vex(opcode, to, a, b);
             self.code.push(PREDICATE);
         }
     }
 
-    /// Blocks of 128 bits in the order of an immediate, of 256 and of 512 bits.
+    /// Permutes blocks of 128 bits by an immediate, for 256 and for 512 bits.
     fn blocks(&mut self, to: Register, a: Register, b: Source, [half, all]: [u8; 2]) {
         let b = Self::place(b);
         if self.lanes == Lanes::All {
             // vshuff64x2
-            self.put_evex(
+            self.emit_evex(
                 Opcode { map: 3, prefix: 1, byte: 0x23, vex_w: false, evex_w: true, is_scalar: false },
                 to,
                 a,
@@ -246,7 +259,7 @@ impl Encoder {
             self.code.push(all);
         } else {
             // vperm2f128
-            self.put_vex(
+            self.emit_vex(
                 Opcode { map: 3, prefix: 1, byte: 0x06, vex_w: false, evex_w: false, is_scalar: false },
                 to,
                 a,
@@ -260,8 +273,8 @@ impl Encoder {
         let negative = Self::place(negative);
         if self.is_evex(&[to, otherwise, mask], negative) {
             // vpmovq2m k1, mask; vblendmpd to {k1}, otherwise, negative
-            self.put_evex(self.typed(2, 2, [0x39, 0x39]), 1, 0, Place::Register(mask), 0);
-            self.put_evex(self.typed(2, 1, [0x65, 0x65]), to, otherwise, negative, 1);
+            self.emit_evex(self.opcode_by_type(2, 2, [0x39, 0x39]), 1, 0, LastOperand::Register(mask), 0);
+            self.emit_evex(self.opcode_by_type(2, 1, [0x65, 0x65]), to, otherwise, negative, 1);
         } else {
             let opcode = Opcode {
                 map: 3,
@@ -271,7 +284,7 @@ impl Encoder {
                 evex_w: false,
                 is_scalar: false,
             };
-            self.put_vex(opcode, to, otherwise, negative);
+            self.emit_vex(opcode, to, otherwise, negative);
             self.code.push(mask << 4);
         }
     }
@@ -311,35 +324,35 @@ impl Encoder {
     }
 
     /// A load or store of one number or of a whole register.
-    fn moved(&self, byte: u8, extent: Extent) -> Opcode {
+    fn move_opcode(&self, byte: u8, extent: Extent) -> Opcode {
         if extent == Extent::Register { self.packed(byte) } else { self.arithmetic(byte) }
     }
 
     /// An instruction with opcodes for doubles and singles.
-    fn typed(&self, map: u8, prefix: u8, [double, single]: [u8; 2]) -> Opcode {
+    fn opcode_by_type(&self, map: u8, prefix: u8, [double, single]: [u8; 2]) -> Opcode {
         let byte = if self.is_double { double } else { single };
         Opcode { map, prefix, byte, vex_w: self.is_double, evex_w: self.is_double, is_scalar: false }
     }
 
-    /// An operand with the general register that its address starts from.
-    fn place(source: Source) -> Place {
+    /// An operand, with the general register of its base if it is in memory.
+    fn place(source: Source) -> LastOperand {
         match source {
-            Source::Register(register) => Place::Register(register),
+            Source::Register(register) => LastOperand::Register(register),
             Source::Memory(address) => {
                 let (base, bias) = base(address);
                 let is_broadcast = address.extent == Extent::Broadcast;
-                Place::Memory { base, offset: address.offset - bias, is_broadcast }
+                LastOperand::Memory { base, offset: address.offset - bias, is_broadcast }
             }
         }
     }
 }
 
-/// Pieces of two registers in turn.
-fn interleaved(byte: u8, bytes: u8) -> Opcode {
+/// Alternating pieces of two registers.
+fn interleave(byte: u8, bytes: u8) -> Opcode {
     Opcode { map: 1, prefix: u8::from(bytes == 8), byte, vex_w: false, evex_w: bytes == 8, is_scalar: false }
 }
 
-/// The general register of an address's base, and how far on that is.
+/// The general register of an address's base, and its bias.
 fn base(address: Address) -> (u8, i32) {
     match address.base {
         Base::Constants => (RAX, BIAS),

@@ -1,11 +1,13 @@
-//! Random graphs: machine code has the bits of the operations done one by one.
+//! Random graphs: machine code has the same bits as the operations done one by one.
 
-use expression::{Arithmetic, Graph, Operand, Operation, Plan, Precision, as_traced, interpret};
-use native::{CompileError, Float, Kernel, Width, best_instructions};
-use number::sine::{RANGE, SHORT_RANGE};
-use number::{InstructionSet, SplitMix64};
+use robot_dynamics_expression::{
+    Arithmetic, Graph, Operand, Operation, Plan, Precision, as_traced, interpret,
+};
+use robot_dynamics_native::{CompileError, Float, Kernel, Width, best_instructions};
+use robot_dynamics_number::sine::{RANGE, SHORT_RANGE};
+use robot_dynamics_number::{InstructionSet, SplitMix64};
 
-/// The name of the variable with the number of graphs.
+/// The environment variable with the number of graphs.
 const COUNT: &str = "NATIVE_FUZZ_GRAPHS";
 
 /// A graph with results and the lengths of its arguments.
@@ -14,7 +16,7 @@ struct Case {
     graph: Graph,
     results: Vec<Vec<Operand>>,
     lengths: Vec<usize>,
-    /// Operands whose sines are taken.
+    /// Operands whose sines are computed.
     angles: Vec<Operand>,
 }
 
@@ -43,7 +45,7 @@ impl Random {
         }
     }
 
-    /// An operand among the nodes so far; recent ones more often where live ranges are short.
+    /// An operand among the nodes so far, a recent one where live ranges are short.
     fn operand(&mut self, graph: &Graph, nodes: &[u32], is_short: bool) -> Operand {
         if nodes.is_empty() || self.chance(8) {
             let x = if self.chance(3) { [0.5, 1.0, -2.0][self.below(3)] } else { self.number() };
@@ -61,34 +63,50 @@ impl Random {
         }
         let mut graph = Graph::new(precision);
         let is_short = self.chance(2);
+        let (lengths, mut nodes) = self.inputs(&mut graph, is_short);
+        if self.chance(3) {
+            // Sines of adjacent numbers of an argument.
+            for input in nodes.clone() {
+                if !self.chance(3) {
+                    push_sine(&mut graph, &mut nodes, Operand::Plus(input));
+                }
+            }
+        }
+        self.operations(&mut graph, &mut nodes, is_short);
+        let count = 1 + self.below(4);
+        let results: Vec<Vec<Operand>> = (0..count).map(|_| self.result(&graph, &nodes, is_short)).collect();
+        // Only angles of sines that the results depend on.
+        let needed = graph.needed(results.iter().flatten().copied());
+        let angles = (graph.nodes.iter().zip(needed))
+            .filter_map(|(&node, is_needed)| match node {
+                Operation::SineCosine(angle) if is_needed => Some(angle),
+                _ => None,
+            })
+            .collect();
+        Case { arithmetic, graph, results, lengths, angles }
+    }
+
+    /// Arguments: their lengths, and the nodes of most of their numbers.
+    fn inputs(&mut self, graph: &mut Graph, is_short: bool) -> (Vec<usize>, Vec<u32>) {
         let arguments = 1 + self.below(5);
         let lengths: Vec<usize> = (0..arguments).map(|_| self.below(if is_short { 4 } else { 20 })).collect();
         let mut nodes = Vec::new();
         for (argument, &length) in lengths.iter().enumerate() {
             for index in 0..length {
                 if !self.chance(8) {
-                    nodes
-                        .extend(graph.input(argument, index).node().map(|node| u32::try_from(node).unwrap()));
+                    nodes.push(node_of(graph.input(argument, index)));
                 }
             }
         }
-        if self.chance(3) {
-            // Sines of numbers of an argument beside each other.
-            for input in nodes.clone() {
-                if !self.chance(3) {
-                    let pair = graph.push(Operation::SineCosine(Operand::Plus(input)));
-                    let halves = [graph.push(Operation::Sine(pair)), graph.push(Operation::Cosine(pair))];
-                    nodes.extend(
-                        halves.iter().filter_map(|half| half.node()).map(|node| u32::try_from(node).unwrap()),
-                    );
-                }
-            }
-        }
+        (lengths, nodes)
+    }
+
+    /// Adds random operations on the nodes so far.
+    fn operations(&mut self, graph: &mut Graph, nodes: &mut Vec<u32>, is_short: bool) {
         let most = [5, 30, 120, 400][self.below(4)];
-        let steps = 1 + self.below(most);
-        let begin = graph.nodes.len();
-        while graph.nodes.len() < begin + steps {
-            let mut read = || self.operand(&graph, &nodes, is_short);
+        let end = graph.nodes.len() + 1 + self.below(most);
+        while graph.nodes.len() < end {
+            let mut read = || self.operand(graph, nodes, is_short);
             let [a, b, c] = [read(), read(), read()];
             let operation = match self.below(20) {
                 0..4 => Operation::Sum(a, b),
@@ -100,43 +118,40 @@ impl Random {
                 18 if self.chance(4) => Operation::Root(a),
                 19 if self.chance(3) => Operation::Sign(a),
                 19 if self.chance(3) => {
-                    let pair = graph.push(Operation::SineCosine(a));
-                    let halves = [graph.push(Operation::Sine(pair)), graph.push(Operation::Cosine(pair))];
-                    nodes.extend(
-                        halves.iter().filter_map(|half| half.node()).map(|node| u32::try_from(node).unwrap()),
-                    );
+                    push_sine(graph, nodes, a);
                     continue;
                 }
                 _ => continue,
             };
-            let node = graph.push(operation).node().unwrap();
-            nodes.push(u32::try_from(node).unwrap());
+            nodes.push(node_of(graph.push(operation)));
         }
-        let result = |random: &mut Self| {
-            let length = random.below(if is_short { 5 } else { 24 });
-            let mut numbers: Vec<Operand> =
-                (0..length).map(|_| random.operand(&graph, &nodes, is_short)).collect();
-            if random.chance(2) {
-                // Equal constants beside each other, as a matrix has zeros.
-                let (begin, end) = (random.below(length + 1), random.below(length + 1));
-                numbers[begin.min(end)..begin.max(end)].fill(graph.constant([0.0, -2.5][random.below(2)]));
-            }
-            numbers
-        };
-        let results: Vec<Vec<Operand>> = (0..=self.below(4)).map(|_| result(self)).collect();
-        // Only angles of sines that results need.
-        let needed = graph.needed(results.iter().flatten().copied());
-        let angles = (graph.nodes.iter().zip(needed))
-            .filter_map(|(&node, is_needed)| match node {
-                Operation::SineCosine(angle) if is_needed => Some(angle),
-                _ => None,
-            })
-            .collect();
-        Case { arithmetic, graph, results, lengths, angles }
+    }
+
+    fn result(&mut self, graph: &Graph, nodes: &[u32], is_short: bool) -> Vec<Operand> {
+        let length = self.below(if is_short { 5 } else { 24 });
+        let mut numbers: Vec<Operand> = (0..length).map(|_| self.operand(graph, nodes, is_short)).collect();
+        if self.chance(2) {
+            // Adjacent equal constants, like the zeros of a matrix.
+            let (begin, end) = (self.below(length + 1), self.below(length + 1));
+            numbers[begin.min(end)..begin.max(end)].fill(graph.constant([0.0, -2.5][self.below(2)]));
+        }
+        numbers
     }
 }
 
-/// Numbers with others behind them, which no kernel may change.
+fn node_of(operand: Operand) -> u32 {
+    u32::try_from(operand.node().unwrap()).unwrap()
+}
+
+/// Adds sine and cosine of an angle, which may be a constant.
+fn push_sine(graph: &mut Graph, nodes: &mut Vec<u32>, angle: Operand) {
+    let pair = graph.push(Operation::SineCosine(angle));
+    for half in [Operation::Sine(pair), Operation::Cosine(pair)] {
+        nodes.push(node_of(graph.push(half)));
+    }
+}
+
+/// Numbers followed by guard numbers, which no kernel may change.
 struct Guarded<T> {
     numbers: Vec<T>,
     length: usize,
@@ -163,7 +178,7 @@ fn is_same(a: f64, b: f64) -> bool {
     a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()
 }
 
-/// Results of some rows, and the rows with an angle out of range.
+/// The results of some rows, and the rows with an angle out of range.
 fn run<T: Float>(
     kernel: &Kernel<T>,
     case: &Case,
@@ -186,7 +201,40 @@ fn run<T: Float>(
     (outputs.into_iter().map(|output| output.numbers[..output.length].to_vec()).collect(), far)
 }
 
-/// One graph on every instruction set of this machine, for one state and for several at once.
+/// Compares a row of all results with the graph.
+fn compare_row<T: Float>(case: &Case, found: &[Vec<T>], row: usize, expected: &[Vec<f64>], what: &str) {
+    for (result, (found, entries)) in found.iter().zip(&case.results).enumerate() {
+        let found = &found[row * entries.len()..][..entries.len()];
+        for (index, ((&x, &y), entry)) in found.iter().zip(&expected[result]).zip(entries).enumerate() {
+            let x: f64 = x.into();
+            assert!(
+                is_same(x, y),
+                "{what}: result {result}[{index}], {entry:?} is {x:e}, not {y:e}: {:?}",
+                entry.node().map(|node| case.graph.nodes[node])
+            );
+        }
+    }
+}
+
+/// Compares all results of two kernels.
+fn compare_kernels<T: Float>(
+    case: &Case,
+    found: &[Vec<T>],
+    expected: &[Vec<T>],
+    what: &dyn Fn(usize) -> String,
+) {
+    for (result, (found, expected)) in found.iter().zip(expected).enumerate() {
+        for (index, (&x, &y)) in found.iter().zip(expected).enumerate() {
+            assert!(
+                is_same(x.into(), y.into()),
+                "{}: result {result}, number {index} is {x:?}, not {y:?}",
+                what(index / case.results[result].len())
+            );
+        }
+    }
+}
+
+/// Compares one graph on every instruction set of this machine, for one state and for several at once.
 fn check<T: Float>(random: &mut Random, number: usize) {
     let case = random.case(T::PRECISION);
     let Case { arithmetic, graph, results, lengths, .. } = &case;
@@ -194,7 +242,7 @@ fn check<T: Float>(random: &mut Random, number: usize) {
     let inputs: Vec<Vec<T>> = (lengths.iter())
         .map(|length| (0..rows * length).map(|_| T::nearest(random.number())).collect())
         .collect();
-    // The first rows by the graph, all others by one kernel for one state.
+    // The first rows are compared with the graph, the others with the first kernel.
     let plan = Plan { order: as_traced(graph, results), live: 0 };
     let with_angles: Vec<Vec<Operand>> = results.iter().cloned().chain([case.angles.clone()]).collect();
     let interpreted: Vec<Vec<Vec<f64>>> = (0..rows.min(2))
@@ -219,19 +267,7 @@ fn check<T: Float>(random: &mut Random, number: usize) {
             let what =
                 |row: usize| format!("graph {number}, {instructions:?}, {width:?}, row {row} of {rows}");
             for (row, expected) in interpreted.iter().enumerate() {
-                for (result, expected) in expected[..results.len()].iter().enumerate() {
-                    let found = &found[result][row * expected.len()..][..expected.len()];
-                    for (index, (&x, &y)) in found.iter().zip(expected).enumerate() {
-                        let x: f64 = x.into();
-                        let node = results[result][index];
-                        assert!(
-                            is_same(x, y),
-                            "{}: result {result}[{index}], {node:?} is {x:e}, not {y:e}: {:?}",
-                            what(row),
-                            node.node().map(|node| graph.nodes[node])
-                        );
-                    }
-                }
+                compare_row(&case, &found, row, expected, &what(row));
                 let is_far = expected[results.len()].iter().any(|angle| angle.abs() >= range);
                 assert_eq!(far.contains(&row), is_far, "{}: angles", what(row));
             }
@@ -239,15 +275,7 @@ fn check<T: Float>(random: &mut Random, number: usize) {
                 None => first = Some((found, far)),
                 Some((expected, rows_far)) => {
                     assert_eq!(&far, rows_far, "{}", what(0));
-                    for (result, (found, expected)) in found.iter().zip(expected).enumerate() {
-                        for (index, (&x, &y)) in found.iter().zip(expected).enumerate() {
-                            assert!(
-                                is_same(x.into(), y.into()),
-                                "{}: result {result}, number {index} is {x:?}, not {y:?}",
-                                what(index / results[result].len())
-                            );
-                        }
-                    }
+                    compare_kernels(&case, &found, expected, &what);
                 }
             }
         }

@@ -1,10 +1,11 @@
-//! Memory of kernels that are dropped. This test is alone in its process: other tests map executable memory as well.
+//! The memory of dropped kernels. This test runs alone in its process, because other tests map executable
+//! memory as well.
 #![cfg(target_os = "linux")]
 
-use expression::{Arithmetic, trace};
-use native::{Kernel, Width, best_instructions};
+use robot_dynamics_expression::{Arithmetic, trace};
+use robot_dynamics_native::{Kernel, Width, best_instructions};
 
-/// Bytes of memory that can be executed and belong to no file.
+/// Bytes of executable memory that belongs to no file.
 fn executable_bytes() -> usize {
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
     let size = |line: &str| {
@@ -17,7 +18,7 @@ fn executable_bytes() -> usize {
     maps.lines().filter_map(size).sum()
 }
 
-/// Bytes of memory that the process has at hand.
+/// Bytes of resident memory of the process.
 fn resident_bytes() -> usize {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
@@ -40,18 +41,18 @@ fn make_and_drop(number: usize) {
     assert!(is_finite && y == [2.0 * x, 2.0, 4.0]);
 }
 
-/// A kernel that is dropped gives its memory back. Ten thousand would have 40 MB.
+/// Dropping a kernel releases its memory. Ten thousand kernels would take 40 MB.
 #[test]
 fn dropped_kernels_leave_no_memory() {
     let before = executable_bytes();
     let kept: Vec<Kernel<f64>> = (0..500).map_while(|_| kernel(Width::One)).collect();
-    // An emulator shows its own memory.
+    // Under an emulator, the maps are those of the emulator.
     let is_shown = executable_bytes() >= before + (500 << 12);
     if kept.is_empty() || !is_shown {
         return println!("left out: the system does not show executable memory");
     }
     drop(kept);
-    // What the allocator keeps for later is there after the first ones.
+    // After the first kernels the allocator has reserved its memory.
     (0..1000).for_each(make_and_drop);
     let resident = resident_bytes();
     (0..10_000).for_each(make_and_drop);

@@ -1,8 +1,9 @@
-//! Running a kernel over the numbers that this machine has.
+//! Runs kernels over the numbers that this machine has.
 //!
-//! Memory over such numbers is made by [`OneState::new`] or [`LaneMemory::new`], which look at the machine, and a
-//! kernel reaches it by their `run` alone, inside a function compiled for those instructions. A kernel's `run` and
-//! all it calls must be `#[inline(always)]`, or it is compiled for the oldest machine.
+//! [`OneState::new`] and [`LaneMemory::new`] detect the machine's instructions and allocate memory over its
+//! numbers. Their `run` methods are the only access of a kernel to that memory, inside a function compiled
+//! for those instructions. A kernel's `run` and all it calls must be `#[inline(always)]`; other code is
+//! compiled for the oldest machine.
 #![allow(unsafe_code)]
 
 pub(crate) mod lanes;
@@ -13,9 +14,9 @@ pub use one_state::{CloneForm, Kernel, OneState};
 
 use crate::{Form, Scalar};
 
-/// Makes a form over whichever number it is asked for.
+/// Allocates a type family's member over any number.
 pub trait Make<F: Form> {
-    /// The form over `S`.
+    /// The member over `S`.
     fn make<S: Scalar>(&self) -> F::Over<S>;
 }
 
@@ -23,22 +24,22 @@ mod sealed {
     pub trait Sealed {}
 }
 
-/// The instructions that the code at hand is compiled for; a type, as they are chosen when the program is compiled.
+/// The instructions that code is compiled for. This is a type because they are chosen at compile time.
 pub trait Hardware: sealed::Sealed {
-    /// Whether there are 32 vector registers of the widest kind.
+    /// Whether the processor has 32 vector registers of the widest kind.
     const HAS_32_REGISTERS: bool;
 
-    /// Runs more code compiled for the same instructions, as a call where that is a function of its own.
+    /// Runs code compiled for the same instructions, as a call where that code is a function of its own.
     fn call(call: impl Call);
 }
 
-/// What [`Hardware::call`] calls.
+/// Code that [`Hardware::call`] runs.
 pub trait Call {
-    /// Runs it; must be `#[inline(always)]`.
+    /// Runs the code; must be `#[inline(always)]`.
     fn call<H: Hardware>(self);
 }
 
-/// Any machine's instructions.
+/// The instructions of the oldest machine that the program was built for.
 #[derive(Debug)]
 pub enum Portable {}
 
@@ -52,11 +53,11 @@ impl Hardware for Portable {
     }
 }
 
-/// Runs what works on plain floats, compiled for the registers of this machine. The bits are those of any machine, as no multiply-add is
-/// fused that does not say so.
+/// Runs code on plain floats, compiled for the vector registers of this machine. The bits are those of any
+/// machine, because only explicit multiply-adds are fused.
 ///
 /// ```
-/// use number::dispatch::{Call, Hardware, run_here};
+/// use robot_dynamics_number::dispatch::{Call, Hardware, run_here};
 /// struct Double<'a>(&'a mut [f64]);
 /// impl Call for Double<'_> {
 ///     #[inline(always)]
@@ -72,7 +73,7 @@ impl Hardware for Portable {
 pub fn run_here(call: impl Call) {
     #[cfg(target_arch = "x86_64")]
     if crate::InstructionSet::Avx2.is_available() {
-        // SAFETY: this machine has them.
+        // SAFETY: the instructions were just detected on this machine.
         return unsafe { with_avx2_fma(call) };
     }
     call.call::<Portable>();
@@ -90,7 +91,7 @@ impl Hardware for Avx2 {
     const HAS_32_REGISTERS: bool = false;
     #[inline(always)]
     fn call(call: impl Call) {
-        // SAFETY: code for `Avx2` runs inside `with_avx2_fma` alone, so its instructions are there.
+        // SAFETY: code for `Avx2` runs only inside `with_avx2_fma`, so the machine has its instructions.
         unsafe { with_avx2_fma(call) }
     }
 }
@@ -107,7 +108,7 @@ impl Hardware for Avx512 {
     const HAS_32_REGISTERS: bool = true;
     #[inline(always)]
     fn call(call: impl Call) {
-        // SAFETY: code for `Avx512` runs inside `with_avx512` alone, so its instructions are there.
+        // SAFETY: code for `Avx512` runs only inside `with_avx512`, so the machine has its instructions.
         unsafe { with_avx512(call) }
     }
 }
@@ -146,7 +147,7 @@ fn as_function(call: impl Call) {
     call.call::<Neon>();
 }
 
-/// simd128, which every machine has that takes a module compiled for it.
+/// simd128, which every engine has that accepts a module compiled for it.
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 enum Simd128 {}
 
@@ -155,7 +156,7 @@ impl sealed::Sealed for Simd128 {}
 
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 impl Hardware for Simd128 {
-    /// The machine's own, which the module does not know.
+    /// The module cannot determine the registers of the processor.
     const HAS_32_REGISTERS: bool = false;
     #[inline(always)]
     fn call(call: impl Call) {
@@ -174,7 +175,7 @@ mod tests {
     use super::*;
     use crate::{Float, InstructionSet, StateLanes, View};
 
-    /// Memory of some numbers.
+    /// Memory of several numbers.
     struct Numbers;
 
     impl Form for Numbers {
@@ -195,7 +196,7 @@ mod tests {
         }
     }
 
-    /// x² + x of each number, by way of the memory.
+    /// x² + x of each number, computed in the memory.
     struct Polynomial<'a, T> {
         x: &'a [T],
         y: &'a mut [T],
@@ -247,7 +248,7 @@ mod tests {
         one_state_is_run::<f32>();
     }
 
-    /// The same of one column of as many states as there are lanes.
+    /// The same for one column of as many states as there are lanes.
     struct Column<'a, T> {
         x: &'a [T],
         y: &'a mut [T],
@@ -280,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "this memory was made for another float")]
+    #[should_panic(expected = "f32")]
     fn memory_of_another_float_is_refused() {
         let mut memory = LaneMemory::<Numbers>::new::<f64>(InstructionSet::best(), &Zeros(1));
         memory.run(Column { x: &[1.0f32; 16], y: &mut [0.0; 16] });

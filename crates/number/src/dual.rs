@@ -1,8 +1,8 @@
 //! Dual numbers: a value with its N partial derivatives, exact to rounding.
 //!
-//! x = re + Σ εₖ dₖ with dⱼdₖ = 0, so f(x) = f(re) + f′(re) Σ εₖ dₖ: one evaluation of a formula yields
-//! its value and its gradient, with no step size and no cancellation. Duals nest:
-//! `Dual<Dual<f64, N>, N>` carries second derivatives.
+//! x = re + Σ εₖ dₖ with dⱼdₖ = 0, so f(x) = f(re) + f′(re) Σ εₖ dₖ. One evaluation of a formula yields its
+//! value and its gradient, with no step size and no cancellation. Duals nest: `Dual<Dual<f64, N>, N>` carries
+//! second derivatives.
 //!
 //! Source: Griewank, Walther, *Evaluating Derivatives* (2008), ch. 3.1 (forward mode).
 
@@ -13,7 +13,7 @@ use crate::Scalar;
 /// re + Σ εₖ dₖ over `N` independent directions; `S` is the number underneath.
 ///
 /// ```
-/// use number::{Dual, Scalar};
+/// use robot_dynamics_number::{Dual, Scalar};
 /// // d/dx (x sin x) at x = 2 is sin 2 + 2 cos 2.
 /// let x = Dual::<f64, 1>::variable(2.0, 0);
 /// let y = x * x.sin_cos().0;
@@ -31,7 +31,7 @@ impl<S: Scalar, const N: usize> Dual<S, N> {
     /// A constant: gradient zero.
     ///
     /// ```
-    /// use number::Dual;
+    /// use robot_dynamics_number::Dual;
     /// let x = Dual::<f64, 1>::variable(3.0, 0);
     /// assert_eq!((x * Dual::constant(2.0)).gradient, [2.0]); // d(2 x)/dx
     /// ```
@@ -43,7 +43,7 @@ impl<S: Scalar, const N: usize> Dual<S, N> {
     /// The k-th independent variable: ∂/∂xₖ = 1.
     ///
     /// ```
-    /// use number::Dual;
+    /// use robot_dynamics_number::Dual;
     /// let x = Dual::<f64, 1>::variable(3.0, 0);
     /// assert_eq!((x * x).gradient, [6.0]); // d(x²)/dx = 2 x
     /// ```
@@ -60,7 +60,7 @@ impl<S: Scalar, const N: usize> Dual<S, N> {
     /// The coordinates q, each an independent variable.
     ///
     /// ```
-    /// use number::Dual;
+    /// use robot_dynamics_number::Dual;
     /// let [x, y] = Dual::<f64, 2>::variables(&[3.0, 5.0]);
     /// assert_eq!((x * y).gradient, [5.0, 3.0]); // ∂(x y)/∂x = y, ∂(x y)/∂y = x
     /// ```
@@ -72,7 +72,7 @@ impl<S: Scalar, const N: usize> Dual<S, N> {
     /// The chain rule: f(re) + slope · gradient, with slope = f′(re).
     ///
     /// ```
-    /// use number::Dual;
+    /// use robot_dynamics_number::Dual;
     /// let x = Dual::<f64, 1>::variable(3.0, 0);
     /// let exponential = x.chain(3.0_f64.exp(), 3.0_f64.exp()); // f and f′ at x
     /// assert_eq!(exponential.gradient, [3.0_f64.exp()]);
@@ -226,9 +226,9 @@ mod tests {
         assert!((cube.gradient[0].gradient[0] - 9.0).abs() < 1e-14);
     }
 
-    /// Constants have no slope, a sign has none either, and scaling scales both parts.
+    /// The derivatives of constants and of signs are zero, and scaling scales both parts.
     #[test]
-    fn constants_and_signs_have_no_slope() {
+    fn derivatives_of_constants_and_signs_are_zero() {
         let x = Dual::<f64, 2>::variable(-0.5, 1);
         assert_eq!(Dual::<f64, 2>::from_f64(3.0), Dual { value: 3.0, gradient: [0.0; 2] });
         assert_eq!(x.signum0(), Dual::constant(-1.0));
@@ -239,12 +239,12 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "index out of bounds")]
-    fn a_variable_beyond_the_last_is_refused() {
+    fn a_variable_out_of_range_panics() {
         let _ = Dual::<f64, 2>::variable(1.0, 2);
     }
 
-    /// A formula with every operation in it.
-    #[cfg(not(target_family = "wasm"))] // as what draws its numbers
+    /// A formula with every operation.
+    #[cfg(not(target_family = "wasm"))] // like proptest
     fn formula<S: Scalar>(x: S, y: S) -> S {
         let (sine, cosine) = (x * y).sin_cos();
         let mut sum = sine / (x * x + y * y + S::one()).sqrt();
@@ -256,8 +256,8 @@ mod tests {
     #[cfg(not(target_family = "wasm"))]
     proptest::proptest! {
         #![proptest_config(proptest::test_runner::Config { cases: if cfg!(miri) { 2 } else { 256 }, ..Default::default() })]
-        /// Gradient against fourth-order differences, and the Hessian by nesting is symmetric and is the
-        /// difference of gradients.
+        /// The gradient agrees with fourth-order differences. The Hessian by nested duals is symmetric and
+        /// agrees with differences of gradients.
         #[test]
         fn derivatives_match_differences(x in -3.0..3.0_f64, y in -3.0..3.0_f64) {
             type First = Dual<f64, 2>;

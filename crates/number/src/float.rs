@@ -12,7 +12,7 @@ mod sealed {
 
 /// A hardware float: `f64` or `f32`.
 pub trait Float: Scalar + PartialOrd + sealed::Sealed {
-    /// Whether it is neither infinite nor NaN.
+    /// Whether the number is neither infinite nor NaN.
     fn is_finite(self) -> bool;
 
     /// See [`OneState::new`].
@@ -32,12 +32,12 @@ pub trait Float: Scalar + PartialOrd + sealed::Sealed {
     fn run_lanes<F: Form, K: LaneKernel<F, Self>>(memory: &mut LaneMemory<F>, kernel: K);
 }
 
-/// What is said of memory made for the other float.
+/// Panics for memory that was made for the other float.
 #[cold]
 #[inline(never)]
 #[track_caller]
-fn of_another_float() -> ! {
-    panic!("this memory was made for another float")
+fn panic_for_other_float<T>() -> ! {
+    panic!("the kernel computes in {}; this memory was made for the other float", core::any::type_name::<T>())
 }
 
 macro_rules! float {
@@ -67,11 +67,11 @@ macro_rules! float {
             fn run_one_state<F: Form, K: Kernel<F, Self>>(state: &mut OneState<F>, kernel: &mut Option<K>) {
                 #[cfg(registers)]
                 match &mut state.memory {
-                    // SAFETY: the set was found on this machine before the memory was made.
+                    // SAFETY: the set was detected on this machine before the memory was allocated.
                     one_state::Memory::$variant(memory) => unsafe {
                         one_state::run_on::<F, Self, _, K>(state.set, kernel, memory);
                     },
-                    _ => of_another_float(),
+                    _ => panic_for_other_float::<Self>(),
                 }
                 #[cfg(not(registers))]
                 match state.memory {
@@ -101,13 +101,13 @@ macro_rules! float {
             fn run_lanes<F: Form, K: LaneKernel<F, Self>>(memory: &mut LaneMemory<F>, kernel: K) {
                 match &mut memory.0 {
                     lanes::Memory::$variant(memory) => lanes::run_portable::<F, Self>(memory, kernel),
-                    // SAFETY: `new_lanes` found these instructions on this machine.
+                    // SAFETY: `new_lanes` detected these instructions on this machine.
                     #[cfg(registers)]
                     lanes::Memory::$narrow(memory) => unsafe { lanes::run_narrow::<F, _>(memory, kernel) },
                     // SAFETY: as above.
                     #[cfg(target_arch = "x86_64")]
                     lanes::Memory::$wide(memory) => unsafe { lanes::run_wide::<F, _>(memory, kernel) },
-                    _ => of_another_float(),
+                    _ => panic_for_other_float::<Self>(),
                 }
             }
         }

@@ -1,48 +1,49 @@
-//! Which machine instructions an algorithm runs on.
+//! The machine instructions that an algorithm runs on.
 
 use core::fmt;
 
-/// The machine instructions that algorithms run on: chosen when their memory is made.
+/// The machine instructions that algorithms run on, chosen when their memory is allocated.
 ///
-/// Results differ by rounding between [`Portable`](Self::Portable) and the others, as only those have a multiply-add
-/// that rounds once ([`Simd128`](Self::Simd128) has not) and the project's own sine and cosine. [`Avx2`](Self::Avx2) and [`Avx512`](Self::Avx512)
-/// give the same bits.
+/// Results of [`Portable`](Self::Portable) differ from those of the others by rounding. Only the others have
+/// the project's own sine and cosine and, except [`Simd128`](Self::Simd128), a multiply-add that rounds once.
+/// [`Avx2`](Self::Avx2) and [`Avx512`](Self::Avx512) give the same bits.
 ///
 /// ```
-/// use number::InstructionSet;
+/// use robot_dynamics_number::InstructionSet;
 /// assert!(InstructionSet::Portable.is_available());
 /// println!("this machine: {}", InstructionSet::best());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum InstructionSet {
-    /// Those of the oldest machine that the program was built for.
+    /// The instructions of the oldest machine that the program was built for.
     Portable,
     /// AVX2 and FMA of x86-64: 256-bit registers, fused multiply-add.
     Avx2,
     /// AVX-512 (F, VL and DQ) of x86-64: 512-bit registers, for batches and for derivatives.
     Avx512,
-    /// NEON of 64-bit ARM: 128-bit registers in pairs, fused multiply-add. Every such machine has it.
+    /// NEON of 64-bit ARM: 128-bit registers in pairs, fused multiply-add. Every 64-bit ARM processor has it.
     Neon,
-    /// simd128 of WebAssembly: 128-bit registers in pairs, no fused multiply-add. A module is compiled for it or not.
+    /// simd128 of WebAssembly: 128-bit registers in pairs, no fused multiply-add. The module is compiled with
+    /// it or without.
     Simd128,
 }
 
 impl InstructionSet {
-    /// All that the library has code for on machines of this kind, from the oldest.
+    /// All sets that the library has code for on this architecture, oldest first.
     #[cfg(target_arch = "x86_64")]
     pub const ALL: &[Self] = &[Self::Portable, Self::Avx2, Self::Avx512];
-    /// All that the library has code for on machines of this kind, from the oldest.
+    /// All sets that the library has code for on this architecture, oldest first.
     #[cfg(target_arch = "aarch64")]
     pub const ALL: &[Self] = &[Self::Portable, Self::Neon];
-    /// All that the library has code for on machines of this kind, from the oldest.
+    /// All sets that the library has code for on this architecture, oldest first.
     #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
     pub const ALL: &[Self] = &[Self::Portable, Self::Simd128];
-    /// All that the library has code for on machines of this kind, from the oldest.
+    /// All sets that the library has code for on this architecture, oldest first.
     #[cfg(not(registers))]
     pub const ALL: &[Self] = &[Self::Portable];
 
-    /// Whether this machine has it, and the library code for it.
+    /// Whether this machine has the instructions and the library has code for them.
     pub fn is_available(self) -> bool {
         match self {
             Self::Portable => true,
@@ -62,12 +63,12 @@ impl InstructionSet {
         }
     }
 
-    /// The newest that this machine has.
+    /// The newest set that this machine has.
     pub fn best() -> Self {
         Self::best_up_to(Self::Simd128)
     }
 
-    /// The newest that this machine has, none newer than `limit` in the order of the variants.
+    /// The newest set that this machine has and that is not newer than `limit` in the order of the variants.
     pub fn best_up_to(limit: Self) -> Self {
         let found = Self::ALL.iter().rev().find(|set| **set <= limit && set.is_available());
         *found.unwrap_or(&Self::Portable)
@@ -97,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_limit_is_kept() {
+    fn the_best_set_respects_the_limit() {
         assert_eq!(InstructionSet::best_up_to(InstructionSet::Portable), InstructionSet::Portable);
         for &limit in InstructionSet::ALL {
             let best = InstructionSet::best_up_to(limit);

@@ -1,24 +1,29 @@
-//! What a formula of dynamics is written over.
+//! Numbers that the formulas of dynamics are written over.
 //!
-//! A mass matrix written once over [`Scalar`] yields its value (`f64`, `f32`), its exact derivatives ([`Dual`]), or,
-//! where a machine has the registers for it, the values of several states at once.
+//! A mass matrix written once over [`Scalar`] yields its value (`f64`, `f32`) or its exact derivatives
+//! ([`Dual`]). Where a machine has the registers for it, it yields the values of several states at once.
 //!
 //! # Numbers that only some machines have
 //!
-//! A program is built for the oldest machine of its kind. What newer ones can do (a multiply-add that rounds once,
-//! registers of four or eight numbers) is met through [`dispatch`] alone: an algorithm is written as a kernel, and the
-//! kernel is run over a number of the machine's own once its instructions have been found there. Those numbers have
-//! no names outside this crate, and no public type leads to one, so that safe code cannot execute an instruction
-//! that the machine lacks.
+//! A program is compiled for the oldest machine of its kind. Newer machines have more: a multiply-add that
+//! rounds once, registers of four or eight numbers. Such numbers are reached through [`dispatch`] alone. An
+//! algorithm is written as a kernel, and the kernel runs over a number of the machine's own once its
+//! instructions have been detected. Those numbers have no public names, and no public type leads to one, so
+//! safe code cannot execute an instruction that the machine lacks.
 //!
-//! All of the library's `unsafe` code for instructions is in this crate: `registers`, with a file for each instruction
-//! set, `view`, which reads a slice of floats as a slice of the machine's numbers, `cache`, which asks for memory before it is
-//! needed, and `dispatch` with `float`, which call what is compiled for an instruction set after it was found. A WebAssembly
-//! module cannot look: it is built for simd128 or without, and an engine that lacks it refuses the module.
+//! All of the library's `unsafe` code for instructions is in this crate. `registers` has a file for each
+//! instruction set. `view` reads a slice of floats as a slice of the machine's numbers. `cache` prefetches
+//! memory. `dispatch` and `float` call code that is compiled for an instruction set after it was detected. A
+//! WebAssembly module cannot detect instructions: it is built with simd128 or without, and an engine that
+//! lacks simd128 rejects the module.
 
-// What a formula needs of its number,
+// The operations of a number,
 mod scalar;
 mod triple;
+
+// three-vectors and 3×3 matrices of it,
+#[doc(hidden)]
+pub mod algebra;
 
 // exact derivatives,
 mod dual;
@@ -28,7 +33,7 @@ mod float;
 mod state_lanes;
 mod view;
 
-// what the processor is told of memory,
+// prefetch hints,
 #[doc(hidden)]
 pub mod cache;
 
@@ -45,7 +50,7 @@ mod registers;
 #[doc(hidden)]
 pub mod sine;
 
-// and the way to them.
+// and the dispatch to them.
 pub mod dispatch;
 
 // The seeded generator of test states.

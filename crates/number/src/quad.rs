@@ -1,17 +1,17 @@
 //! Three (padded to four) doubles in vector registers: one of AVX2, or a pair of NEON's or of simd128's.
 //!
-//! The [`Triple`] of `Fused<f64>`. The instructions are each set's own (`registers`).
+//! The [`Triple`] of `FmaFloat<f64>`. The instructions are each set's own (`registers`).
 
-use crate::fused::Fused;
+use crate::fused::FmaFloat;
 use crate::registers::four as lanes;
 pub(crate) use crate::registers::four::Quad;
 use crate::{Symmetric, Triple};
 
-impl Triple<Fused<f64>> for Quad {
+impl Triple<FmaFloat<f64>> for Quad {
     const COLUMNS: bool = true;
 
     #[inline(always)]
-    fn new(components: [Fused<f64>; 3]) -> Self {
+    fn new(components: [FmaFloat<f64>; 3]) -> Self {
         let [x, y, z] = components;
         lanes::new([x.0, y.0, z.0])
     }
@@ -20,13 +20,13 @@ impl Triple<Fused<f64>> for Quad {
         lanes::load(components)
     }
     #[inline(always)]
-    fn array(self) -> [Fused<f64>; 3] {
+    fn array(self) -> [FmaFloat<f64>; 3] {
         let [x, y, z, _] = lanes::store(self);
-        [Fused(x), Fused(y), Fused(z)]
+        [FmaFloat(x), FmaFloat(y), FmaFloat(z)]
     }
     #[inline(always)]
-    fn get(self, i: usize) -> Fused<f64> {
-        Fused(lanes::store(self)[i])
+    fn get(self, i: usize) -> FmaFloat<f64> {
+        FmaFloat(lanes::store(self)[i])
     }
     #[inline(always)]
     fn plus(self, b: Self) -> Self {
@@ -41,15 +41,15 @@ impl Triple<Fused<f64>> for Quad {
         lanes::sub(lanes::zero(), self)
     }
     #[inline(always)]
-    fn times(self, k: Fused<f64>) -> Self {
+    fn times(self, k: FmaFloat<f64>) -> Self {
         lanes::mul(self, lanes::splat(k.0))
     }
     #[inline(always)]
-    fn times_plus(self, k: Fused<f64>, b: Self) -> Self {
+    fn times_plus(self, k: FmaFloat<f64>, b: Self) -> Self {
         lanes::mul_add(self, lanes::splat(k.0), b)
     }
     #[inline(always)]
-    fn minus_times(self, k: Fused<f64>, b: Self) -> Self {
+    fn minus_times(self, k: FmaFloat<f64>, b: Self) -> Self {
         lanes::neg_mul_add(self, lanes::splat(k.0), b)
     }
     #[inline(always)]
@@ -75,11 +75,11 @@ impl Triple<Fused<f64>> for Quad {
         lanes::yzx(lanes::neg_mul_add(lanes::yzx(c), d, lanes::mul_add(c, lanes::yzx(d), first)))
     }
     #[inline(always)]
-    fn plus_z(self, z: Fused<f64>) -> Self {
+    fn plus_z(self, z: FmaFloat<f64>) -> Self {
         lanes::add(self, lanes::new([0.0, 0.0, z.0]))
     }
     #[inline(always)]
-    fn cross_z(self, z: Fused<f64>) -> Self {
+    fn cross_z(self, z: FmaFloat<f64>) -> Self {
         lanes::mul(lanes::yxww(self), lanes::new([z.0, -z.0, 0.0]))
     }
     /// a × e_j, with the signs of each column.
@@ -111,18 +111,18 @@ impl Triple<Fused<f64>> for Quad {
         ]
     }
     #[inline(always)]
-    fn dot(self, b: Self) -> Fused<f64> {
-        Fused(lanes::sum(lanes::mul(self, b)))
+    fn dot(self, b: Self) -> FmaFloat<f64> {
+        FmaFloat(lanes::sum(lanes::mul(self, b)))
     }
-    /// The padding of the rows is no number of the matrix's.
+    /// The padding of the rows is not part of the matrix.
     #[inline(always)]
     fn transpose([x, y, z]: [Self; 3]) -> [Self; 3] {
         let (even, odd) = (lanes::evens(x, y), lanes::odds(x, y));
         [lanes::low_halves(even, z), lanes::low_halves(odd, lanes::odds(z, z)), lanes::high_halves(even, z)]
     }
-    /// k, mostly the result of a division, is waited for last: k b would take a while longer.
+    /// k is used last because it is mostly the result of a division; k b would wait for it longer.
     #[inline(always)]
-    fn minus_scaled_outer([x, y, z]: [Self; 3], a: Self, b: Self, k: Fused<f64>, _: Self) -> [Self; 3] {
+    fn minus_scaled_outer([x, y, z]: [Self; 3], a: Self, b: Self, k: FmaFloat<f64>, _: Self) -> [Self; 3] {
         let k = lanes::splat(k.0);
         [
             lanes::neg_mul_add(a.times_lane::<0>(b), k, x),
@@ -132,8 +132,8 @@ impl Triple<Fused<f64>> for Quad {
     }
 }
 
-/// Its three columns.
-impl Symmetric<Fused<f64>, Quad> for [Quad; 3] {
+/// The three columns of the matrix.
+impl Symmetric<FmaFloat<f64>, Quad> for [Quad; 3] {
     #[inline(always)]
     fn from_columns(columns: [Quad; 3]) -> Self {
         columns
@@ -147,7 +147,7 @@ impl Symmetric<Fused<f64>, Quad> for [Quad; 3] {
         [lanes::add(self[0], b[0]), lanes::add(self[1], b[1]), lanes::add(self[2], b[2])]
     }
     #[inline(always)]
-    fn plus_multiple_of_identity(self, k: Fused<f64>) -> Self {
+    fn plus_multiple_of_identity(self, k: FmaFloat<f64>) -> Self {
         let ([x, y, z], k) = (self, lanes::splat(k.0));
         [
             lanes::mul_add(k, lanes::load(&[1.0, 0.0, 0.0, 0.0]), x),
@@ -156,7 +156,7 @@ impl Symmetric<Fused<f64>, Quad> for [Quad; 3] {
         ]
     }
     #[inline(always)]
-    fn minus_square(self, a: Quad, k: Fused<f64>, scaled: Quad) -> Self {
+    fn minus_square(self, a: Quad, k: FmaFloat<f64>, scaled: Quad) -> Self {
         Quad::minus_scaled_outer(self, a, a, k, scaled)
     }
     #[inline(always)]

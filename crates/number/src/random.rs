@@ -1,14 +1,14 @@
-//! A small seeded generator of random numbers, for tests that must fail the same way twice.
+//! A small seeded generator of random numbers, for tests that fail the same way each time.
 
 /// `SplitMix64`: a 64-bit counter in steps of the golden ratio, passed through a mixing function.
 ///
-/// One word of state, period 2⁶⁴, the same numbers on every machine. Good enough to scatter test states;
-/// not meant for cryptography.
+/// One word of state, period 2⁶⁴, the same numbers on every machine. It is good enough to draw test states
+/// and is not meant for cryptography.
 ///
 /// Source: Steele, Lea, Flood, *Fast splittable pseudorandom number generators* (OOPSLA 2014), fig. 14.
 ///
 /// ```
-/// use number::SplitMix64;
+/// use robot_dynamics_number::SplitMix64;
 /// let (mut a, mut b) = (SplitMix64::new(7), SplitMix64::new(7));
 /// assert_eq!(a.uniform(-1.0, 1.0), b.uniform(-1.0, 1.0));
 /// ```
@@ -21,7 +21,7 @@ impl SplitMix64 {
     /// The generator that starts at `seed`; equal seeds give equal sequences.
     ///
     /// ```
-    /// use number::SplitMix64;
+    /// use robot_dynamics_number::SplitMix64;
     /// assert_eq!(SplitMix64::new(7).next_u64(), SplitMix64::new(7).next_u64());
     /// assert_ne!(SplitMix64::new(7).next_u64(), SplitMix64::new(8).next_u64());
     /// ```
@@ -33,7 +33,7 @@ impl SplitMix64 {
     ///
     /// ```
     /// // As published with the algorithm.
-    /// assert_eq!(number::SplitMix64::new(1_234_567).next_u64(), 6_457_827_717_110_365_317);
+    /// assert_eq!(robot_dynamics_number::SplitMix64::new(1_234_567).next_u64(), 6_457_827_717_110_365_317);
     /// ```
     pub fn next_u64(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -43,10 +43,10 @@ impl SplitMix64 {
         z ^ (z >> 31)
     }
 
-    /// A number in [low, high), from the top 53 bits, so every value is a multiple of 2⁻⁵³ of the range.
+    /// A number in [low, high), made of the top 53 bits: every value is a multiple of 2⁻⁵³ of the range.
     ///
     /// ```
-    /// let mut random = number::SplitMix64::new(7);
+    /// let mut random = robot_dynamics_number::SplitMix64::new(7);
     /// let mean = (0..10_000).map(|_| random.uniform(0.0, 1.0)).sum::<f64>() / 10_000.0;
     /// assert!((mean - 0.5).abs() < 0.012); // four standard deviations, 4/√(12·10⁴)
     /// ```
@@ -54,7 +54,7 @@ impl SplitMix64 {
     /// # Panics
     /// If `low > high`, or if either is not finite.
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        assert!(low <= high && (high - low).is_finite(), "no number lies in [{low}, {high})");
+        assert!(low <= high && (high - low).is_finite(), "invalid range [{low}, {high})");
         let unit = (self.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
         low + (high - low) * unit
     }
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "no number lies in [1, 0)")]
+    #[should_panic(expected = "[1, 0)")]
     fn an_empty_range_is_refused() {
         SplitMix64::new(0).uniform(1.0, 0.0);
     }

@@ -1,7 +1,7 @@
-//! The numbers of several states in vector registers; a file for each instruction set.
+//! Numbers of several states in vector registers, with a file for each instruction set.
 //!
-//! Only kernels meet these types, on machines that have their instructions ([`crate::dispatch`]). Every operation is
-//! `unsafe` for that reason alone; what touches memory says why it may.
+//! Only kernels use these types, on machines that have their instructions ([`crate::dispatch`]). Every
+//! operation is `unsafe` for that reason alone. Operations that touch memory state why it is valid.
 #![allow(unsafe_code)]
 #![allow(clippy::wildcard_imports)] // some fifty instructions
 
@@ -26,7 +26,7 @@ pub(crate) use simd128::{F32x8, F64x4, four};
 use crate::Scalar;
 use crate::sine::RANGE;
 
-/// An operator and its assigning form.
+/// An operator and its assigning variant.
 macro_rules! operator {
     ($name:ident, $trait:ident, $method:ident, $assign:ident, $assign_method:ident, $instruction:ident) => {
         impl $trait for $name {
@@ -74,7 +74,7 @@ macro_rules! register {
 
         impl Neg for $name {
             type Output = Self;
-            /// −0 − x, which the compiler knows as a change of sign.
+            /// −0 − x, which the compiler recognizes as a change of sign.
             #[inline(always)]
             fn neg(self) -> Self {
                 // SAFETY: see the module.
@@ -138,7 +138,7 @@ macro_rules! register {
                     return result;
                 }
                 let (mut sines, mut cosines) = (result.0.to_array(), result.1.to_array());
-                repair(&self.to_array(), &mut sines, &mut cosines);
+                recompute_far_angles(&self.to_array(), &mut sines, &mut cosines);
                 (Self::from_array(&sines), Self::from_array(&cosines))
             }
             #[inline(always)]
@@ -189,13 +189,13 @@ macro_rules! register {
                 $name::all_within(*self, range)
             }
 
-            /// In blocks of as many columns as rows, each transposed in registers.
+            /// Transposes blocks of as many columns as rows in registers.
             #[inline(always)]
             fn gather(rows: &[$float], stride: usize, to: &mut [Self]) {
                 let width = to.len();
                 let mut k = 0;
                 while k < width {
-                    // The last block reaches back over columns already done rather than beyond the row.
+                    // The last block overlaps columns already done instead of reaching beyond the row.
                     let (start, count) =
                         if width < $lanes { (0, width) } else { (k.min(width - $lanes), $lanes) };
                     let mut block = [Self::from_f64(0.0); $lanes];
@@ -249,14 +249,14 @@ macro_rules! register {
 }
 pub(crate) use register;
 
-/// Fewer numbers of a row than a register holds, from its start on, where there are no masks.
-macro_rules! parts_copied {
+/// Loads and stores of fewer numbers of a row than a register holds, for sets without masks.
+macro_rules! copy_parts {
     ($name:ident, $float:ty, $lanes:literal) => {
         impl $name {
             #[inline(always)]
             fn load_part(row: &[$float], count: usize) -> Self {
                 if row.len() >= $lanes {
-                    // What lies beyond `count` lands in columns that nobody reads.
+                    // Numbers beyond `count` are loaded into columns that are never read.
                     return Self::load(row);
                 }
                 let mut lanes = [0.0; $lanes];
@@ -275,12 +275,12 @@ macro_rules! parts_copied {
         }
     };
 }
-pub(crate) use parts_copied;
+pub(crate) use copy_parts;
 
-/// Angles out of range, and those that are none, one by one.
+/// Recomputes the sines of angles that are out of range or NaN, one by one.
 #[cold]
 #[inline(never)]
-fn repair<T: Scalar>(angles: &[T], sines: &mut [T], cosines: &mut [T])
+fn recompute_far_angles<T: Scalar>(angles: &[T], sines: &mut [T], cosines: &mut [T])
 where
     f64: From<T>,
 {

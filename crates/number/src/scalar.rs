@@ -1,7 +1,7 @@
 //! The number a formula is written over: `f64`, `f32`, dual numbers, or several states side by side.
 //!
 //! A mass matrix written once over [`Scalar`] yields its value (`f64`), its exact derivatives
-//! ([`Dual`](crate::Dual)), or many values at once (lanes), all from the same source lines.
+//! ([`Dual`](crate::Dual)), or many values at once (lanes). All come from the same source lines.
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -35,11 +35,11 @@ pub trait Scalar:
     /// A symmetric 3×3 matrix of these.
     type Symmetric: Symmetric<Self, Self::Triple>;
 
-    /// Whether this is `f64` or `f32`, which libraries may compile their algorithms for once.
+    /// Whether this is `f64` or `f32`. Libraries may compile their algorithms once for these.
     #[doc(hidden)]
     const IS_FLOAT: bool = false;
 
-    /// The form with this number's name replaced by the float's that it is.
+    /// The member of a type family over this number, with its type resolved if it is a float.
     #[doc(hidden)]
     #[inline(always)]
     fn as_float<F: Form>(form: F::Over<Self>) -> AsFloat<F, Self> {
@@ -76,7 +76,7 @@ pub trait Scalar:
         self * Self::from_f64(k)
     }
 
-    /// `self · a + b`; fused into one rounding only by types that know the hardware can.
+    /// `self · a + b`; only types whose hardware has the instruction fuse it into one rounding.
     #[inline(always)]
     #[must_use]
     fn mul_add(self, a: Self, b: Self) -> Self {
@@ -96,31 +96,31 @@ pub trait Scalar:
     }
 }
 
-/// A type constructor: what has a form over each number.
+/// A family of types: one member for each number, a type constructor.
 #[doc(hidden)]
 pub trait Form {
-    /// The form over `S`.
+    /// The member over `S`.
     type Over<S: Scalar>;
 }
 
-/// A form over a float, as which it is known, or over any other number. See [`Scalar::as_float`].
+/// A member of a type family, with its type resolved if the number is a float. See [`Scalar::as_float`].
 #[doc(hidden)]
 pub enum AsFloat<F: Form, S: Scalar> {
     /// The number is `f64`.
     F64(F::Over<f64>),
     /// The number is `f32`.
     F32(F::Over<f32>),
-    /// It is neither.
+    /// The number is neither.
     Other(F::Over<S>),
 }
 
-/// Panics with all three numbers when they differ.
+/// Panics with all three lengths if they differ.
 #[inline(always)]
 #[track_caller]
 pub(crate) fn check_lengths(angles: usize, sines: usize, cosines: usize) {
     assert!(
         angles == sines && angles == cosines,
-        "{angles} angles need as many sines and cosines, got {sines} and {cosines}"
+        "angles, sines and cosines differ in length: {angles}, {sines} and {cosines}"
     );
 }
 
@@ -180,12 +180,12 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "2 angles need as many sines and cosines, got 2 and 1")]
+    #[should_panic(expected = "2, 2 and 1")]
     fn unequal_lengths_are_refused() {
         f64::sin_cos_each(&[0.0, 1.0], &mut [0.0; 2], &mut [0.0; 1]);
     }
 
-    /// One formula over two precisions: f32 has 24 bits, 6e-8.
+    /// One formula in two precisions: f32 has 24 bits, 6e-8.
     #[test]
     fn precisions_agree() {
         fn formula<S: Scalar>(x: S) -> S {

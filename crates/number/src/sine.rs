@@ -1,22 +1,23 @@
 //! Sine and cosine of the angles in one vector register, without a branch.
 //!
-//! x is brought to r = x − n π/2, |r| ≤ π/4, with π/2 in three parts. In double precision the first two parts have 33
-//! bits, so that their products with n are exact for |n| < 2²⁰ (Cody and Waite, *Software Manual for the Elementary
-//! Functions*, 1980), and sin r and cos r are the minimax polynomials of FDLIBM's `k_sin.c` and `k_cos.c` (Sun
-//! Microsystems, 1993): within 1 ulp. In single precision the parts have 24 bits (the first product and difference are
-//! exact in a fused multiply-add), and the polynomials are those of the Cephes library's `sinf.c` (S. L. Moshier,
-//! 1992): within 2 ulp. Both for |x| < 1e5 (tested); larger and non-finite angles go to the standard library one by
-//! one. WebAssembly has no fused multiply-add: its singles take the way of the doubles. Machines that have none and whose doubles are
-//! slow have [`sin_cos_f32_in_short_parts`], whose products with n are exact without it for |x| < 8192.
+//! x is reduced to r = x − n π/2, |r| ≤ π/4, with π/2 in three parts. In double precision the first two parts
+//! have 33 bits. Their products with n are exact for |n| < 2²⁰ (Cody and Waite, *Software Manual for the
+//! Elementary Functions*, 1980). sin r and cos r are the minimax polynomials of FDLIBM's `k_sin.c` and
+//! `k_cos.c` (Sun Microsystems, 1993), within 1 ulp. In single precision the parts have 24 bits, and the
+//! first product and difference are exact in a fused multiply-add. The polynomials are those of the Cephes
+//! library's `sinf.c` (S. L. Moshier, 1992), within 2 ulp. Both hold for |x| < 1e5 (tested); larger and
+//! non-finite angles are passed to the standard library one by one. WebAssembly has no fused multiply-add:
+//! its singles are computed as doubles. Machines without fused multiply-add whose doubles are slow use
+//! [`sin_cos_f32_in_short_parts`], whose products with n are exact without it for |x| < 8192.
 
 use crate::Scalar;
 
-/// The largest |x| \[rad\] that the reduction takes.
+/// The bound on |x| \[rad\] of the reduction.
 pub const RANGE: f64 = 1e5;
 
-/// What the two polynomials need besides arithmetic.
+/// The operation that the polynomials need besides arithmetic.
 pub trait Quadrants: Scalar {
-    /// Sine and cosine of r + n π/2 from those of r; the lowest bits of `shifted` hold n.
+    /// Sine and cosine of r + n π/2 from those of r; the lowest bits of `shifted` are n.
     fn turn(shifted: Self, sine: Self, cosine: Self) -> (Self, Self);
 }
 
@@ -38,7 +39,7 @@ quadrants_of_float!(f32);
 /// (sin x, cos x) in double precision for |x| < [`RANGE`].
 ///
 /// ```
-/// let (sine, cosine) = number::sine::sin_cos_f64(2.0_f64);
+/// let (sine, cosine) = robot_dynamics_number::sine::sin_cos_f64(2.0_f64);
 /// assert!((sine - 2.0_f64.sin()).abs() < 2e-16 && (cosine - 2.0_f64.cos()).abs() < 2e-16);
 /// ```
 #[inline(always)]
@@ -72,10 +73,10 @@ pub fn sin_cos_f64<V: Quadrants>(x: V) -> (V, V) {
     V::turn(shifted, sine, cosine)
 }
 
-/// (sin x, cos x) in single precision for |x| < [`RANGE`], where multiply-adds are fused.
+/// (sin x, cos x) in single precision for |x| < [`RANGE`], with fused multiply-adds.
 ///
 /// ```
-/// let (sine, cosine) = number::sine::sin_cos_f32(0.5_f32); // no turn to take off
+/// let (sine, cosine) = robot_dynamics_number::sine::sin_cos_f32(0.5_f32); // no reduction is needed
 /// assert!((sine - 0.5_f32.sin()).abs() < 1e-7 && (cosine - 0.5_f32.cos()).abs() < 1e-7);
 /// ```
 #[inline(always)]
@@ -92,14 +93,14 @@ pub fn sin_cos_f32<V: Quadrants>(x: V) -> (V, V) {
     of_reduced_f32(shifted, r)
 }
 
-/// The largest |x| \[rad\] that [`sin_cos_f32_in_short_parts`] takes.
+/// The bound on |x| \[rad\] of [`sin_cos_f32_in_short_parts`].
 pub const SHORT_RANGE: f64 = 8192.0;
 
-/// (sin x, cos x) in single precision for |x| < [`SHORT_RANGE`], multiply-adds fused or not: the first two parts of π/2 have 8
-/// and 11 bits, so that their products with n, of at most 13 bits, are exact.
+/// (sin x, cos x) in single precision for |x| < [`SHORT_RANGE`], multiply-adds fused or not. The first two
+/// parts of π/2 have 8 and 11 bits, so that their products with n, of at most 13 bits, are exact.
 ///
 /// ```
-/// let (sine, cosine) = number::sine::sin_cos_f32_in_short_parts(8000.0_f32);
+/// let (sine, cosine) = robot_dynamics_number::sine::sin_cos_f32_in_short_parts(8000.0_f32);
 /// assert!((sine - 8000.0_f32.sin()).abs() < 1e-7 && (cosine - 8000.0_f32.cos()).abs() < 1e-7);
 /// ```
 #[inline(always)]
@@ -118,7 +119,7 @@ pub const SHORT_PARTS: [f64; 3] = [1.570_312_5, 4.837_512_969_970_703e-4, 7.549_
 /// Sine and cosine of r + n π/2 for |r| ≤ π/4 by the polynomials of single precision.
 ///
 /// ```
-/// let (sine, cosine) = number::sine::of_reduced_f32(12_582_912.0 + 1.0, 0.5_f32); // n = 1 in the lowest bits
+/// let (sine, cosine) = robot_dynamics_number::sine::of_reduced_f32(12_582_912.0 + 1.0, 0.5_f32); // n = 1 in the lowest bits
 /// assert!((sine - 0.5_f32.cos()).abs() < 1e-7 && (cosine + 0.5_f32.sin()).abs() < 1e-7);
 /// ```
 #[inline(always)]
@@ -139,8 +140,9 @@ mod tests {
     use super::*;
     use crate::SplitMix64;
 
-    /// Without fused multiply-adds, over the whole range: within a unit in the last place of 1 of the standard library's, and
-    /// within two of its own where it is small, so that the reduction loses nothing.
+    /// Without fused multiply-adds, over the whole range, the sine is within a unit in the last place of 1 of
+    /// the standard library. Where the result is small, it is within two of its own units, so the reduction
+    /// loses no accuracy.
     #[test]
     fn portable_sines_agree_with_the_standard_library() {
         let mut random = SplitMix64::new(11);

@@ -1,13 +1,14 @@
-//! Several states side by side: one number of each.
+//! Several states side by side, one number of each.
 //!
-//! A formula over [`StateLanes`] is evaluated for L states by the same instructions: on machines with AVX-512, AVX2,
-//! NEON or simd128 the L numbers are vector registers, and only kernels meet them ([`crate::dispatch`]). A lone float is one lane.
-//! Every lane's arithmetic is that of a lone number: what stands in one lane, be it NaN, changes no bit of another.
+//! A formula over [`StateLanes`] is evaluated for L states by the same instructions. On machines with
+//! AVX-512, AVX2, NEON or simd128 the L numbers are vector registers, and only kernels use them
+//! ([`crate::dispatch`]). A single float is one lane. Every lane's arithmetic is that of a single number: the
+//! value of one lane, even NaN, changes no bit of another.
 
 use crate::sine::Quadrants;
 use crate::{Float, Scalar};
 
-/// A number for several states, read from and written to tables that hold one state after the other.
+/// A number for several states, read from and written to tables that store one state after the other.
 pub trait StateLanes: Scalar + Quadrants {
     /// The number of one state.
     type Float: Float;
@@ -15,16 +16,16 @@ pub trait StateLanes: Scalar + Quadrants {
     /// L, how many states.
     const LANES: usize;
 
-    /// The numbers of all states.
+    /// A number from its lanes.
     fn from_lanes(lane: impl Fn(usize) -> Self::Float) -> Self;
 
     /// The number of state `lane`.
     fn lane(&self, lane: usize) -> Self::Float;
 
-    /// Whether each lane is finite, a bit each.
+    /// A bit for each lane, set if it is finite.
     fn finite(&self) -> u32;
 
-    /// Whether |x| < `range` in every lane; a lane that is NaN is not.
+    /// Whether |x| < `range` in every lane; false if a lane is NaN.
     fn all_within(&self, range: f64) -> bool;
 
     /// `to[k]` becomes column k of L rows, which start every `stride` numbers.
@@ -33,15 +34,15 @@ pub trait StateLanes: Scalar + Quadrants {
     /// If a row has fewer than `to.len()` numbers.
     fn gather(rows: &[Self::Float], stride: usize, to: &mut [Self]);
 
-    /// Column k of L rows, which start every `stride` numbers, becomes `column(k)`, for k below `width`; the reverse of
-    /// [`StateLanes::gather`].
+    /// For k below `width`, column k of L rows, which start every `stride` numbers, becomes `column(k)`: the
+    /// reverse of [`StateLanes::gather`].
     ///
     /// # Panics
     /// If a row has fewer than `width` numbers.
     fn scatter<'a>(width: usize, column: impl Fn(usize) -> &'a Self, rows: &mut [Self::Float], stride: usize);
 
-    /// [`StateLanes::gather`] of the first `states` rows, at most L. In the other lanes the last state stands once more, so that
-    /// nothing depends on how many there are.
+    /// [`StateLanes::gather`] of the first `states` rows, at most L. The other lanes repeat the last state,
+    /// so that results do not depend on the number of states.
     ///
     /// # Panics
     /// If there is no state, or a row has fewer than `to.len()` numbers.
@@ -80,7 +81,7 @@ pub trait StateLanes: Scalar + Quadrants {
     }
 }
 
-/// A lone number is one lane: what batches take where no register holds more.
+/// A single number is one lane, for batches on machines without registers.
 macro_rules! one_lane {
     ($float:ty) => {
         impl StateLanes for $float {
@@ -125,7 +126,7 @@ mod tests {
     use super::*;
     use crate::SplitMix64;
 
-    /// A thousandth of them, two at least, where each instruction is interpreted: that watches memory, not rounding.
+    /// A thousandth of the cases, at least two, under Miri, which checks memory, not rounding.
     fn few<T: core::ops::Div<Output = T> + From<u16> + Ord>(count: T) -> T {
         if cfg!(miri) { (count / T::from(1000)).max(T::from(2)) } else { count }
     }
@@ -137,7 +138,7 @@ mod tests {
         S::from_lanes(|lane| numbers[lane])
     }
 
-    /// Every operation, by lanes and by the lone number, with its multiply-add.
+    /// Every operation on lanes agrees with that on single numbers.
     fn operations_are_the_lone_numbers<S: StateLanes>(
         multiply_add: fn(S::Float, S::Float, S::Float) -> S::Float,
     ) where
@@ -161,7 +162,7 @@ mod tests {
             lone("sign", a.signum0(), &|k| a.lane(k).signum0());
             lone("√", (a * a).sqrt(), &|k| Scalar::sqrt(a.lane(k) * a.lane(k)));
             lone("multiply-add", a.mul_add(b, a), &|k| multiply_add(a.lane(k), b.lane(k), a.lane(k)));
-            // The quadrant is in the lowest bits, whatever the others are.
+            // The quadrant is in the lowest bits, whatever the other bits are.
             let turned = |k: usize| <S::Float as Quadrants>::turn(a.lane(k), b.lane(k), a.lane(k));
             lone("sine of the quadrant", S::turn(a, b, a).0, &|k| turned(k).0);
             lone("cosine of the quadrant", S::turn(a, b, a).1, &|k| turned(k).1);
@@ -186,7 +187,7 @@ mod tests {
         }
     }
 
-    /// Tables of every width, with rows apart, there and back.
+    /// Tables of every width, with gaps between rows, are transposed and transposed back.
     fn tables_are_transposed<S: StateLanes>() {
         let mut random = SplitMix64::new(12);
         for width in 0..if cfg!(miri) { 19 } else { 40 } {
@@ -207,7 +208,7 @@ mod tests {
                 let between = back[lane * stride + width..].iter().take(3);
                 assert!(between.into_iter().all(|&x| x == nothing), "written between rows");
             }
-            // Of fewer states the last fills the other lanes, and no other row is written.
+            // With fewer states the last one fills the other lanes, and no other row is written.
             for states in 1..=S::LANES {
                 let (mut few, mut back) = (vec![S::zero(); width], vec![nothing; count]);
                 S::gather_first(states, &table, stride, &mut few);
@@ -235,12 +236,13 @@ mod tests {
     mod in_registers {
         use super::*;
         use crate::InstructionSet;
-        use crate::fused::Fused;
+        use crate::fused::FmaFloat;
         use crate::registers::{F32x8, F64x4};
         #[cfg(target_arch = "x86_64")]
         use crate::registers::{F32x16, F64x8};
 
-        /// The largest error of sine and cosine in units in the last place of f32, by the double's sine.
+        /// The largest error of sine and cosine in units in the last place of f32, compared with the double's
+        /// sine.
         #[allow(clippy::cast_possible_truncation)]
         fn single_precision_error<S: StateLanes<Float = f32>>(angles: impl Iterator<Item = f32>) -> f64 {
             let ulps = |found: f32, exact: f64| {
@@ -258,7 +260,7 @@ mod tests {
             worst
         }
 
-        /// The double's lanes against the standard library, which is itself within 1 ulp.
+        /// Lanes of doubles agree with the standard library, which is itself within 1 ulp.
         fn double_precision_is_near<S: StateLanes<Float = f64>>() {
             let mut random = SplitMix64::new(13);
             for scale in [1e-300, 1e-8, 1.0, 10.0, 1e3, 9.9e4, 1e8] {
@@ -275,7 +277,7 @@ mod tests {
             }
         }
 
-        /// One angle far out of range, and one that is none, beside ordinary ones.
+        /// One angle far out of range and one NaN, beside ordinary angles.
         fn odd_angles_spoil_no_neighbour<S: StateLanes>() {
             let ordinary: S = random_lanes(&mut SplitMix64::new(14), 3.0);
             let odd = S::from_lanes(|lane| match lane {
@@ -294,7 +296,7 @@ mod tests {
             assert!(nan.partial_cmp(&nan).is_none());
         }
 
-        /// Random angles of every size, and those beside the multiples of π/2.
+        /// Random angles of every size, and angles near the multiples of π/2.
         #[allow(clippy::cast_possible_truncation)]
         fn angles() -> impl Iterator<Item = f32> {
             let mut random = SplitMix64::new(15);
@@ -310,14 +312,14 @@ mod tests {
         }
 
         fn doubles<S: StateLanes<Float = f64>>() {
-            operations_are_the_lone_numbers::<S>(|a, b, c| Fused(a).mul_add(Fused(b), Fused(c)).0);
+            operations_are_the_lone_numbers::<S>(|a, b, c| FmaFloat(a).mul_add(FmaFloat(b), FmaFloat(c)).0);
             tables_are_transposed::<S>();
             odd_angles_spoil_no_neighbour::<S>();
             double_precision_is_near::<S>();
         }
 
         fn singles<S: StateLanes<Float = f32>>() {
-            operations_are_the_lone_numbers::<S>(|a, b, c| Fused(a).mul_add(Fused(b), Fused(c)).0);
+            operations_are_the_lone_numbers::<S>(|a, b, c| FmaFloat(a).mul_add(FmaFloat(b), FmaFloat(c)).0);
             tables_are_transposed::<S>();
             odd_angles_spoil_no_neighbour::<S>();
             println!("worst error {} ulp", single_precision_error::<S>(angles()));

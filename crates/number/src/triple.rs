@@ -1,8 +1,8 @@
-//! Three components as one value, and symmetric 3×3 matrices, in the layout a number computes fastest with.
+//! Three components as one value, and symmetric 3×3 matrices, in the fastest layout for each number.
 //!
-//! Most numbers keep three components apart (`[S; 3]`). A lone hardware float is better off with all three in
-//! one vector register ([`Quad`](crate::Quad)): there a matrix is multiplied by its columns, and a transpose
-//! is worth keeping beside the matrix.
+//! Most numbers keep three components apart (`[S; 3]`). A single hardware float is faster with all three in
+//! one vector register ([`Quad`](crate::Quad)). Products with a matrix then use its columns, and storing the
+//! transpose beside the matrix saves time.
 
 use core::fmt::Debug;
 
@@ -13,8 +13,8 @@ pub trait Triple<S>: Copy + Debug + Send + Sync + 'static {
     /// Whether Mᵀ v is better computed from the stored columns of Mᵀ than by three inner products.
     const COLUMNS: bool;
 
-    /// Whether a product with a known zero or one costs nothing, as where operations are written down to be generated:
-    /// recursions then go through the bodies' own frames, where most constants are such.
+    /// Whether a product with a known zero or one costs nothing, as in a trace of operations for generated
+    /// code. Recursions then use the bodies' own frames, in which most constants are zero or one.
     const FOLDS_ZEROS: bool = false;
 
     /// From the components.

@@ -1,21 +1,21 @@
-//! A slice of the user's numbers, read as a slice of the numbers that a kernel computes with.
+//! Slices of the caller's numbers, read as slices of the numbers that a kernel computes with.
 #![allow(unsafe_code)]
 
 use crate::Scalar;
 
-/// A number that stands for an `S`, bit by bit: slices of one are slices of the other, and nothing is copied.
+/// A number with the representation of an `S`: slices of one are slices of the other, without a copy.
 pub trait View<S: Scalar>: Scalar {
-    /// This number for x; nothing is rounded.
+    /// The number for x, without rounding.
     fn of(x: S) -> Self;
-    /// Back from this number; nothing is rounded.
+    /// The `S` for this number, without rounding.
     fn value(self) -> S;
-    /// The same numbers.
+    /// The numbers of the slice, viewed as this type.
     fn view(numbers: &[S]) -> &[Self];
-    /// The same numbers, to be written.
+    /// The numbers of the slice, viewed as this type and writable.
     fn view_mut(numbers: &mut [S]) -> &mut [Self];
-    /// Back from [`View::view`].
+    /// The reverse of [`View::view`].
     fn values(numbers: &[Self]) -> &[S];
-    /// Back from [`View::view_mut`].
+    /// The reverse of [`View::view_mut`].
     fn values_mut(numbers: &mut [Self]) -> &mut [S];
 }
 
@@ -49,7 +49,7 @@ impl<S: Scalar> View<S> for S {
 #[cfg(registers)]
 macro_rules! view {
     ($float:ty) => {
-        impl View<$float> for crate::fused::Fused<$float> {
+        impl View<$float> for crate::fused::FmaFloat<$float> {
             #[inline(always)]
             fn of(x: $float) -> Self {
                 Self(x)
@@ -60,8 +60,8 @@ macro_rules! view {
             }
             #[inline(always)]
             fn view(numbers: &[$float]) -> &[Self] {
-                // SAFETY: `Fused<T>` is a transparent wrapper of T: same size, alignment and valid bits; the lifetime
-                // is the argument's.
+                // SAFETY: `FmaFloat<T>` is a transparent wrapper of T: same size, alignment and valid bits.
+                // The lifetime is the argument's.
                 unsafe { core::slice::from_raw_parts(numbers.as_ptr().cast(), numbers.len()) }
             }
             #[inline(always)]
@@ -101,18 +101,18 @@ mod tests {
     #[cfg(registers)]
     #[test]
     fn the_machines_numbers_are_the_same_numbers() {
-        use crate::fused::Fused;
+        use crate::fused::FmaFloat;
         let mut numbers = [1.0, -0.0, f64::NAN, f64::MIN_POSITIVE / 4.0];
         let bits = numbers.map(f64::to_bits);
         assert_eq!(
-            Fused::view(&numbers[..]).iter().map(|x: &Fused<f64>| x.0.to_bits()).collect::<Vec<_>>(),
+            FmaFloat::view(&numbers[..]).iter().map(|x: &FmaFloat<f64>| x.0.to_bits()).collect::<Vec<_>>(),
             bits
         );
-        let viewed: &mut [Fused<f64>] = View::view_mut(&mut numbers[..]);
+        let viewed: &mut [FmaFloat<f64>] = View::view_mut(&mut numbers[..]);
         viewed[2] = View::of(7.5);
-        assert_eq!(<Fused<f64> as View<f64>>::values(viewed)[2], 7.5);
+        assert_eq!(<FmaFloat<f64> as View<f64>>::values(viewed)[2], 7.5);
         View::<f64>::values_mut(viewed)[1] = 2.5;
         assert_eq!(numbers[1..3], [2.5, 7.5]);
-        assert_eq!(View::<f32>::value(Fused(0.1f32)), 0.1);
+        assert_eq!(View::<f32>::value(FmaFloat(0.1f32)), 0.1);
     }
 }

@@ -1,11 +1,14 @@
-//! An algorithm on many states: in chunks, between which Python may interrupt, without the interpreter's lock.
+//! An algorithm on many states: in chunks, between which Python may interrupt, without the interpreter's
+//! lock.
 
+use robot_dynamics::batch::BatchQuantity;
 use std::time::Instant;
 
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use robot_dynamics::batch::{BadStates, BatchWorkspace};
-use robot_dynamics::{FrameId, Inputs, Quantity};
+use robot_dynamics::model::FrameId;
+use robot_dynamics::quantity::{Inputs, Quantity};
 
 use crate::ffi::Number;
 use crate::robot::Robot;
@@ -13,8 +16,8 @@ use crate::row::{MOST_RESULTS, Row, Width, Work};
 use crate::single::{self, homogeneous};
 use crate::threads;
 
-/// Numbers of the first chunk's results, with at least so many and at most so many states; of the next chunks as many as
-/// take about `CHUNK_SECONDS`.
+/// Numbers of the first chunk's results, with at least so many and at most so many states; of the next chunks
+/// as many as take about `CHUNK_SECONDS`.
 const FIRST_NUMBERS: usize = 1 << 18;
 const FIRST_STATES: core::ops::RangeInclusive<usize> = 64..=8192;
 const CHUNK_SECONDS: f64 = 0.1;

@@ -1,7 +1,7 @@
 //! One call from Python: the shapes decide whether it is of one state or of many.
 
 use pyo3::prelude::*;
-use robot_dynamics::FrameId;
+use robot_dynamics::model::FrameId;
 
 use crate::batch::{self, Rows};
 use crate::errors::Class;
@@ -10,8 +10,7 @@ use crate::operand::{Given, common_kind, common_lead, given, shown, spread};
 use crate::outcome::{Outcome, bad_states};
 use crate::robot::Robot;
 use crate::row::{MOST_RESULTS, Row, Width};
-use crate::single;
-use crate::threads;
+use crate::{single, threads};
 
 /// States up to which one thread is as quick as several.
 pub(crate) const FEW_STATES: usize = 256;

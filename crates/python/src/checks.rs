@@ -1,8 +1,8 @@
 //! The laws as checks of one robot, and numbers that look like a wrong unit.
 
 use pyo3::prelude::*;
-use robot_dynamics::audit::{Verdict, audit, ignored_physics};
-use robot_dynamics::multibody::plausibility::suspicions;
+use robot_dynamics::plausibility::suspicions;
+use robot_dynamics::verification::audit::{Verdict, audit, ignored_physics};
 
 use crate::robot::Robot;
 
@@ -15,7 +15,7 @@ impl Robot {
     fn _audit(&self, py: Python<'_>, states: u32, seed: u64) -> Vec<CheckFields> {
         let mut checks = py.detach(|| audit(&self.model, states, seed));
         checks.push(ignored_physics(&self.report));
-        let fields = |check: robot_dynamics::audit::Check| {
+        let fields = |check: robot_dynamics::verification::audit::Check| {
             let holds = check.verdict == Verdict::Ok;
             (check.name, check.law, check.found, check.relation, check.allowed, holds, check.place)
         };

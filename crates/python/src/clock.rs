@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use robot_dynamics::{Inputs, Quantity, QuantityMemory, Workspace};
+use robot_dynamics::model::Workspace;
+use robot_dynamics::quantity::{Inputs, Quantity, QuantityMemory};
 
 use crate::numbers::{configuration, vector};
 use crate::robot::Robot;

@@ -5,13 +5,14 @@ use std::fmt::Display;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::dynamics::Integrator;
-use robot_dynamics::{
-    Baumgarte, Closure, ClosureRow, Constraint, ConstraintOptions, ConstraintSet, Coupling, NoSlip, Plane,
-    RollingDisc, RollingRow, Support, Supports, Workspace, constrained_forward_dynamics,
+use robot_dynamics::constraints::{
+    Baumgarte, Constraint, ConstraintOptions, ConstraintSet, ContactSupport, Coupling, FrameConstraint,
+    NoSlip, Plane, RollingDisc, RollingRow, SpatialAxis, SupportProblem, constrained_forward_dynamics,
     constrained_inverse_dynamics, constraint_drift, constraint_projections, contact_impulse,
     project_position, project_velocity, supported_inverse_dynamics,
 };
+use robot_dynamics::model::Workspace;
+use robot_dynamics::simulation::Integrator;
 
 use crate::errors::Class;
 use crate::numbers::{array, array_of, configuration, object, pose_of, record, vector, vector_or_zeros};
@@ -93,9 +94,9 @@ fn refused(py: Python<'_>, error: &dyn Display) -> PyErr {
 }
 
 /// The rows of a closure by their names.
-pub(crate) fn closure_rows(rows: &[String]) -> PyResult<Vec<ClosureRow>> {
-    const ALL: [ClosureRow; 6] =
-        [ClosureRow::X, ClosureRow::Y, ClosureRow::Z, ClosureRow::Rx, ClosureRow::Ry, ClosureRow::Rz];
+pub(crate) fn closure_rows(rows: &[String]) -> PyResult<Vec<SpatialAxis>> {
+    const ALL: [SpatialAxis; 6] =
+        [SpatialAxis::X, SpatialAxis::Y, SpatialAxis::Z, SpatialAxis::Rx, SpatialAxis::Ry, SpatialAxis::Rz];
     let find = |name: &String| {
         ALL.into_iter().find(|row| row.name() == name).ok_or_else(|| {
             PyValueError::new_err(format!("there is no row {name:?}; rows are x, y, z, rx, ry, rz"))
@@ -125,13 +126,13 @@ fn constraint(
         slice.ok_or_else(|| PyValueError::new_err(format!("constraint `{name}` has too few numbers")))
     };
     Ok(match kind {
-        "closure" => Closure::between(frame(0)?, frame(1)?, &closure_rows(rows)?).into(),
-        "point_contact" => Closure::point_contact(frame(0)?, three(0)?).into(),
+        "closure" => FrameConstraint::between(frame(0)?, frame(1)?, &closure_rows(rows)?).into(),
+        "point_contact" => FrameConstraint::point_contact(frame(0)?, three(0)?).into(),
         "contact" => {
             if numbers.len() != 16 {
                 return Err(PyValueError::new_err(format!("constraint `{name}`: a pose has 4 by 4 numbers")));
             }
-            Closure::contact(frame(0)?, pose_of(numbers), &closure_rows(rows)?).into()
+            FrameConstraint::contact(frame(0)?, pose_of(numbers), &closure_rows(rows)?).into()
         }
         "no_slip" => NoSlip { frame: frame(0)?, rows: closure_rows(rows)? }.into(),
         "rolling" => {
@@ -263,12 +264,12 @@ impl Robot {
         actuated: Option<Vec<bool>>,
         force_weight: f64,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let point = |(place, point, normal, friction): SupportFields| -> PyResult<Support> {
+        let point = |(place, point, normal, friction): SupportFields| -> PyResult<ContactSupport> {
             let frame = self.model.frame_named(&place).map_err(|error| Class::Frame.error(py, error))?;
-            Ok(Support::new(frame, point, normal, friction))
+            Ok(ContactSupport::new(frame, point, normal, friction))
         };
         let points = supports.into_iter().map(point).collect::<PyResult<Vec<_>>>()?;
-        let all = Supports::new(&points).with_force_weight(force_weight);
+        let all = SupportProblem::new(&points).with_force_weight(force_weight);
         let all = match constraints {
             Some(set) => all.with_constraints(set.get().of(py, self)?),
             None => all,

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::{FrameTarget, InverseKinematicsOptions, inverse_kinematics, operational_space};
+use robot_dynamics::control::{FrameTarget, InverseKinematicsOptions, inverse_kinematics, operational_space};
 
 use crate::constraints::closure_rows;
 use crate::errors::Class;
@@ -42,7 +42,7 @@ impl Robot {
         };
         let start = match start {
             Some(start) => configuration(py, self, start)?,
-            None => robot_dynamics::neutral(&self.model),
+            None => robot_dynamics::model::neutral(&self.model),
         };
         let options = InverseKinematicsOptions::default()
             .with_tolerances(position_tolerance, angle_tolerance)
@@ -94,7 +94,8 @@ impl Robot {
     }
 }
 
-/// The gain K of u = −K x that minimises Σ xᵀQ x + uᵀR u along xₖ₊₁ = A xₖ + B uₖ, and its cost; see `robot_dynamics.dlqr`.
+/// The gain K of u = −K x that minimises Σ xᵀQ x + uᵀR u along xₖ₊₁ = A xₖ + B uₖ, and its cost; see
+/// `robot_dynamics.dlqr`.
 #[pyfunction]
 pub(crate) fn dlqr<'py>(
     py: Python<'py>,
@@ -106,7 +107,7 @@ pub(crate) fn dlqr<'py>(
     let (a, b) = (matrix(py, "A", a)?, matrix(py, "B", b)?);
     let (q, r) = (matrix(py, "Q", q)?, matrix(py, "R", r)?);
     let found =
-        robot_dynamics::dynamics::dlqr(&a, &b, &q, &r).map_err(|error| Class::Control.error(py, error))?;
+        robot_dynamics::control::dlqr(&a, &b, &q, &r).map_err(|error| Class::Control.error(py, error))?;
     record(
         py,
         [

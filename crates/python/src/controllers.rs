@@ -6,14 +6,15 @@ mod task;
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use robot_dynamics::Controller;
+use robot_dynamics::simulation::Controller;
+
+use crate::errors::Class;
+use crate::numbers::{array, configuration, vector};
+use crate::robot::Robot;
 
 pub(crate) use self::computed_torque::ComputedTorque;
 pub(crate) use self::pd::GravityCompensatedPd;
 pub(crate) use self::task::TaskControl;
-use crate::errors::Class;
-use crate::numbers::{array, configuration, vector};
-use crate::robot::Robot;
 
 /// A law that a simulation runs.
 pub(crate) struct Law<'a> {
@@ -70,8 +71,8 @@ fn torque<'py>(
 }
 
 /// What Python itself had raised in a law's reference.
-fn raised(py: Python<'_>, error: &robot_dynamics::ControllerError) -> Option<PyErr> {
-    let robot_dynamics::ControllerError::Callback(callback) = error else { return None };
+fn raised(py: Python<'_>, error: &robot_dynamics::simulation::ControllerError) -> Option<PyErr> {
+    let robot_dynamics::simulation::ControllerError::Callback(callback) = error else { return None };
     callback.downcast_ref::<PyErr>().map(|own| own.clone_ref(py))
 }
 

@@ -1,9 +1,10 @@
-//! Another robot from a robot: joints locked, a payload attached, gravity scaled; and the numbers of one in the other.
+//! Another robot from a robot: joints locked, a payload attached, gravity scaled; and the numbers of one in
+//! the other.
 
 use pyo3::prelude::*;
-use robot_dynamics::dynamics::MassProperties;
+use robot_dynamics::description::{EditError, MassProperties, RobotDescription};
+use robot_dynamics::model::{Model, lock_massless};
 use robot_dynamics::nalgebra::{Matrix3, Vector3};
-use robot_dynamics::{Model, RobotDescription, SurgeryError};
 
 use crate::errors::Class;
 use crate::numbers::{self, array, configuration, shaped, vector};
@@ -14,7 +15,7 @@ impl Robot {
     fn edited(
         &self,
         py: Python<'_>,
-        edit: impl FnOnce(&mut RobotDescription) -> Result<(), SurgeryError>,
+        edit: impl FnOnce(&mut RobotDescription) -> Result<(), EditError>,
     ) -> PyResult<String> {
         let mut description = self.model.description().clone();
         edit(&mut description).map_err(|error| Class::Description.error(py, error))?;
@@ -41,7 +42,7 @@ impl Robot {
     fn _lock_massless(&self, py: Python<'_>) -> PyResult<(String, Vec<String>)> {
         let mut locked = Vec::new();
         let state = self.edited(py, |description| {
-            locked = description.lock_massless()?;
+            locked = lock_massless(description)?;
             Ok(())
         })?;
         Ok((state, locked))
@@ -93,7 +94,7 @@ impl Robot {
 #[pyclass(frozen, module = "robot_dynamics._native")]
 #[derive(Debug)]
 pub(crate) struct JointMap {
-    map: robot_dynamics::JointMap,
+    map: robot_dynamics::model::JointMap,
     full: Py<Robot>,
     reduced: Py<Robot>,
 }
@@ -113,7 +114,7 @@ impl JointMap {
             Some(reference) => configuration(py, whole, reference)?,
             None => resting(&whole.model),
         };
-        let map = robot_dynamics::JointMap::new(&whole.model, &part.model, &reference)
+        let map = robot_dynamics::model::JointMap::new(&whole.model, &part.model, &reference)
             .map_err(|error| Class::Description.error(py, error))?;
         Ok(Self { map, full: full.clone().unbind(), reduced: reduced.clone().unbind() })
     }
@@ -175,7 +176,7 @@ impl JointMap {
 
 /// Where `lock` holds joints by itself.
 fn resting(model: &Model) -> Vec<f64> {
-    let mut q = robot_dynamics::neutral(model);
+    let mut q = robot_dynamics::model::neutral(model);
     for joint in model.joints() {
         if let Ok(position) = model.description().resting_position(&joint.name)
             && position.len() == joint.nq

@@ -1,8 +1,8 @@
 //! numpy's memory as slices: the one place of this crate with unsafe code.
 //!
-//! Arrays are read and written where they lie. The rule is numpy's own: while a call runs, no other thread may write to
-//! an array that it reads or writes, nor resize it. What one thread gives, an array that is written and read in one
-//! call, is found and copied.
+//! Arrays are read and written where they lie. The rule is numpy's own: while a call runs, no other thread
+//! may write to an array that it reads or writes, nor resize it. What one thread gives, an array that is
+//! written and read in one call, is found and copied.
 
 #![allow(unsafe_code)]
 
@@ -94,9 +94,10 @@ impl<'a> Array<'a> {
     /// The header of an object that is a numpy array.
     #[inline]
     pub(crate) fn of(object: &'a Bound<'_, PyAny>) -> Option<Self> {
-        // SAFETY: the thread is attached to Python, as it has a `Bound`; the object is alive while that is borrowed, and
-        // what it points at is alive with it. Only after the check of its type its header is looked at; numpy promises
-        // its layout across versions. A shape has `nd` lengths that are not negative.
+        // SAFETY: the thread is attached to Python, as it has a `Bound`; the object is alive while that is
+        // borrowed, and what it points at is alive with it. Only after the check of its type its header is
+        // looked at; numpy promises its layout across versions. A shape has `nd` lengths that are not
+        // negative.
         unsafe {
             if PyArray_Check(object.py(), object.as_ptr()) == 0 {
                 return None;
@@ -139,8 +140,8 @@ impl<'a> Array<'a> {
 /// What a call reads and writes.
 pub(crate) type Slices<'a, T> = ([&'a [T]; 4], [&'a mut [T]; MOST_RESULTS]);
 
-/// The arrays' numbers, some to read and some to write; none where an array is not a slice of T, is not to be written to,
-/// or where what is written lies over something else.
+/// The arrays' numbers, some to read and some to write; none where an array is not a slice of T, is not to be
+/// written to, or where what is written lies over something else.
 #[inline]
 pub(crate) fn slices<'a, T: Number>(
     read: &[Array<'a>; 4],
@@ -159,9 +160,9 @@ pub(crate) fn slices<'a, T: Number>(
             return None;
         }
     }
-    // SAFETY: each array is contiguous, aligned and of this type, so that its memory is `len` numbers (of an empty one
-    // nothing is made of its pointer), and lives as long as the `Bound` it was looked up with. What is written overlaps
-    // nothing else here; other threads keep to the rule above.
+    // SAFETY: each array is contiguous, aligned and of this type, so that its memory is `len` numbers (of an
+    // empty one nothing is made of its pointer), and lives as long as the `Bound` it was looked up with. What
+    // is written overlaps nothing else here; other threads keep to the rule above.
     unsafe {
         let reading = read.each_ref().map(|array| match array.len {
             0 => &[][..],

@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use robot_dynamics::description::{Base, LoadReport, RandomRobotOptions};
+use robot_dynamics::model::Model;
 use robot_dynamics::output::{file_read_at, write_files};
 use robot_dynamics::text::{lines, one_line, xml};
-use robot_dynamics::{Base, Format, LoadReport, Model, RandomRobotOptions, with_native_code};
+use robot_dynamics::{Format, with_native_code};
+use robot_dynamics_generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate};
 
 use crate::errors::Class;
 use crate::robot::Robot;
@@ -56,7 +58,7 @@ impl Robot {
         name: Option<String>,
         states: u16,
     ) -> PyResult<Vec<(String, String)>> {
-        let refused = |error: generate::GenerateError| Class::Generate.error(py, error);
+        let refused = |error: robot_dynamics_generate::GenerateError| Class::Generate.error(py, error);
         let names = Target::ALL.map(Target::name);
         let target = Target::ALL.into_iter().find(|own| own.name() == target).ok_or_else(|| {
             PyValueError::new_err(format!("target = {target:?} must be one of {}", names.join(", ")))
@@ -140,7 +142,7 @@ pub(crate) fn _random_robot(
 ) -> PyResult<String> {
     let base = if floating_base { Base::Floating } else { Base::Fixed };
     let options = RandomRobotOptions { joints, base, ..RandomRobotOptions::default() };
-    let description = robot_dynamics::random_robot(seed, &options);
+    let description = robot_dynamics::description::random_robot(seed, &options);
     let model = Model::new(description).map_err(|error| Class::Description.error(py, error))?;
     let robot = Robot::of(with_native_code(model), LoadReport::default());
     robot.state_of(robot.model.description())

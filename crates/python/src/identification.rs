@@ -2,18 +2,19 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use robot_dynamics::control::{MotionRecord, physical_consistency};
 use robot_dynamics::nalgebra::DVector;
-use robot_dynamics::{MotionRecord, physical_consistency};
 
 use crate::errors::Class;
 use crate::numbers::{array, array_of, object, record, shaped};
 use crate::robot::Robot;
 
-/// The combinations β of inertial parameters that torques show; `robot_dynamics.Robot.base_parameters` finds them.
+/// The combinations β of inertial parameters that torques show; `robot_dynamics.Robot.base_parameters` finds
+/// them.
 #[pyclass(frozen, module = "robot_dynamics._native")]
 #[derive(Debug)]
 pub(crate) struct BaseParameters {
-    parameters: robot_dynamics::BaseParameters,
+    parameters: robot_dynamics::control::BaseParameters,
     fingerprint: u64,
 }
 
@@ -70,7 +71,7 @@ impl Robot {
     /// See `base_parameters`.
     fn _base_parameters(&self, py: Python<'_>, states: usize, seed: u64) -> BaseParameters {
         let model = &self.model;
-        let parameters = py.detach(|| robot_dynamics::BaseParameters::of(model, states, seed));
+        let parameters = py.detach(|| robot_dynamics::control::BaseParameters::of(model, states, seed));
         BaseParameters { parameters, fingerprint: model.fingerprint() }
     }
 
@@ -92,7 +93,8 @@ impl Robot {
         let (_, v) = shaped(py, "v", v, &[states, nv])?;
         let (_, a) = shaped(py, "a", a, &[states, nv])?;
         let (_, tau) = shaped(py, "tau", tau, &[states, nv])?;
-        let refused = |error: robot_dynamics::IdentificationError| Class::Identification.error(py, error);
+        let refused =
+            |error: robot_dynamics::control::IdentificationError| Class::Identification.error(py, error);
         let mut motion = MotionRecord::new(&self.model, dissipation);
         for k in 0..states {
             let row = k * nv..(k + 1) * nv;
@@ -111,7 +113,7 @@ impl Robot {
             }
             Some(base) => &base.get().parameters,
             None => {
-                own = robot_dynamics::BaseParameters::of_record(&motion);
+                own = robot_dynamics::control::BaseParameters::of_record(&motion);
                 &own
             }
         };
@@ -140,11 +142,11 @@ impl Robot {
         py: Python<'_>,
         parameters: &Bound<'_, PyAny>,
     ) -> PyResult<Vec<LinkFields>> {
-        let own = robot_dynamics::inertial_parameters(&self.model).len();
+        let own = robot_dynamics::algorithms::inertial_parameters(&self.model).len();
         let (_, parameters) = shaped(py, "parameters", parameters, &[own])?;
         let links = physical_consistency(&self.model, &parameters);
         let links = links.map_err(|error| Class::Identification.error(py, error))?;
-        let row = |link: &robot_dynamics::LinkConsistency| {
+        let row = |link: &robot_dynamics::control::LinkConsistency| {
             (link.link.clone(), link.mass, link.smallest, link.largest, link.is_consistent())
         };
         Ok(links.iter().map(row).collect())

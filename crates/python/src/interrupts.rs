@@ -14,7 +14,8 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// Steps of all states together up to which nobody waits for one.
 pub(crate) const FEW_STEPS: usize = 10_000;
 
-/// Does work without the interpreter's lock; an interrupt sets the flag that it is given, and is then the error.
+/// Does work without the interpreter's lock; an interrupt sets the flag that it is given, and is then the
+/// error.
 ///
 /// Signals come to Python's first thread, which therefore waits for another one, unless the work is short.
 pub(crate) fn interruptible<R: Send>(

@@ -1,8 +1,9 @@
 //! The native half of the Python package `robot_dynamics`: robots, and arrays of their states.
 //!
-//! A call goes through these files, from Python to the libraries and back: `rows` has the methods, a line each; `call`
-//! decides by the shapes whether one state is meant or many; `operand` and `outcome` turn objects into arrays and results into
-//! objects; `single` computes one state, `batch` many; `ffi` is where memory of numpy becomes a slice.
+//! A call goes through these files, from Python to the libraries and back: `rows` has the methods, a line
+//! each; `call` decides by the shapes whether one state is meant or many; `operand` and `outcome` turn
+//! objects into arrays and results into objects; `single` computes one state, `batch` many; `ffi` is where
+//! memory of numpy becomes a slice.
 
 // The macros' types, arguments of keyword in Python, and docstrings in Python's own syntax.
 #![allow(clippy::needless_pass_by_value, clippy::too_many_arguments, clippy::doc_link_with_quotes)]
@@ -57,7 +58,8 @@ mod xla;
 use pyo3::prelude::*;
 
 /// The native half of `robot_dynamics`; use that package.
-// No state outside of the robots, which are immutable, and of locks: the module needs no global interpreter lock.
+// No state outside of the robots, which are immutable, and of locks: the module needs no global interpreter
+// lock.
 #[pymodule(name = "_native", gil_used = false)]
 mod native {
     use pyo3::prelude::*;

@@ -4,7 +4,9 @@ use std::collections::HashMap;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::{Model, StepForces, StepWorkspace, Stepper, linearize_by_differences, linearize_step};
+use robot_dynamics::derivatives::{linearize_by_differences, linearize_step};
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::{StepForces, StepWorkspace, Stepper};
 
 use crate::errors::Class;
 use crate::ffi::{self, Array};

@@ -3,8 +3,9 @@
 use pyo3::BoundObject;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use robot_dynamics::description::Pose;
+use robot_dynamics::model::check_configuration;
 use robot_dynamics::nalgebra::DMatrix;
-use robot_dynamics::{Pose, check_configuration};
 
 use crate::errors::Class;
 use crate::ffi::{self, Array, Kind};

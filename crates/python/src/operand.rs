@@ -3,7 +3,7 @@
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::Model;
+use robot_dynamics::model::Model;
 
 use crate::errors::Class;
 use crate::ffi::{Array, Kind};

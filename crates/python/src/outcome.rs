@@ -5,7 +5,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PySequence, PyTuple};
-use robot_dynamics::Model;
+use robot_dynamics::model::Model;
 
 use crate::errors::Class;
 use crate::ffi::{Array, Kind, Number};

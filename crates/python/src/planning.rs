@@ -2,7 +2,9 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::{Collocation, CubicSpline, MotionLimits, TimeOptimal, limit_use, time_optimal};
+use robot_dynamics::control::{
+    Collocation, CubicSpline, MotionLimits, TimeOptimal, limit_utilization, time_optimal,
+};
 
 use crate::errors::Class;
 use crate::numbers::{array, object, record, shaped, vector};
@@ -69,7 +71,7 @@ impl Robot {
         (options.start_speed, options.end_speed) = (start_speed, end_speed);
         options.collocation = if both_ends { Collocation::BothEnds } else { Collocation::Start };
         let timed = py.detach(|| time_optimal(model, &path, &options)).map_err(|error| refused(&error))?;
-        let used = limit_use(model, &path, &timed, &limits, 4);
+        let used = limit_utilization(model, &path, &timed, &limits, 4);
         let count = samples.max(2);
         let (mut times, mut tables) = (Vec::with_capacity(count), [const { Vec::new() }; 4]);
         for k in 0..count {

@@ -1,9 +1,10 @@
 //! Vector-Jacobian products of the two solutions of the equation of motion.
 
 use robot_dynamics::batch::{self, BadStates, BatchWorkspace};
-use robot_dynamics::{
-    Model, Workspace, forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback_with_parameters,
+use robot_dynamics::derivatives::{
+    forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback_with_parameters,
 };
+use robot_dynamics::model::{Model, Workspace};
 
 use crate::ffi::Number;
 use crate::row::{MOST_RESULTS, Results};
@@ -16,8 +17,8 @@ pub(crate) enum Pullback {
 }
 
 impl Pullback {
-    /// Of one state: q, v, a or τ and the cotangent, into the cotangents of the first three and, unless that is empty, of the
-    /// parameters.
+    /// Of one state: q, v, a or τ and the cotangent, into the cotangents of the first three and, unless that
+    /// is empty, of the parameters.
     pub(crate) fn of_one(
         self,
         model: &Model,

@@ -7,12 +7,11 @@ use std::sync::{Mutex, OnceLock};
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use robot_dynamics::multibody::plausibility::WrittenAngles;
-use robot_dynamics::simulator::Simulation;
-use robot_dynamics::{
-    Described, FrameId, JointKind, LoadReport, Model, Options, RobotDescription, SensorSet, describe,
-    describe_text, with_native_code,
-};
+use robot_dynamics::description::{JointKind, LoadReport, RobotDescription};
+use robot_dynamics::model::{FrameId, Model};
+use robot_dynamics::plausibility::WrittenAngles;
+use robot_dynamics::simulation::{SensorSet, Simulation};
+use robot_dynamics::{LoadedDescription, Options, describe, describe_text, with_native_code};
 
 use crate::errors::Class;
 use crate::ffi::Number;
@@ -32,7 +31,8 @@ pub struct Robot {
     by_name: HashMap<String, usize>,
     /// Where quaternions begin in q.
     pub(crate) quaternions: Vec<usize>,
-    /// Whether some link that a joint carries has moments that leave M no margin: then each inverse is preceded by a check.
+    /// Whether some link that a joint carries has moments that leave M no margin: then each inverse is
+    /// preceded by a check.
     pub(crate) watches_rank: bool,
     /// Why M is singular in every configuration, where it is.
     pub(crate) massless: Option<String>,
@@ -64,8 +64,8 @@ pub(crate) fn example_text(name: &str) -> PyResult<&'static str> {
     })
 }
 
-/// Whether M is positive definite in every configuration because each link behind a joint is a body with inertia in all
-/// directions. Where it is not, M may still be; then it is looked at.
+/// Whether M is positive definite in every configuration because each link behind a joint is a body with
+/// inertia in all directions. Where it is not, M may still be; then it is looked at.
 fn has_margin(description: &RobotDescription) -> bool {
     let moved = description.joints.iter().filter(|joint| joint.kind != JointKind::Fixed);
     moved.map(|joint| &joint.child).all(|child| {
@@ -84,7 +84,7 @@ fn quaternions_of(model: &Model) -> Vec<usize> {
 }
 
 impl Robot {
-    fn made(py: Python<'_>, described: Described) -> PyResult<Self> {
+    fn made(py: Python<'_>, described: LoadedDescription) -> PyResult<Self> {
         let angles = described.angles.clone();
         let robot = described.compile().map_err(|error| Class::Load.error(py, error))?;
         Ok(Self { angles, ..Self::of(robot.model, robot.report) })
@@ -93,7 +93,8 @@ impl Robot {
     pub(crate) fn of(model: Model, report: LoadReport) -> Self {
         let by_name: HashMap<String, usize> =
             model.frames().iter().enumerate().rev().map(|(k, frame)| (frame.name.clone(), k)).collect();
-        // Frames are looked up by name, as the library does; of two with one name the first counts there, too.
+        // Frames are looked up by name, as the library does; of two with one name the first counts there,
+        // too.
         let frames = model.frames().iter().filter_map(|frame| model.frame(&frame.name)).collect();
         let names: Vec<&str> = model.massless_joints().collect();
         let massless = (!names.is_empty()).then(|| {
@@ -177,7 +178,8 @@ type JointFields<'a> = (
 
 #[pymethods]
 impl Robot {
-    /// Reads a robot: `kind` says what `source` is, the `path` of a file, its `text`, or the `json` of `_state`.
+    /// Reads a robot: `kind` says what `source` is, the `path` of a file, its `text`, or the `json` of
+    /// `_state`.
     #[new]
     #[pyo3(signature = (kind, source, *, floating_base=false, strict=false, repair_inertia=false))]
     fn new(
@@ -237,7 +239,8 @@ impl Robot {
             .collect()
     }
 
-    /// The features that the default simulation leaves out, one line for each reason, or why there is no such simulation.
+    /// The features that the default simulation leaves out, one line for each reason, or why there is no such
+    /// simulation.
     fn _left_out(&self, py: Python<'_>) -> Vec<String> {
         if self.model.nv() == 0 {
             return Vec::new();
@@ -284,7 +287,8 @@ impl Robot {
         self.model.nv()
     }
 
-    /// The mass [kg] of the links that `center_of_mass` counts: those that move, or all of a robot whose moving links have no mass.
+    /// The mass [kg] of the links that `center_of_mass` counts: those that move, or all of a robot whose
+    /// moving links have no mass.
     #[getter]
     fn mass(&self) -> f64 {
         self.model.mass()
@@ -307,7 +311,8 @@ impl Robot {
         self.model.gravity().into()
     }
 
-    /// The names of all frames: links, and what the file adds to them; an index into this list is a frame, too.
+    /// The names of all frames: links, and what the file adds to them; an index into this list is a frame,
+    /// too.
     #[getter]
     fn frame_names(&self) -> Vec<&str> {
         self.model.frames().iter().map(|frame| frame.name.as_str()).collect()
@@ -331,11 +336,11 @@ impl Robot {
         self.model.fingerprint()
     }
 
-    /// Which code computes the functions that were called, a line each: machine code, which is made when a function is first
-    /// called, or its recursion, and why.
+    /// Which code computes the functions that were called, a line each: machine code, which is made when a
+    /// function is first called, or its recursion, and why.
     ///
-    /// The environment variable `ROBOT_DYNAMICS_NATIVE=0`, set before the start, leaves all functions to the recursions; results
-    /// then differ by rounding.
+    /// The environment variable `ROBOT_DYNAMICS_NATIVE=0`, set before the start, leaves all functions to the
+    /// recursions; results then differ by rounding.
     ///
     /// >>> robot = rd.example("panda")
     /// >>> tau = robot.gravity(robot.neutral())

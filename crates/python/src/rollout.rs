@@ -5,23 +5,19 @@ use std::collections::HashMap;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::Stepper;
 use robot_dynamics::batch::{self, Rollout, RolloutError, StepperRollout, rollout, rollout_by_stepper};
-use robot_dynamics::dynamics::Integrator;
-use robot_dynamics::simulator::{RunOptions, Simulation};
+use robot_dynamics::simulation::{Integrator, RunOptions, Simulation, Stepper};
 
 use crate::errors::Class;
 use crate::ffi::{self, Array, Kind, Number, Slices};
 use crate::interrupts::{FEW_STEPS, interruptible, until};
-use crate::numbers;
 use crate::operand::{common_kind, given, shown};
-use crate::outcome;
 use crate::robot::Robot;
 use crate::row::{Operand, Width};
 use crate::simulation::set_controls;
 use crate::simulation::setup::Setup;
 use crate::simulation::torques::Torques;
-use crate::threads;
+use crate::{numbers, outcome, threads};
 
 #[pymethods]
 impl Robot {

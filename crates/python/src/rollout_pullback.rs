@@ -4,21 +4,20 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::batch::{self, Rollout, RolloutError, Torques};
-use robot_dynamics::dynamics::Integrator;
-use robot_dynamics::simulator::{Effect, Method};
-use robot_dynamics::{PullbackError, RolloutPullbackWorkspace, parameter_count, rollout_pullback};
+use robot_dynamics::derivatives::{
+    PullbackError, RolloutPullbackWorkspace, parameter_count, rollout_pullback,
+};
+use robot_dynamics::simulation::{Effect, Integrator, Method};
 
 use crate::errors::Class;
 use crate::ffi::{self, Array, Kind, Number};
 use crate::interrupts::{FEW_STEPS, interruptible, until};
-use crate::numbers;
 use crate::operand::{Given, common_kind, given};
-use crate::outcome;
 use crate::robot::Robot;
 use crate::rollout::{NOT_FINITE, describe_bad, threads_for};
 use crate::row::{MOST_RESULTS, Operand, Width};
 use crate::simulation::setup::Setup;
-use crate::threads;
+use crate::{numbers, outcome, threads};
 
 #[pymethods]
 impl Robot {
@@ -75,7 +74,8 @@ impl Robot {
         if common_kind(py, &all)? == Kind::F32 { call.run::<f32>(&all) } else { call.run::<f64>(&all) }
     }
 
-    /// The explicit method of a simulation with these options whose gradients are known, and whether damping and friction act.
+    /// The explicit method of a simulation with these options whose gradients are known, and whether damping
+    /// and friction act.
     #[pyo3(signature = (**options))]
     fn _differentiable_row(
         &self,
@@ -151,7 +151,8 @@ fn header<'a>(array: Option<&'a Bound<'_, PyAny>>) -> Array<'a> {
 }
 
 impl<'py> Call<'_, 'py> {
-    /// The arrays are q, v, the cotangents of the end, then τ and the trajectory's cotangents where there are such.
+    /// The arrays are q, v, the cotangents of the end, then τ and the trajectory's cotangents where there are
+    /// such.
     fn run<T: Number>(self, all: &[Given<'py>]) -> PyResult<Vec<Option<Bound<'py, PyAny>>>> {
         let Self { py, robot, has_tau, .. } = self;
         let lead = all[0].lead();

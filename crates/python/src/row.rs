@@ -1,6 +1,9 @@
 //! What an algorithm reads and gives: a row of the table that Python's methods are made of.
 
-use robot_dynamics::{FrameId, Model, PARAMETERS_PER_LINK, Quantity, parameter_count};
+use robot_dynamics::algorithms::PARAMETERS_PER_LINK;
+use robot_dynamics::derivatives::parameter_count;
+use robot_dynamics::model::{FrameId, Model};
+use robot_dynamics::quantity::Quantity;
 
 use crate::pullback::Pullback;
 use crate::scratch::Scratch;
@@ -18,7 +21,8 @@ pub(crate) struct Row {
     pub(crate) name: &'static str,
     /// What it reads, in the order of the arguments.
     pub(crate) operands: &'static [Operand],
-    /// The shapes of its results; of several, the names are the fields of a named tuple in `robot_dynamics.results`.
+    /// The shapes of its results; of several, the names are the fields of a named tuple in
+    /// `robot_dynamics.results`.
     pub(crate) results: &'static [Shape],
     pub(crate) work: Work,
 }
@@ -160,7 +164,8 @@ pub(crate) enum Work {
     Pullback(Pullback),
 }
 
-/// An algorithm on one state: what it reads in the order of the row's operands, the frames of the call, what it writes.
+/// An algorithm on one state: what it reads in the order of the row's operands, the frames of the call, what
+/// it writes.
 pub(crate) type Each = fn(&Model, &mut Scratch, &[&[f64]; 4], &[FrameId], Results<'_>);
 
 impl Row {

@@ -1,6 +1,7 @@
 //! The methods of a robot that compute something of its states: a line each, with what Python's help shows.
 //!
-//! A row of the library's table of algorithms is named with its `Quantity`; any other algorithm on one state is a closure.
+//! A row of the library's table of algorithms is named with its `Quantity`; any other algorithm on one state
+//! is a closure.
 
 mod dynamics;
 mod kinematics;
@@ -9,7 +10,7 @@ mod space;
 mod wrenches;
 
 use pyo3::prelude::*;
-use robot_dynamics::{Input, Quantity};
+use robot_dynamics::quantity::{Input, Quantity};
 
 use crate::row::Row;
 
@@ -86,7 +87,8 @@ pub(crate) fn row_named(name: &str) -> Option<&'static Row> {
     all.copied().find(|row| row.name == name)
 }
 
-/// The library's table of algorithms: of each its name and what it reads. For the tests, which ask for a method of each.
+/// The library's table of algorithms: of each its name and what it reads. For the tests, which ask for a
+/// method of each.
 #[pyfunction]
 pub(crate) fn quantities() -> Vec<(&'static str, Vec<&'static str>, usize)> {
     let name = |input: &Input| match input {

@@ -3,9 +3,12 @@
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use pyo3::prelude::*;
+use robot_dynamics::algorithms::FramePose;
 use robot_dynamics::batch::{BatchOptions, BatchWorkspace};
-use robot_dynamics::dynamics::Dual;
-use robot_dynamics::{FramePose, LinearizeStepWorkspace, Model, SensorMemory, SensorSet, Workspace};
+use robot_dynamics::derivatives::LinearizeStepWorkspace;
+use robot_dynamics::model::{Model, Workspace};
+use robot_dynamics::number::Dual;
+use robot_dynamics::simulation::{SensorMemory, SensorSet};
 
 use crate::ffi::Number;
 use crate::threads;
@@ -68,8 +71,8 @@ impl<T: Number> Batch<T> {
     }
 }
 
-/// Some places for memory. No one waits for a place: where all are taken, or a fork has left them so, memory is made for
-/// the one call.
+/// Some places for memory. No one waits for a place: where all are taken, or a fork has left them so, memory
+/// is made for the one call.
 #[derive(Debug)]
 pub(crate) struct Slots<T>([Mutex<Option<Box<T>>>; 8]);
 

@@ -1,9 +1,9 @@
 //! The values of a robot's sensors.
 
 use pyo3::prelude::*;
-use robot_dynamics::{
-    FrameId, Model, PointForce, SensorDescription, SensorInputs, SensorKind, SensorObject, SensorSet,
-};
+use robot_dynamics::description::{SensorDescription, SensorKind, SensorObject};
+use robot_dynamics::model::{FrameId, Model};
+use robot_dynamics::simulation::{PointForce, SensorInputs, SensorSet};
 
 use crate::errors::Class;
 use crate::numbers::{array, configuration, shaped, vector};

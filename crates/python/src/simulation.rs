@@ -16,8 +16,9 @@ use std::time::{Duration, Instant};
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
-use robot_dynamics::simulator::{RunOptions, Simulation, StepFailure};
-use robot_dynamics::{CallbackError, ControllerError, Event, Run, StepInfo};
+use robot_dynamics::simulation::{
+    CallbackError, ControllerError, Event, Run, RunOptions, Simulation, StepFailure, StepInfo,
+};
 
 use self::books::{ledger_of, losses_of, statistics_of};
 use self::setup::{Setup, controls_of};
@@ -82,7 +83,7 @@ impl Watch {
 /// A run's numbers.
 fn recorded<'py>(py: Python<'py>, robot: &Robot, run: &Run) -> PyResult<Bound<'py, PyDict>> {
     let (nq, nv, rows) = (robot.model.nq(), robot.model.nv(), run.trajectory.len());
-    let column = |pick: fn(robot_dynamics::Sample<'_>) -> f64| {
+    let column = |pick: fn(robot_dynamics::simulation::Sample<'_>) -> f64| {
         array(py, &run.trajectory.iter().map(pick).collect::<Vec<_>>())
     };
     let mut tables = [const { Vec::new() }; 3];
@@ -193,7 +194,8 @@ impl Robot {
             };
             let options =
                 RunOptions::new().controller(&mut torques).events(events).sample_every(sample_every);
-            // Adaptive steps look at the flag, and evaluate no more samples than are kept, unless forces of actuators are.
+            // Adaptive steps look at the flag, and evaluate no more samples than are kept, unless forces of
+            // actuators are.
             let is_observed = !is_adaptive || simulation.control_names().next().is_some();
             simulation.run(steps, if is_observed { options.observer(&mut observer) } else { options })
         };

@@ -1,7 +1,9 @@
 //! An algorithm on one state.
 
 use pyo3::prelude::*;
-use robot_dynamics::{FrameId, FramePose, Input, Inputs, Quantity, check_configuration, check_rank};
+use robot_dynamics::algorithms::{FramePose, check_rank};
+use robot_dynamics::model::{FrameId, check_configuration};
+use robot_dynamics::quantity::{Input, Inputs, Quantity};
 
 use crate::errors::Class;
 use crate::ffi::{self, Array, Number};
@@ -10,8 +12,8 @@ use crate::robot::Robot;
 use crate::row::{MOST_RESULTS, Results, Row, Shape, Width, Work};
 use crate::scratch::Scratch;
 
-/// The quickest way: all arguments are arrays of one state as they should be. None where one is not, or nothing is
-/// known of it; who then looks closer says what is wrong.
+/// The quickest way: all arguments are arrays of one state as they should be. None where one is not, or
+/// nothing is known of it; who then looks closer says what is wrong.
 #[inline]
 pub(crate) fn at_once<'py>(
     py: Python<'py>,
@@ -95,7 +97,7 @@ pub(crate) fn attempt(
     }
     // Only the rows about the centre of mass divide by the mass.
     if model.mass() == 0.0 && is_about_mass(row.name) {
-        let error = robot_dynamics::MotionError::NoMass { robot: model.name().to_owned() };
+        let error = robot_dynamics::algorithms::MotionError::NoMass { robot: model.name().to_owned() };
         return Err((Class::State, error.to_string()));
     }
     let text = format!("{}: the numbers given are too large to compute it; check their units", row.name);
@@ -190,14 +192,17 @@ fn poses(
     let model = &robot.model;
     if row.results == [Shape::Poses] && frames == robot.frames {
         let Scratch { workspace, poses, .. } = scratch;
-        robot_dynamics::frame_poses(model, workspace, q, poses);
+        robot_dynamics::algorithms::frame_poses(model, workspace, q, poses);
         for (matrix, pose) in matrices.chunks_exact_mut(16).zip(poses) {
             homogeneous_of(pose, matrix);
         }
         return;
     }
     for (matrix, &frame) in matrices.chunks_exact_mut(16).zip(frames) {
-        homogeneous_of(&robot_dynamics::frame_pose(model, &mut scratch.workspace, q, frame), matrix);
+        homogeneous_of(
+            &robot_dynamics::algorithms::frame_pose(model, &mut scratch.workspace, q, frame),
+            matrix,
+        );
     }
 }
 

@@ -7,8 +7,8 @@ use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use robot_dynamics::batch::Threads;
 
-/// A pool and the process that started it. A process that was forked has its parent's pools in memory, but not their
-/// threads: it leaves them as they are and starts its own.
+/// A pool and the process that started it. A process that was forked has its parent's pools in memory, but
+/// not their threads: it leaves them as they are and starts its own.
 struct Pool {
     process: u32,
     threads: Threads,
@@ -66,7 +66,8 @@ pub(crate) fn count_of(threads: Option<&Bound<'_, PyAny>>) -> PyResult<Option<us
     }
 }
 
-/// How many threads a batch is computed by where a call does not say: one a core, or what `set_num_threads` chose.
+/// How many threads a batch is computed by where a call does not say: one a core, or what `set_num_threads`
+/// chose.
 ///
 /// >>> rd.num_threads() >= 1
 /// True
@@ -77,7 +78,8 @@ pub(crate) fn num_threads() -> usize {
 
 /// Chooses how many threads a batch is computed by where a call does not say; `None` for one a core.
 ///
-/// Results are the same bits for any number of threads. Workers of a cluster, which are processes side by side, want one.
+/// Results are the same bits for any number of threads. Workers of a cluster, which are processes side by
+/// side, want one.
 ///
 /// >>> rd.set_num_threads(1)
 /// >>> rd.num_threads()

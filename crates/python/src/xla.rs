@@ -1,7 +1,7 @@
 //! What programs compiled by XLA call: the rows of the table and rollouts, on robots that stay.
 //!
-//! A call comes from a thread of XLA's, without Python: nothing here asks for the interpreter. The rows of bad states are NaN, as
-//! an error would end the whole program.
+//! A call comes from a thread of XLA's, without Python: nothing here asks for the interpreter. The rows of
+//! bad states are NaN, as an error would end the whole program.
 
 mod groups;
 mod rollout;
@@ -11,10 +11,10 @@ use std::sync::{PoisonError, RwLock};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
-use robot_dynamics::{FrameId, parameter_count};
+use robot_dynamics::derivatives::parameter_count;
+use robot_dynamics::model::FrameId;
 
 use self::groups::by_groups;
-pub(crate) use self::rollout::{rollout, rollout_pullback, rollout_tangent};
 use crate::batch::run_at_once;
 use crate::call::FEW_STATES;
 use crate::ffi::xla::{HANDLERS, XlaCall, capsule};
@@ -25,7 +25,10 @@ use crate::rows::row_named;
 use crate::single::attempt;
 use crate::threads;
 
-/// The robots that programs call, by their fingerprints. Nobody knows when the last program is gone: they stay.
+pub(crate) use self::rollout::{rollout, rollout_pullback, rollout_tangent};
+
+/// The robots that programs call, by their fingerprints. Nobody knows when the last program is gone: they
+/// stay.
 static ROBOTS: RwLock<Option<HashMap<u64, &'static Robot>>> = RwLock::new(None);
 
 #[pymethods]

@@ -1,4 +1,4 @@
-//! States and results by the line, as `dynamics compute` reads and writes them.
+//! States and results as lines of JSON, in the format of `dynamics compute`.
 //!
 //! ```
 //! use robot_dynamics::json::{Object, StateLine, Value};
@@ -13,7 +13,7 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize, Serializer};
 
-/// A state as a line gives it, and what was given with it.
+/// A state in a line of JSON, with optional accelerations and forces.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -29,32 +29,33 @@ pub struct StateLine {
 }
 
 impl StateLine {
-    /// Reads `{"q":[..],"v":[..],"a":[..],"tau":[..]}`; how many numbers there are is not looked at.
+    /// Reads `{"q":[..],"v":[..],"a":[..],"tau":[..]}`. The lengths of the lists are not checked.
     ///
     /// # Errors
-    /// What was expected, and what stands at which column.
+    /// A message with the expected form and the column of the fault.
     pub fn parse(line: &[u8]) -> Result<Self, String> {
         let wanted = "expected {\"q\":[..],\"v\":[..]} with \"a\" and \"tau\" optional";
         let line = line.trim_ascii();
         if line.first() != Some(&b'{') {
-            return Err(format!("{wanted}; the line is no JSON object"));
+            return Err(format!("{wanted}; the line is not a JSON object"));
         }
         serde_json::from_slice(line)
             .map_err(|error| format!("{wanted}: {}", error.to_string().replace("line 1 column", "column")))
     }
 }
 
-/// A JSON object that keeps its order.
+/// A JSON object that keeps the order of its members.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object(pub Vec<(Cow<'static, str>, Value)>);
 
-/// A value in an [`Object`]. What is not finite is written as `null`, as JSON has no number for it.
+/// A value in an [`Object`]. Numbers that are not finite are written as `null`, because JSON cannot represent
+/// them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Value {
     /// A number.
     Number(f64),
-    /// How many.
+    /// A count.
     Count(usize),
     /// A list of numbers.
     Numbers(Vec<f64>),
@@ -69,7 +70,7 @@ pub enum Value {
 }
 
 impl Object {
-    /// On one line, without its end.
+    /// The object as one line, without a line break.
     #[allow(clippy::missing_panics_doc)]
     pub fn to_line(&self) -> String {
         serde_json::to_string(self).expect("texts, numbers and lists of these")

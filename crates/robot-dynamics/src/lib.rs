@@ -4,26 +4,32 @@
 //! # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
 //! let robot = robot_dynamics::load(file)?;
 //! let model = &robot.model;
-//! let (q, rest) = (robot_dynamics::neutral(model), vec![0.0; model.nv()]);
+//! let (q, rest) = (robot_dynamics::model::neutral(model), vec![0.0; model.nv()]);
 //! let hold = model.inverse_dynamics(&q, &rest, &rest)?; // the torques that hold it still
 //! assert_eq!(hold, model.gravity_forces(&q)?);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! | what | where |
+//! | module | contents |
 //! | --- | --- |
-//! | a robot from its file, of whichever format | [`load`], [`load_with`], [`describe`], [`describe_text`], [`describe_among`] |
-//! | a robot's file from a robot, in either format | [`write()`], [`Format`] |
-//! | files that replace none that was read, all of them or none | [`output`] |
-//! | any robot: recursions, derivatives, kinematics, constraints, control, simulation, batches | everything of [`multibody`], at the top of this crate |
-//! | a simulation: everything that the file states, step by step | [`Robot::simulation`], [`simulator`] |
-//! | a robot made in code, with its functions in machine code as a loaded robot has them | `with_native_code` |
-//! | the points of a shape's mesh file, for contact | [`mesh_corners`] |
-//! | the height field of a shape, for contact | [`height_field`] |
-//! | states and results as lines of JSON, with the feature `json` | `json` |
-//! | the equations of a textbook chapter, in closed form and by the Lagrange recipe | [`dynamics`] |
-//! | the readers of each format, with their own reports | [`urdf`], [`mjcf`] |
-//! | the linear algebra at the interface | [`nalgebra`] |
+//! | [`load`], [`load_with`], [`describe`], [`describe_text`], [`describe_among`] | a robot from its file, in any format |
+//! | [`write()`], [`Format`], [`output`] | a robot's file from a robot; files that are replaced whole or not at all |
+//! | [`description`] | a robot as its file describes it, edited or made in code |
+//! | [`model`] | the compiled [`Model`](model::Model), its configuration space, its [`Workspace`](model::Workspace) |
+//! | [`algorithms`] | the recursions: τ, a, M, C, g, kinematics, energies, regressors |
+//! | [`derivatives`] | derivatives of the recursions and of steps; gradients pulled back |
+//! | [`mod@simulation`], [`Robot::simulation`] | everything that the file states, step by step |
+//! | [`contact`], [`constraints`] | contact, closed loops, rolling, supports |
+//! | [`control`] | inverse kinematics, operational space, LQR, time-optimal paths, identification |
+//! | `batch`, with the feature `batch` | many states at once: lanes and threads |
+//! | [`quantity`] | the algorithms as a table |
+//! | [`verification`] | independent routes to the same numbers, and the audit of a robot |
+//! | [`plausibility`] | numbers that look like a wrong unit |
+//! | [`conventions`] | conversions to and from other libraries' conventions |
+//! | [`mesh_corners`], [`height_field`] | points of a shape's mesh file, and height fields, for contact |
+//! | `json`, with the feature `json` | states and results as lines of JSON |
+//! | [`urdf`], [`mjcf`] | the readers of each format, with their own reports |
+//! | [`prelude`] | the names that most programs use |
 
 mod height_field;
 #[cfg(feature = "json")]
@@ -33,24 +39,194 @@ mod mesh;
 pub mod output;
 mod write;
 
-pub use dynamics;
-pub use mjcf;
-pub use multibody;
 pub use nalgebra;
-pub use urdf;
+pub use robot_dynamics_core::conventions;
+pub use robot_dynamics_description::{plausibility, text};
+pub use robot_dynamics_mjcf as mjcf;
+pub use robot_dynamics_urdf as urdf;
 
-#[cfg(feature = "native")]
-pub use functions::with_native_code;
 pub use height_field::height_field;
 pub use load::{
-    Described, FileError, LoadError, Robot, describe, describe_among, describe_text, load, load_with,
+    FileError, LoadError, LoadedDescription, Robot, describe, describe_among, describe_text, load, load_with,
     simulation,
 };
 pub use mesh::mesh_corners;
-pub use mjcf::FileSet;
-pub use multibody::*;
-pub use urdf::Options;
+
+#[cfg(feature = "native")]
+pub use robot_dynamics_functions::with_native_code;
+pub use robot_dynamics_mjcf::FileSet;
+pub use robot_dynamics_urdf::Options;
 pub use write::{Format, write};
+
+/// A robot as its file describes it: links, joints, shapes, inertias, sensors, actuators, and the report of a
+/// reader.
+pub mod description {
+    pub use robot_dynamics_description::{
+        Activation, ActuatorDescription, Affine, Base, ContactPairDescription, Coordinate, Counts,
+        Disposition, EARTH_GRAVITY, EditError, Elevation, Equality, EqualityDescription, FLOATING_BASE,
+        Finding, FindingGroup, FrameDescription, HigherTerms, InertiaError, JointDescription, JointKind,
+        JointKinds, JointSoftness, Limits, LinkDescription, LinkShape, LoadReport, MassProperties, Measure,
+        Mimic, ModelError, NamedPose, NoSuchFrame, PassiveForces, PlacementSpring, Pose, PrincipalInertia,
+        Quaternion, RandomRobotOptions, RefusedFile, RobotDescription, RotationalInertia, SensorDescription,
+        SensorKind, SensorObject, Severity, Shape, ShapeRole, Softness, Surface, TendonDescription,
+        TendonSoftness, Transmission, UnsupportedFeature, WriteError, WrittenFile, parallel_axis,
+        parallel_axis_planar, pendulum, random_robot,
+    };
+}
+
+/// The compiled model, its configuration space and its memory.
+pub mod model {
+    pub use robot_dynamics_core::{
+        ConfigurationError, Frame, FrameId, InstructionSet, Joint, JointMap, JointMapError, Model,
+        NativeCode, NativeFunction, NativeReport, NativeUse, RandomState, Workspace, check_configuration,
+        cotangent_from_coordinates, cotangent_to_coordinates, difference, integrate, interpolate,
+        lock_massless, neutral, normalize_quaternions, random_state, random_within_limits,
+    };
+    #[cfg(feature = "native")]
+    pub use robot_dynamics_core::{NativeTrace, Tracer};
+}
+
+/// The recursions: each quantity of the equation of motion, kinematics, energies and regressors.
+pub mod algorithms {
+    pub use robot_dynamics_core::{
+        CentroidalMomentum, FramePose, FrameWrench, MotionError, PARAMETERS_PER_LINK, SingularMass,
+        SingularMotion, Twist, bias, center_of_mass, center_of_mass_bias_acceleration,
+        center_of_mass_jacobian, center_of_mass_velocity, centroidal_momentum, centroidal_momentum_bias_rate,
+        centroidal_momentum_matrix, centroidal_momentum_rate, check_rank, christoffel_symbols,
+        coriolis_matrix, dissipation, dissipation_derivative, forward_dynamics, forward_dynamics_by_cholesky,
+        forward_dynamics_with_wrenches, frame_bias_acceleration_in_frame, frame_bias_acceleration_in_world,
+        frame_bias_acceleration_world_aligned, frame_classical_acceleration_world_aligned,
+        frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned, frame_pose,
+        frame_poses, frame_spatial_acceleration_in_frame, frame_spatial_acceleration_in_world,
+        frame_velocity_in_frame, frame_velocity_in_world, frame_velocity_world_aligned, gravity,
+        inertial_parameters, inverse_dynamics, inverse_dynamics_with_wrenches, inverse_mass_matrix,
+        joint_reactions, joint_torque_regressor, kinetic_energy, kinetic_energy_gradient,
+        kinetic_energy_regressor, mass_matrix, mass_matrix_factor, mass_matrix_rate,
+        mass_matrix_related_entries, mass_rank, momentum, potential_energy, potential_energy_regressor,
+        velocity_product,
+    };
+}
+
+/// Derivatives of the recursions and of steps, and gradients pulled back through them.
+pub mod derivatives {
+    pub use robot_dynamics_core::{
+        ForwardDynamicsDerivatives, ForwardPullback, InverseDynamicsDerivatives, InversePullback,
+        PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError,
+        center_of_mass_velocity_derivative, dissipation_pullback, forward_dynamics_derivatives,
+        forward_dynamics_derivatives_with_wrenches, forward_dynamics_pullback,
+        forward_dynamics_pullback_with_parameters, frame_acceleration_derivatives_in_frame,
+        frame_acceleration_derivatives_world_aligned, frame_velocity_derivative_in_frame,
+        frame_velocity_derivative_world_aligned, gravity_derivative, inverse_dynamics_derivatives,
+        inverse_dynamics_derivatives_with_wrenches, inverse_dynamics_pullback,
+        inverse_dynamics_pullback_with_parameters, parameter_count, parameter_values, with_parameters,
+    };
+    pub use robot_dynamics_simulation::{
+        DifferenceError, LinearizeStepError, LinearizeStepWorkspace, PullbackError, Rollout,
+        RolloutPullbackWorkspace, StepPullbackWorkspace, linearize_by_differences, linearize_step,
+        rollout_pullback, step_pullback,
+    };
+}
+
+/// The algorithms as a table: arguments, results and calls.
+pub mod quantity {
+    pub use robot_dynamics_core::{Input, Inputs, Quantity, QuantityMemory, QuantityResult, ResultShape};
+}
+
+/// Closed loops, rolling, supports: constraints on the velocities of a robot.
+pub mod constraints {
+    pub use robot_dynamics_simulation::{
+        Anchor, Baumgarte, ConstrainedMotion, ConstrainedMotionError, ConstrainedStepReport,
+        ConstrainedTorque, Constraint, ConstraintDrift, ConstraintOptions, ConstraintRecord, ConstraintRows,
+        ConstraintSet, ConstraintSetError, ContactImpulse, ContactSupport, Coupling, DriftCorrection,
+        FrameConstraint, LoopClosure, NamedDependentRow, NoSlip, Plane, PolynomialCoupling,
+        PositionProjection, RedundantRows, RollingDisc, RollingRow, SpatialAxis, SupportProblem,
+        SupportedTorque, TreeProjections, constrained_forward_dynamics, constrained_inverse_dynamics,
+        constrained_step, constraint_drift, constraint_projections, contact_impulse, project_position,
+        project_velocity, supported_inverse_dynamics,
+    };
+}
+
+/// Contact between links, and with the ground.
+pub mod contact {
+    pub use robot_dynamics_simulation::{
+        ActiveSet, ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet,
+        ContactViolation, Ground, HeightField, SoftConstraints, SoftContact,
+    };
+}
+
+/// Simulations: everything that a file states, step by step.
+pub mod simulation {
+    pub use robot_dynamics_integrators::{
+        DynamicsError, EnergyLedger, Integrator, IntegratorError, Stage, StepScheme, Symplectic,
+    };
+    pub use robot_dynamics_simulation::simulator::*;
+    pub use robot_dynamics_simulation::{
+        ActuatedStepError, Actuation, ActuationWorkspace, CallbackError, ConstantTorque, Controller,
+        ControllerError, DivergenceCause, Event, EventOccurrence, GravityAt, GravityCompensatedPd, Implicit,
+        IntoCallbackResult, Losses, MujocoEuler, OperationalSpaceError, PointForce, Run, RunError,
+        RunFailure, Sample, SensorInputs, SensorMemory, SensorSet, StepError, StepFault, StepForces,
+        StepInfo, StepStagesWorkspace, StepWorkspace, Stepper, Trajectory, ZeroTorque, energy_ledger,
+        record_step, step, step_stages,
+    };
+    #[cfg(feature = "adaptive")]
+    pub use robot_dynamics_simulation::{
+        AdaptiveMethod, AdaptiveOptions, AdaptiveOptionsError, AdaptiveRecord, AdaptiveStepError,
+        ControlTiming, StepStatistics,
+    };
+}
+
+/// Inverse kinematics, operational-space control, LQR, time-optimal paths, identification of parameters.
+pub mod control {
+    pub use robot_dynamics_control::{
+        BaseParameter, BaseParameters, Collocation, ComputedTorque, CubicSpline, Dlqr, DlqrError,
+        FrameTarget, IdentificationError, IdentificationResult, InverseKinematicsError,
+        InverseKinematicsOptions, InverseKinematicsSolution, LimitUtilization, LinkConsistency, MotionLimits,
+        MotionRecord, OperationalSpace, OperationalSpaceWorkspace, ParameterizationError, PathCoefficients,
+        PathState, PoseReference, Reference, SplineError, TaskControl, TaskGains, TaskReference, TaskTarget,
+        TimeOptimal, TimedPath, TreePath, TreePathPoint, dlqr, inertial_parameter_names, inverse_kinematics,
+        limit_utilization, operational_space, operational_space_into, path_coefficients,
+        physical_consistency, pseudo_inertia, time_optimal,
+    };
+}
+
+/// The numbers that the algorithms run over, and the seeded generator of test states.
+pub mod number {
+    pub use robot_dynamics_number::{Dual, Scalar, SplitMix64};
+}
+
+/// Many states of one robot at once: lanes inside, threads across.
+#[cfg(feature = "batch")]
+pub mod batch {
+    pub use robot_dynamics_batch::*;
+}
+
+/// Independent routes to the same numbers, and the audit of a robot.
+pub mod verification {
+    pub use robot_dynamics_verification::{admm, audit, lagrange};
+}
+
+/// The names that most programs use.
+///
+/// ```
+/// use robot_dynamics::prelude::*;
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let mut tau = [0.0_f64];
+/// inverse_dynamics(&model, &mut Workspace::new(&model), &[0.0], &[0.0], &[0.0], &mut tau);
+/// assert!((tau[0].abs() - 2.0 * 9.81 * 0.5).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub mod prelude {
+    pub use crate::algorithms::{
+        bias, coriolis_matrix, forward_dynamics, frame_jacobian_world_aligned, frame_pose, gravity,
+        inverse_dynamics, kinetic_energy, mass_matrix, potential_energy,
+    };
+    pub use crate::description::{
+        JointDescription, JointKind, LinkDescription, MassProperties, Pose, RobotDescription, pendulum,
+    };
+    pub use crate::load::{Robot, load};
+    pub use crate::model::{Model, Workspace, difference, integrate, neutral};
+    pub use crate::simulation::{Simulation, SimulationBuilder};
+}
 
 /// The code of the repository's front page, compiled and run with the doc tests.
 #[cfg(doctest)]

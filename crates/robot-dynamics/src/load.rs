@@ -1,28 +1,30 @@
-//! One door for robot files, of whichever format.
+//! Loads robot files of all formats.
 
 use std::path::Path;
 
-use mjcf::FileSet;
-use multibody::plausibility::WrittenAngles;
-use multibody::simulator::SimulationBuilder;
-use multibody::{LoadReport, Model, ModelError, RobotDescription};
+use robot_dynamics_mjcf::FileSet;
+use robot_dynamics_urdf::Options;
 use thiserror::Error;
-use urdf::Options;
 
+use crate::description::{LoadReport, ModelError, RobotDescription};
+use crate::model::Model;
+use crate::plausibility::WrittenAngles;
+use crate::simulation::SimulationBuilder;
 use crate::{height_field, mesh_corners};
 
-/// A robot, read and compiled.
+/// A loaded robot: its model and the load report.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Robot {
-    /// What every algorithm takes.
+    /// The compiled model, which is the argument of every algorithm.
     pub model: Model,
-    /// What was read, defaulted, suspicious and ignored, by line.
+    /// Everything that was read, defaulted, suspicious or ignored, by line.
     pub report: LoadReport,
 }
 
 impl Robot {
-    /// A simulation with everything that the file states, to be changed and built; meshes and height fields are read from their files.
+    /// A builder of a simulation with everything in the robot's file. Mesh and height field files are opened
+    /// for contact.
     ///
     /// ```
     /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
@@ -37,7 +39,7 @@ impl Robot {
     }
 }
 
-/// [`Robot::simulation`] of a model.
+/// A builder of a simulation of a model: see [`Robot::simulation`].
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
@@ -50,44 +52,46 @@ pub fn simulation(model: &Model) -> SimulationBuilder<'static> {
     SimulationBuilder::new(model).meshes(mesh_corners).height_fields(height_field)
 }
 
-/// A robot as its file describes it, before it is compiled: to lock joints, add a payload, or judge its units.
+/// A robot before it is compiled: to lock joints, add a payload, or check its units.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
-pub struct Described {
-    /// Links and joints, as the file states them.
+#[doc(alias = "Described")]
+pub struct LoadedDescription {
+    /// Links and joints, as written in the file.
     pub description: RobotDescription,
-    /// What was read, defaulted, suspicious and ignored, by line.
+    /// Everything that was read, defaulted, suspicious or ignored, by line.
     pub report: LoadReport,
-    /// The angles of all frames as the file writes them, before they become rotations.
+    /// The angles of all frames as written, before conversion to rotations.
     pub angles: Vec<WrittenAngles>,
 }
 
-impl Described {
-    /// Compiles it. With the feature `native` its functions have machine code, as by [`with_native_code`](crate::with_native_code).
+impl LoadedDescription {
+    /// Compiles the description to a model. With the feature `native` its functions are compiled to machine
+    /// code, as by [`with_native_code`](crate::with_native_code).
     ///
     /// # Errors
-    /// [`ModelError`] if the robot cannot move as described.
+    /// [`ModelError`] if the description is invalid.
     pub fn compile(self) -> Result<Robot, ModelError> {
         let model = Model::new(self.description)?;
         #[cfg(feature = "native")]
-        let model = functions::with_native_code(model);
+        let model = robot_dynamics_functions::with_native_code(model);
         Ok(Robot { model, report: self.report })
     }
 }
 
-/// Why a robot was not loaded.
+/// The reason for which a robot is not loaded.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LoadError {
-    /// The file has no meaning; all that is wrong with it, by line.
+    /// The file is refused, with all of its errors.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The robot that it describes has none.
+    /// The description in the file is invalid.
     #[error(transparent)]
     Model(#[from] ModelError),
 }
 
-/// Why a robot's file was refused, by its format.
+/// The reason for which a robot file is refused, by its format.
 ///
 /// ```
 /// use robot_dynamics::{FileError, Options, describe_text};
@@ -98,16 +102,16 @@ pub enum LoadError {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FileError {
-    /// A file with the outermost element `<robot>`, or one of no known format.
+    /// A file with the outermost element `<robot>`, or one of an unknown format.
     #[error(transparent)]
-    Urdf(#[from] urdf::LoadError),
+    Urdf(#[from] robot_dynamics_urdf::LoadError),
     /// A file with the outermost element `<mujoco>`.
     #[error(transparent)]
-    Mjcf(#[from] mjcf::LoadError),
+    Mjcf(#[from] robot_dynamics_mjcf::LoadError),
 }
 
 impl FileError {
-    /// What is wrong, each with line and place; see [`unlisted`](Self::unlisted).
+    /// The messages of the listed errors, each with line and place; see [`unlisted`](Self::unlisted).
     pub fn messages(&self) -> Vec<String> {
         match self {
             Self::Urdf(error) => error.errors().iter().map(ToString::to_string).collect(),
@@ -115,7 +119,7 @@ impl FileError {
         }
     }
 
-    /// Errors beyond those listed.
+    /// The number of errors that are not listed.
     pub fn unlisted(&self) -> usize {
         match self {
             Self::Urdf(error) => error.unlisted(),
@@ -123,18 +127,20 @@ impl FileError {
         }
     }
 
-    /// Whether the file could not be read at all; the message names it then.
+    /// Whether the file could not be read. The message then names the file.
     pub fn is_unreadable(&self) -> bool {
         match self {
-            Self::Urdf(error) => matches!(error.errors(), [urdf::UrdfError::Unreadable { .. }]),
+            Self::Urdf(error) => {
+                matches!(error.errors(), [robot_dynamics_urdf::UrdfError::Unreadable { .. }])
+            }
             Self::Mjcf(error) => matches!(
                 error.errors(),
-                [mjcf::MjcfError::Xml { file, source: robot_xml::XmlError::Unreadable { .. } }] if file.is_empty()
+                [robot_dynamics_mjcf::MjcfError::Xml { file, source: robot_dynamics_xml::XmlError::Unreadable { .. } }] if file.is_empty()
             ),
         }
     }
 
-    /// What else was found in the file: its warnings and notes, as far as it could be read.
+    /// The warnings and notes on the file, as far as it could be read.
     pub fn report(&self) -> &LoadReport {
         match self {
             Self::Urdf(error) => error.report(),
@@ -143,25 +149,30 @@ impl FileError {
     }
 }
 
-/// Reads a robot's file and compiles it: base fixed to the world, suspicious values taken as written and told in the
-/// report. Meshes are not opened.
+/// Reads and compiles a robot file, with the base fixed to the world. Suspicious values are taken as written
+/// and reported.
+///
+/// URDF opens no other file. MJCF opens included and attached files, and the mesh files from which the
+/// inertia of a body comes. The mesh files of shapes are located, and opened for contact by
+/// [`Robot::simulation`].
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
 /// use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 /// let robot = robot_dynamics::load(file)?; // two rods of 1 m, 2 kg and 1 kg
 /// let hold = robot.model.gravity_forces(&[FRAC_PI_4, FRAC_PI_2])?;
-/// assert!((hold[0] - 10.4051).abs() < 1e-4 && (hold[1] + 3.4684).abs() < 1e-4); // as printed, to four places
+/// // N·m, as printed in the chapter
+/// assert!((hold[0] - 10.4051).abs() < 1e-4 && (hold[1] + 3.4684).abs() < 1e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// [`LoadError`] lists all that is wrong, each with its line and what to do.
+/// [`LoadError`] lists all errors, each with its line and advice.
 pub fn load(path: impl AsRef<Path>) -> Result<Robot, LoadError> {
     load_with(path, &Options::default())
 }
 
-/// [`load`] by choice: a floating base, a strict reading, inertias repaired.
+/// Reads and compiles a robot file with options: a floating base, a strict reading, repair of inertias.
 ///
 /// ```
 /// use robot_dynamics::{Options, load_with};
@@ -177,13 +188,13 @@ pub fn load_with(path: impl AsRef<Path>, options: &Options) -> Result<Robot, Loa
     Ok(describe(path, options)?.compile()?)
 }
 
-/// Reads a robot's file, without compiling it.
+/// Reads a robot file without compiling it. [`load`] lists the other files that are opened.
 ///
 /// ```
 /// use robot_dynamics::{Options, describe};
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
 /// let mut described = describe(file, &Options::default())?;
-/// described.description.gravity = [0.0, 0.0, -1.62]; // to the moon with it
+/// described.description.gravity = [0.0, 0.0, -1.62]; // on the moon
 /// let on_earth = robot_dynamics::load(file)?.model.gravity_forces(&[0.3, 1.2])?;
 /// let on_moon = described.compile()?.model.gravity_forces(&[0.3, 1.2])?;
 /// assert!((on_moon - on_earth * (1.62 / 9.81)).amax() < 1e-13);
@@ -191,20 +202,20 @@ pub fn load_with(path: impl AsRef<Path>, options: &Options) -> Result<Robot, Loa
 /// ```
 ///
 /// # Errors
-/// [`FileError`] lists all that is wrong, each with its line and what to do.
-pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<Described, FileError> {
+/// [`FileError`] lists all errors, each with its line and advice.
+pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<LoadedDescription, FileError> {
     let path = path.as_ref();
-    // Read once: it may be a pipe. What cannot be read at all is told by URDF's reader.
-    let text =
-        robot_xml::read_file(path).map_err(|error| urdf::LoadError::from(urdf::UrdfError::from(error)))?;
+    // The file is read once, because it may be a pipe. A failure is reported as an error of the URDF reader.
+    let text = robot_dynamics_xml::read_file(path)
+        .map_err(|error| robot_dynamics_urdf::LoadError::from(robot_dynamics_urdf::UrdfError::from(error)))?;
     if is_mjcf(&text) {
-        Ok(mjcf::parse_as(&text, path, options)?.into())
+        Ok(robot_dynamics_mjcf::parse_as(&text, path, options)?.into())
     } else {
-        Ok(urdf::parse_as(&text, path, options)?.into())
+        Ok(robot_dynamics_urdf::parse_as(&text, path, options)?.into())
     }
 }
 
-/// [`describe`] of a file's text: from a database, an archive, another program.
+/// Reads a robot from the text of a file, for example from a database or another program.
 ///
 /// ```
 /// use robot_dynamics::{Options, describe_text};
@@ -219,16 +230,16 @@ pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<Described, 
 ///
 /// # Errors
 /// As [`describe`].
-pub fn describe_text(text: &str, options: &Options) -> Result<Described, FileError> {
+pub fn describe_text(text: &str, options: &Options) -> Result<LoadedDescription, FileError> {
     if is_mjcf(text) {
-        Ok(mjcf::parse(text, options)?.into())
+        Ok(robot_dynamics_mjcf::parse(text, options)?.into())
     } else {
-        Ok(urdf::parse(text, options)?.into())
+        Ok(robot_dynamics_urdf::parse(text, options)?.into())
     }
 }
 
-/// [`describe`] of a file among others in memory: what a browser or an archive hands over. An MJCF file's includes and the meshes that inertia comes from are
-/// looked for there.
+/// Reads a robot file from files in memory, for example from a browser or an archive. They also provide the
+/// files that an MJCF file includes, and the meshes from which inertia comes.
 ///
 /// ```
 /// use robot_dynamics::{FileSet, Options, describe_among};
@@ -247,29 +258,34 @@ pub fn describe_among(
     files: &FileSet,
     path: impl AsRef<Path>,
     options: &Options,
-) -> Result<Described, FileError> {
+) -> Result<LoadedDescription, FileError> {
     let path = path.as_ref();
-    match files.get(path).map(robot_xml::text_of) {
-        Some(Ok(text)) if !is_mjcf(&text) => Ok(urdf::parse(&text, options)?.into()),
-        // What cannot be read is told as of a file that cannot.
-        _ => Ok(mjcf::load_among(files, path, options)?.into()),
+    match files.get(path).map(robot_dynamics_xml::text_of) {
+        Some(Ok(text)) if !is_mjcf(&text) => Ok(robot_dynamics_urdf::parse(&text, options)?.into()),
+        // The MJCF reader reports files that are missing or not text.
+        _ => Ok(robot_dynamics_mjcf::load_among(files, path, options)?.into()),
     }
 }
 
-impl From<urdf::Robot> for Described {
-    fn from(urdf::Robot { description, report, angles, .. }: urdf::Robot) -> Self {
+impl From<robot_dynamics_urdf::Robot> for LoadedDescription {
+    fn from(
+        robot_dynamics_urdf::Robot { description, report, angles, .. }: robot_dynamics_urdf::Robot,
+    ) -> Self {
         Self { description, report, angles }
     }
 }
 
-impl From<mjcf::Robot> for Described {
-    fn from(mjcf::Robot { description, report, angles, .. }: mjcf::Robot) -> Self {
+impl From<robot_dynamics_mjcf::Robot> for LoadedDescription {
+    fn from(
+        robot_dynamics_mjcf::Robot { description, report, angles, .. }: robot_dynamics_mjcf::Robot,
+    ) -> Self {
         Self { description, report, angles }
     }
 }
 
-/// Whether the outermost element is MJCF's; any other is left to URDF's reader, which says what is wrong with it.
+/// Whether the outermost element is that of MJCF. The URDF reader reads all others, and reports unknown
+/// formats.
 fn is_mjcf(text: &str) -> bool {
-    let first = robot_xml::outermost(text);
+    let first = robot_dynamics_xml::outermost(text);
     matches!(first, Some("mujoco" | "mujocoinclude"))
 }

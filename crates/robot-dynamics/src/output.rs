@@ -1,12 +1,12 @@
-//! Files that a program writes: over none that was read, and all of them or none.
+//! Writes output files: no input is overwritten, and either all files are written or none.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Whether two paths are the same file: by device and inode where both are there and the system has them, so that
-/// symbolic and hard links are seen through; else by their folder, links followed, and their name.
-/// Names that differ in capitals alone count as one, as they are on some systems.
+/// Whether two paths are the same file. Existing files are compared by device and inode on systems that have
+/// them, which follows symbolic and hard links. Other paths are compared by resolved folder and name. Names
+/// that differ only in upper and lower case count as equal, as on some systems.
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
@@ -19,8 +19,8 @@ pub fn is_same_file(one: impl AsRef<Path>, other: impl AsRef<Path>) -> bool {
     identity(one.as_ref()) == identity(other.as_ref())
 }
 
-/// The first of the files that were read that a destination would replace, by whatever path or link.
-/// `files` are [`LoadReport::files`](crate::LoadReport::files), for one.
+/// The first file that a destination would replace, among files that were read. `files` can be
+/// [`LoadReport::files`](crate::description::LoadReport::files).
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
@@ -38,10 +38,10 @@ pub fn file_read_at(destination: impl AsRef<Path>, files: &[PathBuf]) -> Option<
 /// The identity of a file: two paths with the same identity are the same file.
 #[derive(Debug, PartialEq, Eq)]
 enum Identity {
-    /// A file that is there: device and inode.
+    /// An existing file: device and inode.
     #[cfg(unix)]
-    Found(u64, u64),
-    /// A file to come, or one on a system without inodes: its folder as the system names it, and its name.
+    Inode(u64, u64),
+    /// A missing file, or one on a system without inodes: its resolved folder, and its name in lower case.
     Name(PathBuf, String),
 }
 
@@ -49,14 +49,14 @@ fn identity(path: &Path) -> Identity {
     #[cfg(unix)]
     if let Ok(found) = fs::metadata(path) {
         use std::os::unix::fs::MetadataExt;
-        return Identity::Found(found.dev(), found.ino());
+        return Identity::Inode(found.dev(), found.ino());
     }
     let resolved = resolve(path).unwrap_or_else(|_| path.to_owned());
     let name = resolved.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     Identity::Name(resolved.parent().map_or_else(PathBuf::new, Path::to_owned), name)
 }
 
-/// The path with its folder as the system names it and links followed, also one that leads to a file to come.
+/// The absolute path with symbolic links resolved. The file itself need not exist.
 ///
 /// ```
 /// use robot_dynamics::output::resolve;
@@ -66,13 +66,13 @@ fn identity(path: &Path) -> Identity {
 /// ```
 ///
 /// # Errors
-/// The folder is not there, or links lead to one another.
+/// The folder does not exist, or links form a cycle.
 pub fn resolve(path: &Path) -> io::Result<PathBuf> {
     if let Ok(found) = fs::canonicalize(path) {
         return Ok(found);
     }
     let mut path = path.to_owned();
-    // As many links as Linux follows.
+    // Linux follows as many links.
     for _ in 0..40 {
         let folder = match path.parent() {
             Some(folder) if folder.as_os_str().is_empty() => Path::new("."),
@@ -85,11 +85,11 @@ pub fn resolve(path: &Path) -> io::Result<PathBuf> {
             Err(_) => return Ok(path.file_name().map_or_else(|| folder.clone(), |name| folder.join(name))),
         }
     }
-    Err(io::Error::other("too many links, one leading to the other"))
+    Err(io::Error::other("too many symbolic links"))
 }
 
-/// A new file beside `target`, to be renamed when it is complete: `.unfinished.PROCESS.NAME`. A file of that name, left
-/// by a run that was killed, is not touched.
+/// Creates a temporary file beside `target`, to be renamed when it is complete: `.unfinished.PROCESS.NAME`.
+/// An existing file of that name, for example of a run that was killed, is not changed.
 ///
 /// ```
 /// use robot_dynamics::output::create_beside;
@@ -102,20 +102,24 @@ pub fn resolve(path: &Path) -> io::Result<PathBuf> {
 /// ```
 ///
 /// # Errors
-/// No file can be made there.
+/// The file cannot be created.
 pub fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
     let open = |path: &Path| OpenOptions::new().read(true).write(true).create_new(true).open(path);
-    beside(target, "unfinished", open)
+    create_unique(target, "unfinished", open)
 }
 
-/// Does something with a name beside `target` that no file has.
-fn beside<T>(target: &Path, word: &str, make: impl Fn(&Path) -> io::Result<T>) -> io::Result<(PathBuf, T)> {
+/// Calls `make` with an unused path beside `target`.
+fn create_unique<T>(
+    target: &Path,
+    word: &str,
+    make: impl Fn(&Path) -> io::Result<T>,
+) -> io::Result<(PathBuf, T)> {
     let name = target.file_name().unwrap_or_default().to_string_lossy();
     let process = std::process::id();
     let mut attempt = 0;
     loop {
         let again = if attempt == 0 { String::new() } else { format!("-{attempt}") };
-        // The extension last, as it says which format is meant.
+        // The extension stays at the end, because it gives the format.
         let path = target.with_file_name(format!(".{word}.{process}{again}.{name}"));
         match make(&path) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < 100 => attempt += 1,
@@ -124,13 +128,13 @@ fn beside<T>(target: &Path, word: &str, make: impl Fn(&Path) -> io::Result<T>) -
     }
 }
 
-/// Puts complete files in their places: all of them, or none. Each pair is the file as it is named now and its place,
-/// on the same file system; a file at a place is replaced. After an error the older files are in their places again.
+/// Renames complete files to their destinations: all of them, or none. Each pair is a temporary file and its
+/// destination on the same file system. Existing files are replaced, and restored after an error.
 ///
 /// ```
 /// use robot_dynamics::output::replace_all;
 /// let folder = std::env::temp_dir().join("robot_dynamics_replace_all");
-/// std::fs::create_dir_all(folder.join("taken"))?; // a folder, which no file replaces
+/// std::fs::create_dir_all(folder.join("taken"))?; // a folder cannot be replaced by a file
 /// let [new, place] = ["new.csv", "run.csv"].map(|name| folder.join(name));
 /// std::fs::write(&new, "new")?;
 /// std::fs::write(&place, "older")?;
@@ -143,35 +147,35 @@ fn beside<T>(target: &Path, word: &str, make: impl Fn(&Path) -> io::Result<T>) -
 /// ```
 ///
 /// # Errors
-/// The system's, for the first file that cannot be put in its place.
+/// The system's error for the first file that cannot be renamed.
 pub fn replace_all(files: &[(PathBuf, PathBuf)]) -> io::Result<()> {
     let mut replaced: Vec<(&Path, &Path, Option<PathBuf>)> = Vec::new();
     let mut replace = |temporary, target| {
-        let older = keep_older(target)?;
+        let backup = back_up(target)?;
         if let Err(error) = fs::rename(temporary, target) {
-            older.map_or(Ok(()), |older| fs::rename(older, target))?;
+            backup.map_or(Ok(()), |backup| fs::rename(backup, target))?;
             return Err(error);
         }
-        replaced.push((temporary, target, older));
+        replaced.push((temporary, target, backup));
         Ok(())
     };
-    // The last file, and so one alone, needs no older one kept: nothing can fail after it.
+    // The last rename needs no backup, because nothing can fail after it.
     let Some(((temporary, target), before)) = files.split_last() else { return Ok(()) };
     let done = before.iter().try_for_each(|(temporary, target)| replace(temporary, target));
     if let Err(error) = done.and_then(|()| fs::rename(temporary, target)) {
-        for (temporary, target, older) in replaced.into_iter().rev() {
-            // As far as the system lets it; the error is the first one.
+        for (temporary, target, backup) in replaced.into_iter().rev() {
+            // Restores as far as possible, and returns the first error.
             let _ = fs::rename(target, temporary);
-            let _ = older.map(|older| fs::rename(older, target));
+            let _ = backup.map(|backup| fs::rename(backup, target));
         }
         return Err(error);
     }
-    replaced.into_iter().filter_map(|(.., older)| older).for_each(|older| drop(fs::remove_file(older)));
+    replaced.into_iter().filter_map(|(.., backup)| backup).for_each(|backup| drop(fs::remove_file(backup)));
     Ok(())
 }
 
-/// Keeps the file at a place under a second name beside it; `None` where there is no file.
-fn keep_older(target: &Path) -> io::Result<Option<PathBuf>> {
+/// Backs up an existing file under another name beside it; `None` if there is no file.
+fn back_up(target: &Path) -> io::Result<Option<PathBuf>> {
     match fs::symlink_metadata(target) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(error),
@@ -180,17 +184,19 @@ fn keep_older(target: &Path) -> io::Result<Option<PathBuf>> {
         }
         Ok(_) => {}
     }
-    // By a hard link the file is at its place until the new one is. Some file systems have none: a copy then.
-    let kept = beside(target, "older", |path| fs::hard_link(target, path)).map(|(older, ())| older);
+    // With a hard link the file stays at its destination until it is replaced. A copy serves where links are
+    // unsupported.
+    let linked =
+        create_unique(target, "older", |path| fs::hard_link(target, path)).map(|(backup, ())| backup);
     let copy = |path: &Path| {
         let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
         io::copy(&mut File::open(target)?, &mut file).map(drop)
     };
-    kept.or_else(|_| beside(target, "older", copy).map(|(older, ())| older)).map(Some)
+    linked.or_else(|_| create_unique(target, "older", copy).map(|(backup, ())| backup)).map(Some)
 }
 
-/// Writes several files, all of them or none; folders are made where they are missing. A file that is there is replaced when
-/// all are complete, and keeps its permissions. Links to files are followed.
+/// Writes several files: all of them, or none. Missing folders are created. Existing files are replaced when
+/// all new files are complete, and keep their permissions. Symbolic links are followed.
 ///
 /// ```
 /// use robot_dynamics::output::write_files;
@@ -202,7 +208,7 @@ fn keep_older(target: &Path) -> io::Result<Option<PathBuf>> {
 /// ```
 ///
 /// # Errors
-/// [`NotWritten`] names the first file that cannot be written; nothing has changed then.
+/// [`NotWritten`] names the first file that cannot be written. Nothing is changed in this case.
 pub fn write_files<T: AsRef<[u8]>>(files: &[(PathBuf, T)]) -> Result<(), NotWritten> {
     let mut written = Temporaries::default();
     let done = files.iter().try_for_each(|(path, content)| {
@@ -218,18 +224,18 @@ pub fn write_files<T: AsRef<[u8]>>(files: &[(PathBuf, T)]) -> Result<(), NotWrit
     done
 }
 
-/// A file that could not be written; no other was written either.
+/// A file that cannot be written. No other file was written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {cause}", path.display())]
 #[non_exhaustive]
 pub struct NotWritten {
     /// The file.
     pub path: PathBuf,
-    /// Why not.
+    /// The cause.
     pub cause: io::Error,
 }
 
-/// Files under temporary names, and folders made for them; removed when it is dropped, unless they have been renamed.
+/// Temporary files, and folders that were created for them. Drop removes those that have not been renamed.
 #[derive(Default)]
 struct Temporaries {
     files: Vec<(PathBuf, PathBuf)>,
@@ -243,31 +249,34 @@ impl Temporaries {
                 folder.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists());
             self.folders.extend(missing.map(Path::to_owned));
             let named = |error: io::Error| {
-                io::Error::new(error.kind(), format!("cannot make the folder {}: {error}", folder.display()))
+                io::Error::new(
+                    error.kind(),
+                    format!("cannot create the folder {}: {error}", folder.display()),
+                )
             };
             fs::create_dir_all(folder).map_err(named)?;
         }
         let target = resolve(path)?;
-        let older = fs::metadata(&target).ok();
-        if older.as_ref().is_some_and(fs::Metadata::is_dir) {
+        let existing = fs::metadata(&target).ok();
+        if existing.as_ref().is_some_and(fs::Metadata::is_dir) {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a directory"));
         }
-        if older.is_some() {
+        if existing.is_some() {
             OpenOptions::new().write(true).open(&target)?;
         }
         let (temporary, mut file) = create_beside(&target)?;
         self.files.push((temporary.clone(), target));
         file.write_all(content)?;
         file.flush()?;
-        older.map_or(Ok(()), |older| fs::set_permissions(&temporary, older.permissions()))
+        existing.map_or(Ok(()), |existing| fs::set_permissions(&temporary, existing.permissions()))
     }
 }
 
 impl Drop for Temporaries {
     fn drop(&mut self) {
-        // After a rename there is nothing of that name.
+        // A renamed file no longer has its temporary name.
         self.files.iter().for_each(|(temporary, _)| drop(fs::remove_file(temporary)));
-        // The innermost first; one that holds something else stays.
+        // The innermost folder first. A folder that is not empty stays.
         self.folders.sort_by_key(|folder| std::cmp::Reverse(folder.components().count()));
         self.folders.iter().for_each(|folder| drop(fs::remove_dir(folder)));
     }

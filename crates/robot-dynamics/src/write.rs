@@ -1,21 +1,21 @@
-//! From a robot to a file, of whichever format.
+//! Writes robot files of all formats.
 
 use std::path::Path;
 
-use multibody::{RobotDescription, WriteError, WrittenFile};
+use crate::description::{RobotDescription, WriteError, WrittenFile};
 
 /// A format of robot files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Format {
-    /// The robot description format of ROS.
+    /// URDF, the format of ROS.
     Urdf,
-    /// MuJoCo's.
+    /// MJCF, the format of MuJoCo.
     Mjcf,
 }
 
 impl Format {
-    /// The format that a file's name tells: `.urdf`, or `.xml` and `.mjcf` for MJCF.
+    /// The format of a file by its extension: `.urdf` for URDF, `.xml` and `.mjcf` for MJCF.
     ///
     /// ```
     /// use robot_dynamics::Format;
@@ -33,7 +33,8 @@ impl Format {
     }
 }
 
-/// Writes a robot in a format: see [`urdf::write()`] and [`mjcf::write()`]. `folder` is where the file will lie.
+/// Writes a robot as the text of a file: see [`urdf::write()`](crate::urdf::write()) and
+/// [`mjcf::write()`](crate::mjcf::write()). `folder` is the folder of the new file.
 ///
 /// ```
 /// use robot_dynamics::{Format, Options, describe, describe_text, write};
@@ -49,14 +50,14 @@ impl Format {
 /// ```
 ///
 /// # Errors
-/// [`WriteError`] for what the format has no words for without another robot coming of it.
+/// [`WriteError`] for features that the format lacks and that change the robot, as a helical joint.
 pub fn write(
     robot: &RobotDescription,
     format: Format,
     folder: Option<&Path>,
 ) -> Result<WrittenFile, WriteError> {
     match format {
-        Format::Urdf => urdf::write(robot, folder),
-        Format::Mjcf => mjcf::write(robot, folder),
+        Format::Urdf => robot_dynamics_urdf::write(robot, folder),
+        Format::Mjcf => robot_dynamics_mjcf::write(robot, folder),
     }
 }

@@ -1,12 +1,12 @@
-//! Contact of robots from files: each step's answer against another method, and against the laws themselves.
+//! Compares contact of robots from files with another method, and with the laws of contact.
 
 use std::path::PathBuf;
 
-use robot_dynamics::simulator::{Method, SimulationBuilder};
-use robot_dynamics::{
-    ContactSet, Ground, Model, Options, StepForces, StepWorkspace, Stepper, Workspace, admm, describe_text,
-    load_with, mesh_corners, neutral,
-};
+use robot_dynamics::contact::{ContactSet, Ground};
+use robot_dynamics::model::{Model, Workspace, neutral};
+use robot_dynamics::simulation::{Method, SimulationBuilder, StepForces, StepWorkspace, Stepper};
+use robot_dynamics::verification::admm;
+use robot_dynamics::{Options, describe_text, load_with, mesh_corners};
 
 fn robot(file: &str) -> Model {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots").join(file);
@@ -14,7 +14,8 @@ fn robot(file: &str) -> Model {
     load_with(path, &options).unwrap_or_else(|error| panic!("{file}: {error}")).model
 }
 
-/// Dropped from 5 cm: in each step with contacts the velocities by the alternating direction method of multipliers are those of the step.
+/// After a drop from 5 cm, the velocities of every step with contacts equal those of the alternating
+/// direction method of multipliers.
 #[test]
 fn dropped_robots_move_as_by_the_alternating_method() {
     for (file, steps) in [("quadruped.urdf", 400), ("humanoid.urdf", 400)] {
@@ -42,7 +43,7 @@ fn dropped_robots_move_as_by_the_alternating_method() {
                 continue;
             }
             let fastest = problem.free_velocity.amax().max(1e-3);
-            // The library looks for s to 1e-7 of the speeds.
+            // The library computes s to 1e-7 of the speeds.
             let own = problem.violation(&problem.impulse).worst();
             assert!(own < 1e-6 * fastest, "{file}, step {step}: {own} from the laws");
             let off = (&problem.velocity - &other.velocity).amax() / fastest;
@@ -63,8 +64,9 @@ fn dropped_robots_move_as_by_the_alternating_method() {
     }
 }
 
-/// Bodies that slide on one flat height field lose μg of speed a second, each with the μ of its own pair: that of a `<pair>`, or the larger one of both geoms. A pair
-/// with a plane says nothing of the height field, and masks and exclusions hold for it as for planes.
+/// Bodies that slide on a flat height field lose the speed μg per second, each with the μ of its own pair:
+/// that of a `<pair>`, or the larger one of both geoms. A pair with a plane does not affect the height field,
+/// and masks and exclusions hold for it as for planes.
 #[test]
 fn bodies_on_a_height_field_have_the_friction_of_their_pairs() {
     let bodies = ["own", "mixed", "paired", "excluded", "masked"];
@@ -91,7 +93,7 @@ fn bodies_on_a_height_field_have_the_friction_of_their_pairs() {
     );
     let robot = describe_text(&text, &Options::default()).unwrap().compile().unwrap();
     let mut simulation = robot.simulation().method(Method::Implicit).build().unwrap();
-    // Without the feature `convex` boxes are left out of contacts with each other, and no pair with ground.
+    // Without the feature `convex` boxes do not touch each other. Contact with the ground is not affected.
     assert!(
         simulation.left_out().iter().all(|line| line.contains("`convex`")),
         "{:?}",
@@ -109,7 +111,8 @@ fn bodies_on_a_height_field_have_the_friction_of_their_pairs() {
         let [forward, up] = [0, 2].map(|i| simulation.v()[6 * k + i]);
         let expected =
             friction.map_or([2.0, -9.81 * 0.2], |friction: f64| [2.0 - 9.81 * friction * 0.2, 0.0]);
-        // Velocities are along the body's axes, which it keeps; the box touches at its corners from the first step on.
+        // Velocities are along the axes of the body, whose orientation is constant. The box touches at its
+        // corners from the first step.
         assert!(
             (forward - expected[0]).abs() < 1e-8 && (up - expected[1]).abs() < 1e-8,
             "{name}: {forward}, {up}"

@@ -1,12 +1,13 @@
-//! Equalities of which some say the same, on robots from files.
+//! Redundant equality constraints on robots from files.
 
 use std::path::PathBuf;
 
-use robot_dynamics::simulator::{Effect, Method, Simulation, SimulationBuilder};
-use robot_dynamics::{
-    Closure, ConstraintSet, FrameDescription, Model, Options, Pose, Workspace, constrained_inverse_dynamics,
-    frame_pose, load_with, neutral,
-};
+use robot_dynamics::algorithms::frame_pose;
+use robot_dynamics::constraints::{ConstraintSet, FrameConstraint, constrained_inverse_dynamics};
+use robot_dynamics::description::{FrameDescription, Pose};
+use robot_dynamics::model::{Model, Workspace, neutral};
+use robot_dynamics::simulation::{Effect, Method, Simulation, SimulationBuilder};
+use robot_dynamics::{Options, load_with};
 
 /// The humanoid with a frame at each corner of its left sole.
 fn humanoid() -> Model {
@@ -21,17 +22,17 @@ fn humanoid() -> Model {
     Model::new(description).expect("a model")
 }
 
-/// The foot welded to the world, or held by its first corners.
+/// The foot welded to the world, or connected at its first corners.
 fn hold(model: &Model, corners: usize) -> ConstraintSet {
     let (workspace, q) = (&mut Workspace::new(model), neutral(model));
     let mut held = |name: &str, rows: &[_]| {
         let frame = model.frame_named(name).expect("a frame");
         let pose = frame_pose(model, workspace, &q, frame);
-        (name.to_owned(), Closure::contact(frame, pose.into(), rows).into())
+        (name.to_owned(), FrameConstraint::contact(frame, pose.into(), rows).into())
     };
     let holds: Vec<_> = match corners {
-        0 => vec![held("left_foot", &Closure::WELD)],
-        _ => (0..corners).map(|i| held(&format!("corner {i}"), &Closure::BALL)).collect(),
+        0 => vec![held("left_foot", &FrameConstraint::WELD)],
+        _ => (0..corners).map(|i| held(&format!("corner {i}"), &FrameConstraint::BALL)).collect(),
     };
     ConstraintSet::new(model, holds).expect("a set")
 }
@@ -44,7 +45,8 @@ fn standing(model: &Model, set: ConstraintSet, torques: &[f64]) -> Simulation {
     simulation
 }
 
-/// A humanoid stands on one foot with the torques of equilibrium, where the corners' 9 or 12 rows have rank 6: it moves as with one weld, not at all.
+/// A humanoid stands on one foot with the torques of equilibrium. The 9 or 12 rows of the corners have rank
+/// 6, and the robot stays at rest, as with one weld.
 #[test]
 fn a_sole_held_at_its_corners_moves_as_one_weld() {
     let (model, weld) = (humanoid(), 0);
@@ -58,13 +60,13 @@ fn a_sole_held_at_its_corners_moves_as_one_weld() {
         let mut simulation = standing(&model, hold(&model, corners), torques.as_slice());
         simulation.run_for(0.02).expect("a run");
         let fastest = simulation.v().iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
-        // The first step begins with forces that are off by h³ of what they are.
+        // The constraint forces of the first step have a relative error of h³.
         assert!(fastest < 1e-8, "{corners} corners: {fastest}");
         assert!(simulation.ledger().imbalance().abs() < 1e-11, "{corners} corners");
     }
 }
 
-/// Where it falls, the rows that are chosen are others, and the motion is the same.
+/// When the humanoid falls, the selected rows differ from those of a weld, and the motion is the same.
 #[test]
 fn what_moves_over_a_sole_moves_as_over_a_weld() {
     let model = humanoid();
@@ -77,7 +79,7 @@ fn what_moves_over_a_sole_moves_as_over_a_weld() {
     let most = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(most(&weld, &neutral(&model)) > 0.01);
     for other in [three, four] {
-        // Positions are put on the rows to 1e-12 m, fifty times.
+        // Positions are projected to 1e-12 m, fifty times.
         assert!(most(&weld, &other) < 1e-9, "{}", most(&weld, &other));
     }
 }

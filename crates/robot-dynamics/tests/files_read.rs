@@ -1,11 +1,11 @@
-//! A robot's report lists the files that it comes from, whatever named them.
+//! The report of a robot lists all files that were read.
 
 use std::fs;
 use std::path::PathBuf;
 
 use robot_dynamics::{FileSet, Options, describe, describe_among, describe_text};
 
-/// The names of files, sorted; all absolute and in one folder.
+/// The sorted names of files. All paths must be absolute.
 fn names(files: &[PathBuf]) -> Vec<String> {
     assert!(files.iter().all(|file| file.is_absolute()), "{files:?}");
     let mut names: Vec<String> =
@@ -52,9 +52,9 @@ fn every_file_of_a_robot_is_listed_once() {
     let read = |name: &str| describe(folder.join(name), &Options::default()).unwrap().report.files;
     assert_eq!(names(&read("main.xml")), ["block.obj", "child.xml", "hills.bin", "main.xml", "part.xml"]);
     assert_eq!(names(&read("robot.urdf")), ["block.obj", "robot.urdf"]);
-    // The main file comes first, by its canonical path.
+    // The main file is first, by its canonical path.
     assert_eq!(read("main.xml")[0], folder.canonicalize().unwrap().join("main.xml"));
-    // Texts and files in memory are not on the disk.
+    // Texts and files in memory are not listed.
     let set = FileSet::new(files);
     assert!(describe_among(&set, "main.xml", &Options::default()).unwrap().report.files.is_empty());
     assert!(describe_text(CHILD, &Options::default()).unwrap().report.files.is_empty());

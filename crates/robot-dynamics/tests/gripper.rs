@@ -1,25 +1,25 @@
-//! A gripper with two fingers lifts a box off a table and holds it.
+//! A gripper with two fingers lifts a box from a table and holds it.
 #![cfg(feature = "convex")]
 
 use std::path::PathBuf;
 
-use robot_dynamics::simulator::{Method, Simulation};
+use robot_dynamics::simulation::{Method, Simulation};
 use robot_dynamics::{Robot, load};
 
-/// The controls of the named poses in turn, each reached along a straight line from this time on \[s\].
+/// The times at which the controls reach each named pose, by linear interpolation \[s\].
 const PHASES: [(f64, &str); 2] = [(0.5, "closed"), (1.5, "lifted")];
 
-/// The time of each line, and the end of the lift with its settling \[s\].
+/// The duration of each interpolation, and the end of the lift including settling \[s\].
 const RAMP: f64 = 0.5;
 const LIFTED: f64 = 4.0;
 
-/// The steps between two looks at the corners.
+/// The number of steps between two checks of the corners.
 const LOOKED: usize = 10;
 
 /// Half an edge of the box \[m\].
 const HALF: f64 = 0.025;
 
-/// In the middle between the fingers, as the file places it, the box keeps its place in both fingers' frames.
+/// A box in the middle between the fingers, as in the file, keeps its position relative to both fingers.
 #[test]
 fn a_centred_box_is_held() {
     let robot = scene();
@@ -28,7 +28,7 @@ fn a_centred_box_is_held() {
     assert!(simulation.left_out().is_empty(), "{:?}", simulation.left_out());
     let (moved, end) = held(&robot, [0.0; 3], 10.0);
     assert!(moved < 1e-6, "{moved:e} m");
-    // Each finger presses with kp (control − joint), and friction carries half of the weight.
+    // Each finger presses with kp (control − joint), and its friction carries half of the weight.
     let pressed = 1000.0 * (0.03 - 0.019);
     let sum = |finger: &str| {
         end.contacts()
@@ -43,7 +43,8 @@ fn a_centred_box_is_held() {
     }
 }
 
-/// Beside the middle and turned, the box is first pushed, and then held at faces or at edges: it does not creep either.
+/// A box that is displaced and rotated is first pushed, and then held at faces or edges. It does not creep
+/// either.
 #[test]
 fn a_displaced_box_is_held() {
     let robot = scene();
@@ -59,8 +60,9 @@ fn scene() -> Robot {
     load(path).unwrap()
 }
 
-/// Grips the box that stands at x, y \[m\], turned by an angle \[rad\], lifts it and holds it for a time \[s\]. The farthest that a corner of the box went in a finger's
-/// frame while it was held \[m\], and the simulation at the end.
+/// Grips a box at x, y \[m\] with a rotation \[rad\], lifts it and holds it for a time \[s\]. Returns the
+/// largest displacement of a corner relative to a finger while it was held \[m\], and the simulation at the
+/// end.
 fn held(robot: &Robot, [x, y, angle]: [f64; 3], duration: f64) -> (f64, Simulation) {
     let mut simulation = robot.simulation().build().unwrap();
     let (mut q, v) = robot.model.named_pose("open").unwrap();
@@ -102,7 +104,7 @@ fn controls(robot: &Robot, time: f64) -> Vec<f64> {
     controls
 }
 
-/// The box's corners in the frame of each finger \[m\].
+/// The corners of the box in the frame of each finger \[m\].
 fn corners(simulation: &Simulation) -> Vec<[f64; 3]> {
     let model = simulation.model();
     let pose = |name: &str| model.frame_pose(simulation.q(), model.frame_named(name).unwrap()).unwrap();

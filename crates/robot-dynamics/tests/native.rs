@@ -1,31 +1,33 @@
-//! Machine code in place of the recursions: the same numbers to rounding, the same refusals, and which route computed.
+//! Machine code gives the numbers of the recursions to rounding and refuses the same inputs. The report names
+//! the route.
 #![cfg(all(feature = "native", feature = "batch"))]
 #![allow(missing_docs)]
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
+use robot_dynamics::algorithms::{
+    FramePose, bias, center_of_mass, center_of_mass_jacobian, centroidal_momentum_matrix, coriolis_matrix,
+    forward_dynamics, frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
+    frame_pose, frame_poses, gravity, inverse_dynamics, inverse_mass_matrix, kinetic_energy, mass_matrix,
+    mass_matrix_factor, momentum, potential_energy, velocity_product,
+};
 use robot_dynamics::batch::{self, BatchFloat, BatchOptions, BatchWorkspace, Rollout, Torques};
-use robot_dynamics::dynamics::{Integrator, SplitMix64};
-use robot_dynamics::{
-    Base, InstructionSet, JointKinds, Model, RandomRobotOptions, RandomState, Workspace, load, random_robot,
-    random_state, with_native_code,
+use robot_dynamics::derivatives::{
+    LinearizeStepWorkspace, StepPullbackWorkspace, forward_dynamics_pullback,
+    forward_dynamics_pullback_with_parameters, gravity_derivative, inverse_dynamics_pullback,
+    inverse_dynamics_pullback_with_parameters, linearize_step, parameter_count, step_pullback,
 };
-use robot_dynamics::{FrameDescription, FrameId, FramePose, Pose, center_of_mass, center_of_mass_jacobian};
-use robot_dynamics::{LinearizeStepWorkspace, StepForces, linearize_step};
-use robot_dynamics::{StepPullbackWorkspace, step_pullback};
-use robot_dynamics::{bias, coriolis_matrix, forward_dynamics, gravity, inverse_dynamics, mass_matrix};
-use robot_dynamics::{centroidal_momentum_matrix, gravity_derivative};
-use robot_dynamics::{
-    forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
-    inverse_dynamics_pullback_with_parameters, mass_matrix_factor, parameter_count,
+use robot_dynamics::description::{
+    Base, FrameDescription, JointKinds, Pose, RandomRobotOptions, random_robot,
 };
-use robot_dynamics::{
-    frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned, frame_pose, frame_poses,
-};
-use robot_dynamics::{inverse_mass_matrix, kinetic_energy, momentum, potential_energy, velocity_product};
+use robot_dynamics::model::InstructionSet;
+use robot_dynamics::model::{FrameId, Model, RandomState, Workspace, random_state};
+use robot_dynamics::number::SplitMix64;
+use robot_dynamics::simulation::{Integrator, StepForces};
+use robot_dynamics::{load, with_native_code};
 
-/// All results of a state, one after the other, and where M is inverted behind them.
+/// All results of a state, and, if M is regular, those that need its inverse.
 struct Results {
     plain: Vec<Vec<f64>>,
     inverting: Vec<Vec<f64>>,
@@ -67,7 +69,7 @@ fn difference(one: &[f64], other: &[f64], scale: f64) -> f64 {
     one.iter().zip(other).fold(0.0, |most: f64, (x, y)| most.max((x - y).abs())) / scale
 }
 
-/// The ratio of the largest to the smallest of M's eigenvalues.
+/// The ratio of the largest to the smallest eigenvalue of M.
 fn condition_number(model: &Model, q: &[f64]) -> f64 {
     let eigenvalues = model.mass_matrix(q).expect("a valid state").symmetric_eigenvalues();
     eigenvalues.max() / eigenvalues.min().abs()
@@ -100,7 +102,8 @@ fn random_robots() -> Vec<(String, Model)> {
     (0..60).map(of_seed).collect()
 }
 
-/// An operation rounds by ε/2 of its result; sums of some hundred terms along the tree cancel to a hundredth of them.
+/// An operation rounds by ε/2 of its result. Sums of about a hundred terms along the tree cancel to a
+/// hundredth of them.
 const PLAIN: f64 = 2e-12;
 
 /// M⁻¹ has κ(M) times the relative error of M.
@@ -115,10 +118,10 @@ fn machine_code_has_the_numbers_of_the_recursions() {
         for _ in 0..3 {
             let state = random_state(&model, &mut random);
             let (found, expected) = (compute(&model, &state), compute(&plain, &state));
-            // C v may be a difference of forces that vanishes, and C of rates of M.
+            // C v can be a difference of forces that cancel, and C a difference of rates of M.
             let (force, rate) =
                 (largest(&expected.plain[0]), largest(&expected.plain[5]) * largest(&state.v));
-            // So may the sums of such forces, weighted by a cotangent.
+            // The same holds for sums of such forces, weighted by a cotangent.
             let weight = largest(&state.tau);
             let (by_q, by_v) = (weight * force, weight * rate);
             for (index, (found, expected)) in found.plain.iter().zip(&expected.plain).enumerate() {
@@ -128,7 +131,7 @@ fn machine_code_has_the_numbers_of_the_recursions() {
                 assert!(off < PLAIN, "{name}, function {index}: {off:e}");
             }
             let condition = condition_number(&plain, &state.q);
-            // Singular to rounding: no digit is left.
+            // Singular to rounding: no digit is significant.
             if condition > 1e12 {
                 continue;
             }
@@ -153,7 +156,7 @@ fn has_encoder() -> bool {
 }
 
 fn pendulum() -> Model {
-    with_native_code(Model::new(robot_dynamics::pendulum(2.0, 0.5)).expect("a pendulum"))
+    with_native_code(Model::new(robot_dynamics::description::pendulum(2.0, 0.5)).expect("a pendulum"))
 }
 
 /// States of a robot, one after the other: q, v, a, τ.
@@ -167,10 +170,10 @@ fn states(model: &Model, count: usize) -> [Vec<f64>; 4] {
     tables
 }
 
-/// The tables of [`compute_batches`] that need M⁻¹: their rounding has its condition number.
+/// The tables of [`compute_batches`] that need M⁻¹; their rounding is proportional to its condition number.
 const INVERTING_TABLES: [usize; 5] = [2, 10, 11, 12, 13];
 
-/// Forces, accelerations, M and the entries of it that are not always zero, ∂τ, λᵀ∂τ, a and λᵀ∂a of each state.
+/// Forces, accelerations, M and its structurally nonzero entries, ∂τ, λᵀ∂τ, a and λᵀ∂a of each state.
 fn compute_batches<T: BatchFloat>(model: &Model, tables: &[Vec<T>; 4], options: BatchOptions) -> Vec<Vec<T>> {
     let [q, v, a, tau] = tables;
     let (nv, count) = (model.nv(), q.len() / model.nq());
@@ -202,7 +205,7 @@ fn compute_batches<T: BatchFloat>(model: &Model, tables: &[Vec<T>; 4], options: 
 #[test]
 fn batches_have_the_bits_of_single_calls_whatever_the_threads() {
     for (name, model) in robots().into_iter().chain(random_robots().into_iter().step_by(7)) {
-        // Not a multiple of any register.
+        // Not a multiple of any register width.
         let count = 301;
         let tables = states(&model, count);
         let (mut one, mut two) = (BatchOptions::default(), BatchOptions::default());
@@ -223,7 +226,7 @@ fn batches_have_the_bits_of_single_calls_whatever_the_threads() {
         // Whether machine code computes both one state and batches.
         let report = model.native();
         let is_compiled = |function: &str| {
-            let is_it = |used: &&robot_dynamics::NativeUse| {
+            let is_it = |used: &&robot_dynamics::model::NativeUse| {
                 used.function.name() == function && used.number == "f64" && used.route.is_ok()
             };
             report.functions.iter().filter(is_it).count() == 2
@@ -253,14 +256,14 @@ fn batches_have_the_bits_of_single_calls_whatever_the_threads() {
     }
 }
 
-/// f32 has 24 bits; the same sums as above.
+/// f32 has 24 bits; the sums are the same as above.
 #[test]
 fn single_precision_has_the_numbers_of_double_precision_to_its_rounding() {
     for (name, model) in robots() {
         let tables = states(&model, 40);
         #[allow(clippy::cast_possible_truncation)]
         let short = tables.clone().map(|table| table.into_iter().map(|x| x as f32).collect::<Vec<_>>());
-        // The states as they are after rounding.
+        // The states after rounding to f32.
         let tables = short.clone().map(|table| table.into_iter().map(f64::from).collect::<Vec<_>>());
         let (found, expected) = (
             compute_batches(&model, &short, BatchOptions::default()),
@@ -282,10 +285,10 @@ fn bad_states_and_far_angles_are_told_and_computed_as_by_the_recursions() {
     let plain = model.clone().with_native(false);
     let (nv, count) = (model.nv(), 200);
     let [mut q, v, a, _] = states(&model, count);
-    // The first joint's angle changes no torque; NaN there is bad all the same.
+    // The angle of the first joint does not affect the torques, but NaN is refused.
     q[17 * nv] = f64::NAN;
     q[40 * nv + 3] = f64::INFINITY;
-    // Beyond the range of the code's sine.
+    // Beyond the range of the sine of the machine code.
     q[101 * nv + 2] = 3e5;
     let compute = |model: &Model| {
         let (mut tau, w) = (vec![0.0; count * nv], &mut BatchWorkspace::new(model));
@@ -319,7 +322,7 @@ fn pullbacks_of_bad_states_and_far_angles_are_those_of_the_recursions() {
     let [mut q, v, a, mut cotangent] = states(&model, count);
     q[17 * nv] = f64::NAN;
     cotangent[40 * nv + 3] = f64::INFINITY;
-    // Beyond the range of the code's sine.
+    // Beyond the range of the sine of the machine code.
     q[101 * nv + 2] = 3e5;
     let far = 101 * nv..102 * nv;
     let of_batches = |model: &Model, is_forward: bool| {
@@ -357,7 +360,7 @@ fn pullbacks_of_bad_states_and_far_angles_are_those_of_the_recursions() {
     }
 }
 
-/// The cotangents of parameters are the recursions', and so is what comes with them.
+/// The cotangents of parameters, and all other results, are those of the recursions.
 #[test]
 fn pullbacks_with_parameters_have_the_bits_of_the_recursions() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
@@ -429,7 +432,7 @@ fn rollouts_by_one_kernel_a_step_are_those_of_the_recursions() {
                 continue;
             };
             compared += 1;
-            // M⁻¹ has κ(M) times the error of M; over the short way nothing grows.
+            // M⁻¹ has κ(M) times the error of M. Over this short time the error does not grow.
             let condition = condition_number(&model, &q[..model.nq()]).max(1e4);
             for (found, expected) in found.iter().zip(&expected) {
                 let off = difference(found, expected, 0.0);
@@ -440,7 +443,8 @@ fn rollouts_by_one_kernel_a_step_are_those_of_the_recursions() {
     assert!(compared > 60, "{compared}");
 }
 
-/// What calls forward and inverse dynamics within does not lean on what their recursions leave in memory.
+/// Algorithms that call forward and inverse dynamics do not depend on values that the recursions leave in the
+/// workspace.
 #[test]
 fn derivatives_and_pullbacks_are_those_of_the_recursions() {
     for (name, model) in robots().into_iter().chain(random_robots()) {
@@ -470,7 +474,7 @@ fn derivatives_and_pullbacks_are_those_of_the_recursions() {
             results
         };
         let expected = compute(&plain);
-        // λᵀ∂a/∂q and λᵀ∂a/∂v may be differences of forces and rates that vanish.
+        // λᵀ∂a/∂q and λᵀ∂a/∂v can be differences of forces and rates that cancel.
         let (w, mut mass) = (&mut Workspace::new(&plain), vec![0.0; nv * nv]);
         mass_matrix(&plain, w, q, &mut mass);
         let weight = largest(&expected[3]);
@@ -488,7 +492,7 @@ fn derivatives_and_pullbacks_are_those_of_the_recursions() {
     }
 }
 
-/// The gradients of rollouts: from cotangents of the ends to those of the starts and forces.
+/// Gradients of rollouts: cotangents of the ends give those of the starts and forces.
 fn pull_rollouts_back(
     model: &Model,
     how: &Rollout,
@@ -499,7 +503,7 @@ fn pull_rollouts_back(
     let (w, go_on) = (&mut BatchWorkspace::new(model), |_| ControlFlow::Continue(()));
     let (mut by_q, mut by_v, mut by_force) = (by_q.to_vec(), by_v.to_vec(), vec![0.0; forces]);
     let ends = (&mut by_q[..], &mut by_v[..]);
-    // The same cotangent of each state on the way.
+    // The same cotangent for each intermediate state.
     let row: Vec<f64> = (0..model.nv()).map(|k| 0.3 - 0.1 * k as f64).collect();
     let trajectory = row.repeat(v.len() / model.nv() * how.samples());
     let trajectory = (&trajectory[..], &trajectory[..]);
@@ -552,7 +556,7 @@ fn pullbacks_of_rollouts_by_a_kernel_a_step_are_those_of_the_recursions() {
                     let off = difference(found, expected, 0.0);
                     assert!(off < 1e-14 * condition, "{name}, {integrator}: {off:e} of {condition:e}");
                 }
-                // A state's bits do not depend on those beside it.
+                // The bits of a state do not depend on the other states of the batch.
                 let first = [&q[..model.nq()], &v[..nv], &a[..nv], &tau[..nv]];
                 if let Torques::Held(_) = torques {
                     let alone = Torques::Held(&tau[..nv]);
@@ -568,7 +572,7 @@ fn pullbacks_of_rollouts_by_a_kernel_a_step_are_those_of_the_recursions() {
     assert!(compiled > 30 || !has_encoder(), "{compiled}");
 }
 
-/// A rollout of one step, of a batch and of one state, where machine code computes both.
+/// A rollout of one step, of a batch and of one state, if machine code computes both.
 #[test]
 fn the_pullback_of_a_step_has_the_bits_of_a_rollout_of_one() {
     for file in ["panda.urdf", "humanoid.urdf", "gripper.urdf"] {
@@ -603,7 +607,7 @@ fn the_pullback_of_a_step_has_the_bits_of_a_rollout_of_one() {
                 )
                 .expect("a good state");
                 let report = model.native();
-                let is_step = |used: &&robot_dynamics::NativeUse| {
+                let is_step = |used: &&robot_dynamics::model::NativeUse| {
                     used.function.name() == format!("{}_step_pullback", name_of(integrator))
                         && used.route.is_ok()
                 };
@@ -616,12 +620,12 @@ fn the_pullback_of_a_step_has_the_bits_of_a_rollout_of_one() {
     }
 }
 
-/// At rest in the neutral configuration a step turns no joint, so that the angle of its rotation is zero.
+/// At rest in the neutral configuration a step rotates no joint, so the angle of its rotation is zero.
 #[test]
 fn pullbacks_from_rest_are_those_of_the_recursions() {
     for (name, model) in random_robots() {
         let (nv, plain) = (model.nv(), model.clone().with_native(false));
-        let (q, rest) = (robot_dynamics::neutral(&model), vec![0.0; nv]);
+        let (q, rest) = (robot_dynamics::model::neutral(&model), vec![0.0; nv]);
         let condition = condition_number(&plain, &q).max(1e4);
         if condition > 1e8 {
             continue;
@@ -629,7 +633,7 @@ fn pullbacks_from_rest_are_those_of_the_recursions() {
         let RandomState { a, tau, .. } = random_state(&model, &mut SplitMix64::new(9));
         for integrator in [Integrator::SemiImplicitEuler, Integrator::RungeKutta4] {
             for force in [&rest, &tau] {
-                // Friction would take the sign of velocities that are rounding.
+                // Friction would depend on the sign of velocities that are rounding errors.
                 let how = Rollout::new(integrator, 1e-3, 2).with_dissipation(false);
                 let (ends, held) = ([&q[..], &rest, &a, &tau], Torques::Held(force));
                 let (done, found) = pull_rollouts_back(&model, &how, held, ends, nv);
@@ -656,7 +660,7 @@ fn pullbacks_of_rollouts_name_bad_states_and_pass_far_angles_to_the_recursions()
     let [mut q, v, mut a, tau] = states(&model, count);
     q[17 * nv] = f64::NAN;
     a[40 * nv + 3] = f64::INFINITY;
-    // Beyond the range of the code's sine.
+    // Beyond the range of the sine of the machine code.
     q[51 * nv + 2] = 3e5;
     let how = Rollout::new(Integrator::SemiImplicitEuler, 1e-4, 7);
     let ends = [&q[..], &v, &a, &tau];
@@ -682,7 +686,7 @@ fn machine_code_can_be_switched_off() {
     assert!(off.native().to_string().contains("switched off") && off.native().functions.is_empty());
     mass_matrix(&model, &mut Workspace::new(&model), &[0.3], &mut mass);
     assert_eq!(model.native().functions.len(), usize::from(has_encoder()));
-    // A model that is changed has code of its own.
+    // A changed model has its own machine code.
     let mut heavier = model.description().clone();
     heavier.scale_gravity(2.0).expect("a factor");
     let heavier = with_native_code(Model::new(heavier).expect("a pendulum"));
@@ -694,7 +698,7 @@ fn machine_code_can_be_switched_off() {
     assert!((weight(&heavier) - 2.0 * weight(&model)).abs() < 1e-14);
 }
 
-/// A robot whose expression would be too long is not traced at all.
+/// A robot whose expression would be too long is not traced.
 #[test]
 fn very_large_robots_keep_the_recursion() {
     let options = RandomRobotOptions { joints: 3000, ..Default::default() };
@@ -706,7 +710,7 @@ fn very_large_robots_keep_the_recursion() {
     assert!(!has_encoder() || report.contains("recursion, which needs some"), "{report}");
 }
 
-/// Each thread begins with another function.
+/// Each thread starts with another function.
 #[test]
 fn threads_may_call_while_others_compile() {
     const THREADS: usize = 32;
@@ -748,9 +752,9 @@ fn threads_may_call_while_others_compile() {
 }
 
 /// A change of a description.
-type Spoil = fn(&mut robot_dynamics::RobotDescription);
+type Spoil = fn(&mut robot_dynamics::description::RobotDescription);
 
-/// A constant that is not a number is refused before anything is traced, with its name.
+/// A constant that is not a number is refused by name, before anything is traced.
 #[test]
 fn constants_that_are_no_numbers_are_refused() {
     let description = load(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf"))
@@ -781,7 +785,8 @@ fn numbers_of<T: BatchFloat>(FramePose { rotation, translation }: &FramePose<T>)
     rotation.as_flattened().iter().chain(translation).copied().collect()
 }
 
-/// Poses of all frames; pose and Jacobians of one; where the robot has mass, its centre and the Jacobian of that.
+/// The poses of all frames; the pose and Jacobians of one frame; for a robot with mass its centre of mass and
+/// the Jacobian of that.
 fn compute_frames<T: BatchFloat>(model: &Model, q: &[T], frame: FrameId) -> Vec<Vec<T>> {
     let (w, zero, nv) = (&mut Workspace::<T>::new(model), T::zero(), model.nv());
     let mut poses =
@@ -801,7 +806,7 @@ fn compute_frames<T: BatchFloat>(model: &Model, q: &[T], frame: FrameId) -> Vec<
     results
 }
 
-/// Poses of all frames, of one, and of two; Jacobians; of each state.
+/// For each state the poses of all frames, of one, and of two, and Jacobians.
 fn compute_frames_of_batch<T: BatchFloat>(model: &Model, q: &[T], frame: FrameId) -> Vec<Vec<T>> {
     let (frames, count) = (frames_of(model), q.len() / model.nq());
     let w = &mut BatchWorkspace::<T>::new(model);
@@ -819,7 +824,8 @@ fn compute_frames_of_batch<T: BatchFloat>(model: &Model, q: &[T], frame: FrameId
     results
 }
 
-/// Columns of Jacobians are cross products with distances up to the size of the robot, which its poses show.
+/// Columns of Jacobians are cross products with distances up to the size of the robot, which follows from its
+/// poses.
 #[test]
 fn frames_and_the_centre_of_mass_have_the_numbers_of_the_recursions() {
     for (name, model) in robots().into_iter().chain(random_robots()) {
@@ -866,7 +872,7 @@ fn frames_of_batches_have_the_bits_of_single_calls() {
         }
         for state in 0..count {
             let one = compute_frames(&model, &q[state * nq..(state + 1) * nq], frame);
-            // One state's poses of all frames are not compiled.
+            // The poses of all frames for one state have no machine code.
             for (index, (found, one)) in found.iter().zip(&one).enumerate().take(5).skip(1) {
                 let row = &found[state * one.len()..(state + 1) * one.len()];
                 assert!(!has_encoder() || row == one, "{name}, function {index}, state {state}");
@@ -881,10 +887,10 @@ fn bad_states_and_far_angles_of_frames_are_those_of_the_recursions() {
     let model = load(folder).expect("a robot").model;
     let (plain, nq, frame) = (model.clone().with_native(false), model.nq(), frames_of(&model)[5]);
     let [mut q, ..] = states(&model, 60);
-    // The frame does not depend on the last joint; NaN there is bad all the same.
+    // The frame does not depend on the last joint, but NaN is refused.
     q[17 * nq + nq - 1] = f64::NAN;
     q[40 * nq] = f64::INFINITY;
-    // Beyond the range of the code's sine.
+    // Beyond the range of the sine of the machine code.
     q[51 * nq + 2] = 3e5;
     let compute = |model: &Model| {
         let (mut jacobian, mut pose) = (vec![0.0; 60 * 6 * nq], vec![0.0; 60 * 12]);
@@ -923,10 +929,10 @@ fn reports_name_frames() {
     assert_eq!(report.functions.len(), if has_encoder() { 2 } else { 0 });
 }
 
-/// A program that asks for each of very many frames is not kept waiting for the machine code of all.
+/// A program that asks for each of many frames does not wait for the machine code of all.
 #[test]
 fn many_frames_keep_the_recursion() {
-    let mut description = robot_dynamics::pendulum(2.0, 0.5);
+    let mut description = robot_dynamics::description::pendulum(2.0, 0.5);
     let link = description.links[1].name.clone();
     for number in 0..300 {
         let at = Pose::from_translation([f64::from(number), 0.0, 0.0]);

@@ -1,15 +1,17 @@
-//! A process that is a copy of another one calls robots that were loaded there. This test is alone in its process.
+//! A forked process can call robots that its parent loaded. This test is alone in its process.
 #![cfg(all(feature = "native", unix))]
 #![allow(missing_docs)]
 #![allow(unsafe_code)] // `fork` and what belongs to it
 
-use robot_dynamics::{Model, Workspace, gravity, inverse_dynamics, load, mass_matrix};
+use robot_dynamics::algorithms::{gravity, inverse_dynamics, mass_matrix};
+use robot_dynamics::load;
+use robot_dynamics::model::{Model, Workspace};
 
 fn loaded() -> Model {
     load(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf")).expect("a robot").model
 }
 
-/// Forces, by the machine code of the parent in the child, and M and g, whose code the child makes.
+/// Forces by machine code that the parent compiled, and M and g, which the child compiles.
 fn compute(model: &Model, with_matrices: bool) -> Vec<f64> {
     let (nv, w) = (model.nv(), &mut Workspace::new(model));
     let numbers = |first: f64| (0..nv).map(|k| first + 0.1 * k as f64).collect::<Vec<f64>>();
@@ -26,19 +28,20 @@ fn compute(model: &Model, with_matrices: bool) -> Vec<f64> {
 #[test]
 fn a_forked_child_calls_the_robot_of_its_parent() {
     let model = loaded();
-    // The expected numbers come from another copy of the robot, whose code is made in the parent.
+    // The expected numbers come from another copy of the robot, which is compiled in the parent.
     let (in_parent, expected) = (compute(&model, false), compute(&loaded(), true));
-    // SAFETY: this process has no other thread that holds the allocator's lock; the child calls the library alone, and ends without returning.
+    // SAFETY: no other thread of this process holds the lock of the allocator; the child only calls the
+    // library, and exits without returning.
     let process = unsafe { libc::fork() };
     if process == 0 {
         let is_same = compute(&model, true) == expected;
         drop(model);
-        // SAFETY: ends this process without running anything of the parent's.
+        // SAFETY: ends this process without running any code of the parent.
         unsafe { libc::_exit(i32::from(!is_same)) };
     }
     assert!(process > 0, "{}", std::io::Error::last_os_error());
     let mut status = 0;
-    // SAFETY: the status is a number of this function.
+    // SAFETY: the status is a local number of this function.
     let waited = unsafe { libc::waitpid(process, &raw mut status, 0) };
     assert_eq!(waited, process);
     assert!(libc::WIFEXITED(status) && libc::WEXITSTATUS(status) == 0, "the child ended with {status:#x}");

@@ -2,20 +2,23 @@
 #![cfg(feature = "native")]
 #![allow(missing_docs)]
 
-use robot_dynamics::dynamics::MassProperties;
-use robot_dynamics::{
-    JointDescription, JointKind, LinkDescription, Model, Pose, RobotDescription, Workspace, bias,
-    forward_dynamics, forward_dynamics_pullback, gravity, inverse_dynamics, inverse_dynamics_pullback,
-    kinetic_energy, momentum, with_native_code,
+use robot_dynamics::algorithms::{
+    bias, forward_dynamics, gravity, inverse_dynamics, kinetic_energy, momentum,
 };
+use robot_dynamics::derivatives::{forward_dynamics_pullback, inverse_dynamics_pullback};
+use robot_dynamics::description::{
+    JointDescription, JointKind, LinkDescription, MassProperties, Pose, RobotDescription,
+};
+use robot_dynamics::model::{Model, Workspace};
+use robot_dynamics::with_native_code;
 
 const JOINTS: usize = 100_000;
 const MASS: f64 = 2.0;
 const LENGTH: f64 = 0.5;
 const GRAVITY: f64 = 9.81;
 
-/// Point masses at the ends of massless rods, which hang on horizontal hinges; each is carried by the link of this number, the first link by
-/// the base.
+/// Point masses at the ends of massless rods on horizontal hinges. `parent` gives the parent link of each,
+/// and `None` the base.
 fn robot(name: &str, parent: impl Fn(usize) -> Option<usize>) -> Model {
     let mut robot = RobotDescription::new(name);
     let base = "base".to_owned();
@@ -33,7 +36,8 @@ fn robot(name: &str, parent: impl Fn(usize) -> Option<usize>) -> Model {
     with_native_code(Model::new(robot).expect("a robot"))
 }
 
-/// No function was traced: each has another reason to be a recursion, or the processor has no encoder.
+/// Checks that no function was traced: each has another reason for the recursion, or the processor has no
+/// encoder.
 fn assert_recursions(model: &Model) {
     let report = model.native();
     for used in &report.functions {
@@ -43,7 +47,7 @@ fn assert_recursions(model: &Model) {
     assert!(report.reason.is_some() || !report.functions.is_empty());
 }
 
-/// Pendulums beside each other: τ = m l² a − m g l cos q.
+/// Pendulums in parallel: τ = m l² a − m g l cos q.
 #[test]
 fn a_star_of_pendulums_has_their_equations() {
     let model = robot("star", |_| None);
@@ -64,12 +68,13 @@ fn a_star_of_pendulums_has_their_equations() {
     }
     let energy = kinetic_energy(&model, w, &q, &v);
     let expected = JOINTS as f64 * 0.5 * inertia * 0.7 * 0.7;
-    // A sum of so many terms.
+    // The rounding of a sum of that many terms.
     assert!((energy - expected).abs() < JOINTS as f64 * f64::EPSILON * expected);
     assert_recursions(&model);
 }
 
-/// A straight horizontal chain at rest: the moment about hinge k is that of the weights beyond it, a sum over the levers.
+/// A straight horizontal chain at rest: the moment about hinge k is the sum of the weights beyond it times
+/// their levers.
 #[test]
 fn a_chain_carries_its_weight() {
     let model = robot("chain", |k| k.checked_sub(1));
@@ -77,11 +82,11 @@ fn a_chain_carries_its_weight() {
     gravity(&model, w, &rest, &mut g);
     let (mut count, mut levers) = (0.0, 0.0);
     for k in (0..JOINTS).rev() {
-        // Weights beyond hinge k at l, 2 l, 3 l …
+        // The weights beyond hinge k are at l, 2 l, 3 l …
         count += 1.0;
         levers += count * LENGTH;
         let expected = -MASS * GRAVITY * levers;
-        // Each of the sums over the links beyond rounds by ε/2 at most.
+        // Each sum over the later links rounds by at most ε/2.
         assert!((g[k] - expected).abs() <= 4.0 * count * f64::EPSILON * expected.abs(), "{k}");
     }
     let (mut force, mut p) = (vec![0.0; JOINTS], vec![0.0; JOINTS]);
@@ -92,8 +97,8 @@ fn a_chain_carries_its_weight() {
     assert_recursions(&model);
 }
 
-/// A tree whose links carry two others each: forward dynamics undoes inverse dynamics, and the pullbacks are transposes of each other,
-/// ā·M⁻¹b = b·M⁻¹ā.
+/// A binary tree of links: forward dynamics inverts inverse dynamics, and the pullbacks are symmetric, ā·M⁻¹b
+/// = b·M⁻¹ā.
 #[test]
 fn a_bush_is_accelerated_as_its_forces_say() {
     let model = robot("bush", |k| k.checked_sub(1).map(|before| before / 2));
@@ -105,7 +110,7 @@ fn a_bush_is_accelerated_as_its_forces_say() {
     inverse_dynamics(&model, w, &q, &v, &a, &mut tau);
     let [mut x, mut y, mut by_force] = [zeros(), zeros(), zeros()];
     forward_dynamics_pullback(&model, w, &q, &v, &tau, &weights, &mut found, &mut x, &mut y, &mut by_force);
-    // The masses beyond differ by the ratio of the tree's size to a leaf: κ(M) is some 10⁸.
+    // The subtree masses differ by the ratio of the tree's size to a leaf: κ(M) is about 10⁸.
     let off = found.iter().zip(&a).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
     assert!(off < 1e8 * f64::EPSILON, "{off:e}");
     let mut other = zeros();

@@ -1,10 +1,13 @@
-//! Memory of models that are loaded, called and dropped. This test is alone in its process: others take memory as well.
+//! The memory of models that are loaded, called and dropped. This test is alone in its process, because
+//! others allocate memory, too.
 #![cfg(all(feature = "native", target_os = "linux"))]
 #![allow(missing_docs)]
 
-use robot_dynamics::{Workspace, inverse_dynamics, load, mass_matrix};
+use robot_dynamics::algorithms::{inverse_dynamics, mass_matrix};
+use robot_dynamics::load;
+use robot_dynamics::model::Workspace;
 
-/// Bytes of memory that the process has at hand.
+/// The resident memory of the process in bytes.
 fn resident_bytes() -> usize {
     let status = std::fs::read_to_string("/proc/self/status").expect("the kernel's file");
     let line =
@@ -13,7 +16,8 @@ fn resident_bytes() -> usize {
     kilobytes << 10
 }
 
-/// Loads a robot, calls it so that machine code is made, and drops it. The number of functions with machine code.
+/// Loads a robot, calls it so that machine code is compiled, and drops it. Returns the number of functions
+/// with machine code.
 fn load_and_drop() -> usize {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
     let model = load(file).expect("a robot").model;
@@ -25,10 +29,10 @@ fn load_and_drop() -> usize {
     model.native().functions.iter().filter(|used| used.route.is_ok()).count()
 }
 
-/// Ten thousand models whose kernels stayed would have 80 MB of pages alone.
+/// The kernels of ten thousand models would take 80 MB of pages if they were not released.
 #[test]
 fn dropped_models_leave_no_memory() {
-    // After the first ones the allocator has the memory that it keeps for later.
+    // After the first models the allocator keeps the memory that it needs later.
     let compiled: usize = (0..1000).map(|_| load_and_drop()).sum();
     let before = resident_bytes();
     (0..10_000).for_each(|_| assert_eq!(load_and_drop(), compiled / 1000));

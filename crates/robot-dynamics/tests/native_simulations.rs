@@ -1,4 +1,5 @@
-//! Simulations by machine code: the motion of the recursions to rounding, the same refusals, and side by side the bits of each alone.
+//! Simulations by machine code: the motion of the recursions to rounding, the same errors, and in batches the
+//! same bits as alone.
 #![cfg(all(feature = "native", feature = "batch"))]
 #![allow(missing_docs)]
 
@@ -7,12 +8,13 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use robot_dynamics::batch::{BatchWorkspace, Rollout, SimulationBatch, Threads, Torques, rollout};
-use robot_dynamics::dynamics::{Integrator, SplitMix64};
-use robot_dynamics::simulator::{Method, Simulation, SimulationBuilder};
-use robot_dynamics::{
-    Base, JointKinds, Model, RandomRobotOptions, StepForces, StepWorkspace, load, pendulum, random_robot,
-    random_state, step, with_native_code,
+use robot_dynamics::description::{Base, JointKinds, RandomRobotOptions, pendulum, random_robot};
+use robot_dynamics::model::{Model, random_state};
+use robot_dynamics::number::SplitMix64;
+use robot_dynamics::simulation::{
+    Integrator, Method, Simulation, SimulationBuilder, StepForces, StepWorkspace, step,
 };
+use robot_dynamics::{load, with_native_code};
 
 const ROWS: [Integrator; 2] = [Integrator::SemiImplicitEuler, Integrator::RungeKutta4];
 
@@ -21,7 +23,7 @@ fn robot(name: &str) -> Model {
     load(file).expect("a robot of the repository").model
 }
 
-/// Robots with plain coordinates, with joints that slide, with quaternions, and with springs and damping.
+/// Robots with plain coordinates, with prismatic joints, with quaternions, and with springs and damping.
 fn robots() -> Vec<Model> {
     let random = |seed, base, kinds| {
         let options = RandomRobotOptions { joints: 6, base, kinds, passive: 0.5, ..Default::default() };
@@ -58,7 +60,8 @@ fn side_by_side_each_has_the_bits_that_it_has_alone() {
             for (own, seed) in batch.simulations_mut().iter_mut().zip(0..) {
                 start(own, seed);
             }
-            // One cannot start, one has an angle that no polynomial reaches, in one a torque is cut off, one ends on the way.
+            // One state is invalid, one angle is beyond the range of the polynomials, one torque is clipped,
+            // and one simulation ends early.
             let nv = model.nv();
             batch.simulations_mut()[3].set_torques(&vec![f64::NAN; nv]);
             let mut far = batch.simulations()[4].q().to_vec();
@@ -91,7 +94,7 @@ fn side_by_side_each_has_the_bits_that_it_has_alone() {
     }
 }
 
-/// Rounding grows over the steps by what neighbouring motions drift apart, less than a thousandfold in 0.1 s.
+/// Rounding errors grow like the distance of neighbouring motions, less than a thousandfold in 0.1 s.
 #[test]
 fn motions_and_energies_are_those_of_the_recursions_to_rounding() {
     for (model, row) in robots().iter().flat_map(|model| ROWS.map(|row| (model, row))) {
@@ -143,8 +146,8 @@ fn a_step_alone_has_the_bits_of_a_rollout_and_of_a_simulation() {
     }
 }
 
-/// A hinge that moves nothing has no acceleration: the pivots of machine code do not hide it, and a robot that becomes singular on its way
-/// is refused there.
+/// A hinge that moves no mass has no acceleration. The pivots of machine code detect this, and a robot that
+/// becomes singular during the motion is refused at that step.
 #[test]
 fn singular_masses_are_refused_as_by_the_recursions() {
     let mut massless = pendulum(2.0, 0.5);

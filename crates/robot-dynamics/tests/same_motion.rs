@@ -1,12 +1,15 @@
-//! The runs of `testdata/same_motion`, stepped and in one run, against the table that every front end is compared with.
+//! Compares the runs of `testdata/same_motion`, step by step and as one run, with the table that all front
+//! ends are compared with.
 #![cfg(feature = "convex")]
 
 use std::fmt::Write;
 use std::fs;
 use std::path::PathBuf;
 
-use robot_dynamics::simulator::{Effect, RunOptions, Simulation};
-use robot_dynamics::{Ground, Model, Options, load_with, neutral, simulation};
+use robot_dynamics::contact::Ground;
+use robot_dynamics::model::{Model, neutral};
+use robot_dynamics::simulation::{Effect, RunOptions, Simulation};
+use robot_dynamics::{Options, load_with, simulation};
 use serde_json::Value;
 
 fn folder() -> PathBuf {
@@ -43,7 +46,7 @@ fn the_table_holds_the_librarys_states() {
         fs::write(&table, &lines).unwrap();
     }
     let expected = fs::read_to_string(&table).unwrap();
-    // A machine that rounds otherwise has other bits from the first run on.
+    // A machine with other rounding has other bits from the first run on.
     let rounds_otherwise = expected.lines().next() != lines.lines().next();
     assert_eq!(expected.lines().count(), lines.lines().count(), "run it with REGENERATE=1");
     for ((expected, found), run) in expected.lines().zip(lines.lines()).zip(runs.as_array().unwrap()) {
@@ -60,7 +63,7 @@ fn the_table_holds_the_librarys_states() {
     }
 }
 
-/// Each kind of what a file states acts in some run, and each way to take steps is there.
+/// Every kind of effect acts in some run, and every kind of step is used.
 #[test]
 fn the_runs_cover_what_can_act() {
     let runs: Value = serde_json::from_str(&fs::read_to_string(folder().join("runs.json")).unwrap()).unwrap();
@@ -119,11 +122,11 @@ fn started(run: &Value) -> Simulation {
     simulation
 }
 
-fn joint_of<'m>(model: &'m Model, name: &str) -> &'m robot_dynamics::Joint {
+fn joint_of<'m>(model: &'m Model, name: &str) -> &'m robot_dynamics::model::Joint {
     model.joint(name).unwrap_or_else(|| panic!("no joint {name}"))
 }
 
-/// Numbers by name, one or a list each.
+/// Values by name, each a number or a list.
 fn given(object: &Value) -> Vec<(String, Vec<f64>)> {
     let values = |value: &Value| match value.as_array() {
         Some(list) => list.iter().map(number).collect(),

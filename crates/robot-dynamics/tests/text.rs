@@ -1,9 +1,10 @@
-//! How names are written into outputs: for every general category of Unicode, by readers that know nothing of the writer.
+//! Tests how names are written into outputs, for every general category of Unicode, with readers that are
+//! independent of the writer.
 
 use robot_dynamics::text::{csv_cell, json, lines, markdown, markdown_code, one_line, xml};
 
-/// Characters of each of the 30 general categories, from the Unicode Character Database (17.0), and whether they are seen.
-/// Surrogates (Cs) are no characters of Rust.
+/// Characters of each of the 30 general categories of the Unicode Character Database (17.0), and whether they
+/// are visible. Surrogates (Cs) are not characters in Rust.
 const CATEGORIES: [(&str, &str, bool); 29] = [
     ("Cc", "\u{0}\u{7}\t\n\u{b}\u{c}\r\u{1b}\u{7f}\u{80}\u{85}\u{9b}\u{9d}\u{9f}", false),
     (
@@ -59,7 +60,7 @@ fn each_category_is_seen_or_escaped() {
             let expected = if is_seen {
                 text.clone()
             } else {
-                // The standard library has a short form of the zero, too.
+                // The standard library has a short form for zero, too.
                 format!("a{}b", if letter == '\0' { "\\0" } else { &escaped })
             };
             assert_eq!(one_line(&text), expected, "{category} U+{:04X}", u32::from(letter));
@@ -76,7 +77,7 @@ fn each_category_is_seen_or_escaped() {
     }
 }
 
-/// Fields of one record by RFC 4180.
+/// The fields of one record by RFC 4180.
 fn fields(record: &str) -> Vec<String> {
     let (mut fields, mut is_quoted, mut letters) = (vec![String::new()], false, record.chars().peekable());
     while let Some(letter) = letters.next() {
@@ -105,14 +106,15 @@ fn a_table_has_one_line_and_the_same_cells() {
 fn elements_and_attributes_have_the_text() {
     for text in texts() {
         let document = format!("<svg label=\"{0}\" other='{0}'>{0}</svg>", xml(&text));
-        let document = robot_xml::roxmltree::Document::parse(&document).unwrap();
+        let document = robot_dynamics_xml::roxmltree::Document::parse(&document).unwrap();
         let (root, expected) = (document.root_element(), one_line(&text));
         assert_eq!(root.text().unwrap_or_default(), expected);
         assert_eq!((root.attribute("label"), root.attribute("other")), (Some(&*expected), Some(&*expected)));
     }
 }
 
-/// Without a reader of Markdown, this test applies the rules of CommonMark and of GitHub's tables to each letter.
+/// This test applies the rules of CommonMark and of GitHub's tables to each letter, instead of a Markdown
+/// parser.
 #[test]
 fn markdown_has_no_markup_of_a_name() {
     for text in texts() {
@@ -122,7 +124,7 @@ fn markdown_has_no_markup_of_a_name() {
         let mut read = String::new();
         while let Some(letter) = letters.next() {
             assert!(!"|<>[]*`~&#@!$^{}".contains(letter), "{written:?} has {letter:?} without a backslash");
-            // A backslash before punctuation stands for that alone.
+            // A backslash before punctuation stands for the punctuation.
             read.push(if letter == '\\' { letters.next().unwrap() } else { letter });
         }
         assert_eq!(read, seen);
@@ -145,7 +147,7 @@ fn markdown_has_no_markup_of_a_name() {
 #[test]
 fn json_has_the_same_values() {
     for text in texts() {
-        // By hand, with what JSON wants escaped alone.
+        // A reference that escapes only what JSON requires.
         let plain: String = text
             .chars()
             .map(|letter| match letter {
@@ -161,7 +163,7 @@ fn json_has_the_same_values() {
     }
 }
 
-/// A string of JSON, read.
+/// Decodes a JSON string.
 fn unescaped(text: &str) -> String {
     let (mut units, mut rest) = (Vec::new(), text);
     while let Some(letter) = rest.chars().next() {

@@ -1,19 +1,20 @@
-//! One XML element and its attributes, each complaint with line and place.
+//! One XML element and its attributes. Every error gives line and place.
 //!
-//! A value that cannot be read is listed as an error, and the walk goes on, so that all of a file's errors are found
-//! at once; NaN stands in for it and silences what would only follow from it. A file with an error is refused, so
-//! no stand-in reaches a robot.
+//! A value that cannot be read is listed as an error and replaced by NaN, and reading continues, so that one
+//! pass finds all errors of a file. NaN suppresses errors that would only follow from the first one. A file
+//! with an error is refused, so no replacement value reaches a robot.
 
-use robot_xml::roxmltree::Node;
+use robot_dynamics_xml::roxmltree::Node;
 
 use crate::UrdfError;
 use crate::reader::Reader;
-use robot_xml::excerpt;
+use robot_dynamics_xml::excerpt;
 
-/// Larger numbers are no length, mass, inertia or force in SI units, and their products overflow.
-const BIGGEST: f64 = 1e30;
+/// Larger numbers are refused: they cannot be lengths, masses, inertias or forces in SI units, and their
+/// products overflow.
+const LARGEST_NUMBER: f64 = 1e30;
 
-/// An element with the words that say where it is.
+/// An element with its line and its place for messages.
 #[derive(Clone)]
 pub(crate) struct Element<'a> {
     pub(crate) node: Node<'a, 'a>,
@@ -28,13 +29,13 @@ impl<'a> Element<'a> {
         self.node.attribute(attribute)
     }
 
-    /// One number of an attribute's text.
-    fn finite(&self, attribute: &str, text: &str, word: &str) -> Result<f64, UrdfError> {
-        let value = self.real(attribute, text, word)?;
+    /// Parses one finite number of an attribute's text.
+    fn parse_finite(&self, attribute: &str, text: &str, word: &str) -> Result<f64, UrdfError> {
+        let value = self.parse_real(attribute, text, word)?;
         if !value.is_finite() {
             return Err(self.not_finite(attribute, text));
         }
-        if value.abs() > BIGGEST {
+        if value.abs() > LARGEST_NUMBER {
             return Err(UrdfError::TooBig {
                 line: self.line,
                 place: self.place.clone(),
@@ -45,8 +46,8 @@ impl<'a> Element<'a> {
         Ok(value)
     }
 
-    /// A number or an infinity, as bounds may be.
-    fn real(&self, attribute: &str, text: &str, word: &str) -> Result<f64, UrdfError> {
+    /// Parses a number or an infinity, which bounds may be.
+    fn parse_real(&self, attribute: &str, text: &str, word: &str) -> Result<f64, UrdfError> {
         let Ok(value) = word.trim().parse::<f64>() else {
             return Err(UrdfError::NotANumber {
                 line: self.line,
@@ -54,9 +55,9 @@ impl<'a> Element<'a> {
                 attribute: attribute.to_owned(),
                 text: excerpt(text),
                 advice: match word {
-                    _ if text.contains("${") => "; it looks like xacro, so run xacro on the file first",
+                    _ if text.contains("${") => "; it looks like xacro, so expand the file with xacro first",
                     _ if word.contains(',') => {
-                        "; it has a comma: write a decimal point, and white space between numbers"
+                        "; it has a comma: use decimal points, and white space between numbers"
                     }
                     _ => "",
                 },
@@ -71,13 +72,13 @@ impl<'a> Element<'a> {
             place: self.place.clone(),
             attribute: attribute.to_owned(),
             text: excerpt(text),
-            advice: "write an ordinary number in SI units",
+            advice: "give a finite number in SI units",
         }
     }
 }
 
 impl<'a> Reader<'a> {
-    /// The attribute's text, which must be there; `example` shows how to write it.
+    /// The text of a required attribute; `example` shows how to write it.
     pub(crate) fn required_text(
         &mut self,
         element: &Element<'a>,
@@ -96,7 +97,7 @@ impl<'a> Reader<'a> {
         text
     }
 
-    /// A name, which must be there and not be blank; an empty one stands in for it.
+    /// A required name that is not blank. After an error the name is empty.
     pub(crate) fn required_name(&mut self, element: &Element<'a>, attribute: &str, example: &str) -> &'a str {
         let Some(name) = self.required_text(element, attribute, example) else { return "" };
         if name.trim().is_empty() {
@@ -110,27 +111,27 @@ impl<'a> Reader<'a> {
         name
     }
 
-    /// A number that must be there.
+    /// A required number.
     pub(crate) fn required_number(&mut self, element: &Element<'a>, attribute: &str) -> f64 {
         match self.required_text(element, attribute, &format!("{attribute}=\"NUMBER\"")) {
-            Some(text) => self.or_refuse(element.finite(attribute, text, text)),
+            Some(text) => self.or_refuse(element.parse_finite(attribute, text, text)),
             None => f64::NAN,
         }
     }
 
-    /// A number of physical size.
+    /// An optional number whose magnitude is at most the limit.
     pub(crate) fn number(&mut self, element: &Element<'a>, attribute: &str) -> Option<f64> {
-        element.text(attribute).map(|text| self.or_refuse(element.finite(attribute, text, text)))
+        element.text(attribute).map(|text| self.or_refuse(element.parse_finite(attribute, text, text)))
     }
 
-    /// A number of any size, or an infinity, as bounds are. The largest of all numbers is how programs write none.
+    /// A bound: a number of any size, or an infinity. Programs write the largest double for "no bound".
     pub(crate) fn bound(&mut self, element: &Element<'a>, attribute: &str) -> Option<f64> {
         let bound =
-            self.or_refuse(element.real(attribute, element.text(attribute)?, element.text(attribute)?));
+            self.or_refuse(element.parse_real(attribute, element.text(attribute)?, element.text(attribute)?));
         Some(if bound.abs() == f64::MAX { f64::INFINITY.copysign(bound) } else { bound })
     }
 
-    /// `N` numbers between white space.
+    /// `N` numbers separated by white space.
     pub(crate) fn numbers<const N: usize>(
         &mut self,
         element: &Element<'a>,
@@ -139,9 +140,9 @@ impl<'a> Reader<'a> {
         let text = element.text(attribute)?;
         let found = text.split_ascii_whitespace().count();
         let mut values = [f64::NAN; N];
-        // A comma makes one word of two numbers, or two words of one: it is the better complaint.
+        // A comma changes the number of words, so its error is more helpful than the wrong count.
         let misread =
-            text.split_ascii_whitespace().find_map(|word| element.finite(attribute, text, word).err());
+            text.split_ascii_whitespace().find_map(|word| element.parse_finite(attribute, text, word).err());
         if let Some(error) = misread.filter(|_| found == N || text.contains(',')) {
             self.refuse(error);
         } else if found != N {
@@ -155,7 +156,7 @@ impl<'a> Reader<'a> {
             });
         } else {
             for (value, word) in values.iter_mut().zip(text.split_ascii_whitespace()) {
-                *value = self.or_refuse(element.finite(attribute, text, word));
+                *value = self.or_refuse(element.parse_finite(attribute, text, word));
             }
         }
         Some(values)

@@ -1,17 +1,17 @@
-//! Why a robot file was refused.
+//! The reasons for which a URDF file is refused.
 
 use std::path::PathBuf;
 
-use multibody::{LoadReport, RefusedFile, Severity};
-use robot_xml::{XmlError, excerpt};
+use robot_dynamics_description::{LoadReport, RefusedFile, Severity};
+use robot_dynamics_xml::{XmlError, excerpt};
 use thiserror::Error;
 
-/// Why a robot file was refused: every error in it, in the order of its lines.
+/// A refused URDF file: all of its errors, in the order of its lines.
 ///
 /// ```
 /// let text = r#"<robot name="r"><link name="a"/><link name="a"/>
 ///     <joint name="j" type="hinge"><parent link="a"/><child link="b"/></joint></robot>"#;
-/// let refused = urdf::parse(text, &urdf::Options::default()).unwrap_err();
+/// let refused = robot_dynamics_urdf::parse(text, &robot_dynamics_urdf::Options::default()).unwrap_err();
 /// let places: Vec<_> = refused.errors().iter().map(|e| (e.line(), e.place())).collect();
 /// let place = |words: &str| Some(words.to_owned());
 /// let joint = place(r#"joint "j""#);
@@ -25,99 +25,97 @@ impl From<UrdfError> for LoadError {
     }
 }
 
-/// One error of a robot file: what is wrong, where, and what to do.
+/// One error of a URDF file, with its place and advice.
 ///
 /// `line` counts from 1; `place` is the element, as in `joint "elbow"/limit`.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // The fields are the nouns of each variant's sentence.
+#[allow(missing_docs)] // The message of each variant names its fields.
 pub enum UrdfError {
     /// The file cannot be opened or read.
     #[error("cannot read {}: {source}", path.display())]
     Unreadable { path: PathBuf, source: std::io::Error },
     /// The file is not text.
-    #[error(
-        "byte {byte} is not UTF-8 text; save the file as UTF-8, and check that it is a robot file at all"
-    )]
+    #[error("byte {byte} is not UTF-8; save the file as UTF-8, and check that it is a robot file")]
     NotUtf8 { byte: usize },
-    /// More text than any robot file has.
-    #[error("the file holds more than {limit} bytes; a robot file is text of at most that size")]
+    /// The file is larger than the limit.
+    #[error("the file has more than {limit} bytes, the largest size of a robot file")]
     TooLarge { limit: usize },
-    /// Nothing to read.
-    #[error("the file is empty; a URDF file holds one <robot> element")]
+    /// The file is empty.
+    #[error("the file is empty; a URDF file has one <robot> element")]
     Empty,
     /// The text is not well-formed XML.
     #[error("line {line}, column {column}: not well-formed XML: {reason}")]
     BadXml { line: usize, column: usize, reason: String },
-    /// A document type declaration, by which a few bytes can expand to gigabytes.
-    #[error("line {line}: a URDF file needs no <!DOCTYPE …>, and its entities are not expanded; delete it")]
+    /// A document type declaration, whose entities can expand a few bytes to gigabytes.
+    #[error("line {line}: <!DOCTYPE …> is not supported, and entities are not expanded; delete it")]
     DocumentType { line: usize },
-    /// Elements nested beyond any robot file.
+    /// Elements are nested too deeply.
     #[error("line {line}: elements are nested deeper than {limit}; a URDF file needs fewer than ten levels")]
     TooDeep { line: usize, limit: usize },
-    /// More attributes or namespaces on an element than any robot file has.
+    /// Too many attributes or namespaces.
     #[error("line {line}: more than {limit} {what}; this is not a robot file")]
     TooMany { line: usize, what: &'static str, limit: usize },
     /// Well-formed XML of another kind.
     #[error("line {line}: the outermost element is <{found}>, not <robot>; {advice}")]
     NotARobot { line: usize, found: String, advice: &'static str },
 
-    /// A xacro file, of which URDF is yet to be made.
+    /// A xacro file that has not been expanded to URDF.
     #[error(
-        "line {line}: this is a xacro file, and `xacro:{instruction}` ({count} such) is not expanded: run `xacro {file} > \
-         robot.urdf`, with the arguments that the robot takes, and load robot.urdf; xacro is part of ROS, and without ROS \
-         `pip install xacrodoc` brings `xacrodoc {file} -o robot.urdf`"
+        "line {line}: this xacro file is not expanded (`xacro:{instruction}`, instructions in all: {count}): run `xacro \
+         {file} > robot.urdf` with the arguments of the robot, and load robot.urdf; xacro is part of ROS; without ROS, \
+         run `pip install xacrodoc` and `xacrodoc {file} -o robot.urdf`"
     )]
     Unexpanded { line: usize, instruction: String, count: usize, file: String },
 
-    /// A required attribute is not there.
+    /// A required attribute is missing.
     #[error("line {line}: {place}: the attribute `{attribute}` is missing; write {example}")]
     MissingAttribute { line: usize, place: String, attribute: String, example: String },
-    /// A required element is not there.
+    /// A required element is missing.
     #[error("line {line}: {place}: the element <{element}> is missing; {advice}")]
     MissingElement { line: usize, place: String, element: &'static str, advice: &'static str },
-    /// A name of no letters.
+    /// A blank name.
     #[error("line {line}: {place}: the attribute `{attribute}` is empty; give a name")]
     EmptyName { line: usize, place: String, attribute: String },
     /// Text where a number belongs.
     #[error("line {line}: {place}: {attribute}={text:?} is not a number{advice}")]
     NotANumber { line: usize, place: String, attribute: String, text: String, advice: &'static str },
-    /// NaN, infinity, or a number that no double holds.
+    /// NaN, infinity, or a number that overflows a double.
     #[error("line {line}: {place}: {attribute}={text:?} is not a finite number; {advice}")]
     NotFinite { line: usize, place: String, attribute: String, text: String, advice: &'static str },
-    /// Larger than any length, mass or inertia.
-    #[error("line {line}: {place}: {attribute}={text:?} is beyond 1e30; give SI units (m, kg, s, rad)")]
+    /// A number larger than any length, mass or inertia.
+    #[error("line {line}: {place}: {attribute}={text:?} is larger than 1e30; use SI units (m, kg, s, rad)")]
     TooBig { line: usize, place: String, attribute: String, text: String },
     /// Too few or too many numbers in a list.
-    #[error("line {line}: {place}: {attribute}={text:?} holds {found} numbers, not {expected}")]
+    #[error("line {line}: {place}: {attribute}={text:?} has {found} numbers instead of {expected}")]
     WrongCount { line: usize, place: String, attribute: String, text: String, expected: usize, found: usize },
-    /// A quantity that cannot be negative is.
+    /// A negative value of a quantity that cannot be negative.
     #[error("line {line}: {place}: {attribute}={value} is negative; {advice}")]
     Negative { line: usize, place: String, attribute: String, value: f64, advice: &'static str },
-    /// Two ways to say one thing, which may disagree.
+    /// Two attributes for one quantity.
     #[error("line {line}: {place}: both `{first}` and `{second}` are given; keep one of them")]
     Both { line: usize, place: String, first: &'static str, second: &'static str },
     /// A quaternion of length zero.
-    #[error("line {line}: {place}: quat_xyzw is zero and no rotation; write \"0 0 0 1\" for none")]
+    #[error("line {line}: {place}: quat_xyzw is zero; write \"0 0 0 1\" for no rotation")]
     ZeroQuaternion { line: usize, place: String },
 
-    /// A joint type that URDF does not know.
+    /// An unknown joint type.
     #[error(
         "line {line}: joint {joint:?}: the type {found:?} is unknown; use revolute, continuous, prismatic, fixed, \
          floating, planar or spherical"
     )]
     UnknownJointType { line: usize, joint: String, found: String },
-    /// An axis without direction.
+    /// An axis of length zero.
     #[error("line {line}: joint {joint:?}: the axis is zero; give a direction such as xyz=\"0 0 1\"")]
     ZeroAxis { line: usize, joint: String },
 
     /// A robot without links.
     #[error("line {line}: robot {robot:?} has no links; a robot has at least one <link name=\"…\"/>")]
     NoLinks { line: usize, robot: String },
-    /// One name for two things.
+    /// A name that is used twice.
     #[error("line {line}: {what} {name:?} is already defined on line {first}; give each its own name")]
     DuplicateName { line: usize, what: &'static str, name: String, first: usize },
-    /// A joint to or from a link that is not there.
+    /// A joint to or from a link that does not exist.
     #[error(
         "line {line}: joint {joint:?}: its {role} link {link:?} does not exist; add it or correct the name"
     )]
@@ -125,46 +123,44 @@ pub enum UrdfError {
     /// A joint from a link to itself.
     #[error("line {line}: joint {joint:?} joins link {link:?} to itself; parent and child must differ")]
     SelfParent { line: usize, joint: String, link: String },
-    /// A link moved by two joints.
+    /// A link that is the child of two joints.
     #[error(
-        "line {line}: link {link:?} is the child of joint {joint:?}, but already of joint {first_joint:?} (line \
-         {first}); a tree has one, and loops are not URDF"
+        "line {line}: link {link:?} is the child of joint {joint:?} and of joint {first_joint:?} (line {first}); \
+         a link has at most one parent joint, because URDF has no loops"
     )]
     TwoParents { line: usize, link: String, joint: String, first_joint: String, first: usize },
-    /// Links in a ring.
+    /// A cycle of joints.
     #[error(
-        "line {line}: the joints {} form a cycle; remove one of them, so that a root link remains",
+        "line {line}: the joints {} form a cycle; remove one of them, so that there is a root link",
         joints.join(" → ")
     )]
     Cycle { line: usize, joints: Vec<String> },
 
-    /// A mimic joint or its leader is not of one degree of freedom.
+    /// A mimic joint or its leader does not have one degree of freedom.
     #[error(
         "line {line}: joint {joint:?} mimics {leader:?}, but {which} is {kind}; both must be revolute, continuous \
          or prismatic"
     )]
     MimicKind { line: usize, joint: String, leader: String, which: String, kind: &'static str },
-    /// The leader is not there.
+    /// The leader of a mimic joint does not exist.
     #[error(
         "line {line}: joint {joint:?} mimics {leader:?}, which does not exist; add it or correct the name"
     )]
     UnknownMimic { line: usize, joint: String, leader: String },
-    /// Joints that follow each other in a ring.
+    /// A cycle of mimic joints.
     #[error(
-        "line {line}: the joints {} mimic each other in a ring; let one of them be free",
+        "line {line}: the joints {} mimic each other in a cycle; remove <mimic> from one of them",
         joints.join(" → ")
     )]
     MimicCycle { line: usize, joints: Vec<String> },
 
-    /// Strict reading met a warning.
-    #[error(
-        "line {line}: {place}: {message} (a warning, which strict reading refuses; correct it or do not be strict)"
-    )]
+    /// A warning in a strict reading.
+    #[error("line {line}: {place}: {message} (a warning, which a strict reading refuses)")]
     Strict { line: usize, place: String, message: String },
 }
 
 impl UrdfError {
-    /// The line at fault, from 1; `None` where it is not about a line.
+    /// The line of the error, from 1; `None` for errors of the whole file.
     pub fn line(&self) -> Option<usize> {
         match self {
             Self::Unreadable { .. } | Self::NotUtf8 { .. } | Self::TooLarge { .. } | Self::Empty => None,
@@ -199,7 +195,7 @@ impl UrdfError {
         }
     }
 
-    /// The element at fault, as in `joint "elbow"/limit`; `None` where it is about the whole file.
+    /// The element of the error, as in `joint "elbow"/limit`; `None` for errors of the whole file.
     pub fn place(&self) -> Option<String> {
         match self {
             Self::MissingAttribute { place, .. }

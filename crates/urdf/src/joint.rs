@@ -1,27 +1,27 @@
-//! `<joint>`: type, place, axis.
+//! Reads `<joint>`: type, placement, axis.
 
-use multibody::{JointDescription, JointKind};
+use robot_dynamics_description::{JointDescription, JointKind};
+use robot_dynamics_xml::excerpt;
 
 use crate::UrdfError;
 use crate::element::Element;
 use crate::reader::Reader;
-use crate::unread::Unknown;
-use robot_xml::excerpt;
+use crate::unread_parts::UnknownPart;
 
-/// Shorter axes have no direction left in double precision once squared.
+/// The squares of shorter axes underflow in double precision.
 const SHORTEST_AXIS: f64 = 1e-100;
 
 /// The axis of a joint without `<axis>`.
 const DEFAULT_AXIS: [f64; 3] = [1.0, 0.0, 0.0];
 
 impl<'a> Reader<'a> {
-    /// The joint with everything that its element says. What is missing is listed as an error, and something
-    /// stands in for it: an empty name, a type that turns.
+    /// Reads a joint. A missing name or type is listed as an error, and reading continues with an empty name
+    /// or the type `continuous`.
     pub(crate) fn joint(&mut self, element: &Element<'a>) -> JointDescription {
         let name = self.required_name(element, "name", "<joint name=\"NAME\" type=\"TYPE\">");
         let type_name = self.required_text(element, "type", "type=\"revolute\" or another joint type");
         let known = ["origin", "parent", "child", "axis", "limit", "dynamics", "mimic"];
-        self.list_unread(element, &["name", "type"], &known, Unknown::IsPhysics);
+        self.list_unread(element, &["name", "type"], &known, UnknownPart::Physics);
         let (parent, child) = (self.link_of(element, "parent"), self.link_of(element, "child"));
         let parent_from_joint = self.origin(element);
         let kind = match type_name.unwrap_or("continuous") {
@@ -42,19 +42,19 @@ impl<'a> Reader<'a> {
             }
         };
         if matches!(kind, JointKind::Fixed | JointKind::Floating | JointKind::Spherical) {
-            self.without_motion(element, kind, "axis");
+            self.report_unused(element, kind, "axis");
         }
         let mut joint = JointDescription::new(name, kind, parent, child, parent_from_joint);
         if kind == JointKind::Fixed {
             for part in ["limit", "dynamics", "mimic"] {
-                self.without_motion(element, kind, part);
+                self.report_unused(element, kind, part);
             }
         } else {
             joint.limits = self.limits(element, kind);
             joint.passive = self.passive_forces(element, kind);
             joint.mimic = self.mimic(element);
         }
-        self.read(
+        self.report_read(
             element,
             format!("{} joint from {:?} to {:?}", kind.name(), excerpt(parent), excerpt(child)),
         );
@@ -64,17 +64,17 @@ impl<'a> Reader<'a> {
     fn link_of(&mut self, joint: &Element<'a>, role: &'static str) -> &'a str {
         let advice = "write <parent link=\"NAME\"/> and <child link=\"NAME\"/>";
         let Some(element) = self.required_child(joint, role, advice) else { return "" };
-        self.list_unread(&element, &["link"], &[], Unknown::IsPhysics);
+        self.list_unread(&element, &["link"], &[], UnknownPart::Physics);
         self.required_name(&element, "link", "link=\"NAME\"")
     }
 
     /// The axis in the joint's frame, as written; (1, 0, 0) by default.
     fn axis(&mut self, joint: &Element<'a>, name: &str) -> [f64; 3] {
         let Some(element) = self.child(joint, "axis") else {
-            self.defaulted(joint, "no <axis>: taken as xyz=\"1 0 0\"");
+            self.report_default(joint, "no <axis>: taken as xyz=\"1 0 0\"");
             return DEFAULT_AXIS;
         };
-        self.list_unread(&element, &["xyz"], &[], Unknown::IsPhysics);
+        self.list_unread(&element, &["xyz"], &[], UnknownPart::Physics);
         let Some(_) = self.required_text(&element, "xyz", "xyz=\"0 0 1\" or another direction") else {
             return DEFAULT_AXIS;
         };
@@ -82,14 +82,18 @@ impl<'a> Reader<'a> {
         if axis.iter().all(|c| c.abs() < SHORTEST_AXIS) {
             self.refuse(UrdfError::ZeroAxis { line: element.line, joint: excerpt(name) });
         }
-        self.read(&element, "direction");
+        self.report_read(&element, "direction");
         axis
     }
 
-    /// Lists an element that says nothing about a joint of this kind.
-    fn without_motion(&mut self, joint: &Element<'a>, kind: JointKind, name: &'static str) {
+    /// Reports a child element that has no meaning for a joint of this kind.
+    fn report_unused(&mut self, joint: &Element<'a>, kind: JointKind, name: &'static str) {
         if let Some(element) = self.child(joint, name) {
-            self.ignored(element.line, element.place, format!("a {} joint has no <{name}>", kind.name()));
+            self.report_ignored(
+                element.line,
+                element.place,
+                format!("a {} joint has no <{name}>", kind.name()),
+            );
         }
     }
 }

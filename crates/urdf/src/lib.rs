@@ -1,12 +1,13 @@
-//! URDF robot files, read without losing physics.
+//! Reads and writes URDF robot files.
 //!
-//! [`load`] and [`parse`] turn the text of a URDF file into a [`multibody::RobotDescription`] and a
-//! [`LoadReport`] that lists, by line, everything that was read, defaulted and ignored. What has no meaning in the
-//! equations of motion is refused, with all such places in one [`LoadError`]; what is only suspicious is taken as
-//! written, with a warning in the report ([`Severity`]). Meshes are never opened. [`write()`] is the way back.
+//! [`load`] and [`parse`] turn the text of a URDF file into a
+//! [`robot_dynamics_description::RobotDescription`] and a [`LoadReport`], which lists, by line, everything
+//! that was read, defaulted and ignored. A file without a meaning in the equations of motion is refused with
+//! a [`LoadError`] that lists all of its errors. Suspicious values are taken as written, with a warning in
+//! the report ([`Severity`]). Mesh files are not opened. [`write()`] writes a robot as URDF.
 //!
 //! ```
-//! let robot = urdf::parse(
+//! let robot = robot_dynamics_urdf::parse(
 //!     r#"<robot name="pendulum">
 //!          <link name="ceiling"/>
 //!          <link name="bob">
@@ -23,22 +24,22 @@
 //!            <dynamics damping="0.1"/>
 //!          </joint>
 //!        </robot>"#,
-//!     &urdf::Options::default(),
+//!     &robot_dynamics_urdf::Options::default(),
 //! )?;
 //! assert_eq!(robot.description.joints[0].passive.damping, 0.1);
 //! assert_eq!(robot.report.counts.degrees_of_freedom, 1);
 //! assert_eq!(robot.report.counts.ignored_physics, 0);
-//! # Ok::<(), urdf::LoadError>(())
+//! # Ok::<(), robot_dynamics_urdf::LoadError>(())
 //! ```
 
-// What goes in and what comes out.
+// Entry points and errors.
 mod error;
 mod load;
 
-// The XML: walked with every line and every unread thing accounted for.
+// XML elements, and the report of everything that is not read.
 mod element;
 mod reader;
-mod unread;
+mod unread_parts;
 mod xacro;
 
 // One URDF element per file.
@@ -52,22 +53,22 @@ mod mimic;
 mod origin;
 mod shapes;
 
-// What must hold for the robot as a whole.
-mod following;
+// Checks of the robot as a whole.
+mod mimic_leaders;
 mod moved_mass;
 mod rigid_body;
 mod tree;
 mod world;
 
-// The way back: from a robot to a file.
+// The writer.
 mod write;
 
-// Beside the robot: which links never touch.
+// SRDF: pairs of links without collisions.
 mod srdf;
 
 pub use error::{LoadError, UrdfError};
 pub use load::{Robot, load, parse, parse_as};
-pub use multibody::{Counts, Finding, LoadReport, Severity, Treatment};
-pub use robot_xml::{Options, SIZE_LIMIT};
+pub use robot_dynamics_description::{Counts, Disposition, Finding, LoadReport, Severity};
+pub use robot_dynamics_xml::{Options, SIZE_LIMIT};
 pub use srdf::{SrdfError, disabled_collisions, load_disabled_collisions};
 pub use write::write;

@@ -1,69 +1,69 @@
-//! From a file to a robot.
+//! Loads a robot from a URDF file.
 
 use std::collections::HashMap;
 use std::path::Path;
 
-use multibody::plausibility::WrittenAngles;
-use multibody::{Base, LinkDescription, LoadReport, RobotDescription, Treatment};
-use robot_xml::excerpt;
+use robot_dynamics_description::plausibility::WrittenAngles;
+use robot_dynamics_description::{Base, Disposition, LinkDescription, LoadReport, RobotDescription};
+use robot_dynamics_xml::excerpt;
 
 use crate::element::Element;
 use crate::reader::Reader;
 use crate::shapes::Appearance;
-use crate::tree::{Places, Tree};
-use crate::unread::Unknown;
+use crate::tree::{SourceLines, Tree};
+use crate::unread_parts::UnknownPart;
 use crate::xacro::refuse_unexpanded;
-use crate::{LoadError, Options, UrdfError, following, mesh_file, moved_mass, world};
+use crate::{LoadError, Options, UrdfError, mesh_file, mimic_leaders, moved_mass, world};
 
-/// Deepest nesting; `robot/link/visual/geometry/mesh` is five.
+/// The deepest nesting of elements. A URDF file has five levels: `robot/link/visual/geometry/mesh`.
 const DEPTH_LIMIT: usize = 200;
 
-/// A robot and the account of how it was read.
+/// A robot and the report of how it was read.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Robot {
-    /// Links and joints, as the file states them.
+    /// Links and joints, as written in the file.
     pub description: RobotDescription,
-    /// What was read, defaulted, suspicious and ignored.
+    /// Everything that was read, defaulted, suspicious or ignored.
     pub report: LoadReport,
-    /// The angles of all frames as the file writes them, before they become rotations.
+    /// The angles of all frames as written, before conversion to rotations.
     pub angles: Vec<WrittenAngles>,
 }
 
-/// Reads a URDF file. Meshes and packages that it names are not opened.
+/// Reads a URDF file. Mesh files are located, and not opened.
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
-/// let robot = urdf::load(file, &urdf::Options::default())?;
+/// let robot = robot_dynamics_urdf::load(file, &robot_dynamics_urdf::Options::default())?;
 /// assert_eq!(robot.description.name, "panda");
-/// assert_eq!(robot.report.counts.ignored_physics, 0); // all that moves the robot was read
-/// let model = multibody::Model::new(robot.description)?;
+/// assert_eq!(robot.report.counts.ignored_physics, 0); // no physics was ignored
+/// let model = robot_dynamics::model::Model::new(robot.description)?;
 /// assert_eq!((model.nq(), model.nv()), (7, 7)); // the arm without its hand
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// [`LoadError`] lists all that is wrong, each with its line and what to do.
+/// [`LoadError`] lists all errors, each with its line and advice.
 pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
     let path = path.as_ref();
-    parse_as(&robot_xml::read_file(path).map_err(UrdfError::from)?, path, options)
+    parse_as(&robot_dynamics_xml::read_file(path).map_err(UrdfError::from)?, path, options)
 }
 
-/// Reads the text of the file at that path, which is opened no more: the robot has its name where it has none, and its meshes
-/// are looked for from there.
+/// Reads a text as the content of the file at `path`, which is not opened. A robot without a name takes that
+/// of the file, and relative mesh names start from the folder of `path`.
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
 /// let text = std::fs::read_to_string(file)?;
-/// let robot = urdf::parse_as(&text, file, &urdf::Options::default())?;
-/// assert_eq!(robot, urdf::load(file, &urdf::Options::default())?);
+/// let robot = robot_dynamics_urdf::parse_as(&text, file, &robot_dynamics_urdf::Options::default())?;
+/// assert_eq!(robot, robot_dynamics_urdf::load(file, &robot_dynamics_urdf::Options::default())?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
 /// As [`load`].
 pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
-    read(text, options.clone(), Some(path.as_ref()))
+    read_text(text, options.clone(), Some(path.as_ref()))
 }
 
 /// Reads the text of a URDF file.
@@ -74,22 +74,22 @@ pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result
 ///   <link name="bob"><inertial><origin xyz="0 0 -0.5"/><mass value="2"/></inertial></link>
 ///   <joint name="hinge" type="revolt"><parent link="ceiling"/><child link="bob"/></joint>
 /// </robot>"#;
-/// let refused = urdf::parse(text, &urdf::Options::default()).unwrap_err();
+/// let refused = robot_dynamics_urdf::parse(text, &robot_dynamics_urdf::Options::default()).unwrap_err();
 /// assert!(refused.to_string().contains("revolt"));
 /// assert_eq!(refused.errors()[0].line(), Some(4));
-/// let robot = urdf::parse(&text.replace("revolt", "continuous"), &urdf::Options::default())?;
+/// let robot = robot_dynamics_urdf::parse(&text.replace("revolt", "continuous"), &robot_dynamics_urdf::Options::default())?;
 /// assert_eq!(robot.description.links[1].mass_properties.map(|rod| rod.mass()), Some(2.0));
-/// # Ok::<(), urdf::LoadError>(())
+/// # Ok::<(), robot_dynamics_urdf::LoadError>(())
 /// ```
 ///
 /// # Errors
-/// [`LoadError`] lists all that is wrong, each with its line and what to do.
+/// [`LoadError`] lists all errors, each with its line and advice.
 pub fn parse(text: &str, options: &Options) -> Result<Robot, LoadError> {
-    read(text, options.clone(), None)
+    read_text(text, options.clone(), None)
 }
 
-fn read(text: &str, options: Options, path: Option<&Path>) -> Result<Robot, LoadError> {
-    robot_xml::parse(text, DEPTH_LIMIT, |document, faults| {
+fn read_text(text: &str, options: Options, path: Option<&Path>) -> Result<Robot, LoadError> {
+    robot_dynamics_xml::parse(text, DEPTH_LIMIT, |document, faults| {
         let root = document.root_element();
         let mut reader = Reader::new(document.input_text(), root, options);
         let line = reader.line(root);
@@ -98,40 +98,44 @@ fn read(text: &str, options: Options, path: Option<&Path>) -> Result<Robot, Load
             let advice = match found {
                 "sdf" | "world" | "model" => "SDF files are not read; export URDF",
                 "mujoco" => "this is MJCF; read it with `mjcf::load`",
-                _ => "a URDF file holds one <robot name=\"…\"> element",
+                _ => "a URDF file has one <robot name=\"…\"> element",
             };
             return Err(UrdfError::NotARobot { line, found: excerpt(found), advice }.into());
         }
         refuse_unexpanded(&reader, root, path)?;
         for (line, message) in faults {
-            reader.push(*line, "robot".into(), Treatment::AsWritten, message.clone());
+            reader.push(*line, "robot".into(), Disposition::AsWritten, message.clone());
         }
-        robot(reader, &Element { node: root, line, place: "robot".to_owned() }, path)
+        read_robot(reader, &Element { node: root, line, place: "robot".to_owned() }, path)
     })
     .map_err(UrdfError::from)?
 }
 
-fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, path: Option<&Path>) -> Result<Robot, LoadError> {
-    reader.list_unread(element, &["name", "version"], &["link", "joint"], Unknown::IsHarmless);
+fn read_robot<'a>(
+    mut reader: Reader<'a>,
+    element: &Element<'a>,
+    path: Option<&Path>,
+) -> Result<Robot, LoadError> {
+    reader.list_unread(element, &["name", "version"], &["link", "joint"], UnknownPart::Harmless);
     let name = path.and_then(Path::file_stem).map(|name| name.to_string_lossy());
     let mut robot = RobotDescription::new(robot_name(&mut reader, element, name.as_deref()));
-    let mut lines = Places { robot: element.line, links: Vec::new(), joints: Vec::new() };
+    let mut lines = SourceLines { robot: element.line, links: Vec::new(), joints: Vec::new() };
     let mut inertials = Vec::new();
     for node in element.node.children() {
         if reader.is(node, "link") {
-            let link = reader.named(node, "link");
+            let link = reader.named_element(node, "link");
             lines.links.push(link.line);
             let name = reader.required_name(&link, "name", "<link name=\"NAME\">");
-            reader.list_unread(&link, &["name"], &["inertial"], Unknown::IsHarmless);
+            reader.list_unread(&link, &["name"], &["inertial"], UnknownPart::Harmless);
             inertials.push(reader.inertial(&link));
             robot.links.push(LinkDescription::new(name, None));
         } else if reader.is(node, "joint") {
-            let joint = reader.named(node, "joint");
+            let joint = reader.named_element(node, "joint");
             lines.joints.push(joint.line);
             robot.joints.push(reader.joint(&joint));
         }
     }
-    world::add_missing(&mut reader, &mut robot, &mut lines);
+    world::add_missing_world(&mut reader, &mut robot, &mut lines);
     let extents = extents(&robot);
     for ((link, inertial), extent) in robot.links.iter_mut().zip(&inertials).zip(extents) {
         link.mass_properties =
@@ -142,19 +146,19 @@ fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, path: Option<&Path>)
         world::fix_roots(&mut reader, &mut robot, &mut lines, &forest.roots);
         tree = Tree::of(&robot, &lines, &mut reader.errors);
     }
-    let leaders = following::leaders(&robot, &lines, &mut reader.errors);
+    let leaders = mimic_leaders::find_leaders(&robot, &lines, &mut reader.errors);
     if let Some(tree) = tree
         && reader.errors.is_empty()
     {
         if reader.options.floating_base {
-            world::free_base(&mut reader, &mut robot, element);
+            world::add_floating_base(&mut reader, &mut robot, element);
         }
         moved_mass::check(&robot, &tree, &leaders, &lines, &mut reader);
     }
 
     let Appearance { mut shapes, angles } = reader.appearance(element);
     if let Some(path) = path {
-        mesh_file::find(&mut reader, element, &mut shapes, path);
+        mesh_file::locate_meshes(&mut reader, element, &mut shapes, path);
     }
     robot.shapes = shapes;
 
@@ -176,19 +180,19 @@ fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, path: Option<&Path>)
     }
 }
 
-/// The robot's own name, or else the file's.
+/// The name of the robot, or that of the file.
 fn robot_name<'a>(reader: &mut Reader<'a>, element: &Element<'a>, file: Option<&str>) -> String {
     if let Some(name) = element.text("name").filter(|name| !name.trim().is_empty()) {
         return name.to_owned();
     }
     let name = file.unwrap_or("robot");
-    let origin = if file.is_some() { ", after the file" } else { "" };
+    let origin = if file.is_some() { ", the name of the file" } else { "" };
     let message = format!("no name: taken as {:?}{origin}; write <robot name=\"NAME\">", excerpt(name));
-    reader.as_written(element, message);
+    reader.warn(element, message);
     name.to_owned()
 }
 
-/// How far the joints at each link are from its frame, and its own joint from the parent's \[m\].
+/// For each link the largest `<origin>` distance among its joints \[m\].
 fn extents(robot: &RobotDescription) -> Vec<f64> {
     let index: HashMap<&str, usize> =
         robot.links.iter().enumerate().map(|(at, link)| (link.name.as_str(), at)).collect();

@@ -1,21 +1,26 @@
-//! Where the mesh files are that a robot's file names. They are looked for, and not opened.
+//! Locates the mesh files that a robot names, without opening them.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use multibody::{LinkShape, Shape};
-use robot_xml::excerpt;
+use robot_dynamics_description::{LinkShape, Shape};
+use robot_dynamics_xml::excerpt;
 
 use crate::element::Element;
-
 use crate::reader::Reader;
 
-/// Names of missing files in the one note about them.
-const NAMED: usize = 3;
+/// The number of missing files that the note names.
+const LISTED_FILES: usize = 3;
 
-/// Finds the file of each mesh, from the robot's own file at `path`; one note tells of those that are not there.
-pub(crate) fn find(reader: &mut Reader<'_>, robot: &Element<'_>, shapes: &mut [LinkShape], path: &Path) {
+/// Locates the file of each mesh, starting from the robot's file at `path`. One note lists those that are
+/// missing.
+pub(crate) fn locate_meshes(
+    reader: &mut Reader<'_>,
+    robot: &Element<'_>,
+    shapes: &mut [LinkShape],
+    path: &Path,
+) {
     let search = Search::from(path, &reader.options.package_path);
     let mut missing = BTreeSet::new();
     for shape in shapes {
@@ -29,22 +34,25 @@ pub(crate) fn find(reader: &mut Reader<'_>, robot: &Element<'_>, shapes: &mut [L
     if missing.is_empty() {
         return;
     }
-    let names: Vec<String> = missing.iter().take(NAMED).map(|name| excerpt(name)).collect();
-    let more =
-        if missing.len() > NAMED { format!(" and {} more", missing.len() - NAMED) } else { String::new() };
+    let names: Vec<String> = missing.iter().take(LISTED_FILES).map(|name| excerpt(name)).collect();
+    let more = if missing.len() > LISTED_FILES {
+        format!(" and {} more", missing.len() - LISTED_FILES)
+    } else {
+        String::new()
+    };
     let message = format!(
-        "mesh files were not found: {}{more}; package:// is looked for beside the robot's file, in the folders that \
-         the reader was given (--package-path) and in ROS_PACKAGE_PATH",
+        "mesh files were not found: {}{more}; package:// is searched in the folder of the robot's file and those \
+         above it, in the package path (--package-path), and in ROS_PACKAGE_PATH",
         names.join(", ")
     );
-    reader.ignored(robot.line, robot.place.clone(), message);
+    reader.report_ignored(robot.line, robot.place.clone(), message);
 }
 
-/// Folders to look in.
+/// The folders to search.
 struct Search {
-    /// The folder of the robot's file and those that hold it.
+    /// The folder of the robot's file and its ancestors.
     folders: Vec<PathBuf>,
-    /// Those given, and `ROS_PACKAGE_PATH`.
+    /// The folders in the options, and those of `ROS_PACKAGE_PATH`.
     packages: Vec<PathBuf>,
 }
 
@@ -52,7 +60,7 @@ impl Search {
     fn from(path: &Path, given: &[PathBuf]) -> Self {
         let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
-        // WebAssembly's standard library cannot take a list of folders apart.
+        // The standard library cannot split a list of folders in WebAssembly.
         let listed = std::env::var_os("ROS_PACKAGE_PATH").filter(|_| !cfg!(target_family = "wasm"));
         Self {
             folders: folder.ancestors().map(Path::to_owned).collect(),
@@ -64,7 +72,8 @@ impl Search {
         }
     }
 
-    /// `package://NAME/…` (and `model://`) in a folder of that name, `file://…`, or a path from the robot's file.
+    /// The file of `package://NAME/…` or `model://NAME/…` (in a folder NAME), of `file://…`, or of a relative
+    /// path.
     fn find(&self, name: &str) -> Option<PathBuf> {
         let exists = |path: PathBuf| path.is_file().then_some(path);
         if let Some(rest) = name.strip_prefix("package://").or_else(|| name.strip_prefix("model://")) {
@@ -92,7 +101,7 @@ mod tests {
 
     use super::Search;
 
-    /// Every way to name a mesh, in a folder made for it.
+    /// Names of all kinds are resolved in a temporary folder.
     #[test]
     fn meshes_are_found_from_the_robots_file() {
         let root = std::env::temp_dir().join(format!("meshes_are_found_{}", std::process::id()));
@@ -112,7 +121,7 @@ mod tests {
         {
             assert_eq!(found(nowhere), None, "{nowhere}");
         }
-        // From elsewhere, by the folder that holds the packages, or by the package itself.
+        // From another folder: by the folder that contains the packages, or by the package itself.
         let elsewhere = root.join("elsewhere/robot.urdf");
         for given in [root.clone(), root.join("arm_description"), root.join("elsewhere/../arm_description")] {
             let search = Search::from(&elsewhere, &[root.join("nowhere"), given]);

@@ -1,23 +1,23 @@
-//! Every free motion should move some mass: otherwise the mass matrix is singular in every pose.
+//! Checks that every degree of freedom moves mass. Otherwise the mass matrix is singular in every pose.
 
-use multibody::{Base, JointKind, RobotDescription, Treatment};
+use robot_dynamics_description::{Base, Disposition, JointKind, RobotDescription};
+use robot_dynamics_xml::excerpt;
 
 use crate::reader::Reader;
-use crate::tree::{Places, Tree};
-use robot_xml::excerpt;
+use crate::tree::{SourceLines, Tree};
 
-/// Lists joints that accelerate nothing, and joints whose own link has no mass.
+/// Reports joints that move no mass, and joints whose child link has no mass.
 ///
-/// A joint moves the links from its child on, and the links of every joint that follows it.
+/// A joint moves the links of its subtree, and the subtrees of its mimic joints.
 pub(crate) fn check(
     robot: &RobotDescription,
     tree: &Tree,
     leaders: &[Option<usize>],
-    lines: &Places,
+    lines: &SourceLines,
     reader: &mut Reader<'_>,
 ) {
     let has_mass: Vec<bool> = robot.links.iter().map(|link| link.mass_properties.is_some()).collect();
-    // Mass anywhere from the link on, and mass in the rigid body that the link begins.
+    // Whether the subtree of each link has mass, and whether the rigid body that starts at the link has.
     let mut from_here = has_mass.clone();
     let mut rigid = has_mass;
     for &link in tree.order.iter().rev() {
@@ -28,9 +28,9 @@ pub(crate) fn check(
         }
     }
     if robot.base == Base::Floating && !tree.order.first().is_some_and(|&root| from_here[root]) {
-        let message = "the base floats, but no link has mass: the mass matrix is singular in every pose; give one \
-                       an <inertial>";
-        reader.push(lines.robot, "robot".into(), Treatment::AsWritten, message.into());
+        let message = "the base floats, but no link has mass: the mass matrix is singular in every pose; give a \
+                       link an <inertial>";
+        reader.push(lines.robot, "robot".into(), Disposition::AsWritten, message.into());
     }
     let mut moves: Vec<bool> = tree
         .ends
@@ -38,8 +38,7 @@ pub(crate) fn check(
         .zip(&robot.joints)
         .map(|(&(_, child), joint)| from_here[child] || joint.passive.armature > 0.0)
         .collect();
-    // Mass moved by a follower is moved by its leader. Followers that move none pass nothing on, and each
-    // leader is marked once.
+    // A leader moves the mass that its mimic joints move. Each leader is marked once.
     for follower in 0..leaders.len() {
         let mut at = follower;
         while let Some(leader) = leaders[at].filter(|&leader| moves[at] && !moves[leader]) {
@@ -55,15 +54,15 @@ pub(crate) fn check(
         let (place, child) = (format!("joint {:?}", excerpt(&joint.name)), excerpt(&joint.child));
         if !moves[at] && leaders[at].is_none() {
             let message = format!(
-                "moves link {child:?}, but no link from there on has mass: any force means infinite acceleration, and \
-                 whatever needs the inverse of the mass matrix is refused; give {child:?} an <inertial>, or lock the joint"
+                "moves link {child:?}, but no link of its subtree has mass: the mass matrix is singular, and functions \
+                 that need its inverse return an error; give {child:?} an <inertial>, or lock the joint"
             );
-            reader.push(lines.joints[at], place, Treatment::AsWritten, message);
+            reader.push(lines.joints[at], place, Disposition::AsWritten, message);
         } else {
             let message = format!(
-                "moves link {child:?}, which has no mass of its own; the mass matrix may be singular in some poses"
+                "moves link {child:?}, which has no mass; the mass matrix may be singular in some poses"
             );
-            reader.push(lines.joints[at], place, Treatment::Defaulted, message);
+            reader.push(lines.joints[at], place, Disposition::Defaulted, message);
         }
     }
 }

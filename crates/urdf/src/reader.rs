@@ -1,23 +1,23 @@
-//! The walk through a file: elements in, findings out.
+//! The state of reading one file: options, report and errors.
 
-use multibody::{Finding, LoadReport, Severity, Treatment};
-use robot_xml::roxmltree::Node;
+use robot_dynamics_description::{Disposition, Finding, LoadReport, Severity};
+use robot_dynamics_xml::roxmltree::Node;
+use robot_dynamics_xml::{Lines, excerpt};
 
 use crate::element::Element;
 use crate::{Options, UrdfError};
-use robot_xml::Lines;
-use robot_xml::excerpt;
 
-/// What the walk carries along.
+/// Reads the elements of one file and collects findings and errors.
 pub(crate) struct Reader<'a> {
     pub(crate) options: Options,
     pub(crate) report: LoadReport,
-    /// Every error so far; a file with one is refused.
+    /// All errors so far. A file with an error is refused.
     pub(crate) errors: Vec<UrdfError>,
-    /// Warnings that a strict reading refuses; the walk takes them as written all the same.
+    /// Warnings of a strict reading, which refuses the file for them. Reading continues with the values as
+    /// written.
     pub(crate) refused_warnings: Vec<UrdfError>,
     lines: Lines,
-    /// The robot element's namespace; elements of any other are foreign.
+    /// The namespace of `<robot>`. Elements of other namespaces are foreign.
     namespace: Option<&'a str>,
 }
 
@@ -41,18 +41,18 @@ impl<'a> Reader<'a> {
         self.lines.line(byte)
     }
 
-    /// Whether the node is URDF's own element of this name.
+    /// Whether the node is a URDF element of this name.
     pub(crate) fn is(&self, node: Node<'a, 'a>, name: &str) -> bool {
         self.is_own(node) && node.tag_name().name() == name
     }
 
-    /// Whether the node is an element in URDF's own namespace.
+    /// Whether the node is an element in the namespace of `<robot>`.
     pub(crate) fn is_own(&self, node: Node<'a, 'a>) -> bool {
         node.is_element() && node.tag_name().namespace() == self.namespace
     }
 
-    /// A link or a joint: placed as `link "hand"`.
-    pub(crate) fn named(&self, node: Node<'a, 'a>, kind: &str) -> Element<'a> {
+    /// A link or a joint with its place, as in `link "hand"`.
+    pub(crate) fn named_element(&self, node: Node<'a, 'a>, kind: &str) -> Element<'a> {
         let place = match node.attribute("name") {
             Some(name) => format!("{kind} {:?}", excerpt(name)),
             None => kind.to_owned(),
@@ -60,7 +60,7 @@ impl<'a> Reader<'a> {
         Element { node, line: self.line(node), place }
     }
 
-    /// The child of this name; a second one is not read, with a warning.
+    /// The first child of this name. Further ones are reported by a warning.
     pub(crate) fn child(&mut self, parent: &Element<'a>, name: &str) -> Option<Element<'a>> {
         let mut found: Option<Element<'a>> = None;
         for node in parent.node.children().filter(Node::is_element) {
@@ -75,7 +75,7 @@ impl<'a> Reader<'a> {
                         "a second <{name}>; the first, on line {}, counts; delete one of them",
                         first.line
                     );
-                    self.push(line, place, Treatment::AsWritten, message);
+                    self.push(line, place, Disposition::AsWritten, message);
                 }
                 None => found = Some(Element { node, line, place }),
             }
@@ -83,7 +83,7 @@ impl<'a> Reader<'a> {
         found
     }
 
-    /// The child of this name, which must be there.
+    /// The required child of this name.
     pub(crate) fn required_child(
         &mut self,
         parent: &Element<'a>,
@@ -102,36 +102,36 @@ impl<'a> Reader<'a> {
         found
     }
 
-    /// Lists an error; the walk goes on.
+    /// Lists an error; reading continues.
     pub(crate) fn refuse(&mut self, error: UrdfError) {
         self.errors.push(error);
     }
 
-    pub(crate) fn read(&mut self, element: &Element<'a>, message: impl Into<String>) {
-        self.push(element.line, element.place.clone(), Treatment::Read, message.into());
+    pub(crate) fn report_read(&mut self, element: &Element<'a>, message: impl Into<String>) {
+        self.push(element.line, element.place.clone(), Disposition::Read, message.into());
     }
 
-    pub(crate) fn defaulted(&mut self, element: &Element<'a>, message: impl Into<String>) {
-        self.push(element.line, element.place.clone(), Treatment::Defaulted, message.into());
+    pub(crate) fn report_default(&mut self, element: &Element<'a>, message: impl Into<String>) {
+        self.push(element.line, element.place.clone(), Disposition::Defaulted, message.into());
     }
 
-    /// Something suspicious that is taken as the file has it.
-    pub(crate) fn as_written(&mut self, element: &Element<'a>, message: impl Into<String>) {
-        self.push(element.line, element.place.clone(), Treatment::AsWritten, message.into());
+    /// Reports a suspicious value that is taken as written.
+    pub(crate) fn warn(&mut self, element: &Element<'a>, message: impl Into<String>) {
+        self.push(element.line, element.place.clone(), Disposition::AsWritten, message.into());
     }
 
-    /// Something that stays out of the model without changing how the robot moves.
-    pub(crate) fn ignored(&mut self, line: usize, place: String, message: impl Into<String>) {
-        self.push(line, place, Treatment::Ignored { physics: false }, message.into());
+    /// Reports a part that is not in the model and does not affect the motion.
+    pub(crate) fn report_ignored(&mut self, line: usize, place: String, message: impl Into<String>) {
+        self.push(line, place, Disposition::Ignored { physics: false }, message.into());
     }
 
-    /// Something that stays out of the model though it changes, or may change, how the robot moves.
-    pub(crate) fn ignored_physics(&mut self, line: usize, place: String, message: impl Into<String>) {
-        self.push(line, place, Treatment::Ignored { physics: true }, message.into());
+    /// Reports a part that is not in the model although it affects, or may affect, the motion.
+    pub(crate) fn report_ignored_physics(&mut self, line: usize, place: String, message: impl Into<String>) {
+        self.push(line, place, Disposition::Ignored { physics: true }, message.into());
     }
 
-    /// Adds a finding; strict reading refuses a warning.
-    pub(crate) fn push(&mut self, line: usize, place: String, treatment: Treatment, message: String) {
+    /// Adds a finding. In a strict reading a warning becomes an error.
+    pub(crate) fn push(&mut self, line: usize, place: String, treatment: Disposition, message: String) {
         if self.options.strict && treatment.severity() == Severity::Warning {
             self.refused_warnings.push(UrdfError::Strict { line, place, message });
         } else {

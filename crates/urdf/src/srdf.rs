@@ -1,39 +1,39 @@
-//! SRDF: pairs of links that never touch.
+//! Reads SRDF: pairs of links without collisions.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use multibody::RobotDescription;
-use robot_xml::roxmltree::Node;
-use robot_xml::{Lines, XmlError, excerpt};
+use robot_dynamics_description::RobotDescription;
+use robot_dynamics_xml::roxmltree::Node;
+use robot_dynamics_xml::{Lines, XmlError, excerpt};
 use thiserror::Error;
 
-/// Deepest nesting; an SRDF file has three levels.
+/// The deepest nesting of elements. An SRDF file has three levels.
 const DEPTH_LIMIT: usize = 200;
 
-/// Why an SRDF file was refused.
+/// The reason for which an SRDF file is refused.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // The fields are the nouns of each variant's sentence.
+#[allow(missing_docs)] // The message of each variant names its fields.
 pub enum SrdfError {
-    /// The file cannot be read, or its text is not XML.
+    /// The file cannot be read, or is not XML.
     #[error(transparent)]
     Xml(#[from] XmlError),
     /// Well-formed XML of another kind.
     #[error("line {line}: the outermost element is <{found}>, not <robot>; this is not an SRDF file")]
     NotSrdf { line: usize, found: String },
-    /// A robot's own file.
+    /// A URDF file.
     #[error("line {line}: <{found}> belongs to URDF; give the SRDF file, which has <disable_collisions>")]
     Urdf { line: usize, found: String },
-    /// A link is not named.
+    /// The name of a link is missing.
     #[error("line {line}: <{element}> lacks the attribute `{attribute}`, the name of a link")]
     MissingAttribute { line: usize, element: String, attribute: &'static str },
 }
 
-/// The pairs of links that an SRDF file keeps from touching, each once, of the robot with these links.
+/// The pairs of links for which an SRDF file disables collisions, each once. `links` are the robot's links.
 ///
 /// They are the pairs of `<disable_collisions link1="…" link2="…"/>`, and all pairs of a link with
-/// `<disable_default_collisions link="…"/>`, but for those of `<enable_collisions link1="…" link2="…"/>`.
+/// `<disable_default_collisions link="…"/>`, except those of `<enable_collisions link1="…" link2="…"/>`.
 ///
 /// ```
 /// let text = r#"<robot name="arm">
@@ -41,40 +41,41 @@ pub enum SrdfError {
 ///   <disable_default_collisions link="cable"/>
 ///   <enable_collisions link1="cable" link2="hand"/>
 /// </robot>"#;
-/// let pairs = urdf::disabled_collisions(text, &["base", "shoulder", "hand", "cable"])?;
+/// let pairs = robot_dynamics_urdf::disabled_collisions(text, &["base", "shoulder", "hand", "cable"])?;
 /// let names: Vec<_> = pairs.iter().map(|(a, b)| (a.as_str(), b.as_str())).collect();
 /// assert_eq!(names, [("base", "shoulder"), ("cable", "base"), ("cable", "shoulder")]);
-/// # Ok::<(), urdf::SrdfError>(())
+/// # Ok::<(), robot_dynamics_urdf::SrdfError>(())
 /// ```
 ///
 /// # Errors
-/// [`SrdfError`]: the text is no SRDF, or a pair lacks a link. Names of links that the robot has not are returned as they are.
+/// [`SrdfError`] if the text is not SRDF, or if a pair lacks a link. Names of unknown links are returned as
+/// written.
 pub fn disabled_collisions(text: &str, links: &[&str]) -> Result<Vec<(String, String)>, SrdfError> {
-    robot_xml::parse(text, DEPTH_LIMIT, |document, _| {
+    robot_dynamics_xml::parse(text, DEPTH_LIMIT, |document, _| {
         let lines = Lines::of(document.input_text());
-        read(document.root_element(), &lines, links)
+        read_pairs(document.root_element(), &lines, links)
     })?
 }
 
-/// [`disabled_collisions`] of an SRDF file, of this robot.
+/// Reads an SRDF file for a robot: see [`disabled_collisions`].
 ///
 /// ```
-/// let robot = multibody::RobotDescription::new("arm");
-/// let missing = urdf::load_disabled_collisions("nowhere.srdf".as_ref(), &robot);
+/// let robot = robot_dynamics::description::RobotDescription::new("arm");
+/// let missing = robot_dynamics_urdf::load_disabled_collisions("nowhere.srdf".as_ref(), &robot);
 /// assert!(missing.unwrap_err().to_string().starts_with("cannot read"));
 /// ```
 ///
 /// # Errors
-/// [`SrdfError`]: the file cannot be read, or as `disabled_collisions`.
+/// [`SrdfError`] if the file cannot be read, and as [`disabled_collisions`].
 pub fn load_disabled_collisions(
     path: &Path,
     robot: &RobotDescription,
 ) -> Result<Vec<(String, String)>, SrdfError> {
     let links: Vec<&str> = robot.links.iter().map(|link| link.name.as_str()).collect();
-    disabled_collisions(&robot_xml::read_file(path)?, &links)
+    disabled_collisions(&robot_dynamics_xml::read_file(path)?, &links)
 }
 
-fn read(root: Node<'_, '_>, lines: &Lines, links: &[&str]) -> Result<Vec<(String, String)>, SrdfError> {
+fn read_pairs(root: Node<'_, '_>, lines: &Lines, links: &[&str]) -> Result<Vec<(String, String)>, SrdfError> {
     let line = |node: Node<'_, '_>| lines.line(node.range().start);
     let found = |node: Node<'_, '_>| excerpt(node.tag_name().name());
     if root.tag_name().name() != "robot" {
@@ -123,11 +124,15 @@ mod tests {
 
     #[test]
     fn other_files_and_missing_names_are_refused_with_their_line() {
-        let said = |text: &str| disabled_collisions(text, &[]).expect_err("an error").to_string();
-        let missing = said("<robot name=\"r\">\n<disable_collisions link1=\"a\"/></robot>");
-        assert!(missing.starts_with("line 2:") && missing.contains("`link2`"), "{missing}");
-        assert!(said("<robot name=\"r\">\n<link name=\"a\"/></robot>").contains("belongs to URDF"));
-        assert!(said("<mujoco/>").contains("<mujoco>"));
-        assert!(said("").contains("empty"));
+        let error = |text: &str| disabled_collisions(text, &[]).expect_err("an error");
+        let missing = error("<robot name=\"r\">\n<disable_collisions link1=\"a\"/></robot>");
+        assert!(
+            matches!(missing, SrdfError::MissingAttribute { line: 2, attribute: "link2", .. }),
+            "{missing}"
+        );
+        let urdf = error("<robot name=\"r\">\n<link name=\"a\"/></robot>");
+        assert!(matches!(urdf, SrdfError::Urdf { line: 2, .. }), "{urdf}");
+        assert!(matches!(error("<mujoco/>"), SrdfError::NotSrdf { line: 1, .. }));
+        assert!(matches!(error(""), SrdfError::Xml(XmlError::Empty)));
     }
 }

@@ -1,47 +1,52 @@
-//! The links and joints must form one tree.
+//! Checks that links and joints form a tree.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use multibody::RobotDescription;
+use robot_dynamics_description::RobotDescription;
+use robot_dynamics_xml::excerpt;
 
 use crate::UrdfError;
-use robot_xml::excerpt;
 
-/// The links' tree by indices: who moves whom.
+/// The tree of links by indices.
 pub(crate) struct Tree {
-    /// The links that no joint carries.
+    /// The links that are not the child of a joint.
     pub(crate) roots: Vec<usize>,
-    /// For each link the joint that it is the child of; `None` for the root.
+    /// For each link the joint whose child it is; `None` for a root.
     pub(crate) joint_above: Vec<Option<usize>>,
-    /// For each joint its parent link and its child link.
+    /// For each joint its parent and child link.
     pub(crate) ends: Vec<(usize, usize)>,
     /// The links, each after its parent.
     pub(crate) order: Vec<usize>,
 }
 
-/// Where each link and each joint begins in the file.
-pub(crate) struct Places {
+/// The lines at which the robot, each link and each joint begin.
+pub(crate) struct SourceLines {
     pub(crate) robot: usize,
     pub(crate) links: Vec<usize>,
     pub(crate) joints: Vec<usize>,
 }
 
 impl Tree {
-    /// Checks names and connections; what is wrong is added to `errors`, and then there may be no tree.
-    pub(crate) fn of(robot: &RobotDescription, lines: &Places, errors: &mut Vec<UrdfError>) -> Option<Self> {
+    /// Checks names and connections. Adds what is wrong to `errors` and then returns `None`.
+    pub(crate) fn of(
+        robot: &RobotDescription,
+        lines: &SourceLines,
+        errors: &mut Vec<UrdfError>,
+    ) -> Option<Self> {
         if robot.links.is_empty() && errors.is_empty() {
             errors.push(UrdfError::NoLinks { line: lines.robot, robot: excerpt(&robot.name) });
         }
-        let links = index("link", robot.links.iter().map(|link| link.name.as_str()), &lines.links, errors);
-        index("joint", robot.joints.iter().map(|joint| joint.name.as_str()), &lines.joints, errors);
+        let links =
+            index_names("link", robot.links.iter().map(|link| link.name.as_str()), &lines.links, errors);
+        index_names("joint", robot.joints.iter().map(|joint| joint.name.as_str()), &lines.joints, errors);
         let mut ends = Vec::with_capacity(robot.joints.len());
         let mut joint_above: Vec<Option<usize>> = vec![None; robot.links.len()];
         for (at, joint) in robot.joints.iter().enumerate() {
             let line = lines.joints[at];
             let mut find = |role: &'static str, link: &str| {
                 let found = links.get(link).copied();
-                // A link without a name is an error already.
+                // A link without a name has its own error.
                 if found.is_none() && !link.is_empty() {
                     let (joint, link) = (excerpt(&joint.name), excerpt(link));
                     errors.push(UrdfError::UnknownLink { line, joint, role, link });
@@ -71,7 +76,7 @@ impl Tree {
             joint_above[child] = Some(at);
             ends.push((at, parent, child));
         }
-        let is_whole = ends.len() == robot.joints.len();
+        let has_all_joints = ends.len() == robot.joints.len();
         let mut all_ends = vec![(usize::MAX, usize::MAX); robot.joints.len()];
         for &(at, parent, child) in &ends {
             all_ends[at] = (parent, child);
@@ -80,16 +85,16 @@ impl Tree {
         let order = breadth_first(&roots, &ends, robot.links.len());
         let tree = Self { roots, joint_above, ends: all_ends, order };
         tree.list_cycles(robot, lines, errors);
-        (is_whole && errors.is_empty()).then_some(tree)
+        (has_all_joints && errors.is_empty()).then_some(tree)
     }
 
-    /// The link that `link` hangs on.
+    /// The parent of a link.
     pub(crate) fn parent(&self, link: usize) -> Option<usize> {
         self.joint_above[link].map(|joint| self.ends[joint].0)
     }
 
-    /// The rings among the links that no root reaches: walking up from any of them must repeat.
-    fn list_cycles(&self, robot: &RobotDescription, lines: &Places, errors: &mut Vec<UrdfError>) {
+    /// Lists the cycles among the links that no root reaches. From any of them the way up ends in a cycle.
+    fn list_cycles(&self, robot: &RobotDescription, lines: &SourceLines, errors: &mut Vec<UrdfError>) {
         let mut walk_of = vec![usize::MAX; robot.links.len()];
         for &link in &self.order {
             walk_of[link] = link;
@@ -100,7 +105,7 @@ impl Tree {
                 continue;
             }
             while walk_of[link] == usize::MAX {
-                // A walk of its own, told from those of links that a root reaches by an offset.
+                // The offset distinguishes this walk from links that a root reaches.
                 walk_of[link] = robot.links.len() + start;
                 link = self.parent(link).unwrap_or(link);
             }
@@ -118,13 +123,13 @@ impl Tree {
             }
             ring.reverse();
             let line = ring.iter().map(|&joint| lines.joints[joint]).min().unwrap_or(lines.robot);
-            errors.push(UrdfError::Cycle { line, joints: names(&ring, robot) });
+            errors.push(UrdfError::Cycle { line, joints: joint_names(&ring, robot) });
         }
     }
 }
 
-/// The joints' names, at most ten of them.
-pub(crate) fn names(joints: &[usize], robot: &RobotDescription) -> Vec<String> {
+/// The names of the joints, at most ten.
+pub(crate) fn joint_names(joints: &[usize], robot: &RobotDescription) -> Vec<String> {
     let mut names: Vec<String> =
         joints.iter().take(10).map(|&joint| format!("{:?}", excerpt(&robot.joints[joint].name))).collect();
     if joints.len() > names.len() {
@@ -133,15 +138,15 @@ pub(crate) fn names(joints: &[usize], robot: &RobotDescription) -> Vec<String> {
     names
 }
 
-/// Name to index; a second one of the same name is an error.
-fn index<'n>(
+/// Maps names to indices. A repeated name is an error.
+fn index_names<'n>(
     what: &'static str,
     names: impl Iterator<Item = &'n str>,
     lines: &[usize],
     errors: &mut Vec<UrdfError>,
 ) -> HashMap<&'n str, usize> {
     let mut index = HashMap::new();
-    // One without a name is an error already.
+    // An empty name has its own error.
     for (at, name) in names.enumerate().filter(|(_, name)| !name.is_empty()) {
         match index.entry(name) {
             Entry::Vacant(entry) => {
@@ -156,7 +161,7 @@ fn index<'n>(
     index
 }
 
-/// Every link that the roots reach, parents first; joints as (index, parent, child).
+/// All links that the roots reach, parents first. `ends` are joints as (index, parent, child).
 fn breadth_first(roots: &[usize], ends: &[(usize, usize, usize)], links: usize) -> Vec<usize> {
     let mut children = vec![Vec::new(); links];
     for &(_, parent, child) in ends {

@@ -1,4 +1,4 @@
-//! From a robot to the text of a URDF file.
+//! Writes a robot as the text of a URDF file.
 
 mod joints;
 mod shapes;
@@ -6,39 +6,40 @@ mod shapes;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use multibody::{
-    Base, EARTH_GRAVITY, JointDescription, JointKind, LeftOut, LinkDescription, LinkShape, Model, Pose,
-    RobotDescription, WriteError, WrittenFile,
+use robot_dynamics_core::Model;
+use robot_dynamics_description::{
+    Base, EARTH_GRAVITY, JointDescription, JointKind, LinkDescription, LinkShape, Pose, RobotDescription,
+    UnsupportedFeature, WriteError, WrittenFile,
 };
-use robot_xml::{Writer, excerpt, is_name};
+use robot_dynamics_xml::{Writer, excerpt, is_name};
 
-/// Writes a robot as a URDF file. `folder` is where the file will lie: meshes whose files were found are named from there,
-/// others, and all without it, as they were.
+/// Writes a robot as a URDF file. `folder` is the folder of the new file: the names of meshes that were
+/// located are relative to it. Other names, and all names without a folder, stay as they are.
 ///
-/// Numbers keep all their digits. A floating base becomes a joint of type `floating` from a link without mass; frames
-/// become links without mass; linear equalities between joints become `<mimic>`. Armature and springs are written as
-/// attributes of `<dynamics>` that [`parse`](crate::parse) reads and other programs do not. What the format has no words
-/// for is listed in [`WrittenFile::left_out`].
+/// Numbers keep all their digits. A floating base becomes a joint of type `floating` from a link without
+/// mass. Frames become links without mass, and linear equalities between joints become `<mimic>`. Armature
+/// and springs are written as attributes of `<dynamics>` that [`parse`](crate::parse) reads and other
+/// programs ignore. Features that URDF lacks are listed in [`WrittenFile::left_out`].
 ///
 /// ```
-/// let mut robot = multibody::pendulum(2.0, 0.5);
+/// let mut robot = robot_dynamics::description::pendulum(2.0, 0.5);
 /// robot.gravity = [0.0, 0.0, -1.62];
-/// let file = urdf::write(&robot, None)?;
+/// let file = robot_dynamics_urdf::write(&robot, None)?;
 /// assert_eq!(file.lost_physics().map(|lost| lost.place.as_str()).collect::<Vec<_>>(), ["gravity"]);
-/// let back = urdf::parse(&file.text, &urdf::Options::default())?.description;
+/// let back = robot_dynamics_urdf::parse(&file.text, &robot_dynamics_urdf::Options::default())?.description;
 /// assert_eq!(back.links[1].mass_properties, robot.links[1].mass_properties);
 /// assert_eq!(back.joints[0], robot.joints[0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// [`WriteError`] for what is no robot, for a helical joint, and for names that XML cannot hold.
+/// [`WriteError`] for an invalid robot, for a helical joint, and for names that XML cannot represent.
 pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenFile, WriteError> {
     Model::new(robot.clone())?;
     let mut robot = robot.clone();
-    let followers = robot.couplings_to_followers();
+    let mimic_joints = robot.couplings_to_followers();
     let names = robot.links.iter().map(|link| &link.name).chain(robot.frames.iter().map(|frame| &frame.name));
-    let mut writing = Writing {
+    let mut writer = UrdfWriter {
         links: names.cloned().collect(),
         joints: robot.joints.iter().map(|joint| joint.name.clone()).collect(),
         folder,
@@ -47,32 +48,32 @@ pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenF
         unwritable: Vec::new(),
         colors: Vec::new(),
     };
-    for follower in followers {
-        let message = "an equality becomes a <mimic>: M is that of the joints without followers";
-        writing.note(&joint_place(&follower), message);
+    for joint in mimic_joints {
+        let message = "an equality becomes a <mimic>: M refers to the independent joints";
+        writer.add_note(&joint_place(&joint), message);
     }
-    writing.free_base(&mut robot);
-    writing.frames_to_links(&mut robot);
-    writing.universal_to_revolute(&mut robot);
-    writing.check(&robot);
-    writing.robot(&robot);
-    writing.beside(&robot);
-    if writing.unwritable.is_empty() {
-        Ok(WrittenFile::new(writing.xml.finish(), writing.left_out))
+    writer.base_to_joint(&mut robot);
+    writer.frames_to_links(&mut robot);
+    writer.universal_to_revolute(&mut robot);
+    writer.check_names(&robot);
+    writer.write_robot(&robot);
+    writer.list_unsupported(&robot);
+    if writer.unwritable.is_empty() {
+        Ok(WrittenFile::new(writer.xml.finish(), writer.left_out))
     } else {
-        Err(WriteError::Unwritable(writing.unwritable))
+        Err(WriteError::Unwritable(writer.unwritable))
     }
 }
 
-struct Writing<'f> {
-    /// Names that are taken.
+struct UrdfWriter<'f> {
+    /// Names in use.
     links: HashSet<String>,
     joints: HashSet<String>,
     folder: Option<&'f Path>,
     xml: Writer,
-    left_out: Vec<LeftOut>,
+    left_out: Vec<UnsupportedFeature>,
     unwritable: Vec<String>,
-    /// Those written so far, each a material.
+    /// The colours so far; each is a material.
     colors: Vec<[f64; 4]>,
 }
 
@@ -80,35 +81,37 @@ fn joint_place(name: &str) -> String {
     format!("joint {:?}", excerpt(name))
 }
 
-/// This name, or the first free one of `name_2`, `name_3` and so on.
-fn free(taken: &mut HashSet<String>, name: &str) -> String {
+/// This name, or the first unused one of `name_2`, `name_3` and so on.
+fn unique_name(used: &mut HashSet<String>, name: &str) -> String {
     let numbered = (2..).map(|number| format!("{name}_{number}"));
     let mut names = core::iter::once(name.to_owned()).chain(numbered);
-    names.find(|name| taken.insert(name.clone())).unwrap_or_default()
+    names.find(|name| used.insert(name.clone())).unwrap_or_default()
 }
 
-impl Writing<'_> {
-    fn lost(&mut self, place: &str, message: impl Into<String>) {
-        self.left_out.push(LeftOut::new(place, message, true));
+impl UrdfWriter<'_> {
+    fn add_loss(&mut self, place: &str, message: impl Into<String>) {
+        self.left_out.push(UnsupportedFeature::new(place, message, true));
     }
 
-    fn note(&mut self, place: &str, message: impl Into<String>) {
-        self.left_out.push(LeftOut::new(place, message, false));
+    fn add_note(&mut self, place: &str, message: impl Into<String>) {
+        self.left_out.push(UnsupportedFeature::new(place, message, false));
     }
 
-    /// The format's files leave it to their readers whether the base floats: here a joint says it.
-    fn free_base(&mut self, robot: &mut RobotDescription) {
+    /// Writes a floating base as a joint, because URDF leaves the choice of the base to its reader.
+    fn base_to_joint(&mut self, robot: &mut RobotDescription) {
         if robot.base == Base::Fixed {
             return;
         }
         let children: HashSet<&str> = robot.joints.iter().map(|joint| joint.child.as_str()).collect();
         let root = robot.links.iter().find(|link| !children.contains(link.name.as_str()));
         let Some(root) = root.map(|root| root.name.clone()) else { return };
-        let (world, joint) =
-            (free(&mut self.links, "world"), free(&mut self.joints, &robot.floating_base_name()));
+        let (world, joint) = (
+            unique_name(&mut self.links, "world"),
+            unique_name(&mut self.joints, &robot.floating_base_name()),
+        );
         let message =
             format!("the base floats: written as a floating joint from a link {world:?} without mass");
-        self.note("base", message);
+        self.add_note("base", message);
         robot.links.insert(0, LinkDescription::new(&world, None));
         robot
             .joints
@@ -118,7 +121,7 @@ impl Writing<'_> {
 
     fn frames_to_links(&mut self, robot: &mut RobotDescription) {
         for frame in core::mem::take(&mut robot.frames) {
-            let joint = free(&mut self.joints, &format!("{}_fixed", frame.name));
+            let joint = unique_name(&mut self.joints, &format!("{}_fixed", frame.name));
             robot.links.push(LinkDescription::new(&frame.name, None));
             let joint =
                 JointDescription::new(joint, JointKind::Fixed, frame.link, frame.name, frame.link_from_frame);
@@ -126,7 +129,7 @@ impl Writing<'_> {
         }
     }
 
-    /// Two turns in series, with a link without mass between them.
+    /// Replaces universal joints by two revolute joints with a link without mass between them.
     fn universal_to_revolute(&mut self, robot: &mut RobotDescription) {
         let mut joints = Vec::with_capacity(robot.joints.len());
         for joint in core::mem::take(&mut robot.joints) {
@@ -134,11 +137,12 @@ impl Writing<'_> {
                 joints.push(joint);
                 continue;
             };
-            let between = free(&mut self.links, &format!("{}_between", joint.name));
-            let names = [1, 2].map(|number| free(&mut self.joints, &format!("{}_{number}", joint.name)));
+            let between = unique_name(&mut self.links, &format!("{}_between", joint.name));
+            let names =
+                [1, 2].map(|number| unique_name(&mut self.joints, &format!("{}_{number}", joint.name)));
             let message =
                 format!("a universal joint becomes the two joints {:?} and {:?}", names[0], names[1]);
-            self.note(&joint_place(&joint.name), message);
+            self.add_note(&joint_place(&joint.name), message);
             robot.links.push(LinkDescription::new(&between, None));
             let (mut one, mut two) = (joint.clone(), joint);
             [one.name, two.name] = names;
@@ -152,18 +156,19 @@ impl Writing<'_> {
         robot.joints = joints;
     }
 
-    fn check(&mut self, robot: &RobotDescription) {
+    fn check_names(&mut self, robot: &RobotDescription) {
         let names = robot
             .links
             .iter()
             .map(|link| ("link", &link.name))
             .chain(robot.joints.iter().map(|joint| ("joint", &joint.name)));
         for (sort, name) in names.filter(|(_, name)| !is_name(name)) {
-            self.unwritable.push(format!("the {sort} name {:?} is none in a file: rename it", excerpt(name)));
+            self.unwritable
+                .push(format!("the {sort} name {:?} is invalid in a file: rename it", excerpt(name)));
         }
     }
 
-    fn robot(&mut self, robot: &RobotDescription) {
+    fn write_robot(&mut self, robot: &RobotDescription) {
         let name = if is_name(&robot.name) { &robot.name } else { "robot" };
         self.xml.start("robot").attribute("name", name);
         let mut shapes = HashMap::<&str, Vec<&LinkShape>>::new();
@@ -186,64 +191,64 @@ impl Writing<'_> {
                 self.xml.end().end();
             }
             for shape in shapes.remove(link.name.as_str()).unwrap_or_default() {
-                self.shape(shape);
+                self.write_shape(shape);
             }
             self.xml.end();
         }
         for joint in &robot.joints {
-            self.joint(joint);
+            self.write_joint(joint);
         }
     }
 
-    /// What stands beside the tree, of which the format has nothing.
-    fn beside(&mut self, robot: &RobotDescription) {
+    /// Lists the features of the robot that URDF lacks.
+    fn list_unsupported(&mut self, robot: &RobotDescription) {
         if robot.gravity != EARTH_GRAVITY {
             let message = format!(
-                "{:?} m/s²: the format has no gravity, and its readers take {EARTH_GRAVITY:?}",
+                "{:?} m/s²: URDF has no gravity, and its readers assume {EARTH_GRAVITY:?}",
                 robot.gravity
             );
-            self.lost("gravity", message);
+            self.add_loss("gravity", message);
         }
         for link in robot.links.iter().filter(|link| link.gravity_compensation != 0.0) {
-            let message =
-                format!("{} of its weight is carried: the format cannot say it", link.gravity_compensation);
-            self.lost(&format!("link {:?}", excerpt(&link.name)), message);
+            let message = format!(
+                "gravity compensation of {} of its weight: not supported by URDF",
+                link.gravity_compensation
+            );
+            self.add_loss(&format!("link {:?}", excerpt(&link.name)), message);
         }
-        let none = "the format has none";
+        let none = "not supported by URDF";
         for tendon in &robot.tendons {
-            self.lost(
+            self.add_loss(
                 &format!("tendon {:?}", excerpt(&tendon.name)),
                 format!("a tendon over joints: {none}"),
             );
         }
         for equality in &robot.equalities {
-            let message = format!("an equality that is no linear one of two joints: {none}");
-            self.lost(&format!("equality {:?}", excerpt(&equality.name)), message);
+            let message = format!("an equality that is not linear between two joints: {none}");
+            self.add_loss(&format!("equality {:?}", excerpt(&equality.name)), message);
         }
         for actuator in &robot.actuators {
-            self.lost(&format!("actuator {:?}", excerpt(&actuator.name)), format!("an actuator: {none}"));
+            self.add_loss(&format!("actuator {:?}", excerpt(&actuator.name)), format!("an actuator: {none}"));
         }
         for sensor in &robot.sensors {
-            self.note(&format!("sensor {:?}", excerpt(&sensor.name)), format!("a sensor: {none}"));
+            self.add_note(&format!("sensor {:?}", excerpt(&sensor.name)), format!("a sensor: {none}"));
         }
         for pose in &robot.poses {
-            self.note(&format!("pose {:?}", excerpt(&pose.name)), format!("a named pose: {none}"));
+            self.add_note(&format!("pose {:?}", excerpt(&pose.name)), format!("a named pose: {none}"));
         }
         if let Some(step) = robot.time_step {
-            self.note("time step", format!("{step} s: {none}"));
+            self.add_note("time step", format!("{step} s: {none}"));
         }
         if let Some(ratio) = robot.impratio {
-            self.note("impratio", format!("{ratio}: {none}"));
+            self.add_note("impratio", format!("{ratio}: {none}"));
         }
         if !robot.contact_exclusions.is_empty() {
-            let message =
-                format!("{} pairs of links that never touch: {none}", robot.contact_exclusions.len());
-            self.note("contact", message);
+            let message = format!("{} excluded pairs of links: {none}", robot.contact_exclusions.len());
+            self.add_note("contact", message);
         }
         if !robot.contact_pairs.is_empty() {
-            let message =
-                format!("{} pairs of shapes that touch in any case: {none}", robot.contact_pairs.len());
-            self.note("contact", message);
+            let message = format!("{} explicit contact pairs of shapes: {none}", robot.contact_pairs.len());
+            self.add_note("contact", message);
         }
     }
 }

@@ -1,29 +1,29 @@
-//! Xacro files, which a program of ROS turns into URDF: told apart, with what to run first.
+//! Recognizes xacro files, which a program of ROS expands to URDF.
 
 use std::path::Path;
 
-use robot_xml::excerpt;
-use robot_xml::roxmltree::Node;
+use robot_dynamics_xml::excerpt;
+use robot_dynamics_xml::roxmltree::Node;
 
 use crate::UrdfError;
 use crate::reader::Reader;
 
-/// Instructions that leave nothing behind in the file that comes of them.
-const SILENT: [&str; 3] = ["property", "arg", "macro"];
+/// Instructions that add nothing to the expanded file.
+const DEFINITIONS: [&str; 3] = ["property", "arg", "macro"];
 
-/// Whether the element is one that xacro replaces.
+/// Whether the element is a xacro instruction.
 pub(crate) fn is_instruction(node: Node<'_, '_>) -> bool {
     node.tag_name().namespace().is_some_and(|uri| uri.contains("xacro"))
 }
 
-/// A file that is not expanded: it is named so, or has no joint that moves, and holds instructions that would add to it. Where a
-/// robot is all there, a stray one is a warning.
+/// Refuses a xacro file that is not expanded: it has instructions that would add elements, and its name ends
+/// in `.xacro` or no joint moves. In a complete robot a single instruction is only a warning.
 pub(crate) fn refuse_unexpanded<'a>(
     reader: &Reader<'a>,
     robot: Node<'a, 'a>,
     path: Option<&Path>,
 ) -> Result<(), UrdfError> {
-    let adds = |node: &Node<'a, 'a>| is_instruction(*node) && !SILENT.contains(&node.tag_name().name());
+    let adds = |node: &Node<'a, 'a>| is_instruction(*node) && !DEFINITIONS.contains(&node.tag_name().name());
     let Some(first) = robot.descendants().find(adds) else { return Ok(()) };
     let is_named = path.and_then(Path::extension).is_some_and(|ending| ending.eq_ignore_ascii_case("xacro"));
     let moves = |node: Node<'a, 'a>| {

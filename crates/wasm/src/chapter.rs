@@ -1,4 +1,4 @@
-//! The chapter: any closed-form model, and one simulation per widget.
+//! The chapter's closed-form models, and one simulation per widget.
 
 mod brick;
 mod closed_form;

@@ -1,10 +1,10 @@
-//! What the page is told when a call cannot be answered.
+//! Errors of calls from the page.
 
 use core::fmt;
 
 use wasm_bindgen::{JsError, JsValue};
 
-/// A message for the person at the page: what is wrong, where, and what to do.
+/// A message for the user of the page: the problem, its place, and a remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LabError {
     message: String,
@@ -22,7 +22,7 @@ impl fmt::Display for LabError {
     }
 }
 
-/// Every error of the library keeps its own words.
+/// Keeps the messages of the library's errors.
 impl<E: core::error::Error> From<E> for LabError {
     fn from(error: E) -> Self {
         Self::new(error.to_string())
@@ -31,18 +31,18 @@ impl<E: core::error::Error> From<E> for LabError {
 
 impl From<LabError> for JsValue {
     fn from(error: LabError) -> Self {
-        JsError::new(&seen(&error.message)).into()
+        JsError::new(&escape_message(&error.message)).into()
     }
 }
 
-/// A message with names from files as text.
+/// A message in which names from files are escaped.
 #[cfg(feature = "robots")]
-fn seen(message: &str) -> std::borrow::Cow<'_, str> {
-    multibody::text::lines(message)
+fn escape_message(message: &str) -> std::borrow::Cow<'_, str> {
+    robot_dynamics::text::lines(message)
 }
 
 /// The other modules read no files.
 #[cfg(not(feature = "robots"))]
-fn seen(message: &str) -> &str {
+fn escape_message(message: &str) -> &str {
     message
 }

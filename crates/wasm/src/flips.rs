@@ -1,7 +1,7 @@
-//! The map of first flips: many two-link arms let go at rest, several in each register.
+//! The map of first flips: many two-link arms released from rest, several in each register.
 //!
-//! Angles are absolute, counted from where a rod hangs: θ₁ = q₁ + π/2, θ₂ = q₁ + q₂ + π/2. With δ = θ₂ − θ₁,
-//! a = I₁ + m₁r₁² + m₂L₁², b = I₂ + m₂r₂², c = m₂L₁r₂, k₁ = (m₁r₁ + m₂L₁) a_g, k₂ = m₂r₂ a_g, the arm of
+//! Angles are absolute, measured from the hanging rod: θ₁ = q₁ + π/2, θ₂ = q₁ + q₂ + π/2. With δ = θ₂ − θ₁, a
+//! = I₁ + m₁r₁² + m₂L₁², b = I₂ + m₂r₂², c = m₂L₁r₂, k₁ = (m₁r₁ + m₂L₁) a_g, k₂ = m₂r₂ a_g, the arm of
 //! [`Reach2R`] obeys
 //!
 //! > a θ̈₁ + c cos δ θ̈₂ = c sin δ θ̇₂² − k₁ sin θ₁,  c cos δ θ̈₁ + b θ̈₂ = −c sin δ θ̇₁² − k₂ sin θ₂.
@@ -11,14 +11,14 @@
 use core::f64::consts::PI;
 
 use dynamics::Reach2R;
-use number::dispatch::{Hardware, LaneKernel, LaneMemory, Make};
-use number::{Form, InstructionSet, Scalar, StateLanes};
+use robot_dynamics_number::dispatch::{Hardware, LaneKernel, LaneMemory, Make};
+use robot_dynamics_number::{Form, InstructionSet, Scalar, StateLanes};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use crate::LabError;
 use crate::input::{number, positive};
 
-/// As many lanes as the widest register has.
+/// The number of lanes of the widest register.
 const MOST: usize = 8;
 
 /// First flips of two uniform rods, by Runge–Kutta 4.
@@ -36,28 +36,28 @@ impl FlipMap {
     /// Two uniform rods, lengths \[m\], masses \[kg\], gravity \[m/s²\], and the step \[s\].
     ///
     /// # Errors
-    /// If a length, a mass or the step is not positive.
+    /// Fails if a length, a mass or the step is not positive.
     #[wasm_bindgen(constructor)]
     pub fn new(l1: f64, m1: f64, l2: f64, m2: f64, a_g: f64, h: f64) -> Result<Self, LabError> {
         let (l1, m1) = (positive("length 1", l1)?, positive("mass 1", m1)?);
         let (l2, m2) = (positive("length 2", l2)?, positive("mass 2", m2)?);
         let rods = Rods::of(&Reach2R::uniform(l1, m1, l2, m2, number("gravity", a_g)?));
-        let memory = LaneMemory::new::<f64>(InstructionSet::best(), &AtRest);
+        let memory = LaneMemory::new::<f64>(InstructionSet::best(), &RestState);
         Ok(Self { rods, h: positive("the step", h)?, memory, steps: 0.0 })
     }
 
-    /// When the first rod of each arm flips \[s\], from rest at q₁, q₂, q₁, q₂, … \[rad\]; −1 where none does within
-    /// `duration` \[s\], and −2 where none ever can, for want of energy.
+    /// The time of the first flip of each arm \[s\], from rest at q₁, q₂, q₁, q₂, … \[rad\]. It is −1 if no
+    /// rod flips within `duration` \[s\], and −2 if the energy excludes a flip.
     ///
     /// # Errors
-    /// If the angles are not pairs of finite numbers, or the duration not positive.
+    /// Fails if the angles are not pairs of finite numbers, or the duration is not positive.
     #[wasm_bindgen(js_name = firstFlips)]
     pub fn first_flips(&mut self, angles: &[f64], duration: f64) -> Result<Vec<f32>, LabError> {
         if !angles.len().is_multiple_of(2) {
-            return Err(LabError::new(format!("the angles come in pairs, got {}", angles.len())));
+            return Err(LabError::new(format!("expected pairs of angles, got {} numbers", angles.len())));
         }
         crate::input::finite("angles", angles, angles.len())?;
-        // Saturates: more steps than that take longer than a page is open.
+        // Saturates at a number of steps that no page reaches.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let limit = (positive("the duration", duration)? / self.h).round() as u32;
         let mut times = vec![-1.0; angles.len() / 2];
@@ -67,20 +67,20 @@ impl FlipMap {
         Ok(times)
     }
 
-    /// Steps of one arm taken so far, all arms together.
+    /// The number of steps of all arms so far.
     #[wasm_bindgen(getter)]
     pub fn steps(&self) -> f64 {
         self.steps
     }
 
-    /// How many arms are stepped by the same instructions.
+    /// The number of arms in one register.
     #[wasm_bindgen(getter)]
     pub fn lanes(&self) -> usize {
         self.memory.lanes()
     }
 }
 
-/// The five numbers of the arm that its motion depends on.
+/// The five numbers that determine the arm's motion.
 #[derive(Clone, Copy, Debug)]
 struct Rods {
     a: f64,
@@ -102,7 +102,8 @@ impl Rods {
         }
     }
 
-    /// Whether an arm at rest there has the energy of the lowest pose with a rod upright: that rod alone is up.
+    /// Whether an arm at rest has the energy of the lowest pose with a rod upright, in which only that rod is
+    /// up.
     fn can_flip(&self, [t1, t2]: [f64; 2]) -> bool {
         -self.k1 * t1.cos() - self.k2 * t2.cos() >= -(self.k1 - self.k2).abs()
     }
@@ -112,33 +113,33 @@ impl Rods {
 ///
 /// > θ̈₁ + α cos δ θ̈₂ = α sin δ θ̇₂² − κ₁ sin θ₁,  β α cos δ θ̈₁ + θ̈₂ = −β α sin δ θ̇₁² − κ₂ α sin θ₂,
 ///
-/// with α = c/a, β = a/b, κ₁ = k₁h²/a, κ₂ = k₂h²/(b α). The outer rod's sine and cosine are kept α times as long, so that those
-/// of δ come with their factor.
+/// with α = c/a, β = a/b, κ₁ = k₁h²/a, κ₂ = k₂h²/(b α). The outer rod's sine and cosine are stored multiplied
+/// by α, so that those of δ contain the factor.
 #[derive(Clone, Copy, Debug)]
-struct InSteps {
+struct NormalizedArm {
     alpha: f64,
     beta: f64,
     kappa1: f64,
     kappa2: f64,
 }
 
-impl InSteps {
+impl NormalizedArm {
     fn of(Rods { a, b, c, k1, k2 }: Rods, h: f64) -> Self {
         let alpha = c / a;
         Self { alpha, beta: a / b, kappa1: k1 * h * h / a, kappa2: k2 * h * h / (b * alpha) }
     }
 
-    /// How long a rod's sine and cosine are.
+    /// The factors of the stored sines and cosines.
     fn lengths(&self) -> [f64; 2] {
         [1.0, self.alpha]
     }
 
-    /// θ̈, from sines and cosines of θ as they are kept.
+    /// θ̈, from the stored sines and cosines of θ.
     #[inline(always)]
     fn acceleration<S: Scalar>(&self, [s1, s2]: [S; 2], [c1, c2]: [S; 2], rate: [S; 2]) -> [S; 2] {
         let (sine, cosine) = (s2 * c1 - c2 * s1, c2.mul_add(c1, s2 * s1));
         let (push, off) = (sine.scale(self.beta), cosine.scale(self.beta));
-        // Both right-hand sides with their signs turned, as is the inverse of the determinant.
+        // Both right-hand sides have the opposite sign, like the inverse of the determinant.
         let f1 = s1.scale(self.kappa1) - sine * (rate[1] * rate[1]);
         let f2 = push.mul_add(rate[0] * rate[0], s2.scale(self.kappa2));
         let inverse = S::one() / off.mul_add(cosine, S::from_f64(-1.0));
@@ -147,10 +148,10 @@ impl InSteps {
 
     /// One step of the classical Runge–Kutta method.
     ///
-    /// Sines and cosines go along with the angles, turned by what those move: the second stage and the last by half a step's and a
-    /// step's way from the start, the third by a₁/4 from the second, the end of the step by (a₁ − 2a₂ + a₃)/6 from the last
-    /// stage. The two small ones are of second and third order in the step, and take fewer terms. What that and rounding do to
-    /// the lengths is taken back at each step.
+    /// Sines and cosines are updated with the angles by rotations. The second and the last stage rotate by
+    /// half a step's and a step's motion from the start. The third rotates by a₁/4 from the second, and the
+    /// end of the step by (a₁ − 2a₂ + a₃)/6 from the last stage. The last two angles are of second and third
+    /// order in the step and need fewer terms. Each step corrects the lengths for truncation and rounding.
     #[inline(always)]
     fn step<S: Scalar>(&self, state: &mut State<S>) {
         let State { rate: v, sine, cosine, .. } = *state;
@@ -184,8 +185,8 @@ impl InSteps {
     }
 }
 
-/// Sine and cosine of an angle that is x more, by Taylor's polynomials: within 1e-10 for |x| < 0.2, which is 20 rad/s in a step of
-/// 10 ms.
+/// Rotates sine and cosine by x with Taylor polynomials: within 1e-10 for |x| < 0.2, which is 20 rad/s in a
+/// step of 10 ms.
 #[inline(always)]
 fn turned<S: Scalar>(sine: S, cosine: S, x: S) -> (S, S) {
     let k = S::from_f64;
@@ -196,15 +197,15 @@ fn turned<S: Scalar>(sine: S, cosine: S, x: S) -> (S, S) {
     (sine.mul_add(c, cosine * s), cosine * c - sine * s)
 }
 
-/// The same within x³/6: for what is of the step's second order.
+/// The same within x³/6, for angles of second order in the step.
 #[inline(always)]
 fn turned_a_little<S: Scalar>(sine: S, cosine: S, x: S) -> (S, S) {
     let c = (x * x).mul_add(S::from_f64(-0.5), S::one());
     (sine.mul_add(c, cosine * x), cosine * c - sine * x)
 }
 
-/// Angles from hanging, their rates in radians a step, sines and cosines as long as [`InSteps::lengths`] says, of one arm or of
-/// several.
+/// Angles from the hanging position, their rates in radians per step, and sines and cosines with the factors
+/// of [`NormalizedArm::lengths`], for one arm or several.
 #[derive(Clone, Copy, Debug)]
 struct State<S> {
     angle: [S; 2],
@@ -213,16 +214,16 @@ struct State<S> {
     cosine: [S; 2],
 }
 
-/// [`State`] over any number.
+/// [`State`] over any scalar type.
 struct Pendulums;
 
 impl Form for Pendulums {
     type Over<S: Scalar> = State<S>;
 }
 
-struct AtRest;
+struct RestState;
 
-impl Make<Pendulums> for AtRest {
+impl Make<Pendulums> for RestState {
     fn make<S: Scalar>(&self) -> State<S> {
         State { angle: [S::zero(); 2], rate: [S::zero(); 2], sine: [S::zero(); 2], cosine: [S::one(); 2] }
     }
@@ -239,7 +240,7 @@ struct Sweep<'a> {
 }
 
 impl LaneKernel<Pendulums, f64> for Sweep<'_> {
-    /// A lane whose arm has flipped, or has run its time, takes the next arm that can flip at all.
+    /// A lane whose arm has flipped or run its time takes the next arm that can flip.
     #[inline(always)]
     fn run<N: StateLanes<Float = f64>, H: Hardware>(self, memory: &mut State<N>) {
         let Self { rods, h, limit, angles, times, steps } = self;
@@ -263,11 +264,11 @@ impl LaneKernel<Pendulums, f64> for Sweep<'_> {
             }
             None
         };
-        let arm_in_steps = InSteps::of(rods, h);
-        let lengths = arm_in_steps.lengths();
+        let normalized_arm = NormalizedArm::of(rods, h);
+        let lengths = normalized_arm.lengths();
         let mut state = *memory;
         for lane in 0..N::LANES {
-            // What has no arm rests where it hangs, and stays there.
+            // An unused lane holds an arm at rest in the hanging position.
             let start = take(times).map_or([0.0; 2], |(k, start)| {
                 arm[lane] = k;
                 running += 1;
@@ -275,10 +276,10 @@ impl LaneKernel<Pendulums, f64> for Sweep<'_> {
             });
             set(&mut state, lane, start, lengths);
         }
-        // Steps since the lanes were last looked at one by one, and how many it may be until one has run its time.
+        // Steps since the lanes were last inspected, and the number until one has run its time.
         let (mut since, mut until) = (0, limit);
         while running > 0 {
-            arm_in_steps.step(&mut state);
+            normalized_arm.step(&mut state);
             since += 1;
             if since < until && state.angle[0].all_within(PI) && state.angle[1].all_within(PI) {
                 continue;
@@ -289,7 +290,7 @@ impl LaneKernel<Pendulums, f64> for Sweep<'_> {
                 let up = state.angle.iter().any(|angle| angle.lane(lane).abs() >= PI);
                 if arm[lane] != usize::MAX && (up || taken[lane] >= limit) {
                     *steps += f64::from(taken[lane]);
-                    #[allow(clippy::cast_possible_truncation)] // seconds for a picture
+                    #[allow(clippy::cast_possible_truncation)] // // seconds for a picture
                     if up {
                         times[arm[lane]] = (f64::from(taken[lane]) * h) as f32;
                     }
@@ -321,7 +322,7 @@ fn set<N: StateLanes<Float = f64>>(state: &mut State<N>, lane: usize, angle: [f6
     }
 }
 
-/// The same direction in [−π, π].
+/// The angle modulo 2π, in [−π, π].
 fn within(angle: f64) -> f64 {
     angle - 2.0 * PI * (angle / (2.0 * PI)).round()
 }
@@ -334,8 +335,8 @@ mod tests {
 
     const H: f64 = 0.01;
 
-    /// The same arm by the chapter's closed form in relative angles, one at a time: Runge–Kutta's steps commute with a linear
-    /// change of coordinates, so only rounding and the short sines differ.
+    /// The same arm by the chapter's closed form in relative angles, one at a time. Runge–Kutta steps commute
+    /// with a linear change of coordinates, so the results differ by rounding and the truncated sines only.
     fn reference(arm: &Reach2R, q: Vector2<f64>, steps: u32) -> f64 {
         let (mut q, mut qd) = (q, Vector2::zeros());
         for k in 1..=steps {
@@ -352,7 +353,7 @@ mod tests {
     fn flips_are_those_of_the_chapters_arm() -> Result<(), LabError> {
         let arm = Reach2R::worked_example();
         let mut map = FlipMap::new(1.0, 2.0, 1.0, 1.0, 9.81, H)?;
-        // Short enough that chaos has not magnified a rounding: two seconds.
+        // Two seconds, in which chaos does not yet magnify rounding.
         let mut angles = Vec::new();
         for i in 0..12 {
             for j in 0..12 {
@@ -367,7 +368,7 @@ mod tests {
             let expected = reference(&arm, q, 200);
             if time == -2.0 {
                 never += 1;
-                assert_eq!(expected, -1.0, "{q} was said never to flip");
+                assert_eq!(expected, -1.0, "{q} cannot flip by its energy");
             } else {
                 flipped += u32::from(time > 0.0);
                 assert!((f64::from(time) - expected).abs() < 1e-6, "{q}: {time} s, not {expected} s");
@@ -378,26 +379,26 @@ mod tests {
         Ok(())
     }
 
-    /// A second of the map's steps beside the closed form's, and what steps of half the length say: what the short sines cost is less
-    /// than a thousandth of what the method is off by itself.
+    /// Compares a second of the map's steps with the closed form, and with steps of half the length. The
+    /// truncated sines add less than a thousandth of the method's own error.
     #[test]
     fn a_step_is_runge_kuttas() {
         let arm = Reach2R::worked_example();
-        let in_steps = InSteps::of(Rods::of(&arm), H);
+        let normalized = NormalizedArm::of(Rods::of(&arm), H);
         let by = |q, qd, h| rk4_step(&arm, &q, &qd, &Vector2::zeros(), h).unwrap();
         let (mut short, mut own, mut fastest): (f64, f64, f64) = (0.0, 0.0, 0.0);
         for k in 0..12 {
             let t = [2.9 - 0.4 * f64::from(k), 2.0 - 0.3 * f64::from(k)];
             let start = (vector![t[0] - PI / 2.0, t[1] - t[0]], Vector2::zeros());
             let ((mut q, mut qd), (mut finer, mut finer_rate)) = (start, start);
-            let mut state: State<f64> = AtRest.make();
-            set(&mut state, 0, t, in_steps.lengths());
+            let mut state: State<f64> = RestState.make();
+            set(&mut state, 0, t, normalized.lengths());
             for _ in 0..100 {
                 (q, qd) = by(q, qd, H);
                 for _ in 0..2 {
                     (finer, finer_rate) = by(finer, finer_rate, H / 2.0);
                 }
-                in_steps.step(&mut state);
+                normalized.step(&mut state);
             }
             let expected = [q[0] + PI / 2.0, q[0] + q[1] + PI / 2.0, qd[0], qd[0] + qd[1]];
             let found = [state.angle[0], state.angle[1], state.rate[0] / H, state.rate[1] / H];
@@ -411,7 +412,8 @@ mod tests {
         assert!(fastest > 5.0, "{short} beside {own}, at up to {fastest} rad/s");
     }
 
-    /// Runge–Kutta's energy over 20 s in steps of 10 ms, of arms that are let go high: what the map's method costs.
+    /// Runge–Kutta's energy error over 20 s in steps of 10 ms, for arms released high: the accuracy of the
+    /// map's method.
     #[test]
     fn energy_is_kept_well_enough_for_a_map() {
         let arm = Reach2R::worked_example();
@@ -439,7 +441,7 @@ mod tests {
         assert!(map.first_flips(&[1.0], 1.0).is_err());
         assert!(map.first_flips(&[1.0, f64::NAN], 1.0).is_err());
         assert!(FlipMap::new(1.0, 2.0, 1.0, 1.0, 9.81, 0.0).is_err());
-        // Upright already.
+        // Already upright.
         assert_eq!(map.first_flips(&[PI / 2.0, 0.0], 1.0).unwrap(), [0.0]);
     }
 }

@@ -1,4 +1,4 @@
-//! Checks at the boundary: JavaScript's `undefined` arrives as NaN.
+//! Checks of arguments from JavaScript, where `undefined` becomes NaN.
 
 #[cfg(feature = "chapter")]
 use dynamics::Integrator;

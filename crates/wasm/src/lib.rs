@@ -1,26 +1,26 @@
-//! The lab's face: what a web page may ask of the library, checked at the boundary.
+//! The library's interface for the lab's page.
 //!
 //! Every call that can fail returns a [`LabError`], which JavaScript receives as an `Error` with the same
-//! message; a panic would kill the module, so non-finite numbers and wrong lengths are refused here. Vectors
-//! cross as plain lists of numbers, matrices row by row. Nothing is computed here that the library can
-//! compute: these types hold a state, count steps, and keep samples for the plots.
+//! message. A panic would stop the module, so calls check for numbers that are not finite and wrong lengths.
+//! Vectors are plain lists of numbers, and matrices are in row-major order. The library does all
+//! computations. The types here hold a state, count steps, and keep samples for the plots.
 //!
-//! The feature `chapter` holds the experiments of the chapter, `flips` the map of first flips, `robots` the robots from
-//! files: modules of their own, so that the page opens with the first and fetches the others when someone comes to them.
-//! The last two are built twice, with vector registers (simd128) and without.
+//! The feature `chapter` contains the experiments of the chapter, `flips` the map of first flips, `robots`
+//! robots from files. Each is a module of its own: the page opens with the first and loads the others on
+//! demand. The last two are built twice, with vector registers (simd128) and without.
 //!
-//! The same code runs natively, which is how it is tested; [`parity_values`] and [`robot_parity_values`] list the
-//! numbers that all builds must agree on.
+//! The tests run the same code natively. [`parity_values`] and [`robot_parity_values`] list the numbers that
+//! all builds must agree on.
 
-// The boundary: what is refused, and how the page is told.
+// Checks of arguments, and errors.
 mod error;
 mod input;
 
-// Samples in physics time.
+// Samples over simulated time.
 #[cfg(any(feature = "chapter", feature = "robots"))]
 mod samples;
 
-// How numbers are written that the builds are compared on.
+// The format of the numbers that builds are compared by.
 #[cfg(any(feature = "chapter", feature = "robots"))]
 mod parity;
 

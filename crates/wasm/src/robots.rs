@@ -1,13 +1,13 @@
 //! Robots from files.
 
-// What the page is told about a robot.
+// Descriptions of a robot for the page.
 mod account;
 mod coordinate;
 mod drawn;
 mod files;
 mod torques;
 
-// The robot, and what it does.
+// The robot and its operations.
 mod beginning;
 mod choice;
 mod contacts;

@@ -1,8 +1,8 @@
-//! The recent past of a run, sampled in physics time: what trails and plots are drawn from.
+//! Recent samples of a run over simulated time, for trails and plots.
 
 use std::collections::VecDeque;
 
-/// Rows of `W` numbers, the first of them the time \[s\]; the oldest fall out.
+/// Rows of `W` numbers, the first of them the time \[s\]; the oldest are dropped.
 #[derive(Clone, Debug)]
 pub(crate) struct Samples<const W: usize> {
     rows: VecDeque<[f64; W]>,
@@ -11,9 +11,9 @@ pub(crate) struct Samples<const W: usize> {
 }
 
 impl<const W: usize> Samples<W> {
-    /// One row every `interval` \[s\] of a run in steps of `step` \[s\], at most `capacity` rows.
+    /// One row every `interval` \[s\] of a run with steps of `step` \[s\], at most `capacity` rows.
     pub(crate) fn new(interval: f64, step: f64, capacity: usize) -> Self {
-        // Saturates: an interval shorter than a step means every step.
+        // Saturates: an interval shorter than a step samples every step.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let every = (interval / step).round().max(1.0) as u64;
         Self { rows: VecDeque::with_capacity(capacity), capacity, every }

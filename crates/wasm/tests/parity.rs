@@ -1,18 +1,18 @@
-//! The native side of the comparison with WebAssembly: the checked-in values are what this build computes.
+//! The native side of the comparison with WebAssembly: this build computes the checked-in values.
 
 use std::fs;
 
-/// Where the values of the native build are kept for the lab's tests.
+/// The file with the values of the native build for the lab's tests.
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../lab/lib/dynamics/native-values.tsv");
 
-/// Robots' files, and whether their root link floats: as in `lab/lib/dynamics/parity.test.ts`.
+/// Robot files, and whether their root link floats, as in `lab/lib/dynamics/parity.test.ts`.
 const ROBOTS: [(&str, bool); 3] = [
     (include_str!("../../../robots/two_r.urdf"), false),
     (include_str!("../../../robots/panda.urdf"), false),
     (include_str!("../../../robots/humanoid.urdf"), true),
 ];
 
-/// Another machine's sine may differ in its last bit, and half a second of falling magnifies it.
+/// Another machine's sine may differ in its last bit, which half a second of falling magnifies.
 const TOLERANCE: f64 = 1e-12;
 
 #[test]
@@ -26,11 +26,7 @@ fn checked_in_values_are_native_ones() {
         fs::write(GOLDEN, values.join("\n") + "\n").unwrap();
     }
     let golden = fs::read_to_string(GOLDEN).unwrap();
-    assert_eq!(
-        golden.lines().count(),
-        values.len(),
-        "run this test with REGENERATE=1 and look at the change"
-    );
+    assert_eq!(golden.lines().count(), values.len(), "run this test with REGENERATE=1 and review the change");
     for (expected, found) in golden.lines().zip(&values) {
         let (name, kind, expected) = fields(expected);
         let (found_name, _, found) = fields(found);

@@ -24,7 +24,7 @@ fn the_lab_takes_the_librarys_steps() -> Result<(), LabError> {
         let (name, numbers) = line.split_once('\t').unwrap_or_default();
         assert_eq!(name, text("name"));
         let expected: Vec<f64> = numbers.split(' ').map(str::parse).collect::<Result<_, _>>()?;
-        // A machine that rounds otherwise has other bits from the first run on.
+        // On a machine with other rounding, all bits differ from the first run on.
         let rounds_otherwise = *rounds_otherwise.get_or_insert(found != expected);
         if !rounds_otherwise {
             assert_eq!(found, expected, "{}", text("name"));
@@ -61,7 +61,7 @@ fn state_after(run: &Value, file: &str) -> Result<Vec<f64>, LabError> {
     let coordinates = robot.coordinates();
     for (joint, value) in entries(&run["pose"]) {
         if let Some(list) = value.as_array() {
-            // This list holds the numbers of the base, which is first.
+            // This list contains the numbers of the base, which is first.
             list.iter().zip(&mut q).for_each(|(x, q)| *q = number(x));
         } else {
             let place = coordinates.iter().find(|one| one.name == *joint).and_then(|one| one.place);

@@ -1,12 +1,14 @@
-//! The simulations of the page against whole runs of the library.
+//! The page's simulations against whole runs of the library.
 
+use dynamics::SystemEnergy;
+use dynamics::SystemStep;
 use dynamics::{EnergyLedger, Integrator, Reach2R};
 use nalgebra::{Vector2, vector};
-use wasm::{FallingArm, LabError, Race, Robot, RobotFiles};
+use wasm::{Brick, FallingArm, LabError, Race, Robot, RobotFiles};
 
 const PANDA: &str = include_str!("../../../robots/panda.urdf");
 
-/// Stepping by frames of any length is the library's own run, bit for bit.
+/// Steps in frames of any length give the library's run, bit for bit.
 #[test]
 fn a_robot_falls_as_in_one_run() -> Result<(), LabError> {
     let mut robot = Robot::load(PANDA, false, false)?;
@@ -19,7 +21,7 @@ fn a_robot_falls_as_in_one_run() -> Result<(), LabError> {
     Ok(())
 }
 
-/// Holding with gravity compensation at the pose itself, nothing moves but for rounding.
+/// With gravity compensation at its pose, the robot moves by rounding only.
 #[test]
 fn a_held_robot_stays() -> Result<(), LabError> {
     let mut robot = Robot::load(PANDA, false, false)?;
@@ -33,7 +35,7 @@ fn a_held_robot_stays() -> Result<(), LabError> {
     Ok(())
 }
 
-/// While nothing acts, M q̈ + C q̇ + g is zero over a step but for the second order of its length.
+/// Without other effects, M q̈ + C q̇ + g over a step is zero to second order in its length.
 #[test]
 fn the_equation_closes_over_a_step() -> Result<(), LabError> {
     let left_over = |h: f64, steps: u32| -> Result<f64, LabError> {
@@ -55,7 +57,7 @@ fn the_equation_closes_over_a_step() -> Result<(), LabError> {
     Ok(())
 }
 
-/// Motors that hold give g; the ground carries a robot that lies on it.
+/// Motors that hold a pose give g; the ground carries a robot that lies on it.
 #[test]
 fn the_terms_at_rest() -> Result<(), LabError> {
     let mut robot = Robot::load(PANDA, false, false)?;
@@ -70,14 +72,14 @@ fn the_terms_at_rest() -> Result<(), LabError> {
     robot.place(&robot.start_pose())?;
     robot.advance(3000)?;
     let torques = robot.torques();
-    // The base's translation in its own frame: the weight, however the base is turned.
+    // The base's translation in its own frame: the weight, in any orientation of the base.
     let carried = apart(&torques.rest[..3], &[0.0; 3]);
     let weight = robot.total_mass() * 9.81;
     assert!((carried - weight).abs() < 1e-3 * weight, "{carried} of {weight} N: {torques:?}");
     Ok(())
 }
 
-/// Both formats, told apart by their content; shapes come with a place on a link that there is.
+/// Both formats, told apart by their content; every shape has an existing link.
 #[test]
 fn a_file_is_read_by_what_it_is() -> Result<(), LabError> {
     let mut arm = Robot::load(include_str!("../../../robots/arm.xml"), false, false)?;
@@ -91,11 +93,12 @@ fn a_file_is_read_by_what_it_is() -> Result<(), LabError> {
     Ok(())
 }
 
-/// A ring of four bars is closed where it is placed, and as it falls: its pin lets no gap open, and does no work, by every method, until it is switched off.
+/// A four-bar linkage is closed at its placement and while it falls. By every method the loop stays closed
+/// and does no work, until it is switched off.
 #[test]
 fn a_closed_loop_stays_closed() -> Result<(), LabError> {
     let mut ring = Robot::load(include_str!("../../../robots/linkage.xml"), false, false)?;
-    // The pin on the coupler and on the rocker, in the plane of x and z.
+    // The pin on the coupler and on the rocker, in the x-z plane.
     let gap = |ring: &mut Robot| {
         let (poses, bodies) = (ring.poses(), ring.bodies());
         let pin = |name: &str, at: [f64; 3]| {
@@ -125,7 +128,7 @@ fn a_closed_loop_stays_closed() -> Result<(), LabError> {
     Ok(())
 }
 
-/// A scene from memory is the robot that it includes.
+/// A scene from memory gives the robot that it includes.
 #[test]
 fn a_scene_includes_its_robot() -> Result<(), LabError> {
     let mut files = RobotFiles::new();
@@ -139,7 +142,7 @@ fn a_scene_includes_its_robot() -> Result<(), LabError> {
     Ok(())
 }
 
-/// What moves no mass is held still, and the rest falls.
+/// Joints without mass are locked, and the rest falls.
 #[test]
 fn joints_without_mass_are_held_still() -> Result<(), LabError> {
     let text = r#"<robot name="flag">
@@ -159,7 +162,8 @@ fn joints_without_mass_are_held_still() -> Result<(), LabError> {
     Ok(())
 }
 
-/// A hand that pulls a falling robot draws the point that it holds to itself, and its work is in the books.
+/// A hand that pulls a falling robot moves the held point towards it, and the energy account includes its
+/// work.
 #[test]
 fn a_hand_pulls() -> Result<(), LabError> {
     let mut robot = Robot::load(PANDA, false, false)?;
@@ -180,7 +184,8 @@ fn a_hand_pulls() -> Result<(), LabError> {
     Ok(())
 }
 
-/// At rest it leads: the point comes to the hand by inverse kinematics, limits kept, and nothing moves by itself.
+/// At rest the hand guides: the point reaches it by inverse kinematics within the limits, and nothing moves
+/// by itself.
 #[test]
 fn a_hand_leads() -> Result<(), LabError> {
     let mut robot = Robot::load(PANDA, false, false)?;
@@ -200,7 +205,7 @@ fn a_hand_leads() -> Result<(), LabError> {
     Ok(())
 }
 
-/// The page's own method holds joints at their stops, and says what they took.
+/// The page's default method stops joints at their limits, and reports the losses.
 #[test]
 fn stops_hold() -> Result<(), LabError> {
     let mut robot = Robot::load(PANDA, false, false)?;
@@ -217,7 +222,7 @@ fn stops_hold() -> Result<(), LabError> {
     Ok(())
 }
 
-/// A robot that floats falls on the ground, comes to rest, and weighs on it what it weighs.
+/// A floating robot falls on the ground, comes to rest, and loads it with its weight.
 #[test]
 fn the_ground_holds() -> Result<(), LabError> {
     let mut robot = Robot::load(include_str!("../../../robots/quadruped.urdf"), true, false)?;
@@ -227,7 +232,7 @@ fn the_ground_holds() -> Result<(), LabError> {
     let start = robot.start_pose();
     assert!(start[2] > 0.3, "lifted out of the ground: {start:?}");
     let count = |seconds: f64| {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // some thousands
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // // some thousands
         let steps = (seconds / step).round() as u32;
         steps
     };
@@ -241,7 +246,7 @@ fn the_ground_holds() -> Result<(), LabError> {
     // Its own links may lie on each other, above the ground.
     let on_ground = || forces.chunks_exact(6).filter(|touch| touch[2] < 1e-3);
     let lifted: f64 = on_ground().map(|touch| touch[5]).sum();
-    // What still moves is braked by joint damping, of 1e-11 rad/s.
+    // Joint damping brakes the remaining motion of 1e-11 rad/s.
     assert!((lifted / (robot.total_mass() * 9.81) - 1.0).abs() < 1e-6, "{lifted} N");
     assert!(on_ground().count() >= 3, "it stands: {forces:?}");
     assert!(forces.chunks_exact(6).all(|touch| touch[2] > -1e-3), "where the ground is: {forces:?}");
@@ -262,7 +267,7 @@ fn the_ground_holds() -> Result<(), LabError> {
     Ok(())
 }
 
-/// A robot's mesh touches as its convex hull, once its points are given.
+/// A robot's mesh makes contact as its convex hull, once its points are given.
 #[test]
 fn given_meshes_touch() -> Result<(), LabError> {
     let text = r#"<robot name="cone"><link name="cone">
@@ -270,7 +275,7 @@ fn given_meshes_touch() -> Result<(), LabError> {
         <collision><geometry><mesh filename="cone.stl"/></geometry></collision></link></robot>"#;
     let mut robot = Robot::load(text, true, false)?;
     robot.set_ground(true)?;
-    assert!(!robot.grounded() && robot.left_out().concat().contains("its file was not given"));
+    assert!(!robot.grounded() && robot.left_out().len() == 1, "{:?}", robot.left_out());
     let tetrahedron = [0.0, 0.0, -0.1, 0.1, 0.0, 0.1, -0.1, 0.1, 0.1, -0.1, -0.1, 0.1];
     robot.give_mesh(0, &tetrahedron);
     robot.set_ground(true)?;
@@ -281,14 +286,15 @@ fn given_meshes_touch() -> Result<(), LabError> {
     Ok(())
 }
 
-/// The effects that the file states act, by the library's method with its reason. Each is switched off by name, and the lab says what it cannot do.
+/// The file's effects act by the library's default method, which has a reason. Each can be switched off by
+/// name, and the lab lists unsupported ones.
 #[test]
 fn what_acts_is_the_librarys() -> Result<(), LabError> {
     let mut robot = Robot::load(include_str!("../../../robots/hand.xml"), false, false)?;
     let stated = ["dissipation", "limits", "springs", "actuators", "equalities", "contacts", "link-contacts"];
     assert_eq!((robot.effects(), robot.acting()), (stated.map(str::to_owned).to_vec(), robot.effects()));
     assert_eq!(robot.method(), "implicit");
-    assert!(robot.reason().contains("position limits"), "{}", robot.reason());
+    assert!(!robot.reason().is_empty());
     assert!(robot.left_out().is_empty(), "{:?}", robot.left_out());
 
     robot.choose("", 1e-3, vec!["limits".into(), "contacts".into()])?;
@@ -296,19 +302,14 @@ fn what_acts_is_the_librarys() -> Result<(), LabError> {
     assert_eq!(robot.effects(), stated, "the switches stay");
 
     robot.choose("rk4", 1e-3, Vec::new())?;
-    assert!(
-        robot.left_out().iter().any(|line| line.starts_with("position limits")),
-        "{:?}",
-        robot.left_out()
-    );
+    assert!(!robot.left_out().is_empty());
     assert!(robot.choose("rk5", 1e-3, Vec::new()).is_err() && robot.choose("", 0.0, Vec::new()).is_err());
-    let refused = robot.choose("mujoco", 1e-3, vec!["limits".into()]).map_err(|error| error.to_string());
-    assert!(refused.is_err_and(|message| message.contains("implicit")), "a law that has its own limits");
+    assert!(robot.choose("mujoco", 1e-3, vec!["limits".into()]).is_err(), "a method with limits of its own");
     assert_eq!(robot.method(), "rk4", "the choice before is kept");
     Ok(())
 }
 
-/// Servos of the file bring their joints to where the controls say, and rest while motors of the page hold a pose.
+/// Servos of the file move their joints to the controls, and are off while the page's motors hold a pose.
 #[test]
 fn the_files_actuators_act() -> Result<(), LabError> {
     let mut robot = Robot::load(include_str!("../../../robots/hand.xml"), false, false)?;
@@ -332,7 +333,8 @@ fn the_files_actuators_act() -> Result<(), LabError> {
     Ok(())
 }
 
-/// The example of the page: fingers grip a box, lift it off a table and hold it, by the controls of the file's poses in turn.
+/// The page's example: with the controls of the file's poses in turn, fingers grip a box, lift it off a table
+/// and hold it.
 #[test]
 fn a_gripper_lifts_a_box() -> Result<(), LabError> {
     let mut robot = Robot::load(include_str!("../../../robots/gripper_and_box.xml"), false, false)?;
@@ -351,7 +353,7 @@ fn a_gripper_lifts_a_box() -> Result<(), LabError> {
     assert!(touching >= 6, "{touching} contacts");
     robot.advance(2800)?;
     let apart = |q: &[f64]| lifted.as_ref().map_or(f64::NAN, |lifted| (q[5] - lifted[5]).abs());
-    // The servo of the lift gives way by the weight over its stiffness.
+    // The servo of the lift deflects by the weight over its stiffness.
     assert!(apart(&robot.q()) < 2e-3, "{:?}", robot.q());
     let height = robot.q()[5];
     robot.advance(1000)?;
@@ -359,7 +361,7 @@ fn a_gripper_lifts_a_box() -> Result<(), LabError> {
     Ok(())
 }
 
-/// A torque that the page's motors ask for beyond an effort limit is cut off and counted.
+/// A torque of the page's motors beyond an effort limit is limited and counted.
 #[test]
 fn torques_are_cut_off() -> Result<(), LabError> {
     let mut robot = Robot::load(PANDA, false, false)?;
@@ -383,7 +385,7 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-/// The arm's books are the library's ledger over the same steps.
+/// The arm's energy account equals the library's over the same steps.
 #[test]
 fn the_falling_arm_keeps_the_librarys_books() -> Result<(), LabError> {
     let mut lab = FallingArm::worked_example()?;
@@ -404,7 +406,7 @@ fn the_falling_arm_keeps_the_librarys_books() -> Result<(), LabError> {
     Ok(())
 }
 
-/// The lie: without C q̇ the energy leaves its line by more than a fifth, with it by less than a millionth.
+/// Without C q̇ the energy drifts by more than a fifth, with it by less than a millionth.
 #[test]
 fn leaving_out_coriolis_shows() -> Result<(), LabError> {
     for (coriolis, holds) in [(true, true), (false, false)] {
@@ -417,7 +419,8 @@ fn leaving_out_coriolis_shows() -> Result<(), LabError> {
     Ok(())
 }
 
-/// With friction in its joints the arm ends where it hangs, and all that it lost is in the books; a fork without it swings on.
+/// With joint friction the arm ends hanging, and the energy account contains all losses. A copy without
+/// friction keeps swinging.
 #[test]
 fn a_damped_arm_comes_to_rest_and_its_fork_does_not() -> Result<(), LabError> {
     let mut lab = FallingArm::worked_example()?;
@@ -426,20 +429,20 @@ fn a_damped_arm_comes_to_rest_and_its_fork_does_not() -> Result<(), LabError> {
     lab.advance(1000)?;
     let mut free = lab.fork(1.0)?;
     free.set_damping(0.0)?;
-    // The slowest way back takes about 4 s to fall by e.
+    // The slowest mode takes about 4 s to decay by a factor of e.
     lab.advance(150_000)?;
     free.advance(10_000)?;
     // Hanging: q = (−π/2, 0).
     assert!((lab.q()[0] + core::f64::consts::FRAC_PI_2).abs() + lab.q()[1].abs() < 1e-9, "{:?}", lab.q());
     let energies = lab.energies();
-    // Simpson's rule over what friction takes: order 4 in steps of a millisecond.
+    // Simpson's rule over the friction losses, of order 4 in steps of a millisecond.
     assert!((energies.start - energies.total - lab.dissipated()).abs() < 1e-8 * energies.start.abs());
     assert!(lab.drift() < 1e-8, "{:e}", lab.drift());
     assert!(free.dissipated() == 0.0 && free.drift() < 1e-6, "{:e}", free.drift());
     Ok(())
 }
 
-/// The torques of the stack add up to the torque that acts: none.
+/// The torques of the stack add up to the acting torque, which is zero.
 #[test]
 fn the_torque_stack_adds_up_to_nothing() -> Result<(), LabError> {
     let mut lab = FallingArm::worked_example()?;
@@ -454,15 +457,57 @@ fn the_torque_stack_adds_up_to_nothing() -> Result<(), LabError> {
     Ok(())
 }
 
-/// A runner that blows up leaves the race; the others go on.
+/// A runner that diverges leaves the race; the others go on.
 #[test]
 fn a_runner_that_fails_does_not_stop_the_race() -> Result<(), LabError> {
     let names = ["explicit-euler", "rk4"].map(str::to_owned).to_vec();
     let mut race = Race::new(names, &[0.8, 1.6], &[0.0, 0.0], 0.3, 3000.0)?;
     race.advance(10_000);
-    assert!(race.fault(0)?.contains("smaller step"), "{}", race.fault(0)?);
+    assert!(!race.fault(0)?.is_empty());
     assert!((race.time() - 3000.0).abs() < 1e-9);
     assert!(race.errors(0)?.len() < race.times().len());
     assert!(race.drift(2).is_err());
+    Ok(())
+}
+
+/// The texts that the page shows, in `snapshots/messages.snap`. `INSTA_UPDATE=always` writes them anew.
+#[test]
+fn messages() -> Result<(), LabError> {
+    use core::fmt::Write;
+    let mut text = String::new();
+    let mut add = |call: &str, error: Option<LabError>| {
+        let message = error.map_or_else(|| "no error".into(), |error| error.to_string());
+        let _ = writeln!(text, "{call}\n  {message}");
+    };
+    let mut brick = Brick::new(0.3, 0.2, 0.1, 1000.0)?;
+    add("Brick::new(0, …)", Brick::new(0.0, 0.2, 0.1, 1000.0).err());
+    add("Brick.place(zero quaternion)", brick.place(&[0.0; 4], &[0.0; 3]).err());
+    add("Brick.spin(NaN)", brick.spin(&[f64::NAN, 0.0, 0.0]).err());
+    add("Brick.set_method(euler)", brick.set_method("euler", 1e-3).err());
+    let mut arm = FallingArm::worked_example()?;
+    add("FallingArm.set_method(euler)", arm.set_method("euler", 1e-3).err());
+    add("FallingArm.set_method(step -1)", arm.set_method("rk4", -1.0).err());
+    add("FallingArm.set_damping(-1)", arm.set_damping(-1.0).err());
+    arm.set_method("explicit-euler", 0.3)?;
+    add("FallingArm.advance, step 0.3", arm.advance(100_000).err());
+    let mut race = Race::new(vec!["explicit-euler".to_owned()], &[0.8, 1.6], &[0.0, 0.0], 0.3, 3000.0)?;
+    race.advance(10_000);
+    add("Race.fault(1)", race.fault(1).err());
+    let fault = race.fault(0)?;
+    let hand = include_str!("../../../robots/hand.xml");
+    let mut robot = Robot::load(hand, false, false)?;
+    add("Robot::load(sdf)", Robot::load("<sdf/>", false, false).err());
+    add("Robot.place([0])", robot.place(&[0.0]).err());
+    add("Robot.choose(without wind)", robot.choose("", 1e-3, vec!["wind".into()]).err());
+    add("Robot.choose(mujoco, without limits)", robot.choose("mujoco", 1e-3, vec!["limits".into()]).err());
+    add("Robot.hold(-1)", robot.hold(-1.0, 1.0).err());
+    add("Robot.grab(link 99)", robot.grab(99, &[0.0; 3]).err());
+    robot.choose("rk4", 1e-3, Vec::new())?;
+    let _ = writeln!(text, "Race.fault(0)\n  {fault}\nRobot.reason\n  {}", robot.reason());
+    let _ = writeln!(text, "Robot.left_out, rk4\n  {}", robot.left_out().join("\n  "));
+    let mut settings = insta::Settings::clone_current();
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.bind(|| insta::assert_snapshot!("messages", text));
     Ok(())
 }

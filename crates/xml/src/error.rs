@@ -1,48 +1,46 @@
-//! Why a text is not one that a reader of robot files parses.
+//! The errors of reading XML.
 
 use std::path::PathBuf;
 
 use thiserror::Error;
 
-/// Why a text was refused before any element of it was read. `line` counts from 1.
+/// The reason for which a file or text is refused before its elements are read. `line` counts from 1.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // The fields are the nouns of each variant's sentence.
+#[allow(missing_docs)] // The message of each variant names its fields.
 pub enum XmlError {
     /// The file cannot be opened or read.
     #[error("cannot read {}: {source}", path.display())]
     Unreadable { path: PathBuf, source: std::io::Error },
     /// The file is not text.
-    #[error(
-        "byte {byte} is not UTF-8 text; save the file as UTF-8, and check that it is a robot file at all"
-    )]
+    #[error("byte {byte} is not UTF-8; save the file as UTF-8, and check that it is a robot file")]
     NotUtf8 { byte: usize },
-    /// More text than any robot file has.
-    #[error("the file holds more than {limit} bytes; a robot file is text of at most that size")]
+    /// The file is larger than the limit.
+    #[error("the file has more than {limit} bytes, the largest size of a robot file")]
     TooLarge { limit: usize },
-    /// Nothing to read.
-    #[error("the file is empty; a robot file holds one outermost element")]
+    /// The file is empty.
+    #[error("the file is empty; a robot file has one outermost element")]
     Empty,
     /// The text is not well-formed XML.
     #[error("line {line}, column {column}: not well-formed XML: {reason}")]
     BadXml { line: usize, column: usize, reason: String },
-    /// A document type declaration, by which a few bytes can expand to gigabytes.
-    #[error("line {line}: a robot file needs no <!DOCTYPE …>, and its entities are not expanded; delete it")]
+    /// A document type declaration, whose entities can expand a few bytes to gigabytes.
+    #[error("line {line}: <!DOCTYPE …> is not supported, and entities are not expanded; delete it")]
     DocumentType { line: usize },
-    /// Elements nested beyond any robot file.
+    /// Elements are nested too deeply.
     #[error("line {line}: elements are nested deeper than {limit}")]
     TooDeep { line: usize, limit: usize },
-    /// More attributes or namespaces on an element than any robot file has.
+    /// Too many attributes on an element, or too many namespace declarations.
     #[error("line {line}: more than {limit} {what}; this is not a robot file")]
     TooMany { line: usize, what: &'static str, limit: usize },
 }
 
 impl XmlError {
-    /// The line at fault, from 1; `None` where it is not about a line.
+    /// The line of the error, from 1; `None` for errors of the whole file.
     ///
     /// ```
-    /// assert_eq!(robot_xml::XmlError::DocumentType { line: 3 }.line(), Some(3));
-    /// assert_eq!(robot_xml::XmlError::Empty.line(), None);
+    /// assert_eq!(robot_dynamics_xml::XmlError::DocumentType { line: 3 }.line(), Some(3));
+    /// assert_eq!(robot_dynamics_xml::XmlError::Empty.line(), None);
     /// ```
     pub fn line(&self) -> Option<usize> {
         match self {
@@ -55,11 +53,11 @@ impl XmlError {
     }
 }
 
-/// At most 60 characters of the file's text, for a message.
+/// At most 60 characters of a text, for a message.
 ///
 /// ```
-/// assert_eq!(robot_xml::excerpt("elbow"), "elbow");
-/// assert_eq!(robot_xml::excerpt(&"x".repeat(100)).chars().count(), 61);
+/// assert_eq!(robot_dynamics_xml::excerpt("elbow"), "elbow");
+/// assert_eq!(robot_dynamics_xml::excerpt(&"x".repeat(100)).chars().count(), 61);
 /// ```
 pub fn excerpt(text: &str) -> String {
     let mut short: String = text.chars().take(60).collect();

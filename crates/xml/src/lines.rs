@@ -1,9 +1,9 @@
 //! Byte offsets to line numbers.
 
-/// Where each line starts.
+/// The start of each line of a text.
 ///
 /// ```
-/// let lines = robot_xml::Lines::of("a\nbc\n");
+/// let lines = robot_dynamics_xml::Lines::of("a\nbc\n");
 /// assert_eq!((lines.line(0), lines.line(2)), (1, 2));
 /// ```
 pub struct Lines {
@@ -17,7 +17,7 @@ impl Lines {
         Self { starts: core::iter::once(0).chain(breaks).collect() }
     }
 
-    /// The line, from 1, that holds the byte.
+    /// The line, from 1, that contains the byte.
     pub fn line(&self, byte: usize) -> usize {
         self.starts.partition_point(|&start| start <= byte)
     }

@@ -1,16 +1,16 @@
-//! Refuses hostile text before the XML parser sees it.
+//! Refuses hostile text before it is parsed.
 //!
-//! The scan follows tags, quotes, comments and CDATA exactly as far as the text is well formed; where it is
-//! not, it stops, and the parser's error, with its position, is the better one.
+//! The scan follows tags, quotes, comments and CDATA as long as the text is well-formed. At the first fault
+//! it stops, and the parser reports the error with its position.
 
 use crate::XmlError;
 
-/// Most attributes on one element: the parser compares each with each.
+/// The largest number of attributes on one element. The parser compares all pairs of them.
 const ATTRIBUTE_LIMIT: usize = 200;
-/// Most namespace declarations in the file: elements inherit and copy them.
+/// The largest number of namespace declarations in a file. Elements inherit and copy them.
 const NAMESPACE_LIMIT: usize = 100;
 
-/// Refuses document type declarations, deep nesting and masses of attributes, in one pass.
+/// Refuses document type declarations, deep nesting, and large numbers of attributes, in one pass.
 pub(crate) fn refuse_hostile(text: &str, depth_limit: usize) -> Result<(), XmlError> {
     let line_of = |at: usize| 1 + text[..at].matches('\n').count();
     let mut depth = 0_usize;
@@ -47,7 +47,7 @@ pub(crate) fn refuse_hostile(text: &str, depth_limit: usize) -> Result<(), XmlEr
                     limit: NAMESPACE_LIMIT,
                 });
             }
-            depth += usize::from(!tag.empty);
+            depth += usize::from(!tag.is_empty);
             if depth > depth_limit {
                 return Err(XmlError::TooDeep { line: line_of(start), limit: depth_limit });
             }
@@ -66,11 +66,11 @@ struct Tag {
     length: usize,
     attributes: usize,
     namespaces: usize,
-    empty: bool,
+    is_empty: bool,
 }
 
 impl Tag {
-    /// `None` when the tag never ends.
+    /// Scans the tag at the start of a text; `None` if it does not end.
     fn at_start_of(text: &str) -> Option<Self> {
         let bytes = text.as_bytes();
         let (mut attributes, mut namespaces) = (0, 0);
@@ -78,8 +78,8 @@ impl Tag {
         while at < bytes.len() {
             match bytes[at] {
                 b'>' => {
-                    let empty = bytes[at - 1] == b'/';
-                    return Some(Self { length: at + 1, attributes, namespaces, empty });
+                    let is_empty = bytes[at - 1] == b'/';
+                    return Some(Self { length: at + 1, attributes, namespaces, is_empty });
                 }
                 quote @ (b'"' | b'\'') => {
                     at += 1 + bytes[at + 1..].iter().position(|&byte| byte == quote)?;

@@ -1,4 +1,4 @@
-//! From a file or a string to parsed XML.
+//! Reads and parses XML from a file or a string.
 
 use std::borrow::Cow;
 use std::fs::File;
@@ -7,20 +7,20 @@ use std::path::Path;
 
 use roxmltree::{Document, Error};
 
-use crate::{XmlError, excerpt, scan, unclean_xml};
+use crate::{XmlError, excerpt, repair, scan};
 
-/// The most bytes that a robot file may have.
+/// The largest size of a robot file in bytes.
 pub const SIZE_LIMIT: usize = 1 << 26;
 
-/// The text of a file: UTF-8, or Latin-1 where its XML declaration says so.
+/// Reads the text of a file: UTF-8, or Latin-1 if its XML declaration says so.
 ///
 /// ```
-/// let missing = robot_xml::read_file("nowhere.xml".as_ref());
-/// assert!(matches!(missing, Err(robot_xml::XmlError::Unreadable { .. })));
+/// let missing = robot_dynamics_xml::read_file("nowhere.xml".as_ref());
+/// assert!(matches!(missing, Err(robot_dynamics_xml::XmlError::Unreadable { .. })));
 /// ```
 ///
 /// # Errors
-/// [`XmlError`] if the file cannot be read, is too large, or is no text.
+/// [`XmlError`] if the file cannot be read, is too large, or is not text.
 pub fn read_file(path: &Path) -> Result<String, XmlError> {
     let mut bytes = Vec::new();
     File::open(path)
@@ -29,25 +29,25 @@ pub fn read_file(path: &Path) -> Result<String, XmlError> {
     text_of(&bytes)
 }
 
-/// The text of a file's content: UTF-8, or Latin-1 where its XML declaration says so.
+/// Decodes the content of a file: UTF-8, or Latin-1 if its XML declaration says so.
 ///
 /// ```
-/// assert_eq!(robot_xml::text_of("größer".as_bytes())?, "größer");
-/// assert!(robot_xml::text_of(&[0xff]).is_err());
-/// # Ok::<(), robot_xml::XmlError>(())
+/// assert_eq!(robot_dynamics_xml::text_of("größer".as_bytes())?, "größer");
+/// assert!(robot_dynamics_xml::text_of(&[0xff]).is_err());
+/// # Ok::<(), robot_dynamics_xml::XmlError>(())
 /// ```
 ///
 /// # Errors
-/// [`XmlError`] if it is too large, or no text.
+/// [`XmlError`] if the content is too large, or is not text.
 pub fn text_of(content: &[u8]) -> Result<String, XmlError> {
     if content.len() > SIZE_LIMIT {
         return Err(XmlError::TooLarge { limit: SIZE_LIMIT });
     }
-    decoded(content).map(Cow::into_owned).map_err(|byte| XmlError::NotUtf8 { byte })
+    decode(content).map(Cow::into_owned).map_err(|byte| XmlError::NotUtf8 { byte })
 }
 
-/// UTF-8, or Latin-1 where the XML declaration says so; else the first byte that is not UTF-8.
-fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>, usize> {
+/// The text, or the position of the first byte that is not UTF-8.
+fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, usize> {
     core::str::from_utf8(bytes).map(Cow::Borrowed).or_else(|error| {
         let declaration = bytes.split(|&byte| byte == b'>').next().unwrap_or_default();
         let declaration = String::from_utf8_lossy(declaration).to_ascii_lowercase();
@@ -61,19 +61,19 @@ fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>, usize> {
     })
 }
 
-/// Parses a text after refusing what is hostile, elements nested deeper than `depth` among it, and mending what is not
-/// quite well-formed; then reads it. `read` also gets what was mended: the line of each fault, and what was wrong, what
-/// was taken, what to do.
+/// Parses a text and calls `read` with the document. Hostile text is refused, as are elements nested deeper
+/// than `depth`. Some faults of the XML are repaired: undeclared prefixes, and an XML declaration that is not
+/// at the start. `read` also gets the line and a message for each repaired fault.
 ///
 /// ```
-/// let name = |document: &robot_xml::roxmltree::Document<'_>| document.root_element().tag_name().name().to_owned();
-/// let read = robot_xml::parse("<robot><drake:joint/></robot>", 200, |document, faults| (name(document), faults.len()))?;
+/// let name = |document: &robot_dynamics_xml::roxmltree::Document<'_>| document.root_element().tag_name().name().to_owned();
+/// let read = robot_dynamics_xml::parse("<robot><drake:joint/></robot>", 200, |document, faults| (name(document), faults.len()))?;
 /// assert_eq!(read, ("robot".to_owned(), 1)); // the prefix is not declared
-/// # Ok::<(), robot_xml::XmlError>(())
+/// # Ok::<(), robot_dynamics_xml::XmlError>(())
 /// ```
 ///
 /// # Errors
-/// [`XmlError`] says what is wrong, and where.
+/// [`XmlError`] if the text is refused, or is not well-formed.
 pub fn parse<R>(
     text: &str,
     depth: usize,
@@ -89,16 +89,17 @@ pub fn parse<R>(
     match Document::parse(text) {
         Ok(document) => Ok(read(&document, &[])),
         Err(error) => {
-            let mended = unclean_xml::mend(text, error);
-            let (text, faults) =
-                mended.as_ref().map_or((text, &[][..]), |mended| (&mended.text[..], &mended.faults[..]));
+            let repaired = repair::repair(text, error);
+            let (text, faults) = repaired
+                .as_ref()
+                .map_or((text, &[][..]), |repaired| (&repaired.text[..], &repaired.faults[..]));
             let document = Document::parse(text).map_err(|error| bad_xml(&error, text))?;
             Ok(read(&document, faults))
         }
     }
 }
 
-/// The parser's complaint with its position given once; text that just stops is wrong at its end.
+/// The error of the parser, without the position in its text. The position of an incomplete text is its end.
 fn bad_xml(error: &Error, text: &str) -> XmlError {
     use Error::{NoRootNode, UnclosedRootNode, UnexpectedEndOfStream};
     let position = error.pos();

@@ -1,15 +1,16 @@
-//! XML text, element by element.
+//! Writes XML text, element by element.
 
 use core::fmt::Write as _;
 use std::path::{Component, Path};
 
-/// Deeper elements are indented no further: the text of a chain would else grow as its length squared.
-const DEEPEST: usize = 40;
+/// The largest indentation. Without a limit the size of a chain would grow with the square of its length.
+const INDENT_LIMIT: usize = 40;
 
-/// XML under construction: every value escaped, every number with as many digits as it needs to be read back the same.
+/// A writer of XML text. It escapes all values, and writes numbers with as many digits as are needed to read
+/// back the same.
 ///
 /// ```
-/// let mut xml = robot_xml::Writer::new();
+/// let mut xml = robot_dynamics_xml::Writer::new();
 /// xml.start("robot").attribute("name", "a \"b\" & c");
 /// xml.start("origin").numbers("xyz", &[0.1, 1.0, -2e-9]);
 /// xml.end();
@@ -21,20 +22,20 @@ const DEEPEST: usize = 40;
 pub struct Writer {
     text: String,
     open: Vec<&'static str>,
-    /// Whether the last element may still take attributes.
+    /// Whether the last element accepts attributes.
     is_open: bool,
 }
 
 impl Writer {
-    /// An empty text.
+    /// A writer without text.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Begins an element in the last one that has not ended.
+    /// Begins an element inside the innermost open element.
     ///
     /// ```
-    /// let mut xml = robot_xml::Writer::new();
+    /// let mut xml = robot_dynamics_xml::Writer::new();
     /// xml.start("robot").start("link").attribute("name", "arm");
     /// assert_eq!(xml.finish(), "<robot>\n  <link name=\"arm\"/>\n</robot>\n");
     /// ```
@@ -48,10 +49,10 @@ impl Writer {
         self
     }
 
-    /// An attribute of the element that was begun last.
+    /// Adds an attribute to the element that was begun last.
     ///
     /// ```
-    /// let mut xml = robot_xml::Writer::new();
+    /// let mut xml = robot_dynamics_xml::Writer::new();
     /// xml.start("link").attribute("name", "two\nlines");
     /// assert_eq!(xml.finish(), "<link name=\"two&#10;lines\"/>\n");
     /// ```
@@ -65,7 +66,7 @@ impl Writer {
                 '<' => self.text.push_str("&lt;"),
                 '>' => self.text.push_str("&gt;"),
                 '"' => self.text.push_str("&quot;"),
-                // A reader would make a blank of each.
+                // Readers would replace each by a blank.
                 '\t' | '\n' | '\r' => {
                     let _ = write!(self.text, "&#{};", u32::from(letter));
                 }
@@ -76,10 +77,10 @@ impl Writer {
         self
     }
 
-    /// An attribute of numbers.
+    /// Adds an attribute with numbers.
     ///
     /// ```
-    /// let mut xml = robot_xml::Writer::new();
+    /// let mut xml = robot_dynamics_xml::Writer::new();
     /// xml.start("axis").numbers("xyz", &[0.0, -0.0, 1e-17]);
     /// assert_eq!(xml.finish(), "<axis xyz=\"0 0 1e-17\"/>\n");
     /// ```
@@ -88,22 +89,22 @@ impl Writer {
         self.attribute(name, &words.join(" "))
     }
 
-    /// An attribute of one number, left out where it has the value that stands for it.
+    /// Adds an attribute with one number, unless it has its default value.
     ///
     /// ```
-    /// let mut xml = robot_xml::Writer::new();
+    /// let mut xml = robot_dynamics_xml::Writer::new();
     /// xml.start("joint").unless("damping", 0.0, 0.0).unless("armature", 0.1, 0.0);
     /// assert_eq!(xml.finish(), "<joint armature=\"0.1\"/>\n");
     /// ```
-    #[allow(clippy::float_cmp)] // what is left out is read back as this very value
+    #[allow(clippy::float_cmp)] // an omitted value is read back exactly as the default
     pub fn unless(&mut self, name: &str, value: f64, default: f64) -> &mut Self {
         if value == default { self } else { self.numbers(name, &[value]) }
     }
 
-    /// Ends the element that was begun last and has not ended.
+    /// Ends the innermost open element.
     ///
     /// ```
-    /// let mut xml = robot_xml::Writer::new();
+    /// let mut xml = robot_dynamics_xml::Writer::new();
     /// xml.start("robot");
     /// xml.start("link");
     /// xml.end();
@@ -122,7 +123,7 @@ impl Writer {
         self
     }
 
-    /// The text, all elements ended.
+    /// Ends all elements and returns the text.
     pub fn finish(mut self) -> String {
         while !self.open.is_empty() {
             self.end();
@@ -138,21 +139,22 @@ impl Writer {
     }
 
     fn indent(&mut self) {
-        self.text.extend(core::iter::repeat_n("  ", self.open.len().min(DEEPEST)));
+        self.text.extend(core::iter::repeat_n("  ", self.open.len().min(INDENT_LIMIT)));
     }
 }
 
-/// A number as text that is read back the same; −0 as 0.
+/// A number as text that reads back the same; −0 is written as 0.
 fn number(value: f64) -> String {
     let text = format!("{:?}", value + 0.0);
     text.strip_suffix(".0").map_or_else(|| text.clone(), str::to_owned)
 }
 
-/// Whether XML can hold the text, and a robot file take it as a name: not blank, no control characters but white space.
+/// Whether a text can be a name in a robot file: it is not blank, and has no control characters except white
+/// space.
 ///
 /// ```
-/// assert!(robot_xml::is_name("left \"arm\""));
-/// assert!(!robot_xml::is_name(" ") && !robot_xml::is_name("a\u{1}"));
+/// assert!(robot_dynamics_xml::is_name("left \"arm\""));
+/// assert!(!robot_dynamics_xml::is_name(" ") && !robot_dynamics_xml::is_name("a\u{1}"));
 /// ```
 pub fn is_name(text: &str) -> bool {
     let is_letter = |letter: char| match letter {
@@ -163,12 +165,13 @@ pub fn is_name(text: &str) -> bool {
     !text.trim().is_empty() && text.chars().all(is_letter)
 }
 
-/// The way to a file from a folder, with `/` between its parts on every system; its full path where none leads there.
+/// The relative path from a folder to a file, with `/` as separator on every system; the full path if there
+/// is none.
 ///
 /// ```
 /// use std::path::Path;
 /// let file = Path::new("/robots/arm/meshes/hand.stl");
-/// assert_eq!(robot_xml::way_from(Path::new("/robots/arm/urdf"), file), "../meshes/hand.stl");
+/// assert_eq!(robot_dynamics_xml::way_from(Path::new("/robots/arm/urdf"), file), "../meshes/hand.stl");
 /// ```
 pub fn way_from(folder: &Path, file: &Path) -> String {
     let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());

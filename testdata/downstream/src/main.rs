@@ -1,20 +1,24 @@
-//! The tasks of a user's day, by the facade alone. Each checks its own result and prints one line.
+//! Typical tasks of a user, with the facade alone. Each task checks its own result and prints one line.
 
 use std::error::Error;
 use std::ops::ControlFlow;
 
+use robot_dynamics::algorithms::{frame_jacobian_world_aligned, frame_pose};
 use robot_dynamics::batch::{
     BatchOptions, BatchWorkspace, Rollout, Torques, forward_dynamics_derivatives, rollout,
 };
-use robot_dynamics::dynamics::{Integrator, MassProperties, dlqr};
-use robot_dynamics::nalgebra::{DMatrix, Matrix3, Vector3};
-use robot_dynamics::simulator::{Effect, Method, RunOptions, Simulation, SimulationBuilder};
-use robot_dynamics::{
-    Closure, ClosureRow, Constraint, ConstraintOptions, ConstraintSet, GravityCompensatedPd,
-    InverseKinematicsOptions, LinearizeStepWorkspace, Model, Options, Pose, StepForces, TaskControl,
-    TaskGains, TaskReference, Workspace, constrained_forward_dynamics, describe,
-    frame_jacobian_world_aligned, frame_pose, linearize_step, load, load_with, neutral,
+use robot_dynamics::constraints::{
+    FrameConstraint, SpatialAxis, Constraint, ConstraintOptions, ConstraintSet, constrained_forward_dynamics,
 };
+use robot_dynamics::control::{InverseKinematicsOptions, TaskControl, TaskGains, TaskReference, dlqr};
+use robot_dynamics::derivatives::{LinearizeStepWorkspace, linearize_step};
+use robot_dynamics::description::{MassProperties, Pose};
+use robot_dynamics::model::{Model, Workspace, neutral};
+use robot_dynamics::nalgebra::{DMatrix, Matrix3, Vector3};
+use robot_dynamics::simulation::{
+    Effect, GravityCompensatedPd, Integrator, Method, RunOptions, Simulation, SimulationBuilder, StepForces,
+};
+use robot_dynamics::{Options, describe, load, load_with};
 
 type Outcome = Result<String, Box<dyn Error>>;
 
@@ -30,9 +34,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("impedance at the hand", impedance),
         ("stand on two feet", two_feet),
         ("ten thousand rollouts", rollouts),
-        ("slopes on a small stack", slopes),
+        ("derivatives on a small stack", batch_derivatives),
         ("LQR about a pose", lqr),
-        ("what goes wrong says so", errors),
+        ("errors name the problem", errors),
         ("a payload in the hand", payload),
     ];
     for (name, task) in tasks {
@@ -54,11 +58,11 @@ fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |most, x| most.max(x.abs()))
 }
 
-/// From a fifth of a radian away the arm comes to rest where it is told.
+/// The arm starts a fifth of a radian away and comes to rest at its target.
 fn pd() -> Outcome {
     let model = panda()?;
     let start = READY.map(|q| q + 0.2);
-    // The torque is held over each step: a light joint must not be damped out of its stability.
+    // The torque is held over each step: the damping of a light joint must not exceed the limit of stability.
     let (stiffness, damping) =
         ([200.0, 200.0, 200.0, 200.0, 50.0, 50.0, 10.0], [40.0, 40.0, 40.0, 40.0, 5.0, 5.0, 0.5]);
     let mut control = GravityCompensatedPd::new(&model, &READY, &stiffness, &damping)?;
@@ -73,7 +77,7 @@ fn pd() -> Outcome {
     Ok(format!("{:.1e} rad off after 5 s", largest(&off)))
 }
 
-/// The hand 24 cm away, turned by half a radian about its own axis, within the joint limits.
+/// Moves the hand by 24 cm and turns it by half a radian about its own axis, within the joint limits.
 fn inverse_kinematics() -> Outcome {
     let model = panda()?;
     let hand = model.frame_named(HAND)?;
@@ -82,7 +86,8 @@ fn inverse_kinematics() -> Outcome {
     let mut target = start.compose(&Pose::exp([0.0; 3], [0.0, 0.0, 0.5]));
     target.translation = (Vector3::from(start.translation) + Vector3::new(-0.1, 0.2, 0.1)).into();
     let options = InverseKinematicsOptions::default();
-    let found = robot_dynamics::inverse_kinematics(&model, &mut workspace, hand, target, &READY, &options)?;
+    let found =
+        robot_dynamics::control::inverse_kinematics(&model, &mut workspace, hand, target, &READY, &options)?;
     let reached = frame_pose(&model, &mut workspace, &found.q, hand);
     let off: Vec<f64> = (0..3).map(|i| reached.translation[i] - target.translation[i]).collect();
     let limits = model.coordinate_limits();
@@ -91,7 +96,7 @@ fn inverse_kinematics() -> Outcome {
     Ok(format!("{:.1e} m off after {} steps", largest(&off), found.iterations))
 }
 
-/// A spring of 400 N/m per kg of the hand's own inertia pulls it to a point 5 cm away.
+/// A spring of 400 N/m per kg of the hand's effective mass pulls the hand to a point 5 cm away.
 fn impedance() -> Outcome {
     let model = panda()?;
     let hand = model.frame_named(HAND)?;
@@ -116,7 +121,7 @@ fn impedance() -> Outcome {
     Ok(format!("{:.1e} m off after 1 s", (found - y - 0.05).abs()))
 }
 
-/// Both feet welded to the floor: with no torques they carry what Newton says.
+/// Both feet are welded to the floor: without torques they carry the forces of Newton's law.
 fn two_feet() -> Outcome {
     let model = load_with(HUMANOID, &Options::default().with_floating_base())?.model;
     let (q, rest) = (neutral(&model), vec![0.0; model.nv()]);
@@ -125,11 +130,11 @@ fn two_feet() -> Outcome {
     for name in ["left_foot", "right_foot"] {
         let foot = model.frame_named(name)?;
         let pose = frame_pose(&model, &mut workspace, &q, foot);
-        contacts.push((name, Constraint::Closure(Closure::contact(foot, pose.into(), &Closure::WELD))));
+        contacts.push((name, Constraint::FrameConstraint(FrameConstraint::contact(foot, pose.into(), &FrameConstraint::WELD))));
     }
     let set = ConstraintSet::new(&model, contacts)?;
     let options = ConstraintOptions::default();
-    // The torques of the pose held by the pelvis, where no motor is: the feet take over that weight.
+    // The torques of the pose held at the pelvis, which has no motor: the feet carry that weight.
     let mut tau = model.gravity_forces(&q)?.as_slice().to_vec();
     tau[..6].fill(0.0);
     let motion = constrained_forward_dynamics(&model, &mut workspace, &set, &options, &q, &rest, &tau)?;
@@ -146,7 +151,7 @@ fn two_feet() -> Outcome {
     Ok(format!("{:.2} N on both feet", vertical.abs()))
 }
 
-/// The same rollout ten thousand times from scattered states; one of them alone gives the same.
+/// Ten thousand rollouts from different states; a single rollout gives the same result.
 fn rollouts() -> Outcome {
     const COUNT: usize = 10_000;
     let model = panda()?;
@@ -172,10 +177,9 @@ fn rollouts() -> Outcome {
     Ok(format!("{COUNT} states, the last at {:.4} rad/s", largest(&v_last)))
 }
 
-/// K of u = τ₀ − K δx for one linearised step; the closed loop contracts.
-/// Derivatives of a batch by a thread with the least stack that threads have by default, in a build without
-/// optimisation, where kernels take most of it. M⁻¹ of each state times its M is one.
-fn slopes() -> Outcome {
+/// Derivatives of a batch on a thread with the default stack size, in an unoptimised build, where the kernels
+/// use most of it. M⁻¹ of each state times its M is the identity.
+fn batch_derivatives() -> Outcome {
     let compute = || -> Result<f64, String> {
         let model = panda().map_err(|error| error.to_string())?;
         let (n, states) = (model.nv(), 20);
@@ -185,8 +189,7 @@ fn slopes() -> Outcome {
         let mut workspace =
             BatchWorkspace::with_options(&model, options).map_err(|error| error.to_string())?;
         let [mut by_q, mut by_v, mut inverse] = [(); 3].map(|()| vec![0.0; n * n * states]);
-        let slopes = [&mut by_q, &mut by_v, &mut inverse];
-        let [by_q, by_v, by_tau] = slopes;
+        let [by_q, by_v, by_tau] = [&mut by_q, &mut by_v, &mut inverse];
         forward_dynamics_derivatives(&model, &mut workspace, &q, &x, &x, by_q, by_v, by_tau)
             .map_err(|error| error.to_string())?;
         let mass = model.mass_matrix(&READY).map_err(|error| error.to_string())?;
@@ -200,6 +203,7 @@ fn slopes() -> Outcome {
     Ok(format!("M⁻¹M is one to {defect:.0e}"))
 }
 
+/// K of u = τ₀ − K δx for one linearised step; the closed loop contracts.
 fn lqr() -> Outcome {
     let model = panda()?;
     let hold = model.gravity_forces(&READY)?;
@@ -225,7 +229,7 @@ fn lqr() -> Outcome {
     Ok(format!("spectral radius {:.3}, {:.3} without", radius(&closed), radius(&a)))
 }
 
-/// Wrong data are errors that name what and where.
+/// Invalid data are errors that name the quantity and its place.
 fn errors() -> Outcome {
     let missing = load("no such file.urdf").expect_err("there is no such file").to_string();
     assert!(missing.contains("no such file.urdf"), "{missing}");
@@ -237,7 +241,7 @@ fn errors() -> Outcome {
     Ok(nan)
 }
 
-/// Two kilograms in the hand weigh 2 g along the hand's Jacobian.
+/// Two kilograms in the hand have the weight 2 g along the Jacobian of the hand.
 fn payload() -> Outcome {
     let mut described = describe(PANDA, &Options::default())?;
     let load = MassProperties::new(2.0, Vector3::zeros(), Matrix3::zeros())?;
@@ -252,8 +256,8 @@ fn payload() -> Outcome {
         let expected = 2.0 * 9.81 * jacobian[2 * 7 + i];
         assert!((more - expected).abs() < 1e-12 * 20.0, "joint {i}: {more} {expected}");
     }
-    let rows = [ClosureRow::Z];
-    let space = robot_dynamics::operational_space(
+    let rows = [SpatialAxis::Z];
+    let space = robot_dynamics::control::operational_space(
         &loaded,
         &mut Workspace::new(&loaded),
         &READY,

@@ -19,7 +19,7 @@ pub(crate) const INK: RGBColor = RGBColor(45, 45, 45);
 pub(crate) const GREY: RGBColor = RGBColor(115, 115, 115);
 pub(crate) const LIGHT: RGBColor = RGBColor(222, 222, 222);
 
-/// Where a text is held.
+/// The anchor of a text.
 #[derive(Clone, Copy)]
 pub(crate) enum Hold {
     Left,
@@ -27,7 +27,7 @@ pub(crate) enum Hold {
     Right,
 }
 
-/// A picture that is being drawn.
+/// A picture under construction.
 pub(crate) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
 }
@@ -105,7 +105,7 @@ impl Canvas<'_> {
         self.write(text, at, hold, size, color, FontTransform::None)
     }
 
-    /// Text that runs upwards.
+    /// Vertical text, read upwards.
     pub(crate) fn upright(&self, text: &str, at: (f64, f64), size: u32) -> Result<(), Trouble> {
         self.write(text, at, Hold::Center, size, INK, FontTransform::Rotate270)
     }

@@ -1,4 +1,4 @@
-//! How far the times are from the operations that they take.
+//! Times relative to the least time of their operations.
 
 use plotters::prelude::RGBColor;
 
@@ -16,8 +16,8 @@ pub(crate) const JUDGED: [(&str, &str, RGBColor); 3] = [
     ("mass_matrix", "mass matrix", GREEN),
 ];
 
-/// The least time of these operations, were every instruction on time and every register full \[ns\]: three numbers
-/// of one state, or as many states of a batch as it holds.
+/// The least time of these operations with full registers and without waiting \[ns\]. It is for one state, or
+/// for as many states of a batch as a register holds.
 pub(crate) fn least(records: &Records, operations: Operations, route: Route) -> Result<f64, Trouble> {
     let sines = OF_SINES.iter().find(|(number, _)| *number == route.number).map_or(0.0, |(_, count)| *count);
     let instructions = operations.instructions + sines * operations.sines;
@@ -65,7 +65,7 @@ pub(crate) fn draw(records: &Records) -> Result<String, Trouble> {
     })
 }
 
-/// From the floor to the time, with the time's multiple of the floor.
+/// From the floor to the time, with their ratio.
 fn bar(
     canvas: &Canvas<'_>,
     records: &Records,

@@ -1,4 +1,5 @@
-//! Draws the pictures of `docs/performance.md` and fills its tables, from the measurements in `docs/performance/`.
+//! Draws the pictures of `docs/performance.md` and fills its tables from the measurements in
+//! `docs/performance/`.
 //!
 //! `cargo run --release -p bench --bin plot_performance`
 
@@ -51,7 +52,7 @@ fn docs() -> PathBuf {
 
 #[cfg(test)]
 mod tests {
-    /// The tables of the page are those of the measurements, number by number.
+    /// The tables of the page agree with the measurements, number by number.
     #[test]
     fn the_page_holds_what_was_measured() {
         let records = super::Records::read(&super::docs().join("performance")).expect("measurements");

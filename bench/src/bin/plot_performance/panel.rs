@@ -1,9 +1,9 @@
-//! A pair of axes, either one logarithmic.
+//! A pair of axes, each linear or logarithmic.
 
 use crate::canvas::{Canvas, GREY, Hold, INK, LIGHT};
 use crate::records::Trouble;
 
-/// From numbers to pixels along one direction.
+/// From numbers to pixels along one axis.
 #[derive(Clone, Copy)]
 pub(crate) struct Axis {
     pub(crate) numbers: [f64; 2],
@@ -31,7 +31,7 @@ pub(crate) fn decades([low, high]: [f64; 2]) -> Vec<f64> {
     ticks
 }
 
-/// A number without trailing zeros, thousands apart.
+/// A number without trailing zeros, with spaces between thousands.
 pub(crate) fn shown(x: f64) -> String {
     if x < 1000.0 {
         let text = format!("{x:.3}");
@@ -59,7 +59,7 @@ pub(crate) struct Panel<'a> {
     pub(crate) y_ticks: Vec<(f64, String)>,
 }
 
-/// Ticks that are labelled with themselves.
+/// Ticks labelled with their values.
 pub(crate) fn labelled(ticks: &[f64]) -> Vec<(f64, String)> {
     ticks.iter().map(|&x| (x, shown(x))).collect()
 }
@@ -91,12 +91,12 @@ impl Panel<'_> {
     }
 }
 
-/// Heights of labels, moved apart so that none covers another; in the order given.
+/// Heights of labels, moved apart so that none overlap; in the given order.
 pub(crate) fn apart(heights: &[f64], least: f64) -> Vec<f64> {
     let mut order: Vec<usize> = (0..heights.len()).collect();
     order.sort_by(|&i, &j| heights[i].total_cmp(&heights[j]));
     let mut placed = heights.to_vec();
-    // Pairs that are too close move away from their middle until all have room.
+    // Overlapping pairs move away from their middle until none is left.
     for _ in 0..200 {
         for pair in order.windows(2) {
             let gap = placed[pair[1]] - placed[pair[0]];

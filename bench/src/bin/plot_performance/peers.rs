@@ -1,10 +1,10 @@
-//! Ours beside Pinocchio's best build, with what was aimed at.
+//! This library beside Pinocchio's best build, with the targets.
 
 use crate::canvas::{BLUE, Canvas, GREY, Hold, INK, ORANGE, svg};
 use crate::panel::{Axis, Panel, labelled};
 use crate::records::{Records, Trouble};
 
-/// An algorithm, its label, and how many times faster it was meant to be.
+/// An algorithm, its label, and the target ratio of speeds.
 pub(crate) struct Aim {
     pub(crate) algorithm: &'static str,
     pub(crate) label: &'static str,

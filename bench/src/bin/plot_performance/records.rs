@@ -4,29 +4,29 @@ use std::path::Path;
 
 use serde_json::Value;
 
-/// What went wrong with the measurements.
+/// An error in the measurements.
 pub(crate) type Trouble = Box<dyn std::error::Error>;
 
 /// The five files.
 pub(crate) struct Records {
-    /// Of `measure_scaling`; the first line is the machine.
+    /// Output of `measure_scaling`, with the machine in the first line.
     scaling: Vec<Value>,
-    /// Of `peers/run.py`.
+    /// Output of `peers/run.py`.
     peers: Vec<Value>,
-    /// Of `peers/history.py`.
+    /// Output of `peers/history.py`.
     steps: Vec<Value>,
-    /// Of `measure_pullbacks`.
+    /// Output of `measure_pullbacks`.
     pullbacks: Vec<Value>,
-    /// Of `peers/generated.py`.
+    /// Output of `peers/generated.py`.
     generated: Vec<Value>,
 }
 
-/// A route through one algorithm.
+/// A route of an algorithm.
 #[derive(Clone, Copy)]
 pub(crate) struct Route {
     pub(crate) form: &'static str,
     pub(crate) number: &'static str,
-    /// By name; the last recorded one if none is given, which is the machine's best.
+    /// The route by name; without one, the last recorded, which is the machine's best.
     pub(crate) instructions: Option<&'static str>,
 }
 
@@ -45,7 +45,7 @@ pub(crate) struct Ratio {
     pub(crate) theirs: f64,
     pub(crate) ratio: f64,
     pub(crate) spread: [f64; 2],
-    /// Of the least times.
+    /// By the smallest times.
     pub(crate) of_least: f64,
 }
 
@@ -78,15 +78,16 @@ impl Records {
         })
     }
 
-    /// A robot's calls: their names, nanoseconds, and as multiples of them the pullback, that with parameters, and the
-    /// Jacobians.
+    /// A robot's calls: their names, nanoseconds, and as multiples of them the pullback, that with
+    /// parameters, and the Jacobians.
     pub(crate) fn pullbacks(&self, robot: &str) -> Vec<(&str, f64, [Option<f64>; 3])> {
         let ratios = |line: &Value| ["pullback", "parameters", "jacobians"].map(|key| line[key].as_f64());
         let own = self.pullbacks.iter().filter(|line| line["robot"] == robot);
         own.filter_map(|line| Some((line["call"].as_str()?, line["ns"].as_f64()?, ratios(line)))).collect()
     }
 
-    /// A side of the comparison of generated code: nanoseconds a state, and how many times the first side's, with the range.
+    /// A program in the comparison of generated code: nanoseconds per state, and the ratio to the first
+    /// program, with its range.
     pub(crate) fn generated(&self, robot: &str, algorithm: &str, side: &str) -> Result<[f64; 4], Trouble> {
         let is_it =
             |line: &&Value| line["robot"] == robot && line["algorithm"] == algorithm && line["side"] == side;
@@ -111,7 +112,7 @@ impl Records {
         &lines[0]["machine"]
     }
 
-    /// Nanoseconds of a fused multiply-add on `lanes` numbers at once, at best.
+    /// Smallest nanoseconds of a fused multiply-add on `lanes` numbers.
     pub(crate) fn peak(&self, lanes: usize) -> Result<f64, Trouble> {
         let key = format!("fma_{lanes}_lane{}_ns", if lanes == 1 { "" } else { "s" });
         self.machine("scaling")["peak"][&key].as_f64().ok_or_else(|| format!("no {key} was measured").into())
@@ -129,7 +130,7 @@ impl Records {
         robots
     }
 
-    /// The least nanoseconds per state.
+    /// The smallest nanoseconds per state.
     pub(crate) fn time(&self, robot: &str, algorithm: &str, route: Route) -> Result<f64, Trouble> {
         let is_it = |line: &&Value| {
             line["robot"] == robot
@@ -142,7 +143,7 @@ impl Records {
         found.ok_or_else(|| format!("no time of {algorithm} of {robot}, {}", route.form).into())
     }
 
-    /// Operations done, or left to a program for that robot alone.
+    /// Operations of the recursions, or of a program for that robot alone.
     pub(crate) fn operations(
         &self,
         robot: &str,
@@ -163,7 +164,7 @@ impl Records {
         })
     }
 
-    /// Ours beside a peer.
+    /// This library beside a peer.
     pub(crate) fn ratio(&self, robot: &str, algorithm: &str, peer: &str) -> Result<Ratio, Trouble> {
         let is_it =
             |line: &&Value| line["robot"] == robot && line["algorithm"] == algorithm && line["peer"] == peer;
@@ -179,7 +180,7 @@ impl Records {
         })
     }
 
-    /// Commits, in the order of time, with what each did.
+    /// Commits in the order of time, with their descriptions.
     pub(crate) fn steps(&self) -> Vec<(String, String)> {
         let mut steps: Vec<(String, String)> = Vec::new();
         for line in &self.steps {
@@ -192,7 +193,7 @@ impl Records {
         steps
     }
 
-    /// The least nanoseconds per state as of a commit.
+    /// The smallest nanoseconds per state at a commit.
     pub(crate) fn step_time(&self, robot: &str, algorithm: &str, commit: &str) -> Result<f64, Trouble> {
         let is_it = |line: &&Value| {
             line["robot"] == robot && line["algorithm"] == algorithm && line["commit"] == commit

@@ -1,4 +1,4 @@
-//! How the cost grows with the degrees of freedom.
+//! Growth of the cost with the degrees of freedom.
 
 use plotters::prelude::RGBColor;
 
@@ -42,7 +42,7 @@ fn panel<'a>(title: &'a str, left: f64, (degrees, y): ([f64; 2], [f64; 2]), y_ti
     }
 }
 
-/// Lines of chains with their names at the end; robots as small rings beside them.
+/// Lines of chains with their names at the end, and robots as small rings.
 fn curves(
     canvas: &Canvas<'_>,
     records: &Records,
@@ -76,7 +76,7 @@ fn curves(
     Ok(())
 }
 
-/// The robots' names above the axis, where their degrees of freedom are.
+/// The robots' names above the axis, at their degrees of freedom.
 fn names(canvas: &Canvas<'_>, records: &Records, panel: &Panel<'_>) -> Result<(), Trouble> {
     for (robot, nv) in records.robots(false) {
         // The humanoid has almost as many degrees of freedom as Talos.
@@ -102,7 +102,7 @@ fn names(canvas: &Canvas<'_>, records: &Records, panel: &Panel<'_>) -> Result<()
     )
 }
 
-/// What n and n² look like.
+/// Reference lines for n and n².
 fn guides(canvas: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), Trouble> {
     for (power, label, end) in [(1.0, "∝ n", 250.0), (2.0, "∝ n²", 120.0)] {
         let at = |n: f64| panel.at(n, 70.0 * (n / 36.0_f64).powf(power));

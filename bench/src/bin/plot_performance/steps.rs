@@ -1,4 +1,4 @@
-//! What each step towards speed has brought.
+//! The gain of each optimisation step.
 
 use plotters::prelude::RGBColor;
 
@@ -44,7 +44,7 @@ pub(crate) fn draw(records: &Records) -> Result<String, Trouble> {
     })
 }
 
-/// What each step was, in lines of a few words under the axis.
+/// A description of each step in a few words below the axis.
 fn captions(canvas: &Canvas<'_>, panel: &Panel<'_>, steps: &[(String, String)]) -> Result<(), Trouble> {
     for (i, (_, step)) in steps.iter().enumerate() {
         let mut lines = vec![String::new()];

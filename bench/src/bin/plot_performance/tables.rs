@@ -8,7 +8,7 @@ use crate::peers::{Aim, BATCH, PEER, SINGLE};
 use crate::records::{Records, Route, Trouble};
 use crate::steps::FOLLOWED;
 
-/// The page with every table as the measurements have it.
+/// The page with tables from the measurements.
 pub(crate) fn filled(page: &str, records: &Records) -> Result<String, Trouble> {
     let mut text = String::new();
     let mut lines = page.lines();
@@ -48,7 +48,7 @@ fn table(name: &str, records: &Records) -> Result<String, Trouble> {
         other => return Err(format!("the page asks for a table {other:?}").into()),
     };
     let mut lines: Vec<String> = rows.iter().map(|row| format!("| {} |\n", row.join(" | "))).collect();
-    // Names to the left, numbers to the right.
+    // Names are left-aligned, numbers right-aligned.
     let rule = "| --- |".to_owned() + &" ---: |".repeat(rows[0].len() - 1) + "\n";
     lines.insert(1, rule);
     Ok(lines.concat())
@@ -83,7 +83,7 @@ fn machine(records: &Records) -> Rows {
     rows
 }
 
-/// Ours beside Pinocchio: times, ratios, their geometric mean and what was aimed at.
+/// This library beside Pinocchio: times, ratios, their geometric mean and the target.
 fn beside(records: &Records, aims: &[Aim]) -> Result<Rows, Trouble> {
     let mut rows =
         head(&["", "Panda: ours", "theirs", "ratio", "Talos: ours", "theirs", "ratio", "mean", "aimed at"]);
@@ -169,7 +169,7 @@ fn routes(records: &Records) -> Result<Rows, Trouble> {
     Ok(rows)
 }
 
-/// What doubling a chain costs, as a power of its length, and the cost of a link.
+/// The cost of doubling a chain, as a power of its length, and the cost of a link.
 fn growth(records: &Records) -> Result<Rows, Trouble> {
     let chains = records.robots(true);
     let mut first = vec!["ns per state".to_owned()];
@@ -207,7 +207,7 @@ fn operations(records: &Records) -> Result<Rows, Trouble> {
     Ok(rows)
 }
 
-/// Times over the least time of their operations.
+/// Times relative to the least time of their operations.
 fn floor(records: &Records) -> Result<Rows, Trouble> {
     let mut rows = head(&[
         "ns per state: measured / least for the operations done / left",
@@ -230,7 +230,7 @@ fn floor(records: &Records) -> Result<Rows, Trouble> {
     Ok(rows)
 }
 
-/// Generated code: the first side's nanoseconds, and of the others how many times that.
+/// Generated code: nanoseconds of the first program, and the ratios of the others.
 fn generated(records: &Records, form: &str, sides: &[&str]) -> Result<Rows, Trouble> {
     let shown_as = |side: &str| match side {
         "ours" => "the library".to_owned(),
@@ -254,7 +254,7 @@ fn generated(records: &Records, form: &str, sides: &[&str]) -> Result<Rows, Trou
     Ok(rows)
 }
 
-/// Pullbacks and Jacobians as multiples of the call they are of.
+/// Pullbacks and Jacobians as multiples of their primal call.
 fn pullbacks(records: &Records) -> Result<Rows, Trouble> {
     let robots = [("panda", "Panda"), ("talos", "Talos")];
     let mut first = vec![String::new()];

@@ -1,22 +1,22 @@
-//! What looks like a wrong unit: no law is broken, but no robot is known to be like this.
+//! Values that suggest a wrong unit: no law forbids them, but no known robot has them.
 
-use multibody::plausibility::Suspicion;
+use robot_dynamics::plausibility::Suspicion;
 use serde::Serialize;
 
 use super::shown;
 use crate::table::Table;
 
-/// How many places of one suspicion the text names; the JSON names all.
-const NAMED: usize = 3;
+/// Number of places that the text lists for one suspicion; JSON lists all.
+const MAX_PLACES: usize = 3;
 
-/// A suspicion with its verdict, as JSON has it.
+/// A suspicion with its verdict, as a JSON object.
 #[derive(Serialize)]
 pub(crate) struct Suspect<'a> {
     #[serde(flatten)]
     suspicion: &'a Suspicion,
-    /// Beside the verdicts of the laws.
+    /// Distinguishes it from the verdicts of the checks.
     verdict: &'static str,
-    /// The cause in words.
+    /// The cause as text.
     reason: String,
 }
 
@@ -26,12 +26,12 @@ impl<'a> Suspect<'a> {
     }
 }
 
-/// The section of the text.
+/// The section of the text output.
 pub(crate) fn text(suspicions: &[Suspicion]) -> String {
     if suspicions.is_empty() {
-        return "No number looks like a wrong unit.\n".into();
+        return "No value suggests a wrong unit.\n".into();
     }
-    let mut table = Table::new(&["what looks wrong", ">found", ">expected", "verdict", "where", "perhaps"]);
+    let mut table = Table::new(&["quantity", ">found", ">expected", "verdict", "where", "possible cause"]);
     for suspicion in suspicions {
         let expected = match suspicion.expected {
             (Some(low), Some(high)) => format!("{} … {}", shown(low), shown(high)),
@@ -48,19 +48,16 @@ pub(crate) fn text(suspicions: &[Suspicion]) -> String {
             suspicion.cause.to_string(),
         ]);
     }
-    format!(
-        "Numbers that look like wrong units; no law is broken, --strict makes them a failure:\n\n{}",
-        table.text()
-    )
+    format!("Values that suggest a wrong unit (--strict makes them errors):\n\n{}", table.text())
 }
 
-/// `link "hand"`, or the worst of many.
+/// Names the place, such as `link "hand"`, or the worst of several.
 fn places(suspicion: &Suspicion) -> String {
     let Suspicion { places, of, .. } = suspicion;
     if places.len() <= 1 {
         return places.concat();
     }
-    let named = &places[..places.len().min(NAMED)];
-    let more = if places.len() > NAMED { ", …" } else { "" };
+    let named = &places[..places.len().min(MAX_PLACES)];
+    let more = if places.len() > MAX_PLACES { ", …" } else { "" };
     format!("{} of {of}: {}{more}", places.len(), named.join(", "))
 }

@@ -1,23 +1,27 @@
-//! Many states at once, in lanes and over threads.
+//! Batches of states, in lanes and over threads.
 
+use robot_dynamics::batch::BatchQuantity;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
-use dynamics::Integrator;
-use multibody::batch::{self, BatchFloat, BatchOptions, BatchWorkspace, Rollout, Torques};
-use multibody::{FrameId, Input, Inputs, InstructionSet, Model, Quantity};
+use robot_dynamics::batch;
+use robot_dynamics::batch::{BatchFloat, BatchOptions, BatchWorkspace, Rollout, Torques};
+use robot_dynamics::model::{FrameId, InstructionSet, Model};
+use robot_dynamics::quantity::{Input, Inputs, Quantity};
+use robot_dynamics::simulation::Integrator;
 
 use super::states::{States, piece};
 use crate::failure::Failure;
 
-/// Steps of a rollout between two looks at the clock.
+/// Steps of a rollout between two clock readings.
 const STEPS: usize = 16;
 
-/// One step \[s\]. Its size costs nothing; this one resolves the fastest random motion of a light link.
+/// Time step \[s\]. The cost of a step does not depend on it. This one resolves the fastest random motion of
+/// a light link.
 const STEP: f64 = 1e-6;
 
-/// The quantities measured of batches, in the order of the report.
-pub(super) const MEASURED: [Quantity; 6] = [
+/// Quantities that are measured in batches, in the order of the report.
+pub(super) const QUANTITIES: [Quantity; 6] = [
     Quantity::InverseDynamics,
     Quantity::ForwardDynamics,
     Quantity::MassMatrix,
@@ -29,14 +33,14 @@ pub(super) const MEASURED: [Quantity; 6] = [
 /// The integrators of the rollouts.
 pub(super) const ROLLOUTS: [Integrator; 2] = [Integrator::SemiImplicitEuler, Integrator::RungeKutta4];
 
-/// What is measured of batches.
+/// The work of a batch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Work {
     Compute(Quantity),
     Rollout(Integrator),
 }
 
-/// A batch's states in one precision, and a workspace for each number of threads.
+/// States of a batch in one precision, and a workspace for each number of threads.
 pub(super) struct Batch<'a, T: BatchFloat> {
     model: &'a Model,
     states: States<T>,
@@ -72,23 +76,24 @@ impl<'a, T: BatchFloat> Batch<'a, T> {
         })
     }
 
-    /// States of one block, and the instructions that it runs on.
+    /// The number of states of one block, and its instruction set.
     pub(super) fn lanes(&self) -> (usize, InstructionSet) {
         (self.workspaces[0].lanes(), self.workspaces[0].instruction_set())
     }
 
-    /// Computes the next states from `cursor` on with that many threads; how many states, or steps of a rollout.
+    /// Computes the next states after `cursor` on that many threads. Returns the number of states, or of
+    /// rollout steps.
     pub(super) fn block(&mut self, work: Work, threads: usize, cursor: &mut usize) -> Result<usize, String> {
         let Self { model, states, frames, tip, workspaces, output, q: q_end, v: v_end } = self;
         let workspace = workspaces.iter_mut().find(|workspace| workspace.threads() == threads);
-        let w = workspace.ok_or_else(|| format!("there is no workspace of {threads} threads"))?;
+        let w = workspace.ok_or_else(|| format!("no workspace for {threads} threads"))?;
         let count = piece(model, states.count, threads).min(states.count - *cursor);
         let [q, v, a, tau] = states.part(*cursor, count);
         *cursor = (*cursor + count) % states.count;
         match work {
             Work::Compute(quantity) => {
                 let [result, ..] = quantity.results() else { unreachable!("each quantity has a result") };
-                // Those with several results are not measured in batches.
+                // Quantities with several results are not measured in batches.
                 let width = result.shape.len(model, frames.len());
                 output.resize(output.len().max(count * width), T::from_f64(0.0));
                 let out = &mut output[..count * width];
@@ -97,7 +102,7 @@ impl<'a, T: BatchFloat> Batch<'a, T> {
                 let inputs = Inputs { q, v, a, tau, frames };
                 let computed = quantity
                     .compute_batch(model, w, &inputs, [&mut *out, &mut [], &mut []])
-                    .ok_or_else(|| format!("there are no batches of {}", quantity.name()))?;
+                    .ok_or_else(|| format!("{} has no batch function", quantity.name()))?;
                 black_box(&*out);
                 computed.map_err(|error| error.to_string())?;
                 Ok(count)

@@ -1,11 +1,11 @@
-//! One measured quantity: what it is, and its time in every round.
+//! One benchmark: its task, and its time in every round.
 
-use multibody::Quantity;
+use robot_dynamics::quantity::Quantity;
 
 use super::batch::Work;
 use super::{batch, single};
 
-/// The number that is computed with.
+/// The floating-point type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Precision {
     Double,
@@ -23,27 +23,27 @@ impl Precision {
     }
 }
 
-/// What an entry measures.
+/// The task of an entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum What {
+pub(super) enum Task {
     /// One state after the other, on one thread.
     Single(Quantity),
     /// A batch.
     Batch { work: Work, precision: Precision, threads: usize },
 }
 
-/// What is measured, and the nanoseconds it took.
+/// A task and its times.
 pub(super) struct Entry {
-    pub(super) what: What,
-    /// The next state.
+    pub(super) what: Task,
+    /// Index of the next state.
     pub(super) cursor: usize,
-    /// Of each round: nanoseconds per state, or per step of a rollout; the median of its blocks.
+    /// For each round, the median time of its blocks \[ns per state, or per step of a rollout\].
     pub(super) rounds: Vec<f64>,
-    /// Why there is no result.
+    /// The reason for a missing result.
     pub(super) trouble: Option<String>,
 }
 
-/// The median of the rounds, their least and their greatest \[ns\], and how many there are.
+/// The median, the minimum and the maximum of the rounds \[ns\], and the number of rounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Time {
     pub(super) median: f64,
@@ -58,36 +58,36 @@ impl Time {
         (self.most - self.least) / (2.0 * self.median)
     }
 
-    /// States or steps a second.
+    /// States or steps per second.
     pub(super) fn per_second(self) -> f64 {
         1e9 / self.median
     }
 }
 
-/// The middle of some numbers; of an even count the lower middle, which is one of them.
+/// The median; of an even count the lower of the two middle numbers.
 pub(super) fn median(numbers: &mut [f64]) -> Option<f64> {
     numbers.sort_by(f64::total_cmp);
     numbers.get(numbers.len().saturating_sub(1) / 2).copied()
 }
 
 impl Entry {
-    /// Everything, in the order of the report: single states, batches, rollouts, and batches of forward dynamics
-    /// on numbers of threads between one and all.
+    /// All tasks in the order of the report: single states, batches, rollouts, and batches of forward
+    /// dynamics on numbers of threads between one and all.
     pub(super) fn all(threads: &[usize]) -> Vec<Self> {
-        let mut all: Vec<What> = single::MEASURED.into_iter().map(What::Single).collect();
+        let mut all: Vec<Task> = single::QUANTITIES.into_iter().map(Task::Single).collect();
         let ends = [threads.first(), threads.last()];
         let mut ends: Vec<usize> = ends.into_iter().flatten().copied().collect();
         ends.dedup();
         let rollouts = batch::ROLLOUTS.map(Work::Rollout);
-        for work in batch::MEASURED.into_iter().map(Work::Compute).chain(rollouts) {
+        for work in batch::QUANTITIES.into_iter().map(Work::Compute).chain(rollouts) {
             for precision in Precision::ALL {
-                all.extend(ends.iter().map(|&threads| What::Batch { work, precision, threads }));
+                all.extend(ends.iter().map(|&threads| Task::Batch { work, precision, threads }));
             }
         }
-        let has_batches = !batch::MEASURED.is_empty();
+        let has_batches = !batch::QUANTITIES.is_empty();
         let between = threads.iter().filter(|threads| has_batches && !ends.contains(threads));
-        all.extend(between.map(|&threads| What::Batch {
-            work: SCALED,
+        all.extend(between.map(|&threads| Task::Batch {
+            work: SCALING_WORK,
             precision: Precision::Double,
             threads,
         }));
@@ -95,7 +95,7 @@ impl Entry {
         all.into_iter().map(entry).collect()
     }
 
-    /// What its rounds say; none before the first.
+    /// The time over all rounds, `None` before the first.
     pub(super) fn time(&self) -> Option<Time> {
         let mut rounds = self.rounds.clone();
         let median = median(&mut rounds)?;
@@ -103,8 +103,8 @@ impl Entry {
     }
 }
 
-/// What the gain by threads is judged by.
-pub(super) const SCALED: Work = Work::Compute(Quantity::ForwardDynamics);
+/// The task that shows how time falls with the number of threads.
+pub(super) const SCALING_WORK: Work = Work::Compute(Quantity::ForwardDynamics);
 
 #[cfg(test)]
 mod tests {
@@ -122,7 +122,8 @@ mod tests {
         assert_eq!(entry.time().unwrap().median, 5.0);
     }
 
-    /// 9 of one state; 6 quantities and 2 integrators in 2 precisions by one thread and by all; between.
+    /// 9 tasks of one state. 6 quantities and 2 integrators, each in 2 precisions and on one and all threads.
+    /// Then the numbers of threads between.
     #[cfg(feature = "batch")]
     #[test]
     fn the_list_grows_with_the_threads() {

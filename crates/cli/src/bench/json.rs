@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::Results;
 use super::batch::Work;
-use super::entry::{Time, What};
+use super::entry::{Task, Time};
 use super::machine::Machine;
 
 /// The first line.
@@ -24,7 +24,7 @@ struct Head<'a> {
     interrupted: bool,
 }
 
-/// A line for each quantity; no time where there is a trouble, or none yet.
+/// A line for each quantity. It has no time if there was a trouble, or before the first round.
 #[derive(Serialize)]
 struct Line<'a> {
     /// "single", "batch" or "rollout".
@@ -35,7 +35,7 @@ struct Line<'a> {
     /// "state" or "step".
     per: &'static str,
     ns: Option<f64>,
-    /// The least and the greatest of the rounds.
+    /// The minimum and the maximum of the rounds.
     spread_ns: Option<[f64; 2]>,
     per_second: Option<f64>,
     rounds: usize,
@@ -60,11 +60,11 @@ pub(super) fn lines(results: &Results<'_>) -> Result<String, serde_json::Error> 
     })? + "\n";
     for entry in &results.entries {
         let (group, quantity, number, threads, per) = match entry.what {
-            What::Single(quantity) => ("single", quantity.name().to_owned(), "f64", 1, "state"),
-            What::Batch { work: Work::Compute(quantity), precision, threads } => {
+            Task::Single(quantity) => ("single", quantity.name().to_owned(), "f64", 1, "state"),
+            Task::Batch { work: Work::Compute(quantity), precision, threads } => {
                 ("batch", quantity.name().to_owned(), precision.key(), threads, "state")
             }
-            What::Batch { work: Work::Rollout(integrator), precision, threads } => {
+            Task::Batch { work: Work::Rollout(integrator), precision, threads } => {
                 ("rollout", integrator.name().replace('-', "_"), precision.key(), threads, "step")
             }
         };

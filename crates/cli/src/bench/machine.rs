@@ -1,4 +1,4 @@
-//! What the numbers belong to: the machine, its instructions, and how this program was built.
+//! The machine, its instructions, and the build of this program.
 
 use serde::Serialize;
 
@@ -8,22 +8,22 @@ pub(super) struct Machine {
     pub(super) processor: String,
     pub(super) threads: usize,
     pub(super) system: String,
-    /// Threads that were busy in the minute before, where the system tells it.
+    /// Load average of the minute before, if the system provides it.
     pub(super) load_before: Option<f64>,
     /// "release" or "debug".
     pub(super) build: &'static str,
     pub(super) version: &'static str,
-    /// The instructions of a single state, and of batches.
+    /// Instruction sets for a single state and for batches.
     pub(super) single_instructions: String,
     pub(super) batch_instructions: String,
     pub(super) lanes_f64: usize,
     pub(super) lanes_f32: usize,
 }
 
-/// Whether the compiler was told to check what a release does not.
+/// Whether this is a debug build.
 pub(super) const IS_DEBUG: bool = cfg!(debug_assertions);
 
-/// The processor's name, where the system tells it.
+/// The processor's name, if the system provides it.
 pub(super) fn processor() -> String {
     let known = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
         let line = text.lines().find(|line| line.starts_with("model name"))?;
@@ -37,7 +37,7 @@ pub(super) fn load() -> Option<f64> {
     std::fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
 }
 
-/// One thread, then doubled, then all.
+/// 1, 2, 4, … and `all`.
 pub(super) fn thread_counts(all: usize) -> Vec<usize> {
     let mut counts: Vec<usize> =
         core::iter::successors(Some(1), |n: &usize| n.checked_mul(2)).take_while(|&n| n < all).collect();

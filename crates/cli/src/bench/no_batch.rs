@@ -1,18 +1,20 @@
-//! In place of batches, where the program is built without them.
+//! Stubs that replace `batch` in a build without the feature.
 
 use core::marker::PhantomData;
 
-use dynamics::{Integrator, Scalar};
-use multibody::{FrameId, InstructionSet, Model, Quantity};
+use robot_dynamics::model::{FrameId, InstructionSet, Model};
+use robot_dynamics::quantity::Quantity;
+use robot_dynamics::simulation::Integrator;
+use robot_dynamics_number::Scalar;
 
 use super::states::States;
 use crate::failure::Failure;
 
-/// Nothing is measured of batches.
-pub(super) const MEASURED: [Quantity; 0] = [];
+/// No quantity is measured in batches.
+pub(super) const QUANTITIES: [Quantity; 0] = [];
 pub(super) const ROLLOUTS: [Integrator; 0] = [];
 
-/// What would be.
+/// As in `batch`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(dead_code)]
 pub(super) enum Work {
@@ -20,10 +22,10 @@ pub(super) enum Work {
     Rollout(Integrator),
 }
 
-/// No batch.
+/// As in `batch`.
 pub(super) struct Batch<'a, T>(PhantomData<(&'a Model, T)>);
 
-#[allow(clippy::unused_self, clippy::unnecessary_wraps, clippy::needless_pass_by_value)] // as the batches
+#[allow(clippy::unused_self, clippy::unnecessary_wraps, clippy::needless_pass_by_value)] // as in `batch`
 impl<'a, T: Scalar> Batch<'a, T> {
     pub(super) fn new(_: &'a Model, _: States<T>, _: FrameId, _: &[usize]) -> Result<Self, Failure> {
         Ok(Self(PhantomData))
@@ -34,6 +36,6 @@ impl<'a, T: Scalar> Batch<'a, T> {
     }
 
     pub(super) fn block(&mut self, _: Work, _: usize, _: &mut usize) -> Result<usize, String> {
-        Err("there are no batches in this build".into())
+        Err("this build has no batches".into())
     }
 }

@@ -1,16 +1,16 @@
 //! The results as tables.
 
-use multibody::Quantity;
-use multibody::text::one_line;
+use robot_dynamics::quantity::Quantity;
+use robot_dynamics::text::one_line;
 
 use super::batch::Work;
-use super::entry::{Entry, Precision, SCALED, Time, What};
+use super::entry::{Entry, Precision, SCALING_WORK, Task, Time};
 use super::machine::IS_DEBUG;
 use super::{Results, batch, single};
 use crate::inspect::count;
 use crate::table::Table;
 
-/// Three significant digits, thousands apart: 25.3, 190, 12 300.
+/// Three significant digits, with spaces between thousands: 25.3, 190, 12 300.
 fn three(x: f64) -> String {
     let decimals = match x {
         x if x < 9.995 => 2,
@@ -39,10 +39,10 @@ fn percent(fraction: f64) -> String {
     format!("{:.0} %", 100.0 * fraction)
 }
 
-/// The time and ±, or why there is none.
+/// The time and its spread, or a mark for a missing time.
 fn cells(entry: Option<&Entry>) -> [String; 2] {
     match entry.map(|entry| (entry.time(), &entry.trouble)) {
-        // One round has no range.
+        // The range of one round is zero and says nothing.
         Some((Some(time), None)) if time.rounds == 1 => [three(time.median), String::new()],
         Some((Some(time), None)) => [three(time.median), percent(time.spread())],
         Some((_, Some(_))) => ["none".into(), String::new()],
@@ -51,15 +51,15 @@ fn cells(entry: Option<&Entry>) -> [String; 2] {
 }
 
 impl Results<'_> {
-    fn entry(&self, what: What) -> Option<&Entry> {
+    fn entry(&self, what: Task) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.what == what)
     }
 
-    fn time(&self, what: What) -> Option<Time> {
+    fn time(&self, what: Task) -> Option<Time> {
         self.entry(what).filter(|entry| entry.trouble.is_none()).and_then(Entry::time)
     }
 
-    /// All threads.
+    /// The largest number of threads.
     fn all(&self) -> usize {
         self.threads.last().copied().unwrap_or(1)
     }
@@ -69,7 +69,7 @@ impl Results<'_> {
         let slow = if IS_DEBUG { " (slower than a release build)" } else { "" };
         let mut head = Table::new(&["", ""]);
         let runs = count(machine.threads, "thread");
-        head.row(["machine".into(), format!("{}, {runs} at once, {}", machine.processor, machine.system)]);
+        head.row(["machine".into(), format!("{}, {runs}, {}", machine.processor, machine.system)]);
         let build = format!("version {}, {} build{slow}", machine.version, machine.build);
         head.row(["program".into(), build]);
         head.row(["one state".into(), format!("on {}", machine.single_instructions)]);
@@ -78,14 +78,14 @@ impl Results<'_> {
             head.row(["batches".into(), format!("on {}, {lanes}", machine.batch_instructions)]);
         }
         head.row(["native".into(), model.native().summary()]);
-        let times = format!("{states} random ones, seed {seed}; medians of {}", count(*rounds, "round"));
-        head.row(["states".into(), format!("{times}, ± half their range")]);
+        let times = format!("{states} at random, seed {seed}; medians of {}", count(*rounds, "round"));
+        head.row(["states".into(), format!("{times}; ± is half their range")]);
         if let Some(load) = machine.load_before {
-            head.row(["load".into(), format!("{load:.1} threads were busy in the minute before")]);
+            head.row(["load".into(), format!("{load:.1} busy threads in the minute before")]);
         }
         head.row(["tip".into(), self.tip.clone()]);
         let text = head.text();
-        // The table's own head is empty.
+        // The head of this table is empty.
         let rows = text.split_once('\n').map_or("", |(_, rows)| rows);
         let freedoms = if model.nv() == 1 { "degree of freedom" } else { "degrees of freedom" };
         let robot = format!("{} ({file}): {} {freedoms}", model.name(), model.nv());
@@ -94,8 +94,8 @@ impl Results<'_> {
 
     fn singles(&self) -> String {
         let mut table = Table::new(&["one state at a time, one thread", ">ns", ">±", ">states/s"]);
-        for quantity in single::MEASURED {
-            let what = What::Single(quantity);
+        for quantity in single::QUANTITIES {
+            let what = Task::Single(quantity);
             let [ns, spread] = cells(self.entry(what));
             let rate = self.time(what).map_or_else(String::new, |time| three(time.per_second()));
             table.row([quantity.title().into(), ns, spread, rate]);
@@ -103,7 +103,7 @@ impl Results<'_> {
         table.text()
     }
 
-    /// Rows of one kind of work: one thread, and all where there are more.
+    /// Rows of one kind of work, on one thread and on all threads.
     fn work(&self, title: &str, unit: &str, rows: &[(&str, Work, Option<Quantity>)]) -> String {
         let (one, all) = (1, self.all());
         let on_all = if all == 1 { String::new() } else { format!(">ns, {all} threads") };
@@ -117,14 +117,14 @@ impl Results<'_> {
         let mut table = Table::new(&head);
         for &(name, work, alone) in rows {
             for precision in Precision::ALL {
-                let what = |threads| What::Batch { work, precision, threads };
+                let what = |threads| Task::Batch { work, precision, threads };
                 let mut row = vec![name.to_owned(), precision.key().into()];
                 row.extend(cells(self.entry(what(one))));
                 if all > 1 {
                     row.extend(cells(self.entry(what(all))));
                 }
                 let rate = self.time(what(all)).map(|time| three(time.per_second() / 1e6));
-                let alone = alone.and_then(|quantity| self.time(What::Single(quantity)));
+                let alone = alone.and_then(|quantity| self.time(Task::Single(quantity)));
                 let gain = alone.zip(self.time(what(one))).map(|(alone, batch)| alone.median / batch.median);
                 row.push(rate.unwrap_or_default());
                 row.push(gain.map_or_else(String::new, |gain| format!("{gain:.1} ×")));
@@ -142,7 +142,7 @@ impl Results<'_> {
             ">speed-up",
             ">per thread",
         ]);
-        let what = |threads| What::Batch { work: SCALED, precision: Precision::Double, threads };
+        let what = |threads| Task::Batch { work: SCALING_WORK, precision: Precision::Double, threads };
         let alone = self.time(what(1));
         for &threads in &self.threads {
             let mut row = vec![count(threads, "thread")];
@@ -159,14 +159,14 @@ impl Results<'_> {
         table.text()
     }
 
-    /// Why there are quantities without a result, the first reason of each.
+    /// The reasons for missing results, one for each quantity.
     fn troubles(&self) -> String {
         let mut told = Vec::new();
         let mut text = String::new();
         for entry in &self.entries {
             let name = match entry.what {
-                What::Single(quantity) => quantity.title().to_owned(),
-                What::Batch { work, precision, .. } => {
+                Task::Single(quantity) => quantity.title().to_owned(),
+                Task::Batch { work, precision, .. } => {
                     let name = match work {
                         Work::Compute(quantity) => quantity.title(),
                         Work::Rollout(integrator) => integrator.name(),
@@ -186,7 +186,7 @@ impl Results<'_> {
 }
 
 pub(super) fn text(results: &Results<'_>) -> String {
-    let compute: Vec<_> = batch::MEASURED
+    let compute: Vec<_> = batch::QUANTITIES
         .into_iter()
         .map(|quantity| (quantity.title(), Work::Compute(quantity), Some(quantity)))
         .collect();
@@ -195,11 +195,10 @@ pub(super) fn text(results: &Results<'_>) -> String {
         .map(|integrator| (integrator.name(), Work::Rollout(integrator), None))
         .collect();
     if compute.is_empty() {
-        let note =
-            "batches: not in this build; cargo run --release --features batch -- bench measures them too\n";
+        let note = "batches: not in this build; use cargo run --release --features batch -- bench\n";
         return [results.head(), results.singles(), note.into()].join("\n") + &results.troubles();
     }
-    let gain = "gain: one state at a time over a batch on one thread";
+    let gain = "gain: time of one state at a time over time in a batch, both on one thread";
     let parts = [
         results.head(),
         results.singles(),

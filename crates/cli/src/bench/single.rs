@@ -2,15 +2,16 @@
 
 use std::hint::black_box;
 
-use multibody::{FrameId, Inputs, InstructionSet, Model, Quantity, QuantityMemory, Workspace};
+use robot_dynamics::model::{FrameId, InstructionSet, Model, Workspace};
+use robot_dynamics::quantity::{Inputs, Quantity, QuantityMemory};
 
 use super::states::States;
 
-/// States between two looks at the clock: microseconds of work.
+/// States between two clock readings, a few microseconds of work.
 const BLOCK: usize = 64;
 
-/// What is measured, in the order of the report.
-pub(super) const MEASURED: [Quantity; 9] = [
+/// Measured quantities, in the order of the report.
+pub(super) const QUANTITIES: [Quantity; 9] = [
     Quantity::InverseDynamics,
     Quantity::ForwardDynamics,
     Quantity::MassMatrix,
@@ -22,7 +23,7 @@ pub(super) const MEASURED: [Quantity; 9] = [
     Quantity::ForwardDynamicsDerivatives,
 ];
 
-/// One thread's memory for every quantity.
+/// One thread's memory for all quantities.
 pub(super) struct Single<'a> {
     model: &'a Model,
     states: &'a States<f64>,
@@ -41,7 +42,7 @@ impl<'a> Single<'a> {
         self.workspace.instruction_set()
     }
 
-    /// Computes the next states from `cursor` on; how many.
+    /// Computes the next states after `cursor`. Returns how many.
     pub(super) fn block(&mut self, quantity: Quantity, cursor: &mut usize) -> usize {
         let Self { model, states, tip, workspace, memory } = self;
         let count = BLOCK.min(states.count - *cursor);
@@ -54,7 +55,7 @@ impl<'a> Single<'a> {
         count
     }
 
-    /// Whether the results of the last call are numbers.
+    /// Whether the results of the last call are finite.
     pub(super) fn is_finite(&mut self, quantity: Quantity) -> bool {
         self.memory.results(quantity).into_iter().flatten().all(|x| x.is_finite())
     }

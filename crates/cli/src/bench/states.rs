@@ -1,9 +1,9 @@
-//! The random states that everything is measured on.
+//! Random states for all measurements.
 
-use dynamics::{Scalar, SplitMix64};
-use multibody::{FrameId, Joint, Model, random_state};
+use robot_dynamics::model::{FrameId, Joint, Model, random_state};
+use robot_dynamics_number::{Scalar, SplitMix64};
 
-/// q, v, a and tau of many states, each one state after the other.
+/// q, v, a and tau of all states, one state after the other.
 pub(super) struct States<T> {
     pub(super) count: usize,
     pub(super) nq: usize,
@@ -15,7 +15,7 @@ pub(super) struct States<T> {
 }
 
 impl<T: Scalar> States<T> {
-    /// The same for the same seed, in either precision.
+    /// States that depend only on the seed, in either precision.
     pub(super) fn random(model: &Model, count: usize, seed: u64) -> Self {
         let (nq, nv) = (model.nq(), model.nv());
         let [q, v, a, tau] = [nq, nv, nv, nv].map(|n| Vec::with_capacity(count * n));
@@ -38,7 +38,7 @@ impl<T: Scalar> States<T> {
     }
 }
 
-/// How many states a batch takes at once: enough for every thread, few enough for the results to stay in a cache.
+/// Number of states in one call of a batch: enough for every thread, few enough for results that fit a cache.
 #[cfg(feature = "batch")]
 pub(super) fn piece(model: &Model, count: usize, threads: usize) -> usize {
     // Each thread has at least one block of the widest lanes.
@@ -52,7 +52,7 @@ pub(super) fn tip(model: &Model) -> (FrameId, String) {
         let carrier = |joint: &Joint| joints.iter().find(|other| other.child == joint.parent);
         core::iter::successors(Some(joint), |joint| carrier(joint)).filter(|joint| joint.nv > 0).count()
     };
-    // Of equally deep ones the first.
+    // The first of equally deep frames.
     let deepest = joints.iter().rev().max_by_key(|joint| depth(joint));
     let name = deepest.map_or(&model.frames()[0].name, |joint| &joint.child);
     (model.frame(name).expect("every link is a frame"), name.clone())

@@ -1,9 +1,9 @@
 //! Whether machine code computes a robot's functions.
 
-use multibody::{InstructionSet, Model};
+use robot_dynamics::model::{InstructionSet, Model};
 use serde::Serialize;
 
-/// The instructions of the code, or the reason why the recursions compute.
+/// The instruction set of the code, or the reason for using the recursions.
 #[derive(Serialize)]
 pub(crate) struct MachineCode {
     instructions: Option<String>,
@@ -20,9 +20,11 @@ impl MachineCode {
     pub(super) fn text(&self) -> String {
         let how = match (&self.instructions, &self.reason) {
             (Some(instructions), _) => {
-                format!("machine code for {instructions}, made when each is first called")
+                format!("machine code for {instructions}, compiled at the first call of each")
             }
-            (None, reason) => format!("recursions alone: {}", reason.as_deref().unwrap_or_default()),
+            (None, reason) => {
+                format!("recursions without machine code: {}", reason.as_deref().unwrap_or_default())
+            }
         };
         format!("Functions: {how}\n")
     }

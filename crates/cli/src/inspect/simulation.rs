@@ -1,21 +1,22 @@
-//! The default simulation of a robot: its method, and the features of the file that act or are left out.
+//! The default simulation of a robot: its method, and the features of the file that it includes or leaves
+//! out.
 
 use std::fmt::Write;
 
-use multibody::Model;
-use multibody::simulator::{Effect, Simulation, UnsupportedFeatures};
-use multibody::text::one_line;
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::{Effect, Simulation, UnsupportedFeatures};
+use robot_dynamics::text::one_line;
 use serde::Serialize;
 
-/// Larger robots are not simulated to say what a simulation leaves out: its memory grows as nv².
-const MOST_FREEDOMS: usize = 1000;
-const MOST_SHAPES: usize = 10_000;
+/// Limits above which no simulation is built for this report, since its memory grows as nv².
+const MAX_DOFS: usize = 1000;
+const MAX_SHAPES: usize = 10_000;
 
-/// The default simulation, or the reason why none is set up.
+/// The default simulation, or the reason for its absence.
 #[derive(Serialize)]
 pub(crate) struct DefaultSimulation {
     method: Option<&'static str>,
-    /// Why that method.
+    /// The reason for the method.
     reason: String,
     acting: Vec<&'static str>,
     left_out: Vec<UnsupportedFeatures>,
@@ -27,11 +28,12 @@ impl DefaultSimulation {
             |reason: String| Self { method: None, reason, acting: Vec::new(), left_out: Vec::new() };
         let (nv, shapes) = (model.nv(), model.description().shapes.len());
         if nv == 0 {
-            return nothing("no joint moves".into());
+            return nothing("the robot has no degree of freedom".into());
         }
-        if nv > MOST_FREEDOMS || shapes > MOST_SHAPES {
+        if nv > MAX_DOFS || shapes > MAX_SHAPES {
             return nothing(format!(
-                "not set up: {nv} degrees of freedom and {shapes} shapes, of at most {MOST_FREEDOMS} and {MOST_SHAPES}; `simulate` says it"
+                "not built for {nv} degrees of freedom and {shapes} shapes (at most {MAX_DOFS} and {MAX_SHAPES}); \
+                 `dynamics simulate` shows it"
             ));
         }
         match robot_dynamics::simulation(model).build() {
@@ -52,9 +54,8 @@ impl DefaultSimulation {
     pub(super) fn text(&self) -> String {
         let Self { method, reason, acting, left_out } = self;
         let Some(method) = method else { return format!("Default simulation: {}\n", one_line(reason)) };
-        let acting =
-            if acting.is_empty() { "nothing beside the rigid bodies".into() } else { acting.join(", ") };
-        let mut text = format!("Default simulation: by {method}: {}\n  acts: {acting}\n", one_line(reason));
+        let acting = if acting.is_empty() { "rigid bodies only".into() } else { acting.join(", ") };
+        let mut text = format!("Default simulation: {method}: {}\n  includes: {acting}\n", one_line(reason));
         for group in left_out {
             let _ = writeln!(text, "  leaves out {}", one_line(&group.to_string()));
         }

@@ -2,20 +2,21 @@
 
 use std::io::Write;
 
-use multibody::text::csv_cell;
-use multibody::{Losses, Model, StepInfo};
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::{Losses, StepInfo};
+use robot_dynamics::text::csv_cell;
 
 use crate::columns::{self, Column};
 use crate::output_file::OutputFile;
 
-/// What a run has beside its states: links that can touch the ground, and losses told apart.
+/// The optional columns: forces on links that can touch the ground, and separate losses.
 #[derive(Clone, Copy)]
-pub(crate) struct Beside<'a> {
+pub(crate) struct OptionalColumns<'a> {
     pub touching: &'a [String],
     pub has_losses: bool,
 }
 
-/// What took energy out, in words; the last two are the ground's.
+/// Names of the losses; the last two are those of the ground.
 pub(crate) const LOSSES: [&str; 6] = ["damping", "friction", "stops", "corrections", "sliding", "impacts"];
 
 /// The losses in that order \[J\].
@@ -24,8 +25,8 @@ pub(crate) fn numbers(losses: &Losses) -> [f64; 6] {
     [damping, friction, stops, corrections, sliding, impacts]
 }
 
-impl Beside<'_> {
-    /// Those of the losses that can be.
+impl OptionalColumns<'_> {
+    /// The names of the losses that can occur.
     pub(crate) fn losses(&self) -> &'static [&'static str] {
         match (self.has_losses, self.touching.is_empty()) {
             (false, _) => &[],
@@ -35,11 +36,11 @@ impl Beside<'_> {
     }
 }
 
-/// A table being written: time, q, v, τ, energies, losses, forces of contact.
+/// A table with time, q, v, τ, energies, losses and contact forces.
 pub(crate) struct CsvFile {
     file: OutputFile,
     every: usize,
-    /// How many of them have a column.
+    /// Number of losses with a column.
     losses: usize,
     last: usize,
     pub rows: usize,
@@ -47,12 +48,12 @@ pub(crate) struct CsvFile {
 }
 
 impl CsvFile {
-    /// Starts the table with its head; a row follows every so many steps, and one at the end.
+    /// Writes the header. Then every `every`-th step and the last step get a row.
     pub(crate) fn start(
         mut file: OutputFile,
         model: &Model,
         every: usize,
-        beside: Beside<'_>,
+        columns: OptionalColumns<'_>,
     ) -> std::io::Result<Self> {
         let named = |letter: &'static str, columns: Vec<Column>| {
             columns.into_iter().map(move |column| format!("{letter} {} [{}]", column.name, column.unit))
@@ -62,9 +63,9 @@ impl CsvFile {
         head.extend(named("v", columns::velocity(model)));
         head.extend(named("tau", columns::effort(model)));
         head.extend(["K [J]", "V [J]", "E [J]", "energy error [J]"].map(str::to_owned));
-        let losses = beside.losses();
+        let losses = columns.losses();
         head.extend(losses.iter().map(|cause| format!("{cause} took out [J]")));
-        for link in beside.touching {
+        for link in columns.touching {
             head.extend(["x", "y", "z"].map(|axis| format!("contact {link}.{axis} [N]")));
         }
         let head: Vec<String> = head.iter().map(|cell| csv_cell(cell).into_owned()).collect();
@@ -72,8 +73,8 @@ impl CsvFile {
         Ok(Self { file, every, losses: losses.len(), last: 0, rows: 0, line: String::new() })
     }
 
-    /// The row of this moment, if it is its turn or the last.
-    pub(crate) fn see(&mut self, info: &StepInfo<'_>, is_last: bool) -> std::io::Result<()> {
+    /// Writes the row of this step if it is due or the last.
+    pub(crate) fn record(&mut self, info: &StepInfo<'_>, is_last: bool) -> std::io::Result<()> {
         use std::fmt::Write as _;
         if !info.step.is_multiple_of(self.every) && !is_last || self.rows > 0 && info.step == self.last {
             return Ok(());
@@ -86,7 +87,7 @@ impl CsvFile {
         let losses = numbers(&info.losses.unwrap_or_default());
         let (losses, contact) = (&losses[..self.losses], info.contact_forces.as_flattened());
         for x in [info.q, info.v, info.tau, &energies, losses, contact].into_iter().flatten() {
-            // The shortest digits that read back as the same number.
+            // The shortest digits that parse to the same number.
             let _ = write!(self.line, ",{x:?}");
         }
         self.line.push('\n');

@@ -1,7 +1,7 @@
-//! The controls of the actuators of the robot's file.
+//! Controls of the actuators in the robot's file.
 
-use multibody::Model;
-use multibody::simulator::Effect;
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::Effect;
 
 use super::Arguments;
 use super::setup::Setup;
@@ -10,32 +10,33 @@ use crate::failure::Failure;
 use crate::joint_values::JointValues;
 
 /// The controls of a run.
-pub(crate) struct Drive {
+pub(crate) struct ActuatorControls {
     pub controls: Vec<f64>,
-    /// In words, for the summary.
+    /// Text for the summary.
     pub described: String,
 }
 
-/// The controls given, those of the named pose, or 0; `None` where no actuators act.
+/// The given controls, those of the named pose, or 0; `None` if no actuators act.
 ///
 /// # Errors
-/// Controls are given, and no actuators act, or not one of that name.
+///
+/// Controls are given and no actuators act, or an actuator's name is unknown.
 pub(crate) fn choose(
     arguments: &Arguments,
     model: &Model,
     setup: &Setup,
     start: &Start,
-) -> Result<Option<Drive>, Failure> {
+) -> Result<Option<ActuatorControls>, Failure> {
     let simulation = &setup.simulation;
     if !setup.acts(Effect::Actuators) {
         return match arguments.controls {
             None => Ok(None),
             Some(_) if model.description().actuators.is_empty() => Err(Failure::new(format!(
-                "--controls: the file of robot `{}` has no actuators; --hold holds a pose by motors of its own",
+                "--controls: robot `{}` has no actuators in its file; --hold adds motors that hold a pose",
                 model.name()
             ))),
             Some(_) => Err(Failure::new(format!(
-                "--controls: actuators do not act here; leave out --conservative, --without actuators, or --integrator {}",
+                "--controls: actuators are switched off; omit --conservative, --without actuators, or --integrator {}",
                 setup.method()
             ))),
         };
@@ -48,17 +49,14 @@ pub(crate) fn choose(
         let given: JointValues = given.parse().map_err(refused)?;
         for (name, value) in given.single().map_err(refused)? {
             let index = names.iter().position(|own| *own == name).ok_or_else(|| {
-                Failure::new(format!(
-                    "--controls: there is no actuator `{name}`; there are {}",
-                    names.join(", ")
-                ))
+                Failure::new(format!("--controls: unknown actuator `{name}`; known: {}", names.join(", ")))
             })?;
             controls[index] = value;
         }
     }
     let shown = names.iter().zip(&controls).filter(|(_, control)| **control != 0.0);
     let shown: Vec<String> = shown.map(|(name, control)| format!("{name}={control}")).collect();
-    let at = if shown.is_empty() { "controls at 0".into() } else { shown.join(", ") };
-    let described = format!("{} of the file, {at}", crate::inspect::count(names.len(), "actuator"));
-    Ok(Some(Drive { controls, described }))
+    let at = if shown.is_empty() { "all controls 0".into() } else { shown.join(", ") };
+    let described = format!("{}, {at}", crate::inspect::count(names.len(), "actuator"));
+    Ok(Some(ActuatorControls { controls, described }))
 }

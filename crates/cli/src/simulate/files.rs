@@ -1,43 +1,44 @@
-//! The files of a run: opened before it, in their places after it.
+//! The files of a run: opened before it, completed after it.
 
 use std::io::{self, ErrorKind, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use multibody::{Model, StepInfo};
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::StepInfo;
 
-use super::csv::{Beside, CsvFile};
+use super::csv::{CsvFile, OptionalColumns};
 use super::plot::Plot;
 use crate::destination::{refuse_clashes, shown};
 use crate::failure::{Context, Failure};
 use crate::output_file::{OutputFile, finish_all};
 
-/// The files asked for.
+/// The requested files.
 pub(crate) struct Files {
     csv: Option<(CsvFile, String)>,
     plot: Option<(OutputFile, PathBuf)>,
-    /// Why no more rows can be written, and when that was \[s\].
+    /// The error that ended writing, and its time \[s\].
     trouble: Option<(io::Error, f64)>,
 }
 
-/// What was written.
+/// The written files.
 #[derive(Default)]
-pub(crate) struct Written {
-    /// Each with what it holds.
+pub(crate) struct WrittenFiles {
+    /// Each file with a word on its contents.
     pub files: Vec<(PathBuf, String)>,
-    /// What could not be written, and why.
+    /// The files that could not be written, and the errors.
     pub troubles: Vec<String>,
-    /// Whether a reader of the table had seen enough of it.
+    /// Whether the reader of the table closed its pipe.
     pub reader_left: bool,
 }
 
 impl Files {
-    /// Opens them all, so that a wrong path costs no run. None may be a file that the robot was read from:
-    /// its own, or one of `read`.
+    /// Opens all files, so that a wrong path fails before the run. None may be a file that the robot was read
+    /// from: `robot`, or one of `read`.
     pub(crate) fn open(
         model: &Model,
         (robot, read): (&Path, &[PathBuf]),
-        (csv, every, beside): (Option<&Path>, u32, Beside<'_>),
+        (csv, every, columns): (Option<&Path>, u32, OptionalColumns<'_>),
         plot: Option<&Path>,
     ) -> Result<Self, Failure> {
         let outputs: Vec<_> = [("--csv", csv), ("--plot", plot)]
@@ -48,7 +49,7 @@ impl Files {
         let csv = match csv {
             Some(path) => {
                 let shown = path.display().to_string();
-                let started = CsvFile::start(OutputFile::create(path)?, model, every as usize, beside);
+                let started = CsvFile::start(OutputFile::create(path)?, model, every as usize, columns);
                 Some((started.context(format!("cannot write {shown}"))?, shown))
             }
             None => None,
@@ -60,15 +61,15 @@ impl Files {
         Ok(Self { csv, plot, trouble: None })
     }
 
-    /// Whether the table goes to standard output, where no summary may then stand.
+    /// Whether the table goes to standard output, so that the summary cannot.
     pub(crate) fn use_standard_output(&mut self) -> bool {
         self.csv.as_mut().is_some_and(|(csv, _)| csv.file().is_standard_output())
     }
 
-    /// Writes the row of this moment; breaks off when it cannot be written.
-    pub(crate) fn see(&mut self, info: &StepInfo<'_>, is_last: bool) -> ControlFlow<()> {
+    /// Writes the row of this step. Breaks if it cannot be written.
+    pub(crate) fn record(&mut self, info: &StepInfo<'_>, is_last: bool) -> ControlFlow<()> {
         let Some((csv, _)) = &mut self.csv else { return ControlFlow::Continue(()) };
-        match csv.see(info, is_last) {
+        match csv.record(info, is_last) {
             Ok(()) => ControlFlow::Continue(()),
             Err(error) => {
                 self.trouble = Some((error, info.time));
@@ -77,11 +78,11 @@ impl Files {
         }
     }
 
-    /// Draws the plot and moves every file to its place. If the run ended early, or one of them cannot be written to its
-    /// end, none is moved there: each is kept beside its place, as far as it fits.
-    pub(crate) fn finish(mut self, picture: &Plot<'_>, is_whole: bool) -> Written {
-        let mut written = Written::default();
-        // Every file is complete before the first is moved.
+    /// Draws the plot and completes all files. If the run ended early or a file cannot be completed, all
+    /// files become partial files, and the table keeps the rows that fit.
+    pub(crate) fn finish(mut self, picture: &Plot<'_>, is_whole: bool) -> WrittenFiles {
+        let mut written = WrittenFiles::default();
+        // All files are written before the first is renamed.
         let drawn = self.plot.as_mut().map_or(Ok(()), |(file, path)| {
             let drawn = picture.draw(file, path).and_then(|()| file.flush().map_err(Failure::new));
             drawn.map_err(|error| format!("cannot draw {}: {error}", path.display()))
@@ -105,13 +106,13 @@ impl Files {
                     written.files = places.iter().map(|place| shown(place)).zip(holds).collect();
                     return written;
                 }
-                Err(error) => written.troubles.push(format!("cannot put the files in their places: {error}")),
+                Err(error) => written.troubles.push(format!("cannot rename the files: {error}")),
             }
         }
         let is_cut = tabled.is_err();
         for (output, holds) in self.outputs().into_iter().zip(holds) {
             if is_cut && holds != "plot" {
-                // The first line is the head.
+                // The first line is the header.
                 let kept = output.keep_lines();
                 written
                     .files
@@ -132,23 +133,23 @@ impl Files {
         csv.into_iter().chain(self.plot.as_mut().map(|(file, _)| file)).collect()
     }
 
-    /// Writes the table's last rows; what went wrong with it by then, and when.
+    /// Writes the last rows of the table. The error is that of any earlier row, with its time as text.
     fn close_table(&mut self) -> Result<(), (io::Error, String)> {
         if let Some((error, time)) = self.trouble.take() {
-            return Err((error, format!(" from t = {time} s on")));
+            return Err((error, format!(" from t = {time} s")));
         }
         let flushed = self.csv.as_mut().map_or(Ok(()), |(csv, _)| csv.file().flush());
         flushed.map_err(|error| (error, " to its end".to_owned()))
     }
 }
 
-impl Written {
-    /// What is left of a run that failed, for its message.
+impl WrittenFiles {
+    /// The partial files of a failed run, for its message.
     pub(crate) fn kept(&self) -> String {
         if self.files.is_empty() {
             return String::new();
         }
         let names: Vec<String> = self.files.iter().map(|(path, _)| path.display().to_string()).collect();
-        format!("; kept up to there: {}", names.join(", "))
+        format!("; partial results in {}", names.join(", "))
     }
 }

@@ -1,30 +1,32 @@
-//! `--ground`: what the robot stands on.
+//! `--ground`: the ground, and the start of the robot on or above it.
 
 use std::fmt::Write;
 use std::str::FromStr;
 
-use multibody::{ContactLaws, ContactSet, Ground, Model, Run, Workspace};
+use robot_dynamics::contact::{ContactLaws, ContactSet, Ground};
+use robot_dynamics::model::{Model, Workspace};
+use robot_dynamics::simulation::Run;
 
 use super::Arguments;
 use super::setup::Setup;
 use super::start::Start;
 use crate::failure::{Context, Failure};
-use crate::output::tell;
+use crate::output::print_line;
 use crate::table::{Table, short};
 
-/// How far above the ground a robot starts that would else start in it \[m\].
-const DROP: f64 = 0.1;
+/// Height above the ground of a robot that would otherwise start in it \[m\].
+const START_HEIGHT: f64 = 0.1;
 
-/// How often a robot that starts in a height field is lifted anew, at most.
-const MOST_LIFTS: usize = 100;
+/// Largest number of corrections of the height of a robot above a height field.
+const MAX_LIFTS: usize = 100;
 
-/// `--ground` as it is written.
+/// The value of `--ground`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct GroundOption {
     z: f64,
-    /// \[rad\].
+    /// Slope angle \[rad\].
     slope: f64,
-    /// The height fields of the robot's file instead.
+    /// Whether the planes and height fields of the robot's file are meant instead.
     of_file: bool,
 }
 
@@ -37,14 +39,14 @@ impl FromStr for GroundOption {
         }
         for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
             let Some((key, value)) = part.split_once('=') else {
-                return Err(format!("`{part}` is not of the form z=NUMBER or slope=NUMBER, nor file"));
+                return Err(format!("expected z=NUMBER, slope=NUMBER or file, not `{part}`"));
             };
             let number = value.trim().parse::<f64>().ok().filter(|number| number.is_finite());
             let number = number.ok_or_else(|| format!("`{value}` is not a finite number"))?;
             match key.trim() {
                 "z" => ground.z = number,
                 "slope" => ground.slope = number,
-                other => return Err(format!("the ground has no `{other}`: it has z [m] and slope [rad]")),
+                other => return Err(format!("unknown parameter `{other}`; known: z [m] and slope [rad]")),
             }
         }
         Ground::slope(ground.slope).map_err(|error| error.to_string())?;
@@ -56,16 +58,17 @@ impl FromStr for GroundOption {
 pub(crate) fn friction(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
-        Ok(_) => Err("it must be a finite number, 0 or more".into()),
-        Err(_) => Err("it is not a number".into()),
+        Ok(_) => Err("the number must be finite, 0 or more".into()),
+        Err(_) => Err("not a number".into()),
     }
 }
 
 impl Arguments {
-    /// The half-space asked for; `None` without, or for the grounds of the file.
+    /// The half-space of `--ground`; `None` without it, or for the grounds of the file.
     ///
     /// # Errors
-    /// Its slope is invalid.
+    ///
+    /// The slope is invalid.
     pub(crate) fn half_space(&self) -> Result<Option<Ground>, Failure> {
         let Some(option) = self.ground.map(Option::unwrap_or_default).filter(|option| !option.of_file) else {
             return Ok(None);
@@ -79,17 +82,19 @@ impl Arguments {
     }
 }
 
-/// The grounds of a run, and in words where the robot is on them.
+/// The grounds of a run, and a text on the robot's position on them.
 pub(crate) struct Floor {
     pub described: String,
     contacts: ContactSet,
 }
 
 impl Floor {
-    /// The grounds that there are, `None` without; a robot that would start in one is lifted, if nothing was said of where its base is.
+    /// The grounds, `None` without. A floating robot that would start in one is lifted, unless the position
+    /// of its base is given.
     ///
     /// # Errors
-    /// The grounds of the file were asked for and there are none, or an option of grounds goes with none.
+    ///
+    /// The grounds of the file are requested and missing, or an option needs `--ground`.
     pub(crate) fn choose(
         arguments: &Arguments,
         model: &Model,
@@ -102,16 +107,16 @@ impl Floor {
         let Some(contacts) = contacts.filter(is_ground).filter(|set| set.has_shapes()) else {
             return match (arguments.friction, arguments.standing, arguments.ground) {
                 (_, _, Some(Some(GroundOption { of_file: true, .. }))) => Err(Failure::new(format!(
-                    "--ground file: `{shown}` has no height field and no plane that the world carries"
+                    "--ground file: `{shown}` has no height field and no plane fixed to the world"
                 ))),
-                (Some(_), ..) => Err(Failure::new("--friction is that of the ground: give --ground, too")),
-                (_, true, _) => Err(Failure::new("--standing stands on the ground: give --ground, too")),
+                (Some(_), ..) => Err(Failure::new("--friction needs --ground")),
+                (_, true, _) => Err(Failure::new("--standing needs --ground")),
                 _ => Ok(None),
             };
         };
         if !contacts.left_out().is_empty() {
-            tell(format_args!(
-                "warning: {shown}: shapes that do not touch the ground{}",
+            print_line(format_args!(
+                "warning: {shown}: shapes without ground contact{}",
                 listed(contacts.left_out())
             ));
         }
@@ -132,9 +137,9 @@ impl Floor {
         let own = own.map(|option| {
             let z = short(option.z);
             if option.slope == 0.0 {
-                format!("level at z = {z} m")
+                format!("level, z = {z} m")
             } else {
-                format!("rises along x by {} rad, at z = {z} m under the origin", short(option.slope))
+                format!("slope {} rad along x, z = {z} m at the origin", short(option.slope))
             }
         });
         let is_own = own.is_some();
@@ -143,26 +148,26 @@ impl Floor {
             Some(friction) => {
                 let _ = write!(described, ", friction {}", short(friction));
             }
-            None if is_own => described += ", friction as the shapes state",
-            None => described += ", friction as the surfaces state",
+            None if is_own => described += ", friction of the shapes",
+            None => described += ", friction of the surfaces",
         }
         start.chosen += &placed;
         Ok(Some(Self { contacts: contacts.clone(), described }))
     }
 }
 
-/// The number of pairs of shapes that may touch beside grounds, in words.
+/// A text on the number of pairs of shapes that can touch, apart from the ground.
 pub(crate) fn touching_links(setup: &Setup) -> Option<String> {
     let contacts = setup.simulation.contact_set()?;
     match contacts.pairs().count() {
         0 => None,
-        1 => Some("one pair of shapes may touch".into()),
-        pairs => Some(format!("{pairs} pairs of shapes may touch")),
+        1 => Some("contact of one pair of shapes".into()),
+        pairs => Some(format!("contact of {pairs} pairs of shapes")),
     }
 }
 
 impl Floor {
-    /// Which links stand on it at the end, whether they move, and how well the laws of contact were kept.
+    /// The forces on links at the end, whether they move, and the violation of the contact laws.
     pub(crate) fn report(&self, model: &Model, run: &Run) -> String {
         let laws =
             run.contact_laws.filter(|laws| laws.solved > 0).map_or_else(String::new, |laws| kept(&laws));
@@ -171,12 +176,12 @@ impl Floor {
 
     fn ends(&self, model: &Model, run: &Run) -> String {
         let gap = self.contacts.clearance(model, &mut Workspace::new(model), &run.q).unwrap_or(f64::NAN);
-        let mut table = Table::new(&["on the ground", ">force x [N]", ">y", ">z"]);
+        let mut table = Table::new(&["ground contact", ">force x [N]", ">y", ">z"]);
         let forces = self.contacts.links().iter().zip(&run.contact_forces);
         let pressed: Vec<_> = forces.filter(|(_, force)| **force != [0.0; 3]).collect();
         if pressed.is_empty() {
             return format!(
-                "\n  nothing touches the ground at the end: the lowest point is {} m above it\n",
+                "\n  no contact with the ground at the end; the lowest point is {} m above it\n",
                 short(gap)
             );
         }
@@ -186,19 +191,19 @@ impl Floor {
             table.row([(*link).clone()].into_iter().chain(force.map(short)));
         }
         if pressed.len() > 1 {
-            table.row(["together".to_owned()].into_iter().chain(sum.map(short)));
+            table.row(["total".to_owned()].into_iter().chain(sum.map(short)));
         }
         let mut text = format!("\n{}", table.text());
         let fastest = run.v.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-        let rest = if fastest < AT_REST {
-            "at rest: no coordinate moves faster than"
+        let rest = if fastest < REST_SPEED {
+            "at rest at the end: all speeds are below"
         } else {
-            "the fastest coordinate moves at"
+            "fastest coordinate at the end:"
         };
         let side = if gap < 0.0 { "below" } else { "above" };
         let _ = writeln!(
             text,
-            "  {rest} {} rad/s or m/s at the end; the lowest point is {:.1e} m {side} the ground",
+            "  {rest} {} rad/s or m/s; the lowest point is {:.1e} m {side} the ground",
             short(fastest),
             gap.abs()
         );
@@ -206,31 +211,30 @@ impl Floor {
     }
 }
 
-/// How well the laws of contact were kept, in words.
+/// The violation of the contact laws as text.
 fn kept(laws: &ContactLaws) -> String {
     let ContactLaws {
         violation, solved, without_solution, violation_without_solution: without, deepest, ..
     } = laws;
     let mut text = format!(
-        "  deepest point after any step: {deepest:.0e} m in what it touches\n  \
-         largest violation of the contact laws over the run: {:.0e} m/s of Signorini's, {:.0e} of Coulomb's, {:.0e} of maximum \
-         dissipation",
+        "  largest penetration after a step: {deepest:.0e} m\n  \
+         largest violation of the contact laws [m/s]: Signorini {:.0e}, Coulomb {:.0e}, maximum dissipation {:.0e}",
         violation.signorini, violation.coulomb, violation.dissipation
     );
     if *without_solution > 0 {
         let _ = write!(
             text,
-            "; in {without_solution} of {solved} solutions Coulomb's law was not met (by up to {:.0e} m/s)",
+            "; {without_solution} of {solved} solutions violate Coulomb's law (by up to {:.0e} m/s)",
             without.worst()
         );
     }
     text + "\n"
 }
 
-/// Speeds below are rest.
-const AT_REST: f64 = 1e-9;
+/// Speed below which the robot is at rest \[rad/s or m/s\].
+const REST_SPEED: f64 = 1e-9;
 
-/// The first of some reasons, and how many there are.
+/// The first reason, and the number of the others.
 fn listed(left_out: &[String]) -> String {
     let Some(first) = left_out.first() else { return String::new() };
     let others = match left_out.len() - 1 {
@@ -240,7 +244,7 @@ fn listed(left_out: &[String]) -> String {
     format!(": {first}{others}")
 }
 
-/// Lifts the robot onto the ground or above it; what was done, in words.
+/// Moves the robot onto the ground or above it. Returns a text on its position.
 fn place(
     arguments: &Arguments,
     model: &Model,
@@ -251,30 +255,30 @@ fn place(
         |q: &[f64]| contacts.clearance(model, &mut Workspace::new(model), q).unwrap_or(f64::INFINITY);
     let gap = clearance(&start.q);
     if gap == f64::INFINITY {
-        return Ok(", the robot not above it".into());
+        return Ok(", the robot is not above the ground".into());
     }
     let base = floating_base(model);
     let is_given = arguments.pose.iter().any(|pose| base.as_ref().is_some_and(|(name, _)| pose.names(name)));
     let wanted = match (arguments.standing, base.is_some() && !is_given && gap < 0.0) {
         (true, _) => 0.0,
-        (false, true) => DROP,
+        (false, true) => START_HEIGHT,
         (false, false) if gap < 0.0 => {
             return Ok(format!(
-                ", its lowest point {} m below the ground, from where it comes back",
+                ", lowest point {} m below the ground, from where contact pushes it out",
                 short(-gap)
             ));
         }
-        (false, false) => return Ok(format!(", its lowest point {} m above the ground", short(gap))),
+        (false, false) => return Ok(format!(", lowest point {} m above the ground", short(gap))),
     };
     let Some((_, at)) = base else {
         return Err(Failure::new(format!(
-            "--standing: the base of robot `{}` is fixed where it is (--floating-base frees it)",
+            "--standing: the base of robot `{}` is fixed (--floating-base frees it)",
             model.name()
         )));
     };
     start.q[at + 2] += (wanted - gap) / steepness;
-    // Among hills the nearest point may be another one then.
-    for _ in 0..MOST_LIFTS {
+    // On a height field another point may then be the nearest.
+    for _ in 0..MAX_LIFTS {
         let left = wanted - clearance(&start.q);
         if left.abs() < 1e-12 || left.is_infinite() {
             break;
@@ -282,12 +286,12 @@ fn place(
         start.q[at + 2] += left / steepness;
     }
     if wanted == 0.0 {
-        return Ok(", lowered or lifted until it touches the ground".into());
+        return Ok(", moved vertically onto the ground".into());
     }
-    Ok(format!(", lifted until its lowest point is {} m above the ground", short(wanted)))
+    Ok(format!(", lifted: lowest point {} m above the ground", short(wanted)))
 }
 
-/// The joint by which the robot floats, and where its position begins in q.
+/// The floating joint, and the index of its position in q.
 fn floating_base(model: &Model) -> Option<(String, usize)> {
     let joint = model.joints().iter().find(|joint| joint.nq == 7)?;
     Some((joint.name.clone(), joint.q_index))

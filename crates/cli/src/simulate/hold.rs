@@ -1,34 +1,37 @@
-//! The gains of a robot that holds a pose.
+//! The controller that holds a pose.
 
-use multibody::{ControllerError, GravityCompensatedPd, JointKind, Model, Workspace, mass_matrix};
 use nalgebra::DMatrix;
+use robot_dynamics::algorithms::mass_matrix;
+use robot_dynamics::description::JointKind;
+use robot_dynamics::model::{Model, Workspace};
+use robot_dynamics::simulation::{ControllerError, GravityCompensatedPd};
 
-/// Which gains are wanted.
+/// Options for the gains.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct Gains {
-    /// Natural frequency of each joint on its own, from which its gains follow (Hz).
+    /// Natural frequency of each joint alone, which determines its gains, in Hz.
     #[arg(long, default_value_t = 1.5, value_name = "HZ", value_parser = crate::arguments::positive)]
     #[arg(allow_negative_numbers = true, conflicts_with_all = ["kp", "kd"])]
     frequency: f64,
-    /// Damping ratio of each joint on its own: 1 is critical.
+    /// Damping ratio of each joint alone; 1 is critical.
     #[arg(long, default_value_t = 1.0, value_name = "RATIO", value_parser = crate::arguments::not_negative)]
     #[arg(allow_negative_numbers = true, conflicts_with_all = ["kp", "kd"])]
     damping_ratio: f64,
-    /// The same stiffness for every joint, instead of one from the frequency [N·m/rad or N/m].
+    /// Stiffness of all joints, instead of --frequency [N·m/rad or N/m].
     #[arg(long, value_name = "GAIN", value_parser = crate::arguments::not_negative)]
     #[arg(allow_negative_numbers = true, requires = "kd")]
     kp: Option<f64>,
-    /// The same damping gain for every joint [N·m·s/rad or N·s/m].
+    /// Damping gain of all joints [N·m·s/rad or N·s/m].
     #[arg(long, value_name = "GAIN", value_parser = crate::arguments::not_negative)]
     #[arg(allow_negative_numbers = true, requires = "kp")]
     kd: Option<f64>,
 }
 
-/// A controller and its gains in words.
+/// A controller and a text on its gains.
 pub(crate) struct Hold<'a> {
     pub controller: GravityCompensatedPd<&'a Model>,
     pub described: String,
-    /// The coordinates whose motors are too weak to carry the weight in the goal.
+    /// The coordinates whose effort limits are below the weight at the goal.
     pub overloaded: Vec<usize>,
 }
 
@@ -45,14 +48,14 @@ impl<'a> Hold<'a> {
         let nv = model.nv();
         let is_driven = driven(model);
         let (kp, kd, described) = if let (Some(kp), Some(kd)) = (gains.kp, gains.kd) {
-            (vec![kp; nv], vec![kd; nv], format!("Kp = {kp}, Kd = {kd} for every joint"))
+            (vec![kp; nv], vec![kd; nv], format!("Kp = {kp}, Kd = {kd} for all joints"))
         } else {
             let mut mass = vec![0.0; nv * nv];
             mass_matrix(model, &mut Workspace::new(model), goal, &mut mass);
             let inertia: Vec<f64> = (0..nv).map(|i| mass[i * nv + i]).collect();
             let wanted = std::f64::consts::TAU * gains.frequency;
             let omega = wanted.min(fastest(&mass, nv, gains.damping_ratio, step));
-            let note = if omega < wanted { ", as much as the step allows" } else { "" };
+            let note = if omega < wanted { ", limited by the step" } else { "" };
             let described = format!(
                 "Kp = ω² Mᵢᵢ, Kd = 2ζω Mᵢᵢ with ω = 2π · {:.3} Hz{note}, ζ = {}",
                 omega / std::f64::consts::TAU,
@@ -70,7 +73,7 @@ impl<'a> Hold<'a> {
     }
 }
 
-/// Which coordinates have motors: all but those of floating joints.
+/// Coordinates with motors: all except those of floating joints.
 pub(crate) fn driven(model: &Model) -> Vec<bool> {
     let mut driven = vec![true; model.nv()];
     for free in model.joints().iter().filter(|joint| joint.kind == JointKind::Floating) {
@@ -79,15 +82,15 @@ pub(crate) fn driven(model: &Model) -> Vec<bool> {
     driven
 }
 
-/// The largest ω whose damping torque, held over a step, cannot overshoot.
+/// The largest ω whose damping torque, constant over a step, cannot overshoot.
 ///
-/// v₁ = (1 − h M⁻¹Kd) v₀ shrinks without overshoot if h λmax(M⁻¹Kd) < 1; half of that is taken here, as the
-/// joints together are livelier than each alone: λmax(M⁻¹Kd) = 2ζω λmax(M⁻¹ diag M).
+/// v₁ = (1 − h M⁻¹Kd) v₀ decays without overshoot if h λmax(M⁻¹Kd) < 1. The bound here is half of that, as
+/// the coupled joints are faster than each alone: λmax(M⁻¹Kd) = 2ζω λmax(M⁻¹ diag M).
 fn fastest(mass: &[f64], nv: usize, damping_ratio: f64, step: f64) -> f64 {
-    // Scaled to a unit diagonal, M is N; M⁻¹ diag M has the eigenvalues of N⁻¹.
+    // N is M scaled to a unit diagonal. M⁻¹ diag M has the eigenvalues of N⁻¹.
     let scaled =
         DMatrix::from_fn(nv, nv, |i, j| mass[i * nv + j] / (mass[i * nv + i] * mass[j * nv + j]).sqrt());
     let least = scaled.symmetric_eigenvalues().min().max(f64::EPSILON);
-    // ω itself must be slow against the step, too, with little damping.
+    // With little damping, ω itself must be slow relative to the step.
     0.5 * least / (2.0 * damping_ratio.max(0.5) * step)
 }

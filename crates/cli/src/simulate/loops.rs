@@ -1,25 +1,26 @@
-//! Equalities of the robot's file: closed loops and coupled joints, held by each step.
+//! Equalities of the robot's file: closed loops and coupled joints, satisfied at each step.
 
 use std::fmt::Write;
 
-use multibody::simulator::{Effect, Method};
-use multibody::{
-    ConstraintOptions, ConstraintSet, Model, Workspace, constrained_forward_dynamics, project_position,
-    project_velocity,
+use robot_dynamics::constraints::{
+    ConstraintOptions, ConstraintSet, constrained_forward_dynamics, project_position, project_velocity,
 };
+use robot_dynamics::model::{Model, Workspace};
+use robot_dynamics::simulation::{Effect, Method};
 
 use super::Arguments;
 use super::setup::Setup;
 use super::start::Start;
 use crate::failure::{Context, Failure};
 
-/// |φ| of a start \[m or rad\].
+/// Tolerance of |φ| at the start \[m or rad\].
 const TOLERANCE: f64 = 1e-10;
-/// Accelerations of an equilibrium \[rad/s² or m/s²\], and how far a start is turned away from it \[rad or m\].
-const STILL: f64 = 1e-6;
-const AWAY: f64 = 0.3;
+/// Largest acceleration of an equilibrium \[rad/s² or m/s²\], and the displacement of a start away from it
+/// \[rad or m\].
+const EQUILIBRIUM_ACCELERATION: f64 = 1e-6;
+const DISPLACEMENT: f64 = 0.3;
 
-/// The active equalities, where the method holds them exactly; MuJoCo's law lets them yield.
+/// The active equalities if the method satisfies them exactly. Method `mujoco` has soft equalities instead.
 pub(crate) fn choose(
     arguments: &Arguments,
     model: &Model,
@@ -31,10 +32,11 @@ pub(crate) fn choose(
     ConstraintSet::from_equalities(model).map(Some).context(arguments.robot.shown())
 }
 
-/// Puts the start onto the equalities; one that was not asked for and would not move is turned a little first.
+/// Projects the start onto the equalities. A default start in equilibrium is displaced first.
 ///
 /// # Errors
-/// They cannot be fulfilled from there.
+///
+/// The projection does not converge.
 pub(crate) fn close(
     model: &Model,
     set: &ConstraintSet,
@@ -50,10 +52,11 @@ pub(crate) fn close(
         let motion = constrained_forward_dynamics(model, workspace, set, &options, &start.q, &rest, &rest);
         let first = model.joints().iter().find(|joint| joint.nv == 1);
         if let (Ok(motion), Some(joint)) = (motion, first)
-            && motion.acceleration.amax() < STILL
+            && motion.acceleration.amax() < EQUILIBRIUM_ACCELERATION
         {
-            start.q[joint.q_index] += AWAY;
-            let _ = write!(start.chosen, ", then `{}` by {AWAY}, as that is an equilibrium", joint.name);
+            start.q[joint.q_index] += DISPLACEMENT;
+            let _ =
+                write!(start.chosen, ", with `{}` displaced by {DISPLACEMENT} from equilibrium", joint.name);
         }
     }
     project_position(model, workspace, set, &options, TOLERANCE, &mut start.q)
@@ -62,7 +65,7 @@ pub(crate) fn close(
         .context("the equalities of the file at the start")?;
     let moved = before.iter().zip(&start.q).any(|(a, b)| (a - b).abs() > 1e-9);
     if moved {
-        start.chosen += ", moved onto the equalities of the file";
+        start.chosen += ", projected onto the equalities of the file";
     }
     Ok(())
 }

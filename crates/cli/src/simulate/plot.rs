@@ -1,46 +1,46 @@
-//! The picture of a run: joint coordinates, energies, the energy error on a logarithmic axis; where they are told apart what took energy
-//! out, and the ground's forces.
+//! The plot of a run: joint coordinates, energies, and the energy error on a logarithmic axis. If the method
+//! separates them, energy losses and ground forces follow.
 
 mod panel;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use multibody::Model;
 use plotters::prelude::{
     BitMapBackend, DrawingArea, DrawingBackend, IntoDrawingArea, SVGBackend, Text, WHITE,
 };
 use plotters::style::{FontStyle, register_font};
+use robot_dynamics::model::Model;
 
 use self::panel::{Axis, Corners, Line, Panel};
-use super::csv::Beside;
+use super::csv::OptionalColumns;
 use super::recorder::Recorder;
 use crate::columns;
 use crate::failure::Failure;
 use crate::output_file::OutputFile;
 
-/// The font travels along: the machine may have none. See fonts/README.md.
+/// The embedded font, as the machine may have none. See fonts/README.md.
 const FONT: &[u8] = include_bytes!("../../fonts/DejaVuSans-subset.ttf");
 
 const WIDTH: u32 = 1200;
 const PANEL: u32 = 400;
 const TITLE: u32 = 40;
 
-/// What is drawn.
+/// The data of a plot.
 pub(crate) struct Plot<'a> {
     pub model: &'a Model,
     pub recorder: &'a Recorder,
-    pub beside: Beside<'a>,
+    pub columns: OptionalColumns<'a>,
     pub caption: &'a str,
-    /// What the energy error is divided by \[J\].
+    /// The divisor of the energy error \[J\].
     pub scale: f64,
-    /// Whether E must stay where it was.
+    /// Whether E is constant without error.
     pub conserves: bool,
-    /// Whether the last values are those of a motion that left all bounds, and may be cut off.
-    pub blew_up: bool,
+    /// Whether the motion diverged, so that its last values may be clipped.
+    pub diverged: bool,
 }
 
-/// A path whose extension says which picture is wanted.
+/// Parses a path with the extension of a supported format.
 pub(crate) fn path(text: &str) -> Result<PathBuf, String> {
     match format(Path::new(text)) {
         Some(_) => Ok(text.into()),
@@ -61,7 +61,7 @@ fn format(path: &Path) -> Option<Format> {
     }
 }
 
-/// Pixels of three bytes, by rows from the top.
+/// Pixels of three bytes, in rows from the top.
 fn write_png(file: &mut OutputFile, (width, height): (u32, u32), pixels: &[u8]) -> std::io::Result<()> {
     let mut encoder = png::Encoder::new(file, width, height);
     encoder.set_color(png::ColorType::Rgb);
@@ -74,7 +74,7 @@ impl Plot<'_> {
     /// Draws into `file`, in the format of `path`.
     pub(crate) fn draw(&self, file: &mut OutputFile, path: &Path) -> Result<(), Failure> {
         if register_font("sans-serif", FontStyle::Normal, FONT).is_err() {
-            return Err(Failure::new("the font in this program cannot be read"));
+            return Err(Failure::new("cannot read the embedded font"));
         }
         let panels = self.panels();
         let size = (WIDTH, TITLE + panels.iter().map(|panel| panel.height(PANEL)).sum::<u32>());
@@ -118,7 +118,7 @@ impl Plot<'_> {
         let error_name = if self.conserves {
             "Energy drift |E − E₀| / |E₀|"
         } else {
-            "Energy unaccounted for, |E − E₀ − in + out| / energy moved"
+            "Energy residual |E − E₀ − in + out| / energy moved"
         };
         let mut panels = vec![
             self.coordinates(&times),
@@ -131,38 +131,39 @@ impl Plot<'_> {
                     line("E = K + V".into(), samples.iter().map(|s| s.kinetic + s.potential).collect()),
                 ],
                 times: times.clone(),
-                blew_up: self.blew_up,
+                diverged: self.diverged,
             },
             Panel {
                 name: error_name.into(),
                 axis: Axis::Logarithmic,
                 lines: vec![line("energy error".into(), error)],
                 times: times.clone(),
-                blew_up: self.blew_up,
+                diverged: self.diverged,
             },
         ];
-        let losses = self.beside.losses().iter().enumerate();
+        let losses = self.columns.losses().iter().enumerate();
         let taken = losses
             .map(|(k, cause)| line((*cause).into(), samples.iter().map(|sample| sample.losses[k]).collect()));
-        let links = self.beside.touching.iter().enumerate();
+        let links = self.columns.touching.iter().enumerate();
         let forces = links
             .map(|(k, link)| line(link.clone(), samples.iter().map(|sample| sample.contact[k]).collect()))
             .filter(|line| line.values.iter().any(|force| *force > 0.0));
         for (name, lines) in [
-            ("Energy taken out [J]", taken.collect::<Vec<_>>()),
-            ("The ground's force on each link [N]", forces.collect()),
+            ("Energy losses [J]", taken.collect::<Vec<_>>()),
+            ("Ground force on each link [N]", forces.collect()),
         ] {
             if !lines.is_empty() {
-                let (times, blew_up) = (times.clone(), self.blew_up);
-                panels.push(Panel { name: name.into(), axis: Axis::Linear, lines, times, blew_up });
+                let (times, diverged) = (times.clone(), self.diverged);
+                panels.push(Panel { name: name.into(), axis: Axis::Linear, lines, times, diverged });
             }
         }
         panels
     }
 
-    /// The joints' plain coordinates; of a robot that has none, all of q.
+    /// The joints' plain coordinates, or all of q if there are none.
     ///
-    /// A floating base in free fall is hundreds of metres down in ten seconds: beside it no angle would show.
+    /// A floating base in free fall moves hundreds of metres in ten seconds, and angles would not show beside
+    /// it.
     fn coordinates(&self, times: &[f64]) -> Panel {
         let columns = columns::configuration(self.model);
         let joints = self.model.joints().iter();
@@ -183,7 +184,7 @@ impl Plot<'_> {
             axis: Axis::Linear,
             lines: shown.iter().map(|&i| line(i)).collect(),
             times: times.to_vec(),
-            blew_up: self.blew_up,
+            diverged: self.diverged,
         }
     }
 }

@@ -1,12 +1,13 @@
-//! What is kept of a run, however long: thinned samples for the plot and the table, and the extremes.
+//! The record of a run of any length: a bounded number of samples for the plot and the table, and the
+//! extremes.
 
-use dynamics::EnergyLedger;
-use multibody::{Model, StepInfo};
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::{EnergyLedger, StepInfo};
 
 use super::csv::numbers;
 
-/// Samples kept at most; a plot is about as many pixels wide.
-const MOST: usize = 2048;
+/// Largest number of samples, about the width of a plot in pixels.
+const MAX_SAMPLES: usize = 2048;
 
 /// The record of a run.
 pub(crate) struct Recorder {
@@ -14,11 +15,11 @@ pub(crate) struct Recorder {
     pub extremes: Vec<Extremes>,
     /// The largest |v| of each coordinate.
     pub peak_speed: Vec<f64>,
-    /// A sample is kept every so many steps.
+    /// Number of steps between samples.
     stride: usize,
-    /// The largest |energy error| since the last kept sample \[J\].
+    /// The largest |energy error| since the last sample \[J\].
     worst_error: f64,
-    /// The last moment seen, where it is not among the samples: it may turn out to be the last of all.
+    /// The last step if it is not a sample yet. It becomes one if the run ends there.
     latest: Option<Sample>,
     is_apart: bool,
     limits: Vec<(f64, f64)>,
@@ -31,22 +32,22 @@ pub(crate) struct Sample {
     pub q: Vec<f64>,
     pub kinetic: f64,
     pub potential: f64,
-    /// E − E₀ − work + dissipated here \[J\].
+    /// E − E₀ − work + dissipated energy \[J\].
     pub error: f64,
-    /// The largest |error| since the sample before \[J\].
+    /// The largest |error| since the previous sample \[J\].
     pub worst_error: f64,
-    /// What took energy out so far \[J\].
+    /// Energy losses so far \[J\].
     pub losses: [f64; 6],
-    /// |f| of the ground's force on each link \[N\].
+    /// |f| of the ground force on each link \[N\].
     pub contact: Vec<f64>,
 }
 
-/// How far an entry of q went.
+/// The range of an entry of q.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extremes {
     pub least: f64,
     pub most: f64,
-    /// When it was first outside its limits \[s\].
+    /// The time when it first left its limits \[s\].
     pub left_limits: Option<f64>,
 }
 
@@ -71,9 +72,10 @@ impl Recorder {
         }
     }
 
-    /// Takes note of one moment.
-    pub(crate) fn see(&mut self, info: &StepInfo<'_>) {
-        // Compiled unoptimised, as the command is, an index is much faster than an iterator, and a comparison than a call.
+    /// Records one step.
+    pub(crate) fn record(&mut self, info: &StepInfo<'_>) {
+        // The command is compiled without optimisation, where indices are faster than iterators and
+        // comparisons than calls.
         let (extremes, limits, mut k) = (&mut self.extremes[..], &self.limits[..], 0);
         while k < info.q.len() {
             let (q, extremes, (lower, upper)) = (info.q[k], &mut extremes[k], limits[k]);
@@ -107,38 +109,39 @@ impl Recorder {
         }
         self.samples.push(Sample::of(info, self.worst_error));
         self.worst_error = 0.0;
-        if self.samples.len() == 2 * MOST {
+        if self.samples.len() == 2 * MAX_SAMPLES {
             self.thin();
         }
     }
 
-    /// The scale of an energy error, and its name: the ledger's scale, unless the motion gains or loses energy or blew up.
-    /// If motors drive a motion or losses slow it down, the scale is the energy that was moved. If it blew up, its largest K says nothing:
-    /// the scale is then |E₀|, or the K that nine tenths of the samples stay below.
-    pub(crate) fn energy_scale(&self, ledger: &EnergyLedger, blew_up: bool) -> (f64, &'static str) {
+    /// The scale of an energy error, and its name. It is the ledger's scale for a conservative motion, and
+    /// the energy moved for a motion with motors or losses. The largest K of a diverged motion is
+    /// meaningless, so its scale is |E₀|, or the K that nine tenths of the samples stay below.
+    pub(crate) fn energy_scale(&self, ledger: &EnergyLedger, diverged: bool) -> (f64, &'static str) {
         let start = ledger.start().abs();
-        if !blew_up && !ledger.is_conservative() {
+        if !diverged && !ledger.is_conservative() {
             return (ledger.energy_moved(), "energy moved");
         }
-        if ledger.scale() == start || (blew_up && start > 0.0) {
+        if ledger.scale() == start || (diverged && start > 0.0) {
             return (start, "|E0|");
         }
-        if !blew_up {
+        if !diverged {
             return (ledger.scale(), "max K");
         }
         let mut kinetic: Vec<f64> = self.samples.iter().map(|sample| sample.kinetic).collect();
         kinetic.sort_by(f64::total_cmp);
-        (kinetic.get(kinetic.len() * 9 / 10).copied().unwrap_or(1.0), "usual K")
+        (kinetic.get(kinetic.len() * 9 / 10).copied().unwrap_or(1.0), "typical K")
     }
 
-    /// Ends the record with the last moment seen.
+    /// Adds the last step to the record.
     pub(crate) fn finish(&mut self) {
         if self.is_apart {
             self.samples.extend(self.latest.take());
         }
     }
 
-    /// Drops every second sample; the one after it takes over its worst error. The last one is put aside: it may be the last of all.
+    /// Drops every second sample; the next one takes over its largest error. The last one is kept apart, as
+    /// it may be the last of the run.
     fn thin(&mut self) {
         let errors: Vec<f64> = self.samples.iter().map(|sample| sample.worst_error).collect();
         (self.latest, self.is_apart) = (self.samples.pop(), true);
@@ -151,7 +154,7 @@ impl Recorder {
             index += 1;
             keep
         });
-        // That lives on in what is yet to come.
+        // The next sample takes over this error.
         self.worst_error = errors[index];
         self.stride *= 2;
     }

@@ -2,41 +2,43 @@
 
 use std::ops::ControlFlow;
 
-use multibody::simulator::{Method, MethodError, RunOptions, StepFailure};
-use multibody::{
-    AdaptiveRecord, AdaptiveStepError, Controller, Event, Model, Run, RunError, SingularMass, StepInfo,
+use robot_dynamics::algorithms::SingularMass;
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::{
+    AdaptiveRecord, AdaptiveStepError, Controller, Event, Method, MethodError, Run, RunError, RunOptions,
+    StepFailure, StepInfo,
 };
 
 use super::Arguments;
-use super::drive::Drive;
+use super::drive::ActuatorControls;
 use super::setup::Setup;
 use super::start::Start;
 use crate::singular_poses::advice;
 use crate::table::short;
 
-/// A run, whole or not.
-pub(crate) struct Ran {
+/// A run, complete or not.
+pub(crate) struct RunResult {
     pub run: Run,
-    /// What only adaptive steps have.
+    /// The record of adaptive steps.
     pub adaptive: Option<AdaptiveRecord>,
-    /// Why it failed, in one line.
+    /// The cause of a failure, in one line.
     pub failure: Option<String>,
 }
 
-/// Runs `steps` steps, or to the same end, with a controller or none.
+/// Runs `steps` steps, or adaptive steps to the same end, with an optional controller.
 pub(crate) fn run(
     arguments: &Arguments,
     model: &Model,
     start: &Start,
-    (setup, drive): (&mut Setup, Option<&Drive>),
+    (setup, drive): (&mut Setup, Option<&ActuatorControls>),
     steps: usize,
     controller: Option<&mut dyn Controller>,
     mut observer: impl FnMut(&StepInfo<'_>) -> ControlFlow<()>,
-) -> Ran {
+) -> RunResult {
     let simulation = &mut setup.simulation;
     let mut limits = stops(arguments, model);
     let mut options = RunOptions::new().sample_every(0).events(&mut limits).observer(&mut observer);
-    // Shortened to the life of this call.
+    // Shortens the lifetime to that of this call.
     options.controller = controller.map(|controller| controller as &mut dyn Controller);
     let (run, failure) = match simulation.reset(&start.q, &start.v) {
         Ok(()) => {
@@ -45,15 +47,16 @@ pub(crate) fn run(
             }
             match simulation.run(steps, options) {
                 Ok(run) => (run, None),
-                Err(failure) => (failure.until, Some(blow_up(model, &failure.error, arguments.step))),
+                Err(failure) => (failure.until, Some(failure_message(model, &failure.error, arguments.step))),
             }
         }
-        Err(error) => (simulation.record().clone(), Some(blow_up(model, &error, arguments.step))),
+        Err(error) => (simulation.record().clone(), Some(failure_message(model, &error, arguments.step))),
     };
-    Ran { run, adaptive: simulation.adaptive_record().copied(), failure }
+    RunResult { run, adaptive: simulation.adaptive_record().copied(), failure }
 }
 
-/// The joints' position limits, as instants where the run ends, where that is asked for; adaptive steps tell when they are crossed.
+/// The joints' position limits as events: terminal if requested, and otherwise recorded by adaptive steps
+/// only.
 fn stops<'a>(arguments: &Arguments, model: &Model) -> Vec<Event<'a>> {
     if arguments.stop_at_limits {
         Event::joint_limits(model).into_iter().map(Event::terminal).collect()
@@ -64,48 +67,47 @@ fn stops<'a>(arguments: &Arguments, model: &Model) -> Vec<Event<'a>> {
     }
 }
 
-/// Why a run ended early, with the option to change.
-fn blow_up(model: &Model, error: &StepFailure, h: f64) -> String {
+/// The cause of an early end, with the option to change.
+fn failure_message(model: &Model, error: &StepFailure, h: f64) -> String {
     match error {
         RunError::NotFinite { quantity, coordinate, step, .. } => format!(
-            "the motion blew up at t = {} s (step {step}): {quantity} is not finite at `{coordinate}`; take a smaller \
+            "the motion diverged at t = {} s (step {step}): {quantity} is not finite at `{coordinate}`; use a smaller \
              --step than {h} s",
             short(*step as f64 * h)
         ),
         RunError::Diverged { coordinate, speed, step, time, suggested_step, cause, .. } => format!(
-            "the motion grows without bound: `{coordinate}` has v = {speed:.1e} at t = {} s (step {step}); try --step {suggested_step:.1e}, \
+            "the motion diverged: `{coordinate}` has v = {speed:.1e} at t = {} s (step {step}); try --step {suggested_step:.1e}, \
              {cause}",
             short(*time)
         ),
         RunError::SingularMass { time, source, .. } => singular(model, source, *time),
-        RunError::Step { time, source: MethodError::Adaptive(source), .. } => given_up(source, *time),
+        RunError::Step { time, source: MethodError::Adaptive(source), .. } => adaptive_failure(source, *time),
         RunError::Step { step, source, .. } => {
-            format!("no step from t = {} s (step {step}): {source}", short(*step as f64 * h))
+            format!("step failed at t = {} s (step {step}): {source}", short(*step as f64 * h))
         }
         other => other.to_string(),
     }
 }
 
-/// Why adaptive steps ended early, with the options to change.
-fn given_up(error: &AdaptiveStepError, time: f64) -> String {
-    let instead = "a larger --tolerance may do; --integrator rk4 takes steps of --step whatever their error";
+/// The cause of an early end of adaptive steps, with the options to change.
+fn adaptive_failure(error: &AdaptiveStepError, time: f64) -> String {
+    let instead = "use a larger --tolerance, or --integrator rk4 with fixed steps";
     match error {
         AdaptiveStepError::TooManySteps { steps, step, coordinate } => format!(
-            "given up at t = {} s after {steps} steps since the sample before: `{coordinate}` asks for steps of \
-             {step:.1e} s there, as a stiff or a very light joint does (its inertia, damping or torque may be wrong); \
-             {instead}",
+            "stopped at t = {} s after {steps} steps since the previous sample: `{coordinate}` needs steps of \
+             {step:.1e} s, as a stiff or very light joint does (check its inertia, damping and torque); {instead}",
             short(time)
         ),
         AdaptiveStepError::StepTooSmall { step, coordinate } => format!(
-            "at t = {} s the tolerance asks for steps below {step:.1e} s, most of all at `{coordinate}`: the forces are \
-             not smooth there, or the tolerance is below rounding; {instead}",
+            "stopped at t = {} s: the tolerance needs steps below {step:.1e} s, mainly because of `{coordinate}`; the forces \
+             are not smooth there, or the tolerance is below rounding; {instead}",
             short(time)
         ),
         grown @ AdaptiveStepError::Diverged { .. } => format!("t = {} s: {grown}", short(time)),
-        other => format!("no step from t = {} s: {other}", short(time)),
+        other => format!("step failed at t = {} s: {other}", short(time)),
     }
 }
 
 fn singular(model: &Model, mass: &SingularMass, time: f64) -> String {
-    format!("no step from t = {} s: {}", short(time), advice(mass, model))
+    format!("step failed at t = {} s: {}", short(time), advice(mass, model))
 }

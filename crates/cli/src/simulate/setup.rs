@@ -1,29 +1,32 @@
-//! The simulation of a run, and what acts in it.
+//! The simulation of a run, and its effects.
 
-use multibody::simulator::{Effect, Method, Simulation};
-use multibody::{AdaptiveOptions, ControlTiming, HeightField, Model};
+use robot_dynamics::contact::HeightField;
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::{AdaptiveOptions, ControlTiming, Effect, Method, Simulation};
 
 use super::Arguments;
 use super::method::TOLERANCE;
 use crate::failure::{Context, Failure};
 use crate::interruption;
 
-/// Adaptive steps for a second between two samples before the run is given up, and those for any two samples. An
-/// ordinary robot takes some hundred a second.
-const MOST_STEPS: (f64, usize) = (1e5, 10_000);
+/// Largest number of adaptive steps between two samples: per second, plus a constant. An ordinary robot takes
+/// some hundred a second.
+const MAX_STEPS: (f64, usize) = (1e5, 10_000);
 
 /// The simulation of a run.
 pub(crate) struct Setup {
     pub simulation: Simulation,
-    /// Why that method was chosen; empty where it was given.
+    /// The reason for the method; empty if it was given.
     pub reason: String,
 }
 
 impl Setup {
-    /// Everything that the file states, but for what is switched off; motors that hold a pose take the place of the file's actuators.
+    /// A simulation of everything in the file, except what is switched off. Motors that hold a pose replace
+    /// the file's actuators.
     ///
     /// # Errors
-    /// The arguments do not go together.
+    ///
+    /// The arguments contradict each other.
     pub(crate) fn choose(arguments: &Arguments, model: &Model, is_held: bool) -> Result<Self, Failure> {
         let mut builder = robot_dynamics::simulation(model).step(arguments.step);
         builder = builder.interrupt(interruption::shared_flag());
@@ -65,39 +68,39 @@ impl Setup {
         self.simulation.acting().contains(&effect)
     }
 
-    /// Whether nothing takes energy out or puts it in but motors that hold a pose.
+    /// Whether only motors that hold a pose can change the energy.
     pub(crate) fn conserves(&self) -> bool {
         let lossy = [Effect::Dissipation, Effect::Limits, Effect::Actuators, Effect::Contacts];
         !lossy.into_iter().any(|effect| self.acts(effect))
     }
 
-    /// Whether the method tells losses apart.
+    /// Whether the method separates losses.
     pub(crate) fn has_losses(&self) -> bool {
         self.simulation.losses().is_some()
     }
 
-    /// The links that can touch a ground.
+    /// The links that can touch the ground.
     pub(crate) fn ground_links(&self) -> &[String] {
         self.simulation.ground_links()
     }
 
-    /// The words of the summary for what is left out: each kind once, with a count where there are several of it.
+    /// The summary's lines on unsupported features, one for each kind, with a count.
     pub(crate) fn left_out_lines(&self) -> Vec<String> {
-        const SHOWN: usize = 4;
+        const MAX_LINES: usize = 4;
         let left_out = self.simulation.unsupported_features();
-        let mut lines: Vec<String> = left_out.iter().take(SHOWN).map(ToString::to_string).collect();
-        if left_out.len() > SHOWN {
-            lines.push(format!("and {} more", left_out.len() - SHOWN));
+        let mut lines: Vec<String> = left_out.iter().take(MAX_LINES).map(ToString::to_string).collect();
+        if left_out.len() > MAX_LINES {
+            lines.push(format!("and {} more", left_out.len() - MAX_LINES));
         }
         lines
     }
 }
 
-/// Motors are asked and held at the instants of `--step`, as with steps of that length.
+/// Motors are sampled and held over periods of `--step`, as with fixed steps.
 fn adaptive(arguments: &Arguments, is_held: bool) -> AdaptiveOptions {
-    // At most 1e5 times the longest --step that makes sense, and saturating beyond.
+    // At most 1e5 times the longest reasonable --step; the sum saturates.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    let max_steps = ((MOST_STEPS.0 * arguments.step) as usize).saturating_add(MOST_STEPS.1);
+    let max_steps = ((MAX_STEPS.0 * arguments.step) as usize).saturating_add(MAX_STEPS.1);
     AdaptiveOptions {
         tolerance: arguments.tolerance.unwrap_or(TOLERANCE),
         control: if is_held {

@@ -1,25 +1,27 @@
-//! The state a run starts from.
+//! The initial state of a run.
 
 use std::fmt::Write;
 
-use multibody::{Limits, Model, Workspace, neutral};
+use robot_dynamics::description::Limits;
+use robot_dynamics::model::{Model, Workspace, neutral};
 
 use crate::failure::Failure;
 use crate::joint_values::{JointValues, NameOrValues, Numbers, set};
 
-/// A state, and how it was chosen.
+/// A state, and a text on its choice.
 pub(crate) struct Start {
     pub q: Vec<f64>,
     pub v: Vec<f64>,
-    /// The controls that go with a named pose; empty where there are none.
+    /// The controls of a named pose; empty without one.
     pub controls: Vec<f64>,
-    /// In words, for the summary.
+    /// Text for the summary.
     pub chosen: String,
 }
 
 impl Start {
-    /// The given values; where none is given, the pose that the file places the bodies in, or neutral, if the limits allow it and it is no
-    /// equilibrium of a robot that is let go, else the middle of the limits, else three quarters up the limits.
+    /// The given values. By default q is the file's initial pose or neutral, if the limits allow it and a
+    /// passive robot is not in equilibrium there. Otherwise it is the middle of the limits, or three quarters
+    /// of their range.
     pub(crate) fn choose(
         model: &Model,
         pose: &[NameOrValues],
@@ -53,14 +55,14 @@ impl Start {
         }
         if !values.is_empty() {
             set(model, "--pose", &values, Numbers::Configuration, &mut q)?;
-            chosen = format!("as given; joints not named: {chosen}");
+            chosen = format!("as given; other joints: {chosen}");
         }
         if !pose.is_empty()
             && let Some(joint) = first_outside(model, &q)
         {
             let _ = write!(chosen, "; outside the limits of `{joint}`");
         }
-        let rest = if v.iter().all(|v| *v == 0.0) { ", at rest" } else { ", moving as given" };
+        let rest = if v.iter().all(|v| *v == 0.0) { ", at rest" } else { ", velocity as given" };
         Ok(Self { q, v, controls, chosen: chosen + rest })
     }
 }
@@ -68,7 +70,7 @@ impl Start {
 fn no_such_pose(model: &Model, name: &str) -> Failure {
     let names: Vec<&str> = model.description().poses.iter().map(|pose| pose.name.as_str()).collect();
     let known = if names.is_empty() {
-        "its file names none; write JOINT=NUMBER, several separated by commas".into()
+        "its file has none; for joint values use JOINT=NUMBER, several separated by commas".into()
     } else {
         format!("its file has {}", names.join(", "))
     };
@@ -80,24 +82,24 @@ fn default_pose(model: &Model, must_move: bool) -> (Vec<f64>, String) {
     let outside = first_outside(model, &zero);
     let middle = at_fraction(model, 0.5);
     let own = Some(model.initial_configuration()).filter(|q| *q != zero);
-    // Where the file's loops are closed, whatever its limits say.
+    // With loops, only the file's own pose closes them, whatever its limits are.
     let is_closed = model.description().equalities.iter().any(|equality| equality.active);
     let own = own.filter(|q| is_closed || first_outside(model, q).is_none());
     let candidates = [
-        (own, "the pose of the file's bodies".to_owned()),
-        (outside.is_none().then_some(zero), "all zeros".to_owned()),
+        (own, "initial pose of the file".to_owned()),
+        (outside.is_none().then_some(zero), "zero".to_owned()),
         (
             Some(middle.clone()),
             match &outside {
                 Some(joint) => {
-                    format!("the middle of the joint limits, as all zeros is outside those of `{joint}`")
+                    format!("middle of the joint limits, since zero is outside those of `{joint}`")
                 }
-                None => "the middle of the joint limits, as all zeros is an equilibrium".into(),
+                None => "middle of the joint limits, since zero is an equilibrium".into(),
             },
         ),
         (
             Some(at_fraction(model, 0.75)),
-            "three quarters up the joint limits, as zeros and the middle are no starts to fall from".into(),
+            "three quarters of the joint ranges, since zero and the middle are equilibria or outside the limits".into(),
         ),
     ];
     let mut usable = candidates.into_iter().filter_map(|(q, why)| Some((q?, why)));
@@ -106,25 +108,22 @@ fn default_pose(model: &Model, must_move: bool) -> (Vec<f64>, String) {
         return fallback;
     }
     usable.find(|(q, _)| !is_equilibrium(model, q)).unwrap_or_else(|| {
-        (
-            fallback.0,
-            fallback.1 + ", an equilibrium as far as tried: nothing will move (give --pose or --velocity)",
-        )
+        (fallback.0, fallback.1 + ", an equilibrium, in which the robot stays (give --pose or --velocity)")
     })
 }
 
-/// The first joint whose limits do not allow this q.
+/// The first joint whose limits exclude this q.
 fn first_outside(model: &Model, q: &[f64]) -> Option<String> {
     let mut plain = model.joints().iter().filter(|joint| joint.nq == joint.nv);
-    let outside = |joint: &&multibody::Joint| {
+    let outside = |joint: &&robot_dynamics::model::Joint| {
         let Limits { lower, upper, .. } = joint.limits;
         q[joint.q_index..joint.q_index + joint.nq].iter().any(|q| !(lower..=upper).contains(q))
     };
     plain.find(outside).map(|joint| joint.name.clone())
 }
 
-/// Each joint this far up its limits; one without both limits is taken to reach from −1 to 1, or that much
-/// from the limit that it has.
+/// Each joint at this fraction of its range. A joint without limits has the range −1 to 1. A joint with one
+/// limit has a range of length 2 from that limit.
 fn at_fraction(model: &Model, fraction: f64) -> Vec<f64> {
     let mut q = neutral(model);
     for joint in model.joints().iter().filter(|joint| joint.nq == joint.nv) {
@@ -139,11 +138,11 @@ fn at_fraction(model: &Model, fraction: f64) -> Vec<f64> {
     q
 }
 
-/// Whether gravity and springs move nothing: |g(q)| ≤ 1e-9 m |gravity|, far above rounding (which leaves about
-/// 1e-16 of it) and far below any force that shows in seconds.
+/// Whether gravity and springs are in equilibrium: |g(q)| ≤ 1e-9 m |gravity|. Rounding leaves about 1e-16 of
+/// the weight, and forces below the bound have no visible effect within seconds.
 fn is_equilibrium(model: &Model, q: &[f64]) -> bool {
     let mut force = vec![0.0; model.nv()];
-    multibody::gravity(model, &mut Workspace::new(model), q, &mut force);
+    robot_dynamics::algorithms::gravity(model, &mut Workspace::new(model), q, &mut force);
     let weight = model.mass() * model.gravity().iter().fold(0.0_f64, |norm, x| norm.hypot(*x));
     force.iter().all(|g| g.abs() <= 1e-9 * weight)
 }

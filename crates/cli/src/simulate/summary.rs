@@ -2,47 +2,48 @@
 
 use std::fmt::Write;
 
-use multibody::simulator::{Effect, Method};
-use multibody::text::one_line;
-use multibody::{AdaptiveMethod, AdaptiveRecord, ConstraintSet, ContactLaws, Model, Run, difference};
+use robot_dynamics::constraints::ConstraintSet;
+use robot_dynamics::contact::ContactLaws;
+use robot_dynamics::model::{Model, difference};
+use robot_dynamics::simulation::{AdaptiveMethod, AdaptiveRecord, Effect, Method, Run};
+use robot_dynamics::text::one_line;
 
 use super::Arguments;
-use super::drive::Drive;
-use super::files::Written;
-use super::ground::Floor;
-use super::ground::touching_links;
+use super::drive::ActuatorControls;
+use super::files::WrittenFiles;
+use super::ground::{Floor, touching_links};
 use super::hold::{Hold, driven};
 use super::method::TOLERANCE;
 use super::recorder::Recorder;
-use super::run::Ran;
+use super::run::RunResult;
 use super::setup::Setup;
 use super::start::Start;
 use crate::columns;
 use crate::inspect::count;
 use crate::table::{Table, short};
 
-/// Everything the summary speaks of.
+/// The data of a summary.
 pub(crate) struct Summary<'a> {
     pub arguments: &'a Arguments,
     pub model: &'a Model,
     pub start: &'a Start,
     pub goal: &'a [f64],
     pub hold: Option<&'a Hold<'a>>,
-    pub drive: Option<&'a Drive>,
+    pub drive: Option<&'a ActuatorControls>,
     pub setup: &'a Setup,
     pub loops: Option<&'a ConstraintSet>,
     pub floor: Option<&'a Floor>,
-    pub ran: &'a Ran,
+    pub ran: &'a RunResult,
     pub recorder: &'a Recorder,
-    /// Wall time of the run \[s\].
+    /// Wall-clock time of the run \[s\].
     pub seconds: f64,
-    pub written: &'a Written,
+    pub written: &'a WrittenFiles,
 }
 
-/// Limits reached, each on its line, before they are only counted.
-const LIMITS_SHOWN: usize = 12;
+/// Largest number of lines on limits that were reached.
+const MAX_LIMITS: usize = 12;
 
-/// Rows of the table over time.
+/// Number of rows of the table over time.
 const ROWS: usize = 6;
 
 impl Summary<'_> {
@@ -57,7 +58,7 @@ impl Summary<'_> {
         if let Some(floor) = self.floor {
             text += &floor.report(self.model, &self.ran.run);
         }
-        text += &self.ran.run.contact_laws.map_or_else(String::new, |laws| unsettled(&laws));
+        text += &self.ran.run.contact_laws.map_or_else(String::new, |laws| exhausted_substeps(&laws));
         text += &self.foot();
         text
     }
@@ -84,7 +85,7 @@ impl Summary<'_> {
                 let mut motors =
                     format!("motors hold {goal}: τ = g(q*) + Kp (q* − q) − Kd v, {}", hold.described);
                 if limits.iter().any(|limits| limits.effort.is_finite()) {
-                    motors += "; cut off at the effort limits";
+                    motors += ", within the effort limits";
                 }
                 if driven(model).contains(&false) {
                     let falls = if self.floor.is_some() { "" } else { " and falls" };
@@ -93,13 +94,13 @@ impl Summary<'_> {
                 motors
             }
             None => {
-                self.drive.map_or_else(|| "let go, no motor torque".into(), |drive| drive.described.clone())
+                self.drive.map_or_else(|| "passive, no motor torque".into(), |drive| drive.described.clone())
             }
         };
         let _ = writeln!(text, "  forces  {}; {}", one_line(&motors), self.passive_forces());
         if let Some(loops) = self.loops {
             let names: Vec<&str> = loops.constraints().map(|(name, _)| name).collect();
-            let _ = writeln!(text, "  loops   {} held, as the file says", one_line(&names.join(", ")));
+            let _ = writeln!(text, "  loops   {}, closed in each step", one_line(&names.join(", ")));
         }
         if let Some(floor) = self.floor {
             let _ = writeln!(text, "  ground  {}", floor.described);
@@ -119,32 +120,32 @@ impl Summary<'_> {
         text
     }
 
-    /// The effects that act beside motors and actuators.
+    /// The effects besides motors and actuators.
     fn passive_forces(&self) -> String {
         if self.arguments.conservative {
-            return "conservative: no damping, friction, limits, actuators or contact".into();
+            return "no damping, friction, limits, actuators or contact".into();
         }
         let words = [
-            (Effect::Dissipation, "damping and friction act"),
-            (Effect::Springs, "springs and compensated weight act"),
-            (Effect::Limits, "joints stop at their limits"),
+            (Effect::Dissipation, "with damping and friction"),
+            (Effect::Springs, "with springs and gravity compensation"),
+            (Effect::Limits, "with position limits"),
         ];
         let acting: Vec<&str> = words
             .into_iter()
             .filter(|(effect, _)| self.setup.acts(*effect))
             .map(|(_, words)| words)
             .collect();
-        if acting.is_empty() { "no damping, friction or limits act".into() } else { acting.join("; ") }
+        if acting.is_empty() { "no damping, friction or limits".into() } else { acting.join("; ") }
     }
 
-    /// The integrator and the steps it took.
+    /// The integrator and its steps.
     fn method(&self) -> String {
         let (integrator, step, end) = (self.setup.method(), self.arguments.step, short(self.ran.run.time));
         let Some(AdaptiveRecord { method, statistics, quaternion_error, .. }) = &self.ran.adaptive else {
             return format!("{integrator}, {} of {step} s, {end} s", count(self.ran.run.steps, "step"));
         };
         let tolerance = self.arguments.tolerance.unwrap_or(TOLERANCE);
-        let kind = if *method == AdaptiveMethod::Implicit { "implicit as damping is stiff, " } else { "" };
+        let kind = if *method == AdaptiveMethod::Implicit { "implicit since damping is stiff, " } else { "" };
         let mut text = format!(
             "{integrator}, {kind}order {}, tolerance {tolerance:e}: {} of {} to {} s, {} rejected, {} evaluations, {end} s",
             method.order(),
@@ -157,16 +158,16 @@ impl Summary<'_> {
         if self.model.nq() > self.model.nv() {
             let _ = write!(
                 text,
-                "; quaternions off unit length by {quaternion_error:.0e} before they were normalised"
+                "; normalisation of quaternions corrected their length by up to {quaternion_error:.0e}"
             );
         }
         text
     }
 
-    /// Energies over time, and the one number that says whether they are right.
+    /// Energies over time, and the energy drift.
     fn energies(&self) -> String {
         let (ledger, samples) = (&self.ran.run.ledger, &self.recorder.samples);
-        let error = if self.conserves() { ">E − E0 [J]" } else { ">unaccounted [J]" };
+        let error = if self.conserves() { ">E − E0 [J]" } else { ">residual [J]" };
         let mut table = Table::new(&[">t [s]", ">K [J]", ">V [J]", ">E [J]", error]);
         let last = samples.len().saturating_sub(1);
         let mut shown: Vec<usize> = (0..ROWS).map(|row| row * last / (ROWS - 1)).collect();
@@ -182,7 +183,7 @@ impl Summary<'_> {
         }
         let mut text = format!("\n{}", table.text());
         if samples.len() < 2 {
-            text += "  no step was taken, so there is nothing to say about the energy\n";
+            text += "  no step was taken\n";
             return text;
         }
         let (scale, divisor) = self.recorder.energy_scale(ledger, self.ran.failure.is_some());
@@ -194,10 +195,10 @@ impl Summary<'_> {
         if self.conserves() {
             let _ = writeln!(text, "  energy drift, max |E − E0| / {divisor}: {relative:.2e}");
         } else {
-            let took_out = match self.ran.run.losses {
+            let losses = match self.ran.run.losses {
                 Some(losses) => {
                     let mut text = format!(
-                        "damping took out {} J, friction {} J, stops {} J",
+                        "losses: damping {} J, friction {} J, stops {} J",
                         short(losses.damping),
                         short(losses.friction),
                         short(losses.stops)
@@ -208,18 +209,15 @@ impl Summary<'_> {
                     }
                     if losses.corrections != 0.0 {
                         let corrections = short(losses.corrections);
-                        let _ = write!(
-                            text,
-                            ", moving back what began beyond a stop or within another shape {corrections} J"
-                        );
+                        let _ = write!(text, ", correction of initial penetration {corrections} J");
                     }
                     text
                 }
-                None => format!("damping and friction took out {} J", short(ledger.dissipated())),
+                None => format!("losses: damping and friction {} J", short(ledger.dissipated())),
             };
             let _ = writeln!(
                 text,
-                "  motors put in {} J, {took_out}; unaccounted for, max |E − E0 − in + out| \
+                "  work of motors {} J; {losses}; residual, max |E − E0 − in + out| \
                  / {divisor}: {relative:.2e}",
                 short(ledger.work()),
             );
@@ -229,19 +227,16 @@ impl Summary<'_> {
                 Method::Adaptive => "--tolerance",
                 _ => "--step",
             };
-            let _ = writeln!(
-                text,
-                "  that is not the robot's motion but the integrator's error: take a smaller {finer}"
-            );
+            let _ = writeln!(text, "  the integrator's error dominates the motion: use a smaller {finer}");
         }
         text
     }
 
-    /// Where each entry of q began, ended and went, against the limits.
+    /// The start, end and range of each entry of q, and its limits.
     fn joints(&self) -> String {
-        let Self { model, ran: Ran { run, .. }, recorder, .. } = self;
+        let Self { model, ran: RunResult { run, .. }, recorder, .. } = self;
         let mut table = Table::new(&[
-            "joint", "unit", ">start", ">end", ">least", ">most", ">lower", ">upper", ">speed", ">limit", "",
+            "joint", "unit", ">start", ">end", ">min", ">max", ">lower", ">upper", ">speed", ">limit", "",
         ]);
         let names = columns::configuration(model);
         let (mut leaves, mut races) = (0, 0);
@@ -254,14 +249,14 @@ impl Summary<'_> {
                 let mut remarks = Vec::new();
                 if let Some(time) = extremes.left_limits {
                     leaves += 1;
-                    remarks.push(format!("beyond its limits at {} s", short(time)));
+                    remarks.push(format!("outside its limits at {} s", short(time)));
                 }
                 if is_plain {
                     let peak = recorder.peak_speed[joint.v_index + k];
                     speed = [peak, limits.velocity].map(short);
                     if peak > limits.velocity {
                         races += 1;
-                        remarks.push("too fast".into());
+                        remarks.push("above its speed limit".into());
                     }
                 }
                 table.row(
@@ -278,54 +273,53 @@ impl Summary<'_> {
         if self.setup.acts(Effect::Limits) {
             let _ = writeln!(
                 text,
-                "  {} went above the speed limit, which is not enforced; position limits are stops",
+                "  {} exceeded the speed limit, which is not enforced; position limits are stops",
                 count(races, "coordinate")
             );
         } else if leaves + races > 0 {
             let _ = writeln!(
                 text,
-                "  {} left the position limits, {} went above the speed limit: limits are not enforced, there are \
-                 no stops",
+                "  {} left the position limits, {} exceeded the speed limit (limits are not enforced)",
                 count(leaves, "coordinate"),
                 races
             );
         } else {
-            text += "  no joint left its limits (they are not enforced: there are no stops)\n";
+            text += "  no joint left its limits (limits are not enforced)\n";
         }
         text
     }
 
-    /// When joints were found at their limits.
+    /// The times when joints reached their limits.
     fn limits_reached(&self) -> String {
         let Run { events, ended_by_event, .. } = &self.ran.run;
         let mut text = String::new();
-        for event in events.iter().take(LIMITS_SHOWN) {
+        for event in events.iter().take(MAX_LIMITS) {
             let _ = writeln!(text, "  {} at {:.9} s", one_line(&event.name), event.time);
         }
-        if events.len() > LIMITS_SHOWN {
-            let _ = writeln!(text, "  and {} more times", events.len() - LIMITS_SHOWN);
+        if events.len() > MAX_LIMITS {
+            let _ = writeln!(text, "  and {} more", events.len() - MAX_LIMITS);
         }
         if *ended_by_event {
-            text += "  there the run ended (--stop-at-limits)\n";
+            text += "  the run ended there (--stop-at-limits)\n";
         }
         text
     }
 
-    /// The motors' peaks against their limits.
+    /// The motors' peak torques and limits.
     fn torques(&self) -> String {
-        let Self { model, ran: Ran { run, .. }, hold, .. } = self;
+        let Self { model, ran: RunResult { run, .. }, hold, .. } = self;
         let Some(hold) = hold else { return String::new() };
-        let mut table = Table::new(&["motor", "unit", ">peak", ">asked for", ">limit", ">used", ""]);
+        let mut table = Table::new(&["motor", "unit", ">peak", ">demand", ">limit", ">used", ""]);
         let (limits, is_driven) = (model.coordinate_limits(), driven(model));
         for (k, column) in columns::effort(model).into_iter().enumerate().filter(|(k, _)| is_driven[*k]) {
             let (peak, demand, limit) =
                 (run.peak_torque[k], hold.controller.peak_demand()[k], limits[k].effort);
-            // An unlimited motor has no share in use, and neither has none at all.
+            // The share of an infinite limit, or of a limit of 0, is undefined.
             let has_share = limit.is_finite() && limit > 0.0;
             let used = if has_share { format!("{:.0} %", 100.0 * peak / limit) } else { "-".into() };
             let remark = match (hold.overloaded.contains(&k), demand > limit) {
-                _ if limit == 0.0 => "no motor: its effort limit is 0",
-                (true, _) => "too weak to carry the weight there",
+                _ if limit == 0.0 => "no motor: the effort limit is 0",
+                (true, _) => "cannot carry the weight at the goal",
                 (_, true) => "at its limit",
                 _ => "",
             };
@@ -343,13 +337,17 @@ impl Summary<'_> {
         difference(model, &run.q, self.goal, &mut left);
         let left = left.iter().zip(&is_driven).filter(|(_, driven)| **driven).map(|(x, _)| x.abs());
         let left = left.fold(0.0, f64::max);
-        format!("\n{}  farthest motor from its goal at the end: {} rad or m\n", table.text(), short(left))
+        format!(
+            "\n{}  largest distance of a motor from its goal at the end: {} rad or m\n",
+            table.text(),
+            short(left)
+        )
     }
 
     fn foot(&self) -> String {
-        let Self { ran: Ran { run, .. }, seconds, .. } = self;
+        let Self { ran: RunResult { run, .. }, seconds, .. } = self;
         let mut text = format!(
-            "\n  {} s of computing, {} steps/s\n",
+            "\n  {} s of wall time, {} steps/s\n",
             short(*seconds),
             (run.steps as f64 / seconds).round()
         );
@@ -360,21 +358,21 @@ impl Summary<'_> {
     }
 }
 
-/// Steps whose budget of parts was spent, with the energy that they leave unaccounted for.
-fn unsettled(laws: &ContactLaws) -> String {
+/// Steps that used up their budget of substeps, with the energy error that they left.
+fn exhausted_substeps(laws: &ContactLaws) -> String {
     if laws.unsettled == 0 {
         return String::new();
     }
     let (verb, steps) = (if laws.unsettled == 1 { "was" } else { "were" }, count(laws.unsettled, "step"));
     format!(
-        "\n  {steps} {verb} divided until the budget of parts was spent; the most energy that one leaves unaccounted for is {} J; a \
-         shorter --step divides less\n",
+        "\n  {steps} {verb} divided until the budget of substeps was used up, with an energy error of up to {} J in a step; \
+         a shorter --step needs fewer substeps\n",
         short(laws.imbalance)
     )
 }
 
-/// An energy to a microjoule, as drift shows in the last digits; large ones with their power of ten, none that is not
-/// finite.
+/// An energy with microjoules, since drift shows in the last digits. Large energies have an exponent, and `-`
+/// stands for values that are not finite.
 fn joule(x: f64) -> String {
     if !x.is_finite() {
         return "-".into();
@@ -387,11 +385,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_whose_budget_was_spent_are_told_with_their_residual() {
+    fn steps_without_budget_are_reported_with_their_energy_error() {
         let mut laws = ContactLaws::default();
-        assert_eq!(unsettled(&laws), "");
+        assert_eq!(exhausted_substeps(&laws), "");
         (laws.unsettled, laws.imbalance) = (3, 0.25);
-        let said = unsettled(&laws);
-        assert!(said.contains("3 steps were divided") && said.contains("0.25 J"), "{said}");
+        let said = exhausted_substeps(&laws);
+        assert!(said.contains("3 steps") && said.contains("0.25 J"), "{said}");
     }
 }

@@ -1,4 +1,4 @@
-//! Runs the command as a user does, in a folder of its own.
+//! Runs the command in a temporary folder, as a user does.
 #![allow(dead_code)] // each test file uses its part
 
 use std::fs;
@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What a run of the command left behind.
+/// The exit code and the output of a run.
 #[derive(Debug)]
 pub(crate) struct Ran {
     pub(crate) code: Option<i32>,
@@ -57,12 +57,12 @@ impl Folder {
         command
     }
 
-    /// Runs it; whatever it was told, it must not panic.
+    /// Runs it. It must not panic for any arguments.
     pub(crate) fn run(&self, arguments: &[&str], input: &[u8]) -> Ran {
         let mut child = self.command(arguments).spawn().unwrap();
         let mut stdin = child.stdin.take().unwrap();
         let input = input.to_vec();
-        // Beside the reading of its output, or both would wait for each other. It may not want to read at all.
+        // On a thread, as the command may fill its output before it reads its input, or never read it.
         let writer = std::thread::spawn(move || drop(stdin.write_all(&input)));
         let output = child.wait_with_output().unwrap();
         writer.join().unwrap();
@@ -75,7 +75,7 @@ impl Folder {
         ran
     }
 
-    /// Runs it and expects success and a silent standard error.
+    /// Runs it and expects success and an empty standard error.
     #[track_caller]
     pub(crate) fn output(&self, arguments: &[&str], input: &str) -> String {
         let ran = self.run(arguments, input.as_bytes());

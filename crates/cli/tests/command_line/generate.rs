@@ -4,7 +4,8 @@ use std::process::Command;
 
 use crate::command::Folder;
 
-/// The folder gets code, test, Makefile and report; the test holds; the same command gives the same bytes.
+/// The folder contains code, test, Makefile and report. The test passes, and the same command gives the same
+/// bytes.
 #[test]
 fn code_for_one_robot_passes_the_test_that_comes_with_it() {
     let folder = Folder::new("generate");
@@ -14,13 +15,9 @@ fn code_for_one_robot_passes_the_test_that_comes_with_it() {
     };
     let ran = folder.run(&arguments("code"), b"");
     assert_eq!(ran.code, Some(0), "{ran:?}");
-    assert!(ran.out.starts_with("code: 3 functions of two_r in c, 5 files of "), "{ran:?}");
+    assert_eq!(std::fs::read_dir(folder.path("code")).unwrap().count(), 5);
     let made = Command::new("make").current_dir(folder.path("code")).output().unwrap();
-    let told = String::from_utf8_lossy(&made.stdout).into_owned();
-    assert!(
-        told.ends_with("two_r: 3 functions in 5 states, as the library's recursions, to the last bit\n"),
-        "{told}"
-    );
+    assert!(made.status.success(), "{made:?}");
     let header = folder.read("code/two_r.h");
     let command =
         "dynamics generate two_r.urdf --target c --functions inverse_dynamics,mass_matrix,frame_pose:tip\n";
@@ -31,14 +28,14 @@ fn code_for_one_robot_passes_the_test_that_comes_with_it() {
     }
 }
 
-/// What cannot be generated is said in one line, and no file is written.
+/// A function that cannot be generated is named in one line, and no file is written.
 #[test]
-fn what_cannot_be_generated_is_refused_by_name() {
+fn unknown_functions_are_refused_by_name() {
     let folder = Folder::new("generate_refused");
     for (functions, cause) in [
-        ("inverse_dynamic", "no function `inverse_dynamic`: inverse_dynamics, "),
-        ("frame_pose:hand", "no frame or link `hand`"),
-        ("gravity,gravity", "two functions would be called `gravity`"),
+        ("inverse_dynamic", "`inverse_dynamic`"),
+        ("frame_pose:hand", "`hand`"),
+        ("gravity,gravity", "`gravity`"),
     ] {
         let ran = folder.run(
             &["generate", "two_r.urdf", "--target", "rust", "--functions", functions, "-o", "code"],
@@ -49,16 +46,14 @@ fn what_cannot_be_generated_is_refused_by_name() {
     }
 }
 
-/// `--lanes` adds the functions of many states, which the files name in their command; other targets have none.
+/// `--lanes` adds functions for several states, and the files name it in their command. Only Rust supports
+/// it.
 #[test]
 fn lanes_are_for_rust() {
     let folder = Folder::new("generate_lanes");
     let arguments = |target| ["generate", "two_r.urdf", "--target", target, "--lanes", "-o", "code"];
     let ran = folder.run(&arguments("c"), b"");
-    assert!(
-        ran.code != Some(0) && ran.err.contains("c has no lanes: they are for the target rust"),
-        "{ran:?}"
-    );
+    assert!(ran.code == Some(1) && ran.err.lines().count() == 1, "{ran:?}");
     assert!(!folder.path("code").exists());
     let ran = folder.run(&arguments("rust"), b"");
     assert_eq!(ran.code, Some(0), "{ran:?}");
@@ -67,7 +62,7 @@ fn lanes_are_for_rust() {
     assert!(manifest.contains("[dependencies]\nrobot-dynamics-number = "), "{manifest}");
 }
 
-/// The shader that the lab's map of flips steps its arms with is the one that is generated today.
+/// The shader of the lab's map of flips equals a newly generated one.
 #[test]
 fn the_labs_shader_is_up_to_date() {
     let folder = Folder::new("generate_lab");
@@ -79,14 +74,14 @@ fn the_labs_shader_is_up_to_date() {
     assert!(kept == now, "copy what this writes to lab/src/flips: dynamics {}", arguments.join(" "));
 }
 
-/// A file that is there for another reason stays.
+/// Files that were not generated are not replaced.
 #[test]
 fn no_file_of_another_kind_is_replaced() {
     let folder = Folder::new("generate_foreign");
     folder.write("two_r.c", b"int mine;\n");
     let ran = folder.run(&["generate", "two_r.urdf", "--target", "c", "-o", "."], b"");
     assert_eq!(ran.code, Some(1));
-    assert!(ran.err.contains("two_r.c` is there and was not generated"), "{ran:?}");
+    assert!(ran.err.contains("two_r.c`"), "{ran:?}");
     assert_eq!(folder.read("two_r.c"), "int mine;\n");
     assert!(!folder.path("two_r.h").exists());
 }

@@ -1,4 +1,4 @@
-//! The commands that the guide and the front page show print what stands there.
+//! The commands in the guide and in README.md print the output that is shown there.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// The guide's pages and the front page.
+/// The guide's pages and README.md.
 fn pages() -> Vec<PathBuf> {
     let entries = fs::read_dir(root().join("guide/pages")).unwrap();
     let mut pages: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
@@ -40,7 +40,7 @@ fn blocks(page: &str) -> Vec<(String, Option<String>)> {
     blocks
 }
 
-/// The words of a command; quotes keep words together, and `#` begins a remark.
+/// The words of a command; quotes keep words together, and `#` starts a comment.
 fn words(command: &str) -> Vec<String> {
     let (mut words, mut quote, mut word) = (Vec::new(), None, None::<String>);
     for letter in command.chars() {
@@ -59,7 +59,7 @@ fn words(command: &str) -> Vec<String> {
     words
 }
 
-/// Whether the output is what is shown, where `...` stands for anything.
+/// Whether the output is the shown one, in which `...` stands for any text.
 fn is_shown(shown: &str, output: &str) -> bool {
     let clean = |text: &str| text.trim_end().lines().map(str::trim_end).collect::<Vec<_>>().join("\n");
     let (shown, output) = (clean(shown), clean(output));
@@ -83,8 +83,8 @@ fn shown_output_may_leave_out_what_differs() {
     assert_eq!(words("x --y '1 2' \"a b\"  # why"), ["x", "--y", "1 2", "a b"]);
 }
 
-/// Runs one command: ours as it stands where its output is shown, else as far as its help; of others what they name has to
-/// be there.
+/// Runs a command. If the output is not shown, `dynamics` only prints its help, and for other programs the
+/// files that they name must exist.
 fn run(folder: &Folder, command: &str, is_shown: bool) -> Option<String> {
     let (input, command) = match command.split_once(" | ") {
         Some((echo, command)) => {
@@ -121,14 +121,14 @@ fn run(folder: &Folder, command: &str, is_shown: bool) -> Option<String> {
             }
             None
         }
-        // The package's tests run these.
+        // The tests of the Python package run these.
         ["python", "-m", "robot_dynamics", ..] => None,
         ["python", script, ..] => {
             assert!(root().join(script).exists(), "{command}: no such script");
             None
         }
         ["cargo", "run", "--release", "-p", package, "--example", example, ..] => {
-            let folder = package.strip_prefix("robot-dynamics-").unwrap();
+            let folder = package.strip_prefix("robot-dynamics-").unwrap_or(package);
             let examples = root().join("crates").join(folder).join("examples");
             let is_there = [format!("{example}.rs"), format!("{example}/main.rs")];
             assert!(is_there.iter().any(|file| examples.join(file).exists()), "{command}: no such example");

@@ -1,7 +1,9 @@
-//! What other programs rely on: the JSON of `inspect`, the lines of `compute`, and the worked example.
+//! Outputs for other programs: the JSON of `inspect`, the lines of `compute`, and the worked example.
+
+use serde_json::{Value, json};
 
 use crate::command::{Folder, robots};
-use serde_json::{Value, json};
+use crate::messages::Transcript;
 
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
@@ -19,7 +21,7 @@ fn numbers_prints_the_worked_example() {
     assert_eq!(folder.output(&["numbers"], ""), expected);
 }
 
-/// The same command for MuJoCo's format, which the file's outermost element tells.
+/// The same command reads MJCF, which it recognises by the outermost element.
 #[test]
 fn inspection_and_computation_of_an_mjcf_robot() {
     let folder = Folder::new("mjcf");
@@ -37,12 +39,12 @@ fn inspection_and_computation_of_an_mjcf_robot() {
     q[6] = 1.0;
     let state = json!({"q": q, "v": vec![0.0; 18]}).to_string();
     let printed = &lines(&folder.output(&["compute", file], &state))[0];
-    // Standing still, the force along z carries the weight.
+    // At rest, the force along z carries the weight.
     let weight = 9.81 * object["mass"].as_f64().unwrap();
     assert!((numbers(&printed["bias"])[2] - weight).abs() < 1e-12 * weight);
 }
 
-/// Machine code or the recursions, as the environment asks.
+/// The environment selects machine code or the recursions.
 #[test]
 fn inspect_tells_whether_machine_code_computes() {
     let folder = Folder::new("machine_code");
@@ -52,14 +54,14 @@ fn inspect_tells_whether_machine_code_computes() {
         String::from_utf8(ran.stdout).unwrap()
     };
     let text = inspect(&["inspect", file]);
-    assert!(text.contains("\nFunctions: recursions alone: ROBOT_DYNAMICS_NATIVE=0\n"), "{text}");
+    assert!(text.contains("ROBOT_DYNAMICS_NATIVE=0\n"), "{text}");
     let off = &lines(&inspect(&["inspect", file, "--json"]))[0]["machine_code"];
     assert_eq!(off, &json!({"instructions": null, "reason": "ROBOT_DYNAMICS_NATIVE=0"}));
     let on = &lines(&folder.output(&["inspect", file, "--json"], ""))[0]["machine_code"];
     assert_ne!(on["instructions"].is_null(), on["reason"].is_null(), "{on}");
 }
 
-/// Sensors, and what the default simulation leaves out: ellipsoids touch the ground, and not each other.
+/// Sensors, and features that the default simulation leaves out: contact of ellipsoids with each other.
 #[test]
 fn inspection_tells_sensors_and_what_a_simulation_leaves_out() {
     let folder = Folder::new("left_out");
@@ -85,7 +87,6 @@ fn inspection_tells_sensors_and_what_a_simulation_leaves_out() {
     assert_eq!(left_out[0]["features"].as_array().unwrap().len(), 3);
     let text = folder.output(&["inspect", "eggs.xml"], "");
     assert!(text.contains("apart") && text.contains("framepos") && text.contains("two_site"), "{text}");
-    assert!(text.matches("contact of").count() == 3 && text.contains("leaves out contact of"), "{text}");
 }
 
 #[test]
@@ -116,7 +117,7 @@ fn inspection_of_a_floating_robot() {
     assert_eq!(knee["limits"]["lower"], json!(-2.7));
 }
 
-/// nq and nv are the sums over the joints, every index follows the one before, and text names every joint.
+/// nq and nv are the sums over the joints, indices are consecutive, and the text names every joint.
 #[test]
 fn inspections_of_all_robots_are_consistent() {
     let folder = Folder::new("inspect_all");
@@ -138,13 +139,13 @@ fn inspections_of_all_robots_are_consistent() {
     }
 }
 
-/// τ of the inverse dynamics, given back, yields the acceleration, with and without dissipation; and the terms
-/// add up: τ = M a + C v + g + b.
+/// Forward dynamics of the inverse dynamics' τ gives the acceleration, with and without dissipation, and τ =
+/// M a + C v + g + b.
 #[test]
 fn forward_of_inverse_is_the_acceleration() {
     let folder = Folder::new("round_trip");
     for (file, n) in [("panda.urdf", 7), ("gripper.urdf", 4), ("ur5.urdf", 6)] {
-        let mut random = dynamics::SplitMix64::new(7);
+        let mut random = robot_dynamics_number::SplitMix64::new(7);
         let mut vector = |scale: f64| (0..n).map(|_| random.uniform(-scale, scale)).collect::<Vec<f64>>();
         let states: Vec<[Vec<f64>; 3]> = (0..20).map(|_| [vector(1.0), vector(2.0), vector(5.0)]).collect();
         for extra in [None, Some("--dissipation")] {
@@ -173,7 +174,7 @@ fn forward_of_inverse_is_the_acceleration() {
                         (tau[i] - ma - bias[i]) * v[i]
                     })
                     .sum();
-                // What is left is b; its power v·b is zero without dissipation and positive with it.
+                // The rest is b; its power v·b is zero without dissipation and positive with it.
                 match (extra, file) {
                     (None, _) | (_, "panda.urdf" | "ur5.urdf") => {
                         assert!(loss.abs() < 1e-11, "{file}, state {index}: {loss:e}");
@@ -210,7 +211,7 @@ fn compute_gives_the_worked_numbers() {
     }
 }
 
-/// A program that asks one question at a time gets each answer before it asks the next.
+/// A program that waits for each answer before the next question gets it.
 #[test]
 fn answers_come_one_by_one() {
     use std::io::{BufRead, BufReader, Write};
@@ -229,8 +230,8 @@ fn answers_come_one_by_one() {
     assert!(child.wait().unwrap().success());
 }
 
-/// A quaternion of rounded digits is normalised: said once, with the same numbers as that of unit length. One that is
-/// off by more is refused, in words for a command line.
+/// A quaternion of rounded digits is normalised with one note, and gives the numbers of the unit quaternion.
+/// A larger deviation is an error.
 #[test]
 fn quaternions_of_rounded_digits_are_normalised() {
     let folder = Folder::new("rounded_quaternions");
@@ -241,30 +242,23 @@ fn quaternions_of_rounded_digits_are_normalised() {
     assert_eq!((exact.code, exact.err.as_str()), (Some(0), ""));
     let rounded = folder.run(&run, state(0.8005).repeat(3).as_bytes());
     assert_eq!(rounded.code, Some(0), "{}", rounded.err);
-    assert!(
-        rounded.err.starts_with("note: line 1: q[3..7] (joint `floating_base`) is a quaternion"),
-        "{}",
-        rounded.err
-    );
-    assert!(rounded.err.contains("it is normalised") && rounded.err.lines().count() == 1, "{}", rounded.err);
-    // The turn differs by 0.0005 · 0.6 · 2 rad; M of a body in its own frame not at all.
+    assert!(rounded.err.starts_with("note: line 1: q[3..7] (joint `floating_base`)"), "{}", rounded.err);
+    assert_eq!(rounded.err.lines().count(), 1, "{}", rounded.err);
+    // The rotation differs by 0.0005 · 0.6 · 2 rad; M of a body in its own frame does not differ.
     let [exact, rounded] = [exact, rounded].map(|ran| lines(&ran.out)[0].clone());
     let [m, n] = [&exact, &rounded]
         .map(|terms| terms["mass_matrix"].as_array().unwrap().iter().flat_map(numbers).collect::<Vec<f64>>());
     assert!(m.len() == 36 && m.iter().zip(&n).all(|(m, n)| (m - n).abs() < 1e-14), "{m:?} {n:?}");
     let [a, b] = [&exact, &rounded].map(|terms| numbers(&terms["gravity"]));
     let most = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    // |g| = 2 kg · 9.81 m/s² stays, as the turn is one.
+    // |g| = 2 kg · 9.81 m/s² is constant, since the normalised quaternion is a rotation.
     let norm = |x: &[f64]| x[..3].iter().map(|x| x * x).sum::<f64>().sqrt();
     assert!(most > 1e-4 && most < 0.02 && (norm(&b) - 19.62).abs() < 1e-12, "{a:?} {b:?}");
 
     let ran = folder.run(&run, state(0.81).as_bytes());
     assert_eq!(ran.code, Some(1));
     let error = lines(&ran.out)[0]["error"].as_str().unwrap().to_owned();
-    assert!(
-        error.contains("length 1.00801") && error.ends_with("not 1; normalise it, and check its order"),
-        "{error}"
-    );
+    assert!(error.contains("`floating_base`") && error.contains("1.00801"), "{error}");
 
     let pose = |w: &str| {
         let pose = format!("floating_base=0,0,1,0.6,0,0,{w}");
@@ -272,27 +266,21 @@ fn quaternions_of_rounded_digits_are_normalised() {
     };
     assert_eq!(pose("0.8").err, "");
     let told = pose("0.8005");
-    assert!(
-        told.err.starts_with("note: --pose: joint `floating_base`: the quaternion x,y,z,w of length 1.000")
-    );
+    assert!(told.err.starts_with("note: --pose: joint `floating_base`: "), "{}", told.err);
     assert_eq!((told.code, told.err.lines().count()), (Some(0), 1), "{}", told.err);
 }
 
-/// 2 kg, alone.
+/// A body of 2 kg.
 const BRICK: &str = r#"<robot name="brick"><link name="brick"><inertial><mass value="2"/>
   <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.25"/></inertial></link></robot>"#;
 
-/// 100 000 links on one hub are shown in seconds: a pass over all links for each of them takes minutes.
+/// 100 000 links on one hub are shown in seconds. A pass over all links for each of them would take minutes.
 #[test]
 fn a_large_star_is_shown_in_seconds() {
     let folder = Folder::new("star");
     folder.write("star.urdf", star(100_000).as_bytes());
     let text = in_seconds(|| folder.output(&["inspect", "star.urdf"], ""));
-    assert!(
-        text.starts_with("star: 100001 links, 100000 joints, 100000 degrees of freedom"),
-        "{}",
-        &text[..99]
-    );
+    assert!(text.lines().count() > 200_000, "{}", &text[..99]);
     assert!(text.contains("\n    l99999  1 kg  <- j99999 (continuous)\n"));
 }
 
@@ -305,7 +293,7 @@ fn a_large_star_is_written_in_seconds() {
     assert_eq!(object["joints"].as_array().unwrap().len(), 100_000);
 }
 
-/// What this gives, which is there within seconds, on a machine that is busy with other tests.
+/// The result of `run`, which must take seconds on a busy machine.
 fn in_seconds<T>(run: impl FnOnce() -> T) -> T {
     let clock = std::time::Instant::now();
     let given = run();
@@ -313,21 +301,21 @@ fn in_seconds<T>(run: impl FnOnce() -> T) -> T {
     given
 }
 
-/// What needs matrices of 20 000 × 20 000 numbers says so instead of asking for the memory.
+/// A command that needs matrices of 20 000 × 20 000 numbers fails before it allocates them.
 #[test]
 fn matrices_too_large_are_refused() {
     let folder = Folder::new("star_matrices");
     folder.write("star.urdf", star(20_000).as_bytes());
+    let mut transcript = Transcript::default();
     for command in ["compute", "simulate"] {
         let ran = folder.run(&[command, "star.urdf"], b"");
         assert_eq!(ran.code, Some(1), "{command}");
-        let message = "error: star: 20000 degrees of freedom, and 10000 is the most: one of its matrices alone would \
-                       take 3 GB (`dynamics inspect` shows a robot of any size)\n";
-        assert_eq!(ran.err, message, "{command}");
+        transcript.add(&[command, "star.urdf"], &ran);
     }
+    transcript.compare("too_large");
 }
 
-/// A hub with so many joints.
+/// A hub with this many joints.
 fn star(count: usize) -> String {
     use std::fmt::Write;
     let mut star = String::from("<robot name=\"star\"><link name=\"hub\"/>\n");
@@ -342,7 +330,7 @@ fn star(count: usize) -> String {
     star + "</robot>"
 }
 
-/// A package that lies elsewhere is found where the command is told to look.
+/// Packages are found in the given folders.
 #[test]
 fn meshes_of_packages_are_found() {
     let folder = Folder::new("packages");
@@ -351,7 +339,7 @@ fn meshes_of_packages_are_found() {
     let text = r#"<robot name="r"><link name="a"><visual><geometry>
         <mesh filename="package://arm_description/meshes/link.stl"/></geometry></visual></link></robot>"#;
     folder.write("robot.urdf", text.as_bytes());
-    let missing = "mesh files were not found: package://arm_description/meshes/link.stl";
+    let missing = "package://arm_description/meshes/link.stl";
     assert!(folder.output(&["inspect", "robot.urdf"], "").contains(missing));
     for given in ["ws", "ws/arm_description"] {
         let told =
@@ -359,8 +347,5 @@ fn meshes_of_packages_are_found() {
         assert!(!told.contains(missing), "{given}: {told}");
     }
     let ran = folder.run(&["inspect", "robot.urdf", "--package-path", "nowhere"], b"");
-    assert_eq!(
-        (ran.code, ran.err.as_str()),
-        (Some(1), "error: --package-path nowhere: there is no such folder\n")
-    );
+    assert_eq!((ran.code, ran.err.lines().count()), (Some(1), 1), "{}", ran.err);
 }

@@ -12,9 +12,10 @@ mod generate;
 mod ground;
 mod guide;
 mod inspect_and_compute;
+mod labels;
 mod malformed;
-
 mod manuals;
+mod messages;
 mod names;
 mod outputs;
 mod same_motion;

@@ -1,9 +1,10 @@
-//! Wrong command lines and wrong files: each has one line that says what is wrong, and its exit code.
+//! Wrong files and wrong states: each gives one line on standard error and an exit code of 1.
 
 use crate::command::Folder;
+use crate::messages::Transcript;
 
-/// A body that can be swung, with a mistake to be put in.
-const PENDULUM: &str = r#"<robot name="pendulum">
+/// A pendulum, in which tests replace a text by a mistake.
+pub(crate) const PENDULUM: &str = r#"<robot name="pendulum">
   <link name="ceiling"/>
   <link name="bob">
     <inertial>
@@ -18,106 +19,82 @@ const PENDULUM: &str = r#"<robot name="pendulum">
   </joint>
 </robot>"#;
 
-/// A file that is not what it should be, and the rest of the line that says so.
-const FILES: &[(&str, &str, &str)] = &[
-    ("", "", "the file is empty; a URDF file holds one <robot> element"),
-    ("", "robot", "line 1, column 1: not well-formed XML: unknown token"),
-    (
-        "",
-        "<sdf version=\"1.6\"/>",
-        "line 1: the outermost element is <sdf>, not <robot>; SDF files are not read; export URDF",
-    ),
-    (
-        "value=\"2\"",
-        "value=\"NaN\"",
-        "line 5: link \"bob\"/inertial/mass: value=\"NaN\" is not a finite number; write an ordinary number in SI \
-         units",
-    ),
-    (
-        "damping=\"0.1\"",
-        "damping=\"low\"",
-        "line 12: joint \"hinge\"/dynamics: damping=\"low\" is not a number",
-    ),
-    (
-        "type=\"continuous\"",
-        "type=\"hinge\"",
-        "line 9: joint \"hinge\": the type \"hinge\" is unknown; use revolute, continuous, prismatic, fixed, \
-         floating, planar or spherical",
-    ),
-    (
-        "child link=\"bob\"",
-        "child link=\"rod\"",
-        "line 9: joint \"hinge\": its child link \"rod\" does not exist; add it or correct the name",
-    ),
-    (
-        "child link=\"bob\"",
-        "child link=\"ceiling\"",
-        "line 9: joint \"hinge\" joins link \"ceiling\" to itself; parent and child must differ",
-    ),
+/// Texts of the pendulum with a mistake in their place; an empty text stands for the whole file.
+const MISTAKES: &[(&str, &str)] = &[
+    ("", ""),
+    ("", "robot"),
+    ("", "<sdf version=\"1.6\"/>"),
+    ("value=\"2\"", "value=\"NaN\""),
+    ("damping=\"0.1\"", "damping=\"low\""),
+    ("type=\"continuous\"", "type=\"hinge\""),
+    ("child link=\"bob\"", "child link=\"rod\""),
+    ("child link=\"bob\"", "child link=\"ceiling\""),
 ];
 
-/// Every malformed file is refused by every command with the same line.
+/// All commands reject a malformed file with the same line.
 #[test]
 fn malformed_files() {
     let folder = Folder::new("malformed_files");
-    for (index, (wanted, mistake, message)) in FILES.iter().enumerate() {
+    let mut transcript = Transcript::default();
+    for (index, (wanted, mistake)) in MISTAKES.iter().enumerate() {
         let text = if wanted.is_empty() { (*mistake).to_owned() } else { PENDULUM.replace(wanted, mistake) };
         assert!(text != PENDULUM, "case {index} changes nothing");
         folder.write("bad.urdf", text.as_bytes());
-        for command in ["inspect", "compute", "simulate", "audit"] {
-            let ran = folder.run(&[command, "bad.urdf"], b"");
-            assert_eq!(ran.err, format!("error: bad.urdf: {message}\n"), "{command}, case {index}");
-            assert_eq!((ran.code, ran.out.as_str()), (Some(1), ""), "{command}, case {index}");
+        let [first, others @ ..] = ["inspect", "compute", "simulate", "audit"]
+            .map(|command| folder.run(&[command, "bad.urdf"], b""));
+        assert_eq!((first.code, first.out.as_str()), (Some(1), ""), "case {index}");
+        assert_eq!(first.err.lines().count(), 1, "case {index}: {}", first.err);
+        for other in others {
+            assert_eq!((other.code, other.out, other.err), (Some(1), String::new(), first.err.clone()));
         }
+        transcript.add_text(&format!("# {wanted} -> {mistake}"));
+        transcript.add_text(&first.err);
     }
+    transcript.compare("malformed_files");
 }
 
-/// All errors of a file in one go, each on a line of its own.
+/// All errors of a file at once, one per line.
 #[test]
 fn all_errors_at_once() {
     let folder = Folder::new("all_errors_at_once");
     let text = PENDULUM.replace("value=\"2\"", "value=\"2,5\"").replace("link=\"bob\"", "link=\"rod\"");
     folder.write("bad.urdf", text.as_bytes());
+    let mut transcript = Transcript::default();
     for command in ["inspect", "compute", "simulate", "audit"] {
         let ran = folder.run(&[command, "bad.urdf"], b"");
-        let expected = "error: bad.urdf: 2 errors\n  line 5: link \"bob\"/inertial/mass: value=\"2,5\" is not a number; it has \
-                        a comma: write a decimal point, and white space between numbers\n  line 9: joint \"hinge\": its child link \
-                        \"rod\" does not exist; add it or correct the name\n";
-        assert_eq!((ran.code, ran.err.as_str(), ran.out.as_str()), (Some(1), expected, ""), "{command}");
+        assert_eq!((ran.code, ran.err.lines().count(), ran.out.as_str()), (Some(1), 3, ""), "{command}");
+        let lines: Vec<&str> = ran.err.lines().collect();
+        assert!(lines[1].starts_with("  line 5: ") && lines[2].starts_with("  line 9: "), "{}", ran.err);
+        transcript.add(&[command, "bad.urdf"], &ran);
     }
+    transcript.compare("several_errors");
 }
 
-/// What is suspicious is computed as written, and no command computes it in silence.
+/// Suspicious values are used as written, with a warning by every command.
 #[test]
 fn warnings_are_shown_by_every_command() {
     let folder = Folder::new("warnings_are_shown");
     let text = PENDULUM.replace("izz=\"1\"", "izz=\"5\"").replace(" name=\"pendulum\"", "");
     folder.write("odd.urdf", text.as_bytes());
-    let name = "line 1: robot: no name: taken as \"odd\", after the file; write <robot name=\"NAME\">";
-    let moments =
-        "line 4: link \"bob\"/inertial: the principal moments 1, 1, 5 kg·m² break the triangle inequality";
     let state = b"{\"q\":[0.1],\"v\":[0],\"tau\":[0]}";
+    let mut transcript = Transcript::default();
     for command in ["compute", "simulate", "audit"] {
         let ran = folder.run(&[command, "odd.urdf"], state);
         let lines: Vec<&str> =
-            ran.err.lines().filter(|line| line.starts_with("warning: odd.urdf: ")).collect();
+            ran.err.lines().filter(|line| line.starts_with("warning: odd.urdf: line ")).collect();
         assert_eq!(lines.len(), 2, "{command}: {}", ran.err);
-        assert!(lines[0].ends_with(name) && lines[1].contains(moments), "{command}: {}", ran.err);
+        transcript.add_text(&lines.join("\n"));
     }
     let listed = folder.run(&["inspect", "odd.urdf"], b"");
     assert_eq!((listed.code, listed.err.as_str()), (Some(0), ""));
-    assert!(
-        listed.out.contains(&format!("warning: {}", name.replacen(": no", ": AS WRITTEN: no", 1))),
-        "{}",
-        listed.out
-    );
-    assert!(listed.out.contains("2 suspicious but taken as written"), "{}", listed.out);
-    // Repair shows what it replaces.
+    assert_eq!(listed.out.matches("  warning: line ").count(), 2, "{}", listed.out);
+    // The repair shows the old and the new moments.
     let repaired = folder.run(&["inspect", "odd.urdf", "--repair-inertia"], b"");
     assert!(repaired.out.contains("1, 1, 5 → 1, 1, 2 kg·m²"), "{}", repaired.out);
     let strict = folder.run(&["inspect", "odd.urdf", "--strict"], b"");
-    assert_eq!(strict.code, Some(1));
-    assert!(strict.err.starts_with("error: odd.urdf: 2 errors\n  line 1: robot: no name"), "{}", strict.err);
+    assert_eq!((strict.code, strict.err.lines().count()), (Some(1), 3), "{}", strict.err);
+    transcript.add(&["inspect", "odd.urdf", "--strict"], &strict);
+    transcript.compare("warnings");
 }
 
 /// Six joints with two unknown attributes each are two warnings, and `inspect` lists all twelve.
@@ -139,24 +116,19 @@ fn warnings_of_one_kind_are_one_line() {
     folder.write("chain.urdf", (text + "</robot>").as_bytes());
     let ran = folder.run(&["compute", "chain.urdf"], b"{\"q\":[0,0,0,0,0,0]}");
     let lines: Vec<&str> = ran.err.lines().filter(|line| line.contains("stiff")).collect();
-    assert_eq!(
-        lines,
-        [
-            "warning: chain.urdf: line 2: joint \"j1\"/dynamics: unknown attribute stiff=\"1.5\" (6 of this kind; also at line 3: \
-          joint \"j2\"/dynamics; line 4: joint \"j3\"/dynamics; line 5: joint \"j4\"/dynamics; and 2 more)"
-        ],
-        "{}",
-        ran.err
-    );
+    assert_eq!(lines.len(), 1, "{}", ran.err);
+    let mut transcript = Transcript::default();
+    transcript.add_text(lines[0]);
+    transcript.compare("grouped_warnings");
     // A digit within a name makes another kind.
-    assert_eq!(ran.err.lines().filter(|line| line.contains("attribute bound")).count(), 6, "{}", ran.err);
+    assert_eq!(ran.err.lines().filter(|line| line.contains(" bound")).count(), 6, "{}", ran.err);
     let listed = folder.run(&["inspect", "chain.urdf"], b"");
-    assert_eq!(listed.out.matches("unknown attribute stiff").count(), 6, "{}", listed.out);
+    assert_eq!(listed.out.matches(" stiff=").count(), 6, "{}", listed.out);
 }
 
-/// A robot that floats already stays as it is, and the command says so.
+/// --floating-base has no effect on a robot with a floating root, and gives a note.
 #[test]
-fn a_floating_root_is_not_freed_twice() {
+fn a_floating_root_gets_no_second_floating_joint() {
     let folder = Folder::new("a_floating_root");
     let text = PENDULUM.replace("\"continuous\"", "\"floating\"");
     folder.write("free.urdf", text.as_bytes());
@@ -164,237 +136,51 @@ fn a_floating_root_is_not_freed_twice() {
     let freed = folder.run(&["inspect", "free.urdf", "--floating-base"], b"");
     assert_eq!((plain.code, freed.code), (Some(0), Some(0)));
     assert_eq!(plain.out.lines().next(), freed.out.lines().next());
-    assert!(
-        freed.err.contains("the robot's root floats already; --floating-base changes nothing"),
-        "{}",
-        freed.err
-    );
+    assert!(freed.err.starts_with("note: ") && freed.err.lines().count() == 1, "{}", freed.err);
 }
 
-/// A command line, its exit code, and the line on standard error.
-type Case<'a> = (&'a [&'a str], i32, &'a str);
+/// Invalid lines for `compute`.
+const STATES: [&str; 14] = [
+    "hello",
+    "[[0,0],[0,0]]",
+    "{\"q\":[0,0],\"v\":[0,0]",
+    "{\"q\":[0,0]}",
+    "{\"q\":[0,null],\"v\":[0,0]}",
+    "{\"q\":[0,NaN],\"v\":[0,0]}",
+    "{\"q\":[0,1e999],\"v\":[0,0]}",
+    "{\"q\":[0,0],\"v\":[0,0],\"u\":[0,0]}",
+    "{\"q\":[0],\"v\":[0,0]}",
+    "{\"q\":[0,0],\"v\":[0,0,0]}",
+    "{\"q\":[0,0],\"v\":[0,0],\"a\":[]}",
+    "{\"q\":[0,0],\"v\":[0,0],\"tau\":[1]}",
+    "{\"q\":[0,1],\"v\":[1e200,0]}",
+    "{\"q\":[0,1],\"v\":[0,0],\"a\":[0,1e309]}",
+];
 
-const PANDA_JOINTS: &str = "panda_joint1, panda_joint2, panda_joint3, panda_joint4, panda_joint5, panda_joint6, \
-                            panda_joint7";
-
-#[test]
-fn malformed_command_lines() {
-    let folder = Folder::new("malformed_command_lines");
-    folder.write("pendulum.urdf", PENDULUM.as_bytes());
-    let spring = PENDULUM.replace("damping=\"0.1\"", "springStiffness=\"3\"");
-    folder.write("spring.urdf", spring.as_bytes());
-    folder.write("still.urdf", b"<robot name=\"still\"><link name=\"stone\"/></robot>");
-    folder.write("binary.urdf", b"\x89PNG\r\n\x1a\n\xff");
-    std::fs::create_dir(folder.path("folder")).unwrap();
-    let no_elbow =
-        format!("--pose: robot `panda` has no joint `elbow`; its moving joints are {PANDA_JOINTS}");
-    let no_knee = format!("--goal: robot `panda` has no joint `knee`; its moving joints are {PANDA_JOINTS}");
-    let cases: &[Case<'_>] = &[
-        (&["juggle"], 2, "unrecognized subcommand 'juggle' (see --help)"),
-        (&["inspect"], 2, "the following required arguments were not provided: <ROBOT> (see --help)"),
-        (
-            &["simulate", "panda.urdf", "--posse", "a=1"],
-            2,
-            "unexpected argument '--posse' found; tip: a similar argument exists: '--pose' (see --help)",
-        ),
-        (&["inspect", "none.urdf"], 1, "cannot read none.urdf: No such file or directory (os error 2)"),
-        (&["audit", "folder"], 1, "cannot read folder: Is a directory (os error 21)"),
-        (
-            &["compute", "binary.urdf"],
-            1,
-            "binary.urdf: byte 0 is not UTF-8 text; save the file as UTF-8, and check that it is a robot file at all",
-        ),
-        (
-            &["inspect", "spring.urdf", "--strict"],
-            1,
-            "spring.urdf: line 12: joint \"hinge\"/dynamics: unknown attribute springStiffness=\"3\" (a warning, \
-             which strict reading refuses; correct it or do not be strict)",
-        ),
-        (
-            &["simulate", "still.urdf"],
-            1,
-            "still.urdf: no joint moves, so there is nothing to simulate (--floating-base frees the root link)",
-        ),
-        // Poses.
-        (&["simulate", "panda.urdf", "--pose", "elbow=1"], 1, &no_elbow),
-        (&["simulate", "panda.urdf", "--goal", "knee=1"], 1, &no_knee),
-        (
-            &["simulate", "panda.urdf", "--pose", "panda_joint1"],
-            1,
-            "--pose: robot `panda` has no pose `panda_joint1`: its file names none; write JOINT=NUMBER, several separated \
-             by commas",
-        ),
-        (
-            &["simulate", "panda.urdf", "--pose", "panda_joint1=NaN"],
-            2,
-            "invalid value 'panda_joint1=NaN' for '--pose <JOINT=NUMBER,…>': panda_joint1: NaN is not a finite \
-             number (see --help)",
-        ),
-        (
-            &["simulate", "panda.urdf", "--velocity", "panda_joint1=fast"],
-            2,
-            "invalid value 'panda_joint1=fast' for '--velocity <JOINT=NUMBER,…>': panda_joint1: \"fast\" is not a \
-             number (see --help)",
-        ),
-        (
-            &["simulate", "panda.urdf", "--pose", "panda_joint1=1,2"],
-            1,
-            "--pose: joint `panda_joint1` (revolute) takes 1 number, found 2",
-        ),
-        (
-            &["simulate", "panda.urdf", "--pose", "panda_joint1=1", "--pose", "panda_joint1=2"],
-            1,
-            "--pose: joint `panda_joint1` is given twice",
-        ),
-        (
-            &["simulate", "panda.urdf", "--pose", "panda_joint8=1"],
-            1,
-            "--pose: joint `panda_joint8` is fixed and has no value",
-        ),
-        (
-            &["simulate", "gripper.urdf", "--pose", "thumb_turn=0.1"],
-            1,
-            "--pose: joint `thumb_turn` follows joint `grip`; set that one",
-        ),
-        (
-            &["simulate", "quadruped.urdf", "--floating-base", "--pose", "floating_base=0,0,1,0,0,0,0"],
-            1,
-            "--pose: joint `floating_base`: the quaternion x,y,z,w has length 0, not 1; for no rotation write 0,0,0,1",
-        ),
-        (
-            &["simulate", "quadruped.urdf", "--floating-base", "--pose", "floating_base=0,0,1"],
-            1,
-            "--pose: joint `floating_base` (floating) takes 7 numbers (x,y,z,qx,qy,qz,qw), found 3",
-        ),
-        (
-            &["simulate", "quadruped.urdf", "--floating-base", "--velocity", "floating_base=1"],
-            1,
-            "--velocity: joint `floating_base` (floating) takes 6 numbers (vx,vy,vz,wx,wy,wz in the child's axes), \
-             found 1",
-        ),
-        // Numbers.
-        (
-            &["simulate", "panda.urdf", "--step", "0"],
-            2,
-            "invalid value '0' for '--step <SECONDS>': it must be positive and finite (see --help)",
-        ),
-        (
-            &["simulate", "panda.urdf", "--step", "-0.001"],
-            2,
-            "invalid value '-0.001' for '--step <SECONDS>': it must be positive and finite (see --help)",
-        ),
-        (
-            &["simulate", "panda.urdf", "--step", "NaN"],
-            2,
-            "invalid value 'NaN' for '--step <SECONDS>': it must be positive and finite (see --help)",
-        ),
-        (
-            &["simulate", "panda.urdf", "--step", "short"],
-            2,
-            "invalid value 'short' for '--step <SECONDS>': it is not a number (see --help)",
-        ),
-        (
-            &["simulate", "panda.urdf", "--duration", "inf"],
-            2,
-            "invalid value 'inf' for '--duration <SECONDS>': it must be positive and finite (see --help)",
-        ),
-        (
-            &["simulate", "panda.urdf", "--duration", "1e300"],
-            1,
-            "1.00e300 s in steps of 0.001 s are 1.00e303 steps, and 1e9 is the most; take a longer --step or a \
-             shorter --duration",
-        ),
-        (
-            &["simulate", "panda.urdf", "--integrator", "euler"],
-            2,
-            "invalid value 'euler' for '--integrator <NAME>': there is no method `euler`; there are explicit-euler, \
-             semi-implicit-euler, rk4, variational-midpoint, variational-yoshida4, implicit, mujoco, adaptive (see --help)",
-        ),
-        (
-            &["simulate", "panda.urdf", "--kp", "1", "--kd", "-1"],
-            2,
-            "invalid value '-1' for '--kd <GAIN>': it must be zero or positive, and finite (see --help)",
-        ),
-        (
-            &["simulate", "panda.urdf", "--kp", "1"],
-            2,
-            "the following required arguments were not provided: --kd <GAIN> (see --help)",
-        ),
-        (
-            &["audit", "panda.urdf", "--states", "0"],
-            2,
-            "invalid value '0' for '--states <STATES>': 0 is not in 1..=100000 (see --help)",
-        ),
-        // Files.
-        (
-            &["simulate", "panda.urdf", "--csv", "none/run.csv"],
-            1,
-            "cannot write none/run.csv: No such file or directory (os error 2)",
-        ),
-        (&["simulate", "panda.urdf", "--csv", "folder"], 1, "cannot write folder: it is a directory"),
-        (
-            &["simulate", "panda.urdf", "--plot", "run.pdf"],
-            2,
-            "invalid value 'run.pdf' for '--plot <FILE>': the name must end in .svg or .png (see --help)",
-        ),
-        (
-            &["simulate", "panda.urdf", "--csv", "run.svg", "--plot", "run.svg"],
-            1,
-            "--plot run.svg is the same file as --csv, run.svg; name another file",
-        ),
-        (
-            &["simulate", "panda.urdf", "--every", "0"],
-            2,
-            "invalid value '0' for '--every <STEPS>': 0 is not in 1..=4294967295 (see --help)",
-        ),
-    ];
-    let before = folder.names();
-    for (arguments, code, message) in cases {
-        let ran = folder.run(arguments, b"");
-        assert_eq!(ran.err, format!("error: {message}\n"), "{arguments:?}");
-        assert_eq!((ran.code, ran.out.as_str()), (Some(*code), ""), "{arguments:?}");
-    }
-    assert_eq!(folder.names(), before, "a refused command leaves no file");
-}
-
-/// A line of states, and the error object it gives.
+/// Each gives an error object, and later lines are read.
 #[test]
 fn malformed_states() {
     let folder = Folder::new("malformed_states");
-    let wanted = "expected {\"q\":[..],\"v\":[..]} with \"a\" and \"tau\" optional";
-    let cases: &[(&str, String)] = &[
-        ("hello", format!("{wanted}; the line is no JSON object")),
-        ("[[0,0],[0,0]]", format!("{wanted}; the line is no JSON object")),
-        ("{\"q\":[0,0],\"v\":[0,0]", format!("{wanted}: EOF while parsing an object at column 20")),
-        ("{\"q\":[0,0]}", format!("{wanted}: missing field `v` at column 11")),
-        ("{\"q\":[0,null],\"v\":[0,0]}", format!("{wanted}: invalid type: null, expected f64 at column 12")),
-        ("{\"q\":[0,NaN],\"v\":[0,0]}", format!("{wanted}: expected value at column 9")),
-        ("{\"q\":[0,1e999],\"v\":[0,0]}", format!("{wanted}: number out of range at column 13")),
-        (
-            "{\"q\":[0,0],\"v\":[0,0],\"u\":[0,0]}",
-            format!("{wanted}: unknown field `u`, expected one of `q`, `v`, `a`, `tau` at column 24"),
-        ),
-        ("{\"q\":[0],\"v\":[0,0]}", "q has 1 numbers, robot `two_r` needs 2".into()),
-        ("{\"q\":[0,0],\"v\":[0,0,0]}", "v has 3 numbers, the robot needs 2".into()),
-        ("{\"q\":[0,0],\"v\":[0,0],\"a\":[]}", "a has 0 numbers, the robot needs 2".into()),
-        ("{\"q\":[0,0],\"v\":[0,0],\"tau\":[1]}", "tau has 1 numbers, the robot needs 2".into()),
-        ("{\"q\":[0,1],\"v\":[1e200,0]}", "bias is not finite: the state's numbers are too large".into()),
-    ];
-    for (line, message) in cases {
-        // A good line before and after it, and an empty one: the stream goes on and the count is right.
+    let mut transcript = Transcript::default();
+    let mut summary = None;
+    for line in STATES {
+        // The lines before and after it are valid, and an empty line counts.
         let good = "{\"q\":[0,0],\"v\":[0,0]}";
         let ran = folder.run(&["compute", "two_r.urdf"], format!("{good}\n\n{line}\n{good}\n").as_bytes());
         let answers: Vec<serde_json::Value> =
             ran.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
         assert_eq!(answers.len(), 3, "{line}");
-        assert_eq!(answers[1], serde_json::json!({"error": message, "line": 3}), "{line}");
+        assert_eq!((answers[1]["error"].is_string(), &answers[1]["line"]), (true, &3.into()), "{line}");
         assert!(answers[0]["gravity"].is_array() && answers[0] == answers[2], "{line}");
-        let told = "error: 1 of 4 lines could not be used; each has an object with \"error\" in the output\n";
-        assert_eq!((ran.code, ran.err.as_str()), (Some(1), told), "{line}");
+        assert_eq!(ran.code, Some(1), "{line}");
+        transcript.add_text(&format!("{line}\n  {}", answers[1]["error"].as_str().unwrap()));
+        assert_eq!(summary.get_or_insert_with(|| ran.err.clone()), &ran.err, "{line}");
     }
+    transcript.add_text(&summary.unwrap());
+    transcript.compare("malformed_states");
 }
 
-/// q with a quaternion of the wrong length is refused, as no rotation is meant by it.
+/// A quaternion far from unit length is an error.
 #[test]
 fn quaternions_of_compute_have_unit_length() {
     let folder = Folder::new("quaternions");
@@ -403,14 +189,12 @@ fn quaternions_of_compute_have_unit_length() {
     let ran = folder.run(&["compute", "stone.urdf", "--floating-base"], state.as_bytes());
     assert_eq!(ran.code, Some(1));
     let answer: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
-    assert_eq!(
-        answer["error"],
-        "q[3..7] (joint `floating_base`) is a quaternion x y z w of length 0, not 1; normalise it, and \
-         check its order"
-    );
+    let mut transcript = Transcript::default();
+    transcript.add_text(answer["error"].as_str().unwrap());
+    transcript.compare("quaternion");
 }
 
-/// No states are no mistake, nor are bytes of any sort a panic.
+/// Input without states is not an error, and no input causes a panic.
 #[test]
 fn empty_and_hostile_input() {
     let folder = Folder::new("hostile_input");
@@ -421,10 +205,6 @@ fn empty_and_hostile_input() {
     for bytes in [&b"\xff\xfe{\x00}"[..], b"\0\0\0", deep.as_bytes(), long.as_bytes()] {
         let ran = folder.run(&["compute", "two_r.urdf"], bytes);
         assert_eq!(ran.code, Some(1));
-        assert!(
-            ran.out.starts_with("{\"error\":\"expected {") && ran.out.lines().count() == 1,
-            "{}",
-            ran.out
-        );
+        assert!(ran.out.starts_with("{\"error\":") && ran.out.lines().count() == 1, "{}", ran.out);
     }
 }

@@ -1,9 +1,10 @@
-//! Names of a robot's file are data: no command prints or writes what a terminal, a table, a picture or a reader of JSON takes
-//! for more.
+//! Names in a robot's file are data: in every output they are escaped, so that terminals, tables, pictures
+//! and JSON readers show them as text.
 
 use crate::command::Folder;
 
-/// Two moving links whose names hold line breaks, controls, direction marks, separators and markup.
+/// Two moving links whose names contain line breaks, control characters, direction marks, separators and
+/// markup.
 const HOSTILE: &str = "<robot name=\"a&#10;rm&#x9b;2J&#x202e;\">
   <link name=\"base&#10;note: all is well\"/>
   <link name=\"li,nk&#x2028;&quot;&lt;b>\"><inertial><origin xyz=\"1 0 0\"/><mass value=\"1\"/></inertial></link>
@@ -15,7 +16,7 @@ const HOSTILE: &str = "<robot name=\"a&#10;rm&#x9b;2J&#x202e;\">
     <dynamics damping=\"0.1\" springStiffness=\"3\"/></joint>
 </robot>";
 
-/// Nothing but visible characters and ends of lines.
+/// Only visible characters and line ends.
 #[track_caller]
 fn assert_plain(what: &str, text: &str) {
     let is_odd = |letter: &char| {
@@ -68,7 +69,7 @@ fn every_command_prints_names_as_text() {
     }
 }
 
-/// JSON has the very names, and so has a converted file, which holds all but controls.
+/// JSON contains the exact names, and so does a converted file, except for control characters.
 #[test]
 fn names_are_the_same_in_json_and_in_a_converted_file() {
     let folder = Folder::new("names_json");
@@ -86,15 +87,15 @@ fn names_are_the_same_in_json_and_in_a_converted_file() {
     folder.write("plain.urdf", plain.as_bytes());
     let ran = folder.run(&["convert", "plain.urdf", "there.xml"], b"");
     assert_eq!(ran.code, Some(0), "{}", ran.err);
-    // MJCF has a fixed joint more, between the world and the base.
+    // MJCF has one more fixed joint, between the world and the base.
     assert_eq!(names("there.xml")[1..], names("plain.urdf"));
-    // They are named on the command line as they are.
+    // The command line accepts the exact names.
     let pose = format!("{}=0.5", own[1]);
     let run = ["simulate", "robot.urdf", "--duration", "0.01", "--pose", pose.as_str()];
     assert_eq!(folder.run(&run, b"").code, Some(0));
 }
 
-/// The table is one record a line, and the picture is well-formed.
+/// Each row of the table is one line, and the picture is well-formed.
 #[test]
 fn tables_and_pictures_hold_names() {
     let folder = Folder::new("names_files");
@@ -111,7 +112,7 @@ fn tables_and_pictures_hold_names() {
     assert_eq!(unquoted.matches(',').count(), table.lines().last().unwrap().matches(',').count());
     let picture = folder.read("run.svg");
     assert_plain("the picture", &picture);
-    let document = robot_xml::roxmltree::Document::parse(&picture).unwrap();
+    let document = robot_dynamics_xml::roxmltree::Document::parse(&picture).unwrap();
     let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).map(str::trim).collect();
     assert!(texts.iter().any(|text| text.contains(r"wri\tst\u{85}</text>")), "{texts:?}");
 }

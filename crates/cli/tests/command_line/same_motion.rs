@@ -1,4 +1,5 @@
-//! The runs of `testdata/same_motion` by the command, whose last row of CSV is compared with the library's table.
+//! The runs of `testdata/same_motion` by the command, whose last row of CSV is compared with the library's
+//! table.
 
 use std::fs;
 use std::path::Path;
@@ -25,10 +26,10 @@ fn the_last_row_is_the_librarys_state() {
         assert_eq!(ran.code, Some(0), "{arguments:?}: {}", ran.err);
         let expected: Vec<f64> = expected.split(' ').map(|x| x.parse().unwrap()).collect();
         let last = folder.read("run.csv");
-        // After the time come q and v.
+        // q and v follow the time.
         let row = last.lines().last().unwrap().split(',').skip(1).take(expected.len());
         let found: Vec<f64> = row.map(|x| x.parse().unwrap()).collect();
-        // A machine that rounds otherwise has other bits from the first run on.
+        // On a machine with other rounding, all bits differ from the first run on.
         let rounds_otherwise = *rounds_otherwise.get_or_insert(found != expected);
         if !rounds_otherwise {
             assert_eq!(found, expected, "{name}");

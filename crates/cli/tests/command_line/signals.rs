@@ -1,4 +1,4 @@
-//! SIGINT, SIGTERM and SIGHUP end a command alike: what was computed is kept, and no temporary file stays.
+//! SIGINT, SIGTERM and SIGHUP end a command in the same way: results are kept, and no temporary file remains.
 #![cfg(unix)]
 
 use std::fs;
@@ -6,6 +6,7 @@ use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
 use crate::command::Folder;
+use crate::labels::INTERRUPTED;
 
 const SIGNALS: [(&str, i32); 3] = [("INT", 130), ("TERM", 143), ("HUP", 129)];
 
@@ -13,7 +14,7 @@ const SIGNALS: [(&str, i32); 3] = [("INT", 130), ("TERM", 143), ("HUP", 129)];
 fn wait_until(is_so: impl Fn() -> bool) {
     let clock = Instant::now();
     while !is_so() {
-        assert!(clock.elapsed() < Duration::from_secs(120), "it does not come to that");
+        assert!(clock.elapsed() < Duration::from_secs(120), "the condition is not met in time");
         std::thread::sleep(Duration::from_millis(5));
     }
 }
@@ -23,7 +24,7 @@ fn send(signal: &str, child: &Child) {
     assert!(Command::new("kill").args([&format!("-{signal}"), id.as_str()]).status().unwrap().success());
 }
 
-/// The partial table and picture, and nothing else.
+/// Only the partial table and the partial plot remain.
 #[test]
 fn a_run_is_kept_up_to_the_signal() {
     let folder = Folder::new("signals");
@@ -31,7 +32,7 @@ fn a_run_is_kept_up_to_the_signal() {
     let run = ["simulate", "two_r.urdf", "--duration", "100000", "--csv", "run.csv", "--plot", "run.svg"];
     for (signal, code) in SIGNALS {
         let child = folder.command(&run).spawn().unwrap();
-        // The head of the table is written when rows have filled the memory before it.
+        // The header is written when the buffer is full of rows.
         let grows = |name: &String| {
             name.ends_with("run.csv") && fs::metadata(folder.path(name)).is_ok_and(|file| file.len() > 0)
         };
@@ -40,7 +41,7 @@ fn a_run_is_kept_up_to_the_signal() {
         let output = child.wait_with_output().unwrap();
         let err = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(code), "{signal}: {err}");
-        assert!(err.starts_with("interrupted at t = "), "{signal}: {err}");
+        assert!(err.starts_with(INTERRUPTED), "{signal}: {err}");
         for name in ["run.partial.csv", "run.partial.svg"] {
             assert!(fs::metadata(folder.path(name)).is_ok_and(|file| file.len() > 0), "{signal}: {name}");
             fs::remove_file(folder.path(name)).unwrap();
@@ -49,7 +50,7 @@ fn a_run_is_kept_up_to_the_signal() {
     }
 }
 
-/// A command without steps ends at once, and its temporary folder is gone.
+/// A command without steps ends at once, and its temporary folder is removed.
 #[test]
 fn a_measurement_leaves_no_folder() {
     let folder = Folder::new("signals_measure");
@@ -57,7 +58,7 @@ fn a_measurement_leaves_no_folder() {
     fs::create_dir(&temporary).unwrap();
     let run = ["generate", "humanoid.urdf", "--target", "c", "--measure", "-o", "code"];
     for (signal, code) in SIGNALS {
-        // The compiler that it starts has files of its own there.
+        // The compiler has its own files there.
         let is_there = || {
             let mut entries = fs::read_dir(&temporary).unwrap().map(|entry| entry.unwrap().file_name());
             entries.any(|name| name.to_string_lossy().starts_with("dynamics-measure-"))
@@ -72,7 +73,7 @@ fn a_measurement_leaves_no_folder() {
     }
 }
 
-/// `nohup` keeps a run from ending with its terminal.
+/// With `nohup` a run outlives its terminal.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_run_that_ignores_hangups_goes_on() {

@@ -1,13 +1,14 @@
-//! Robots whose mass matrix is singular: everything that needs no inverse, and a clear end of what does.
+//! Robots with a singular mass matrix: results that need no inverse, and clear errors for the others.
 
 use crate::command::Folder;
+use crate::messages::Transcript;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
 const LINK: &str = r#"<inertial><origin xyz="0.1 0.02 0.2"/><mass value="1"/>
     <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>"#;
 
-/// A chain of joints (name, axis, what the link holds), a metre apart along z where the link holds something.
+/// A chain of joints (name, axis, link's inertia), a metre apart along z after links with inertia.
 fn chain(links: &[(&str, &str, &str)]) -> String {
     let mut text = r#"<robot name="chain"><link name="link0"/>"#.to_owned();
     for (i, (name, axis, inertial)) in links.iter().enumerate() {
@@ -24,10 +25,15 @@ fn chain(links: &[(&str, &str, &str)]) -> String {
     text + "</robot>"
 }
 
+/// Two joints about one axis, without inertia between them.
+pub(crate) fn coaxial() -> String {
+    chain(&[("one", "0 0 1", ""), ("two", "0 0 -1", LINK)])
+}
+
 fn folder(name: &str) -> Folder {
     let folder = Folder::new(name);
     let files = [
-        ("coaxial.urdf", chain(&[("one", "0 0 1", ""), ("two", "0 0 -1", LINK)])),
+        ("coaxial.urdf", coaxial()),
         ("gimbal.urdf", chain(&[("yaw", "0 0 1", ""), ("pitch", "0 1 0", ""), ("roll", "0 0 1", LINK)])),
         ("hand.urdf", chain(&[("arm", "0 1 0", LINK), ("slide", "1 0 0", ""), ("nail", "0 0 1", "")])),
         ("bare.urdf", chain(&[("arm", "0 1 0", LINK)])),
@@ -42,49 +48,35 @@ fn objects(text: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
-const COAXIAL: &str = "in every pose looked at the mass matrix is singular: joints `one`, `two` can move against each \
-                       other without moving any inertia; no acceleration follows from the forces: give the links \
-                       there mass or the joint armature, or lock a joint (--lock JOINT)";
-
 #[test]
 fn compute_gives_all_but_the_accelerations() {
     let folder = folder("singular_compute");
     let states = "{\"q\":[0.1,0.2],\"v\":[1,2],\"a\":[3,4],\"tau\":[5,6]}\n{\"q\":[0.1,0.2],\"v\":[1,2]}\n";
     let ran = folder.run(&["compute", "coaxial.urdf"], states.as_bytes());
     assert_eq!(ran.code, Some(1));
-    assert_eq!(
-        ran.err,
-        format!(
-            "warning: {COAXIAL}\nerror: 1 of 2 lines asked for accelerations where the mass matrix is singular; each \
-             has \"forward_dynamics_error\" in place of \"forward_dynamics\"\n"
-        )
-    );
+    let mut transcript = Transcript::default();
+    transcript.add_text(&ran.err);
+    transcript.compare("singular_compute");
     let [first, second] = &objects(&ran.out)[..] else { panic!("{}", ran.out) };
     assert_eq!(first["mass_matrix"], second["mass_matrix"]);
     assert_eq!(first["inverse_dynamics"].as_array().unwrap().len(), 2);
     assert!(first.get("forward_dynamics").is_none() && second.get("forward_dynamics_error").is_none());
     let error = &first["forward_dynamics_error"];
     assert_eq!([&error["joints"], &error["line"]], [&json!(["one", "two"]), &json!(1)]);
-    assert!(
-        error["message"].as_str().unwrap().starts_with("the mass matrix is singular: joints `one`, `two`")
-    );
-    // Where nobody asks, nothing is missing.
+    assert!(error["message"].as_str().unwrap().contains("`one`, `two`"));
+    // A line without `tau` asks for no accelerations.
     let ran = folder.run(&["compute", "coaxial.urdf"], b"{\"q\":[0.1,0.2],\"v\":[1,2],\"a\":[3,4]}");
-    assert_eq!((ran.code, ran.err), (Some(0), format!("warning: {COAXIAL}\n")));
+    assert_eq!((ran.code, ran.err.lines().count()), (Some(0), 1), "{}", ran.err);
 }
 
-/// A gimbal is singular at zero and nowhere else: the other lines have their accelerations.
+/// A gimbal is singular only at zero, and other lines have accelerations.
 #[test]
 fn singular_in_one_pose() {
     let folder = folder("singular_gimbal");
     let state = |pitch: f64| json!({"q": [0.1, pitch, 0.3], "v": [0, 0, 0], "tau": [1, 2, 3]}).to_string();
     let ran = folder.run(&["compute", "gimbal.urdf"], [state(0.0), state(0.5)].join("\n").as_bytes());
     assert_eq!(ran.code, Some(1));
-    assert!(
-        ran.err.starts_with("warning: at all zeros the mass matrix is singular: joints `yaw`, `roll` "),
-        "{}",
-        ran.err
-    );
+    assert!(ran.err.starts_with("warning: ") && ran.err.contains("`yaw`, `roll`"), "{}", ran.err);
     let [first, second] = &objects(&ran.out)[..] else { panic!("{}", ran.out) };
     assert_eq!(first["forward_dynamics_error"]["joints"], json!(["yaw", "roll"]));
     assert_eq!(second["forward_dynamics"].as_array().unwrap().len(), 3);
@@ -93,13 +85,8 @@ fn singular_in_one_pose() {
     let check =
         audit["checks"].as_array().unwrap().iter().find(|check| check["check"] == "mass_matrix").unwrap();
     assert_eq!(check["verdict"], "short");
-    assert!(
-        check["where"]
-            .as_str()
-            .unwrap()
-            .starts_with("all zeros: the mass matrix is singular: joints `yaw`, `roll`")
-    );
-    // The states themselves are regular, and their accelerations are checked.
+    assert!(check["where"].as_str().unwrap().contains("`yaw`, `roll`"), "{check}");
+    // The sampled states are regular, so their accelerations are checked.
     assert!(audit["checks"].as_array().unwrap().iter().any(|check| check["check"] == "forward_routes"));
 }
 
@@ -111,21 +98,15 @@ fn a_simulation_ends_with_time_and_joints() {
             folder.run(&["simulate", "coaxial.urdf", "--integrator", integrator, "--csv", "run.csv"], b"");
         assert_eq!((ran.code, ran.out.as_str()), (Some(1), ""), "{integrator}");
         let last = ran.err.lines().last().unwrap();
-        assert!(
-            last.starts_with(
-                "error: no step from t = 0 s: the mass matrix is singular: joints `one`, `two` "
-            ),
-            "{integrator}: {last}"
-        );
-        assert!(last.ends_with("or lock a joint (--lock JOINT)"), "{last}");
+        assert!(last.contains(" t = 0 s") && last.contains("`one`, `two`"), "{integrator}: {last}");
+        assert!(last.contains("--lock JOINT"), "{last}");
     }
 }
 
 #[test]
 fn inspection_has_a_section() {
     let folder = folder("singular_inspect");
-    let text = folder.output(&["inspect", "coaxial.urdf"], "");
-    assert!(text.contains(&format!("\nMass matrix: {COAXIAL}\n")), "{text}");
+    assert!(folder.output(&["inspect", "coaxial.urdf"], "").contains("Mass matrix"));
     assert!(!folder.output(&["inspect", "bare.urdf"], "").contains("Mass matrix"));
     let object = &objects(&folder.output(&["inspect", "hand.urdf", "--json"], ""))[0]["singular_mass"];
     assert_eq!(object["massless_joints"], json!(["slide", "nail"]));
@@ -135,36 +116,31 @@ fn inspection_has_a_section() {
     assert_eq!([&object["massless_joints"], &object["random_poses_singular"]], [&json!([]), &json!(0)]);
 }
 
-/// Massless joints load; held still they leave the robot that they hang on.
+/// Robots with massless joints load. With these joints locked, they simulate like the robot without them.
 #[test]
 fn locked_joints_simulate() {
     let folder = folder("locked");
     let ran = folder.run(&["simulate", "hand.urdf", "--duration", "0.1"], b"");
     assert_eq!(ran.code, Some(1));
-    assert!(
-        ran.err.contains("joints `slide`, `nail` move no inertia;")
-            && ran.err.contains("or --lock-massless)"),
-        "{}",
-        ran.err
-    );
+    assert!(ran.err.contains("`slide`, `nail`") && ran.err.contains("--lock-massless"), "{}", ran.err);
     let bare = folder.output(&["simulate", "bare.urdf", "--duration", "0.1", "--csv", "bare.csv"], "");
-    assert!(bare.contains("1 degree of freedom"), "{bare}");
-    let told = "note: --lock-massless: joints `slide`, `nail` move no inertia and are held still\n";
+    assert!(bare.contains(": 1 degree of freedom"), "{bare}");
+    let told = "note: --lock-massless: joints `slide`, `nail`";
     let run = ["simulate", "hand.urdf", "--duration", "0.1", "--csv", "hand.csv"];
     let ran = folder.run(&[&run[..], &["--lock-massless"]].concat(), b"");
-    // The file is what it is, and its warnings stay.
+    // Warnings about the file remain.
     assert!(ran.code == Some(0) && ran.err.starts_with(told), "{}", ran.err);
-    assert!(!ran.err.contains("the mass matrix is singular:"), "{}", ran.err);
+    assert!(!ran.err.contains("--lock JOINT"), "M is regular: {}", ran.err);
     assert_eq!(folder.read("hand.csv"), folder.read("bare.csv"));
     folder.write("hand.csv", b"");
     let ran = folder.run(&[&run[..], &["--lock", "slide=0.1,nail"]].concat(), b"");
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     assert_eq!(folder.read("hand.csv"), folder.read("bare.csv"));
     let ran = folder.run(&["inspect", "bare.urdf", "--lock-massless"], b"");
-    assert_eq!(ran.err, "note: --lock-massless: every joint moves some inertia; none is locked\n");
+    assert_eq!((ran.code, ran.err.lines().count()), (Some(0), 1), "{}", ran.err);
 }
 
-/// A lock's position counts, and without one it is as near to zero as the limits allow.
+/// A lock's position counts; without one it is as close to zero as the limits allow.
 #[test]
 fn locks_have_positions() {
     let folder = folder("lock_positions");
@@ -189,34 +165,22 @@ fn locks_have_positions() {
 }
 
 #[test]
-fn locks_that_cannot_be() {
+fn wrong_locks_are_refused() {
     let folder = folder("lock_errors");
-    for (robot, lock, message) in [
-        ("bare.urdf", "leg", "--lock: the robot has no joint `leg`; its moving joints are arm"),
-        ("bare.urdf", "arm,arm", "--lock: joint `arm` is given twice"),
-        (
-            "bare.urdf",
-            "arm=1,2",
-            "--lock: joint `arm` (revolute) is locked at 1 finite numbers, got [1.0, 2.0]",
-        ),
-        ("bare.urdf", "floating_base", "--lock: the base is fixed without --floating-base; leave that out"),
-    ] {
-        let ran = folder.run(&["inspect", robot, "--lock", lock], b"");
-        assert_eq!((ran.code, ran.err), (Some(1), format!("error: {message}\n")), "{lock}");
-    }
     let gripper = &objects(&folder.output(&["inspect", "gripper.urdf", "--json"], ""))[0];
     let joints = gripper["joints"].as_array().unwrap();
-    let follower = joints.iter().find(|joint| !joint["mimic"].is_null()).unwrap();
-    let (name, leader) = (follower["name"].as_str().unwrap(), follower["mimic"]["joint"].as_str().unwrap());
-    let ran = folder.run(&["inspect", "gripper.urdf", "--lock", name], b"");
-    assert_eq!(
-        ran.err,
-        format!("error: --lock: joint `{name}` follows joint `{leader}`; lock `{leader}` instead\n")
-    );
-    let fixed = joints.iter().find(|joint| joint["kind"] == "fixed");
-    if let Some(fixed) = fixed {
-        let name = fixed["name"].as_str().unwrap();
-        let ran = folder.run(&["inspect", "gripper.urdf", "--lock", name], b"");
-        assert_eq!(ran.err, format!("error: --lock: joint `{name}` is fixed already\n"));
+    let mimic = joints.iter().find(|joint| !joint["mimic"].is_null()).unwrap();
+    let (name, leader) = (mimic["name"].as_str().unwrap(), mimic["mimic"]["joint"].as_str().unwrap());
+    for (robot, lock, named) in [
+        ("bare.urdf", "leg", "`leg`"),
+        ("bare.urdf", "arm,arm", "`arm`"),
+        ("bare.urdf", "arm=1,2", "`arm`"),
+        ("bare.urdf", "floating_base", "--floating-base"),
+        ("gripper.urdf", name, leader),
+        ("panda.urdf", "panda_joint8", "`panda_joint8`"),
+    ] {
+        let ran = folder.run(&["inspect", robot, "--lock", lock], b"");
+        assert_eq!((ran.code, ran.err.lines().count()), (Some(1), 1), "{lock}: {}", ran.err);
+        assert!(ran.err.starts_with("error: --lock: ") && ran.err.contains(named), "{lock}: {}", ran.err);
     }
 }

@@ -1,10 +1,10 @@
-//! Why a constrained motion could not be computed.
+//! The reasons why a constrained motion cannot be computed.
 
 use core::fmt;
 
-use crate::DynamicsError;
+use robot_dynamics_integrators::DynamicsError;
 
-/// A constraint row that adds nothing to the rows before it.
+/// A constraint row that depends on the rows before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct DependentRow {
@@ -24,22 +24,22 @@ impl fmt::Display for DependentRow {
     }
 }
 
-/// Why a constrained motion could not be computed.
+/// The reason why a constrained motion cannot be computed.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ConstraintError {
-    /// The unconstrained system already fails: a non-finite state or a singular mass matrix.
+    /// The unconstrained system fails: a state that is not finite, or a singular mass matrix.
     Dynamics(DynamicsError),
     /// An entry of A or Ȧ is NaN or infinite.
     NonFiniteRow {
-        /// Which matrix: `A` or `Ȧ`.
+        /// The matrix, `A` or `Ȧ`.
         matrix: &'static str,
         /// The constraint row.
         row: usize,
         /// The coordinate.
         column: usize,
     },
-    /// A has fewer independent rows than rows, so λ is not determined.
+    /// A has dependent rows, so λ is not determined.
     DependentRows {
         /// The number of independent rows.
         rank: usize,

@@ -9,9 +9,9 @@ use crate::{Dynamics, check_finite, solve_mass};
 
 /// q̈ (N) and λ (K) of \[M −Aᵀ; A 0\]\[q̈; λ\] = \[u − Cq̇ − g − b; −Ȧq̇\]. **(PRM 10.16–10.17)**
 ///
-/// The constraint force is Aᵀλ \[N or N·m\], A is K×N and `rows_rate` is Ȧ. Only an error touches the heap.
-/// With A = T E ([`RowFactor`]) and the free acceleration a₀ = M⁻¹(u − Cq̇ − g − b):
-/// w = T⁻¹(−Ȧq̇) − E a₀, q̈ = a₀ + M⁻¹Eᵀ w, Tᵀλ = w; then the residual is solved for once more.
+/// The constraint force is Aᵀλ \[N or N·m\], A is K×N and `rows_rate` is Ȧ. Only an error allocates memory.
+/// With A = T E ([`RowFactor`]) and the free acceleration a₀ = M⁻¹(u − Cq̇ − g − b): w = T⁻¹(−Ȧq̇) − E a₀,
+/// q̈ = a₀ + M⁻¹Eᵀ w, Tᵀλ = w. One step of iterative refinement follows.
 ///
 /// ```
 /// use dynamics::{Dynamics, Reach2R, constrained_forward_dynamics};
@@ -48,7 +48,7 @@ pub fn constrained_forward_dynamics<D: Dynamics<N> + ?Sized, const K: usize, con
     };
     let target = -(rows_rate * qd);
     let (mut qdd, mut lambda) = solve(&force, &target);
-    // One step of refinement: where M is ill-conditioned a₀ can dwarf q̈, and its rounding with it.
+    // One step of refinement: if M is ill-conditioned, a₀ and its rounding can be much larger than q̈.
     let (correction, lambda_correction) =
         solve(&(force + rows.transpose() * lambda - mass * qdd), &(target - rows * qdd));
     qdd += correction;
@@ -58,8 +58,8 @@ pub fn constrained_forward_dynamics<D: Dynamics<N> + ?Sized, const K: usize, con
 
 /// The same q̈ and λ by LU with full pivoting of the whole (N+K)×(N+K) matrix. **(PRM 10.16–10.17)**
 ///
-/// Shares nothing with [`constrained_forward_dynamics`] but the equation, so each checks the other; it
-/// allocates and does not name dependent rows beyond what the factorisation of A finds first.
+/// It shares only the equation with [`constrained_forward_dynamics`], so that each checks the other. It
+/// allocates, and it names only the dependent rows that the factorisation of A finds first.
 ///
 /// ```
 /// use dynamics::{KnifeEdge, Pfaffian, constrained_forward_dynamics_by_lu};
@@ -103,7 +103,7 @@ pub fn constrained_forward_dynamics_by_lu<D: Dynamics<N> + ?Sized, const K: usiz
     Ok((SVector::from_fn(|i, _| solution[i]), SVector::from_fn(|i, _| solution[N + i])))
 }
 
-/// u − Cq̇ − g − b, after refusing what is not finite.
+/// u − Cq̇ − g − b; an error if an input is not finite.
 fn checked_force<D: Dynamics<N> + ?Sized, const K: usize, const N: usize>(
     system: &D,
     q: &SVector<f64, N>,

@@ -1,19 +1,20 @@
 //! The Cholesky factor of M, kept for several right-hand sides.
 
 use nalgebra::{SMatrix, SVector};
+use robot_dynamics_integrators::DynamicsError;
 
-use crate::{DynamicsError, solve_mass};
+use crate::solve_mass;
 
 /// M = L Lᵀ.
 pub(crate) struct MassFactor<const N: usize> {
-    /// L, lower triangular; the upper triangle holds no meaning.
+    /// L, lower triangular; the upper triangle is not used.
     lower: SMatrix<f64, N, N>,
 }
 
 impl<const N: usize> MassFactor<N> {
     /// Factors a symmetric positive definite M.
     pub(crate) fn new(mass: &SMatrix<f64, N, N>) -> Result<Self, DynamicsError> {
-        // The checked solve refuses a non-finite or singular M and names the coordinate at fault.
+        // The checked solve rejects a non-finite or singular M and names the coordinate.
         solve_mass(mass, &SVector::zeros())?;
         let mut lower = *mass;
         for j in 0..N {

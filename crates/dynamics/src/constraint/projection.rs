@@ -1,4 +1,4 @@
-//! The projections that take the constraint force out of the equation of motion.
+//! The projections that eliminate the constraint force from the equation of motion.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -8,7 +8,7 @@ use crate::{Dynamics, check_finite, solve_mass};
 
 /// P_u on forces and P on velocities, both N×N of rank N − K.
 ///
-/// Every velocity splits into P q̇, which A allows, and (1−P) q̇, which it forbids; the two are orthogonal
+/// Every velocity is the sum of P q̇, which A allows, and (1−P) q̇, which A forbids. The two are orthogonal
 /// in M, so their kinetic energies add.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintProjections<const N: usize> {
@@ -44,9 +44,9 @@ impl<const N: usize> ConstraintProjections<N> {
     }
 }
 
-/// P q̈ = P M⁻¹(u − Cq̇ − g − b): the part of the acceleration that needs no λ. **(PRM 10.20)**
+/// P q̈ = P M⁻¹(u − Cq̇ − g − b): the part of the acceleration without λ. **(PRM 10.20)**
 ///
-/// The rest, (1−P) q̈ = −M⁻¹Aᵀ(AM⁻¹Aᵀ)⁻¹ Ȧq̇, is fixed by the constraint alone.
+/// The rest, (1−P) q̈ = −M⁻¹Aᵀ(AM⁻¹Aᵀ)⁻¹ Ȧq̇, is determined by the constraint alone.
 ///
 /// ```
 /// use dynamics::{KnifeEdge, Pfaffian, reduced_acceleration};

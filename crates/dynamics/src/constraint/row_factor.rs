@@ -5,11 +5,11 @@ use nalgebra::{SMatrix, SVector};
 use super::error::{ConstraintError, DependentRow};
 use super::mass_factor::MassFactor;
 
-/// A row whose part independent of the earlier rows is below this fraction of its length is dependent.
+/// A row is dependent if its part independent of the earlier rows is below this fraction of its length.
 ///
-/// Lengths are taken in M⁻¹, so neither the scale of a row nor the unit of a coordinate matters. Rounding
-/// leaves a dependent row about ε√κ(M), 1e-10 only at κ(M) = 1e11; rows this nearly parallel magnify the
-/// error of λ by 1e10, which leaves it fewer than six digits.
+/// Lengths are measured in M⁻¹, so neither the scale of a row nor the unit of a coordinate matters. Rounding
+/// leaves about ε√κ(M) of a dependent row, which is 1e-10 at κ(M) = 1e11. Rows as nearly parallel as that
+/// amplify the error of λ by 1e10, so that λ has fewer than six digits.
 const DEPENDENCE: f64 = 1e-10;
 
 /// A = T E with T lower triangular (K×K) and the rows of E orthonormal in M⁻¹: E M⁻¹ Eᵀ = 1.
@@ -46,7 +46,7 @@ impl<const K: usize, const N: usize> RowFactor<K, N> {
             Self { triangle: SMatrix::zeros(), forces: SMatrix::zeros(), responses: SMatrix::zeros() };
         let mut dependent = Vec::new();
         for i in 0..K {
-            // Entries of size 1, lest the squares of a row of 1e200 or 1e-200 leave the range of f64.
+            // Entries of size 1: otherwise the squares of a row of 1e200 or 1e-200 exceed the range of f64.
             let largest = rows.row(i).amax();
             let scale = if largest > 0.0 { largest } else { 1.0 };
             let row = rows.row(i).transpose() / scale;
@@ -116,22 +116,23 @@ impl<const K: usize, const N: usize> RowFactor<K, N> {
         x
     }
 
-    /// P v = v − M⁻¹Eᵀ E v: the velocity nearest to v, in kinetic energy, that the rows allow. **(PRM 10.19)**
+    /// P v = v − M⁻¹Eᵀ E v: of the velocities that the rows allow, the one nearest to v in kinetic energy.
+    /// **(PRM 10.19)**
     ///
-    /// The subtraction is done twice: the second pass removes what rounding left of the first.
+    /// The subtraction runs twice: the second pass removes the rounding of the first.
     pub fn project_velocity(&self, qd: &SVector<f64, N>) -> SVector<f64, N> {
         let once = qd - self.responses.transpose() * (self.forces * qd);
         once - self.responses.transpose() * (self.forces * once)
     }
 }
 
-/// Refuses a row matrix with a NaN or an infinity.
+/// Rejects a row matrix with a NaN or an infinity.
 pub(crate) fn check_rows<const K: usize, const N: usize>(
     matrix: &'static str,
     rows: &SMatrix<f64, K, N>,
 ) -> Result<(), ConstraintError> {
     match rows.iter().position(|x| !x.is_finite()) {
-        // Storage is column by column.
+        // The storage is column-major.
         Some(entry) => Err(ConstraintError::NonFiniteRow { matrix, row: entry % K, column: entry / K }),
         None => Ok(()),
     }

@@ -1,15 +1,16 @@
 //! A time step that stays on the constraint.
 
 use nalgebra::SVector;
+use robot_dynamics_integrators::{Integrator, StepScheme};
 
 use super::Pfaffian;
 use super::error::ConstraintError;
 use super::kkt::constrained_forward_dynamics;
 use super::row_factor::RowFactor;
+use crate::Dynamics;
 use crate::integrate::explicit::explicit_step;
-use crate::{Dynamics, Integrator, Method};
 
-/// The state after a constrained step, with what the projection had to correct.
+/// The state after a constrained step, and the correction of the projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ConstrainedStep<const K: usize, const N: usize> {
@@ -19,18 +20,18 @@ pub struct ConstrainedStep<const K: usize, const N: usize> {
     pub qd: SVector<f64, N>,
     /// A q̇ at the end of the step before the projection: the drift of this step.
     pub drift: SVector<f64, K>,
-    /// The kinetic energy the projection took out, ½ nᵀM n ≥ 0 with n = (1−P) q̇ \[J\].
+    /// The kinetic energy that the projection removes, ½ nᵀM n ≥ 0 with n = (1−P) q̇ \[J\].
     pub energy_removed: f64,
 }
 
-/// One classical Runge–Kutta step of the constrained motion, u held, then q̇ ← P q̇.
+/// One classical Runge–Kutta step of the constrained motion with u held, then q̇ ← P q̇.
 ///
-/// The constrained acceleration keeps A q̇ = 0 exactly in continuous time; the step breaks it by its own
-/// error, O(h⁵). Projecting with P removes n = (1−P) q̇ = O(h⁵), and because P q̇ and n are orthogonal in M
-/// the kinetic energy changes by exactly −½ nᵀM n = O(h¹⁰): nothing against the O(h⁵) error the step
-/// makes in the energy anyway, and never upwards. After the projection A q̇ is zero to rounding.
+/// The constrained acceleration keeps A q̇ = 0 exactly in continuous time; the step violates it by its own
+/// error, O(h⁵). Projecting with P removes n = (1−P) q̇ = O(h⁵). P q̇ and n are orthogonal in M, so the
+/// kinetic energy changes by exactly −½ nᵀM n = O(h¹⁰). That is far below the O(h⁵) energy error of the step,
+/// and it never increases the energy. After the projection A q̇ is zero to rounding.
 ///
-/// A holonomic constraint φ(q) = 0 enters by its rows A = ∂φ/∂q; its velocity is held to rounding, its
+/// A holonomic constraint φ(q) = 0 enters by its rows A = ∂φ/∂q. Its velocity is zero to rounding, its
 /// position φ to the order of the method, h⁴.
 ///
 /// # Errors
@@ -62,7 +63,7 @@ where
     D: Dynamics<N> + ?Sized,
     C: Pfaffian<K, N> + ?Sized,
 {
-    let Method::Explicit(stages) = Integrator::RungeKutta4.method() else {
+    let StepScheme::Explicit(stages) = Integrator::RungeKutta4.scheme() else {
         unreachable!("Runge–Kutta has explicit stages")
     };
     let (q_end, qd_end) = explicit_step(stages, q, qd, h, |q, qd| {

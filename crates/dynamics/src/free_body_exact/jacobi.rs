@@ -5,10 +5,10 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-/// Enough halvings for any complement above 1e-300: the mean converges quadratically.
+/// Sufficient for any complement above 1e-300: the mean converges quadratically.
 const LEVELS: usize = 16;
 
-/// m, held as its complement 1 − m: near m = 1 everything hangs on how close it is.
+/// m, stored as its complement 1 − m: near m = 1 the functions depend on that difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Parameter {
     pub(super) complement: f64,
@@ -73,14 +73,14 @@ impl Parameter {
         let mut phi = Self::stretch(&levels) * u;
         for pair in levels.windows(2).rev() {
             let ((previous_a, previous_b), (a, b)) = (pair[0], pair[1]);
-            // sin(2φₙ₋₁ − φₙ) = (cₙ/aₙ) sin φₙ, its arc sine from both legs (aₙ² − cₙ² = bₙ²): where
-            // cₙ/aₙ is near 1 the arc sine alone loses half the digits.
+            // sin(2φₙ₋₁ − φₙ) = (cₙ/aₙ) sin φₙ. The angle comes from both sides of the triangle
+            // (aₙ² − cₙ² = bₙ²): near cₙ/aₙ = 1 the arc sine alone loses half the digits.
             let (sine, cosine) = phi.sin_cos();
             let across = (previous_a - previous_b) / 2.0 * sine;
             phi = f64::midpoint(phi, across.atan2((a * cosine).hypot(b * sine)));
         }
         let (sn, cn) = phi.sin_cos();
-        // dn² = 1 − m sn², written so that nothing cancels near m = 1.
+        // dn² = 1 − m sn², in a form without cancellation near m = 1.
         (sn, cn, (cn * cn + self.complement * sn * sn).sqrt())
     }
 }
@@ -103,7 +103,7 @@ pub fn complete_elliptic_k(m: f64) -> f64 {
 
 /// F(φ|m) = ∫₀^φ dθ/√(1 − m sin²θ): the incomplete elliptic integral of the first kind. **(A&S 17.6)**
 ///
-/// At m = 1 for |φ| ≤ π/2.
+/// At m = 1 only for |φ| ≤ π/2.
 ///
 /// ```
 /// use dynamics::{complete_elliptic_k, incomplete_elliptic_f, jacobi_sn_cn_dn};

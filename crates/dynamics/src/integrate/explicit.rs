@@ -1,14 +1,14 @@
-//! The explicit steps: Euler's, the semi-implicit Euler's, and the classical Runge–Kutta's.
+//! The explicit steps: Euler, semi-implicit Euler, and classical Runge–Kutta.
 
 use nalgebra::SVector;
+use robot_dynamics_integrators::{DynamicsError, Integrator, Stage, StepScheme};
 
-use super::{Integrator, Method, Stage};
-use crate::{Dynamics, DynamicsError};
+use crate::Dynamics;
 
 /// A position and a velocity, (q, q̇) \[rad or m, per second\].
 pub type State<const N: usize> = (SVector<f64, N>, SVector<f64, N>);
 
-/// Refuses a step that is not a positive finite number of seconds: a mistake in the calling program.
+/// Panics if the step is not positive and finite, a mistake in the calling program.
 #[track_caller]
 pub(crate) fn assert_step(h: f64) {
     assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
@@ -47,7 +47,7 @@ pub(crate) fn explicit_step<E, const N: usize>(
     Ok((sum(q, &weights.0, &velocities), sum(qd, &weights.1, &accelerations)))
 }
 
-/// One step of a row whose stages are explicit.
+/// One step of a method with explicit stages.
 #[track_caller]
 fn row_step<D: Dynamics<N> + ?Sized, const N: usize>(
     row: Integrator,
@@ -57,13 +57,13 @@ fn row_step<D: Dynamics<N> + ?Sized, const N: usize>(
     u: &SVector<f64, N>,
     h: f64,
 ) -> Result<State<N>, DynamicsError> {
-    let Method::Explicit(stages) = row.method() else { unreachable!("{row} has explicit stages") };
+    let StepScheme::Explicit(stages) = row.scheme() else { unreachable!("{row} has explicit stages") };
     explicit_step(stages, q, qd, h, |q, qd| system.try_forward(q, qd, u))
 }
 
-/// One explicit Euler step: q₁ = q₀ + h q̇₀, q̇₁ = q̇₀ + h q̈(q₀, q̇₀). The bad example. **(HLW §I.1.2)**
+/// One explicit Euler step: q₁ = q₀ + h q̇₀, q̇₁ = q̇₀ + h q̈(q₀, q̇₀). **(HLW §I.1.2)**
 ///
-/// Order 1; it feeds energy into every oscillation.
+/// Order 1. Do not use it for simulation: it adds energy to every oscillation.
 ///
 /// ```
 /// use dynamics::{PlanarBody, explicit_euler_step};
@@ -74,11 +74,11 @@ fn row_step<D: Dynamics<N> + ?Sized, const N: usize>(
 /// let (q, qd) = explicit_euler_step(&stone, &rest, &rest, &rest, 0.1)?;
 /// assert_eq!(q, rest);
 /// assert!((qd - vector![0.0, -0.981, 0.0]).norm() < 1e-15);
-/// # Ok::<(), dynamics::DynamicsError>(())
+/// # Ok::<(), robot_dynamics_integrators::DynamicsError>(())
 /// ```
 ///
 /// # Errors
-/// Where [`Dynamics::try_forward`] gives one.
+/// If [`Dynamics::try_forward`] fails.
 ///
 /// # Panics
 /// If `h` \[s\] is not positive and finite.
@@ -95,8 +95,8 @@ pub fn explicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
 
 /// One semi-implicit Euler step: q̇₁ = q̇₀ + h q̈(q₀, q̇₀), q₁ = q₀ + h q̇₁. **(HLW §I.1.2)**
 ///
-/// Order 1. Where M is constant and b = 0 it is the symplectic Euler method, whose energy error stays
-/// bounded; where M varies it is not symplectic, since it steps q̇ and not p = M q̇.
+/// Order 1. If M is constant and b = 0 it is the symplectic Euler method, whose energy error stays bounded.
+/// If M varies it is not symplectic, since it steps q̇ and not p = M q̇.
 ///
 /// ```
 /// use dynamics::{PlanarBody, semi_implicit_euler_step};
@@ -107,11 +107,11 @@ pub fn explicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
 /// let (q, qd) = semi_implicit_euler_step(&stone, &rest, &rest, &rest, 0.1)?;
 /// assert!((qd - vector![0.0, -0.981, 0.0]).norm() < 1e-15);
 /// assert!((q - qd * 0.1).norm() < 1e-15);
-/// # Ok::<(), dynamics::DynamicsError>(())
+/// # Ok::<(), robot_dynamics_integrators::DynamicsError>(())
 /// ```
 ///
 /// # Errors
-/// Where [`Dynamics::try_forward`] gives one.
+/// If [`Dynamics::try_forward`] fails.
 ///
 /// # Panics
 /// If `h` \[s\] is not positive and finite.
@@ -126,25 +126,25 @@ pub fn semi_implicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
     row_step(Integrator::SemiImplicitEuler, system, q, qd, u, h)
 }
 
-/// One step of the classical Runge–Kutta method, order 4, u held over the step. **(HLW §II.1.1)**
+/// One step of the classical Runge–Kutta method of order 4, with u held over the step. **(HLW §II.1.1)**
 ///
 /// k₁ at the start, k₂ and k₃ at the middle, k₄ at the end; x₁ = x₀ + h (k₁ + 2k₂ + 2k₃ + k₄)/6 with
 /// x = (q, q̇).
 ///
 /// # Errors
-/// Where [`Dynamics::try_forward`] gives one, at any of the four stages.
+/// If [`Dynamics::try_forward`] fails at one of the four stages.
 ///
 /// # Panics
 /// If `h` \[s\] is not positive and finite.
 ///
 /// ```
 /// use dynamics::{Reach2R, rk4_step};
-/// use nalgebra::{vector, Vector2};
+/// use nalgebra::{Vector2, vector};
 /// // On a flat table a stretched arm spinning as one body goes round and round.
 /// let arm = Reach2R::uniform(1.0, 2.0, 1.0, 1.0, 0.0);
 /// let (q, qd) = rk4_step(&arm, &vector![0.0, 0.0], &vector![1.0, 0.0], &Vector2::zeros(), 0.01)?;
 /// assert!((q[0] - 0.01).abs() < 1e-12 && (qd[0] - 1.0).abs() < 1e-12);
-/// # Ok::<(), dynamics::DynamicsError>(())
+/// # Ok::<(), robot_dynamics_integrators::DynamicsError>(())
 /// ```
 #[doc(alias = "Runge-Kutta")]
 #[track_caller]

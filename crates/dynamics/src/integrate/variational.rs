@@ -1,30 +1,31 @@
 //! Structure-preserving steps: the variational midpoint rule and its composition of order 4.
 //!
-//! Hamilton's principle is made discrete before it is applied: the action of one step is
-//! L_d(q₀,q₁) = h L((q₀+q₁)/2, (q₁−q₀)/h), and p₀ = −D₁L_d, p₁ = D₂L_d define a map (q₀,p₀) → (q₁,p₁)
-//! that is symplectic for every M(q), because a discrete action generates it. **(HLW §VI.6)**
-//! It is the implicit midpoint rule in (q, p). Backward error analysis then bounds the energy error over
-//! exponentially long times **(HLW §IX.8)**, and a cyclic coordinate keeps its momentum to round-off.
+//! Hamilton's principle is discretised before it is applied: the action of one step is L_d(q₀,q₁) = h
+//! L((q₀+q₁)/2, (q₁−q₀)/h). Then p₀ = −D₁L_d and p₁ = D₂L_d define a map (q₀,p₀) → (q₁,p₁), which is
+//! symplectic for every M(q) because a discrete action generates it. **(HLW §VI.6)** The map is the implicit
+//! midpoint rule in (q, p). Backward error analysis bounds the energy error over exponentially long times
+//! **(HLW §IX.8)**, and the momentum of a cyclic coordinate is conserved to round-off.
 
 use nalgebra::SVector;
+use robot_dynamics_integrators::{Integrator, IntegratorError};
 
 use super::explicit::assert_step;
-use super::{Integrator, IntegratorError, State};
+use super::{State, SystemStep};
 use crate::{Dynamics, check_finite, solve_mass};
 
-/// Iterations after which an implicit step is given up. Each gains a factor of about h·(rates of the
-/// motion), so a step worth taking needs fewer than ten.
+/// The maximal number of iterations of an implicit step. Each gains a factor of about h·(rates of the
+/// motion), so that a useful step needs fewer than ten.
 const MAX_ITERATIONS: usize = 100;
 
 /// One step of the variational midpoint rule: order 2, symplectic, reversible. **(HLW §VI.6)**
 ///
-/// With v = (q₁−q₀)/h and the middle q_m = q₀ + h v/2, the force on the middle is
-/// F = ∂K/∂q − g + u − b, where ∂K/∂q = C(q_m,v)ᵀv for the Christoffel C. Solved for v, then applied:
+/// With v = (q₁−q₀)/h and the midpoint q_m = q₀ + h v/2 the force at the midpoint is F = ∂K/∂q − g + u − b.
+/// Here ∂K/∂q = C(q_m,v)ᵀv for the Christoffel C. The equation is solved for v:
 ///
 /// M(q_m) v = p₀ + (h/2) F(q_m, v),   q₁ = q₀ + h v,   p₁ = p₀ + h F,   p = M q̇.
 ///
-/// The equation is solved to round-off by fixed-point iteration, which converges for h short against
-/// the motion's own times.
+/// Fixed-point iteration solves the equation to round-off; it converges if h is short relative to the time
+/// constants of the motion.
 ///
 /// # Errors
 /// [`IntegratorError::NotConverged`] if the step is too long for the iteration;
@@ -35,7 +36,7 @@ const MAX_ITERATIONS: usize = 100;
 ///
 /// ```
 /// use dynamics::{Dynamics, Reach2R, variational_midpoint_step};
-/// use nalgebra::{vector, Vector2};
+/// use nalgebra::{Vector2, vector};
 /// // On a flat table nothing depends on q1, so its momentum cannot change.
 /// let arm = Reach2R::uniform(1.0, 2.0, 1.0, 1.0, 0.0);
 /// let (mut q, mut qd) = (vector![0.3, 1.2], vector![2.0, -5.0]);
@@ -44,7 +45,7 @@ const MAX_ITERATIONS: usize = 100;
 ///     (q, qd) = variational_midpoint_step(&arm, &q, &qd, &Vector2::zeros(), 0.02)?;
 /// }
 /// assert!(((arm.mass(&q) * qd)[0] - momentum).abs() < 1e-13);
-/// # Ok::<(), dynamics::IntegratorError>(())
+/// # Ok::<(), robot_dynamics_integrators::IntegratorError>(())
 /// ```
 #[doc(alias = "implicit midpoint")]
 #[track_caller]
@@ -60,8 +61,8 @@ pub fn variational_midpoint_step<D: Dynamics<N> + ?Sized, const N: usize>(
 
 /// The variational midpoint rule composed with itself: order 4, symplectic, reversible. **(HLW §II.4)**
 ///
-/// Three midpoint steps of γ₁h, γ₀h, γ₁h with γ₁ = 1/(2 − 2^{1/3}) ≈ 1.35 and γ₀ = 1 − 2γ₁ ≈ −1.70: the
-/// choice that cancels the third-order error. The longest inner step is 1.7 h, the middle one goes back.
+/// Three midpoint steps of γ₁h, γ₀h, γ₁h with γ₁ = 1/(2 − 2^{1/3}) ≈ 1.35 and γ₀ = 1 − 2γ₁ ≈ −1.70, which
+/// cancel the third-order error. The longest inner step is 1.7 h; the middle one goes backwards.
 ///
 /// ```
 /// use dynamics::{Reach2R, variational_yoshida4_step};
@@ -72,7 +73,7 @@ pub fn variational_midpoint_step<D: Dynamics<N> + ?Sized, const N: usize>(
 /// let (q1, qd1) = variational_yoshida4_step(&arm, &q0, &qd0, &u, 0.01)?;
 /// let (q2, qd2) = variational_yoshida4_step(&arm, &q1, &-qd1, &u, 0.01)?;
 /// assert!((q2 - q0).norm() < 1e-13 && (qd2 + qd0).norm() < 1e-12);
-/// # Ok::<(), dynamics::IntegratorError>(())
+/// # Ok::<(), robot_dynamics_integrators::IntegratorError>(())
 /// ```
 ///
 /// # Errors
@@ -120,8 +121,8 @@ pub(super) fn compose<D: Dynamics<N> + ?Sized, const N: usize>(
 
 /// F = ∂L/∂q + u − b at position q and velocity v.
 ///
-/// (∂K/∂q)ₖ = ½ vᵀ(∂M/∂qₖ)v = (Cᵀv)ₖ: of the three terms of the Christoffel symbols, two cancel. No
-/// difference quotient is taken.
+/// (∂K/∂q)ₖ = ½ vᵀ(∂M/∂qₖ)v = (Cᵀv)ₖ: two of the three terms of the Christoffel symbols cancel. No difference
+/// quotient is used.
 fn force<D: Dynamics<N> + ?Sized, const N: usize>(
     system: &D,
     q: &SVector<f64, N>,
@@ -145,15 +146,15 @@ fn mean_velocity<D: Dynamics<N> + ?Sized, const N: usize>(
     for iterations in 1..=MAX_ITERATIONS {
         let middle = q + v * (h / 2.0);
         let right = p + force(system, &middle, &v, u) * (h / 2.0);
-        // An iteration that runs away ends in infinities: the step is too long, the model is not at fault.
+        // A diverging iteration ends in infinities: the step is too long, the model is valid.
         if !right.iter().all(|x| x.is_finite()) {
             return Err(IntegratorError::NotConverged { residual: f64::INFINITY, iterations, step: h });
         }
         let next = solve_mass(&system.mass(&middle), &right)?;
         let change = (next - v).amax();
         v = next;
-        // Down to round-off the changes shrink; there they stop shrinking. Then, and only then, look
-        // whether what is left is round-off.
+        // The changes shrink until they reach round-off. When they stop shrinking, check that the residual is
+        // at round-off.
         if change == 0.0
             || (change >= last_change
                 && change <= 1e3 * f64::EPSILON * rounding_scale(system, q, p, guess, u, h)?)
@@ -166,10 +167,10 @@ fn mean_velocity<D: Dynamics<N> + ?Sized, const N: usize>(
     Err(IntegratorError::NotConverged { residual: last_change / scale, iterations: MAX_ITERATIONS, step: h })
 }
 
-/// The size of the terms whose sum is v: rounding leaves ε of it, even where the terms cancel. The factor
-/// 1 + |q| is for joints that have turned many times: q is known to ε|q| and M(q) with it.
+/// The size of the terms whose sum is v: rounding leaves ε of it, even if the terms cancel. The factor 1 +
+/// |q| is for joints that have turned many times: q is accurate to ε|q|, and so is M(q).
 ///
-/// Taken at the start of the step, not at the iterate: one that ran away must not set its own measure.
+/// It is computed at the start of the step, because a diverging iterate would loosen its own tolerance.
 fn rounding_scale<D: Dynamics<N> + ?Sized, const N: usize>(
     system: &D,
     q: &SVector<f64, N>,

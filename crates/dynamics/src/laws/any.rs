@@ -1,4 +1,4 @@
-//! The laws of any [`Dynamics`], with derivatives taken by differences.
+//! The laws of any [`Dynamics`], with derivatives by differences.
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
@@ -8,7 +8,7 @@ use super::{Report, Sample, States, Violation};
 use crate::lagrange::largest;
 use crate::{Dynamics, skew_symmetry_defect, solve_mass};
 
-/// Rounding allowed to identities without derivatives, relative to their terms: (16 + 4N) ε.
+/// Rounding allowed for identities without derivatives, relative to their terms: (16 + 4N) ε.
 pub(super) fn rounding<const N: usize>() -> f64 {
     (16 + 4 * N) as f64 * f64::EPSILON
 }
@@ -30,7 +30,7 @@ pub(super) fn rounding<const N: usize>() -> f64 {
 /// ```
 ///
 /// # Errors
-/// The first broken law with the model, the state, the defect found and the one allowed.
+/// The first violated law with the model, the state, the defect found and the allowed one.
 pub fn check<const N: usize>(
     model: &str,
     system: &(impl Dynamics<N> + ?Sized),
@@ -44,14 +44,14 @@ pub fn check<const N: usize>(
     Ok(judge.report)
 }
 
-/// The condition number κ(M) = λmax/λmin and the largest eigenvalue; κ = ∞ when M is not positive definite.
+/// The condition number κ(M) = λmax/λmin and the largest eigenvalue; κ = ∞ if M is not positive definite.
 pub(super) fn conditioning<const N: usize>(mass: &SMatrix<f64, N, N>) -> (f64, f64) {
     let eigenvalues = DMatrix::from_column_slice(N, N, mass.as_slice()).symmetric_eigenvalues();
     let (low, high) = (eigenvalues.min(), eigenvalues.max());
     (if low > 0.0 { high / low } else { f64::INFINITY }, high)
 }
 
-/// The largest entry of a matrix or vector; NaN if any is, which no law allows.
+/// The largest entry of a matrix or vector; NaN if any entry is NaN, which violates every law.
 pub(super) fn size_of<const R: usize, const C: usize>(values: &SMatrix<f64, R, C>) -> f64 {
     largest(values.iter().copied())
 }
@@ -89,7 +89,7 @@ fn check_algebra<const N: usize>(
     let defect = size_of(&(system.inverse(q, qd, &SVector::zeros()) - bias));
     judge.require("inverse(0) = C q̇ + g + b", sample, defect, eps * bias_size)?;
 
-    // K, written out entry by entry.
+    // K by the sum over all entries.
     let kinetic: f64 = (0..N).map(|i| (0..N).map(|j| 0.5 * qd[i] * mass[(i, j)] * qd[j]).sum::<f64>()).sum();
     let kinetic_size = stiffest * qd.norm_squared();
     let defect = (system.kinetic_energy(q, qd) - kinetic).abs();
@@ -105,12 +105,12 @@ fn check_algebra<const N: usize>(
     judge.require("C q̇ is quadratic in q̇", sample, defect, eps * size)?;
     judge.require("b·q̇ ≥ 0", sample, -loss.dot(qd), eps * loss.norm() * qd.norm())?;
 
-    // q̈ → u → q̈: an error ε in u becomes κ ε in q̈, and the bias cancels against itself.
+    // q̈ → u → q̈: an error ε in u becomes κ ε in q̈, and the bias cancels.
     let back = system.try_forward(q, qd, &system.inverse(q, qd, qdd));
     let defect = back.map_or(f64::NAN, |back| (back - qdd).norm());
     let size = qdd.norm() + bias_size / stiffest;
     judge.require("forward ∘ inverse = identity", sample, defect, eps * kappa * size)?;
-    // u → q̈ → u: ‖M‖‖q̈‖ is at most κ times the force that makes q̈.
+    // u → q̈ → u: ‖M‖‖q̈‖ is at most κ times the force that causes q̈.
     let acceleration = system.try_forward(q, qd, u);
     let defect = acceleration.map_or(f64::NAN, |qdd| (system.inverse(q, qd, &qdd) - u).norm());
     judge.require("inverse ∘ forward = identity", sample, defect, eps * kappa * (u.norm() + bias_size))
@@ -127,7 +127,7 @@ pub(super) fn velocity_scale<const N: usize>(
     (mass.norm() * qd.norm()).max(coriolis.norm()) * (1.0 + qd.norm())
 }
 
-/// The laws with a derivative in them: gravity, Euler–Lagrange, skew symmetry, power.
+/// The laws with a derivative: gravity, Euler–Lagrange, skew symmetry, power.
 fn check_derivatives<const N: usize>(
     judge: &mut Judge<'_, N>,
     system: &(impl Dynamics<N> + ?Sized),
@@ -142,7 +142,7 @@ fn check_derivatives<const N: usize>(
     let size = gravity.norm() + system.potential_energy(q).abs();
     judge.require("g = ∂V/∂q, by differences", sample, size_of(&(slope - gravity)), missed::<N>() * size)?;
 
-    // Ṁ sees M only; nothing below shares a line with the model's C.
+    // Ṁ depends on M only; the checks below share no code with the model's C.
     let rate = derivative(qd.norm(), |s| system.mass(&(q + qd * s)));
     let kinetic_slope =
         SVector::from_fn(|k, _| derivative(1.0, |s| 0.5 * qd.dot(&(system.mass(&(q + unit(k) * s)) * qd))));

@@ -1,11 +1,11 @@
-//! Directional derivatives of anything, by eighth-order central differences.
+//! Directional derivatives of any function, by eighth-order central differences.
 
 use core::ops::{Add, Mul, Sub};
 
 /// The distance between stencil points, in the norm of the direction.
 const STEP: f64 = 0.01;
 
-/// d/ds f(s) at s = 0, for f the restriction of a function to a line of speed `speed` = ‖direction‖.
+/// d/ds f(s) at s = 0, where f is a function restricted to a line with the speed `speed` = ‖direction‖.
 ///
 /// f′ ≈ Σₖ wₖ (f(kh) − f(−kh))/h with w = 4/5, −1/5, 4/105, −1/280; the error is h⁸f⁽⁹⁾/630.
 pub(super) fn derivative<T>(speed: f64, f: impl Fn(f64) -> T) -> T
@@ -17,10 +17,11 @@ where
     odd_part(1.0, 0.8) + odd_part(2.0, -0.2) + odd_part(3.0, 4.0 / 105.0) + odd_part(4.0, -1.0 / 280.0)
 }
 
-/// What [`derivative`] may miss, relative to the terms it differences: truncation plus rounding.
+/// The error allowed to [`derivative`], relative to the terms of its differences: truncation plus rounding.
 ///
 /// Along a unit direction the angles of a chain of N joints sum to at most √N rad, and M is quadratic in
-/// their sines: it turns at ω ≤ 2√N, so h⁸f⁽⁹⁾/630 ≤ (hω)⁸ω/630. Rounding leaves a few ε/h; 100 are allowed.
+/// their sines. It varies with a frequency ω ≤ 2√N, so that h⁸f⁽⁹⁾/630 ≤ (hω)⁸ω/630. Rounding leaves a few
+/// ε/h; 100 are allowed.
 pub(super) fn missed<const N: usize>() -> f64 {
     let omega = 2.0 * (N as f64).sqrt();
     (STEP * omega).powi(8) * omega / 630.0 + 100.0 * f64::EPSILON / STEP
@@ -30,7 +31,7 @@ pub(super) fn missed<const N: usize>() -> f64 {
 mod tests {
     use super::*;
 
-    /// The stencil is exact for polynomials up to degree 8 ; see its error term.
+    /// The stencil is exact for polynomials of degree up to 8, by its error term.
     #[test]
     fn exact_up_to_degree_eight() {
         for degree in 1..=8 {

@@ -1,14 +1,15 @@
 //! The laws of a [`Lagrangian`] system, with exact derivatives.
 
 use nalgebra::{SMatrix, SVector};
+use robot_dynamics_number::Dual;
 
 use super::any::{check, conditioning, rounding, size_of, velocity_scale};
 use super::violation::Judge;
 use super::{Report, Sample, States, Violation};
-use crate::{Dual, Dynamics, Lagrangian, christoffel, mass_rate, skew_symmetry_defect};
+use crate::{Dynamics, Lagrangian, christoffel, mass_rate, skew_symmetry_defect};
 
-/// Checks every law on a system that also gives its [`Lagrangian`]: those of [`check`], and again with
-/// exact derivatives of M and V, which leaves rounding as the only excuse.
+/// Checks every law on a system that also has a [`Lagrangian`]. The laws of [`check`] are repeated with exact
+/// derivatives of M and V, so that only rounding limits them.
 ///
 /// ```
 /// use dynamics::{PolarMass, laws};
@@ -22,7 +23,7 @@ use crate::{Dual, Dynamics, Lagrangian, christoffel, mass_rate, skew_symmetry_de
 /// ```
 ///
 /// # Errors
-/// The first broken law with the model, the state, the defect found and the one allowed.
+/// The first violated law with the model, the state, the defect found and the allowed one.
 pub fn check_all<const N: usize>(
     model: &str,
     system: &(impl Dynamics<N> + Lagrangian<N>),
@@ -67,12 +68,12 @@ fn check_exactly<const N: usize>(
     judge.require("C q̇ = q̇ᵀΓ q̇", sample, defect, eps * size)?;
     let defect = size_of(&(matrix - symbols.coriolis_matrix(qd)));
     judge.require("C_ij = Σₖ Γⁱⱼₖ q̇ₖ", sample, defect, eps * size)?;
-    // Ṁ is one derivative along q̇, C a combination of partial derivatives, or a closed form.
+    // Ṁ is one derivative along q̇; C is a combination of partial derivatives, or a closed form.
     let rate = mass_rate(system, q, qd);
     let defect = skew_symmetry_defect(&rate, &matrix);
     judge.require("Ṁ − 2C is skew-symmetric", sample, defect, eps * size)?;
 
-    // dE/dt: E over dual numbers that move with (q̇, q̈). The solve for q̈ may miss M q̈ by κ ε.
+    // dE/dt: E over dual numbers that move with (q̇, q̈). The solve for q̈ may be off by κ ε in M q̈.
     let Ok(qdd) = system.try_forward(q, qd, u) else {
         return judge.require("a motion exists", sample, f64::NAN, 0.0);
     };

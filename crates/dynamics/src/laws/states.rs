@@ -3,29 +3,28 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::SVector;
+use robot_dynamics_number::SplitMix64;
 
-use crate::SplitMix64;
-
-/// One state with a force and an acceleration to try on it; units as in [`Dynamics`](crate::Dynamics).
+/// A state with a force and an acceleration; units as in [`Dynamics`](crate::Dynamics).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Sample<const N: usize> {
-    /// Its place in the sequence, from 0.
+    /// The index in the sequence, from 0.
     pub index: usize,
     /// Coordinates q.
     pub q: SVector<f64, N>,
     /// Velocity q̇.
     pub qd: SVector<f64, N>,
-    /// A force u, not related to the acceleration.
+    /// A force u, independent of the acceleration.
     pub u: SVector<f64, N>,
-    /// An acceleration q̈, not related to the force.
+    /// An acceleration q̈, independent of the force.
     pub qdd: SVector<f64, N>,
 }
 
-/// A reproducible set of states: q uniform in a box, q̇, u and q̈ uniform around zero.
+/// A reproducible set of states: q uniform in a box, and q̇, u and q̈ uniform around zero.
 ///
-/// Every fourth state is a corner case: its coordinates are rounded to multiples of π/2 inside the box
-/// (arms stretched and folded, where M is worst conditioned), and every eighth is at rest.
+/// Every fourth state is a corner case: its coordinates are rounded to multiples of π/2 inside the box. Arms
+/// are stretched or folded there, and M is worst conditioned. Every eighth state is at rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct States<const N: usize> {
     seed: u64,
@@ -46,7 +45,7 @@ impl<const N: usize> States<N> {
     /// The same with coordinates between `lower` and `upper`, for coordinates with limits.
     ///
     /// # Panics
-    /// If some `lower` is above its `upper`, or either is not finite.
+    /// If a `lower` is above its `upper`, or one of them is not finite.
     pub fn within(mut self, lower: SVector<f64, N>, upper: SVector<f64, N>) -> Self {
         for i in 0..N {
             assert!(
@@ -66,7 +65,7 @@ impl<const N: usize> States<N> {
         self
     }
 
-    /// The seed these states come from.
+    /// The seed of these states.
     pub fn seed(&self) -> u64 {
         self.seed
     }
@@ -94,11 +93,12 @@ impl<const N: usize> States<N> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use nalgebra::vector;
 
+    use super::*;
+
     #[test]
-    fn states_stay_in_their_box_and_repeat() {
+    fn states_are_in_box_and_repeat() {
         let states = States::new(5).within(vector![0.2, -1.0], vector![2.0, 1.0]);
         let all: Vec<Sample<2>> = states.iter().collect();
         assert_eq!(all.len(), 200);
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn corner_cases_are_among_them() {
+    fn states_include_corner_cases() {
         let folded = States::<2>::new(1).iter().any(|s| s.q[1].cos() < -1.0 + 1e-12);
         let at_rest = States::<2>::new(1).iter().any(|s| s.qd.norm() == 0.0);
         assert!(folded && at_rest);
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "coordinate 1: no value lies between 2 and 1")]
-    fn an_empty_box_is_refused() {
+    fn empty_box_panics() {
         let _ = States::new(0).within(vector![0.0, 2.0], vector![1.0, 1.0]);
     }
 }

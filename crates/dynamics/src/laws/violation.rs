@@ -1,10 +1,10 @@
-//! What the laws report: how they held, or which one broke, where, and by how much.
+//! The results of a check: the margin of each law, or the violated law with its state and defect.
 
 use core::fmt;
 
 use super::{Sample, States};
 
-/// A law that a model breaks, with the state that shows it.
+/// A law that a model violates, with a state at which it does.
 #[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Violation {
@@ -14,11 +14,11 @@ pub struct Violation {
     pub model: String,
     /// The seed of the states.
     pub seed: u64,
-    /// The number of the state in its sequence.
+    /// The index of the state in its sequence.
     pub index: usize,
     /// The state, coordinate by coordinate: (qᵢ, q̇ᵢ, uᵢ, q̈ᵢ).
     pub state: Vec<[f64; 4]>,
-    /// The defect found; NaN if something was not a number.
+    /// The defect found; NaN if a term is NaN.
     pub found: f64,
     /// The largest defect that rounding explains.
     pub allowed: f64,
@@ -37,7 +37,7 @@ impl fmt::Display for Violation {
     }
 }
 
-/// The same sentence, so that `unwrap` in a test prints something a person can read.
+/// The same text as `Display`, so that `unwrap` in a test prints a readable message.
 impl fmt::Debug for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
@@ -46,14 +46,14 @@ impl fmt::Debug for Violation {
 
 impl core::error::Error for Violation {}
 
-/// How well every law held: the largest defect over all states, in units of what was allowed.
+/// The margin of every law: the largest defect over all states, relative to the allowed defect.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Law and worst found/allowed, in the order of checking; every ratio is at most 1.
+    /// Each law with its worst ratio of found to allowed, in the order of checking; every ratio is at most 1.
     pub worst: Vec<(&'static str, f64)>,
 }
 
-/// Collects defects of one model over all states; stops at the first that is too large.
+/// Collects the defects of one model over all states; stops at the first one that is too large.
 pub(super) struct Judge<'a, const N: usize> {
     pub(super) model: &'a str,
     pub(super) states: &'a States<N>,

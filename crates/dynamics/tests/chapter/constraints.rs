@@ -1,18 +1,19 @@
 //! Pfaffian constraints against hand-derived formulas, a second solver, and long runs.
 
 use dynamics::{
-    ConstraintError, ConstraintProjections, Dynamics, DynamicsError, FromRows, KnifeEdge, Pfaffian,
-    PfaffianOver, PlanarBody, Reach2R, Reach3R, RowFactor, Scalar, SplitMix64, Stabilized,
-    constrained_forward_dynamics, constrained_forward_dynamics_by_lu, constrained_rk4_step,
-    reduced_acceleration,
+    ConstraintError, ConstraintProjections, Dynamics, FromRows, KnifeEdge, Pfaffian, PfaffianOver,
+    PlanarBody, Reach2R, Reach3R, RowFactor, Stabilized, constrained_forward_dynamics,
+    constrained_forward_dynamics_by_lu, constrained_rk4_step, reduced_acceleration,
 };
 use nalgebra::{SMatrix, SVector, Vector1, Vector2, Vector3, matrix, vector};
+use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_number::{Scalar, SplitMix64};
 
 fn random_vector<const N: usize>(random: &mut SplitMix64, size: f64) -> SVector<f64, N> {
     SVector::from_fn(|_, _| random.uniform(-size, size))
 }
 
-/// A random state of the knife-edge: (model, q, q̇, u), q̇ not bound to the constraint.
+/// A random state of the knife edge: (model, q, q̇, u), with a q̇ that need not satisfy the constraint.
 fn random_chassis(random: &mut SplitMix64) -> (KnifeEdge, Vector3<f64>, Vector3<f64>, Vector3<f64>) {
     let mut knife = KnifeEdge::new(random.uniform(0.5, 5.0), random.uniform(0.1, 2.0));
     knife.body.a_g = random.uniform(0.0, 9.81);
@@ -55,7 +56,7 @@ fn knife_edge_matches_its_closed_forms() {
         let (qdd, lambda) = constrained_forward_dynamics(&knife.body, &q, &qd, &u, &rows, &rate).unwrap();
         let p = ConstraintProjections::new(&knife.body.mass(&q), &rows).unwrap();
         let at = format!("seed 30 sample {sample}: {knife:?} q {q:?} qd {qd:?} u {u:?}");
-        // The specification's 1e-9 is far above rounding (1e-13 here).
+        // The allowed 1e-9 is far above rounding (1e-13 here).
         assert!((lambda[0] - knife.side_force(&q, &qd, &u)).abs() < 1e-9, "{at}");
         assert!((qdd - knife.acceleration(&q, &qd, &u)).norm() < 1e-9, "{at}");
         assert!((p.velocity - KnifeEdge::projection(&q)).norm() < 1e-9, "{at}");
@@ -80,7 +81,7 @@ fn row_rates_agree_three_ways() {
 }
 
 #[test]
-fn turning_torque_alone_turns_on_the_spot() {
+fn pure_torque_turns_in_place() {
     let knife = KnifeEdge::new(3.0, 0.4);
     let (mut q, mut qd) = (vector![1.0, -2.0, 0.7], Vector3::zeros());
     let u = vector![0.0, 0.0, 0.2];
@@ -94,7 +95,7 @@ fn turning_torque_alone_turns_on_the_spot() {
 }
 
 #[test]
-fn floor_supplies_the_centripetal_force() {
+fn floor_exerts_centripetal_force() {
     let knife = KnifeEdge::new(2.0, 0.5);
     let (v, turn) = (3.0, 1.5);
     for heading in [0.0, 0.4, 2.0, -1.3] {
@@ -111,9 +112,9 @@ fn floor_supplies_the_centripetal_force() {
     }
 }
 
-/// 60 s at 1 ms under a force that turns with time: A q̇ stays at rounding and E − E0 equals the work done.
+/// 60 s at 1 ms under a force that turns with time: A q̇ stays at rounding level, and E − E0 equals the work.
 #[test]
-fn sixty_seconds_keep_the_constraint_and_the_energy_book() {
+fn sixty_seconds_keep_constraint_and_energy_balance() {
     let knife = KnifeEdge::new(2.0, 0.5);
     let h = 1e-3;
     let force = |t: f64| vector![1.5 * (0.8 * t).cos(), -1.1 * (0.5 * t).sin(), 0.6 * (1.3 * t).cos()];
@@ -130,24 +131,24 @@ fn sixty_seconds_keep_the_constraint_and_the_energy_book() {
         drift = drift.max(step.drift[0].abs());
         removed += step.energy_removed;
     }
-    let book = knife.body.energy(&q, &qd) - knife.body.energy(&vector![0.0, 0.0, 0.3], &start) - work;
+    let imbalance = knife.body.energy(&q, &qd) - knife.body.energy(&vector![0.0, 0.0, 0.3], &start) - work;
     println!(
-        "A qd {worst:e}, before projection {drift:e}, removed {removed:e} J, book {book:e} J, work {work}"
+        "A qd {worst:e}, before projection {drift:e}, removed {removed:e} J, imbalance {imbalance:e} J, work {work}"
     );
     assert!(worst < 1e-12, "A qd reached {worst:e}");
-    // The step's own error is of order h⁵ = 1e-15 times rates of order 10.
+    // The error of a step is of order h⁵ = 1e-15 times rates of order 10.
     assert!(drift < 1e-12, "one step drifted {drift:e}");
-    // h⁴ = 1e-12 times 60 s times rates to the fifth; 1e-9 leaves two digits of room.
-    assert!(book.abs() < 1e-9, "the energy book is off by {book:e} J");
+    // h⁴ = 1e-12 times 60 s times rates to the fifth; 1e-9 leaves two digits of margin.
+    assert!(imbalance.abs() < 1e-9, "the energy account is off by {imbalance:e} J");
     assert!(removed < 1e-20, "the projection took {removed:e} J");
-    assert!(work.abs() > 0.1, "the run must do work for the book to mean anything: {work}");
+    assert!(work.abs() > 0.1, "the run must do work for the check to be meaningful: {work}");
 }
 
-/// A spinning blade on a slope, exactly: θ = ωt, v̇ = −a sin θ, so v = (a/ω)(cos ωt − 1) and
-/// x = (a/ω)(t/2 + sin 2ωt/(4ω) − sin ωt/ω), y = (a/ω²)(½ sin² ωt + cos ωt − 1).
-/// It never slides below 2a/ω², but travels across the slope at a/(2ω).
+/// A spinning blade on a slope, exactly: θ = ωt, v̇ = −a sin θ, so v = (a/ω)(cos ωt − 1). Then
+/// x = (a/ω)(t/2 + sin 2ωt/(4ω) − sin ωt/ω), y = (a/ω²)(½ sin² ωt + cos ωt − 1). It never descends below
+/// 2a/ω², but drifts across the slope at a/(2ω).
 #[test]
-fn a_spinning_blade_on_a_slope_does_not_slide_down() {
+fn spinning_blade_on_slope_does_not_descend() {
     let (a, w) = (3.0, 2.0);
     let knife = KnifeEdge { body: PlanarBody { m: 1.3, i_zz: 0.2, a_g: a } };
     let (mut q, mut qd) = (Vector3::zeros(), vector![0.0, 0.0, w]);
@@ -164,15 +165,15 @@ fn a_spinning_blade_on_a_slope_does_not_slide_down() {
         drift = drift.max((knife.rows(&q) * qd)[0].abs());
     }
     println!("60 s on a slope: off the exact path by {worst:e} m, lowest {lowest} m, A qd {drift:e}");
-    // (ωh)⁴/120 = 1e-13 relative per unit of a t/ω ~ 90 m; 1e-9 m has two digits of room for ω⁵ factors.
+    // (ωh)⁴/120 = 1e-13 relative per unit of a t/ω ~ 90 m; 1e-9 m has two digits of margin for factors ω⁵.
     assert!(worst < 1e-9, "{worst:e}");
     assert!((lowest + 2.0 * a / (w * w)).abs() < 1e-5, "the turning point is met within a step: {lowest}");
     assert!(drift < 1e-12, "{drift:e}");
 }
 
-/// Two driven wheels: the power they deliver is u·q̇, and they ask nothing of the floor.
+/// Two driven wheels: their power is u·q̇, and they cause no side force of the floor.
 #[test]
-fn wheel_forces_do_not_push_sideways() {
+fn wheel_forces_cause_no_side_force() {
     let mut random = SplitMix64::new(32);
     for sample in 0..30 {
         let (knife, q, qd, _) = random_chassis(&mut random);
@@ -191,15 +192,15 @@ fn wheel_forces_do_not_push_sideways() {
     }
 }
 
-/// Started with 0.5 m/s of side slip, the stabilised constraint sheds it as 0.5 e^(−γt).
+/// With 0.5 m/s of side slip at the start, the stabilised constraint reduces it as 0.5 e^(−γt).
 #[test]
-fn stabilised_constraint_sheds_a_side_slip() {
+fn stabilised_constraint_reduces_side_slip() {
     let knife = KnifeEdge::new(2.0, 0.5);
     let (rate, h) = (5.0, 1e-3);
     let constraint = Stabilized { constraint: knife, rate };
     let (mut q, mut qd) = (vector![0.0, 0.0, 0.3], Vector3::zeros());
     qd += knife.rows(&q).transpose() * 0.5 + KnifeEdge::velocity(&q, 1.0, 0.9);
-    // A fourth-order step of the caller's own: the slopes of (q, q̇) at four stages.
+    // A fourth-order step written for this test: the derivatives of (q, q̇) at four stages.
     let slope = |q: Vector3<f64>, qd: Vector3<f64>| {
         let (rows, rate) = (constraint.rows(&q), constraint.rows_rate(&q, &qd));
         (qd, constrained_forward_dynamics(&knife.body, &q, &qd, &Vector3::zeros(), &rows, &rate).unwrap().0)
@@ -218,9 +219,9 @@ fn stabilised_constraint_sheds_a_side_slip() {
     }
 }
 
-/// No rows at all is the free system.
+/// A system without rows is the free system.
 #[test]
-fn zero_rows_leave_the_motion_free() {
+fn zero_rows_do_not_constrain_motion() {
     let arm = Reach2R::worked_example();
     let (q, qd, u) = (vector![0.3, -0.4], vector![1.0, 2.0], vector![0.5, -0.5]);
     let none = SMatrix::<f64, 0, 2>::zeros();
@@ -228,16 +229,17 @@ fn zero_rows_leave_the_motion_free() {
     assert!((qdd - arm.forward(&q, &qd, &u)).norm() < 1e-13 && lambda.is_empty());
 }
 
-/// Without the projection the same run at a coarse step leaves the constraint; with it, it does not.
+/// Without the projection a run with a coarse step leaves the constraint; with it, it does not.
 #[test]
-fn projection_is_what_holds_the_constraint() {
+fn projection_holds_constraint() {
     let knife = KnifeEdge::new(2.0, 0.5);
     let start = vector![0.0, 0.0, 0.0];
     let run = |project: bool| {
         let (mut q, mut qd) = (start, KnifeEdge::velocity(&start, 2.0, 3.0));
         for _ in 0..6000 {
             let step = constrained_rk4_step(&knife.body, &knife, &q, &qd, &Vector3::zeros(), 0.01).unwrap();
-            // Undo the projection: q̇ plus M⁻¹Aᵀ(AM⁻¹Aᵀ)⁻¹ times the drift; A is of unit length and M = m here.
+            // Undo the projection: q̇ plus M⁻¹Aᵀ(AM⁻¹Aᵀ)⁻¹ times the drift, with A of unit length and M = m
+            // here.
             let back = knife.rows(&step.q).transpose() * step.drift;
             (q, qd) = (step.q, if project { step.qd } else { step.qd + back });
         }
@@ -249,7 +251,7 @@ fn projection_is_what_holds_the_constraint() {
     assert!(without > 1e-9, "plain run: {without:e}");
 }
 
-/// The drift of one step falls as h⁵: halving h divides it by 32.
+/// The drift of one step is of order h⁵: halving h divides it by 32.
 #[test]
 fn drift_of_one_step_is_of_fifth_order() {
     let knife = KnifeEdge::new(2.0, 0.5);
@@ -259,13 +261,13 @@ fn drift_of_one_step_is_of_fifth_order() {
     let drift = |h: f64| constrained_rk4_step(&knife.body, &knife, &q, &qd, &u, h).unwrap().drift[0].abs();
     let order = (drift(0.04) / drift(0.02)).log2();
     println!("order of the drift {order}");
-    // The next term is h⁶, a relative change of order h between the two steps: 0.3 covers it.
+    // The next term is h⁶, a relative change of order h between the two steps: 0.3 is sufficient.
     assert!((order - 5.0).abs() < 0.3, "order {order}");
 }
 
-/// What the projection takes out of K is what the step reports, never negative, and of order h¹⁰.
+/// The step reports the energy that the projection removes from K. It is never negative, and of order h¹⁰.
 #[test]
-fn energy_taken_out_is_reported_and_of_tenth_order() {
+fn removed_energy_is_reported_and_of_tenth_order() {
     let knife = KnifeEdge::new(2.0, 0.5);
     let q = vector![0.0, 0.0, 0.3];
     let qd = KnifeEdge::velocity(&q, 2.0, 3.0);
@@ -282,13 +284,13 @@ fn energy_taken_out_is_reported_and_of_tenth_order() {
     let (coarse, fine) = (removed(0.2), removed(0.1));
     println!("removed {coarse:e} J at 0.2 s, {fine:e} J at 0.1 s");
     assert!(coarse > 1e-9, "the coarse step must lose more than rounding: {coarse:e}");
-    // Twice the drift's exponent; the h⁶ term of the drift bends it by a few times h.
+    // Twice the exponent of the drift; the h⁶ term of the drift changes it by a few times h.
     assert!(((coarse / fine).log2() - 10.0).abs() < 1.0, "order {}", (coarse / fine).log2());
 }
 
-/// One projection holds the rows to rounding even where κ(M) = 1e8 and the velocity breaks them badly.
+/// One projection satisfies the rows to rounding even if κ(M) = 1e8 and the velocity violates them strongly.
 #[test]
-fn projecting_once_is_enough() {
+fn one_projection_is_sufficient() {
     let mut random = SplitMix64::new(15);
     for sample in 0..100 {
         let b =
@@ -297,16 +299,17 @@ fn projecting_once_is_enough() {
         let rows = SMatrix::<f64, 2, 4>::from_fn(|_, _| random.uniform(-1.0, 1.0));
         let qd: SVector<f64, 4> = random_vector(&mut random, 2.0);
         let allowed = RowFactor::new(&mass, &rows).unwrap().project_velocity(&qd);
-        // A product of rows of length ≤ 2 with P q̇ rounds at 2 ε |P q̇| per row; ten times that is the bound.
+        // A product of rows of length ≤ 2 with P q̇ rounds at 2 ε |P q̇| per row; the bound is ten times
+        // that.
         let bound = 40.0 * f64::EPSILON * (allowed.norm() + 1.0);
         let slip = (rows * allowed).norm();
         assert!(slip < bound, "seed 15 sample {sample}: {slip:e} over {bound:e}");
     }
 }
 
-/// Two rows 1e-7 apart: P stays a projection to rounding of its size, which one Gram–Schmidt pass spoils.
+/// Two rows 1e-7 apart: P stays a projection to rounding of its size; a single Gram–Schmidt pass fails this.
 #[test]
-fn nearly_parallel_rows_still_give_a_projection() {
+fn nearly_parallel_rows_give_a_projection() {
     let mut random = SplitMix64::new(16);
     for sample in 0..100 {
         let mass = random_mass::<4>(&mut random) + SMatrix::identity();
@@ -322,14 +325,14 @@ fn nearly_parallel_rows_still_give_a_projection() {
     }
 }
 
-/// Gram–Schmidt in M⁻¹ against LU of the whole KKT matrix, and against the equation itself.
+/// Gram–Schmidt in M⁻¹ against LU of the whole KKT matrix, and against the equation.
 fn solvers_agree<const K: usize, const N: usize>(seed: u64) {
     let mut random = SplitMix64::new(seed);
     for sample in 0..100 {
         let system = Constant { mass: random_mass(&mut random), bias: random_vector(&mut random, 10.0) };
         let mut rows = SMatrix::<f64, K, N>::from_fn(|_, _| random.uniform(-1.0, 1.0));
         if K > 1 && sample % 4 == 0 {
-            // Nearly dependent: the last row leaves the first by 1e-4 to 1e-7.
+            // Nearly dependent: the last row differs from the first by 1e-4 to 1e-7.
             let gap = 10f64.powf(random.uniform(-7.0, -4.0));
             let near = rows.row(0) + rows.row(K - 1) * gap;
             rows.set_row(K - 1, &near);
@@ -392,7 +395,7 @@ fn projection_properties<const K: usize, const N: usize>(seed: u64) {
         let identity = nalgebra::DMatrix::<f64>::identity(N, N);
         let p_u = &identity - a.transpose() * &schur * &a * &inverse;
         let found = dense(p.force.as_slice(), N, N);
-        // (AM⁻¹Aᵀ)⁻¹ has its own condition number, up to κ(M) κ(A)²; relate the comparison to it.
+        // (AM⁻¹Aᵀ)⁻¹ has its own condition number, up to κ(M) κ(A)², which scales the tolerance.
         let schur_condition = schur.norm() * (&a * &inverse * a.transpose()).norm();
         assert!((&found - &p_u).norm() <= tolerance * schur_condition * p_u.norm(), "{at}: (10.18)");
         let p_by_10_19 = &inverse * &found * &m;
@@ -402,7 +405,7 @@ fn projection_properties<const K: usize, const N: usize>(seed: u64) {
         assert_eq!(p.velocity, p.force.transpose(), "{at}");
         assert!((rows * p.velocity).norm() <= tolerance, "{at}: A P {:e}", (rows * p.velocity).norm());
         assert!((p.velocity * p.velocity - p.velocity).norm() <= tolerance * p_u.norm(), "{at}: P² = P");
-        // The trace of a projection is its rank; the singular values say the same.
+        // The trace of a projection is its rank, and so is the number of non-zero singular values.
         assert!((p.velocity.trace() - (N - K) as f64).abs() <= tolerance, "{at}");
         let rank = velocity.singular_values().iter().filter(|&&s| s > 0.5).count();
         assert_eq!(rank, N - K, "{at}: nonzero singular values of a projection are at least 1");
@@ -452,7 +455,7 @@ fn pendulum_rod_tension() {
 
 /// A swinging pendulum in x, y against the same pendulum in its angle.
 #[test]
-fn pendulum_in_the_plane_follows_the_pendulum_in_its_angle() {
+fn planar_pendulum_matches_pendulum_in_its_angle() {
     let bob = PlanarBody { m: 1.0, i_zz: 1.0, a_g: 9.81 };
     let (mut q, mut qd) = (vector![1.0, 0.0, 0.0], Vector3::zeros());
     // φ from the downward vertical, l = 1: M = 1, V = −g cos φ.
@@ -521,14 +524,14 @@ fn dependent_rows_are_named() {
     assert_eq!((rank, rows), (1, vec![(1, vec![]), (2, vec![])]));
     assert!(text.contains("row 1 is zero, row 2 is zero"), "{text}");
 
-    // Two coordinates can carry no third independent row.
+    // Two coordinates do not allow a third independent row.
     let (rank, rows, _) = dependent(&matrix![1.0, 0.0; 0.0, 1.0], &matrix![1.0, 0.0; 1.0, 1.0; 0.0, 2.0]);
     assert_eq!((rank, rows), (2, vec![(2, vec![0, 1])]));
 }
 
-/// Neither the scale of a row nor the unit of a coordinate decides what is dependent.
+/// Neither the scale of a row nor the unit of a coordinate affects dependence.
 #[test]
-fn dependence_does_not_see_scale() {
+fn dependence_is_independent_of_scale() {
     let mut random = SplitMix64::new(51);
     for sample in 0..100 {
         // Coordinates in units from nm to km: M and A change together as q = D q′.
@@ -546,7 +549,7 @@ fn dependence_does_not_see_scale() {
     }
 }
 
-/// Rows of 1e±200, whose squares no f64 holds, are factored and named like any other.
+/// Rows of 1e±200, whose squares exceed the range of f64, are factored and named like any other row.
 #[test]
 fn extreme_rows_neither_overflow_nor_vanish() {
     let arm = Reach3R::reach_3r();
@@ -558,7 +561,7 @@ fn extreme_rows_neither_overflow_nor_vanish() {
         constrained_forward_dynamics(&arm, &q, &qd, &u, &rows, &(rows * 0.1)).unwrap()
     };
     let ((plain, lambda), (scaled, scaled_lambda)) = (solve(1.0, 1.0), solve(1e200, 1e-200));
-    // The same constraint: the same motion, and the same constraint force by λ in inverse proportion.
+    // The same constraint gives the same motion, and the same constraint force with λ in inverse proportion.
     assert!((plain - scaled).norm() < 1e-12 * plain.norm(), "{plain} {scaled}");
     assert!((scaled_lambda[0] * 1e200 - lambda[0]).abs() < 1e-12 * lambda.norm());
     assert!((scaled_lambda[1] * 1e-200 - lambda[1]).abs() < 1e-12 * lambda.norm());
@@ -568,7 +571,7 @@ fn extreme_rows_neither_overflow_nor_vanish() {
 }
 
 #[test]
-fn bad_input_is_refused() {
+fn invalid_input_is_an_error() {
     let arm = Reach2R::worked_example();
     let (q, zero) = (vector![0.3, 0.4], Vector2::zeros());
     let rows = matrix![0.0, 1.0];

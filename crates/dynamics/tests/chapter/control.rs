@@ -1,13 +1,15 @@
-//! Control, path timing, linearisation and the inertia ellipse against independent computations.
+//! Control, timing of paths, linearisation and the inertia ellipse against independent computations.
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use dynamics::{
-    Dynamics, DynamicsError, HoldRun, InertiaEllipse, Lagrangian, Path, PathDynamics, PdHold,
-    REACH_REPLAY_SPEED, REACH_TORQUE_LIMITS, Reach2R, Reach3R, SplitMix64, fastest_constant_speed, hold,
-    linearize, linearize_by_differences, peak_torque, reach_replay, symmetric_eigen,
+    Dynamics, HoldRun, InertiaEllipse, Lagrangian, Path, PathDynamics, PdHold, REACH_REPLAY_SPEED,
+    REACH_TORQUE_LIMITS, Reach2R, Reach3R, fastest_constant_speed, hold, linearize, linearize_by_differences,
+    peak_torque, reach_replay, symmetric_eigen,
 };
 use nalgebra::{DMatrix, SMatrix, SVector, Vector1, Vector2, matrix, vector};
+use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_number::SplitMix64;
 
 fn random_vector<const N: usize>(random: &mut SplitMix64, size: f64) -> SVector<f64, N> {
     SVector::from_fn(|_, _| random.uniform(-size, size))
@@ -36,7 +38,7 @@ impl Dynamics<1> for Locked {
 
 /// Kp = 40, Kd = 2·0.7·√(40·1): ζ = 0.7 folded (M11 = 1), 0.7/√3 = 0.40 stretched (M11 = 3).
 #[test]
-fn a_gain_crisp_folded_rings_stretched() {
+fn gain_is_critical_if_folded_and_oscillates_if_stretched() {
     let arm = Reach2R { a_g: 0.0, ..Reach2R::worked_example() };
     let gain = PdHold {
         target: vector![0.3],
@@ -65,9 +67,9 @@ fn a_gain_crisp_folded_rings_stretched() {
     assert!(rings_time > 2.0 * crisp_time);
 }
 
-/// The same two poses with both joints free: the stretched arm still overshoots more and settles later.
+/// The same two poses with both joints free: the stretched arm overshoots more and settles later.
 #[test]
-fn the_free_arm_rings_too() {
+fn free_arm_oscillates_more_if_stretched() {
     let arm = Reach2R { a_g: 0.0, ..Reach2R::worked_example() };
     let run = HoldRun { step: 1e-3, steps: 8000, band: 0.006 };
     let observe = |q2: f64| {
@@ -88,7 +90,7 @@ fn the_free_arm_rings_too() {
 
 /// The law by hand at one state, and the cut-off on both sides.
 #[test]
-fn the_law_is_the_law() {
+fn law_matches_hand_calculation() {
     let arm = Reach2R::worked_example();
     let control = PdHold {
         target: vector![FRAC_PI_4, FRAC_PI_2],
@@ -107,7 +109,7 @@ fn the_law_is_the_law() {
 
 #[test]
 #[should_panic(expected = "the torque limit of joint 1 must not be negative, got -1")]
-fn a_negative_limit_is_refused() {
+fn negative_limit_panics() {
     let one = vector![1.0, 1.0];
     let control = PdHold { target: one, stiffness: one, damping: one, limits: vector![1.0, -1.0] };
     control.torque(&Reach2R::worked_example(), &one, &one);
@@ -132,9 +134,10 @@ fn gravity_compensation_holds_without_error() {
     assert!(report.settling_time.unwrap() < 2.0, "{report:?}");
 }
 
-/// Held level, the arm weighs 24.5 N·m on joint 1: more than 20, so it sinks, and the check says so first.
+/// With the arm held level, its weight is 24.5 N·m on joint 1. That exceeds 20, so the arm sinks, and the
+/// check reports it in advance.
 #[test]
-fn a_pose_too_heavy_is_named_and_lost() {
+fn overloaded_joint_is_named_and_sinks() {
     let arm = Reach2R::worked_example();
     let control = PdHold {
         target: vector![0.0, 0.0],
@@ -143,7 +146,7 @@ fn a_pose_too_heavy_is_named_and_lost() {
         limits: REACH_TORQUE_LIMITS,
     };
     assert_eq!(control.overloaded_joints(&arm), vec![0]);
-    // It falls at about (24.5 − 20)/3 = 1.5 rad/s² to begin with: 0.19 rad in 0.5 s.
+    // It falls at about (24.5 − 20)/3 = 1.5 rad/s² initially: 0.19 rad in 0.5 s.
     let run = HoldRun { step: 1e-3, steps: 500, band: 0.01 };
     let report = hold(&arm, &control, &vector![0.0, 0.0], &Vector2::zeros(), &run).unwrap();
     assert_eq!(report.peak_torque[0], 20.0);
@@ -155,7 +158,7 @@ fn a_pose_too_heavy_is_named_and_lost() {
 
 /// a s̈ + b ṡ² + c against inverse dynamics of q̇ = q′ṡ, q̈ = q″ṡ² + q′s̈, derivatives by differences.
 #[test]
-fn path_dynamics_is_inverse_dynamics_along_the_path() {
+fn path_dynamics_is_inverse_dynamics_along_path() {
     let (arm, path) = (Reach2R::worked_example(), reach_replay());
     let mut random = SplitMix64::new(61);
     for sample in 0..50 {
@@ -164,7 +167,7 @@ fn path_dynamics_is_inverse_dynamics_along_the_path() {
         let torque = PathDynamics::new(&arm, &point).torque(v, a);
         let direct = arm.inverse(&point.q, &(point.dq * v), &(point.ddq * (v * v) + point.dq * a));
         assert!((torque - direct).norm() < 1e-12 * (1.0 + direct.norm()), "seed 61 sample {sample}");
-        // q(t) itself, differenced in t with s(t) = s + v t + ½ a t²; h = 1e-4: truncation 1e-8·|q⁗| ≈ 1e-4.
+        // q(t), differenced in t with s(t) = s + v t + ½ a t²; h = 1e-4: truncation 1e-8·|q⁗| ≈ 1e-4.
         let h = 1e-4;
         let at = |t: f64| path.at(s + v * t + 0.5 * a * t * t).q;
         let (q0, q1, q2) = (at(-h), at(0.0), at(h));
@@ -174,12 +177,12 @@ fn path_dynamics_is_inverse_dynamics_along_the_path() {
 }
 
 #[test]
-fn replaying_faster_scales_the_motion_part_by_the_square() {
+fn velocity_part_grows_with_square_of_speed() {
     let (arm, path) = (Reach2R::worked_example(), reach_replay());
     for i in 0..40 {
         let dynamics = PathDynamics::new(&arm, &path.at(TAU * f64::from(i) / 40.0));
         for k in [0.5, 2.0, 3.0] {
-            // The same clock k times faster: ṡ by k, s̈ by k². The full torque less gravity must follow.
+            // The same timing k times faster: ṡ by k, s̈ by k². The torque less gravity must follow.
             let (slow, fast) = (dynamics.torque(1.3, 0.7), dynamics.torque(1.3 * k, 0.7 * k * k));
             let difference = (fast - dynamics.c) - (slow - dynamics.c) * (k * k);
             assert!(difference.norm() < 1e-12 * (1.0 + fast.norm()), "sample {i}, k {k}");
@@ -188,7 +191,7 @@ fn replaying_faster_scales_the_motion_part_by_the_square() {
 }
 
 #[test]
-fn the_replay_curve_is_safe_at_1x_and_not_at_2x() {
+fn replay_curve_is_within_limits_at_1x_and_not_at_2x() {
     let (arm, path) = (Reach2R::worked_example(), reach_replay());
     let (once, twice) = (
         peak_torque(&arm, &path, REACH_REPLAY_SPEED, 2000),
@@ -196,18 +199,18 @@ fn the_replay_curve_is_safe_at_1x_and_not_at_2x() {
     );
     println!("peaks at 1x {once:?}, at 2x {twice:?}");
     for i in 0..2 {
-        // A tenth of the limit to spare on either side, so that no sampling or rounding decides.
+        // A margin of a tenth of the limit on either side, so that sampling and rounding do not matter.
         assert!(once[i] < 0.9 * REACH_TORQUE_LIMITS[i], "joint {i} at 1x: {}", once[i]);
         assert!(twice[i] > 1.1 * REACH_TORQUE_LIMITS[i], "joint {i} at 2x: {}", twice[i]);
     }
-    // The numbers in the docs of the curve.
+    // The numbers in the documentation of the curve.
     assert!(
         (once - vector![8.5, 4.9]).abs().max() < 0.05 && (twice - vector![49.7, 18.9]).abs().max() < 0.05
     );
-    // The curve closes with both derivatives.
+    // The curve is closed with both derivatives.
     let (start, end) = (path.at(0.0), path.at(TAU));
     assert!((start.q - end.q).norm() + (start.dq - end.dq).norm() + (start.ddq - end.ddq).norm() < 1e-14);
-    // The fastest speed lies between, touches a limit there, and crosses it just above.
+    // The fastest speed lies between; it reaches a limit there and exceeds it just above.
     let fastest = fastest_constant_speed(&arm, &path, &REACH_TORQUE_LIMITS, 2000).unwrap();
     println!("fastest {fastest} = {} x", fastest / REACH_REPLAY_SPEED);
     let load = |speed: f64| peak_torque(&arm, &path, speed, 2000).component_div(&REACH_TORQUE_LIMITS).max();
@@ -242,7 +245,8 @@ fn exact_matches_differences<L: Lagrangian<N> + Dynamics<N>, const N: usize>(sys
             let error = (exact - extrapolated).norm() / (1.0 + exact.norm());
             assert!(error < 2e-9, "{at}: {error:e}");
             worst = worst.max(error);
-            // The plain difference errs by its h² term, which the coarse one shows: |coarse − fine| = 3 h² term.
+            // The error of the plain difference is its h² term, which the coarse one shows:
+            // |coarse − fine| = 3 h² term.
             assert!((exact - fine).norm() <= (coarse - fine).norm() + 2e-9 * (1.0 + exact.norm()), "{at}");
         };
         compare(&exact.by_position, &fine.by_position, &coarse.by_position);
@@ -304,7 +308,7 @@ fn inertia_ellipse_of_the_worked_example() {
             (arm.kinetic_energy(&vector![FRAC_PI_4, FRAC_PI_2], &joule) - 1.0).abs() < 1e-14,
             "point {i}"
         );
-        // Turning the whole arm changes nothing.
+        // A rotation of the whole arm changes nothing.
         assert_eq!(InertiaEllipse::new(&arm.mass(&vector![angle, FRAC_PI_2])).unwrap(), ellipse);
     }
     let error = InertiaEllipse::new(&matrix![1.0, 1.0; 1.0, 1.0]).unwrap_err();
@@ -339,7 +343,8 @@ fn jacobi_eigenvalues_agree_with_qr() {
     eigen_agrees::<2>(82);
     eigen_agrees::<3>(83);
     eigen_agrees::<7>(84);
-    // Graded, as coordinates in m and μm make it: κ = 1e12, yet both eigenvalues to a few ε of themselves.
+    // Graded, as with coordinates in m and μm: κ = 1e12, but both eigenvalues are accurate to a few ε of
+    // themselves.
     let graded = matrix![1e12, 0.5e6; 0.5e6, 1.0];
     let large = f64::midpoint(1e12, 1.0) + ((1e12 - 1.0_f64) / 2.0).hypot(0.5e6);
     let small = 0.75e12 / large;

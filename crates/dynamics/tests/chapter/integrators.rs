@@ -1,12 +1,15 @@
-//! Every row of the table of integrators: its order, its symmetry, its structure, its energy.
+//! Every fixed-step integrator: its order, symmetry, structure and energy.
 
+use dynamics::SystemStep;
 use std::f64::consts::PI;
 
 use dynamics::{
-    Dual, Dynamics, FromLagrangian, Integrator, IntegratorError, Lagrangian, PlanarArm, Reach2R, Scalar,
-    State, Symplectic, energy_drift, energy_run, rk4_step, solve_mass, variational_midpoint_step,
+    Dynamics, FromLagrangian, Lagrangian, PlanarArm, Reach2R, State, energy_drift, energy_run, rk4_step,
+    solve_mass, variational_midpoint_step,
 };
 use nalgebra::{Matrix2, Matrix4, SVector, Vector2, Vector4, vector};
+use robot_dynamics_integrators::{Integrator, IntegratorError, Symplectic};
+use robot_dynamics_number::{Dual, Scalar};
 
 /// Two pendulums of different mass joined by a torsion spring: constant M, nonlinear, in two coordinates.
 struct CoupledPendulums;
@@ -62,7 +65,7 @@ fn run<D: Dynamics<N> + ?Sized, const N: usize>(
     (q, qd)
 }
 
-/// The slope of log error against log h, least squares.
+/// The slope of log error over log h by least squares.
 fn slope(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let logs: Vec<_> = points.iter().map(|(h, e)| (h.ln(), e.ln())).collect();
@@ -91,19 +94,19 @@ fn energy_drift_rk4() {
     assert!((rk4 - 1.22e-8).abs() < 0.01e-8, "{rk4:e}");
 }
 
-/// Measured order of every row, over 1 s of the 2R arm swinging below the horizontal: too short and too
-/// low in energy for its chaos to matter. Steps are short enough for the leading error term and long
-/// enough to leave the error far above round-off: 2⁻⁷…2⁻¹¹ s at order 1, 2⁻⁵…2⁻⁹ at 2, 2⁻⁵…2⁻⁸ at 4.
-/// Friction and a held force do not cost a row its order.
+/// The measured order of every method, over 1 s of the 2R arm swinging below the horizontal. The motion is
+/// too short and too low in energy for chaos to matter. Steps are short enough for the leading error term to
+/// dominate and long enough for errors far above round-off. They are 2⁻⁷…2⁻¹¹ s at order 1, 2⁻⁵…2⁻⁹ at 2,
+/// 2⁻⁵…2⁻⁸ at 4. Friction and a held force do not reduce the order of a method.
 #[test]
-fn measured_order_is_the_stated_order() {
+fn measured_order_is_stated_order() {
     let arm = Reach2R::worked_example();
     let damped = DampedArm(arm);
     let start = (vector![-1.2, 0.5], vector![0.4, -0.3]);
     let cases: [(&str, &dyn Dynamics<2>, Vector2<f64>); 2] =
         [("free", &arm, Vector2::zeros()), ("forced and damped", &damped, vector![2.0, -0.5])];
     for (name, system, u) in cases {
-        // RK4's own error at h = 1/8192 s is (1/32)⁴ of its error at the shortest step tested.
+        // RK4's error at h = 1/8192 s is (1/32)⁴ of its error at the shortest step tested.
         let exact = run(system, start, &u, 1.0 / 8192.0, 8192, Integrator::RungeKutta4);
         for row in Integrator::ALL {
             let halvings = match row.order() {
@@ -127,11 +130,11 @@ fn measured_order_is_the_stated_order() {
     }
 }
 
-/// Step, flip, step, flip: the rows that claim to come back do, to round-off; the others do not.
+/// Step, flip, step, flip: the reversible methods return to the start to round-off; the others do not.
 #[test]
-fn reversible_rows_come_back() {
+fn reversible_methods_return_to_start() {
     let arm = Reach2R::worked_example();
-    // A step of 50 ms, so that a defect of order h⁶ would stand clear of round-off.
+    // A step of 50 ms, so that a defect of order h⁶ is clearly above round-off.
     let (q0, qd0, u, h) = (vector![0.4, 1.1], vector![1.5, -2.0], vector![3.0, -1.0], 0.05);
     for row in Integrator::ALL {
         let (q1, qd1) = row.step(&arm, &q0, &qd0, &u, h).unwrap();
@@ -182,9 +185,9 @@ fn symplectic_defect(
     (jacobian.transpose() * omega * jacobian - omega).amax()
 }
 
-/// The step's Jacobian in (q, p) is a symplectic matrix exactly for the systems the row names.
+/// The Jacobian of the step in (q, p) is a symplectic matrix exactly for the systems that the method states.
 #[test]
-fn symplectic_rows_preserve_the_form() {
+fn symplectic_methods_preserve_form() {
     let arm = Reach2R::worked_example();
     let (q, p, h) = (vector![0.4, 1.1], vector![2.0, -1.0], 0.1);
     for row in Integrator::ALL {
@@ -197,13 +200,14 @@ fn symplectic_rows_preserve_the_form() {
             Symplectic::Always => (true, true),
         };
         for (keeps, defect) in [(keeps_constant, constant), (keeps_varying, varying)] {
-            // Either the differences' error or a real defect, O(h²) for the Eulers, O(h⁶) for RK4.
+            // Either the error of the differences or a real defect, O(h²) for the Euler methods, O(h⁶) for
+            // RK4.
             assert!(if keeps { defect < 1e-9 } else { defect > 1e-7 }, "{row}: {defect:e}");
         }
     }
 }
 
-/// h L((q₀+q₁)/2, (q₁−q₀)/h), from the two energies alone.
+/// h L((q₀+q₁)/2, (q₁−q₀)/h), from the two energies only.
 fn discrete_lagrangian<S: Scalar>(system: &impl Lagrangian<2>, q0: [S; 2], q1: [S; 2], h: f64) -> S {
     let middle = [0, 1].map(|i| (q0[i] + q1[i]).scale(0.5));
     let v = [0, 1].map(|i| (q1[i] - q0[i]).scale(1.0 / h));
@@ -217,10 +221,10 @@ fn discrete_lagrangian<S: Scalar>(system: &impl Lagrangian<2>, q0: [S; 2], q1: [
     (twice_kinetic.scale(0.5) - system.potential_over(&middle)).scale(h)
 }
 
-/// The step is what its name says: p₀ = −D₁L_d and p₁ = D₂L_d, the derivatives taken by dual numbers of
-/// L_d itself, which shares neither the Coriolis matrix nor the solver with the step.
+/// The step is variational: p₀ = −D₁L_d and p₁ = D₂L_d, with the derivatives of L_d by dual numbers. L_d
+/// shares neither the Coriolis matrix nor the solver with the step.
 #[test]
-fn variational_step_solves_the_discrete_euler_lagrange_equations() {
+fn variational_step_solves_discrete_euler_lagrange_equations() {
     let arm = Reach2R::worked_example();
     for (k, h) in [(1.0_f64, 1e-3), (2.0, 0.01), (3.0, 0.05), (4.0, 0.05), (5.0, 0.1)] {
         let (q0, qd0) = (vector![1.3 * k, -0.7 * k], vector![(2.0 * k).sin(), (3.0 * k).cos() * 2.0]);
@@ -235,10 +239,10 @@ fn variational_step_solves_the_discrete_euler_lagrange_equations() {
     }
 }
 
-/// The steps see a system only through its methods: a closed form and the same arm by the Lagrange
-/// recipe move alike; three joints come back as two do; and a `dyn` system will do.
+/// Steps use a system only through its methods. A closed form and the same arm by the Lagrange recipe move
+/// alike, three joints are reversible as two are, and a `dyn` system works.
 #[test]
-fn steps_do_not_depend_on_how_the_model_is_written() {
+fn steps_are_independent_of_formulation() {
     let arm = Reach2R::worked_example();
     let recipe = FromLagrangian(arm);
     let (start, zero) = ((vector![0.4, 1.1], vector![1.5, -2.0]), Vector2::zeros());
@@ -246,7 +250,7 @@ fn steps_do_not_depend_on_how_the_model_is_written() {
     let start3 = (vector![0.4, 1.1, -0.6], vector![1.5, -2.0, 1.0]);
     for row in Integrator::ALL {
         let (a, b) = (run(&arm, start, &zero, 0.01, 50, row), run(&recipe, start, &zero, 0.01, 50, row));
-        // Half a second: rounding grows by the motion's stretching, well under a factor of 100.
+        // Half a second: rounding grows with the sensitivity of the motion, well below a factor of 100.
         assert!((a.0 - b.0).amax() < 1e-12 && (a.1 - b.1).amax() < 1e-12, "{row}: {a:?} {b:?}");
         let end = run(&*arm3, start3, &vector![1.0, 0.5, 0.1], 0.01, 50, row);
         let back = run(&*arm3, (end.0, -end.1), &vector![1.0, 0.5, 0.1], 0.01, 50, row);
@@ -255,9 +259,10 @@ fn steps_do_not_depend_on_how_the_model_is_written() {
     }
 }
 
-/// On a flat table q1 is cyclic: the variational steps keep its momentum, Runge–Kutta only nearly.
+/// On a horizontal table q1 is cyclic: the variational steps conserve its momentum, Runge–Kutta only
+/// approximately.
 #[test]
-fn cyclic_momentum_is_kept() {
+fn cyclic_momentum_is_conserved() {
     let table = Reach2R::uniform(1.0, 2.0, 1.0, 1.0, 0.0);
     let start = (vector![0.3, 1.2], vector![2.0, -5.0]);
     let momentum = |(q, qd): State<2>| (table.mass(&q) * qd)[0];
@@ -273,33 +278,33 @@ fn cyclic_momentum_is_kept() {
     println!(
         "cyclic momentum after 1e5 steps: midpoint {midpoint:.1e}, Yoshida {yoshida:.1e}, RK4 {rk4:.1e}"
     );
-    // 1e5 roundings of a few ε in the worst case, all one way, would be 1e-10; at random, 1e-13.
+    // 1e5 roundings of a few ε would be 1e-10 in the worst case, with one sign; at random, 1e-13.
     assert!(midpoint < 1e-11 && yoshida < 1e-11, "{midpoint:e} {yoshida:e}");
     assert!(rk4 > 1e-9, "{rk4:e}");
 }
 
-/// With motors and friction the ledger balances: E = E₀ + work − dissipated to the order of the method.
+/// With motors and friction the account closes: E = E₀ + work − dissipated to the order of the method.
 #[test]
-fn ledger_balances_with_work_and_dissipation() {
+fn energy_account_closes_with_work_and_dissipation() {
     let damped = DampedArm(Reach2R::worked_example());
     let (q0, zero, u) = (vector![-1.0, 0.4], Vector2::zeros(), vector![4.0, -1.0]);
     let imbalance = |h: f64, steps| {
         let run = energy_run(&damped, &q0, &zero, &u, h, steps, Integrator::RungeKutta4).unwrap();
         assert!(run.ledger.dissipated() > 0.5 && run.ledger.work().abs() > 0.5, "{run:?}");
-        // The energy itself moves: without the two entries the books would be out by this much.
+        // The energy is not constant: without the two entries the imbalance would be this large.
         assert!(run.ledger.drift() * run.ledger.scale() > 0.5, "{run:?}");
         run.ledger.max_imbalance()
     };
     let (coarse, fine) = (imbalance(0.02, 150), imbalance(0.01, 300));
     println!("imbalance {coarse:.2e} J at 20 ms, {fine:.2e} J at 10 ms");
     assert!(fine < 1e-5, "{fine:e}");
-    // Order 4: a factor of 16, give or take the next term.
+    // Order 4: a factor of about 16, up to the next term.
     assert!((12.0..24.0).contains(&(coarse / fine)), "{}", coarse / fine);
 }
 
-/// E₀ = 0 does not divide by zero: the largest kinetic energy is the measure then.
+/// E₀ = 0 does not divide by zero: the scale is then the largest kinetic energy.
 #[test]
-fn drift_is_defined_where_the_energy_is_zero() {
+fn drift_is_defined_at_zero_energy() {
     let arm = Reach2R::worked_example();
     // Released from rest, horizontal: V = 0, K = 0.
     let (q0, zero) = (vector![0.0, 0.0], Vector2::zeros());
@@ -307,16 +312,16 @@ fn drift_is_defined_where_the_energy_is_zero() {
     let run = energy_run(&arm, &q0, &zero, &zero, 1e-3, 2000, Integrator::RungeKutta4).unwrap();
     assert!(run.ledger.scale() > 10.0, "{run:?}");
     assert!(run.ledger.drift() < 1e-7 && run.ledger.drift() > 0.0, "{run:?}");
-    // At rest in balance nothing happens, whatever the integrator.
+    // At rest in equilibrium nothing moves, with any integrator.
     let hang = vector![-PI / 2.0, 0.0];
     for row in Integrator::ALL {
         assert!(energy_drift(&arm, &hang, &zero, &zero, 1e-3, 100, row).unwrap() < 1e-15, "{row}");
     }
 }
 
-/// Failures are reported, never returned as numbers.
+/// Failures are errors, never numbers.
 #[test]
-fn failures_say_what_and_where() {
+fn failures_name_quantity_and_entry() {
     let arm = Reach2R::worked_example();
     let (q0, qd0, zero) = (vector![0.0, 0.5], vector![3.0, -4.0], Vector2::zeros());
     let error = Integrator::VariationalMidpoint.step(&arm, &q0, &qd0, &zero, 2.0).unwrap_err();
@@ -338,7 +343,7 @@ fn failures_say_what_and_where() {
     }
 }
 
-/// A step of no length is a mistake in the program, and says so with its value.
+/// A step of zero length is a mistake in the program; the panic states its value.
 #[test]
 #[should_panic(expected = "must be positive and finite, got -0.001 s")]
 fn negative_step_panics() {

@@ -14,7 +14,7 @@ fn reach_3r() {
     laws::check_all("Reach3R", &PlanarArm::reach_3r(), &States::new(2)).unwrap();
 }
 
-/// Links whose centres of mass and inertias are those of no rod.
+/// Links whose centres of mass and inertias differ from those of rods.
 #[test]
 fn planar_arm_of_five_links() {
     let link = |length, centre, mass, inertia| Link { length, centre, mass, inertia };
@@ -37,7 +37,7 @@ fn planar_arm_of_twelve_links() {
 
 /// An outer link of a milligram: κ(M) is 2·10⁸, and the laws hold to its condition number.
 #[test]
-fn reach_2r_with_next_to_no_outer_link() {
+fn reach_2r_with_tiny_outer_link() {
     let arm = Reach2R::uniform(1.0, 2.0, 0.1, 1e-6, 9.81);
     laws::check_all("Reach2R, light", &arm, &States::new(14)).unwrap();
 }
@@ -48,7 +48,7 @@ fn rp_arm() {
     laws::check_all("RpArm", &arm, &States::new(4)).unwrap();
 }
 
-/// r stays away from 0, where the direction of the mass is not defined.
+/// r stays away from 0, where the direction of the mass is undefined.
 #[test]
 fn polar_mass() {
     let states = States::new(5).within(vector![0.1, -3.0], vector![3.0, 3.0]);
@@ -66,21 +66,21 @@ fn from_lagrangian() {
     laws::check_all("FromLagrangian<Reach2R>", &arm, &States::new(7)).unwrap();
 }
 
-/// Linear damping; the laws with b in them must hold with b ≠ 0.
+/// Linear damping; the laws with b must hold for b ≠ 0.
 #[test]
 fn damped_arm() {
     let damped = Altered { damping: 0.3, ..Altered::NOTHING };
     laws::check("damped Reach2R", &damped, &States::new(8)).unwrap();
 }
 
-/// `check` works through a trait object, as a robot chosen at run time needs.
+/// `check` accepts a trait object, for a robot chosen at run time.
 #[test]
-fn any_dynamics_behind_a_pointer() {
+fn trait_object_of_dynamics() {
     let arm: Box<dyn Dynamics<3>> = Box::new(PlanarArm::reach_3r());
     laws::check("dyn Reach3R", &*arm, &States::new(9)).unwrap();
 }
 
-/// The 2R arm with its terms altered, to see that each mistake breaks the law that is meant to catch it.
+/// The 2R arm with altered terms: each mistake violates the law that detects it.
 #[derive(Clone, Copy)]
 struct Altered {
     gravity: f64,
@@ -93,7 +93,7 @@ struct Altered {
 }
 
 impl Altered {
-    /// The arm as it is.
+    /// The unaltered arm.
     const NOTHING: Self = Self {
         gravity: 1.0,
         coriolis: 1.0,
@@ -138,7 +138,7 @@ impl Dynamics<2> for Altered {
 }
 
 #[test]
-fn every_mistake_breaks_its_law() {
+fn every_mistake_violates_its_law() {
     let right = Altered::NOTHING;
     laws::check("unaltered", &right, &States::new(11)).unwrap();
     let mistakes = [
@@ -160,9 +160,9 @@ fn every_mistake_breaks_its_law() {
     }
 }
 
-/// A broken law says which law, which model, which state, and by how much.
+/// A violation names the law, the model, the state and the defect.
 #[test]
-fn a_violation_says_what_and_where() {
+fn violation_names_law_and_state() {
     let upside_down = Altered { gravity: -1.0, ..Altered::NOTHING };
     let violation = laws::check("upside down", &upside_down, &States::new(12)).unwrap_err();
     assert_eq!((violation.seed, violation.index, violation.state.len()), (12, 0, 2));

@@ -1,9 +1,10 @@
-//! Energy over 10⁶ steps: what drifts and what stays.
+//! Energy over 10⁶ steps: drift and bounded errors.
 
 use std::f64::consts::PI;
 
-use dynamics::{Dynamics, EnergyRun, Integrator, Reach2R, energy_run};
+use dynamics::{Dynamics, EnergyRun, Reach2R, energy_run};
 use nalgebra::{Matrix1, Vector1, Vector2, vector};
+use robot_dynamics_integrators::Integrator;
 
 const STEPS: usize = 1_000_000;
 
@@ -34,7 +35,7 @@ impl Dynamics<1> for Pendulum {
     }
 }
 
-/// 10⁶ steps of 10 ms, 10⁴ s, from rest at 2 rad: some 3500 swings.
+/// 10⁶ steps of 10 ms, 10⁴ s, from rest at 2 rad: about 3500 swings.
 fn pendulum(integrator: Integrator) -> EnergyRun<1> {
     let zero = Vector1::zeros();
     report(integrator, energy_run(&Pendulum, &vector![2.0], &zero, &zero, 1e-2, STEPS, integrator).unwrap())
@@ -51,27 +52,27 @@ fn report<const N: usize>(integrator: Integrator, run: EnergyRun<N>) -> EnergyRu
     run
 }
 
-/// How much larger the energy error is in the last tenth of a run than in the first.
+/// The ratio of the energy error in the last tenth of a run to that in the first.
 fn growth<const N: usize>(run: &EnergyRun<N>) -> f64 {
     run.last_tenth / run.first_tenth
 }
 
-/// Runge–Kutta loses a little energy every second: small, but it adds up. The motion is chaotic, so its
-/// size is asserted in a band of a factor of 3 about the measured 3.6e-7, its growth (ten for a steady
-/// loss, measured 12.7) within a factor of 2.
+/// Runge–Kutta loses a little energy every second, and the loss accumulates. The motion is chaotic, so its
+/// size is asserted within a factor of 3 about the measured 3.6e-7. The growth is ten for a steady loss,
+/// measured 12.7, and is asserted within a factor of 2.
 #[test]
-fn rk4_energy_of_the_arm_drifts_steadily() {
+fn rk4_energy_of_arm_drifts_steadily() {
     let run = arm(Integrator::RungeKutta4);
     assert!((1.2e-7..1.1e-6).contains(&run.ledger.drift()), "{run:?}");
     assert!((5.0..25.0).contains(&growth(&run)), "{run:?}");
-    // The loss is one-sided: the run ends where the error is largest.
+    // The loss has one sign: the error is largest at the end of the run.
     assert!(run.ledger.imbalance() < -0.9 * run.last_tenth, "{run:?}");
 }
 
-/// The variational steps err by O(hᵖ) and stay there: the last tenth is no worse than the first, up to
-/// what a chaotic motion happens to visit (measured ratios 1.01 and 1.13).
+/// The error of the variational steps is O(hᵖ) and stays bounded. The last tenth has the error of the first,
+/// up to the states that a chaotic motion happens to visit (measured ratios 1.01 and 1.13).
 #[test]
-fn variational_energy_of_the_arm_stays() {
+fn variational_energy_of_arm_stays_bounded() {
     for (row, bound) in [(Integrator::VariationalMidpoint, 5e-4), (Integrator::VariationalYoshida4, 5e-7)] {
         let run = arm(row);
         assert!(run.ledger.drift() < bound, "{row}: {run:?}");
@@ -79,18 +80,18 @@ fn variational_energy_of_the_arm_stays() {
     }
 }
 
-/// The semi-implicit Euler's energy is bounded where M is constant and wanders off where it is not: what
-/// its row of the table says.
+/// The energy of semi-implicit Euler is bounded if M is constant and not bounded otherwise, as its row of the
+/// table states.
 #[test]
-fn semi_implicit_energy_stays_only_for_constant_mass() {
+fn semi_implicit_energy_is_bounded_only_for_constant_mass() {
     let constant = pendulum(Integrator::SemiImplicitEuler);
     assert!(constant.ledger.drift() < 0.1 && (0.9..1.1).contains(&growth(&constant)), "{constant:?}");
     let varying = arm(Integrator::SemiImplicitEuler);
     assert!(varying.ledger.drift() > 1.0 && growth(&varying) > 2.0, "{varying:?}");
 }
 
-/// On the periodic pendulum nothing is left to chance: RK4's loss in ten times the time is ten times as
-/// large, the variational error repeats itself swing by swing.
+/// The pendulum is periodic, so chance plays no part. RK4's loss in ten times the time is ten times as large,
+/// and the variational error repeats in each swing.
 #[test]
 fn pendulum_separates_drift_from_oscillation() {
     let rk4 = pendulum(Integrator::RungeKutta4);

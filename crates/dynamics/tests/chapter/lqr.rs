@@ -1,7 +1,8 @@
 //! The discrete regulator against closed forms, published numbers, value iteration and its own definition.
 
-use dynamics::{DlqrError, SplitMix64, dlqr};
 use nalgebra::{DMatrix, dmatrix};
+use robot_dynamics_control::{DlqrError, dlqr};
+use robot_dynamics_number::SplitMix64;
 
 /// A, B, Q, R.
 type Problem = (DMatrix<f64>, DMatrix<f64>, DMatrix<f64>, DMatrix<f64>);
@@ -10,7 +11,7 @@ fn random_matrix(random: &mut SplitMix64, rows: usize, columns: usize) -> DMatri
     DMatrix::from_fn(rows, columns, |_, _| random.uniform(-1.0, 1.0))
 }
 
-/// A with some modes that grow, two forces, a cost of every state: what a robot about a pose looks like.
+/// A with some growing modes, two forces, and a cost on every state, as for a robot about a pose.
 fn random_problem(seed: u64) -> Problem {
     let mut random = SplitMix64::new(seed);
     let n = 1 + (seed % 14) as usize;
@@ -47,16 +48,16 @@ fn one_state_and_one_force_have_a_closed_form() {
         let linear: f64 = r * (a * a - 1.0) + b * b * q;
         let p = (linear + (linear * linear + 4.0 * b * b * q * r).sqrt()) / (2.0 * b * b);
         let k = b * p * a / (r + b * b * p);
-        // A handful of roundings each; of a stable a with q = 0 the formula's terms cancel.
+        // A few roundings each; for a stable a with q = 0 the terms of the formula cancel.
         assert!((found.cost[0] - p).abs() <= 1e-14 * p.max(linear.abs() / (b * b)), "{} {p}", found.cost[0]);
         assert!((found.gain[0] - k).abs() <= 1e-14 * k.abs(), "{} {k}", found.gain[0]);
         assert!((found.spectral_radius - (a - b * k).abs()).abs() <= 1e-14);
     }
 }
 
-/// The example of MATLAB's documentation of `dare`, in its four decimals.
+/// The example of MATLAB's documentation of `dare`, to its four decimals.
 #[test]
-fn published_numbers_are_found() {
+fn gain_matches_published_example() {
     let (a, b) = (dmatrix![-0.9, -0.3; 0.7, 0.1], dmatrix![1.0; 1.0]);
     let found = dlqr(&a, &b, &dmatrix![1.0, 0.0; 0.0, 3.0], &dmatrix![0.1]).unwrap();
     let expected = dmatrix![4.7687, 0.9438; 0.9438, 3.2369];
@@ -64,11 +65,12 @@ fn published_numbers_are_found() {
     assert!((found.spectral_radius - 0.4460).abs() < 0.5e-4, "{}", found.spectral_radius);
 }
 
-/// P against 3000 steps of value iteration from P = Q, which shares no step with doubling; K, the equation's residual
-/// and the closed loop beside it. One step of value iteration forms AᵀPA, whose rounding is n ε |A|²|P|; what it leaves
-/// of an error shrinks by the square of the closed loop's radius a step.
+/// P against 3000 steps of value iteration from P = Q, which shares no step with doubling. K, the residual of
+/// the equation and the closed loop are checked as well. One step of value iteration forms AᵀPA, whose
+/// rounding is n ε |A|²|P|. The remaining error shrinks by the square of the closed loop's radius in each
+/// step.
 #[test]
-fn random_problems_agree_with_value_iteration() {
+fn random_problems_match_value_iteration() {
     let mut worst: f64 = 0.0;
     for seed in 0..100 {
         let problem = random_problem(seed);
@@ -94,9 +96,9 @@ fn random_problems_agree_with_value_iteration() {
     println!("worst {worst:.2e} of the allowed rounding");
 }
 
-/// x₀ᵀP x₀ is what the run from x₀ costs, and any other gain costs more.
+/// x₀ᵀP x₀ is the cost of the run from x₀, and any other gain costs more.
 #[test]
-fn the_cost_is_the_least_there_is() {
+fn cost_is_minimal() {
     for seed in 0..30 {
         let (a, b, q, r) = random_problem(seed);
         let found = dlqr(&a, &b, &q, &r).unwrap();
@@ -112,18 +114,19 @@ fn the_cost_is_the_least_there_is() {
             sum
         };
         let least = start.dot(&(&found.cost * &start));
-        // The closed loops forget all but 1e-12 within the run; a sum of as many roundings as there are steps.
+        // The closed loops decay to 1e-12 within the run; the sum has as many roundings as steps.
         assert!((cost_of(&found.gain) - least).abs() <= 1e-10 * least, "seed {seed}");
-        // A change of K by δ costs its square: of 1e-3 a part of some 1e-6.
+        // A change of K by δ costs its square: for 1e-3 about 1e-6 of the cost.
         let other = &found.gain + random_matrix(&mut random, b.ncols(), a.nrows()) * 1e-3;
         assert!(cost_of(&other) > least * (1.0 + 1e-10), "seed {seed}");
     }
 }
 
-/// Steps of a thousandth and a millionth of a second: a closed loop close to 1 takes more doublings, no accuracy.
-/// With h → 0 the gain of a double integrator goes to that in continuous time, (√(q/r), √(2 √(q/r))).
+/// Steps of a thousandth and a millionth of a second: a closed loop close to 1 needs more doublings, and
+/// keeps its accuracy. With h → 0 the gain of a double integrator converges to that in continuous time,
+/// (√(q/r), √(2 √(q/r))).
 #[test]
-fn short_steps_lead_to_the_gain_in_continuous_time() {
+fn short_steps_converge_to_continuous_gain() {
     for h in [1e-3, 1e-6] {
         let (a, b) = (dmatrix![1.0, h; 0.0, 1.0], dmatrix![0.5 * h * h; h]);
         let (q, r) = (dmatrix![4.0 * h, 0.0; 0.0, 0.0], dmatrix![0.25 * h]);
@@ -138,10 +141,10 @@ fn short_steps_lead_to_the_gain_in_continuous_time() {
 
 /// States and forces in other units, x = T y and u = S w, have the gain S⁻¹K T.
 #[test]
-fn units_do_not_matter() {
+fn gain_scales_with_units() {
     for seed in 0..40 {
         let (a, b, q, r) = random_problem(seed);
-        // Powers of two round nothing.
+        // Powers of two cause no rounding.
         let power = |i: usize| ((7 * i % 41) as f64 - 20.0).exp2();
         let t = DMatrix::from_diagonal(&nalgebra::DVector::from_fn(a.nrows(), |i, _| power(i)));
         let s = DMatrix::from_diagonal(&nalgebra::DVector::from_fn(b.ncols(), |i, _| power(i + 3)));
@@ -151,7 +154,7 @@ fn units_do_not_matter() {
         let scaled = dlqr(&(&inverse * &a * &t), &(&inverse * &b * &s), &(&t * &q * &t), &(&s * &r * &s))
             .unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         let back = &s * &scaled.gain * &inverse;
-        // Pivots are chosen by size, so another unit is another order of elimination: κ(W) roundings.
+        // Pivots are chosen by size, so other units change the order of elimination: κ(W) roundings.
         let off = (&back - &found.gain).amax();
         assert!(off <= 1e-9 * found.gain.amax(), "seed {seed}: {off:e}");
     }
@@ -162,7 +165,7 @@ fn message(a: &DMatrix<f64>, b: &DMatrix<f64>, q: &DMatrix<f64>, r: &DMatrix<f64
 }
 
 #[test]
-fn what_is_no_problem_is_refused_by_name() {
+fn invalid_problems_are_errors() {
     let (a, b) = (dmatrix![1.0, 0.1; 0.0, 1.0], dmatrix![0.0; 0.1]);
     let (q, r) = (DMatrix::identity(2, 2), dmatrix![1.0]);
     assert!(dlqr(&a, &b, &q, &r).is_ok());
@@ -192,22 +195,23 @@ fn what_is_no_problem_is_refused_by_name() {
         let error = dlqr(&a, &b, &q, &dmatrix![bad]).unwrap_err();
         assert_eq!(error, DlqrError::EffortNotPositiveDefinite { eigenvalue: bad });
     }
-    // Rank one, whose last pivot is rounding: (0.1)² + (0.2)² and so on are no binary fractions.
+    // Rank one, with a last pivot of rounding size: (0.1)² + (0.2)² and similar sums are not binary
+    // fractions.
     let two = DMatrix::identity(2, 2);
     let rank_one = dmatrix![0.01, 0.03; 0.03, 0.09];
     let error = dlqr(&a, &two, &q, &rank_one).unwrap_err();
     assert!(matches!(error, DlqrError::EffortNotPositiveDefinite { .. }), "{error}");
-    // Costs far apart are no defect.
+    // Costs of different orders of magnitude are valid.
     assert!(dlqr(&a, &two, &q, &dmatrix![1e-12, 0.0; 0.0, 1e9]).is_ok());
 }
 
-/// What keeps a gain from existing is told with the mode's eigenvalue.
+/// If no gain exists, the error states the eigenvalue of the mode.
 #[test]
-fn what_cannot_be_stabilised_says_which_mode() {
+fn error_names_unstabilisable_mode() {
     let r = dmatrix![1.0];
     let q = DMatrix::identity(2, 2);
     let check = |a: &DMatrix<f64>, b: &DMatrix<f64>, q: &DMatrix<f64>| dlqr(a, b, q, &r).unwrap_err();
-    // A mode of 1.5 that no force moves, costly or not, and one of 1.
+    // A mode of 1.5 that no force moves, with or without cost, and one of 1.
     let b = dmatrix![0.0; 1.0];
     for (mode, q) in [(1.5, &q), (1.0, &q), (-1.2, &q), (1.5, &dmatrix![0.0, 0.0; 0.0, 1.0])] {
         match check(&dmatrix![mode, 0.0; 0.3, 0.5], &b, q) {
@@ -218,7 +222,7 @@ fn what_cannot_be_stabilised_says_which_mode() {
             other => panic!("{mode}: {other}"),
         }
     }
-    // A turning pair, moved by nothing.
+    // An oscillating pair that no force moves.
     let (sine, cosine) = 0.4f64.sin_cos();
     let turning = dmatrix![cosine, -sine, 0.0; sine, cosine, 0.0; 0.0, 0.0, 2.0];
     match check(&turning, &dmatrix![0.0; 0.0; 1.0], &DMatrix::identity(3, 3)) {
@@ -227,7 +231,7 @@ fn what_cannot_be_stabilised_says_which_mode() {
         }
         other => panic!("{other}"),
     }
-    // Moved, but free of cost: the cheapest is to let it go.
+    // Controllable, but without cost: the cheapest control lets it grow.
     for mode in [1.5, 1.0] {
         let error = check(&dmatrix![mode, 0.0; 0.3, 0.5], &dmatrix![1.0; 1.0], &DMatrix::zeros(2, 2));
         assert!(
@@ -236,10 +240,10 @@ fn what_cannot_be_stabilised_says_which_mode() {
         );
         assert!(error.to_string().contains("give its states a cost in Q"));
     }
-    // A double integrator without a force: two equal eigenvalues, known to 1e-8.
+    // A double integrator without a force: two equal eigenvalues, accurate to 1e-8.
     let error = check(&dmatrix![1.0, 0.1; 0.0, 1.0], &dmatrix![0.0; 0.0], &q);
     assert!(matches!(error, DlqrError::NotStabilizable { .. }), "{error}");
-    // What decays on its own needs no force and no cost.
+    // A decaying mode needs no force and no cost.
     let found = dlqr(&dmatrix![0.9, 1.0; 0.0, 0.5], &dmatrix![0.0; 0.0], &q, &r).unwrap();
     assert!(found.gain.amax() == 0.0 && (found.spectral_radius - 0.9).abs() < 1e-14);
 }

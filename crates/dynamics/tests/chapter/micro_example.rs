@@ -1,18 +1,19 @@
-//! The worked example of the two-link arm: every number, and what the velocity-product forces are for.
+//! The worked example of the two-link arm: every number, and the effect of the velocity-product forces.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use dynamics::{
-    Christoffel, Dynamics, Integrator, Reach2R, WorkedExample, christoffel, christoffel_by_differences,
-    energy_drift, laws,
+    Christoffel, Dynamics, Reach2R, WorkedExample, christoffel, christoffel_by_differences, energy_drift,
+    laws,
 };
 use nalgebra::{SMatrix, SVector, Vector2, vector};
+use robot_dynamics_integrators::Integrator;
 
 const POSE: [f64; 2] = [FRAC_PI_4, FRAC_PI_2];
 
-/// Every line of the worked example to 1e-4, the digits that are printed.
+/// Every line of the worked example to 1e-4, the printed digits.
 #[test]
-fn reproduces_micro_example() {
+fn numbers_match_worked_example() {
     let (arm, q, qd) = (Reach2R::uniform(1.0, 2.0, 1.0, 1.0, 9.81), Vector2::from(POSE), vector![1.0, 0.0]);
     let near = |found: f64, expected: f64| {
         assert!((found - expected).abs() < 1e-4, "found {found}, expected {expected}");
@@ -41,9 +42,9 @@ fn reproduces_micro_example() {
     assert!((drift(Integrator::ExplicitEuler) - 0.14).abs() < 0.005);
 }
 
-/// The example prints `WorkedExample` alone; these are its characters, no others.
+/// The example prints exactly the text of `WorkedExample`.
 #[test]
-fn the_example_prints_the_worked_numbers() {
+fn example_prints_worked_numbers() {
     let expected = "\
 M   = [[2.0000, 0.3333], [0.3333, 0.3333]]      det 0.5556   eig 2.0642 0.2691
 g   = [10.4051, -3.4684]
@@ -72,11 +73,11 @@ fn christoffel_closed_form_matches_finite_differences() {
             state.q
         );
     }
-    // Differences are not exact: if they were, the two would share code.
+    // Differences are not exact; if they were, the two computations would share code.
     assert!(worst.0 > 0.0);
 }
 
-/// The arm with C q̇ struck from its equation, M q̈ + g = u: what one gets by thinking M does not vary.
+/// The arm with C q̇ removed from its equation, M q̈ + g = u, as if M were constant.
 struct WithoutCoriolis(Reach2R);
 
 impl Dynamics<2> for WithoutCoriolis {
@@ -94,10 +95,10 @@ impl Dynamics<2> for WithoutCoriolis {
     }
 }
 
-/// With C q̇ left out the energy leaves its line by more than 20 %; halving the step changes nothing, so
-/// it is the equation that is wrong and not the integrator.
+/// Without C q̇ the energy changes by more than 20 %. Halving the step does not help, so the equation is
+/// wrong and not the integrator.
 #[test]
-fn without_coriolis_the_energy_leaves_its_line() {
+fn energy_is_not_conserved_without_coriolis() {
     let (q, rest) = (Vector2::from(POSE), Vector2::zeros());
     let (arm, lie) = (Reach2R::worked_example(), WithoutCoriolis(Reach2R::worked_example()));
     let drift = |system: &dyn Dynamics<2>, h: f64, steps| {

@@ -1,16 +1,17 @@
-//! The closed forms of the models against independent derivations, and what the models are known to do.
+//! The closed forms of the models against independent derivations, and their known properties.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use dynamics::laws::States;
 use dynamics::{
-    BodyJacobian, Christoffel, Dual, Dynamics, DynamicsError, Lagrangian, Link, PlanarArm, PlanarBody,
-    PlanarKinematics, PolarMass, Reach2R, RpArm, Scalar, christoffel, christoffel_by_differences,
-    generalized_force, gravity_from_bodies, mass_from_bodies, mass_rate, potential_from_bodies, rk4_step,
-    skew_symmetry_defect,
+    BodyJacobian, Christoffel, Dynamics, Lagrangian, Link, PlanarArm, PlanarBody, PlanarKinematics,
+    PolarMass, Reach2R, RpArm, christoffel, christoffel_by_differences, generalized_force,
+    gravity_from_bodies, mass_from_bodies, mass_rate, potential_from_bodies, rk4_step, skew_symmetry_defect,
 };
 use nalgebra::{SMatrix, SVector, Vector2, matrix, vector};
 use proptest::prelude::*;
+use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_number::{Dual, Scalar};
 
 const RP: RpArm = RpArm { r1: 0.4, m1: 2.0, i1: 0.1, m2: 1.5, i2: 0.05, a_g: 9.81 };
 
@@ -25,7 +26,7 @@ fn reach_3r_mass_is_positive_definite() {
     }
 }
 
-/// Ṁ − 2C by differenced symbols (1e-6) and by exact ones (1e-12); Ṁ comes from neither.
+/// Ṁ − 2C by differenced symbols (1e-6) and by exact ones (1e-12); Ṁ uses neither.
 #[test]
 fn reach_3r_skew_symmetry() {
     let arm = PlanarArm::reach_3r();
@@ -49,9 +50,9 @@ fn reach_3r_inverse_undoes_forward() {
     }
 }
 
-/// The recipe with two links is the closed form of the 2R arm, in every term.
+/// The recipe with two links equals the closed form of the 2R arm, in every term.
 #[test]
-fn planar_arm_of_two_links_is_reach_2r() {
+fn planar_arm_of_two_links_matches_reach_2r() {
     let closed = Reach2R { r1: 0.3, i2: 0.2, ..Reach2R::uniform(0.8, 2.0, 0.6, 1.0, 9.81) };
     let recipe = PlanarArm::from(closed);
     for state in States::<2>::new(33).iter() {
@@ -68,7 +69,8 @@ fn planar_arm_of_two_links_is_reach_2r() {
     }
 }
 
-/// C q̇ = Σ m J_cᵀ J̇_c q̇ by Newton: the centripetal accelerations of the links, no Christoffel symbol.
+/// C q̇ = Σ m J_cᵀ J̇_c q̇ by Newton: the centripetal accelerations of the links, without Christoffel
+/// symbols.
 #[test]
 fn planar_arm_velocity_product_is_centripetal() {
     let arm = PlanarArm::reach_3r();
@@ -105,7 +107,7 @@ fn geometric_and_differentiated_jacobians_agree() {
     }
 }
 
-/// The RP arm's closed forms against the recipe: a turning link and one that slides along it.
+/// The closed forms of the RP arm against the recipe: a turning link and one that slides along it.
 #[test]
 fn rp_arm_closed_forms() {
     for state in States::<2>::new(36).iter() {
@@ -149,7 +151,7 @@ fn polar_mass_closed_forms() {
     }
 }
 
-/// Nothing pushes, so the point moves on a straight line at constant speed; with gravity, on a parabola.
+/// Without a force the point moves on a straight line at constant speed; with gravity, on a parabola.
 #[test]
 fn polar_mass_moves_in_a_straight_line() {
     for a_g in [0.0, 9.81] {
@@ -168,9 +170,9 @@ fn polar_mass_moves_in_a_straight_line() {
     }
 }
 
-/// At the origin the direction of a point mass costs nothing: coordinate 1 has no inertia.
+/// At the origin the direction of a point mass has no inertia: coordinate 1.
 #[test]
-fn polar_mass_at_the_origin_is_reported() {
+fn polar_mass_at_origin_is_singular() {
     let mass = PolarMass { m: 2.0, a_g: 0.0 };
     let error = mass.try_forward(&Vector2::zeros(), &Vector2::zeros(), &vector![1.0, 1.0]).unwrap_err();
     assert_eq!(error, DynamicsError::SingularMass { coordinate: 1, pivot: 0.0 });
@@ -202,7 +204,7 @@ fn forces_at_points_do_the_work_of_generalized_forces() {
     }
 }
 
-/// Holding the arm against its weight: gravity's generalized force is Σ J_cᵀ (0, −m a_g) = −g.
+/// The arm held against its weight: the generalized force of gravity is Σ J_cᵀ (0, −m a_g) = −g.
 #[test]
 fn weights_at_the_centres_of_mass_are_gravity() {
     let arm = PlanarArm::reach_3r();
@@ -216,7 +218,7 @@ fn weights_at_the_centres_of_mass_are_gravity() {
     }
 }
 
-/// Newton's law for a free body: a force off the centre of mass accelerates and turns it.
+/// Newton's law for a free body: a force off the centre of mass accelerates and rotates it.
 #[test]
 fn planar_body_obeys_newton() {
     let body = PlanarBody { m: 2.0, i_zz: 0.3, a_g: 9.81 };
@@ -235,13 +237,13 @@ fn planar_body_obeys_newton() {
 
 #[test]
 #[should_panic(expected = "this arm has links 0 to 2, there is no link 3")]
-fn a_missing_link_is_named() {
+fn missing_link_panics() {
     let _ = PlanarArm::reach_3r().point_jacobian(&SVector::zeros(), 3, [0.0, 0.0]);
 }
 
-/// C + S with S q̇ = 0 moves the arm in the same way, but Ṁ − 2(C+S) is not skew-symmetric any more.
+/// C + S with S q̇ = 0 moves the arm in the same way, but Ṁ − 2(C+S) is not skew-symmetric.
 #[test]
-fn a_shifted_coriolis_matrix_moves_the_same_and_is_not_skew() {
+fn shifted_coriolis_matrix_is_not_skew() {
     let arm = Reach2R::worked_example();
     for state in States::<2>::new(41).iter().filter(|state| state.qd.norm() > 0.1) {
         let (q, qd, u) = (&state.q, &state.qd, &state.u);
@@ -262,7 +264,7 @@ fn a_shifted_coriolis_matrix_moves_the_same_and_is_not_skew() {
     }
 }
 
-/// A symbol table read back is the table; its product is the double sum over j and k.
+/// A table of symbols returns its entries; its product is the double sum over j and k.
 #[test]
 fn christoffel_table_is_indexed_by_row_first() {
     let symbols = Christoffel::from_table([[[1.0, 2.0], [2.0, 3.0]], [[4.0, 5.0], [5.0, 6.0]]]);
@@ -271,7 +273,7 @@ fn christoffel_table_is_indexed_by_row_first() {
     assert_eq!(symbols.velocity_product(&vector![2.0, 3.0]), vector![55.0, 130.0]);
 }
 
-/// Exact and differenced symbols of a Lagrangian that no model in the crate has: M depends on all of q.
+/// Exact and differenced symbols of a Lagrangian that no model of the crate has: M depends on all of q.
 #[test]
 fn exact_symbols_match_differences_on_a_dense_mass_matrix() {
     struct Dense;
@@ -297,9 +299,9 @@ fn exact_symbols_match_differences_on_a_dense_mass_matrix() {
     }
 }
 
-/// On a flat table nothing turns the arm about its base: the momentum (M q̇)₁ of joint 1 is conserved.
+/// On a horizontal table there is no moment about the base: the momentum (M q̇)₁ of joint 1 is conserved.
 #[test]
-fn angular_momentum_about_the_base_is_conserved_on_a_table() {
+fn angular_momentum_about_base_is_conserved_on_table() {
     let table = PlanarArm { a_g: 0.0, ..PlanarArm::reach_3r() };
     for state in States::<3>::new(43).count(20).iter() {
         let (mut q, mut qd) = (state.q, state.qd);
@@ -313,11 +315,11 @@ fn angular_momentum_about_the_base_is_conserved_on_a_table() {
     }
 }
 
-/// A pendulum released θ₀ off the bottom comes back after T = 4 K(sin(θ₀/2))/ω₀, ω₀² = m a_g r/(I + m r²).
+/// A pendulum released θ₀ from the bottom returns after T = 4 K(sin(θ₀/2))/ω₀, ω₀² = m a_g r/(I + m r²).
 ///
 /// K, the complete elliptic integral, is π/2 over the arithmetic–geometric mean of 1 and cos(θ₀/2).
 #[test]
-fn one_link_swings_with_the_exact_period() {
+fn one_link_swings_with_exact_period() {
     let arm = PlanarArm { links: [Link { length: 1.0, centre: 0.4, mass: 1.3, inertia: 0.1 }], a_g: 9.81 };
     for amplitude in [0.1_f64, 1.0, 2.0, 3.0] {
         let (mut a, mut g) = (1.0_f64, (amplitude / 2.0).cos());
@@ -332,15 +334,15 @@ fn one_link_swings_with_the_exact_period() {
         for _ in 0..steps {
             (q, qd) = rk4_step(&arm, &q, &qd, &SVector::zeros(), period / f64::from(steps)).unwrap();
         }
-        // RK4 with 4000 steps a swing, rates up to 2ω₀: below 1e-9; nothing else is approximate.
+        // RK4 with 4000 steps a swing and rates up to 2ω₀: below 1e-9; the rest is exact.
         assert!((q - start).norm() < 1e-9 && qd.norm() < 1e-8, "{amplitude}: {q} {qd}");
     }
 }
 
 proptest! {
-    /// Turning the whole arm about its base changes neither M nor C q̇; they see the shape only.
+    /// A rotation of the whole arm about its base changes neither M nor C q̇; they depend on the shape only.
     #[test]
-    fn inertia_depends_on_the_shape_only(
+    fn inertia_depends_on_shape_only(
         q in prop::array::uniform3(-PI..PI),
         qd in prop::array::uniform3(-3.0..3.0_f64),
         turn in -PI..PI,

@@ -1,17 +1,17 @@
-//! The two-link arm against a physics engine that knows nothing of Lagrange.
+//! The two-link arm against a physics engine that does not use the Lagrange recipe.
 //!
-//! rapier2d integrates every body in maximal coordinates and holds the arm together with joint impulses.
-//! It shares no formula with this crate. Its own time stepping sets the tolerances, so the settings matter:
+//! rapier2d integrates every body in maximal coordinates and holds the arm together with joint impulses. It
+//! shares no formula with this crate. Its time stepping determines the tolerances, so these settings matter:
 //!
 //! - two bodies placed at their centres of mass, inertia about it, no colliders, sleeping off;
 //! - impulse joints; one solver iteration, which is the number of substeps, so one step is one substep;
 //! - 50 inner Gauss–Seidel sweeps: the two joints share a body, so their impulses must converge together;
-//! - stiff joints (natural frequency 1e8, damping ratio 1) and no stabilisation sweeps, so that the
-//!   position error is taken out as a velocity in the same sweep that finds the impulses;
-//! - linear velocities at the start are J(q − h q̇) q̇: the engine's velocities satisfy the joint Jacobian
-//!   of the step before, and velocities J(q) q̇ would lose the term J̇ q̇ in the first step.
+//! - stiff joints (natural frequency 1e8, damping ratio 1) without stabilisation sweeps: the sweep that finds
+//!   the impulses also corrects the position error as a velocity;
+//! - linear velocities at the start are J(q − h q̇) q̇, as the engine's velocities satisfy the joint Jacobian
+//!   of the previous step. Velocities J(q) q̇ would lose the term J̇ q̇ in the first step.
 //!
-//! (The engine's multibody joints would do too, but damp every free angle by 0.1 N·m·s unless told not to.)
+//! (The engine's multibody joints would work, too, but they damp every free angle by 0.1 N·m·s by default.)
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::thread;
@@ -79,7 +79,7 @@ impl EngineArm {
         vector![w1, w2 - w1]
     }
 
-    /// The heading of each link, which the engine keeps modulo a full turn.
+    /// The heading of each link, which the engine stores modulo a full turn.
     fn headings(&self) -> [f64; 2] {
         self.links.map(|link| self.world.bodies[link].rotation().angle())
     }
@@ -135,11 +135,11 @@ fn worst_heading_difference(
 
 /// One step of 1e-4 s and runs of 2 s.
 ///
-/// The engine's step is of first order: Δq̇/h misses q̈ by h times the change of q̈, whatever the size of q̈.
-/// So 1e-3 relative is asked where ‖q̈‖ ≥ 5 rad/s², and for every state, slow ones too, the two step
-/// sizes h and h/2 are extrapolated to h = 0, which removes the first order and leaves 3e-7; 1e-6 is asked.
+/// The engine's step is of first order: Δq̇/h differs from q̈ by h times the change of q̈, whatever the size
+/// of q̈. The tolerance is therefore 1e-3 relative for ‖q̈‖ ≥ 5 rad/s². For every state, the step sizes h and
+/// h/2 are also extrapolated to h = 0. That removes the first order and leaves 3e-7; the tolerance is 1e-6.
 #[test]
-fn rapier_agrees() {
+fn arm_matches_rapier() {
     let arm = Reach2R::worked_example();
     let mut compared = 0;
     for state in States::<2>::new(20).count(1000).iter() {
@@ -166,11 +166,11 @@ fn rapier_agrees() {
     let falls = |(name, qd, u): (&str, Vector2<f64>, Vector2<f64>)| {
         let worst = worst_heading_difference(&arm, (pose, qd), u, 1e-4, 20_000);
         assert!(worst < 1e-2, "{name}: {worst:e} rad over 2 s");
-        // First order again: half the step, half the difference. It is the engine's error, not ours.
+        // First order again: half the step, half the difference. The error is that of the engine.
         let finer = worst_heading_difference(&arm, (pose, qd), u, 5e-5, 40_000);
         assert!((worst / finer - 2.0).abs() < 0.1, "{name}: {worst:e} rad, with half the step {finer:e} rad");
     };
-    // What panics in a thread panics here.
+    // A panic in a thread is passed on.
     thread::scope(|scope| {
         for run in runs {
             scope.spawn(move || falls(run));

@@ -1,13 +1,15 @@
-//! Rotation of a rigid body: its inertia, its motion, and both against exact results.
+//! Rotation of a rigid body: its inertia and its motion, against exact results.
 
 use std::f64::consts::FRAC_PI_2;
 
 use dynamics::{
-    Attitude, FreeRotation, InertiaError, MassProperties, RotationError, RotationalInertia, cayley_body_step,
-    complete_elliptic_k, euler_body_step, euler_in_body, euler_in_principal_axes, euler_in_world,
-    incomplete_elliptic_f, jacobi_sn_cn_dn, parallel_axis, parallel_axis_planar,
+    Attitude, FreeRotation, RotationError, cayley_body_step, complete_elliptic_k, euler_body_step,
+    euler_in_body, euler_in_principal_axes, euler_in_world, incomplete_elliptic_f, jacobi_sn_cn_dn,
 };
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use robot_dynamics_description::{
+    InertiaError, MassProperties, RotationalInertia, parallel_axis, parallel_axis_planar,
+};
 
 /// Nodes and weights of Gauss's three-point rule on [−1, 1]: exact for cubics.
 const GAUSS3: [(f64, f64); 3] =
@@ -43,9 +45,9 @@ fn sample(
     points
 }
 
-/// Each closed form against the volume integral (PRM 10.42), by Gauss's rule in fitting coordinates.
+/// Each closed form against the volume integral (PRM 10.42), by Gauss's rule in suitable coordinates.
 #[test]
-fn shapes_match_the_volume_integral() {
+fn shapes_match_volume_integral() {
     use std::f64::consts::PI;
     let (a, b, c) = (0.4, 1.1, 0.7);
     let boxed = sample(1, |x, y, z| Vector3::new(a * x, b * y, c * z) / 2.0, |_, _, _| a * b * c / 8.0);
@@ -75,7 +77,7 @@ fn shapes_match_the_volume_integral() {
     ];
     for (name, body, points) in cases {
         let (m, s, i) = moments_of(&points);
-        // The integrands are polynomials of degree ≤ 4 in the lengths times sin², cos² on 36 nodes a turn:
+        // The integrands are polynomials of degree ≤ 4 in the lengths times sin², cos² on 36 nodes a turn.
         // Gauss's error (6th derivative, 12 cells) is below 1e-9 of the value.
         assert!((body.mass() / density - m).abs() < 1e-8 * m, "{name}: mass");
         assert!((body.center_of_mass() - s / m).norm() < 1e-8, "{name}: centre of mass");
@@ -84,9 +86,10 @@ fn shapes_match_the_volume_integral() {
     }
 }
 
-/// The composite 𝓘 = Σ R(𝓘 + m(|r|²1 − r rᵀ))Rᵀ and the point-mass sum agree on a body made of dust.
+/// The composite 𝓘 = Σ R(𝓘 + m(|r|²1 − r rᵀ))Rᵀ and the sum over points agree on a body of random point
+/// masses.
 #[test]
-fn composite_and_parallel_axis_agree_with_the_sum_over_points() {
+fn composite_and_parallel_axis_match_sum_over_points() {
     let dust: Vec<(f64, Vector3<f64>)> = (1..=7)
         .map(|k| {
             let t = f64::from(k);
@@ -114,7 +117,7 @@ fn composite_and_parallel_axis_agree_with_the_sum_over_points() {
     let planar = parallel_axis_planar(body.inertia_about_center_of_mass()[(2, 2)], m, 0.5);
     assert!((spatial - planar).abs() < 1e-13);
 
-    // Principal axes rebuild the matrix and are right-handed.
+    // Principal axes reproduce the matrix and are right-handed.
     let principal = seen.principal();
     let r = principal.body_from_principal.matrix();
     let rebuilt = r * Matrix3::from_diagonal(&principal.moments) * r.transpose();
@@ -123,9 +126,9 @@ fn composite_and_parallel_axis_agree_with_the_sum_over_points() {
     assert!(principal.moments[0] <= principal.moments[1] && principal.moments[1] <= principal.moments[2]);
 }
 
-/// What no mass distribution has cannot be built, and the error says which law it breaks.
+/// Inertias that no mass distribution has are errors that name the violated law.
 #[test]
-fn impossible_inertia_is_refused() {
+fn impossible_inertia_is_an_error() {
     let origin = Vector3::zeros();
     let build = |mass: f64, moments: [f64; 3]| {
         MassProperties::new(mass, origin, Matrix3::from_diagonal(&Vector3::from(moments)))
@@ -137,7 +140,7 @@ fn impossible_inertia_is_refused() {
     assert!(matches!(build(1.0, [-0.1, 1.0, 1.0]), Err(InertiaError::NegativeMoment { .. })));
     assert!(matches!(build(1.0, [1.0, 3.0, 1.0]), Err(InertiaError::TriangleInequality { .. })));
     assert!(matches!(build(1.0, [1.0, 2.001, 1.0]), Err(InertiaError::TriangleInequality { .. })));
-    // A thin plate, a thin rod, a point: all on the boundary, all bodies. So is a plate rounded to 7 digits.
+    // A thin plate, a thin rod and a point are on the boundary and valid. So is a plate rounded to 7 digits.
     for moments in [[1.0, 2.0, 3.0], [0.0, 1.0, 1.0], [0.0; 3], [0.3333333, 0.3333333, 0.6666667]] {
         build(1.0, moments).unwrap();
     }
@@ -209,11 +212,11 @@ fn jacobi_functions_satisfy_their_identities() {
             let tolerance = 1e-14;
             assert!((s * s + c * c - 1.0).abs() < tolerance, "m {m} u {u}");
             assert!((d * d + m * s * s - 1.0).abs() < tolerance, "m {m} u {u}");
-            // The addition theorem ties values at different arguments together.
+            // The addition theorem relates values at different arguments.
             let sum = (s * c2 * d2 + s2 * c * d) / (1.0 - m * s * s * s2 * s2);
             assert!((jacobi_sn_cn_dn(u + v, m).0 - sum).abs() < tolerance, "m {m} u {u}: addition");
-            // F inverts the amplitude; half-way to the flat top of sn its inverse is ill-conditioned, so
-            // angles stop at 1.4 rad.
+            // F inverts the amplitude. Close to the maximum of sn its inverse is ill-conditioned, so angles
+            // end at 1.4 rad.
             let angle = 0.1166 * f64::from(j);
             let f = incomplete_elliptic_f(angle, m);
             assert!((jacobi_sn_cn_dn(f, m).0 - angle.sin()).abs() < tolerance, "m {m} angle {angle}: F");
@@ -221,23 +224,23 @@ fn jacobi_functions_satisfy_their_identities() {
         if k.is_finite() {
             let half = jacobi_sn_cn_dn(k / 2.0, m).0;
             assert!((half - (1.0 + (1.0 - m).sqrt()).sqrt().recip()).abs() < 1e-14, "m {m}: sn(K/2)");
-            // dF/dφ = 1/dn = 1/√(1−m) there, and π/2 is known to ε.
+            // dF/dφ = 1/dn = 1/√(1−m) there, and π/2 is accurate to ε.
             let tolerance = 1e-14 * k + f64::EPSILON / (1.0 - m).sqrt();
             assert!((incomplete_elliptic_f(FRAC_PI_2, m) - k).abs() < tolerance, "m {m}: F(π/2) = K");
         }
     }
 }
 
-/// The closed form is checked without any integrator: it starts right, obeys Euler's equation and
-/// Ṙ = Rω̂, and keeps K and the world's L.
+/// The closed form is checked without an integrator: it satisfies the initial state, Euler's equation and
+/// Ṙ = Rω̂, and conserves K and the world's L.
 #[test]
-fn exact_motion_obeys_the_equations_it_solves() {
+fn exact_motion_satisfies_its_equations() {
     let body = tilted_body();
     let start = UnitQuaternion::from_euler_angles(0.2, -0.4, 1.0);
     for spin in spins(&body) {
         let motion = FreeRotation::new(&body, &start, &spin);
         assert!((motion.omega_in_body(0.0) - spin).norm() < 1e-14, "{spin:?}");
-        // angle_to is an arc cosine near 1: half the digits.
+        // angle_to is an arc cosine near 1: it has half the digits.
         assert!(motion.world_from_body(0.0).angle_to(&start) < 1e-7, "{spin:?}");
         let momentum = body.momentum_in_world(&start, &spin);
         for t in [-3.1, 0.0, 0.8, 7.7, 40.0] {
@@ -261,7 +264,7 @@ fn exact_motion_obeys_the_equations_it_solves() {
     }
 }
 
-/// A ball, a symmetric top and spins about one axis: where the elliptic formulas degenerate.
+/// A ball, a symmetric top and spins about one axis, for which the elliptic formulas degenerate.
 #[test]
 fn exact_motion_of_symmetric_bodies() {
     let start = UnitQuaternion::identity();
@@ -294,13 +297,13 @@ fn exact_motion_of_symmetric_bodies() {
 
 /// Both steps converge to the exact motion, ω and orientation, at orders 4 and 2.
 #[test]
-fn steps_converge_to_the_exact_motion() {
+fn steps_converge_to_exact_motion() {
     let body = tilted_body();
     let start = UnitQuaternion::from_euler_angles(0.2, -0.4, 1.0);
     for (name, step, order) in STEPS {
         for spin in spins(&body) {
             let motion = FreeRotation::new(&body, &start, &spin);
-            // 2 s at 2⁻⁶ and 2⁻⁷ s: the leading term rules, and RK4's error is 1e4 roundings or more.
+            // 2 s at 2⁻⁶ and 2⁻⁷ s: the leading term dominates, and RK4's error is 1e4 roundings or more.
             let error = |steps: u32| {
                 let h = 2.0 / f64::from(steps);
                 let (mut r, mut omega) = (start, spin);
@@ -319,7 +322,8 @@ fn steps_converge_to_the_exact_motion() {
     }
 }
 
-/// Spun about its middle axis with a small disturbance the brick turns over; about the others it does not.
+/// A brick that spins about its middle axis with a small disturbance turns over; about the other axes it does
+/// not.
 #[test]
 fn only_the_middle_axis_flips() {
     let brick = brick();
@@ -333,7 +337,7 @@ fn only_the_middle_axis_flips() {
                 (r, omega) = step(&r, &omega, &Vector3::zeros(), &brick, 1e-3).unwrap();
                 least = least.min(omega[axis]);
             }
-            // After 20 s: fully reversed, or still what it was but for the disturbance's own size.
+            // After 20 s: fully reversed, or unchanged up to the size of the disturbance.
             if axis == 1 {
                 assert!(least < -4.99, "{name}: the middle axis did not flip, least ω {least}");
             } else {
@@ -343,10 +347,10 @@ fn only_the_middle_axis_flips() {
     }
 }
 
-/// 10⁵ steps of 1 ms of the tumbling brick: the Cayley step keeps the world's L, |L| and K to 1e-12,
+/// 10⁵ steps of 1 ms of the tumbling brick: the Cayley step conserves the world's L, |L| and K to 1e-12,
 /// Runge–Kutta to five decimals.
 #[test]
-fn momentum_and_energy_are_kept() {
+fn momentum_and_energy_are_conserved() {
     let body = brick();
     let spin = Vector3::new(0.05, 5.0, -0.03);
     let start = UnitQuaternion::from_euler_angles(0.2, -0.4, 1.0);
@@ -366,9 +370,9 @@ fn momentum_and_energy_are_kept() {
     }
 }
 
-/// A coarse step shows the difference in kind: at 0.1 rad a step RK4 bleeds, the Cayley step does not.
+/// With a coarse step of 0.1 rad RK4 loses energy, the Cayley step does not.
 #[test]
-fn a_coarse_step_tells_the_methods_apart() {
+fn coarse_steps_lose_energy_with_rk4_only() {
     let body = brick();
     let spin = Vector3::new(0.05, 5.0, -0.03);
     let lost = STEPS.map(|(_, step, _)| {
@@ -382,7 +386,7 @@ fn a_coarse_step_tells_the_methods_apart() {
     assert!(lost[0] > 1e-7 && lost[1] < 1e-12, "{lost:?}");
 }
 
-/// Step, flip the spin, step, flip: the Cayley step comes back, Runge–Kutta does not.
+/// Step, flip the spin, step, flip: the Cayley step returns to the start, Runge–Kutta does not.
 #[test]
 fn cayley_step_is_reversible() {
     let body = tilted_body();
@@ -395,9 +399,9 @@ fn cayley_step_is_reversible() {
     assert!(defect[0] > 1e-8 && defect[1] < 1e-14, "{defect:?}");
 }
 
-/// Euler's equation in the world frame, the body frame and principal axes is one equation.
+/// Euler's equations in the world frame, the body frame and principal axes agree.
 #[test]
-fn the_three_forms_of_eulers_equation_agree() {
+fn three_forms_of_euler_equation_agree() {
     let body = tilted_body();
     let principal = body.principal();
     for k in 1..=20 {
@@ -415,10 +419,10 @@ fn the_three_forms_of_eulers_equation_agree() {
     }
 }
 
-/// With a torque held in the body both steps converge to one motion at their orders, and the change of L
-/// is the torque's impulse.
+/// With a constant torque in body axes both steps converge to one motion at their orders. The change of L is
+/// the impulse of the torque.
 #[test]
-fn torque_is_followed() {
+fn impulse_of_torque_changes_momentum() {
     let body = tilted_body();
     let (start, spin, torque) =
         (UnitQuaternion::identity(), Vector3::new(0.5, -1.0, 0.8), Vector3::new(0.4, 0.9, -0.3));
@@ -443,12 +447,12 @@ fn torque_is_followed() {
     }
     let (r, omega, impulse) = run(cayley_body_step, 100);
     let change = body.momentum_in_world(&r, &omega) - body.momentum_in_world(&start, &spin);
-    // The half kicks are this very sum: R₀τh/2 before, R₁τh/2 after.
+    // The half impulses give this sum: R₀τh/2 before, R₁τh/2 after.
     assert!((change - impulse).norm() < 1e-13, "{change:?} {impulse:?}");
 }
 
 #[test]
-fn rotation_failures_are_reported() {
+fn rotation_failures_are_errors() {
     let (body, r) = (brick(), UnitQuaternion::identity());
     let (omega, zero) = (Vector3::new(1.0, 2.0, 3.0), Vector3::zeros());
     for (_, step, _) in STEPS {

@@ -1,8 +1,8 @@
 //! Arguments and results of each function: names, shapes, units.
 
-use multibody::Model;
+use robot_dynamics_core::Model;
 
-use super::{Function, Slopes};
+use super::{DerivativeKind, Function};
 
 /// The size of an argument or of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,7 +16,7 @@ pub(crate) enum Size {
     /// The entries of M on and above the diagonal that are not always zero.
     Related,
     /// 2 nv.
-    Twice,
+    TwoNv,
     /// nv².
     Square,
     /// 6 nv.
@@ -25,7 +25,7 @@ pub(crate) enum Size {
     CenterJacobian,
     /// Twelve numbers for each frame.
     Poses,
-    /// Ten numbers for each moving link and freedom.
+    /// Ten numbers for each moving link and degree of freedom.
     Regressor,
 }
 
@@ -36,9 +36,9 @@ impl Size {
             Self::Nv => model.nv(),
             Self::One => 1,
             Self::Fixed(count) => count,
-            Self::Parameters => multibody::inertial_parameters(model).len(),
-            Self::Related => multibody::mass_matrix_related_entries(model).len(),
-            Self::Twice => 2 * model.nv(),
+            Self::Parameters => robot_dynamics_core::inertial_parameters(model).len(),
+            Self::Related => robot_dynamics_core::mass_matrix_related_entries(model).len(),
+            Self::TwoNv => 2 * model.nv(),
             Self::Square => model.nv() * model.nv(),
             Self::Jacobian => 6 * model.nv(),
             Self::CenterJacobian => 3 * model.nv(),
@@ -47,12 +47,12 @@ impl Size {
         }
     }
 
-    /// The size of changes: a configuration changes along displacements.
+    /// The size of a change: a configuration changes along displacements.
     fn of_changes(self) -> Self {
         if self == Self::Nq { Self::Nv } else { self }
     }
 
-    /// The size of the changes of all results, one after the other, matrices by rows.
+    /// The size of the changes of all results, one result after the other, matrices by rows.
     pub(crate) fn of_all_changes(results: &[Matrix]) -> Self {
         let flat = |&(_, rows, columns, _): &Matrix| match (rows, columns) {
             (rows, Self::One) => rows.of_changes(),
@@ -65,9 +65,9 @@ impl Size {
         };
         match results.iter().map(flat).collect::<Vec<_>>()[..] {
             [one] => one,
-            [Self::Nv, Self::Nv] => Self::Twice,
+            [Self::Nv, Self::Nv] => Self::TwoNv,
             [Self::Fixed(one), Self::Fixed(other)] => Self::Fixed(one + other),
-            ref sizes => unreachable!("no function with slopes has results of {sizes:?}"),
+            ref sizes => unreachable!("no differentiable function has results of {sizes:?}"),
         }
     }
 }
@@ -121,15 +121,15 @@ impl Function {
     /// The equation of its results.
     ///
     /// ```
-    /// use functions::Function;
+    /// use robot_dynamics_functions::Function;
     /// assert_eq!(Function::Bias.equation(), "C(q,v) v + g(q)");
     /// ```
     pub fn equation(&self) -> String {
-        match self.slopes_of() {
-            Some((function, Slopes::Derivatives)) => {
+        match self.derivative_of() {
+            Some((function, DerivativeKind::Derivatives)) => {
                 format!("the slopes of {function}, along displacements of q")
             }
-            Some((function, Slopes::Pullback)) => {
+            Some((function, DerivativeKind::Pullback)) => {
                 format!(
                     "gradients of the results of {function}, weighted with cotangents, along displacements of q"
                 )
@@ -140,7 +140,7 @@ impl Function {
 
     fn plain_equation(&self) -> &'static str {
         match self {
-            Self::Derivatives(_) | Self::Pullback(_) => unreachable!("told by another's name"),
+            Self::Derivatives(_) | Self::Pullback(_) => unreachable!("the equation names another function"),
             Self::InverseDynamics => "tau = M(q) a + C(q,v) v + g(q)",
             Self::ForwardDynamics => "a = M(q)^-1 (tau - C(q,v) v - g(q))",
             Self::MassMatrix => "M(q), symmetric",
@@ -186,11 +186,13 @@ impl Function {
         }
     }
 
-    /// Its arguments for this robot, in order; a pullback's are those of the function and the weights of the results.
+    /// Its arguments for this robot, in order. Those of a pullback are those of the function and the weights
+    /// of the results.
     ///
     /// ```
-    /// use functions::Function;
-    /// use multibody::{Model, pendulum};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics_functions::Function;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let names: Vec<_> = Function::Bias.arguments(&model).iter().map(|argument| argument.name).collect();
     /// assert_eq!(names, ["q", "v"]);
@@ -204,8 +206,9 @@ impl Function {
     /// Its results for this robot, in order.
     ///
     /// ```
-    /// use functions::Function;
-    /// use multibody::{Model, pendulum};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics_functions::Function;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let mass = Function::MassMatrix.results(&model)[0];
     /// assert_eq!((mass.name, mass.rows, mass.columns), ("mass", 1, 1));
@@ -222,25 +225,25 @@ impl Function {
     }
 
     pub(crate) fn rows_of_arguments(&self) -> Vec<Row> {
-        let Some((function, slopes)) = self.slopes_of() else {
+        let Some((function, slopes)) = self.derivative_of() else {
             return self.plain_arguments().to_vec();
         };
         let mut arguments = function.rows_of_arguments();
-        if slopes == Slopes::Pullback {
+        if slopes == DerivativeKind::Pullback {
             let (name, _, what) = COTANGENT;
             arguments.push((name, Size::of_all_changes(&function.matrices()), what));
         }
         arguments
     }
 
-    /// The arguments that slopes are by, and their places: all but the length of a step.
-    pub(crate) fn varied(&self) -> impl Iterator<Item = (usize, Row)> + use<> {
+    /// The arguments to differentiate with respect to, all except the length of a step, and their indices.
+    pub(crate) fn varied_arguments(&self) -> impl Iterator<Item = (usize, Row)> + use<> {
         self.rows_of_arguments().into_iter().enumerate().filter(|(_, (name, ..))| *name != H.0)
     }
 
     fn plain_arguments(&self) -> &'static [Row] {
         match self {
-            Self::Derivatives(_) | Self::Pullback(_) => unreachable!("those of another"),
+            Self::Derivatives(_) | Self::Pullback(_) => unreachable!("those of another function"),
             Self::InverseDynamics | Self::InverseDynamicsDerivatives | Self::JointTorqueRegressor => {
                 &[Q, V, A]
             }
@@ -271,32 +274,32 @@ impl Function {
     }
 
     pub(crate) fn matrices(&self) -> Vec<Matrix> {
-        let Some((function, slopes)) = self.slopes_of() else {
+        let Some((function, slopes)) = self.derivative_of() else {
             return self.plain_results().to_vec();
         };
         let (rows, what) = match slopes {
-            Slopes::Derivatives => {
+            DerivativeKind::Derivatives => {
                 let results = function.matrices();
                 (
                     Some(Size::of_all_changes(&results)),
                     "a row for each number of the results, one result after the other",
                 )
             }
-            Slopes::Pullback => (None, "the gradient"),
+            DerivativeKind::Pullback => (None, "the gradient"),
         };
         let by = |(_, (name, size, _)): (usize, Row)| {
             let size = size.of_changes();
-            rows.map_or((slope_name(name), size, Size::One, what), |rows| {
-                (slope_name(name), rows, size, what)
+            rows.map_or((derivative_name(name), size, Size::One, what), |rows| {
+                (derivative_name(name), rows, size, what)
             })
         };
-        function.varied().map(by).collect()
+        function.varied_arguments().map(by).collect()
     }
 
     fn plain_results(&self) -> &'static [Matrix] {
         const JACOBIAN: &[Matrix] = &[("jacobian", Size::Fixed(6), Size::Nv, "linear rows, then angular")];
         match self {
-            Self::Derivatives(_) | Self::Pullback(_) => unreachable!("those of another"),
+            Self::Derivatives(_) | Self::Pullback(_) => unreachable!("those of another function"),
             Self::InverseDynamics => const { &[vector("tau", "generalized force [N·m, N]")] },
             Self::ForwardDynamics => const { &[vector("a", "acceleration [rad/s², m/s²]")] },
             Self::MassMatrix => const { &[square("mass", "[kg·m², kg·m, kg]")] },
@@ -378,13 +381,13 @@ impl Function {
     }
 }
 
-/// The name of slopes by an argument.
-fn slope_name(argument: &str) -> &'static str {
+/// The name of the derivatives with respect to an argument.
+fn derivative_name(argument: &str) -> &'static str {
     match argument {
         "q" => "by_position",
         "v" => "by_velocity",
         "a" => "by_acceleration",
         "tau" => "by_force",
-        other => unreachable!("no slopes are by {other}"),
+        other => unreachable!("no derivatives with respect to {other}"),
     }
 }

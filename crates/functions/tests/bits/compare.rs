@@ -1,31 +1,33 @@
 //! Comparisons of machine code with its graph, and of the graph with the library.
 
-use expression::{Arithmetic, Graph, Operand, Plan, Precision, as_traced, interpret};
-use functions::{Function, TracedFunction};
-use multibody::{InstructionSet, Model, RandomState, Workspace, random_state};
-use native::{Code, CompileError, Float, Kernel, Target, Width};
-use number::SplitMix64;
+use robot_dynamics::model::{InstructionSet, Model, RandomState, Workspace, random_state};
+use robot_dynamics::number::SplitMix64;
+use robot_dynamics_expression::{Arithmetic, Graph, Operand, Plan, Precision, as_traced, interpret};
+use robot_dynamics_functions::{Function, TracedFunction};
+use robot_dynamics_native::{Code, CompileError, Float, Kernel, Target, Width};
 
 use crate::extent::Extent;
 
-/// States of each robot: fewer than a register has lanes, so that the rows of a table differ within each group of lanes.
+/// States of each robot: fewer than a register has lanes, so that the rows of a table differ within each
+/// group of lanes.
 const STATES: usize = 3;
 
-/// Graphs of more operations take seconds each. They are compared with or without fused multiply-adds, on one set of instructions for one
-/// state and on another one for rows, in turn, and with the library's values in one state.
+/// Graphs with more operations take seconds each. They are compared with or without fused multiply-adds,
+/// alternately. One set of instructions is used for one state, another one for rows. The library's values are
+/// compared in one state.
 const LARGE: usize = 20_000;
 
-/// Counts of what was compared.
+/// Counts of comparisons.
 #[derive(Debug, Default)]
 pub(crate) struct Comparison {
     robots: usize,
     pub(crate) graphs: usize,
-    /// Graphs that were too large for this run.
+    /// Graphs that are too large for this run.
     pub(crate) left_out: usize,
     operations: usize,
     kernels: usize,
     numbers: usize,
-    /// The largest difference from the library, in units of what rounding can do.
+    /// The largest difference from the library, relative to the bound on rounding.
     farthest: f64,
 }
 
@@ -42,11 +44,11 @@ struct State {
 impl State {
     fn random(model: &Model, random: &mut SplitMix64) -> Self {
         let plain = random_state(model, random);
-        // Portable workspaces compute by the recursions, not by machine code.
+        // Portable workspaces use the recursions, not machine code.
         let (nv, workspace) = (model.nv(), &mut Workspace::limited(model, InstructionSet::Portable));
         let (mut mass, mut inverse) = (vec![0.0; nv * nv], vec![0.0; nv * nv]);
-        multibody::mass_matrix(model, workspace, &plain.q, &mut mass);
-        multibody::inverse_mass_matrix(model, workspace, &plain.q, &mut inverse);
+        robot_dynamics::algorithms::mass_matrix(model, workspace, &plain.q, &mut mass);
+        robot_dynamics::algorithms::inverse_mass_matrix(model, workspace, &plain.q, &mut inverse);
         Self {
             plain,
             cotangent: (0..2 * nv).map(|_| random.uniform(-1.0, 1.0)).collect(),
@@ -56,7 +58,7 @@ impl State {
         }
     }
 
-    /// Its arguments of a function, rounded to a precision.
+    /// Its arguments for a function, rounded to a precision.
     fn arguments(&self, model: &Model, function: &Function, precision: Precision) -> Vec<Vec<f64>> {
         let named = |name: &str, length: usize| match name {
             "q" => self.plain.q.clone(),
@@ -73,7 +75,7 @@ impl State {
     }
 }
 
-/// A graph in states, and the results in each, operation by operation.
+/// A graph with several states, and the results in each, operation by operation.
 struct Interpreted<'a> {
     name: String,
     graph: &'a Graph,
@@ -170,7 +172,7 @@ impl Comparison {
         }
     }
 
-    /// The code of a graph on every set of instructions of this machine, for one state and for rows.
+    /// Compares the code of a graph on every set of instructions of this machine, for one state and for rows.
     fn kernels<T: Float>(&mut self, interpreted: &Interpreted<'_>) {
         let Interpreted { name, graph, results, arithmetic, arguments, expected } = interpreted;
         let lengths: Vec<usize> = arguments[0].iter().map(Vec::len).collect();
@@ -183,7 +185,7 @@ impl Comparison {
                 }
                 let target = Target { instructions, width, arithmetic: *arithmetic };
                 let what = || format!("{name}, {instructions:?}, {width:?}");
-                // Not `Kernel::compile`, whose check would interpret the graph again for each kernel.
+                // `Kernel::compile` would interpret the graph again for each kernel.
                 let loaded =
                     Code::new(graph, results, &lengths, target).and_then(|code| Kernel::<T>::load(&code));
                 let kernel = match loaded {
@@ -195,7 +197,7 @@ impl Comparison {
                     }
                     Err(error) => panic!("{}: {error}", what()),
                 };
-                // A whole group of lanes, and a row more.
+                // A full group of lanes, and one more row.
                 let rows = kernel.lanes() + 1;
                 let input = |argument: usize| -> Vec<T> {
                     (0..rows)
@@ -230,11 +232,12 @@ impl Comparison {
         }
     }
 
-    /// The values of a graph and of the library.
+    /// Compares the values of a graph with those of the library.
     ///
-    /// Each number of a recursion is a sum over bodies, and passes through at most n of them outwards and n inwards. A body adds some eight
-    /// roundings: a rotation, a cross product, a sum. So both are off by at most 16 n ε of the largest number, and differ by 32 n ε; where M
-    /// is inverted, the condition number of M multiplies that. Forces may cancel in a result; they have the size of M's entries, as
+    /// Each number of a recursion is a sum over bodies, and passes through at most n of them outwards and n
+    /// inwards. A body adds some eight roundings: a rotation, a cross product, a sum. So the error of each is
+    /// at most 16 n ε of the largest number, and they differ by 32 n ε. Where M is inverted, the condition
+    /// number of M multiplies that. Forces may cancel in a result; they have the size of M's entries, as
     /// velocities and accelerations are of order one.
     fn values(
         &mut self,
@@ -270,7 +273,8 @@ fn norm(matrix: &[f64], rows: usize) -> f64 {
     matrix.chunks(rows).map(|row| row.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max)
 }
 
-/// Operations of a function at least, by those of inverse dynamics: so that none is traced in vain.
+/// A lower bound on the operations of a function, from those of inverse dynamics, so that no graph is traced
+/// in vain.
 fn least_operations(function: &Function, inverse_dynamics: usize, nv: usize) -> usize {
     let tenths = match function {
         Function::Pullback(of) if **of == Function::InverseDynamics => 20,

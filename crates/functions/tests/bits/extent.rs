@@ -1,22 +1,24 @@
 //! The extent of a run.
 
-/// The name of the variable that asks for all, or for a little where the processor is emulated.
+/// The environment variable for the extent: all, or little where the processor is emulated.
 const ASKED: &str = "NATIVE_BITS";
 
 /// The extent of a run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
     pub(crate) random_robots: usize,
-    /// Larger graphs are left out.
+    /// The largest graph, in operations.
     pub(crate) operations: usize,
-    /// Operations of all graphs of one robot; the functions are taken in turn, from another one on for each robot.
+    /// The limit on the operations of all graphs of one robot. Each robot starts with another function.
     pub(crate) of_robot: usize,
-    /// Whether each function is compared with and without fused multiply-adds, but for the largest graphs; else with or without, in turn.
+    /// Whether each function, except the largest graphs, is compared both with and without fused
+    /// multiply-adds; otherwise alternately.
     pub(crate) is_whole: bool,
 }
 
 impl Extent {
-    /// By the environment: `NATIVE_BITS=whole` leaves no function of a robot out, `NATIVE_BITS=few` is for emulators.
+    /// The extent of the environment: `NATIVE_BITS=whole` includes every function of a robot,
+    /// `NATIVE_BITS=few` is for emulators.
     pub(crate) fn asked() -> Self {
         match std::env::var(ASKED).as_deref() {
             Ok("whole") => {

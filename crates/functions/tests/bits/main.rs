@@ -1,14 +1,16 @@
-//! Machine code made in memory has the bits of its graph, and the graph has the library's values.
+//! Machine code made in memory has the same bits as its graph, and the graph has the library's values.
 //!
-//! Every function of every robot is traced as generated code is. One state by one, and as rows of tables, on every set of instructions of
-//! this machine, the code must give each bit that the graph gives operation by operation. In doubles the graph must also give the values of
-//! the library's recursions for the robot as it is described, whose mass is not regrouped and whose right angles are rounded.
+//! Every function of every robot is traced as for generated code. The code must give each bit of the graph,
+//! evaluated operation by operation. This holds for single states and for rows of tables, on every set of
+//! instructions of this machine. In doubles the graph must also give the values of the library's recursions
+//! for the robot as described. Its mass is not regrouped, and its right angles are rounded.
 
 mod compare;
 mod extent;
+mod messages;
 mod robots;
 
-use multibody::Model;
+use robot_dynamics::model::Model;
 
 use crate::compare::Comparison;
 use crate::extent::Extent;
@@ -37,12 +39,12 @@ fn published_robots_have_the_bits_of_their_graphs() {
     assert!(compared.graphs > 300, "{compared:?}");
 }
 
-/// The random robots whose numbers are even, or odd: two tests run beside each other.
+/// The random robots with even numbers, or those with odd ones: two tests run in parallel.
 fn compare_random(remainder: usize) {
     let count = Extent::asked().random_robots;
     let robots = robots::random(count).enumerate().filter(|(number, _)| number % 2 == remainder);
     let compared = compare(robots.map(|(_, robot)| robot));
-    // A third of the functions of each robot, in one precision: those of the largest are left out but for a few.
+    // A third of the functions of each robot, in one precision: most of the largest are left out.
     assert!(compared.graphs >= 8 * (count / 2), "{compared:?}");
 }
 

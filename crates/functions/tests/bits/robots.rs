@@ -1,13 +1,13 @@
-//! Robots: the repository's, published ones, and random ones of every kind of joint.
+//! Robots of the repository, published robots, and random ones with every kind of joint.
 
 use std::path::{Path, PathBuf};
 
-use multibody::{
-    Base, Equality, EqualityDescription, JointKinds, Model, RandomRobotOptions, RobotDescription,
-    random_robot,
+use robot_dynamics::description::{
+    Base, Equality, EqualityDescription, JointKinds, RandomRobotOptions, RobotDescription, random_robot,
 };
+use robot_dynamics::model::Model;
 
-/// Published robots whose descriptions stand beside the numbers that other programs gave for them.
+/// Published robots whose descriptions are stored with the numbers of other programs for them.
 const PUBLISHED: [&str; 13] = [
     "allegro_hand",
     "anymal_c",
@@ -28,7 +28,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// The robots of the folder `robots`, those with legs floating.
+/// The robots of the folder `robots`; those with legs have a floating base.
 pub(crate) fn of_repository() -> impl Iterator<Item = (String, Model)> {
     let mut paths: Vec<PathBuf> =
         std::fs::read_dir(root().join("robots")).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -54,8 +54,9 @@ pub(crate) fn published() -> impl Iterator<Item = (String, Model)> {
     })
 }
 
-/// Random robots of 1 to 60 moving joints, small ones more often: chains, trees and bushes, held or floating, with mimic joints, with
-/// armature on tendons, with springs, damping and friction, and every third one closed by a connection of two links.
+/// Random robots of 1 to 60 moving joints, small ones more often: chains, trees and bushes, with fixed or
+/// floating base. They have mimic joints, armature on tendons, springs, damping and friction. Every third one
+/// is closed by a connection of two links.
 pub(crate) fn random(count: usize) -> impl Iterator<Item = (String, Model)> {
     (0..count).map(move |number| {
         let seed = u64::try_from(number).unwrap();

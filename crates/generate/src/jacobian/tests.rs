@@ -1,13 +1,14 @@
-//! Slopes through the graph against the recursions', against dual numbers and against differences.
+//! Derivatives through the graph agree with those of the recursions, of dual numbers and of differences.
 
-use expression::interpret;
+use robot_dynamics_expression::interpret;
 
 use super::*;
 use crate::free_robot::free_robot;
 
-/// The graph's tangents and the recursions for slopes agree: to the rounding of both, with κ(M) below 1e5.
+/// The graph's tangents agree with the recursions for derivatives, to the rounding of both, with κ(M) below
+/// 1e5.
 #[test]
-fn tangents_are_the_recursions_slopes() {
+fn tangents_agree_with_the_recursions() {
     let model = free_robot();
     for function in [Function::InverseDynamics, Function::ForwardDynamics] {
         for arithmetic in [Arithmetic::default(), Arithmetic::default().with_fused()] {
@@ -29,8 +30,8 @@ fn tangents_are_the_recursions_slopes() {
     }
 }
 
-/// Every function's Jacobian against central differences over the numbers of its arguments: steps of 1e-6 leave
-/// 1e-12 of curvature and 1e-10 of rounding, times what the slopes are.
+/// Every function's Jacobian agrees with central differences over the numbers of its arguments. Steps of 1e-6
+/// leave 1e-12 of curvature and 1e-10 of rounding, times the size of the derivatives.
 #[test]
 fn tangents_are_the_limits_of_differences() {
     let (model, arithmetic) = (free_robot(), Arithmetic::default());
@@ -44,7 +45,7 @@ fn tangents_are_the_limits_of_differences() {
         }
         let program = Program::new(function, &model, arithmetic, 1).unwrap();
         if program.plan.steps() > 3000 {
-            continue; // slopes of slopes: long, and nothing new
+            continue; // derivatives of derivatives: long, and nothing new
         }
         let slopes = jacobian(&program, &model, arithmetic);
         let at = &program.cases[0].arguments;
@@ -80,11 +81,13 @@ fn tangents_are_the_limits_of_differences() {
     }
 }
 
-/// The slopes of a step through the graph are those of the linearised step, which differentiates the recursions: of an arm, whose q
-/// are plain numbers, to 1e4 roundings of the largest, as κ(M) is below 1e4.
+/// The derivatives of a step through the graph are those of the linearised step, which differentiates the
+/// recursions. The robot is an arm, whose q are plain numbers. The tolerance is 1e4 roundings of the largest
+/// number, as κ(M) is below 1e4.
 #[test]
-fn the_slopes_of_a_step_are_the_linearised_steps() {
-    use multibody::{LinearizeStepWorkspace, StepForces, linearize_step};
+fn the_derivatives_of_a_step_are_those_of_the_linearised_step() {
+    use robot_dynamics::derivatives::{LinearizeStepWorkspace, linearize_step};
+    use robot_dynamics::simulation::StepForces;
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/panda.urdf");
     let model = robot_dynamics::load(path).unwrap().model;
     let (arithmetic, function) = (Arithmetic::default(), Function::SemiImplicitEulerStep);

@@ -1,136 +1,183 @@
-//! Where values lie that loops read one after the other, and those that are read outside the loop that computes them.
+//! The array of a function. It has places for values that loops read one after the other, and for values that
+//! are read outside the loop or part that computes them.
+//!
+//! An operand of a loop that other code computes is a row: one value for each iteration, at places with a
+//! constant stride. The places are grouped in blocks. A block with a slot for each iteration of an earlier
+//! loop serves every row with a constant stride in it. A value of straight code that such a row also needs
+//! gets the adjacent slot. Every other row gets a block of its own. Values that already have a slot are
+//! copied there before the loop.
+//!
+//! Blocks are placed in the order of their first use, each at the first gap that is large enough. A block
+//! occupies its places from the segment that first writes it to the one that last reads it. This is
+//! linear-scan allocation (M. Poletto, V. Sarkar, *Linear scan register allocation*, ACM TOPLAS 21, 1999).
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::InLoop;
-use super::repeats::Repeat;
-use crate::layout::{Index, difference};
+use super::LoopPosition;
+use super::repetition::Repetition;
+use crate::layout::{AffineIndex, difference};
 
-/// A value for each turn of a loop: where the first turn's lies, and how far apart they are.
+/// One value for each iteration of a loop: the slot of the first, and the stride.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Row {
+pub(crate) struct StridedRow {
     block: usize,
     first: isize,
     step: isize,
 }
 
-/// Places side by side.
+/// Adjacent places.
 #[derive(Default)]
 struct Block {
-    /// Whose value each holds.
+    /// The operation whose value each slot holds.
     slots: BTreeMap<isize, usize>,
-    /// The stretches in which it is first written and last read.
+    /// The segments in which it is first written and last read.
     first: usize,
     last: usize,
-    /// Where it begins.
+    /// Its first place.
     base: usize,
 }
 
-/// All places.
+impl Block {
+    /// The number of places, those between its slots included.
+    fn length(&self) -> usize {
+        let ends = self.slots.keys().next_back().zip(self.slots.keys().next());
+        ends.map_or(0, |(high, low)| high.abs_diff(*low) + 1)
+    }
+}
+
+/// Places in use by a block: `start..end` until a segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Interval {
+    start: usize,
+    end: usize,
+    until: usize,
+}
+
+/// All blocks, and the slots of operations in them.
 pub(crate) struct Memory<'a> {
     order: &'a [usize],
-    repeats: &'a [Repeat],
-    in_loop: &'a [Option<InLoop>],
-    stretch_of: &'a [usize],
+    repetitions: &'a [Repetition],
+    loop_positions: &'a [Option<LoopPosition>],
+    segment_of: &'a [usize],
     blocks: Vec<Block>,
     /// By operation: its block, and the slot there.
     slot_of: Vec<Option<(usize, isize)>>,
-    /// By loop and offset: the block in which each turn has its slot, or all have the same.
-    of_loop: HashMap<(usize, usize), (usize, bool)>,
+    /// By loop and offset: the block, and whether each iteration has its own slot there.
+    loop_blocks: HashMap<(usize, usize), (usize, bool)>,
     /// Rows by their operations.
-    rows: HashMap<Vec<usize>, Row>,
-    /// By stretch: what is copied before its first turn.
+    rows: HashMap<Vec<usize>, StridedRow>,
+    /// By segment: the copies before its first iteration, each with block, slot and operation.
     copies: HashMap<usize, Vec<(usize, isize, usize)>>,
 }
 
 impl<'a> Memory<'a> {
     pub(crate) fn new(
         order: &'a [usize],
-        repeats: &'a [Repeat],
-        in_loop: &'a [Option<InLoop>],
-        stretch_of: &'a [usize],
+        repetitions: &'a [Repetition],
+        loop_positions: &'a [Option<LoopPosition>],
+        segment_of: &'a [usize],
     ) -> Self {
         Self {
             order,
-            repeats,
-            in_loop,
-            stretch_of,
+            repetitions,
+            loop_positions,
+            segment_of,
             blocks: Vec::new(),
-            slot_of: vec![None; in_loop.len()],
-            of_loop: HashMap::new(),
+            slot_of: vec![None; loop_positions.len()],
+            loop_blocks: HashMap::new(),
             rows: HashMap::new(),
             copies: HashMap::new(),
         }
     }
 
-    /// Side by side, these operations' values, for the loop in a stretch; what must be copied is read there.
-    pub(crate) fn row(&mut self, nodes: &[usize], stretch: usize, outside: &mut Vec<(usize, usize)>) -> Row {
+    /// A row of the values of these operations, for the loop in a segment. Values that must be copied are
+    /// added to `outside` as reads of the segment.
+    pub(crate) fn row(
+        &mut self,
+        nodes: &[usize],
+        segment: usize,
+        outside: &mut Vec<(usize, usize)>,
+    ) -> StridedRow {
         let row = if let Some(row) = self.rows.get(nodes) {
             *row
         } else {
-            let row = self.beside_a_loops(nodes).unwrap_or_else(|| self.new_row(nodes, stretch, outside));
+            let row = self.row_in_loop_block(nodes).unwrap_or_else(|| self.new_row(nodes, segment, outside));
             self.rows.insert(nodes.to_vec(), row);
             row
         };
         let last = &mut self.blocks[row.block].last;
-        *last = (*last).max(stretch);
+        *last = (*last).max(segment);
         row
     }
 
-    /// A row in the block of an earlier loop, before or after whose turns' slots straight code's values fit.
-    fn beside_a_loops(&mut self, nodes: &[usize]) -> Option<Row> {
+    /// A row in the block of an earlier loop, if the row has a constant stride there. Values of straight
+    /// code, before or after those of the loop, get slots in the same block.
+    fn row_in_loop_block(&mut self, nodes: &[usize]) -> Option<StridedRow> {
         let middle = nodes.len() / 2;
-        let InLoop { number, offset, turn } = self.in_loop[nodes[middle]]?;
-        let of_same =
-            |node: usize| self.in_loop[node].filter(|other| (other.number, other.offset) == (number, offset));
-        let (other, there) = (0..nodes.len())
-            .filter(|&other| other != middle)
-            .find_map(|other| Some((other, of_same(nodes[other])?.turn)))?;
-        let (turns, distance) = (difference(turn, there), difference(middle, other));
-        let step = turns / distance;
-        let slot = |k: usize| turn.cast_signed() + step * difference(k, middle);
-        let is_even = step != 0
-            && nodes.iter().enumerate().all(|(k, &node)| match of_same(node) {
-                Some(other) => other.turn.cast_signed() == slot(k),
-                None => self.in_loop[node].is_none(),
+        let LoopPosition { number, offset, iteration } = self.loop_positions[nodes[middle]]?;
+        let step = self.stride_in_loop(nodes, middle)?;
+        let slot = |k: usize| iteration.cast_signed() + step * difference(k, middle);
+        let is_strided =
+            nodes.iter().enumerate().all(|(k, &node)| match self.position_in_loop(node, (number, offset)) {
+                Some(other) => other.iteration.cast_signed() == slot(k),
+                None => self.loop_positions[node].is_none(),
             });
-        if !is_even {
+        if !is_strided {
             return None;
         }
-        let block = self.of_each_turn(number, offset);
+        let block = self.block_per_iteration(number, offset);
         let straight: Vec<(isize, usize)> =
-            (nodes.iter().enumerate().filter(|&(_, &node)| self.in_loop[node].is_none()))
+            (nodes.iter().enumerate().filter(|&(_, &node)| self.loop_positions[node].is_none()))
                 .map(|(k, &node)| (slot(k), node))
                 .collect();
-        let is_free = |&(slot, node): &(isize, usize)| {
-            let is_mine = |at: &(usize, isize)| *at == (block, slot);
-            self.slot_of[node].as_ref().is_none_or(is_mine)
-                && self.blocks[block].slots.get(&slot).is_none_or(|&there| there == node)
-                && straight.iter().all(|&(other, same)| (other == slot) == (same == node))
-        };
-        if !straight.iter().all(is_free) {
+        if !self.are_free(block, &straight) {
             return None;
         }
         for (slot, node) in straight {
             self.claim(block, slot, node);
         }
-        Some(Row { block, first: slot(0), step })
+        Some(StridedRow { block, first: slot(0), step })
     }
 
-    /// A row of its own. What has a place already is copied.
-    fn new_row(&mut self, nodes: &[usize], stretch: usize, outside: &mut Vec<(usize, usize)>) -> Row {
+    /// An operation's position, if it is this operation of this loop.
+    fn position_in_loop(&self, node: usize, which: (usize, usize)) -> Option<LoopPosition> {
+        self.loop_positions[node].filter(|position| (position.number, position.offset) == which)
+    }
+
+    /// The stride of a row in iterations, from the middle value and another value of the same loop. `None` if
+    /// there is no other value or the stride is zero.
+    fn stride_in_loop(&self, nodes: &[usize], middle: usize) -> Option<isize> {
+        let LoopPosition { number, offset, iteration } = self.loop_positions[nodes[middle]]?;
+        let (other, there) = (0..nodes.len()).filter(|&other| other != middle).find_map(|other| {
+            Some((other, self.position_in_loop(nodes[other], (number, offset))?.iteration))
+        })?;
+        let step = difference(iteration, there) / difference(middle, other);
+        (step != 0).then_some(step)
+    }
+
+    /// Whether these slots of a block are free for these operations, or hold them already.
+    fn are_free(&self, block: usize, wanted: &[(isize, usize)]) -> bool {
+        wanted.iter().all(|&(slot, node)| {
+            self.slot_of[node].is_none_or(|at| at == (block, slot))
+                && self.blocks[block].slots.get(&slot).is_none_or(|&there| there == node)
+                && wanted.iter().all(|&(other, same)| (other == slot) == (same == node))
+        })
+    }
+
+    /// A row in a block of its own. Values of loops, and those that have a slot already, are copied.
+    fn new_row(&mut self, nodes: &[usize], segment: usize, outside: &mut Vec<(usize, usize)>) -> StridedRow {
         let block = self.new_block();
-        self.blocks[block].first = stretch;
+        self.blocks[block].first = segment;
         for (slot, &node) in (0..).zip(nodes) {
-            if self.in_loop[node].is_none() && self.slot_of[node].is_none() {
+            if self.loop_positions[node].is_none() && self.slot_of[node].is_none() {
                 self.claim(block, slot, node);
             } else {
                 self.blocks[block].slots.insert(slot, node);
-                self.copies.entry(stretch).or_default().push((block, slot, node));
-                outside.push((stretch, node));
+                self.copies.entry(segment).or_default().push((block, slot, node));
+                outside.push((segment, node));
             }
         }
-        Row { block, first: 0, step: 1 }
+        StridedRow { block, first: 0, step: 1 }
     }
 
     fn new_block(&mut self) -> usize {
@@ -138,49 +185,36 @@ impl<'a> Memory<'a> {
         self.blocks.len() - 1
     }
 
+    /// Assigns a slot to an operation.
     fn claim(&mut self, block: usize, slot: isize, node: usize) {
         self.blocks[block].slots.insert(slot, node);
         self.slot_of[node] = Some((block, slot));
-        let written = self.stretch_of[node];
+        let written = self.segment_of[node];
         let Block { first, last, .. } = &mut self.blocks[block];
         (*first, *last) = ((*first).min(written), (*last).max(written));
     }
 
-    /// The block with a slot for each turn's value.
-    fn of_each_turn(&mut self, number: usize, offset: usize) -> usize {
-        if let Some(&(block, _)) = self.of_loop.get(&(number, offset)) {
+    /// The block with a slot for each iteration of an operation of a loop.
+    fn block_per_iteration(&mut self, number: usize, offset: usize) -> usize {
+        if let Some(&(block, _)) = self.loop_blocks.get(&(number, offset)) {
             return block;
         }
         let block = self.new_block();
-        self.of_loop.insert((number, offset), (block, true));
-        let Repeat { start, period, turns } = self.repeats[number];
-        for (turn, slot) in (0..turns).zip(0..) {
-            self.claim(block, slot, self.order[start + turn * period + offset]);
+        self.loop_blocks.insert((number, offset), (block, true));
+        let Repetition { start, period, iterations } = self.repetitions[number];
+        for (iteration, slot) in (0..iterations).zip(0..) {
+            self.claim(block, slot, self.order[start + iteration * period + offset]);
         }
         block
     }
 
-    /// Gives a place to all that is read outside its loop or its part.
-    pub(crate) fn keep(&mut self, outside: &[(usize, usize)], part: &dyn Fn(usize) -> usize) {
-        let mut last_turns = Vec::new();
-        for &(_, node) in outside {
-            let Some(InLoop { number, offset, turn }) = self.in_loop[node] else { continue };
-            if turn + 1 == self.repeats[number].turns {
-                last_turns.push((number, offset, node));
-            } else {
-                self.of_each_turn(number, offset);
-            }
-        }
-        // The last turn's alone: each overwrites the one before.
-        for (number, offset, node) in last_turns {
-            if !self.of_loop.contains_key(&(number, offset)) {
-                let block = self.new_block();
-                self.of_loop.insert((number, offset), (block, false));
-                self.claim(block, 0, node);
-            }
-        }
-        for &(stretch, node) in outside {
-            let is_elsewhere = self.in_loop[node].is_some() || part(self.stretch_of[node]) != part(stretch);
+    /// Assigns slots to all values that are read outside their loop or their part; `outside` has pairs of the
+    /// reading segment and the operation.
+    pub(crate) fn store_values(&mut self, outside: &[(usize, usize)], part: &dyn Fn(usize) -> usize) {
+        self.store_loop_values(outside);
+        for &(segment, node) in outside {
+            let is_elsewhere =
+                self.loop_positions[node].is_some() || part(self.segment_of[node]) != part(segment);
             if !is_elsewhere {
                 continue;
             }
@@ -192,65 +226,164 @@ impl<'a> Memory<'a> {
                 block
             };
             let last = &mut self.blocks[block].last;
-            *last = (*last).max(stretch);
+            *last = (*last).max(segment);
         }
     }
 
-    /// Puts each block where none is that is read after it is first written; how many places that takes.
+    /// Assigns slots to values of loops: one for each iteration, or a common one if only the last iteration's
+    /// value is read.
+    fn store_loop_values(&mut self, outside: &[(usize, usize)]) {
+        let mut last_iterations = Vec::new();
+        for &(_, node) in outside {
+            let Some(LoopPosition { number, offset, iteration }) = self.loop_positions[node] else {
+                continue;
+            };
+            if iteration + 1 == self.repetitions[number].iterations {
+                last_iterations.push((number, offset, node));
+            } else {
+                self.block_per_iteration(number, offset);
+            }
+        }
+        for (number, offset, node) in last_iterations {
+            if !self.loop_blocks.contains_key(&(number, offset)) {
+                let block = self.new_block();
+                self.loop_blocks.insert((number, offset), (block, false));
+                self.claim(block, 0, node);
+            }
+        }
+    }
+
+    /// Places all blocks, and returns the length of the array.
     pub(crate) fn allocate(&mut self) -> usize {
         let mut order: Vec<usize> = (0..self.blocks.len()).collect();
         order.sort_by_key(|&block| (self.blocks[block].first, block));
-        let mut places = 0;
-        // Those in use: where they begin and end, and their last stretch.
-        let mut used: Vec<(usize, usize, usize)> = Vec::new();
+        let mut length = 0;
+        let mut used: Vec<Interval> = Vec::new();
         for block in order {
-            let Block { slots, first, last, base } = &mut self.blocks[block];
-            let length = slots
-                .keys()
-                .next_back()
-                .zip(slots.keys().next())
-                .map_or(0, |(high, low)| high.abs_diff(*low) + 1);
-            used.retain(|&(.., until)| until >= *first);
-            let mut free = 0;
-            let mut at = used.len();
-            for (number, &(begin, end, _)) in used.iter().enumerate() {
-                if begin >= free + length {
-                    at = number;
-                    break;
-                }
-                free = end;
-            }
-            *base = free;
-            used.insert(at, (free, free + length, *last));
-            places = places.max(free + length);
+            let block = &mut self.blocks[block];
+            used.retain(|interval| interval.until >= block.first);
+            block.base = place_first_fit(&mut used, block.length(), block.last);
+            length = length.max(block.base + block.length());
         }
-        places
+        length
     }
 
     fn place_of(&self, block: usize, slot: isize) -> usize {
         let Block { slots, base, .. } = &self.blocks[block];
-        let low = *slots.keys().next().expect("no block is empty");
+        let low = *slots.keys().next().expect("every block has a slot");
         *base + slot.abs_diff(low)
     }
 
-    /// Where an operation's value is kept.
+    /// The place of an operation's value.
     pub(crate) fn place(&self, node: usize) -> Option<usize> {
         self.slot_of[node].map(|(block, slot)| self.place_of(block, slot))
     }
 
-    /// Where each turn keeps an operation's value.
-    pub(crate) fn kept(&self, number: usize, offset: usize) -> Option<Index> {
-        let &(block, of_each) = self.of_loop.get(&(number, offset))?;
-        Some(Index { first: self.place_of(block, 0), step: isize::from(of_each) })
+    /// The index at which each iteration stores an operation's value.
+    pub(crate) fn stored_at(&self, number: usize, offset: usize) -> Option<AffineIndex> {
+        let &(block, is_per_iteration) = self.loop_blocks.get(&(number, offset))?;
+        Some(AffineIndex { first: self.place_of(block, 0), step: isize::from(is_per_iteration) })
     }
 
-    pub(crate) fn index(&self, row: &Row) -> Index {
-        Index { first: self.place_of(row.block, row.first), step: row.step }
+    pub(crate) fn index(&self, row: &StridedRow) -> AffineIndex {
+        AffineIndex { first: self.place_of(row.block, row.first), step: row.step }
     }
 
-    /// What is copied before the first turn: to which place, which operation's value.
-    pub(crate) fn copies(&self, stretch: usize) -> Vec<(usize, usize)> {
-        let copies = self.copies.get(&stretch).map_or(&[][..], Vec::as_slice);
+    /// The copies before the first iteration: to which place, which operation's value.
+    pub(crate) fn copies(&self, segment: usize) -> Vec<(usize, usize)> {
+        let copies = self.copies.get(&segment).map_or(&[][..], Vec::as_slice);
         copies.iter().map(|&(block, slot, node)| (self.place_of(block, slot), node)).collect()
+    }
+}
+
+/// Inserts an interval of this length at the first gap between the used ones, which are sorted, and returns
+/// its start.
+fn place_first_fit(used: &mut Vec<Interval>, length: usize, until: usize) -> usize {
+    let mut start = 0;
+    let mut at = used.len();
+    for (number, interval) in used.iter().enumerate() {
+        if interval.start >= start + length {
+            at = number;
+            break;
+        }
+        start = interval.end;
+    }
+    used.insert(at, Interval { start, end: start + length, until });
+    start
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Gaps are filled from the front, a block that fits nowhere goes to the end, and intervals stay sorted.
+    #[test]
+    fn blocks_are_placed_at_the_first_gap() {
+        let interval = |start, end| Interval { start, end, until: 9 };
+        let mut used = vec![interval(2, 4), interval(5, 6)];
+        assert_eq!(place_first_fit(&mut used, 2, 9), 0);
+        assert_eq!(place_first_fit(&mut used, 2, 9), 6);
+        assert_eq!(place_first_fit(&mut used, 1, 9), 4);
+        assert_eq!(used, [(0, 2), (2, 4), (4, 5), (5, 6), (6, 8)].map(|(start, end)| interval(start, end)));
+    }
+
+    /// A loop of three operations and four iterations, operations 0 to 11; operations 12 to 14 are straight.
+    fn with_memory(check: impl FnOnce(&mut Memory<'_>)) {
+        let order: Vec<usize> = (0..15).collect();
+        let repetitions = [Repetition { start: 0, period: 3, iterations: 4 }];
+        let position = |node: usize| LoopPosition { number: 0, offset: node % 3, iteration: node / 3 };
+        let positions: Vec<_> = order.iter().map(|&node| (node < 12).then(|| position(node))).collect();
+        let segments: Vec<usize> = order.iter().map(|&node| usize::from(node >= 12)).collect();
+        check(&mut Memory::new(&order, &repetitions, &positions, &segments));
+    }
+
+    /// Values of one operation of a loop, forward or backward, are a row of the loop's block.
+    #[test]
+    fn a_row_of_a_loop_needs_no_copies() {
+        with_memory(|memory| {
+            let mut outside = Vec::new();
+            let forward = memory.row(&[1, 4, 7, 10], 2, &mut outside);
+            let backward = memory.row(&[10, 7, 4, 1], 2, &mut outside);
+            assert!(outside.is_empty() && forward.block == backward.block);
+            assert_eq!((forward.first, forward.step, backward.first, backward.step), (0, 1, 3, -1));
+            assert_eq!(memory.allocate(), 4);
+            assert!([1, 4, 7, 10].iter().enumerate().all(|(k, &node)| memory.place(node) == Some(k)));
+        });
+    }
+
+    /// A value of straight code that precedes those of a loop gets the slot before them.
+    #[test]
+    fn a_row_extends_the_block_of_a_loop() {
+        with_memory(|memory| {
+            let mut outside = Vec::new();
+            let row = memory.row(&[12, 0, 3, 6, 9], 2, &mut outside);
+            assert!(outside.is_empty());
+            assert_eq!((row.first, row.step, memory.allocate()), (-1, 1, 5));
+            assert_eq!((memory.place(12), memory.place(0)), (Some(0), Some(1)));
+        });
+    }
+
+    /// A row without a constant stride in a loop's block is copied.
+    #[test]
+    fn a_row_without_a_stride_is_copied() {
+        with_memory(|memory| {
+            let mut outside = Vec::new();
+            memory.row(&[0, 6, 3, 9], 2, &mut outside);
+            assert_eq!(outside, [(2, 0), (2, 6), (2, 3), (2, 9)]);
+            memory.store_values(&outside, &|segment| segment);
+            memory.allocate();
+            let copied: Vec<usize> = memory.copies(2).iter().map(|&(_, node)| node).collect();
+            assert_eq!(copied, [0, 6, 3, 9]);
+        });
+    }
+
+    /// A value that is read only in the last iteration needs one slot.
+    #[test]
+    fn a_value_of_the_last_iteration_has_one_slot() {
+        with_memory(|memory| {
+            memory.store_values(&[(1, 11)], &|segment| segment);
+            assert_eq!(memory.allocate(), 1);
+            assert_eq!(memory.stored_at(0, 2), Some(AffineIndex { first: 0, step: 0 }));
+        });
     }
 }

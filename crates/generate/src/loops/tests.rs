@@ -1,7 +1,7 @@
-//! What is written in loops gives what the operations give one after the other, bit for bit.
+//! Loops give the same bits as the operations one after the other.
 
-use expression::{Arithmetic, Plan, Precision};
-use number::SplitMix64;
+use robot_dynamics_expression::{Arithmetic, Plan, Precision};
+use robot_dynamics_number::SplitMix64;
 
 use super::*;
 use crate::Function;
@@ -10,98 +10,137 @@ use crate::layout::Layout;
 use crate::program::Program;
 use crate::testing::chain;
 
-/// What a layout computes, read as a compiler would read the code: a value is known where it is written, in its part and its turn, or kept.
+/// An evaluation of a layout like that of compiled code: a value is available in its part and iteration, or
+/// in the array.
+struct Evaluation<'a> {
+    graph: &'a Graph,
+    layout: &'a Layout,
+    results: &'a [Vec<Operand>],
+    arguments: &'a [Vec<f64>],
+    array: Vec<f64>,
+    found: Vec<Vec<f64>>,
+    /// The current part, and its values by operation.
+    part: usize,
+    values: Vec<f64>,
+}
+
+/// Evaluates a layout.
 fn run(graph: &Graph, layout: &Layout, results: &[Vec<Operand>], arguments: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let mut w = vec![f64::NAN; layout.places];
-    let mut found: Vec<Vec<f64>> = results.iter().map(|result| vec![f64::NAN; result.len()]).collect();
-    for (result, entries) in results.iter().enumerate() {
-        for (index, &entry) in entries.iter().enumerate() {
-            match entry.node().map(|node| graph.nodes[node]) {
-                None => found[result][index] = entry.known().unwrap(),
-                Some(Operation::Input { argument, index: number }) => {
-                    found[result][index] = signed(entry, arguments[argument as usize][number as usize]);
-                }
-                Some(_) => {}
-            }
-        }
-    }
+    let array = vec![f64::NAN; layout.array_length];
+    let found = results.iter().map(|result| vec![f64::NAN; result.len()]).collect();
+    let values = Vec::new();
+    let mut evaluation = Evaluation { graph, layout, results, arguments, array, found, part: 0, values };
+    evaluation.store_constants();
     for (number, part) in layout.parts.iter().enumerate() {
-        let mut here = vec![f64::NAN; graph.nodes.len()];
-        for piece in part {
-            let value = |node: usize, here: &[f64], w: &[f64]| {
-                if let Operation::Input { argument, index } = graph.nodes[node] {
-                    arguments[argument as usize][index as usize]
-                } else if layout.part_of[node] == number && !layout.in_loop[node] {
-                    here[node]
-                } else {
-                    w[layout.kept[node].expect("what is read elsewhere is kept")]
-                }
-            };
-            match piece {
-                Piece::Straight(nodes) => {
-                    for &node in nodes {
-                        let read = |operand: Operand| match operand.node() {
-                            None => operand.known().unwrap(),
-                            Some(node) => signed(operand, value(node, &here, &w)),
-                        };
-                        let operands: Vec<f64> = graph.nodes[node].operands().map(read).collect();
-                        here[node] = apply(graph.nodes[node], &operands);
-                        if let Some(place) = layout.kept[node] {
-                            w[place] = here[node];
-                        }
-                        for (result, entries) in results.iter().enumerate() {
-                            for (index, entry) in entries.iter().enumerate() {
-                                if entry.node() == Some(node) {
-                                    found[result][index] = signed(*entry, here[node]);
-                                }
-                            }
-                        }
+        evaluation.part = number;
+        evaluation.values = vec![f64::NAN; graph.nodes.len()];
+        for region in part {
+            match region {
+                Region::Straight(nodes) => nodes.iter().for_each(|&node| evaluation.straight(node)),
+                Region::Loop(rolled) => evaluation.rolled(rolled),
+            }
+        }
+    }
+    evaluation.found
+}
+
+impl Evaluation<'_> {
+    /// Stores the results that are constants or inputs.
+    fn store_constants(&mut self) {
+        for (result, entries) in self.results.iter().enumerate() {
+            for (index, &entry) in entries.iter().enumerate() {
+                match entry.node() {
+                    None => self.found[result][index] = entry.known().unwrap(),
+                    Some(node) if self.graph.nodes[node].is_input() => {
+                        self.found[result][index] = signed(entry, self.value(node));
                     }
-                }
-                Piece::Loop(one) => {
-                    for &(place, node) in &one.copies {
-                        w[place] = value(node, &here, &w);
-                    }
-                    let mut carried: Vec<f64> =
-                        one.carried.iter().map(|one| value(one.first, &here, &w)).collect();
-                    for turn in 0..one.turns {
-                        let mut local = vec![f64::NAN; graph.nodes.len()];
-                        for step in &one.steps {
-                            let operation = graph.nodes[step.node];
-                            let read = |(read, operand): (&Read, Operand)| {
-                                let x = match read {
-                                    Read::Same(Operand::Constant(bits)) => return f64::from_bits(*bits),
-                                    Read::Constants(bits) => return f64::from_bits(bits[turn]),
-                                    Read::Same(other) => value(other.node().unwrap(), &here, &w),
-                                    Read::Input { argument, index } => {
-                                        arguments[*argument][index.of_turn(turn)]
-                                    }
-                                    Read::Here(node) => local[*node],
-                                    Read::Carried(number) => carried[*number],
-                                    Read::Kept(index) => w[index.of_turn(turn)],
-                                };
-                                signed(operand, x)
-                            };
-                            let operands: Vec<f64> =
-                                step.reads.iter().zip(operation.operands()).map(read).collect();
-                            local[step.node] = apply(operation, &operands);
-                            if let Some(index) = step.kept {
-                                w[index.of_turn(turn)] = local[step.node];
-                            }
-                            for store in &step.stores {
-                                let sign = if store.is_minus { -1.0 } else { 1.0 };
-                                found[store.result][store.index.of_turn(turn)] = sign * local[step.node];
-                            }
-                        }
-                        for (variable, one) in carried.iter_mut().zip(&one.carried) {
-                            *variable = local[one.next];
-                        }
-                    }
+                    Some(_) => {}
                 }
             }
         }
     }
-    found
+
+    /// A value outside the loop that computes it.
+    fn value(&self, node: usize) -> f64 {
+        if let Operation::Input { argument, index } = self.graph.nodes[node] {
+            self.arguments[argument as usize][index as usize]
+        } else if self.layout.part_of[node] == self.part && !self.layout.in_loop[node] {
+            self.values[node]
+        } else {
+            self.array[self.layout.stored_at[node].expect("a value that is read elsewhere is stored")]
+        }
+    }
+
+    fn operand(&self, operand: Operand) -> f64 {
+        match operand.node() {
+            None => operand.known().unwrap(),
+            Some(node) => signed(operand, self.value(node)),
+        }
+    }
+
+    /// Evaluates an operation of straight code.
+    fn straight(&mut self, node: usize) {
+        let operation = self.graph.nodes[node];
+        let operands: Vec<f64> = operation.operands().map(|operand| self.operand(operand)).collect();
+        let x = apply(operation, &operands);
+        self.values[node] = x;
+        if let Some(place) = self.layout.stored_at[node] {
+            self.array[place] = x;
+        }
+        for (result, entries) in self.results.iter().enumerate() {
+            for (index, entry) in entries.iter().enumerate() {
+                if entry.node() == Some(node) {
+                    self.found[result][index] = signed(*entry, x);
+                }
+            }
+        }
+    }
+
+    /// Evaluates all iterations of a loop.
+    fn rolled(&mut self, rolled: &Loop) {
+        for &(place, node) in &rolled.copies {
+            self.array[place] = self.value(node);
+        }
+        let mut carried: Vec<f64> = rolled.carried.iter().map(|one| self.value(one.first)).collect();
+        for iteration in 0..rolled.iterations {
+            let mut local = vec![f64::NAN; self.graph.nodes.len()];
+            for step in &rolled.steps {
+                self.step(step, iteration, &carried, &mut local);
+            }
+            for (variable, one) in carried.iter_mut().zip(&rolled.carried) {
+                *variable = local[one.next];
+            }
+        }
+    }
+
+    /// Evaluates an operation of a loop; `local` has the values of the iteration.
+    fn step(&mut self, step: &Step, iteration: usize, carried: &[f64], local: &mut [f64]) {
+        let operation = self.graph.nodes[step.node];
+        let read = |(read, operand): (&LoopOperand, Operand)| {
+            let x = match read {
+                LoopOperand::Invariant(Operand::Constant(bits)) => return f64::from_bits(*bits),
+                LoopOperand::ConstantTable(bits) => return f64::from_bits(bits[iteration]),
+                LoopOperand::Invariant(other) => self.value(other.node().unwrap()),
+                LoopOperand::Input { argument, index } => {
+                    self.arguments[*argument][index.at_iteration(iteration)]
+                }
+                LoopOperand::SameIteration(node) => local[*node],
+                LoopOperand::Carried(number) => carried[*number],
+                LoopOperand::Array(index) => self.array[index.at_iteration(iteration)],
+            };
+            signed(operand, x)
+        };
+        let operands: Vec<f64> = step.reads.iter().zip(operation.operands()).map(read).collect();
+        let x = apply(operation, &operands);
+        local[step.node] = x;
+        if let Some(index) = step.stored_at {
+            self.array[index.at_iteration(iteration)] = x;
+        }
+        for store in &step.stores {
+            let sign = if store.is_minus { -1.0 } else { 1.0 };
+            self.found[store.result][store.index.at_iteration(iteration)] = sign * x;
+        }
+    }
 }
 
 fn signed(operand: Operand, x: f64) -> f64 {
@@ -129,7 +168,8 @@ fn bits(rows: &[Vec<f64>]) -> Vec<Vec<u64>> {
     rows.iter().map(|row| row.iter().map(|x| x.to_bits()).collect()).collect()
 }
 
-/// Holds loops to the operations one after the other, of random numbers up to `most`; how many loops there are.
+/// Compares loops with the operations one after the other, for random numbers up to `most`, and returns the
+/// number of loops.
 fn compare(
     graph: &Graph,
     results: &[Vec<Operand>],
@@ -138,7 +178,7 @@ fn compare(
     random: &mut SplitMix64,
 ) -> usize {
     let straight = Layout::straight(graph, &Plan::new(graph, results));
-    let Some(layout) = in_loops(graph, results, &every_number) else { return 0 };
+    let Some(layout) = reroll(graph, results, &every_number) else { return 0 };
     assert!(!layout.parts.is_empty());
     for _ in 0..2 {
         let numbers = |&length: &usize| (0..length).map(|_| random.uniform(-most, most)).collect();
@@ -150,15 +190,16 @@ fn compare(
     layout.loops().count()
 }
 
-/// What a body does: with numbers of this body's inputs, of the body before, of another recursion, and of constants.
+/// An operation of a body on numbers of its inputs, of the body before, of another recursion, and on
+/// constants.
 #[derive(Clone, Copy)]
 struct Rule {
     kind: usize,
     operands: [usize; 3],
 }
 
-/// A recursion over bodies, outward, and inward with what the outward one found. Rules are random, the same for all bodies but for
-/// one, in half of the cases; constants may differ from body to body.
+/// An outward recursion over bodies, and an inward one that uses its values. Rules are random and the same
+/// for all bodies, in half of the cases except one body; constants may differ from body to body.
 fn random_recursions(random: &mut SplitMix64, bodies: usize) -> (Graph, Vec<Vec<Operand>>) {
     let mut below = |n: usize| usize::try_from(random.next_u64() % n as u64).unwrap();
     let odd = if below(2) == 0 { bodies / 2 } else { bodies };
@@ -187,7 +228,7 @@ fn random_recursions(random: &mut SplitMix64, bodies: usize) -> (Graph, Vec<Vec<
                 let value = match kind {
                     0 => graph.sum(a, b),
                     1 => graph.sum(a, b.negated()),
-                    // By numbers that are at most two.
+                    // Factors are at most two.
                     2 => graph.product(values[rule.operands[0] % 3], b),
                     3 => graph.fused(values[rule.operands[0] % 3].negated(), b, c),
                     4 => graph.fused(values[rule.operands[0] % 3], b, c),
@@ -214,7 +255,7 @@ fn random_recursions(random: &mut SplitMix64, bodies: usize) -> (Graph, Vec<Vec<
     (graph, results)
 }
 
-/// Random recursions, among them with a body that is another, and with constants that differ.
+/// Random recursions, some with one different body or different constants.
 #[test]
 fn loops_of_random_recursions_change_no_bit() {
     let random = &mut SplitMix64::new(7);
@@ -228,7 +269,7 @@ fn loops_of_random_recursions_change_no_bit() {
     assert!(with_loops > 200, "{with_loops}");
 }
 
-/// Graphs in which nothing follows a rule: the few operations are repeated by chance.
+/// Random graphs, whose few kinds of operations repeat by chance.
 #[test]
 fn loops_of_random_graphs_change_no_bit() {
     let random = &mut SplitMix64::new(3);
@@ -254,14 +295,15 @@ fn loops_of_random_graphs_change_no_bit() {
     }
 }
 
-/// Of chains: equal links, two groups with others between, none alike; for functions whose recursions go outward, inward and both.
+/// Chains of equal links, and of two groups with others between, for functions whose recursions go outward,
+/// inward and both.
 #[test]
 fn loops_of_chains_change_no_bit_and_are_shorter() {
     let equal = chain(&[1.0; 16]);
     let groups = chain(&[[1.0; 9].as_slice(), &[0.3, 2.0], &[0.5; 9]].concat());
     let own = Arithmetic::default();
     let inverse = Function::InverseDynamics;
-    // Lines with loops, of lines without.
+    // The function, and the largest ratio of lines with loops to lines without.
     for (function, most) in [
         (inverse.clone(), 0.25),
         (Function::ForwardDynamics, 0.3),
@@ -281,11 +323,71 @@ fn loops_of_chains_change_no_bit_and_are_shorter() {
     }
 }
 
-/// A function that computes nothing has one part, and no loop.
+/// A function without operations has one part and no loop.
 #[test]
 fn nothing_has_no_loop() {
     let (graph, results) = (Graph::new(Precision::Double), vec![vec![Operand::ZERO; 7]]);
-    assert!(in_loops(&graph, &results, &every_number).is_none());
+    assert!(reroll(&graph, &results, &every_number).is_none());
     let layout = Layout::new(&graph, &Plan::new(&graph, &results), &results, &every_number);
-    assert_eq!((layout.parts.len(), layout.places), (1, 0));
+    assert_eq!((layout.parts.len(), layout.array_length), (1, 0));
+}
+
+/// Segments cover the order without gaps, loops are whole, pairs stay with their halves, and parts are within
+/// the limit.
+#[test]
+fn segments_cover_the_order() {
+    for links in [16, 64] {
+        let (model, function) = (chain(&vec![1.0; links]), Function::ForwardDynamics.pullback());
+        let program = Program::new(&function, &model, Arithmetic::default(), 1).unwrap();
+        let (graph, results) = (&program.graph, &program.results);
+        let sequence = Sequence::new(graph, as_traced(graph, results), results, &every_number);
+        let repetitions = sequence.repetitions();
+        let segments = divide(&sequence, &repetitions);
+        let (mut at, mut part) = (0, 0);
+        let mut written = vec![0; segments[segments.len() - 1].part + 1];
+        for segment in &segments {
+            assert!(segment.start == at && segment.end > at && (part..=part + 1).contains(&segment.part));
+            assert!(segment.part == part || !sequence.operation(at).is_half());
+            (at, part) = (segment.end, segment.part);
+            let length = segment.repetition.map_or(segment.end - segment.start, |number| {
+                let Repetition { start, period, .. } = repetitions[number];
+                assert_eq!((segment.start, segment.end), (start, repetitions[number].end()));
+                period
+            });
+            written[part] += length;
+        }
+        assert_eq!(at, sequence.order.len());
+        assert!(written.iter().all(|&count| count <= MAX_STEPS + 2), "{written:?}");
+    }
+}
+
+/// An outward recursion and an inward one that reads its values: every kind of operand occurs.
+#[test]
+fn operands_of_loops_are_classified() {
+    let mut graph = Graph::new(Precision::Double);
+    let (factor, mut sum) = (graph.input(1, 0), graph.input(0, 0));
+    let mut squares = Vec::new();
+    for body in 1..40 {
+        let input = graph.input(0, body);
+        let scaled = graph.product(input, Operand::constant(1.0 + 0.5 * body as f64));
+        sum = graph.sum(sum, scaled);
+        squares.push(graph.product(sum, sum));
+    }
+    let mut back = factor;
+    for &square in squares.iter().rev() {
+        let product = graph.product(square, factor);
+        back = graph.sum(back, product);
+    }
+    let layout = reroll(&graph, &[vec![back]], &every_number).unwrap();
+    let loops: Vec<&Loop> = layout.loops().collect();
+    let has = |number: usize, is: fn(&LoopOperand) -> bool| {
+        loops[number].steps.iter().flat_map(|step| &step.reads).any(is)
+    };
+    assert_eq!(loops.len(), 2);
+    assert!(has(0, |read| matches!(read, LoopOperand::ConstantTable(_))));
+    assert!(has(0, |read| matches!(read, LoopOperand::Input { index: AffineIndex { step: 1, .. }, .. })));
+    assert!(has(0, |read| matches!(read, LoopOperand::SameIteration(_))));
+    assert!(has(0, |read| matches!(read, LoopOperand::Carried(0))) && loops[0].carried.len() == 1);
+    assert!(has(1, |read| matches!(read, LoopOperand::Invariant(Operand::Plus(_)))));
+    assert!(has(1, |read| matches!(read, LoopOperand::Array(AffineIndex { step: -1, .. }))));
 }

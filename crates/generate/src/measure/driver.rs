@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{LASTING, RUNS};
+use super::{LEAST_DURATION, RUNS};
 use crate::Request;
 use crate::program::Program;
 use crate::syntax::{Language, Syntax};
@@ -16,7 +16,7 @@ pub(super) fn c(request: &Request, name: &str, programs: &[Program]) -> String {
          static void measure(const char *name, void (*run)(long)) {{\n    \
          double best = 1e9, lasted = 0;\n    long count = 1;\n    int k;\n    \
          for (;; count *= 2) {{\n        const clock_t start = clock();\n        run(count);\n        \
-         if ((double)(clock() - start) / CLOCKS_PER_SEC >= {LASTING}) {{\n            break;\n        }}\n    }}\n    \
+         if ((double)(clock() - start) / CLOCKS_PER_SEC >= {LEAST_DURATION}) {{\n            break;\n        }}\n    }}\n    \
          for (k = 0; k < {RUNS}; k++) {{\n        const clock_t start = clock();\n        run(count);\n        \
          lasted = (double)(clock() - start) / CLOCKS_PER_SEC;\n        \
          best = lasted < best ? lasted : best;\n    }}\n    \
@@ -53,12 +53,12 @@ pub(super) fn c(request: &Request, name: &str, programs: &[Program]) -> String {
 pub(super) fn rust(request: &Request, name: &str, programs: &[Program]) -> String {
     let syntax = Syntax { language: Language::Rust, arithmetic: request.arithmetic, prefix: "" };
     let number = syntax.number();
-    // Called through a pointer, as from another crate: nothing is known of the arguments.
+    // The arguments are opaque to the optimizer, as for a call from another crate.
     let mut text = format!(
         "mod robot {{\n    include!(\"src/{name}.rs\");\n}}\n\nuse std::hint::black_box;\nuse std::time::Instant;\n\n\
          fn measure(name: &str, mut run: impl FnMut(usize)) {{\n    let mut time = |count: usize| {{\n        \
          let start = Instant::now();\n        run(count);\n        start.elapsed().as_secs_f64()\n    }};\n    \
-         let mut count = 1;\n    while time(count) < {LASTING} {{\n        count *= 2;\n    }}\n    \
+         let mut count = 1;\n    while time(count) < {LEAST_DURATION} {{\n        count *= 2;\n    }}\n    \
          let best = (0..{RUNS}).map(|_| time(count)).fold(f64::INFINITY, f64::min);\n    \
          println!(\"{{name}} {{:.3}}\", 1e9 * best / count as f64);\n}}\n\nfn main() {{\n"
     );

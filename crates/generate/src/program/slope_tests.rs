@@ -1,24 +1,27 @@
-//! Slopes through the graph, forward, backward and as pullbacks, against the library's dual numbers and its own recursions.
+//! Derivatives through the graph, forward, backward and as pullbacks, agree with the library's dual numbers
+//! and recursions.
 
-use dynamics::Integrator;
-use expression::{Precision, interpret};
-use multibody::{
-    LinearizeStepWorkspace, Model, StepForces, StepPullbackWorkspace, linearize_step, step_pullback,
+use robot_dynamics::derivatives::{
+    LinearizeStepWorkspace, StepPullbackWorkspace, linearize_step, step_pullback,
 };
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::{Integrator, StepForces};
+use robot_dynamics_expression::{Precision, interpret};
 
 use super::*;
+use crate::FunctionError;
 use crate::free_robot::free_robot;
 
-/// All functions that have slopes through the graph, of the last frame those of frames.
+/// All functions that have derivatives, those of frames for the last frame.
 fn functions(model: &Model) -> Vec<Function> {
     let of_frames = Function::of_frame(&model.frames().last().unwrap().name);
     Function::PLAIN.into_iter().chain(of_frames).filter(Function::has_slopes).collect()
 }
 
-/// What is left of each, in both precisions, fused and not, is the library's duals but for what rounding does, as it is refused else; of doubles
-/// it is within 1e-10 of the largest number (κ(M) is below 1e5 in these states).
+/// In both precisions, fused and not, the simplified derivatives agree with the library's dual numbers up to
+/// rounding. In doubles they agree to 1e-10 of the largest number (κ(M) is below 1e5 in these states).
 #[test]
-fn slopes_are_those_of_dual_numbers() {
+fn derivatives_agree_with_dual_numbers() {
     let model = free_robot();
     let (own, single) = (Arithmetic::default(), Arithmetic::new(Precision::Single));
     let mut compared = 0;
@@ -49,9 +52,9 @@ fn slopes_are_those_of_dual_numbers() {
                             compared += 1;
                         }
                     }
-                    let is_told =
+                    let is_precise =
                         arithmetic.precision == Precision::Single || program.tolerance < 1e-10 * size;
-                    assert!(is_told || size == 0.0, "{slopes}: {:e} of {size:e}", program.tolerance);
+                    assert!(is_precise || size == 0.0, "{slopes}: {:e} of {size:e}", program.tolerance);
                 }
             }
         }
@@ -59,10 +62,10 @@ fn slopes_are_those_of_dual_numbers() {
     assert!(compared > 10_000, "{compared}");
 }
 
-/// A step's derivatives are A and B of the library's linearised step, and its pullback the library's, for each row that steps are
-/// generated of; κ(M) is below 1e5 in these states.
+/// A step's derivatives are A and B of the library's linearised step, and its pullback is the library's. This
+/// holds for each integrator of generated steps; κ(M) is below 1e5 in these states.
 #[test]
-fn a_steps_slopes_are_the_librarys() {
+fn derivatives_of_a_step_agree_with_the_library() {
     let (model, arithmetic) = (free_robot(), Arithmetic::default());
     let nv = model.nv();
     for function in [Function::SemiImplicitEulerStep, Function::Rk4Step] {
@@ -114,9 +117,9 @@ fn a_steps_slopes_are_the_librarys() {
     }
 }
 
-/// The chain rule backward through the graph gives what the library's recursions for pullbacks give.
+/// The chain rule backward through the graph agrees with the library's recursions for pullbacks.
 #[test]
-fn pullbacks_are_the_librarys() {
+fn pullbacks_agree_with_the_library() {
     let (model, arithmetic) = (free_robot(), Arithmetic::default());
     for (function, by_recursions) in [
         (Function::InverseDynamics, Function::InverseDynamicsPullback),
@@ -139,21 +142,19 @@ fn pullbacks_are_the_librarys() {
     }
 }
 
-/// Slopes of slopes are refused by name.
+/// Derivatives of derivatives are refused by name.
 #[test]
-fn slopes_have_no_slopes() {
+fn derivatives_have_no_derivatives() {
     let model = free_robot();
-    for text in ["inverse_dynamics_pullback_derivatives", "gravity_derivatives_derivatives"] {
-        let error = text.parse::<Function>().unwrap_err().to_string();
-        assert!(error.contains(&format!("no function `{text}`")), "{error}");
-    }
+    let parsed = |text: &str| text.parse::<Function>().unwrap_err();
+    let text = "inverse_dynamics_pullback_derivatives";
+    assert!(matches!(parsed(text), FunctionError::NoSlopes { function } if function == text));
+    let text = "gravity_derivatives_derivatives";
+    assert!(matches!(parsed(text), FunctionError::Unknown { name } if name == text));
     let nested = Function::Gravity.derivatives().derivatives();
-    let error = Program::new(&nested, &model, Arithmetic::default(), 1).unwrap_err().to_string();
-    assert!(
-        error.contains("`gravity_derivatives_derivatives`")
-            && error.contains("no derivatives or pullbacks of derivatives and pullbacks"),
-        "{error}"
-    );
+    let error = Program::new(&nested, &model, Arithmetic::default(), 1).unwrap_err();
+    let GenerateError::Function(FunctionError::NoSlopes { function }) = &error else { panic!("{error}") };
+    assert_eq!(function, "gravity_derivatives_derivatives");
     let pose: Function = "frame_pose_pullback:hand".parse().unwrap();
     assert_eq!(pose, Function::FramePose("hand".into()).pullback());
     assert_eq!("rk4_step_derivatives".parse::<Function>().unwrap(), Function::Rk4Step.derivatives());

@@ -1,14 +1,15 @@
-//! Every function of every robot: what is traced gives the bits of the library's recursions.
+//! The trace of every function of every robot has the bits of the library's recursions.
 
 use std::path::Path;
 
-use expression::{Precision, interpret};
-use multibody::{Base, InstructionSet, RandomRobotOptions, random_robot};
-use native::{CompileError, Float, Kernel, Width};
+use robot_dynamics::description::{Base, RandomRobotOptions, random_robot};
+use robot_dynamics::model::InstructionSet;
+use robot_dynamics_expression::{Precision, interpret};
+use robot_dynamics_native::{CompileError, Float, Kernel, Width};
 
 use super::*;
 
-/// The robots of the repository, those with legs floating.
+/// The robots of the repository, those with legs with a floating base, and random ones.
 fn robots() -> Vec<(String, Model)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
     let mut paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -39,10 +40,10 @@ fn functions(model: &Model) -> Vec<Function> {
     Function::PLAIN.into_iter().chain(of_frames).collect()
 }
 
-/// In both precisions, fused and not, with either sine: the operations that are left give what the recursions give when every one
-/// of theirs is done, to the last bit.
+/// In both precisions, fused and not, with either sine, the simplified operations give the same bits as the
+/// recursions with all of theirs.
 #[test]
-fn what_is_left_out_changes_no_bit() {
+fn simplifications_change_no_bit() {
     let (own, single) = (Arithmetic::default(), Arithmetic::new(Precision::Single));
     let ways = [
         own,
@@ -80,7 +81,8 @@ fn what_is_left_out_changes_no_bit() {
     assert!(compared > 100_000, "{compared}");
 }
 
-/// Machine code made in memory, of all instructions of this machine, for one state and for several at once, gives what the graph gives.
+/// Machine code made in memory has the bits of the graph. All instruction sets of this machine are tested,
+/// for one state and for several at once.
 fn machine_code_is_the_same<T: Float>(name: &str, program: &Program, arithmetic: Arithmetic) {
     let Program { graph, results, arguments, cases, .. } = program;
     let lengths: Vec<usize> = arguments.iter().map(|argument| argument.length).collect();
@@ -113,32 +115,33 @@ fn machine_code_is_the_same<T: Float>(name: &str, program: &Program, arithmetic:
     }
 }
 
-/// The values that generated tests hold the code to are the library's own, over its own floats, with the platform's sine: to rounding
-/// (the condition of M is below 1e7 in these states), and, but of what the library over floats computes in another frame, to the last
-/// bit, with mass counted where the traced recursions count it.
+/// The expected values of generated tests are the library's own, over its own floats, with the platform's
+/// sine. They agree to rounding (the condition of M is below 1e7 in these states). They agree to the last bit
+/// on the traced model, except for functions that the library computes in another frame.
 #[test]
-fn the_expected_values_are_the_librarys() {
+fn expected_values_agree_with_the_library() {
     for (name, model) in robots() {
         for function in functions(&model) {
-            expects_the_librarys(&name, &model, &function, Precision::Double);
-            // Singles leave nothing to compare where the condition is 1e7.
+            check_expected_values(&name, &model, &function, Precision::Double);
+            // Singles have too few digits to compare where the condition is 1e7.
             if !in_other_frames(&model, &function) {
-                expects_the_librarys(&name, &model, &function, Precision::Single);
+                check_expected_values(&name, &model, &function, Precision::Single);
             }
         }
     }
 }
 
-/// The same of five published robots, the humanoid among them floating; and the operations that are left give these values.
+/// The same for five published robots, a floating humanoid among them; the simplified operations give these
+/// values, too.
 #[test]
-fn published_robots_give_the_librarys_values() {
+fn published_robots_agree_with_the_library() {
     for name in ["allegro_hand", "anymal_c", "kinova", "talos", "tiago"] {
         let path = format!("{}/../../testdata/golden/{name}.json", env!("CARGO_MANIFEST_DIR"));
         let mut record: serde_json::Value =
             serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
         let model = Model::new(serde_json::from_value(record["description"].take()).unwrap()).unwrap();
         for function in functions(&model) {
-            expects_the_librarys(name, &model, &function, Precision::Double);
+            check_expected_values(name, &model, &function, Precision::Double);
             let own = Arithmetic::default();
             let Program { graph, plan, results, cases, .. } =
                 Program::new(&function, &model, own, 1).unwrap();
@@ -148,19 +151,19 @@ fn published_robots_give_the_librarys_values() {
     }
 }
 
-/// Holds what is expected of a function in three states to the library.
-fn expects_the_librarys(name: &str, model: &Model, function: &Function, precision: Precision) {
+/// Compares the expected values of a function in three states with the library.
+fn check_expected_values(name: &str, model: &Model, function: &Function, precision: Precision) {
     let arithmetic = Arithmetic::new(precision).with_sine(Sine::Platform);
     let cases = Program::new(function, model, arithmetic, 3).unwrap().cases;
     let traced = &function.traced_model(model);
     let other_frames = in_other_frames(model, function);
     for case in &cases {
         if !other_frames {
-            let expected = librarys(traced, function, case, precision);
+            let expected = library_results(traced, function, case, precision);
             assert_eq!(case.results, expected, "{name}, {function}");
         }
-        let expected = librarys(model, function, case, precision);
-        // What cancels is a sum of what is of M's size, as the states are of order one.
+        let expected = library_results(model, function, case, precision);
+        // Terms that cancel have the size of M's entries, as the states are of order one.
         let least =
             if function.regroups(model) { largest(&mass_matrix(model, &case.arguments[0])) } else { 0.0 };
         for (found, expected) in case.results.iter().zip(&expected) {
@@ -180,12 +183,17 @@ fn largest(values: &[f64]) -> f64 {
 
 fn mass_matrix(model: &Model, q: &[f64]) -> Vec<f64> {
     let mut mass = vec![0.0; model.nv() * model.nv()];
-    multibody::mass_matrix(model, &mut multibody::Workspace::new(model), q, &mut mass);
+    robot_dynamics::algorithms::mass_matrix(
+        model,
+        &mut robot_dynamics::model::Workspace::new(model),
+        q,
+        &mut mass,
+    );
     mass
 }
 
-/// What the library gives, over its own floats.
-fn librarys(model: &Model, function: &Function, case: &Case, precision: Precision) -> Vec<Vec<f64>> {
+/// The library's results, over its own floats.
+fn library_results(model: &Model, function: &Function, case: &Case, precision: Precision) -> Vec<Vec<f64>> {
     match precision {
         Precision::Double => function.compute(model, &case.arguments).unwrap(),
         #[allow(clippy::cast_possible_truncation)] // they are singles
@@ -198,27 +206,26 @@ fn librarys(model: &Model, function: &Function, case: &Case, precision: Precisio
     }
 }
 
-/// Whether the traced recursions work in body frames where those over floats work in one. With followers, or armature on tendons,
-/// derivatives of forward dynamics need M, too.
+/// Whether the traced recursions use body frames where those over floats use one frame. With mimic joints, or
+/// armature on tendons, derivatives of forward dynamics need M, too.
 fn in_other_frames(model: &Model, function: &Function) -> bool {
     use Function::{
         ForwardDynamics, ForwardDynamicsDerivatives, ForwardDynamicsPullback, InverseDynamicsDerivatives,
+        InverseMassMatrix, MassMatrix, MassMatrixFactor, MassMatrixRelated, Rk4Step, SemiImplicitEulerStep,
     };
-    use Function::{InverseMassMatrix, MassMatrix, MassMatrixFactor, MassMatrixRelated};
-    use Function::{Rk4Step, SemiImplicitEulerStep};
     let by_mass =
         [InverseDynamicsDerivatives, InverseMassMatrix, MassMatrix, MassMatrixFactor, MassMatrixRelated];
     let by_articulated = [ForwardDynamics, Rk4Step, SemiImplicitEulerStep];
-    let with_followers = [ForwardDynamicsDerivatives, ForwardDynamicsPullback];
+    let with_mimic_joints = [ForwardDynamicsDerivatives, ForwardDynamicsPullback];
     let robot = model.description();
     let is_coupled = !robot.tendons.is_empty() || robot.joints.iter().any(|joint| joint.mimic.is_some());
     by_mass.contains(function)
         || by_articulated.contains(function)
-        || is_coupled && with_followers.contains(function)
+        || is_coupled && with_mimic_joints.contains(function)
 }
 
-/// Own and platform's sine give the same to rounding: a sine's last digit, carried through the recursions (the condition
-/// of M is below 1e7 in these states).
+/// The results with the own and the platform's sine agree to rounding. The recursions propagate the sine's
+/// last digit; the condition of M is below 1e7 in these states.
 #[test]
 fn the_own_sine_changes_results_by_rounding_alone() {
     let model = &robots().into_iter().find(|(name, _)| name == "panda.urdf").unwrap().1;
@@ -236,13 +243,17 @@ fn the_own_sine_changes_results_by_rounding_alone() {
     }
 }
 
-/// What inverts M is refused, with the joints' names, where M is singular in every pose; the rest is not.
+/// Functions that invert M are rejected with the joints' names where M is singular in every pose; other
+/// functions are accepted.
 #[test]
-fn a_singular_mass_matrix_is_refused_by_its_joints() {
-    let mut robot = multibody::pendulum(2.0, 0.5);
+fn a_singular_mass_matrix_is_rejected_with_its_joints() {
+    let mut robot = robot_dynamics::description::pendulum(2.0, 0.5);
     robot.links.iter_mut().for_each(|link| link.mass_properties = None);
     let model = Model::new(robot).unwrap();
     let error = Program::new(&Function::ForwardDynamics, &model, Arithmetic::default(), 1).unwrap_err();
-    assert!(error.to_string().contains("hinge"), "{error}");
+    let GenerateError::Function(crate::FunctionError::Singular { cause, .. }) = &error else {
+        panic!("{error}")
+    };
+    assert!(cause.to_string().contains("hinge"), "{error}");
     assert!(Program::new(&Function::InverseDynamics, &model, Arithmetic::default(), 1).is_ok());
 }

@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use expression::{Precision, Sine};
+use robot_dynamics_expression::{Precision, Sine};
 
 use super::{Context, sine_statements};
 use crate::body::Body;
-use crate::heading::{about, commented, lines, marked};
-use crate::layout::{Index, Layout};
+use crate::heading::{about, commented, first_line, lines};
+use crate::layout::{AffineIndex, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
 use crate::syntax::{Helpers, Language, Syntax, mentions};
@@ -22,7 +22,7 @@ pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
     ]
 }
 
-/// A comment of some lines.
+/// A block comment.
 pub(crate) fn comment(lines: &[String]) -> String {
     format!("/*\n{} */\n", commented(" *", lines))
 }
@@ -53,7 +53,7 @@ fn header(context: &Context<'_>) -> String {
     text
 }
 
-/// The parameters as the header has them.
+/// The parameters in the header.
 fn parameters(context: &Context<'_>, program: &Program) -> String {
     let number = syntax(context, "").number();
     let arguments = program.arguments.iter().map(|x| format!("const {number} {}[{}]", x.name, x.length));
@@ -84,12 +84,12 @@ fn source(context: &Context<'_>) -> String {
     text
 }
 
-/// The name and size of the table of a matrix without its zeros.
+/// The declarator of the table of a matrix without its zeros.
 fn entries(context: &Context<'_>, program: &Program) -> String {
     format!("{}_{}_entries[{}][2]", context.name, program.symbol, program.entries.len())
 }
 
-/// What the functions call.
+/// The helper functions.
 pub(crate) fn prelude(syntax: Syntax<'_>, helpers: Helpers) -> String {
     let (prefix, number) = (syntax.prefix, syntax.number());
     let own_sine = helpers.sine && syntax.arithmetic.sine == Sine::Own;
@@ -143,11 +143,11 @@ fn own_sine_function(syntax: Syntax<'_>) -> String {
     )
 }
 
-/// How a function and its results are called, and how it is written.
+/// The name and linkage of a function, and the places and layout of its numbers.
 pub(crate) struct Naming<'a> {
     pub(crate) name: &'a str,
     pub(crate) linkage: &'static str,
-    /// For each result: where each entry goes, if it is stored.
+    /// For each result: the place of each entry, if it is stored.
     pub(crate) places: Vec<Vec<Option<usize>>>,
     pub(crate) layout: &'a Layout,
 }
@@ -160,7 +160,7 @@ impl<'a> Naming<'a> {
     }
 }
 
-/// The definition of a function, in parts where it is long.
+/// The definition of a function, in parts if it is long.
 pub(crate) fn function(syntax: Syntax<'_>, naming: &Naming<'_>, program: &Program) -> String {
     let (name, number, layout) = (naming.name, syntax.number(), naming.layout);
     let arguments =
@@ -176,9 +176,10 @@ pub(crate) fn function(syntax: Syntax<'_>, naming: &Naming<'_>, program: &Progra
             .chain(program.outcomes.iter().map(|x| x.name.as_str()))
             .collect::<Vec<_>>()
     };
-    let input = |argument: usize, index: Index| format!("{}[{index}]", program.arguments[argument].name);
+    let input =
+        |argument: usize, index: AffineIndex| format!("{}[{index}]", program.arguments[argument].name);
     let place = &|result: usize, index: usize| naming.places[result][index];
-    let store = |result: usize, index: Index, text: &str| {
+    let store = |result: usize, index: AffineIndex, text: &str| {
         format!("{}[{index}] = {text};", program.outcomes[result].name)
     };
     let clear = |result: usize| {
@@ -192,15 +193,15 @@ pub(crate) fn function(syntax: Syntax<'_>, naming: &Naming<'_>, program: &Progra
         unused.map(|name| format!("    (void){name};\n")).collect()
     };
     let linkage = naming.linkage;
-    let memory = format!("    {number} w[{}];\n", layout.places);
+    let memory = format!("    {number} w[{}];\n", layout.array_length);
     if layout.parts.len() == 1 {
         let statements = body.part(0, "    ");
         let ignored = ignored(&statements, &names());
-        let memory = if layout.places > 0 { memory } else { String::new() };
+        let memory = if layout.array_length > 0 { memory } else { String::new() };
         return format!("{linkage}void {name}({whole}) {{\n{memory}{ignored}{statements}}}\n");
     }
     let mut text = String::new();
-    parameters.push(format!("{number} w[restrict {}]", layout.places));
+    parameters.push(format!("{number} w[restrict {}]", layout.array_length));
     let mut calls = String::new();
     for part in 0..layout.parts.len() {
         let statements = body.part(part, "    ");
@@ -222,7 +223,7 @@ fn test(context: &Context<'_>) -> String {
     let (name, syntax) = (context.name, syntax(context, ""));
     let number = syntax.number();
     let mut text = comment(&[
-        marked(context.request),
+        first_line(context.request),
         "Holds the generated functions to the library's values in random states.".into(),
     ]);
     let _ = write!(
@@ -238,38 +239,8 @@ fn test(context: &Context<'_>) -> String {
     );
     let mut calls = String::new();
     for program in context.programs {
-        let symbol = &program.symbol;
-        let mut arguments = Vec::new();
-        for (k, argument) in program.arguments.iter().enumerate() {
-            let rows = program.cases.iter().map(|case| &case.arguments[k]);
-            text += &table(syntax, &format!("{symbol}_{}", argument.name), argument.length, rows);
-            arguments.push(format!("{symbol}_{}[state]", argument.name));
-        }
-        for (k, outcome) in program.outcomes.iter().enumerate() {
-            let rows = program.cases.iter().map(|case| &case.results[k]);
-            text += &table(syntax, &format!("{symbol}_expected_{}", outcome.name), outcome.length(), rows);
-        }
-        let found: String = (program.outcomes.iter())
-            .map(|x| format!("        {number} {}[{}];\n", x.name, x.length()))
-            .collect();
-        let names: Vec<String> = program.outcomes.iter().map(|x| x.name.clone()).collect();
-        arguments.extend(names);
-        let checks: String = (program.outcomes.iter())
-            .map(|x| {
-                format!(
-                    "        check(\"{symbol}: {0}\", state, {0}, {symbol}_expected_{0}[state], {1}, {2});\n",
-                    x.name,
-                    x.length(),
-                    syntax.literal(program.tolerance)
-                )
-            })
-            .collect();
-        let _ = write!(
-            calls,
-            "    for (state = 0; state < {}; state++) {{\n{found}        {name}_{symbol}({});\n{checks}    }}\n",
-            program.cases.len(),
-            arguments.join(", ")
-        );
+        text += &test_tables(syntax, program);
+        calls += &test_calls(syntax, name, program);
     }
     let (count, states) = (context.programs.len(), context.request.states.max(1));
     let equal = if context.programs.iter().all(|program| program.tolerance == 0.0) {
@@ -283,6 +254,45 @@ fn test(context: &Context<'_>) -> String {
          printf(\"{name}: {count} functions in {states} states, {equal}\\n\");\n    }}\n    return failures != 0;\n}}\n"
     );
     text
+}
+
+/// The tables of arguments and expected results of a function.
+fn test_tables(syntax: Syntax<'_>, program: &Program) -> String {
+    let (symbol, mut text) = (&program.symbol, String::new());
+    for (k, argument) in program.arguments.iter().enumerate() {
+        let rows = program.cases.iter().map(|case| &case.arguments[k]);
+        text += &table(syntax, &format!("{symbol}_{}", argument.name), argument.length, rows);
+    }
+    for (k, outcome) in program.outcomes.iter().enumerate() {
+        let rows = program.cases.iter().map(|case| &case.results[k]);
+        text += &table(syntax, &format!("{symbol}_expected_{}", outcome.name), outcome.length(), rows);
+    }
+    text
+}
+
+/// The loop that calls a function in all states and compares its results.
+fn test_calls(syntax: Syntax<'_>, name: &str, program: &Program) -> String {
+    let (symbol, number) = (&program.symbol, syntax.number());
+    let found: String = (program.outcomes.iter())
+        .map(|x| format!("        {number} {}[{}];\n", x.name, x.length()))
+        .collect();
+    let arguments = program.arguments.iter().map(|x| format!("{symbol}_{}[state]", x.name));
+    let arguments: Vec<String> = arguments.chain(program.outcomes.iter().map(|x| x.name.clone())).collect();
+    let checks: String = (program.outcomes.iter())
+        .map(|x| {
+            format!(
+                "        check(\"{symbol}: {0}\", state, {0}, {symbol}_expected_{0}[state], {1}, {2});\n",
+                x.name,
+                x.length(),
+                syntax.literal(program.tolerance)
+            )
+        })
+        .collect();
+    format!(
+        "    for (state = 0; state < {}; state++) {{\n{found}        {name}_{symbol}({});\n{checks}    }}\n",
+        program.cases.len(),
+        arguments.join(", ")
+    )
 }
 
 /// A table of constants.
@@ -326,7 +336,7 @@ pub(crate) fn makefile(context: &Context<'_>, rules: &str) -> String {
          # `make test` holds the code to the library's values; without {} their bits may differ.\n\
          CC ?= cc\nCFLAGS = -std=c99 -O2 -Wall -Wextra -Werror -pedantic -fno-math-errno{contract}\n\n\
          {rules}\n.PHONY: test clean\n",
-        marked(context.request),
+        first_line(context.request),
         if contract.is_empty() { "an `fma` that rounds once" } else { "-ffp-contract=off" },
     )
 }

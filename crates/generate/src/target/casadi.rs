@@ -1,10 +1,10 @@
-//! C with CasADi's calling convention: what `casadi.external` loads, with sparsity and Jacobians.
+//! C with CasADi's calling convention, for `casadi.external`, with sparsity and Jacobians.
 
 use std::fmt::Write;
 
 use super::c::{Naming, comment, function, makefile, prelude};
-use super::{Context, Helpers, Language, Syntax, arranged};
-use crate::heading::{about, lines, marked};
+use super::{Context, Helpers, Language, Syntax, layout_for_places};
+use crate::heading::{about, first_line, lines};
 use crate::jacobian::jacobian;
 use crate::layout::Layout;
 use crate::program::{Outcome, Program};
@@ -19,17 +19,18 @@ pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
     ]
 }
 
-/// The functions whose Jacobians are written; slopes of slopes, and of four stages one in the other, are left to CasADi's differences.
+/// Whether a Jacobian is written. Derivatives of derivatives, and those of four nested stages, are left to
+/// CasADi's differences.
 fn has_jacobian(program: &Program) -> bool {
     let stem = program.function.stem();
     !["derivatives", "pullback", "regressor", "coriolis", "rk4"].iter().any(|part| stem.contains(part))
 }
 
-/// Columns after one another, the entries that can be other than zero.
+/// A sparsity pattern in compressed columns.
 struct Sparsity {
     rows: usize,
     columns: usize,
-    /// Which of our rows each of CasADi's is.
+    /// The row of this crate for each row of CasADi.
     row_order: Vec<usize>,
     /// For each entry by rows: its place among the nonzeros by columns.
     places: Vec<Option<usize>>,
@@ -37,7 +38,7 @@ struct Sparsity {
 }
 
 impl Sparsity {
-    /// Of result `index`, in CasADi's order: its own matrix by columns, and the rows of a Jacobian as that has them.
+    /// The pattern of result `index`, by columns, with rows in this order.
     fn of(program: &Program, index: usize, row_order: Vec<usize>) -> Self {
         let outcome = &program.outcomes[index];
         let entries = &program.results[index];
@@ -55,7 +56,8 @@ impl Sparsity {
         Self { rows: outcome.rows, columns: outcome.columns, row_order, places, nonzeros }
     }
 
-    /// CasADi's list: rows, columns, where each column starts, the row of each nonzero; or 1 for all.
+    /// CasADi's list: rows, columns, the start of each column, the row of each nonzero; or 1 for a dense
+    /// matrix.
     fn list(&self) -> Vec<usize> {
         let mut list = vec![self.rows, self.columns];
         if self.nonzeros == self.rows * self.columns {
@@ -77,24 +79,24 @@ impl Sparsity {
     }
 }
 
-/// CasADi numbers a matrix's entries by columns: in that order, our entries by rows.
+/// The order of a matrix's entries by columns, in which CasADi numbers them, given as indices by rows.
 fn by_columns(rows: usize, columns: usize) -> Vec<usize> {
     (0..columns).flat_map(|column| (0..rows).map(move |row| row * columns + column)).collect()
 }
 
-/// Rows as they are.
+/// The patterns of all results, with rows in their order.
 fn plain(program: &Program) -> Vec<Sparsity> {
     let of = |(index, x): (usize, &Outcome)| Sparsity::of(program, index, (0..x.rows).collect());
     program.outcomes.iter().enumerate().map(of).collect()
 }
 
-/// How a function is written whose results are stored by columns, without zeros.
+/// The layout of a function whose results are stored by columns, without zeros.
 pub(crate) fn layout(request: &Request, program: &Program) -> Layout {
     layout_by(request, program, &plain(program))
 }
 
 fn layout_by(request: &Request, program: &Program, sparsities: &[Sparsity]) -> Layout {
-    arranged(request, program, &|result, index| sparsities[result].places[index])
+    layout_for_places(request, program, &|result, index| sparsities[result].places[index])
 }
 
 fn source(context: &Context<'_>) -> String {
@@ -143,10 +145,12 @@ fn source(context: &Context<'_>) -> String {
     text + &body
 }
 
-/// A function and all that CasADi asks about it; `nominal` are arguments that a Jacobian is given and does not read.
+/// A function and all functions that CasADi calls for its shape; `nominal` are arguments that a Jacobian is
+/// given and does not read.
 ///
-/// There is nothing to count, so no `incref` and `decref`. Where a function has them, C that CasADi up to 3.7 writes of it has
-/// functions of the same names in every file, and two such files cannot be linked.
+/// Reference counts are not needed, so there are no `incref` and `decref`. If a function had them, the C code
+/// that CasADi up to 3.7 writes would define functions of the same names in every file, and two such files
+/// could not be linked.
 fn exported(
     syntax: Syntax<'_>,
     layout: &Layout,
@@ -159,7 +163,7 @@ fn exported(
     let places: Vec<_> = sparsities.iter().map(|sparsity| sparsity.places.clone()).collect();
     let mut text = String::new();
     text += &function(syntax, &Naming { name: &inner, linkage: "static ", places, layout }, program);
-    let inputs: Vec<(String, Vec<usize>)> = (program.arguments.iter())
+    let inputs: Vec<Pattern> = (program.arguments.iter())
         .map(|x| (x.name.to_owned(), vec![x.length, 1, 1]))
         .chain(nominal.iter().map(|(name, rows, columns)| {
             let mut none = vec![*rows, *columns];
@@ -167,7 +171,7 @@ fn exported(
             (name.clone(), none)
         }))
         .collect();
-    let outputs: Vec<(String, Vec<usize>)> = (program.outcomes.iter().zip(sparsities))
+    let outputs: Vec<Pattern> = (program.outcomes.iter().zip(sparsities))
         .map(|(x, sparsity)| (x.name.clone(), sparsity.list()))
         .collect();
     let mut calls: Vec<String> = (0..program.arguments.len())
@@ -184,44 +188,55 @@ fn exported(
          (void)iw;\n    (void)mem;\n    {inner}({});\n    return 0;\n}}\n",
         calls.join(", ")
     );
-    let _ = write!(
-        text,
+    text + &shape_queries(name, &inputs, &outputs, scratch)
+}
+
+/// The name of an argument or result, and CasADi's list of its sparsity.
+type Pattern = (String, Vec<usize>);
+
+/// The functions that CasADi calls for the shape of a function: counts, names, sparsity, and sizes of work
+/// memory.
+fn shape_queries(name: &str, inputs: &[Pattern], outputs: &[Pattern], scratch: usize) -> String {
+    let mut text = format!(
         "CASADI_SYMBOL_EXPORT casadi_int {name}_n_in(void) {{\n    return {};\n}}\n\
          CASADI_SYMBOL_EXPORT casadi_int {name}_n_out(void) {{\n    return {};\n}}\n",
         inputs.len(),
         outputs.len()
     );
-    for (way, list) in [("in", &inputs), ("out", &outputs)] {
-        let names =
-            list.iter().enumerate().map(|(k, (name, _))| format!("    case {k}: return \"{name}\";\n"));
-        let _ = write!(
-            text,
-            "CASADI_SYMBOL_EXPORT const char *{name}_name_{way}(casadi_int i) {{\n    switch (i) {{\n{}    default: return 0;\n    }}\n}}\n",
-            names.collect::<String>()
-        );
-        let mut patterns = String::new();
-        let mut cases = String::new();
-        for (k, (_, pattern)) in list.iter().enumerate() {
-            let numbers: Vec<String> = pattern.iter().map(ToString::to_string).collect();
-            let _ = writeln!(
-                patterns,
-                "    static const casadi_int p{k}[{}] = {{{}}};",
-                numbers.len(),
-                numbers.join(", ")
-            );
-            let _ = writeln!(cases, "    case {k}: return p{k};");
-        }
-        let _ = write!(
-            text,
-            "CASADI_SYMBOL_EXPORT const casadi_int *{name}_sparsity_{way}(casadi_int i) {{\n{patterns}    switch (i) {{\n{cases}    default: return 0;\n    }}\n}}\n"
-        );
-    }
+    text += &names_and_sparsities(name, "in", inputs);
+    text += &names_and_sparsities(name, "out", outputs);
     let _ = write!(
         text,
         "CASADI_SYMBOL_EXPORT int {name}_work(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w) {{\n    \
          if (sz_arg) *sz_arg = {};\n    if (sz_res) *sz_res = {};\n    if (sz_iw) *sz_iw = 0;\n    if (sz_w) *sz_w = {scratch};\n    return 0;\n}}\n",
         inputs.len(),
         outputs.len()
+    );
+    text
+}
+
+/// The functions for the names and the sparsity of arguments (`in`) or results (`out`).
+fn names_and_sparsities(name: &str, way: &str, list: &[Pattern]) -> String {
+    let names = list.iter().enumerate().map(|(k, (name, _))| format!("    case {k}: return \"{name}\";\n"));
+    let mut text = format!(
+        "CASADI_SYMBOL_EXPORT const char *{name}_name_{way}(casadi_int i) {{\n    switch (i) {{\n{}    default: return 0;\n    }}\n}}\n",
+        names.collect::<String>()
+    );
+    let mut patterns = String::new();
+    let mut cases = String::new();
+    for (k, (_, pattern)) in list.iter().enumerate() {
+        let numbers: Vec<String> = pattern.iter().map(ToString::to_string).collect();
+        let _ = writeln!(
+            patterns,
+            "    static const casadi_int p{k}[{}] = {{{}}};",
+            numbers.len(),
+            numbers.join(", ")
+        );
+        let _ = writeln!(cases, "    case {k}: return p{k};");
+    }
+    let _ = write!(
+        text,
+        "CASADI_SYMBOL_EXPORT const casadi_int *{name}_sparsity_{way}(casadi_int i) {{\n{patterns}    switch (i) {{\n{cases}    default: return 0;\n    }}\n}}\n"
     );
     text
 }
@@ -246,8 +261,8 @@ fn test(context: &Context<'_>) -> String {
         "\"\"\"{}\n\nHolds the functions to the library's values, and their Jacobians to differences. Needs CasADi.\n\"\"\"\n\
          import os\n\nimport casadi\nimport numpy as np\n\n\
          LIBRARY = os.path.join(os.path.dirname(os.path.abspath(__file__)), \"{name}.so\")\nCASES = {{\n",
-        // As within quotes of Python.
-        marked(context.request).replace('\\', "\\\\").replace('"', "\\\""),
+        // Escaped for a string of Python.
+        first_line(context.request).replace('\\', "\\\\").replace('"', "\\\""),
     );
     for program in context.programs {
         let _ = writeln!(text, "    \"{}\": [", program.symbol);

@@ -3,12 +3,12 @@
 use std::fmt::Write;
 
 use super::c::{comment, table};
-use expression::{Precision, Sine};
+use robot_dynamics_expression::{Precision, Sine};
 
 use super::{Context, Language, Syntax, sine_statements};
 use crate::body::{Body, every_number};
-use crate::heading::{about, lines, marked};
-use crate::layout::{Index, Layout};
+use crate::heading::{about, first_line, lines};
+use crate::layout::{AffineIndex, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
 use crate::syntax::Helpers;
@@ -79,7 +79,7 @@ fn prelude(syntax: Syntax<'_>, helpers: Helpers) -> String {
     text
 }
 
-/// The parts of a function, which read and write numbers `s` apart, and the kernel that calls them.
+/// The parts of a function, which access numbers with stride `s`, and the kernel that calls them.
 fn kernel(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
     let number = syntax.number();
     let name = format!("{}{}", syntax.prefix, program.symbol);
@@ -90,8 +90,9 @@ fn kernel(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
         constants.chain(outcomes.clone().map(|(x, _)| format!("{number} *__restrict__ {x}"))).collect();
     let whole = whole.join(", ");
     let all: Vec<(&str, usize)> = arguments.chain(outcomes).collect();
-    let input = |argument: usize, index: Index| format!("{}[{index} * s]", program.arguments[argument].name);
-    let store = |result: usize, index: Index, text: &str| {
+    let input =
+        |argument: usize, index: AffineIndex| format!("{}[{index} * s]", program.arguments[argument].name);
+    let store = |result: usize, index: AffineIndex, text: &str| {
         format!("{}[{index} * s] = {text};", program.outcomes[result].name)
     };
     let clear = |result: usize| {
@@ -100,8 +101,11 @@ fn kernel(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
     };
     let (graph, results, place) = (&program.graph, &program.results, &every_number);
     let body = Body { syntax, graph, layout, results, place, input, store, clear };
-    let (scratch, pass) =
-        if layout.places > 0 { (format!(", {number} *__restrict__ w"), ", w") } else { (String::new(), "") };
+    let (scratch, pass) = if layout.array_length > 0 {
+        (format!(", {number} *__restrict__ w"), ", w")
+    } else {
+        (String::new(), "")
+    };
     let mut text = String::new();
     for part in 0..layout.parts.len() {
         let _ = write!(
@@ -119,8 +123,8 @@ fn kernel(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
     for (x, length) in &all {
         let _ = writeln!(text, "    {x} += (size_t)state * (by_columns ? 1 : {length});");
     }
-    if layout.places > 0 {
-        let _ = writeln!(text, "    {number} w[{}];", layout.places);
+    if layout.array_length > 0 {
+        let _ = writeln!(text, "    {number} w[{}];", layout.array_length);
     }
     let names: Vec<&str> = all.iter().map(|(x, _)| *x).collect();
     for part in 0..layout.parts.len() {
@@ -133,7 +137,7 @@ fn test(context: &Context<'_>) -> String {
     let (name, syntax) = (context.name, syntax(context, ""));
     let number = syntax.number();
     let mut text = comment(&[
-        marked(context.request),
+        first_line(context.request),
         "Holds the kernels to the library's values in random states.".into(),
     ]);
     let _ = write!(
@@ -149,40 +153,9 @@ fn test(context: &Context<'_>) -> String {
     );
     let mut calls = String::new();
     for program in context.programs {
-        let (symbol, states) = (&program.symbol, program.cases.len());
-        calls += "    {\n";
-        let mut names = Vec::new();
-        for (k, argument) in program.arguments.iter().enumerate() {
-            let rows = program.cases.iter().map(|case| &case.arguments[k]);
-            text += &table(syntax, &format!("{symbol}_{}", argument.name), argument.length, rows);
-            let count = argument.length * states;
-            let _ = writeln!(
-                calls,
-                "        {number} *{0} = on_device({symbol}_{0}[0], {count});",
-                argument.name
-            );
-            names.push(argument.name);
-        }
-        let mut checks = String::new();
-        for (k, outcome) in program.outcomes.iter().enumerate() {
-            let rows = program.cases.iter().map(|case| &case.results[k]);
-            text += &table(syntax, &format!("{symbol}_expected_{}", outcome.name), outcome.length(), rows);
-            let count = outcome.length() * states;
-            let _ = writeln!(calls, "        {number} *{} = on_device(0, {count});", outcome.name);
-            names.push(&outcome.name);
-            let _ = writeln!(
-                checks,
-                "        check(\"{symbol}: {0}\", {0}, {symbol}_expected_{0}[0], {count}, {1});",
-                outcome.name,
-                syntax.literal(program.tolerance)
-            );
-        }
-        let _ = write!(
-            calls,
-            "        {name}_{symbol}<<<1, {states}>>>({}, {states}, 0);\n        \
-             if (cudaDeviceSynchronize() != cudaSuccess) {{\n            printf(\"{symbol}: %s\\n\", cudaGetErrorString(cudaGetLastError()));\n            return 1;\n        }}\n{checks}    }}\n",
-            names.join(", ")
-        );
+        let (tables, call) = test_function(syntax, name, program);
+        text += &tables;
+        calls += &call;
     }
     let _ = write!(
         text,
@@ -194,12 +167,50 @@ fn test(context: &Context<'_>) -> String {
     text
 }
 
+/// The tables of a function, and the block that calls its kernel and compares the results.
+fn test_function(syntax: Syntax<'_>, name: &str, program: &Program) -> (String, String) {
+    let number = syntax.number();
+    let (mut text, mut calls) = (String::new(), String::new());
+    let (symbol, states) = (&program.symbol, program.cases.len());
+    calls += "    {\n";
+    let mut names = Vec::new();
+    for (k, argument) in program.arguments.iter().enumerate() {
+        let rows = program.cases.iter().map(|case| &case.arguments[k]);
+        text += &table(syntax, &format!("{symbol}_{}", argument.name), argument.length, rows);
+        let count = argument.length * states;
+        let _ =
+            writeln!(calls, "        {number} *{0} = on_device({symbol}_{0}[0], {count});", argument.name);
+        names.push(argument.name);
+    }
+    let mut checks = String::new();
+    for (k, outcome) in program.outcomes.iter().enumerate() {
+        let rows = program.cases.iter().map(|case| &case.results[k]);
+        text += &table(syntax, &format!("{symbol}_expected_{}", outcome.name), outcome.length(), rows);
+        let count = outcome.length() * states;
+        let _ = writeln!(calls, "        {number} *{} = on_device(0, {count});", outcome.name);
+        names.push(&outcome.name);
+        let _ = writeln!(
+            checks,
+            "        check(\"{symbol}: {0}\", {0}, {symbol}_expected_{0}[0], {count}, {1});",
+            outcome.name,
+            syntax.literal(program.tolerance)
+        );
+    }
+    let _ = write!(
+        calls,
+        "        {name}_{symbol}<<<1, {states}>>>({}, {states}, 0);\n        \
+         if (cudaDeviceSynchronize() != cudaSuccess) {{\n            printf(\"{symbol}: %s\\n\", cudaGetErrorString(cudaGetLastError()));\n            return 1;\n        }}\n{checks}    }}\n",
+        names.join(", ")
+    );
+    (text, calls)
+}
+
 fn makefile(context: &Context<'_>) -> String {
     let name = context.name;
     format!(
         "# {}\nNVCC ?= nvcc\n\ntest: test_{name}\n\t./test_{name}\n\n\
          test_{name}: {name}.cu test_{name}.cu\n\t$(NVCC) -O2 --fmad=false test_{name}.cu -o $@\n\n\
          clean:\n\trm -f test_{name}\n\n.PHONY: test clean\n",
-        marked(context.request),
+        first_line(context.request),
     )
 }

@@ -1,26 +1,26 @@
-//! Many states at once in Rust: the same statements over the registers of `robot-dynamics-number`.
+//! Rust for many states at once: the same statements over the registers of `robot-dynamics-number`.
 
 use std::collections::HashMap;
 use std::fmt::Write;
 
-use expression::Operand;
+use robot_dynamics_expression::Operand;
 
-use super::{Context, arranged, sine_statements};
+use super::{Context, layout_for_places, sine_statements};
 use crate::body::Body;
 use crate::heading::{about, commented, doc_text};
-use crate::layout::Index;
+use crate::layout::{AffineIndex, Layout};
 use crate::program::Program;
 use crate::request::Request;
 use crate::syntax::{Language, Syntax, mentions};
 
-/// Narrower rows are written before anyone waits for their memory.
+/// The width from which on rows are prefetched; narrower rows gain nothing.
 const WIDE: usize = 16;
 
-/// What all functions share.
+/// The code that all functions share.
 const PRELUDE: &str = r#"
-    pub use number::InstructionSet;
-    use number::dispatch::{Call, Hardware, LaneKernel, LaneMemory, Make};
-    use number::{Form, Scalar, StateLanes};
+    pub use robot_dynamics_number::InstructionSet;
+    use robot_dynamics_number::dispatch::{Call, Hardware, LaneKernel, LaneMemory, Make};
+    use robot_dynamics_number::{Form, Scalar, StateLanes};
 
     /// Nothing is kept between calls.
     struct Nothing;
@@ -80,15 +80,15 @@ pub(crate) fn module(context: &Context<'_>) -> String {
     text + "}\n"
 }
 
-/// A result's different numbers: matrices hold many of theirs twice, and zeros.
-struct Distinct {
-    /// Of each number, the place of its value.
+/// The distinct values of a result: matrices contain many numbers twice, and zeros.
+struct DistinctValues {
+    /// For each number, the place of its value.
     places: Vec<usize>,
-    /// Of each value, its first number.
+    /// For each value, its first number.
     firsts: Vec<usize>,
 }
 
-impl Distinct {
+impl DistinctValues {
     fn of(result: &[Operand]) -> Self {
         let (mut seen, mut firsts) = (HashMap::new(), Vec::new());
         let place = |(index, &operand): (usize, &Operand)| {
@@ -101,141 +101,200 @@ impl Distinct {
         Self { places, firsts }
     }
 
-    /// Whether each number has its own place.
+    /// Whether all numbers are distinct.
     fn is_plain(&self) -> bool {
         self.firsts.len() == self.places.len()
     }
 
-    /// Whether this number is the first of its value.
+    /// Whether this number is the first with its value.
     fn is_first(&self, index: usize) -> bool {
         self.firsts[self.places[index]] == index
     }
 }
 
-/// A table: its name, its numbers of one state, and how many of these differ.
+/// A table: its name, its count of numbers for one state, and how many of them are distinct.
 struct Table<'a> {
     name: &'a str,
     width: usize,
     count: usize,
 }
 
-fn function(syntax: Syntax<'_>, program: &Program, request: &Request) -> String {
-    let (float, name) = (syntax.number(), &program.symbol);
-    let distinct: Vec<Distinct> = program.results.iter().map(|result| Distinct::of(result)).collect();
-    let arguments: Vec<Table<'_>> = (program.arguments.iter())
-        .map(|x| Table { name: x.name, width: x.length, count: x.length })
-        .collect();
-    let outcomes: Vec<Table<'_>> = (program.outcomes.iter().zip(&distinct))
-        .map(|(x, distinct)| Table { name: &x.name, width: x.length(), count: distinct.firsts.len() })
-        .collect();
-    let each = |write: &dyn Fn(&Table<'_>, bool) -> String| -> String {
-        let read = arguments.iter().map(|table| write(table, false));
-        read.chain(outcomes.iter().map(|table| write(table, true))).collect()
-    };
-    let mutable = |is_result: bool| if is_result { "mut " } else { "" };
-    let parameters = each(&|x, is_result| format!(", {}: &{}[{float}]", x.name, mutable(is_result)));
-    let lengths = each(&|x, _| format!("(\"{0}\", {0}.len(), {1}), ", x.name, x.width));
-    let names = each(&|x, _| format!(", {}", x.name));
-    let fields = each(&|x, is_result| format!("        {}: &'a {}[{float}],\n", x.name, mutable(is_result)));
-    let blocks = each(&|x, _| format!("            let {} = &mut [N::zero(); {}];\n", x.name, x.count));
-    let pass = each(&|x, _| format!("{}, ", x.name));
-    let gather: String = (arguments.iter())
-        .map(|x| {
+/// A function over lanes, with its tables.
+struct LaneFunction<'a> {
+    syntax: Syntax<'a>,
+    program: &'a Program,
+    distinct: Vec<DistinctValues>,
+    arguments: Vec<Table<'a>>,
+    outcomes: Vec<Table<'a>>,
+}
+
+fn mutable(is_result: bool) -> &'static str {
+    if is_result { "mut " } else { "" }
+}
+
+impl<'a> LaneFunction<'a> {
+    fn new(syntax: Syntax<'a>, program: &'a Program) -> Self {
+        let distinct: Vec<DistinctValues> =
+            program.results.iter().map(|result| DistinctValues::of(result)).collect();
+        let arguments = (program.arguments.iter())
+            .map(|x| Table { name: x.name, width: x.length, count: x.length })
+            .collect();
+        let outcomes = (program.outcomes.iter().zip(&distinct))
+            .map(|(x, distinct)| Table { name: &x.name, width: x.length(), count: distinct.firsts.len() })
+            .collect();
+        Self { syntax, program, distinct, arguments, outcomes }
+    }
+
+    /// A text for each table; the second argument of `write` is whether it is a result.
+    fn each(&self, write: &dyn Fn(&Table<'_>, bool) -> String) -> String {
+        let read = self.arguments.iter().map(|table| write(table, false));
+        read.chain(self.outcomes.iter().map(|table| write(table, true))).collect()
+    }
+
+    /// The statements that load a block of states.
+    fn gather(&self) -> String {
+        let load = |x: &Table<'_>| {
             format!(
                 "                N::gather_first(here, &self.{0}[first * {1}..], {1}, {0});\n",
                 x.name, x.width
             )
-        })
-        .collect();
-    let fetch: String = (outcomes.iter().filter(|x| x.width >= WIDE))
-        .map(|x| {
+        };
+        self.arguments.iter().map(load).collect()
+    }
+
+    /// The statements that prefetch the rows of results.
+    fn fetch(&self) -> String {
+        let fetch = |x: &Table<'_>| {
             format!(
-                "                number::cache::fetch(self.{0}, first * {1}..(first + here) * {1});\n",
+                "                robot_dynamics_number::cache::fetch(self.{0}, first * {1}..(first + here) * {1});\n",
                 x.name, x.width
             )
-        })
-        .collect();
-    let mut columns = String::new();
-    let scatter: String = (outcomes.iter().zip(&distinct))
-        .map(|(x, distinct)| {
+        };
+        self.outcomes.iter().filter(|x| x.width >= WIDE).map(fetch).collect()
+    }
+
+    /// The tables of columns of results with repeated numbers, and the statements that store a block of states.
+    fn scatter(&self) -> (String, String) {
+        let (mut columns, mut stores) = (String::new(), String::new());
+        for (x, distinct) in self.outcomes.iter().zip(&self.distinct) {
             let column = if distinct.is_plain() {
                 "k".to_owned()
             } else {
                 let table = format!("{}_COLUMNS", x.name.to_ascii_uppercase());
-                let _ = writeln!(columns, "            const {table}: [u32; {}] = {:?};", x.width, distinct.places);
+                let _ = writeln!(
+                    columns,
+                    "            const {table}: [u32; {}] = {:?};",
+                    x.width, distinct.places
+                );
                 format!("{table}[k] as usize")
             };
-            format!(
-                "                N::scatter_first(here, {1}, |k| &{0}[{column}], &mut self.{0}[first * {1}..], {1});\n",
+            let _ = writeln!(
+                stores,
+                "                N::scatter_first(here, {1}, |k| &{0}[{column}], &mut self.{0}[first * {1}..], {1});",
                 x.name, x.width
-            )
-        })
-        .collect();
-    let place = &|result: usize, index: usize| {
-        let distinct: &Distinct = &distinct[result];
+            );
+        }
+        (columns, stores)
+    }
+
+    /// The place of a number of a result, if it is the first with its value.
+    fn place(&self, result: usize, index: usize) -> Option<usize> {
+        let distinct = &self.distinct[result];
         distinct.is_first(index).then(|| distinct.places[index])
-    };
-    let layout = &arranged(request, program, place);
-    let places = layout.places;
-    let (scratch, scratch_field, w) = if places > 0 {
-        (
-            format!("            let w = &mut [N::zero(); {places}];\n"),
-            format!("        w: &'a mut [N; {places}],\n"),
-            "w, ",
+    }
+
+    /// The public function, the kernel over rows, and the struct of a part's arguments.
+    fn kernel(&self, layout: &Layout) -> String {
+        let (float, name, places) = (self.syntax.number(), &self.program.symbol, layout.array_length);
+        let parameters = self.each(&|x, is_result| format!(", {}: &{}[{float}]", x.name, mutable(is_result)));
+        let lengths = self.each(&|x, _| format!("(\"{0}\", {0}.len(), {1}), ", x.name, x.width));
+        let names = self.each(&|x, _| format!(", {}", x.name));
+        let fields =
+            self.each(&|x, is_result| format!("        {}: &'a {}[{float}],\n", x.name, mutable(is_result)));
+        let blocks =
+            self.each(&|x, _| format!("            let {} = &mut [N::zero(); {}];\n", x.name, x.count));
+        let pass = self.each(&|x, _| format!("{}, ", x.name));
+        let (gather, fetch, (columns, scatter)) = (self.gather(), self.fetch(), self.scatter());
+        let (scratch, scratch_field, w) = if places > 0 {
+            (
+                format!("            let w = &mut [N::zero(); {places}];\n"),
+                format!("        w: &'a mut [N; {places}],\n"),
+                "w, ",
+            )
+        } else {
+            (String::new(), String::new(), "")
+        };
+        let calls: String = (0..layout.parts.len())
+            .map(|part| format!("                H::call({name}_part::<N, {part}> {{ {pass}{w}}});\n"))
+            .collect();
+        format!(
+            "    #[track_caller]\n    pub fn {name}(limit: InstructionSet{parameters}) {{\n        \
+             let states = count(&[{}]);\n        \
+             LaneMemory::<Nothing>::new::<{float}>(limit, &Nothing).run({name}_rows {{ states{names} }});\n    }}\n\n    \
+             struct {name}_rows<'a> {{\n        states: usize,\n{fields}    }}\n\n    \
+             impl LaneKernel<Nothing, {float}> for {name}_rows<'_> {{\n        #[inline(always)]\n        \
+             fn run<N: StateLanes<Float = {float}>, H: Hardware>(self, (): &mut ()) {{\n{columns}{blocks}{scratch}            \
+             let mut first = 0;\n            while first < self.states {{\n                \
+             let here = N::LANES.min(self.states - first);\n{gather}{fetch}{calls}{scatter}                first += here;\n            }}\n        }}\n    }}\n\n    \
+             struct {name}_part<'a, N, const PART: usize> {{\n{}{scratch_field}    }}\n",
+            lengths.trim_end_matches(", "),
+            self.each(&|x, is_result| {
+                format!("        {}: &'a {}[N; {}],\n", x.name, mutable(is_result), x.count)
+            }),
         )
-    } else {
-        (String::new(), String::new(), "")
-    };
-    let calls: String = (0..layout.parts.len())
-        .map(|part| format!("                H::call({name}_part::<N, {part}> {{ {pass}{w}}});\n"))
-        .collect();
+    }
+
+    /// The implementations of all parts.
+    fn parts(&self, layout: &Layout) -> String {
+        let Self { syntax, program, .. } = *self;
+        let (float, name) = (syntax.number(), &program.symbol);
+        let input =
+            |argument: usize, index: AffineIndex| format!("{}[{index}]", program.arguments[argument].name);
+        let store = |result: usize, index: AffineIndex, text: &str| {
+            format!("{}[{index}] = {text};", program.outcomes[result].name)
+        };
+        let clear = |result: usize| {
+            let zero = program.results[result].iter().position(|operand| *operand == Operand::ZERO);
+            let place = self.distinct[result].places[zero.expect("a result that is cleared has zeros")];
+            format!("{}[{place}] = N::zero();", program.outcomes[result].name)
+        };
+        let place = &|result: usize, index: usize| self.place(result, index);
+        let (graph, results) = (&program.graph, &program.results);
+        let body = Body { syntax, graph, layout, results, place, input, store, clear };
+        let has_array = layout.array_length > 0;
+        let mut text = String::new();
+        for part in 0..layout.parts.len() {
+            let statements = body.part(part, "            ");
+            let tables = self.arguments.iter().chain(&self.outcomes).map(|x| x.name);
+            let used: String = (tables.chain(has_array.then_some("w")))
+                .filter(|name| mentions(&statements, name))
+                .map(|name| format!("{name}, "))
+                .collect();
+            let _ = write!(
+                text,
+                "\n    impl<N: StateLanes<Float = {float}>> Call for {name}_part<'_, N, {part}> {{\n        #[inline(always)]\n        \
+                 fn call<H: Hardware>(self) {{\n            let Self {{ {used}.. }} = self;\n{statements}        }}\n    }}\n"
+            );
+        }
+        text
+    }
+}
+
+fn function(syntax: Syntax<'_>, program: &Program, request: &Request) -> String {
+    let function = LaneFunction::new(syntax, program);
+    let layout = layout_for_places(request, program, &|result, index| function.place(result, index));
     let mut head = about(program);
     head.extend([
         String::new(),
         "# Panics".into(),
         "If the tables do not hold the same number of states.".into(),
     ]);
-    let mut text = format!("\n{}", commented("    ///", &doc_text(&head)));
-    let _ = write!(
-        text,
-        "    #[track_caller]\n    pub fn {name}(limit: InstructionSet{parameters}) {{\n        \
-         let states = count(&[{}]);\n        \
-         LaneMemory::<Nothing>::new::<{float}>(limit, &Nothing).run({name}_rows {{ states{names} }});\n    }}\n\n    \
-         struct {name}_rows<'a> {{\n        states: usize,\n{fields}    }}\n\n    \
-         impl LaneKernel<Nothing, {float}> for {name}_rows<'_> {{\n        #[inline(always)]\n        \
-         fn run<N: StateLanes<Float = {float}>, H: Hardware>(self, (): &mut ()) {{\n{columns}{blocks}{scratch}            \
-         let mut first = 0;\n            while first < self.states {{\n                \
-         let here = N::LANES.min(self.states - first);\n{gather}{fetch}{calls}{scatter}                first += here;\n            }}\n        }}\n    }}\n\n    \
-         struct {name}_part<'a, N, const PART: usize> {{\n{}{scratch_field}    }}\n",
-        lengths.trim_end_matches(", "),
-        each(&|x, is_result| format!("        {}: &'a {}[N; {}],\n", x.name, mutable(is_result), x.count)),
-    );
-    let input = |argument: usize, index: Index| format!("{}[{index}]", program.arguments[argument].name);
-    let store = |result: usize, index: Index, text: &str| {
-        format!("{}[{index}] = {text};", program.outcomes[result].name)
-    };
-    let clear = |result: usize| {
-        let zero = program.results[result].iter().position(|operand| *operand == Operand::ZERO);
-        let place = distinct[result].places[zero.expect("what is cleared has zeros")];
-        format!("{}[{place}] = N::zero();", program.outcomes[result].name)
-    };
-    let (graph, results) = (&program.graph, &program.results);
-    let body = Body { syntax, graph, layout, results, place, input, store, clear };
-    for part in 0..layout.parts.len() {
-        let statements = body.part(part, "            ");
-        let all = arguments.iter().chain(&outcomes).map(|x| x.name).chain((places > 0).then_some("w"));
-        let used: String =
-            all.filter(|name| mentions(&statements, name)).map(|name| format!("{name}, ")).collect();
-        let _ = write!(
-            text,
-            "\n    impl<N: StateLanes<Float = {float}>> Call for {name}_part<'_, N, {part}> {{\n        #[inline(always)]\n        \
-             fn call<H: Hardware>(self) {{\n            let Self {{ {used}.. }} = self;\n{statements}        }}\n    }}\n"
-        );
-    }
-    text
+    let doc = commented("    ///", &doc_text(&head));
+    format!("\n{doc}{}{}", function.kernel(&layout), function.parts(&layout))
 }
 
-/// The test: states one by one and over lanes, on every instruction set that is here, in blocks that are full and one that is not.
+/// The test compares states one by one with states over lanes, on every instruction set of the machine, in
+/// full blocks and a partial one.
 pub(crate) fn test(context: &Context<'_>) -> String {
     const STATES: usize = 37;
     let name = context.name;

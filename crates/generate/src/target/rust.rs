@@ -1,13 +1,13 @@
-//! A Rust crate without the standard library; its one module can be included anywhere.
+//! A Rust crate without the standard library, whose module can be included anywhere.
 
 use std::fmt::Write;
 
-use expression::{Arithmetic, Precision, Sine};
+use robot_dynamics_expression::{Arithmetic, Precision, Sine};
 
 use super::{Context, lanes, sine_statements};
 use crate::body::{Body, every_number};
 use crate::heading::{self, about, commented, doc_text, lines};
-use crate::layout::{Index, Layout};
+use crate::layout::{AffineIndex, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
 use crate::syntax::{Helpers, Language, Syntax, mentions};
@@ -26,8 +26,8 @@ fn syntax<'a>(context: &Context<'_>) -> Syntax<'a> {
     Syntax { language: Language::Rust, arithmetic: context.arithmetic(), prefix: "" }
 }
 
-fn marked(context: &Context<'_>) -> String {
-    heading::marked(context.request)
+fn first_line(context: &Context<'_>) -> String {
+    heading::first_line(context.request)
 }
 
 fn manifest(context: &Context<'_>) -> String {
@@ -41,7 +41,7 @@ fn manifest(context: &Context<'_>) -> String {
     format!(
         "# {}\n[package]\nname = \"{}\"\nversion = \"0.1.0\"\nedition = \"2021\"\nrust-version = \"{rust_version}\"\n{dependencies}\n\
          # Not part of the workspace that its folder may lie in.\n[workspace]\n",
-        marked(context),
+        first_line(context),
         context.name
     )
 }
@@ -57,11 +57,11 @@ fn root(context: &Context<'_>) -> String {
     let kind = if context.has_loops() { "code of its own" } else { "straight-line code" };
     format!(
         "//! {}\n//!\n//! The dynamics of one robot as {kind}: see the functions of [`{name}`].\n{no_std}// Frames' names with several marks have several underscores.\n#![allow(non_snake_case)]\n\npub mod {name};\n",
-        doc_text(&[marked(context)]).concat()
+        doc_text(&[first_line(context)]).concat()
     )
 }
 
-/// The code: no inner attributes, so that it can be included.
+/// The code, without inner attributes, so that it can be included.
 pub(crate) fn module(context: &Context<'_>) -> String {
     let syntax = syntax(context);
     let mut text = commented("//", &lines(context.model, context.request));
@@ -117,10 +117,10 @@ fn prelude(syntax: Syntax<'_>, helpers: Helpers) -> String {
     text
 }
 
-/// The root of the mantissa as a whole number with one bit more than the result has: that bit rounds it, as no root of a float
-/// lies half way between two.
+/// The root of the mantissa as an integer with one bit more than the result. That bit rounds the root, as no
+/// root of a float is halfway between two floats.
 fn own_root(precision: Precision) -> String {
-    // Of f64: m 2^e, m of 53 or 54 bits, e even; √(m 2⁵⁴) has 54 bits.
+    // For f64: m 2^e, m of 53 or 54 bits, e even; √(m 2⁵⁴) has 54 bits.
     let (number, bits, wide, digits, least, scale, back) = match precision {
         Precision::Double => (
             "f64",
@@ -180,8 +180,9 @@ fn function(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
         .chain(program.outcomes.iter().map(|x| x.name.as_str()))
         .collect();
     let call = names.join(", ");
-    let input = |argument: usize, index: Index| format!("{}[{index}]", program.arguments[argument].name);
-    let store = |result: usize, index: Index, text: &str| {
+    let input =
+        |argument: usize, index: AffineIndex| format!("{}[{index}]", program.arguments[argument].name);
+    let store = |result: usize, index: AffineIndex, text: &str| {
         format!("{}[{index}] = {text};", program.outcomes[result].name)
     };
     let clear = |result: usize| {
@@ -197,11 +198,11 @@ fn function(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
     let mut text = entries(program);
     let _ = write!(text, "\n{}", commented("///", &doc_text(&about(program))));
     text += "#[allow(non_snake_case, clippy::all, clippy::pedantic)]\n";
-    let memory = format!("    let w = &mut [0.0; {}];\n", layout.places);
+    let memory = format!("    let w = &mut [0.0; {}];\n", layout.array_length);
     if layout.parts.len() == 1 {
         let statements = body.part(0, "    ");
         let ignored = ignored(&statements, &names);
-        let memory = if layout.places > 0 { memory } else { String::new() };
+        let memory = if layout.array_length > 0 { memory } else { String::new() };
         let _ = write!(text, "pub fn {name}({whole}) {{\n{memory}{ignored}{statements}}}\n");
         return text;
     }
@@ -210,7 +211,7 @@ fn function(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
         let _ = writeln!(text, "    {name}_{part}({call}, w);");
     }
     text += "}\n";
-    parameters.push(format!("w: &mut [{number}; {}]", layout.places));
+    parameters.push(format!("w: &mut [{number}; {}]", layout.array_length));
     names.push("w");
     for part in 0..layout.parts.len() {
         let statements = body.part(part, "    ");
@@ -233,7 +234,7 @@ fn test(context: &Context<'_>) -> String {
          #[track_caller]\nfn check(what: &str, found: &[{number}], expected: &[{number}], tolerance: {number}) {{\n    \
          for (i, (x, y)) in found.iter().zip(expected).enumerate() {{\n        \
          assert!((x - y).abs() <= tolerance, \"{{what}}, number {{i}}: {{x:e}}, not {{y:e}}\");\n    }}\n}}\n",
-        doc_text(&[marked(context)]).concat()
+        doc_text(&[first_line(context)]).concat()
     );
     for program in context.programs {
         let symbol = &program.symbol;

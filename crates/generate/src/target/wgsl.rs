@@ -4,12 +4,13 @@ use std::fmt::Write;
 
 use super::{Context, Helpers, Language, Syntax, sine_statements};
 use crate::body::{Body, every_number};
-use crate::heading::{about, commented, lines, marked};
-use crate::layout::{Index, Layout};
+use crate::heading::{about, commented, first_line, lines};
+use crate::layout::{AffineIndex, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
 
-/// Threads of a workgroup of generated WGSL, a state each: how many workgroups a batch is dispatched as.
+/// Threads of a workgroup of generated WGSL, one for each state. It determines the number of workgroups of a
+/// batch.
 pub const WGSL_WORKGROUP: usize = 64;
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
@@ -38,42 +39,13 @@ fn shader(context: &Context<'_>, program: &Program, layout: &Layout) -> String {
     for (binding, (name, access)) in buffers.enumerate() {
         let _ = writeln!(text, "@group(0) @binding({binding}) var<storage, {access}> {name}: array<f32>;");
     }
-    if layout.places > 0 {
-        let _ = writeln!(text, "\nvar<private> w: array<f32, {}>;", layout.places);
+    if layout.array_length > 0 {
+        let _ = writeln!(text, "\nvar<private> w: array<f32, {}>;", layout.array_length);
     }
     if helpers.sine {
-        let _ = write!(
-            text,
-            "\n// Sine and cosine: x less n quarter turns, Cody and Waite's reduction; then polynomials on [-pi/4, pi/4].\n\
-             fn sin_cos(x: f32) -> vec2<f32> {{\n    let n = round(x * {}f);\n{}    let k = bitcast<u32>(i32(shifted));\n    \
-             let s = select(sine, cosine, (k & 1u) == 1u);\n    let c = select(cosine, sine, (k & 1u) == 1u);\n    \
-             return vec2<f32>(select(s, -s, (k & 2u) == 2u), select(c, -c, ((k + 1u) & 2u) == 2u));\n}}\n",
-            core::f32::consts::FRAC_2_PI,
-            sine_statements(syntax, "    ")
-        );
+        text += &sine_function(syntax);
     }
-    // Where a state's numbers begin, for each array.
-    let input = |argument: usize, index: Index| {
-        let argument = &program.arguments[argument];
-        format!("{0}[state * {1}u + {index}u]", argument.name, argument.length)
-    };
-    let store = |result: usize, index: Index, text: &str| {
-        let outcome = &program.outcomes[result];
-        format!("{0}[state * {1}u + {index}u] = {text};", outcome.name, outcome.length())
-    };
-    let clear = |result: usize| {
-        let outcome = &program.outcomes[result];
-        format!(
-            "for (var i = 0u; i < {1}u; i++) {{ {0}[state * {1}u + i] = 0.0f; }}",
-            outcome.name,
-            outcome.length()
-        )
-    };
-    let (graph, results, place) = (&program.graph, &program.results, &every_number);
-    let body = Body { syntax, graph, layout, results, place, input, store, clear };
-    for part in 0..layout.parts.len() {
-        let _ = write!(text, "\nfn part_{part}(state: u32) {{\n{}}}\n", body.part(part, "    "));
-    }
+    text += &parts(syntax, program, layout);
     let first = &program.arguments[0];
     let _ = write!(
         text,
@@ -87,7 +59,45 @@ fn shader(context: &Context<'_>, program: &Program, layout: &Layout) -> String {
     text + "}\n"
 }
 
-/// Arguments and the library's results, state by state: what a device's results are compared with.
+fn sine_function(syntax: Syntax<'_>) -> String {
+    format!(
+        "\n// Sine and cosine: x less n quarter turns, Cody and Waite's reduction; then polynomials on [-pi/4, pi/4].\n\
+         fn sin_cos(x: f32) -> vec2<f32> {{\n    let n = round(x * {}f);\n{}    let k = bitcast<u32>(i32(shifted));\n    \
+         let s = select(sine, cosine, (k & 1u) == 1u);\n    let c = select(cosine, sine, (k & 1u) == 1u);\n    \
+         return vec2<f32>(select(s, -s, (k & 2u) == 2u), select(c, -c, ((k + 1u) & 2u) == 2u));\n}}\n",
+        core::f32::consts::FRAC_2_PI,
+        sine_statements(syntax, "    ")
+    )
+}
+
+/// The parts of a function. The numbers of a state begin at its number times the width of the array.
+fn parts(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
+    let input = |argument: usize, index: AffineIndex| {
+        let argument = &program.arguments[argument];
+        format!("{0}[state * {1}u + {index}u]", argument.name, argument.length)
+    };
+    let store = |result: usize, index: AffineIndex, text: &str| {
+        let outcome = &program.outcomes[result];
+        format!("{0}[state * {1}u + {index}u] = {text};", outcome.name, outcome.length())
+    };
+    let clear = |result: usize| {
+        let outcome = &program.outcomes[result];
+        format!(
+            "for (var i = 0u; i < {1}u; i++) {{ {0}[state * {1}u + i] = 0.0f; }}",
+            outcome.name,
+            outcome.length()
+        )
+    };
+    let (graph, results, place) = (&program.graph, &program.results, &every_number);
+    let body = Body { syntax, graph, layout, results, place, input, store, clear };
+    let mut text = String::new();
+    for part in 0..layout.parts.len() {
+        let _ = write!(text, "\nfn part_{part}(state: u32) {{\n{}}}\n", body.part(part, "    "));
+    }
+    text
+}
+
+/// Arguments and the library's results, state by state, to compare a device's results with.
 fn golden(context: &Context<'_>) -> String {
     let mut functions = Vec::new();
     for program in context.programs {
@@ -107,6 +117,6 @@ fn golden(context: &Context<'_>) -> String {
         }
         functions.push(format!("  \"{}\": {{\n    {}\n  }}", program.symbol, entries.join(",\n    ")));
     }
-    let provenance = marked(context.request).replace('\\', "\\\\").replace('"', "\\\"");
+    let provenance = first_line(context.request).replace('\\', "\\\\").replace('"', "\\\"");
     format!("{{\n  \"provenance\": \"{provenance}\",\n{}\n}}\n", functions.join(",\n"))
 }

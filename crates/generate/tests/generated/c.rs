@@ -1,27 +1,29 @@
-//! C by the system's compiler, and by Clang where it is installed, with all their warnings.
+//! C, compiled by the system's compiler and by Clang if it is installed, with all warnings.
 
 use std::process::Command;
 
-use generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate};
-use multibody::Model;
+use robot_dynamics::model::Model;
+use robot_dynamics_generate::{
+    Arithmetic, Function, GenerateError, Precision, Request, Sine, Target, generate,
+};
 
-use crate::folder::Folder;
+use crate::folder::{Folder, summary};
 use crate::{machine_code, robots};
 
 const STRICT: [&str; 7] =
     ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-ffp-contract=off", "-fno-math-errno"];
 
-/// What GCC finds of undefined behaviour ends the program.
+/// Undefined behaviour that GCC detects ends the program.
 pub(crate) const SANITIZED: [&str; 3] = ["-O0", "-fsanitize=undefined", "-fno-sanitize-recover=all"];
 
-/// The system's compiler, and Clang where it is installed.
+/// The system's compiler, and Clang if it is installed.
 fn compilers() -> Vec<&'static str> {
     let is_there = |compiler: &&str| Command::new(compiler).arg("--version").output().is_ok();
     std::iter::once("cc").chain(["clang"].into_iter().filter(is_there)).collect()
 }
 
-/// Compiles and runs the test that comes with the code; every compiler's program says the same. With the code's own sine, machine code made in
-/// memory has the bits of the compiled functions.
+/// Compiles and runs the generated test; the output must be the same for every compiler. With the code's own
+/// sine, machine code made in memory must have the bits of the compiled functions.
 pub(crate) fn test(
     name: &str,
     model: &Model,
@@ -51,8 +53,8 @@ fn test_by(
         generated.files.push(caller);
     }
     let folder = Folder::of(name, &generated);
-    let told = compilers.iter().map(|&compiler| {
-        // Clang's sanitizer is a library that few have installed.
+    let output = compilers.iter().map(|&compiler| {
+        // Clang's sanitizer is a library that is rarely installed.
         let options = if compiler == "clang" && options == SANITIZED { &["-O0"] } else { options };
         let compile = |arguments: &[&str]| folder.compile(compiler, &[&STRICT, options, arguments].concat());
         let object = format!("robot_{compiler}.o");
@@ -66,16 +68,17 @@ fn test_by(
         }
         folder.run(&test, &[])
     });
-    told.reduce(|one, other| {
-        assert_eq!(one, other, "{name}");
-        one
-    })
-    .unwrap()
+    output
+        .reduce(|one, other| {
+            assert_eq!(one, other, "{name}");
+            one
+        })
+        .unwrap()
 }
 
-/// Every robot, optimised by none: inverse and forward dynamics, M and a frame.
+/// Inverse and forward dynamics, M and a frame of every robot, without optimisation.
 #[test]
-fn every_robot_gives_the_librarys_bits() {
+fn every_robot_has_the_bits_of_the_library() {
     for (name, model) in robots::all() {
         let frame = model.frames().last().unwrap().name.clone();
         let functions = vec![
@@ -86,32 +89,29 @@ fn every_robot_gives_the_librarys_bits() {
             Function::FramePose(frame.clone()),
             Function::FrameJacobianInFrame(frame),
         ];
-        let told = test(&format!("c_{name}"), &model, functions, Arithmetic::default(), &["-O0"]);
-        assert_eq!(
-            told, "robot: 6 functions in 5 states, as the library's recursions, to the last bit\n",
-            "{name}"
-        );
+        let output = test(&format!("c_{name}"), &model, functions, Arithmetic::default(), &["-O0"]);
+        assert_eq!(output, summary(6, true), "{name}");
     }
 }
 
-/// Every function of a robot with a free base in both precisions, one of them sanitised.
+/// Every function of a robot with a floating base, in both precisions, doubles with the sanitizer.
 #[test]
-fn every_function_gives_the_librarys_bits_without_undefined_behaviour() {
+fn every_function_has_the_bits_of_the_library_without_undefined_behaviour() {
     let model = robots::random();
     let single = Arithmetic::new(Precision::Single);
     for (name, arithmetic, options) in
         [("c_double", Arithmetic::default(), &SANITIZED[..]), ("c_single", single, &["-O0"])]
     {
-        let told = test(name, &model, robots::functions(&model), arithmetic, options);
-        assert_eq!(told, "robot: 28 functions in 5 states, as the library's recursions, to the last bit\n");
+        let output = test(name, &model, robots::functions(&model), arithmetic, options);
+        assert_eq!(output, summary(28, true));
     }
 }
 
-/// The slopes of every function, likewise; the sanitiser looks at those of an arm, as it takes minutes for long functions. The
-/// longest of the free robot, longer than all its others together, is left to the arm; its singles, the doubles' text but for the
-/// type, to the quickest compiler.
+/// The derivatives of every function. The sanitizer runs on those of an arm, as it takes minutes for long
+/// functions. The longest function of the floating robot, longer than all others together, is tested for the
+/// arm only. Its singles, whose text differs in the type only, are tested with the fastest compiler.
 #[test]
-fn every_slope_is_the_librarys() {
+fn derivatives_agree_with_the_library() {
     let (free, arm) = (robots::random(), robots::named("three_r.urdf"));
     let slopes = |model| robots::with_slopes(model).split_off(28);
     let mut but_longest = slopes(&free);
@@ -123,29 +123,29 @@ fn every_slope_is_the_librarys() {
         (&all[all.len() - 1..], "c_slopes_single", &free, but_longest, single, &["-O0"], 43),
         (&all[..], "c_slopes_sanitised", &arm, slopes(&arm), double, &SANITIZED, 44),
     ] {
-        let told = test_by(compilers, name, model, slopes, arithmetic, options);
-        assert_eq!(told, format!("robot: {count} functions in 5 states, as the library's\n"), "{name}");
+        let output = test_by(compilers, name, model, slopes, arithmetic, options);
+        assert_eq!(output, summary(count, false), "{name}");
     }
 }
 
-/// Optimised; with fused multiply-adds, which here are the C library's, exact if slow; with the platform's sine.
+/// With optimisation; with fused multiply-adds, which the C library computes exactly and slowly; with the
+/// platform's sine.
 #[test]
-fn every_arithmetic_gives_the_librarys_values() {
+fn every_arithmetic_agrees_with_the_library() {
     let model = robots::named("gripper.urdf");
-    let exact = "robot: 28 functions in 5 states, as the library's recursions, to the last bit\n";
     let own = Arithmetic::default();
-    for (name, arithmetic, expected) in [
-        ("c_own", own, exact),
-        ("c_fused", own.with_fused(), exact),
-        ("c_single_fused", Arithmetic::new(Precision::Single).with_fused(), exact),
-        ("c_platform", own.with_sine(Sine::Platform), "robot: 28 functions in 5 states, as the library's\n"),
+    for (name, arithmetic, is_exact) in [
+        ("c_own", own, true),
+        ("c_fused", own.with_fused(), true),
+        ("c_single_fused", Arithmetic::new(Precision::Single).with_fused(), true),
+        ("c_platform", own.with_sine(Sine::Platform), false),
     ] {
-        let told = test(name, &model, robots::functions(&model), arithmetic, &["-O1"]);
-        assert_eq!(told, expected, "{name}");
+        let output = test(name, &model, robots::functions(&model), arithmetic, &["-O1"]);
+        assert_eq!(output, summary(28, is_exact), "{name}");
     }
 }
 
-/// A code that computes something else fails its test, which says where.
+/// A wrong number fails the generated test, which reports its position.
 #[test]
 fn a_wrong_number_is_found() {
     let model = robots::named("two_r.urdf");
@@ -159,11 +159,11 @@ fn a_wrong_number_is_found() {
     }
     let folder = Folder::of("c_wrong", &generated);
     folder.run("cc", &["robot.c", "test_robot.c", "-o", "test"]);
-    let told = folder.fail("./test", &[]);
-    assert!(told.contains("gravity: gravity, state 0, number 0: "), "{told}");
+    let output = folder.fail("./test", &[]);
+    assert!(output.contains("gravity: gravity, state 0, number 0: "), "{output}");
 }
 
-/// The same request gives the same bytes; a foreign file stays, and nothing is written beside it.
+/// The same request gives the same bytes. A file that was not generated is kept, and nothing is written then.
 #[test]
 fn files_are_the_same_each_time_and_replace_no_other() {
     let model = robots::named("two_r.urdf");
@@ -171,10 +171,10 @@ fn files_are_the_same_each_time_and_replace_no_other() {
     let (one, two) = (generate(&model, &request).unwrap(), generate(&model, &request).unwrap());
     assert_eq!(one, two);
     let folder = Folder::of("c_twice", &one);
-    two.write(&folder.0).unwrap(); // what was generated is replaced
+    two.write(&folder.0).unwrap(); // generated files are replaced
     std::fs::write(folder.0.join("robot.c"), "int mine;\n").unwrap();
     std::fs::remove_file(folder.0.join("robot.h")).unwrap();
-    let error = two.write(&folder.0).unwrap_err().to_string();
-    assert!(error.contains("robot.c` is there and was not generated"), "{error}");
+    let error = two.write(&folder.0).unwrap_err();
+    assert!(matches!(&error, GenerateError::Foreign { path } if path.ends_with("robot.c")), "{error}");
     assert!(!folder.0.join("robot.h").exists());
 }

@@ -1,9 +1,10 @@
-//! What CasADi loads: its calling convention, called as CasADi calls it, and by CasADi itself where Python has it.
+//! The calling convention of CasADi: called as CasADi calls it, and by CasADi itself if Python has it.
 
 use std::process::Command;
 
-use generate::{Arithmetic, Function, Precision, Request, Target, generate};
-use multibody::{Workspace, gravity};
+use robot_dynamics::algorithms::gravity;
+use robot_dynamics::model::Workspace;
+use robot_dynamics_generate::{Arithmetic, Function, GenerateError, Precision, Request, Target, generate};
 
 use crate::folder::Folder;
 use crate::robots;
@@ -11,7 +12,7 @@ use crate::robots;
 const STRICT: [&str; 8] =
     ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-ffp-contract=off", "-fPIC", "-shared"];
 
-/// A caller that leaves out an argument and a result, and asks for the shapes of a Jacobian.
+/// A caller that omits an argument and a result, and reads the shapes of a Jacobian.
 const CALLER: &str = r#"
 #include <stdio.h>
 int robot_gravity(const double **arg, double **res, long long *iw, double *w, int mem);
@@ -49,14 +50,14 @@ fn the_calling_convention_is_casadis() {
     folder.compile("cc", &[&STRICT[..], &["-O1", "robot.c", "-lm", "-o", "robot.so"]].concat());
     std::fs::write(folder.0.join("caller.c"), CALLER).unwrap();
     folder.run("cc", &["-std=c99", "caller.c", "robot.c", "-ffp-contract=off", "-lm", "-o", "caller"]);
-    let told = folder.run("./caller", &[]);
-    let lines: Vec<Vec<&str>> = told.lines().map(|line| line.split(' ').collect()).collect();
+    let output = folder.run("./caller", &[]);
+    let lines: Vec<Vec<&str>> = output.lines().map(|line| line.split(' ').collect()).collect();
     let w = &mut Workspace::<f64>::new(&model);
     for (line, q) in [(&lines[0], [0.3, 1.2]), (&lines[1], [0.0, 0.0])] {
         let mut expected = [0.0; 2];
         gravity(&model, w, &q, &mut expected);
         for (found, expected) in line.iter().zip(expected) {
-            assert!((found.parse::<f64>().unwrap() - expected).abs() < 1e-13, "{told}");
+            assert!((found.parse::<f64>().unwrap() - expected).abs() < 1e-13, "{output}");
         }
     }
     // Two arguments of the Jacobian: q, and the result that it does not read; 2 x 2 without zeros.
@@ -64,18 +65,18 @@ fn the_calling_convention_is_casadis() {
     assert_eq!(lines[3], ["2", "1", "1"]);
 }
 
-/// A Python that has CasADi.
+/// The Python interpreter, if it has CasADi.
 fn python_with_casadi() -> Option<String> {
     let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
     let has_casadi = Command::new(&python).args(["-c", "import casadi"]).output();
     if has_casadi.is_ok_and(|output| output.status.success()) {
         return Some(python);
     }
-    println!("no CasADi for {python}: passed over");
+    println!("left out: {python} has no CasADi");
     None
 }
 
-/// Values and Jacobians in CasADi; passed over where Python has no CasADi.
+/// Values and Jacobians in CasADi; left out if Python has no CasADi.
 #[test]
 fn casadi_loads_functions_and_jacobians() {
     let Some(python) = python_with_casadi() else { return };
@@ -94,9 +95,9 @@ fn casadi_loads_functions_and_jacobians() {
     assert_eq!(folder.run(&python, &["test_robot.py"]), "robot: 6 functions in 5 states, 5 Jacobians\n");
 }
 
-/// C that CasADi writes of expressions with the functions, in the form that acados has it written: values, slopes by columns and
-/// by rows, Jacobians, of a differential equation and of a step, a file each. Compiled, linked with the functions and called, it
-/// gives what CasADi computes itself.
+/// C code that CasADi writes for expressions with the functions, in the form for acados. The expressions are
+/// values, Jacobian products by columns and by rows, and Jacobians, of a differential equation and of a step.
+/// Each has its own file. Compiled, linked with the functions and called, it gives CasADi's own results.
 const EXPRESSIONS: &str = r#"
 import ctypes
 import subprocess
@@ -136,7 +137,7 @@ for function in functions:
 print("{} functions, the same".format(len(functions)))
 "#;
 
-/// As acados does it; passed over where Python has no CasADi.
+/// The workflow of acados; left out if Python has no CasADi.
 #[test]
 fn c_that_casadi_writes_links_with_the_functions() {
     let Some(python) = python_with_casadi() else { return };
@@ -152,9 +153,9 @@ fn c_that_casadi_writes_links_with_the_functions() {
 }
 
 #[test]
-fn singles_are_refused() {
+fn single_precision_is_rejected() {
     let request = Request::new(Target::Casadi, vec![Function::Gravity])
         .with_arithmetic(Arithmetic::new(Precision::Single));
-    let error = generate(&robots::named("two_r.urdf"), &request).unwrap_err().to_string();
-    assert_eq!(error, "CasADi has no single precision: ask for double precision");
+    let error = generate(&robots::named("two_r.urdf"), &request).unwrap_err();
+    assert!(matches!(error, GenerateError::NotInTarget { target: "CasADi", .. }), "{error}");
 }

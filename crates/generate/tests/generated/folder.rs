@@ -4,16 +4,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use generate::Generated;
+use robot_dynamics_generate::Generated;
 
-/// What is written beside the code: the names of its files.
+/// The file with the names of the generated files.
 const NAMES: &str = "names.txt";
 
 /// A folder with generated code.
 pub(crate) struct Folder(pub(crate) PathBuf);
 
 impl Folder {
-    /// This code alone; where an earlier run has left the same, with what was compiled of it.
+    /// A folder with only this code. If an earlier run wrote the same code, its compiled files are kept.
     pub(crate) fn of(name: &str, generated: &Generated) -> Self {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("generated").join(name);
         let has =
@@ -28,8 +28,8 @@ impl Folder {
         Self(path)
     }
 
-    /// Compiles to the file that the arguments end with. Not again what the same compiler has compiled by the same arguments: any
-    /// other code in this folder takes away what was made here.
+    /// Compiles to the file that the arguments end with, unless the same compiler has compiled it with the
+    /// same arguments. Other code in this folder removes the compiled files.
     pub(crate) fn compile(&self, compiler: &str, arguments: &[&str]) {
         let how = format!("{}{arguments:?}", self.run(compiler, &["--version"]));
         let note = self.0.join(format!("{}.made", arguments.last().unwrap()));
@@ -40,7 +40,7 @@ impl Folder {
         }
     }
 
-    /// What a command prints; it must succeed.
+    /// The output of a command, which must succeed.
     pub(crate) fn run(&self, program: &str, arguments: &[&str]) -> String {
         let output = Command::new(program).args(arguments).current_dir(&self.0).output();
         let output = output.unwrap_or_else(|error| panic!("{program}: {error}"));
@@ -49,10 +49,16 @@ impl Folder {
         format!("{out}{err}")
     }
 
-    /// What a command prints that must fail.
+    /// The output of a command, which must fail.
     pub(crate) fn fail(&self, program: &str, arguments: &[&str]) -> String {
         let output = Command::new(program).args(arguments).current_dir(&self.0).output().unwrap();
         assert!(!output.status.success(), "{program} {arguments:?} in {} succeeds", self.0.display());
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
+}
+
+/// The output of a generated test program that passes in five states: to the last bit, or within a tolerance.
+pub(crate) fn summary(functions: usize, is_exact: bool) -> String {
+    let claim = if is_exact { "as the library's recursions, to the last bit" } else { "as the library's" };
+    format!("robot: {functions} functions in 5 states, {claim}\n")
 }

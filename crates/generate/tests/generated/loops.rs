@@ -1,9 +1,10 @@
-//! Robots with many bodies that are alike: their code has loops, is shorter, and gives the library's bits; other robots' code has none.
+//! The code of robots with many equal bodies has loops, is shorter, and has the library's bits; other robots'
+//! code has none.
 
-use generate::{Arithmetic, Function, Generated, Precision, Request, Target, generate};
-use multibody::Model;
+use robot_dynamics::model::Model;
+use robot_dynamics_generate::{Arithmetic, Function, Generated, Precision, Request, Target, generate};
 
-use crate::folder::Folder;
+use crate::folder::{Folder, summary};
 use crate::testing::chain;
 use crate::{c, lanes, robots, rust};
 
@@ -19,12 +20,12 @@ fn functions() -> Vec<Function> {
     ]
 }
 
-/// Two groups of equal links, two others between.
+/// Two groups of equal links, with two others between.
 fn two_groups() -> Model {
     chain(&[&[1.0; 8][..], &[0.3, 2.0], &[0.5; 8]].concat())
 }
 
-/// Links of one form and other masses.
+/// Links of one shape and different masses.
 fn unequal() -> Model {
     let masses: Vec<f64> = (1..=12).map(f64::from).collect();
     chain(&masses)
@@ -35,7 +36,7 @@ fn has_loop(code: &str) -> bool {
     code.contains("for (int k = 0;") || code.contains("for k in 0..")
 }
 
-/// The code alone, without its test.
+/// The code, without its test.
 fn code(model: &Model, request: &Request) -> String {
     let generated = generate(model, request).unwrap();
     let is_code = |name: &str| name == "robot.c" || name == "src/robot.rs";
@@ -43,35 +44,33 @@ fn code(model: &Model, request: &Request) -> String {
 }
 
 #[test]
-fn loops_in_c_give_the_librarys_bits_without_undefined_behaviour() {
-    let exact = "robot: 5 functions in 5 states, as the library's recursions, to the last bit\n";
-    let slopes = "robot: 2 functions in 5 states, as the library's recursions, to the last bit\n";
+fn loops_in_c_have_the_bits_of_the_library_without_undefined_behaviour() {
     let single = Arithmetic::new(Precision::Single);
     for (name, model, arithmetic, options) in [
         ("c_chain", chain(&[1.0; 16]), Arithmetic::default(), &["-O2"][..]),
         ("c_chain_sanitised", chain(&[1.0; 16]), Arithmetic::default(), &c::SANITIZED),
         ("c_chain_single", two_groups(), single, &["-O1"]),
         ("c_chain_fused", two_groups(), Arithmetic::default().with_fused(), &["-O0"]),
-        // The same operations on other numbers: tables of constants.
+        // The same operations on other numbers need tables of constants.
         ("c_chain_unequal", unequal(), Arithmetic::default(), &["-O1"]),
     ] {
-        // Each in a folder of its own, so that neither is compiled again the next time.
+        // Separate folders, so that neither is compiled again the next time.
         let (plain, of_slopes) = (functions()[..5].to_vec(), functions()[5..].to_vec());
-        assert_eq!(c::test(name, &model, plain, arithmetic, options), exact, "{name}");
+        assert_eq!(c::test(name, &model, plain, arithmetic, options), summary(5, true), "{name}");
         let of_slopes = c::test(&format!("{name}_slopes"), &model, of_slopes, arithmetic, options);
-        assert_eq!(of_slopes, slopes, "{name}");
+        assert_eq!(of_slopes, summary(2, true), "{name}");
     }
 }
 
 #[test]
-fn loops_in_rust_give_the_librarys_bits() {
+fn loops_in_rust_have_the_bits_of_the_library() {
     let own = Arithmetic::default();
     for (name, model, arithmetic) in [
         ("rust_chain", chain(&[1.0; 16]), own),
         ("rust_chain_single", two_groups(), Arithmetic::new(Precision::Single)),
     ] {
-        let told = rust::test(name, &model, functions(), arithmetic);
-        assert!(told.contains("7 passed"), "{told}");
+        let output = rust::test(name, &model, functions(), arithmetic);
+        assert!(output.contains("7 passed"), "{output}");
     }
 }
 
@@ -79,8 +78,8 @@ fn loops_in_rust_give_the_librarys_bits() {
 fn loops_over_lanes_give_the_bits_of_one_state() {
     let functions = vec![Function::InverseDynamics, Function::MassMatrixRelated];
     for (name, precision) in [("lanes_chain", Precision::Double), ("lanes_chain_single", Precision::Single)] {
-        let told = lanes::test(name, &two_groups(), functions.clone(), Arithmetic::new(precision));
-        assert!(told.contains("4 passed"), "{told}");
+        let output = lanes::test(name, &two_groups(), functions.clone(), Arithmetic::new(precision));
+        assert!(output.contains("4 passed"), "{output}");
     }
 }
 
@@ -132,7 +131,7 @@ int main(void) {
 }
 "#;
 
-/// What CasADi loads, matrices by columns and without zeros, gives the bits of the straight code.
+/// Code for CasADi, with matrices by columns and without zeros, has the bits of straight code.
 #[test]
 fn loops_for_casadi_change_no_bit() {
     let functions = vec![Function::InverseDynamics, Function::MassMatrix];
@@ -151,7 +150,7 @@ fn loops_for_casadi_change_no_bit() {
     assert_eq!(folder.run("./caller", &[]), "111\n");
 }
 
-/// Without bodies that are alike there are no loops, and not a byte is another.
+/// Without equal bodies there are no loops, and the code is the same byte by byte.
 #[test]
 fn other_robots_have_no_loops() {
     let robots = robots::all().into_iter().chain([("random".to_owned(), robots::random())]);
@@ -170,17 +169,17 @@ fn other_robots_have_no_loops() {
     }
 }
 
-/// Devices compile straight-line code.
+/// Code for devices is straight.
 #[test]
-fn devices_get_no_loops() {
+fn code_for_devices_has_no_loops() {
     let request = Request::new(Target::Cuda, vec![Function::InverseDynamics]);
     let (model, straight) = (chain(&[1.0; 16]), request.clone().with_straight());
     assert_eq!(generate(&model, &request).unwrap(), generate(&model, &straight).unwrap());
 }
 
-/// The report counts what is done, and says what is written.
+/// The report counts the operations done, and those written.
 #[test]
-fn the_report_tells_of_loops() {
+fn the_report_lists_loops() {
     let request = Request::new(Target::C, vec![Function::InverseDynamics]);
     let report = |request: &Request| {
         generate(&chain(&[1.0; 16]), request).unwrap().file("REPORT.md").unwrap().text.clone()

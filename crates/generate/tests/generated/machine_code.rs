@@ -1,19 +1,20 @@
-//! The bits of machine code made in memory, beside those of generated C.
+//! Comparison of machine code made in memory with generated C, by bits.
 
 use std::fmt::Write;
 
-use generate::{Arithmetic, Function, Precision};
-use multibody::{InstructionSet, Model, RandomState, random_state};
-use native::{Code, CompileError, Float, Kernel, Target, Width};
-use number::SplitMix64;
+use robot_dynamics::model::{InstructionSet, Model, RandomState, random_state};
+use robot_dynamics::number::SplitMix64;
+use robot_dynamics_generate::{Arithmetic, Function, Precision};
+use robot_dynamics_native::{Code, CompileError, Float, Kernel, Target, Width};
 
-/// States of each function.
+/// The number of states of each function.
 const STATES: usize = 3;
 
 /// The numbers of each argument.
 type Arguments = Vec<Vec<f64>>;
 
-/// A C program that calls each function in some states, the same each time, and prints the bits of all results.
+/// A C program that calls each function in some states, the same in each run, and prints the bits of all
+/// results.
 pub(crate) fn caller(model: &Model, functions: &[Function], arithmetic: Arithmetic) -> String {
     let (number, bits, suffix) = match arithmetic.precision {
         Precision::Double => ("double", "uint64_t", ""),
@@ -48,7 +49,8 @@ pub(crate) fn caller(model: &Model, functions: &[Function], arithmetic: Arithmet
     text + "    return 0;\n}\n"
 }
 
-/// Holds machine code, on every set of instructions of this machine, for one state and for several at once, to what the program printed.
+/// Compares machine code, on every set of instructions of this machine, for one state and for several at
+/// once, with the output of the program.
 pub(crate) fn check(
     name: &str,
     model: &Model,

@@ -7,6 +7,7 @@ mod folder;
 mod lanes;
 mod loops;
 mod machine_code;
+mod messages;
 mod microcontroller;
 mod names;
 mod robots;

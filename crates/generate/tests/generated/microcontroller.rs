@@ -1,18 +1,18 @@
-//! Generated Rust on an emulated microcontroller: QEMU runs it on a Cortex-M4 with its floating-point unit.
+//! Generated Rust on an emulated microcontroller: QEMU runs it on a Cortex-M4 with a floating-point unit.
 
 use std::fmt::Write;
 use std::path::Path;
 
-use generate::{Arithmetic, Function, Precision, Request, Target, generate};
-use multibody::Model;
+use robot_dynamics::model::Model;
+use robot_dynamics_generate::{Arithmetic, Function, Precision, Request, Target, generate};
 use serde_json::Value;
 
 use crate::folder::Folder;
 use crate::robots;
 
-/// Runs `cases.rs`, in which each function is called in the states in which the library's numbers are known, to the bit.
+/// The text of `cases.rs`, which calls each function in states with known results of the library.
 fn cases(model: &Model, functions: &[Function]) -> String {
-    // The shader's file of values has those of the same arithmetic.
+    // The shader's golden values have the same arithmetic.
     let single = Arithmetic::new(Precision::Single);
     let request = Request::new(Target::Wgsl, functions.to_vec()).with_arithmetic(single).with_name("robot");
     let golden = generate(model, &request).unwrap().file("golden.json").unwrap().text.clone();
@@ -48,7 +48,7 @@ fn cases(model: &Model, functions: &[Function]) -> String {
 
 #[test]
 #[ignore = "needs the target thumbv7em-none-eabihf and qemu-system-arm, which `cargo xtask test machines` installs"]
-fn a_microcontroller_gives_the_librarys_bits() {
+fn a_microcontroller_has_the_bits_of_the_library() {
     let model = robots::named("panda.urdf");
     let frame = Function::FrameJacobianWorldAligned("panda_link8".into());
     let functions = [Function::InverseDynamics, Function::Gravity, frame];
@@ -61,7 +61,7 @@ fn a_microcontroller_gives_the_librarys_bits() {
         std::fs::copy(sources.join(file), folder.0.join(file)).unwrap();
     }
     std::fs::write(folder.0.join("cases.rs"), cases(&model, &functions)).unwrap();
-    // As Cargo's release profile compiles it.
+    // The options of Cargo's release profile.
     folder.run(
         "rustc",
         &[
@@ -74,13 +74,13 @@ fn a_microcontroller_gives_the_librarys_bits() {
             "main.rs",
         ],
     );
-    // A nanosecond of the emulator's clock for each instruction.
+    // The emulator's clock advances by a nanosecond for each instruction.
     let machine = ["-machine", "mps2-an386", "-nographic", "-monitor", "none", "-serial", "none"];
     let counted = ["-icount", "shift=0", "-semihosting-config", "enable=on,target=native", "-kernel", "main"];
-    let told = folder.run("qemu-system-arm", &[&machine[..], &counted].concat());
-    println!("{told}");
+    let output = folder.run("qemu-system-arm", &[&machine[..], &counted].concat());
+    println!("{output}");
     for function in &functions {
         let bits = 5 * 32 * function.writes(&model)[0].width();
-        assert!(told.contains(&format!("{function}: {bits} bits, ")), "{told}");
+        assert!(output.contains(&format!("{function}: {bits} bits, ")), "{output}");
     }
 }

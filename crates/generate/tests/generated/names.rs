@@ -1,18 +1,20 @@
-//! Names of a robot's file are data in generated code: whatever they hold, and whichever word of the language they are, it
-//! compiles.
-#![allow(clippy::case_sensitive_file_extension_comparisons)] // of names that this crate made
+//! Names of a robot's file are data in generated code: it compiles with any name, including keywords of the
+//! language.
+#![allow(clippy::case_sensitive_file_extension_comparisons)] // this crate made the names
 
-use generate::{Arithmetic, Function, Generated, Precision, Request, Target, generate};
-use multibody::{Model, RobotDescription, pendulum};
+use robot_dynamics::description::{RobotDescription, pendulum};
+use robot_dynamics::model::Model;
+use robot_dynamics_generate::{Arithmetic, Function, Generated, Precision, Request, Target, generate};
 
 use crate::folder::Folder;
 
-/// Words of Rust, reserved and contextual ones, its lints' and preludes' crates, and names that Cargo gives a meaning.
+/// Keywords of Rust, reserved and contextual ones, names of crates and lints, and names that have a meaning
+/// for Cargo.
 const RUST: &str = "as async await break const continue crate dyn else enum extern false fn for gen if impl in let loop match \
     mod move mut pub ref return self Self static struct super trait true type unsafe use where while abstract become box do \
     final macro override priv try typeof unsized virtual yield auto default macro_rules raw safe union alloc core proc_macro \
     std test lib main build golden robot check number u8 f64 usize bool str Option Vec Some derive cfg include rustc crate_ _ __";
-/// Words of C to C23, of C++ to C++26 and of CUDA; headers of C; macros that compilers define.
+/// Keywords of C up to C23, of C++ up to C++26 and of CUDA, headers of C, and predefined macros.
 const C: &str = "auto break case char const continue default do double else enum extern float for goto if inline int long \
     register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while _Alignas \
     _Alignof _Atomic _BitInt _Bool _Complex _Decimal128 _Generic _Imaginary _Noreturn _Static_assert _Thread_local alignas \
@@ -22,7 +24,7 @@ const C: &str = "auto break case char const continue default do double else enum
     static_assert static_cast template this thread_local throw true try typeid typename typeof typeof_unqual using virtual \
     wchar_t xor xor_eq __global__ __device__ __host__ __shared__ __constant__ blockIdx threadIdx dim3 linux unix math stdio \
     stdlib string stdint errno limits complex time signal main test NAN INFINITY __LINE__ _ __";
-/// Words of WGSL, and those that it keeps for later.
+/// Keywords of WGSL, including reserved ones.
 const WGSL: &str = "alias break case const const_assert continue continuing default diagnostic discard else enable false fn \
     for if let loop override requires return struct switch true var while NULL Self abstract active alignas alignof as asm \
     asm_fragment async attribute auto await become binding_array cast catch class co_await co_return co_yield coherent \
@@ -36,7 +38,8 @@ const WGSL: &str = "alias break case const const_assert continue continuing defa
     try type typedef typeid typename typeof union unless unorm unsafe unsized use using varying virtual volatile wgsl where \
     with writeonly yield f32 i32 u32 vec2 array main _ __";
 
-/// Texts that end or begin a comment, a line, a string or an escape in some language, turn its direction, or are empty.
+/// Texts that begin or end a comment, a line, a string or an escape in some language, change the direction of
+/// text, or are empty.
 const HOSTILE: [&str; 24] = [
     "*/ int x = 1; /*",
     "/* ",
@@ -79,7 +82,7 @@ fn request(target: Target) -> Request {
     Request::new(target, vec![Function::Gravity]).with_arithmetic(Arithmetic::new(precision))
 }
 
-/// The code for a robot of that name in a folder of its own, and what it is called there.
+/// The code for a robot in a folder of its own, and its name there.
 fn code(group: &str, target: Target, model: &Model, request: &Request, number: usize) -> (Folder, String) {
     let generated = generate(model, request).unwrap();
     let ending = match target {
@@ -98,7 +101,7 @@ fn code(group: &str, target: Target, model: &Model, request: &Request, number: u
     (Folder::of(&format!("names_{group}_{number}"), &generated), name)
 }
 
-/// Library and test, as the compiler checks them before it makes machine code.
+/// Checks library and test with the compiler, without code generation.
 fn assert_rust_compiles(folder: &Folder, name: &str) {
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
     let strict = ["--edition", "2021", "-D", "warnings", "--emit", "metadata", "--crate-name", name];
@@ -126,7 +129,7 @@ fn every_word_of_rust_can_be_a_robots_name() {
     }
 }
 
-/// Found by `#include` from a folder that the compiler looks in for all headers, too.
+/// The folder is also searched for system headers.
 #[test]
 fn every_word_of_c_can_be_a_robots_name() {
     let strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-I.", "-fsyntax-only"];
@@ -135,7 +138,7 @@ fn every_word_of_c_can_be_a_robots_name() {
         let (folder, name) = code("c", Target::C, &model, &request(Target::C), number);
         let files = [format!("{name}.c"), format!("test_{name}.c")];
         folder.run("cc", &[&strict[..], &files.each_ref().map(String::as_str)].concat());
-        // The other two targets of C's family have the same names.
+        // The other two targets of the C family use the same names.
         for target in [Target::Cuda, Target::Casadi] {
             let own = generate(&model, &request(target)).unwrap();
             let main = if target == Target::Cuda { "cu" } else { "c" };
@@ -151,19 +154,18 @@ fn every_word_of_wgsl_can_be_a_robots_name() {
     }
 }
 
-/// A new name is noted in each file's head and beside the files.
+/// A replaced name is noted in each file's head and in the result.
 #[test]
 fn another_name_is_noted() {
     let generated = generate(&robot("fn", "hinge", "rod"), &request(Target::Rust)).unwrap();
-    let note = "files and functions are called robot_fn, as \"fn\" is a keyword of Rust";
-    assert_eq!(generated.renamed.as_deref(), Some(note));
+    let note = generated.renamed.clone().unwrap();
     for name in ["src/robot_fn.rs", "REPORT.md"] {
-        assert!(generated.file(name).unwrap().text.contains(note), "{name}");
+        assert!(generated.file(name).unwrap().text.contains(&note), "{name}");
     }
     assert_eq!(generate(&robot("fn", "hinge", "rod"), &request(Target::C)).unwrap().renamed, None);
 }
 
-/// In comments, strings, documentation, tables and rules of every target: the code is that of a robot of any name.
+/// Names are text in comments, strings, documentation, tables and rules of every target.
 #[test]
 fn hostile_names_are_text_in_every_file() {
     let python = "import ast, sys\nfor name in sys.argv[1:]: ast.parse(open(name, encoding='utf-8').read())";
@@ -201,7 +203,7 @@ fn hostile_names_are_text_in_every_file() {
             "python3",
             &["-c", "import json, sys; json.loads(sys.argv[1])", &golden.file("golden.json").unwrap().text],
         );
-        // No compiler is there to check the kernels' text: each comment ends where it should.
+        // The kernels' text is not compiled here; the number of comment delimiters is compared instead.
         let kernels = generate(&model, &of(Target::Cuda)).unwrap();
         for file in kernels.files.iter().filter(|file| file.name.ends_with(".cu")) {
             assert_eq!(file.text.matches("/*").count(), file.text.matches("*/").count(), "{hostile:?}");

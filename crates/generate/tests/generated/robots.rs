@@ -3,10 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use generate::Function;
-use multibody::{Base, JointKind, Model, RandomRobotOptions, random_robot};
+use robot_dynamics::description::{Base, JointKind, RandomRobotOptions, random_robot};
+use robot_dynamics::model::Model;
+use robot_dynamics_generate::Function;
 
-/// Every robot of the folder by its file's name.
+/// Every robot of the folder, with its file's name.
 pub(crate) fn all() -> Vec<(String, Model)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
     let mut paths: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -22,7 +23,7 @@ pub(crate) fn named(file: &str) -> Model {
     load(&path(file))
 }
 
-/// A tree that nothing holds, of two joints more, with springs and friction; one is a ball.
+/// A tree with a floating base, two joints, one of them spherical, springs and friction.
 pub(crate) fn random() -> Model {
     let options = RandomRobotOptions { joints: 2, base: Base::Floating, passive: 1.0, ..Default::default() };
     let has_ball = |model: &Model| model.joints().iter().any(|joint| joint.kind == JointKind::Spherical);
@@ -38,13 +39,13 @@ fn load(path: &Path) -> Model {
     robot_dynamics::load(path).unwrap().model
 }
 
-/// All functions, those of frames for the last one.
+/// All functions, those of frames for the last frame.
 pub(crate) fn functions(model: &Model) -> Vec<Function> {
     let of_frames = Function::of_frame(&model.frames().last().unwrap().name);
     Function::PLAIN.into_iter().chain(of_frames).collect()
 }
 
-/// These, and the derivatives and pullbacks of all that have some and are not among these already.
+/// These functions, and all derivatives and pullbacks that are not among them.
 pub(crate) fn with_slopes(model: &Model) -> Vec<Function> {
     let functions = functions(model);
     let is_slope = |name: &str| name.contains("derivatives") || name.contains("pullback");

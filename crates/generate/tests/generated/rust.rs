@@ -1,14 +1,14 @@
-//! Rust by the compiler that compiles this test.
+//! Rust, compiled by the compiler of this test.
 
-use generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate};
-use multibody::Model;
+use robot_dynamics::model::Model;
+use robot_dynamics_generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate};
 
 use crate::folder::Folder;
 use crate::robots;
 
 const EDITION: [&str; 4] = ["--edition", "2021", "-D", "warnings"];
 
-/// Compiles and runs the test that comes with the code.
+/// Compiles and runs the generated test.
 pub(crate) fn test(name: &str, model: &Model, functions: Vec<Function>, arithmetic: Arithmetic) -> String {
     let request = Request::new(Target::Rust, functions).with_arithmetic(arithmetic).with_name("robot");
     let folder = Folder::of(name, &generate(model, &request).unwrap());
@@ -20,11 +20,11 @@ pub(crate) fn test(name: &str, model: &Model, functions: Vec<Function>, arithmet
 }
 
 #[test]
-fn every_function_gives_the_librarys_bits_without_the_standard_library() {
+fn every_function_has_the_bits_of_the_library_without_the_standard_library() {
     let model = robots::named("gripper.urdf");
     for (name, precision) in [("rust_double", Precision::Double), ("rust_single", Precision::Single)] {
-        let told = test(name, &model, robots::with_slopes(&model), Arithmetic::new(precision));
-        assert!(told.contains("72 passed"), "{told}");
+        let output = test(name, &model, robots::with_slopes(&model), Arithmetic::new(precision));
+        assert!(output.contains("72 passed"), "{output}");
     }
     let code = Request::new(Target::Rust, vec![Function::Gravity]).with_name("robot");
     let root = generate(&model, &code).unwrap().file("src/lib.rs").unwrap().text.clone();
@@ -32,20 +32,20 @@ fn every_function_gives_the_librarys_bits_without_the_standard_library() {
 }
 
 #[test]
-fn every_arithmetic_gives_the_librarys_values() {
+fn every_arithmetic_agrees_with_the_library() {
     let model = robots::random();
     let ways = [Arithmetic::default().with_fused(), Arithmetic::default().with_sine(Sine::Platform)];
     for (name, arithmetic) in ["rust_fused", "rust_platform"].into_iter().zip(ways) {
-        let told = test(name, &model, robots::functions(&model), arithmetic);
-        assert!(told.contains("28 passed"), "{told}");
+        let output = test(name, &model, robots::functions(&model), arithmetic);
+        assert!(output.contains("28 passed"), "{output}");
     }
 }
 
-/// The module can be included as it is, in any crate and any module.
+/// The module can be included in any crate and module.
 #[test]
 fn a_module_can_be_included() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
-    let generated = generate::Builder::new(path).generate(Target::Rust).unwrap();
+    let generated = robot_dynamics_generate::Builder::new(path).generate(Target::Rust).unwrap();
     let folder = Folder::of("rust_included", &generated);
     let program = "mod arm { include!(\"src/two_r.rs\"); }\n\
                    fn main() { let mut a = [0.0; 2]; arm::forward_dynamics(&[0.0; 2], &[0.0; 2], &[0.0; 2], &mut a); \
@@ -57,8 +57,8 @@ fn a_module_can_be_included() {
     folder.run("./main", &[]);
 }
 
-/// Every function, for a Cortex-M4 with its floating-point unit: no function of it calls for memory, or for another float's
-/// arithmetic in software.
+/// Every function, compiled for a Cortex-M4 with a floating-point unit, calls neither the allocator nor
+/// floating-point arithmetic in software.
 #[test]
 #[ignore = "needs the target thumbv7em-none-eabihf, which `cargo xtask test machines` installs"]
 fn singles_compile_for_a_microcontroller() {

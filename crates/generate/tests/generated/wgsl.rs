@@ -1,11 +1,12 @@
-//! WGSL, read and validated by naga, which browsers and wgpu read it with.
+//! WGSL, parsed and validated by naga, which browsers and wgpu use.
 
-use generate::{Arithmetic, Precision, Request, Target, generate};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+use robot_dynamics_generate::{Arithmetic, GenerateError, Precision, Request, Target, generate};
 
 use crate::robots;
 
-/// Every function, in several parts where it is long: valid, with one entry point and a buffer for each argument and result.
+/// The shader of every function, in several parts if it is long, is valid, with one entry point and a buffer
+/// for each argument and result.
 #[test]
 fn every_shader_is_valid() {
     let model = robots::named("ur5.urdf");
@@ -32,10 +33,10 @@ fn every_shader_is_valid() {
     }
 }
 
-/// What WGSL has not is refused with what to do.
+/// WGSL has no doubles.
 #[test]
-fn doubles_are_refused() {
-    let request = Request::new(Target::Wgsl, vec![generate::Function::Gravity]);
-    let error = generate(&robots::named("two_r.urdf"), &request).unwrap_err().to_string();
-    assert_eq!(error, "WGSL has no double precision: ask for single precision (`--single`)");
+fn double_precision_is_rejected() {
+    let request = Request::new(Target::Wgsl, vec![robot_dynamics_generate::Function::Gravity]);
+    let error = generate(&robots::named("two_r.urdf"), &request).unwrap_err();
+    assert!(matches!(error, GenerateError::NotInTarget { target: "WGSL", .. }), "{error}");
 }

@@ -1,7 +1,7 @@
-//! NVIDIA's devices, by CUDA and its run-time compiler.
+//! NVIDIA's devices, through CUDA and its run-time compiler.
 //!
-//! Its code is that which `generate`'s tests compile as C++ and hold to the library's bits; what is new here is the way to the
-//! device. Its libraries are looked for when one is opened.
+//! The tests of `generate` compile the same code as C++ and compare it with the library's bits; this module
+//! adds the access to the device. The libraries are loaded when a device is opened.
 
 mod ffi;
 
@@ -9,34 +9,34 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use cudarc::driver::{CudaContext, CudaFunction, CudaModule, CudaSlice, CudaStream, DriverError};
 use cudarc::nvrtc::{CompileError, CompileOptions, compile_ptx_with_opts};
-use generate::{Generated, Precision, Target};
+use robot_dynamics_generate::{Generated, Precision, Target};
 
 use super::{Backend, Command, Tables};
 use crate::{DeviceError, Limits};
 
-/// Threads of a block: few, as straight-line code takes many registers.
+/// Threads of a block: few, because straight-line code uses many registers.
 const BLOCK: u32 = 128;
 
-/// Bytes of the largest table, where no limit says less.
-const MOST_BYTES: usize = 1 << 30;
+/// The default limit on the bytes of a table.
+const MAX_BYTES: usize = 1 << 30;
 
-/// States of one launch: the kernel counts them with 32 bits.
-const MOST_STATES: usize = 1 << 30;
+/// The largest number of states of a launch, which the kernel counts with 32 bits.
+const MAX_STATES: usize = 1 << 30;
 
-/// A device, and the stream that its commands go to, each after those before it.
+/// A device, and the stream that executes its commands in order.
 pub(crate) struct Cuda {
     name: String,
     context: Arc<CudaContext>,
     stream: Arc<CudaStream>,
     limits: Limits,
-    /// What was compiled last, and from which text: all functions of a robot are one module.
+    /// The last compiled module, and its text: all functions of a robot are one module.
     module: Mutex<Option<(String, Arc<CudaModule>)>>,
 }
 
 /// Memory of the device.
 pub(crate) type Buffer = Arc<Mutex<CudaSlice<u8>>>;
 
-/// A kernel, and how many tables it reads and writes.
+/// A kernel, and the number of its tables.
 pub(crate) struct Kernel {
     function: CudaFunction,
     tables: usize,
@@ -50,7 +50,7 @@ pub(crate) struct Launch {
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // What a panic left behind is a module or a buffer as it was.
+    // After a panic the module or buffer is still valid.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -79,8 +79,8 @@ impl Cuda {
         {
             return Ok(Arc::clone(module));
         }
-        let told = |error: DriverError| error.to_string();
-        let (major, minor) = self.context.compute_capability().map_err(told)?;
+        let message = |error: DriverError| error.to_string();
+        let (major, minor) = self.context.compute_capability().map_err(message)?;
         let options = CompileOptions {
             options: vec![format!("--gpu-architecture=compute_{major}{minor}")],
             ..CompileOptions::default()
@@ -89,7 +89,7 @@ impl Cuda {
             CompileError::CompileError { log, .. } => log.to_string_lossy().into_owned(),
             other => format!("{other:?}"),
         })?;
-        let module = self.context.load_module(code).map_err(told)?;
+        let module = self.context.load_module(code).map_err(message)?;
         *last = Some((text.to_owned(), Arc::clone(&module)));
         Ok(module)
     }
@@ -112,11 +112,11 @@ impl Backend for Cuda {
 
     fn most_bytes(&self) -> usize {
         let asked = self.limits.table_bytes.and_then(|bytes| usize::try_from(bytes).ok());
-        asked.unwrap_or(MOST_BYTES).min(MOST_BYTES)
+        asked.unwrap_or(MAX_BYTES).min(MAX_BYTES)
     }
 
     fn most_states(&self) -> usize {
-        self.limits.launch_states.unwrap_or(MOST_STATES).clamp(1, MOST_STATES)
+        self.limits.launch_states.unwrap_or(MAX_STATES).clamp(1, MAX_STATES)
     }
 
     fn compile(&self, generated: &Generated, symbol: &str, tables: Tables) -> Result<Kernel, String> {
@@ -127,10 +127,9 @@ impl Backend for Cuda {
     }
 
     fn allocate(&self, bytes: usize) -> Result<Buffer, DeviceError> {
-        let memory = self
-            .stream
-            .alloc_zeros(bytes)
-            .map_err(|error| self.failed(&format!("{error} for {bytes} bytes; take fewer states at once")))?;
+        let memory = self.stream.alloc_zeros(bytes).map_err(|error| {
+            self.failed(&format!("{error} for {bytes} bytes; compute fewer states at once"))
+        })?;
         Ok(Arc::new(Mutex::new(memory)))
     }
 

@@ -1,23 +1,23 @@
-//! Devices with Vulkan, Metal or DirectX 12, by wgpu.
+//! Devices with Vulkan, Metal or DirectX 12, through wgpu.
 
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::task::{Context, Poll, Waker};
 
-use generate::{Generated, Precision, Target, WGSL_WORKGROUP};
+use robot_dynamics_generate::{Generated, Precision, Target, WGSL_WORKGROUP};
 
 use super::{Backend, Command, Tables};
 use crate::{DeviceError, Limits};
 
-/// A device, and the queue that its commands go to.
+/// A device, and the queue of its commands.
 pub(crate) struct Wgpu {
     name: String,
     device: wgpu::Device,
     queue: wgpu::Queue,
-    /// What no call has returned yet.
+    /// An error that no call has returned yet.
     failure: Arc<Mutex<Option<String>>>,
 }
 
-/// A shader, and how its tables are bound.
+/// A shader, and the layout of its tables.
 pub(crate) struct Kernel {
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
@@ -30,8 +30,8 @@ pub(crate) struct Launch {
     workgroups: u32,
 }
 
-/// What a future gives that is ready when it is first asked: on native devices all of wgpu's are.
-fn ready<T>(future: impl Future<Output = T>) -> T {
+/// Waits for a future. On native devices wgpu's futures are ready at the first poll.
+fn block_on<T>(future: impl Future<Output = T>) -> T {
     let mut future = core::pin::pin!(future);
     let mut context = Context::from_waker(Waker::noop());
     loop {
@@ -43,21 +43,22 @@ fn ready<T>(future: impl Future<Output = T>) -> T {
 }
 
 impl Wgpu {
-    /// The first device, a graphics processor rather than the processor where there is a choice.
+    /// Opens the first device, preferably a graphics processor.
     ///
     /// # Errors
-    /// [`DeviceError::NoDevice`]; [`DeviceError::Closed`] where the device has not what shaders need.
+    /// [`DeviceError::NoDevice`]; [`DeviceError::Closed`] if the device lacks the features of the shaders.
     pub(crate) fn open(limits: Limits) -> Result<Self, DeviceError> {
         let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
         description.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
-        // Else an unoptimised build writes the line of each operation, counted from the first one for each anew.
+        // The default flags of an unoptimised build add the line of each operation, which takes quadratic
+        // time for long shaders.
         description.flags = wgpu::InstanceFlags::empty();
         let instance = wgpu::Instance::new(description);
         let options = wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,
             ..Default::default()
         };
-        let adapter = ready(instance.request_adapter(&options))
+        let adapter = block_on(instance.request_adapter(&options))
             .map_err(|error| DeviceError::NoDevice { cause: error.to_string() })?;
         let info = adapter.get_info();
         let name = format!("{}, {}", info.name, info.backend);
@@ -73,7 +74,7 @@ impl Wgpu {
         }
         let description =
             wgpu::DeviceDescriptor { label: Some("robot-dynamics"), required_limits, ..Default::default() };
-        let (device, queue) = ready(adapter.request_device(&description))
+        let (device, queue) = block_on(adapter.request_device(&description))
             .map_err(|error| DeviceError::Closed { device: name.clone(), cause: error.to_string() })?;
         let failure = Arc::new(Mutex::new(None));
         let found = Arc::clone(&failure);
@@ -87,7 +88,7 @@ impl Wgpu {
         DeviceError::Failed { device: self.name.clone(), cause: cause.to_string() }
     }
 
-    /// What has failed since this was last asked.
+    /// Returns the error that occurred since the last check.
     fn check(&self) -> Result<(), DeviceError> {
         match self.failure.lock().unwrap_or_else(PoisonError::into_inner).take() {
             Some(cause) => Err(self.failed(&cause)),
@@ -95,7 +96,7 @@ impl Wgpu {
         }
     }
 
-    /// A layout of so many tables that are read, and then of those that are written.
+    /// The layout of the tables that are read, followed by those that are written.
     fn layout(&self, tables: Tables) -> wgpu::BindGroupLayout {
         let entry = |binding: usize| wgpu::BindGroupLayoutEntry {
             binding: number(binding),
@@ -114,7 +115,7 @@ impl Wgpu {
 }
 
 fn number(x: usize) -> u32 {
-    u32::try_from(x).expect("tables and workgroups are fewer than 2³²")
+    u32::try_from(x).expect("fewer than 2³² tables and workgroups")
 }
 
 impl Backend for Wgpu {
@@ -165,8 +166,8 @@ impl Backend for Wgpu {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
-        // The last one is the innermost.
-        let errors: Vec<_> = scopes.into_iter().rev().filter_map(|scope| ready(scope.pop())).collect();
+        // The last scope is the innermost.
+        let errors: Vec<_> = scopes.into_iter().rev().filter_map(|scope| block_on(scope.pop())).collect();
         match errors.first() {
             Some(error) => Err(error.to_string()),
             None => Ok(Kernel { pipeline, layout }),
@@ -188,20 +189,20 @@ impl Backend for Wgpu {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(buffer, 0, &here, 0, bytes.len() as u64);
         self.queue.submit([encoder.finish()]);
-        let (told, heard) = mpsc::channel();
+        let (sender, receiver) = mpsc::channel();
         here.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-            // Nobody listens where waiting has failed.
-            let _ = told.send(result);
+            // If waiting failed, the receiver is dropped.
+            let _ = sender.send(result);
         });
         self.wait()?;
-        match heard.recv() {
+        match receiver.recv() {
             Ok(Ok(())) => {
                 let range = here.slice(..).get_mapped_range().map_err(|error| self.failed(&error))?;
                 bytes.copy_from_slice(&range);
                 Ok(())
             }
             Ok(Err(error)) => Err(self.failed(&error)),
-            Err(_) => Err(self.failed(&"results were not handed over")),
+            Err(_) => Err(self.failed(&"the results were not mapped")),
         }
     }
 
@@ -209,7 +210,7 @@ impl Backend for Wgpu {
         let entries: Vec<_> = (tables.iter().enumerate())
             .map(|(binding, &(buffer, bytes))| wgpu::BindGroupEntry {
                 binding: number(binding),
-                // The shader asks the first table's length how many states there are.
+                // The shader derives the number of states from the length of the first table.
                 resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                     buffer,
                     offset: 0,
@@ -230,7 +231,7 @@ impl Backend for Wgpu {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for command in commands {
             match command {
-                // wgpu sees to it that a pass finds what those before it wrote.
+                // wgpu synchronises a pass with the writes of those before it.
                 Command::Run(launch) => {
                     let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
                     pass.set_pipeline(&launch.pipeline);
@@ -262,8 +263,10 @@ impl Wgpu {
             usage,
             mapped_at_creation: false,
         });
-        match ready(scope.pop()) {
-            Some(error) => Err(self.failed(&format!("{error} for {bytes} bytes; take fewer states at once"))),
+        match block_on(scope.pop()) {
+            Some(error) => {
+                Err(self.failed(&format!("{error} for {bytes} bytes; compute fewer states at once")))
+            }
             None => self.check().map(|()| buffer),
         }
     }

@@ -1,10 +1,13 @@
-//! States without a valid result: named, NaN, and no other spoilt.
+//! States without a valid result are named, have NaN, and do not affect others.
 
-use dynamics::Integrator;
-use gpu::{DeviceError, Function, Rollout, Torques};
-use multibody::batch::{self, BatchWorkspace};
-use multibody::{JointKind, Model};
 use std::ops::ControlFlow;
+
+use robot_dynamics::batch;
+use robot_dynamics::batch::BatchWorkspace;
+use robot_dynamics::description::JointKind;
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::Integrator;
+use robot_dynamics_gpu::{DeviceError, Function, Rollout, Torques};
 
 use crate::robots::{self, States};
 
@@ -17,30 +20,36 @@ fn named(result: Result<(), DeviceError>) -> Vec<usize> {
     }
 }
 
-/// A NaN, an infinity, a zero quaternion: the states that the processor's batch names, and NaN for all of their results; an
-/// angle beyond the range of the device's sine is one more. All others keep their bits.
+/// NaN, infinity, and zero quaternions. The same states are named as on the CPU. All of their results are
+/// NaN, and all others keep their bits. An angle beyond the range of the device's sine is another case.
 #[test]
-fn they_are_those_of_the_processor_and_spoil_no_other() {
+fn bad_states_are_those_of_the_cpu_and_affect_no_other() {
     let Some(device) = crate::device() else { return };
     let model = robots::with_ball();
     let (nq, nv, count) = (model.nq(), model.nv(), 100);
     let good = States::random(&model, count, 1);
-    let mut spoilt = States::random(&model, count, 1);
-    spoilt.q[3 * nq] = f32::NAN;
-    spoilt.q[99 * nq] = f32::NEG_INFINITY;
-    spoilt.q[12 * nq + 3..12 * nq + 7].fill(0.0); // of the base
+    let mut invalid = States::random(&model, count, 1);
+    invalid.q[3 * nq] = f32::NAN;
+    invalid.q[99 * nq] = f32::NEG_INFINITY;
+    invalid.q[12 * nq + 3..12 * nq + 7].fill(0.0); // the base's quaternion
     let ball = model.joints().iter().find(|joint| joint.kind == JointKind::Spherical).unwrap();
-    spoilt.q[13 * nq + ball.q_index..][..4].fill(0.0);
-    spoilt.v[20 * nv + 2] = f32::NAN;
-    spoilt.a[21 * nv + 1] = f32::INFINITY;
+    invalid.q[13 * nq + ball.q_index..][..4].fill(0.0);
+    invalid.v[20 * nv + 2] = f32::NAN;
+    invalid.a[21 * nv + 1] = f32::INFINITY;
     let mut batches = device.compile::<f32>(&model, &[Function::InverseDynamics]).unwrap();
     let mut expected = vec![0.0; count * nv];
     batches.inverse_dynamics(&good.q, &good.v, &good.a, &mut expected).unwrap();
     let (mut found, mut on_processor) = (expected.clone(), expected.clone());
-    let bad = named(batches.inverse_dynamics(&spoilt.q, &spoilt.v, &spoilt.a, &mut found));
+    let bad = named(batches.inverse_dynamics(&invalid.q, &invalid.v, &invalid.a, &mut found));
     let mut workspace = BatchWorkspace::<f32>::new(&model);
-    let there =
-        batch::inverse_dynamics(&model, &mut workspace, &spoilt.q, &spoilt.v, &spoilt.a, &mut on_processor);
+    let there = batch::inverse_dynamics(
+        &model,
+        &mut workspace,
+        &invalid.q,
+        &invalid.v,
+        &invalid.a,
+        &mut on_processor,
+    );
     assert_eq!(bad, there.unwrap_err().states);
     assert_eq!(bad, [3, 12, 13, 20, 21, 99]);
     for (state, (found, expected)) in found.chunks(nv).zip(expected.chunks(nv)).enumerate() {
@@ -52,14 +61,14 @@ fn they_are_those_of_the_processor_and_spoil_no_other() {
     }
 }
 
-/// Angles count up to 8192 rad, those of joints that follow another too; lengths count up to any.
+/// Angles are limited to 8192 rad, those of mimic joints too; lengths are unlimited.
 #[test]
 fn angles_beyond_the_sines_range_are_named() {
     let Some(device) = crate::device() else { return };
     let model = robots::named("gripper.urdf");
     let joints = model.joints();
     let hinge = joints.iter().find(|joint| matches!(joint.kind, JointKind::Revolute { .. })).unwrap();
-    // A wheel that turns by 20 rad for each metre that the jaw slides.
+    // A wheel that rotates by 20 rad for each metre of the jaw.
     let wheel =
         joints.iter().find(|joint| joint.mimic.as_ref().is_some_and(|mimic| mimic.ratio == 20.0)).unwrap();
     let leader = &wheel.mimic.as_ref().unwrap().joint;
@@ -82,9 +91,9 @@ fn angles_beyond_the_sines_range_are_named() {
     }
 }
 
-/// A rollout names the states that are bad at its start and those that become so; the processor's does the same.
+/// A rollout names the states that are invalid at its start and those that become so, like the CPU's rollout.
 #[test]
-fn a_rollout_names_them_at_its_end() {
+fn a_rollout_names_bad_states_at_its_end() {
     let Some(device) = crate::device() else { return };
     let model: Model = robots::named("two_r.urdf");
     let count = 10;
@@ -94,12 +103,12 @@ fn a_rollout_names_them_at_its_end() {
     let (mut q, mut v, mut tau) = (states.q.clone(), states.v.clone(), vec![0.0; count * 2]);
     v[3 * 2] = f32::NAN;
     tau[5 * 2 + 1] = f32::INFINITY;
-    tau[7 * 2] = 3e38; // finite, and soon nothing else is
+    tau[7 * 2] = 3e38; // finite, and its results soon are not
     let (mut q_there, mut v_there) = (q.clone(), v.clone());
     let go_on = |_| ControlFlow::Continue(());
     let bad = named(batches.rollout(&how, Torques::Held(&tau), &mut q, &mut v, (&mut [], &mut []), &go_on));
     assert_eq!(bad, [3, 5, 7]);
-    let there = robots::moved_on_processor(&model, &how, &tau, &mut q_there, &mut v_there);
+    let there = robots::roll_out_on_cpu(&model, &how, &tau, &mut q_there, &mut v_there);
     assert!(matches!(there, Err(batch::RolloutError::BadStates(there)) if there.states == bad));
     for (state, (q, v)) in q.chunks(2).zip(v.chunks(2)).enumerate() {
         let all = |is: fn(&f32) -> bool| q.iter().chain(v).all(is);

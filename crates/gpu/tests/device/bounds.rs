@@ -1,23 +1,26 @@
-//! How far singles may be from doubles.
+//! Bounds on the difference between singles and doubles.
 //!
-//! A recursion passes along the tree outward and inward with some sixteen operations a joint on the longest chain, each off by
-//! ε/2 of a number that is no larger than what it is part of, by 2 ε for a sine and 2.5 ε for a quotient. Errors are as often up as
-//! down, so that they grow as the root of their number within a joint, and are let add up over joints: k = 4 nv roundings ε
-//! of the numbers on the way. How large these are: let rᵢ² be what hangs on joint i, its mass where the joint slides, where it turns its
-//! moment of inertia about the worst axis through the joint's origin or that of one before it, as M and a are found in a frame with
-//! the origin of one of these (`multibody/src/stages/screws.rs`). By Cauchy and Schwarz no part of M_ij is beyond rᵢ rⱼ, and no part of
-//! τᵢ beyond rᵢ f,
+//! A recursion passes along the tree outward and inward with some sixteen operations a joint on the longest
+//! chain. Each operation has an error of ε/2 of a number that is at most as large as the sum that it belongs
+//! to. A sine has 2 ε, a quotient 2.5 ε. Signs of errors are random, so within a joint they grow as the root
+//! of their number; over joints they are added. This gives k = 4 nv roundings ε of the intermediate numbers.
+//! Their size follows from rᵢ². If joint i is prismatic, rᵢ² is the mass of its subtree. Otherwise it is the
+//! subtree's moment of inertia about the worst axis through the joint's origin or that of a joint before it.
+//! M and a are found in a frame with the origin of one of these (`core/src/kinematics/screws.rs`). By Cauchy
+//! and Schwarz no part of M_ij exceeds rᵢ rⱼ, and no part of τᵢ exceeds rᵢ f,
 //!
 //! f = Σ rⱼ |aⱼ| + Σ |ωₖ| Σ rⱼ |vⱼ| + √m |g|,
 //!
-//! with the turning ones among v for ω, and springs beside the weight. So δM_ij ≤ k ε rᵢ rⱼ, δτᵢ ≤ k ε rᵢ f, and as rᵢ δaᵢ
-//! solves with M̂_ij = M_ij/(rᵢ rⱼ), it is at most k ε κ (f + max |τᵢ|/rᵢ), κ = 1/λ(M̂), λ the least eigenvalue.
+//! with the rotational ones among v for ω, and springs in addition to the weight. So δM_ij ≤ k ε rᵢ rⱼ and
+//! δτᵢ ≤ k ε rᵢ f. As rᵢ δaᵢ solves with M̂_ij = M_ij/(rᵢ rⱼ), it is at most k ε κ (f + max |τᵢ|/rᵢ), κ =
+//! 1/λ(M̂), λ the least eigenvalue.
 
-use gpu::Function;
-use multibody::{Measure, Model};
 use nalgebra::{DMatrix, Vector3};
+use robot_dynamics::description::Measure;
+use robot_dynamics::model::Model;
+use robot_dynamics_gpu::Function;
 
-/// What a state's results may be off by.
+/// The bounds on the errors of a state's results.
 pub(crate) struct Bounds {
     /// k ε.
     pub(crate) rounding: f64,
@@ -40,7 +43,7 @@ impl Bounds {
         let mass = model.mass_matrix(q).unwrap();
         let roots = roots(model, q, &mass);
         let scaled = DMatrix::from_fn(nv, nv, |i, j| mass[(i, j)] / (roots[i] * roots[j]));
-        // An eigenvalue below the rounding of the largest is not known any better than that.
+        // An eigenvalue below the rounding of the largest is indistinguishable from that.
         let least = scaled.symmetric_eigenvalues().min().max(f64::EPSILON);
         let sum = |x: &[f64]| x.iter().zip(&roots).map(|(x, root)| (x * root).abs()).sum::<f64>();
         let turning: f64 = v.iter().zip(turns(model)).filter(|(_, turns)| *turns).map(|(v, _)| v.abs()).sum();
@@ -56,27 +59,27 @@ impl Bounds {
         }
     }
 
-    /// Of accelerations.
+    /// The bounds for accelerations.
     pub(crate) fn acceleration(&self, tau: &[f64]) -> Vec<f64> {
         let given = tau.iter().zip(&self.roots).map(|(tau, root)| (tau / root).abs()).fold(0.0, f64::max);
         let off = self.rounding * self.condition * (self.force + given);
         self.roots.iter().map(|root| off / root).collect()
     }
 
-    /// Whether M is known to singles at all.
+    /// Whether singles determine M at all.
     pub(crate) fn is_known(&self) -> bool {
         self.rounding * self.condition < 0.1
     }
 }
 
-/// Whether a function's results have κ in them: those that invert M.
+/// Whether the bounds of a function contain κ: it inverts M.
 pub(crate) fn inverts_mass(function: &Function) -> bool {
     let symbol = function.symbol();
     let inverts = ["forward_dynamics", "inverse_mass_matrix", "mass_matrix_factor"];
     inverts.iter().any(|name| symbol.starts_with(name)) || symbol.contains("_step")
 }
 
-/// Whether each coordinate of v turns.
+/// For each coordinate of v, whether it is rotational.
 fn turns(model: &Model) -> Vec<bool> {
     let mut turns = vec![false; model.nv()];
     for joint in model.joints().iter().filter(|joint| joint.nv > 0) {
@@ -87,7 +90,7 @@ fn turns(model: &Model) -> Vec<bool> {
     turns
 }
 
-/// rᵢ, those of joints that follow one with it, and at least √M_ii, which has armature and rotors too.
+/// rᵢ, including the mimic joints of joint i, and at least √M_ii, which includes armature and rotors.
 fn roots(model: &Model, q: &[f64], mass: &DMatrix<f64>) -> Vec<f64> {
     let mut squares = vec![0.0; model.nv()];
     for joint in model.joints() {
@@ -113,8 +116,8 @@ fn roots(model: &Model, q: &[f64], mass: &DMatrix<f64>) -> Vec<f64> {
     squares.iter().enumerate().map(|(i, square)| square.max(mass[(i, i)]).sqrt()).collect()
 }
 
-/// The mass of a link and of all that hangs on it, and its largest possible moment about a link's origin: a moment is at most half of
-/// the trace.
+/// The mass of a link's subtree, and its largest possible moment about a link's origin: a moment is at most
+/// half of the trace.
 fn hanging_on(model: &Model, q: &[f64], link: &str, about: &str) -> (f64, f64) {
     let pose = |link: &str| model.frame_pose(q, model.frame_named(link).unwrap()).unwrap();
     let origin = Vector3::from(pose(about).translation);

@@ -1,10 +1,11 @@
-//! In double precision, where the device has it.
+//! Double precision, on devices that support it.
 
-use dynamics::Integrator;
-use gpu::{Device, Function, Rollout, Torques};
-use multibody::{Model, random_state};
-use number::SplitMix64;
 use std::ops::ControlFlow;
+
+use robot_dynamics::model::{Model, random_state};
+use robot_dynamics::number::SplitMix64;
+use robot_dynamics::simulation::Integrator;
+use robot_dynamics_gpu::{Device, Function, Rollout, Torques};
 
 use crate::bounds::Bounds;
 use crate::robots;
@@ -27,10 +28,10 @@ fn states(model: &Model) -> [Vec<f64>; 4] {
     tables
 }
 
-/// Torques, accelerations and M of every robot, within the bounds of singles times the ratio of the two roundings, twice: the processor
-/// rounds as well.
+/// Torques, accelerations and M of every robot are within the bounds of singles, times twice the ratio of the
+/// two roundings. The CPU rounds as well.
 #[test]
-fn every_robot_is_the_librarys_to_the_rounding_of_doubles() {
+fn every_robot_agrees_with_the_library_to_the_rounding_of_doubles() {
     let Some(device) = device() else { return };
     let ratio = 2.0 * f64::EPSILON / f64::from(f32::EPSILON);
     let functions = [Function::InverseDynamics, Function::ForwardDynamics, Function::MassMatrix];
@@ -74,10 +75,10 @@ fn every_robot_is_the_librarys_to_the_rounding_of_doubles() {
     println!("the worst are {worst:?} of what is allowed");
 }
 
-/// A rollout of 200 steps ends where the processor's does: a step's rounding, below 1e-13 of numbers of some hundred, grows by
-/// less than a hundred within 0.2 s.
+/// A rollout of 200 steps ends where the CPU's does. The rounding of a step, below 1e-13 of numbers of some
+/// hundred, grows by less than a factor of a hundred within 0.2 s.
 #[test]
-fn a_rollout_is_the_processors() {
+fn a_rollout_agrees_with_the_cpu() {
     let Some(device) = device() else { return };
     for model in [robots::named("panda.urdf"), robots::named("quadruped.urdf"), robots::with_ball()] {
         let functions = [Function::SemiImplicitEulerStep, Function::Rk4Step];
@@ -91,7 +92,7 @@ fn a_rollout_is_the_processors() {
                 .rollout(&how, Torques::Held(&tau), &mut q_found, &mut v_found, (&mut [], &mut []), &go_on)
                 .unwrap();
             let (mut q_there, mut v_there) = (q.clone(), v.clone());
-            robots::moved_on_processor(&model, &how, &tau, &mut q_there, &mut v_there).unwrap();
+            robots::roll_out_on_cpu(&model, &how, &tau, &mut q_there, &mut v_there).unwrap();
             let pairs = q_found.iter().chain(&v_found).zip(q_there.iter().chain(&v_there));
             let worst = pairs.map(|(x, y)| (x - y).abs() / y.abs().max(1.0)).fold(0.0, f64::max);
             println!("{} by {integrator}: {worst:e}", model.name());

@@ -1,17 +1,18 @@
-//! Every function that code is generated for.
+//! Every function of generated code.
 
-use generate::{Arithmetic, Precision, Request, Target, generate};
-use gpu::Function;
+use robot_dynamics_generate::{Arithmetic, Precision, Request, Target, generate};
+use robot_dynamics_gpu::Function;
 use serde_json::Value;
 
 use crate::bounds::{Bounds, inverts_mass};
 use crate::robots;
 
-/// Each on the device, against the library's recursions over singles, done as the code says on the processor: a device may fuse and
-/// divide by its own rules, so to k ε of the largest number of a table and, where M is inverted, κ² times that, as slopes of what
-/// inverts M invert it twice.
+/// Each function on the device agrees with the library's recursions over singles, evaluated on the CPU in the
+/// order of the code. A device may fuse operations and round quotients differently. So the tolerance is k ε
+/// of the largest number of a table. Where M is inverted it is κ² times that, as derivatives of functions
+/// that invert M invert it twice.
 #[test]
-fn every_function_is_the_librarys() {
+fn every_function_agrees_with_the_library() {
     let Some(device) = crate::device() else { return };
     for model in [robots::named("gripper.urdf"), robots::with_ball()] {
         let of_frames = Function::of_frame(&model.frames().last().unwrap().name);
@@ -68,15 +69,15 @@ fn every_function_is_the_librarys() {
     }
 }
 
-/// κ² of the worst state where a function inverts M, else 1.
-fn condition(model: &multibody::Model, function: &Function, inputs: &[Vec<f32>]) -> f64 {
+/// κ² of the worst state if a function inverts M, else 1.
+fn condition(model: &robot_dynamics::model::Model, function: &Function, inputs: &[Vec<f32>]) -> f64 {
     if !inverts_mass(function) {
         return 1.0;
     }
     let count = inputs[0].len() / model.nq();
     let of = |state: usize| {
         let mut q = robots::row(&inputs[0], count, state);
-        multibody::normalize_quaternions(model, &mut q);
+        robot_dynamics::model::normalize_quaternions(model, &mut q);
         let rest = vec![0.0; model.nv()];
         Bounds::new(model, &q, &rest, &rest).condition
     };

@@ -1,9 +1,10 @@
-//! Batches that a device does not take at once.
+//! Batches that exceed the limits of a device.
 
-use dynamics::Integrator;
-use gpu::{Device, DeviceError, Function, Limits, Rollout, Torques};
-use multibody::Model;
 use std::ops::ControlFlow;
+
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::Integrator;
+use robot_dynamics_gpu::{Device, DeviceError, Function, Limits, Rollout, Torques};
 
 use crate::robots::{self, States};
 
@@ -30,7 +31,8 @@ fn compute(device: &Device, model: &Model) -> [Vec<f32>; 5] {
     [mass, q, v, trajectory.0, trajectory.1]
 }
 
-/// In tables that hold a few dozen states, and in launches of one and of three workgroups: the same bits as at once.
+/// Tables that hold a few dozen states, and launches of one and of three workgroups, give the same bits as
+/// one launch.
 #[test]
 fn a_batch_beyond_the_limits_is_split() {
     let Some(device) = crate::device() else { return };
@@ -48,9 +50,9 @@ fn a_batch_beyond_the_limits_is_split() {
     }
 }
 
-/// A device that takes less than one state says so, with both numbers.
+/// A device with tables smaller than one state reports both sizes.
 #[test]
-fn a_state_that_is_too_large_is_refused() {
+fn a_state_that_is_too_large_is_rejected() {
     if crate::device().is_none() {
         return;
     }
@@ -61,9 +63,10 @@ fn a_state_that_is_too_large_is_refused() {
     assert!(matches!(error, DeviceError::TooLarge { bytes: 196, most: 100, .. }), "{error}");
 }
 
-/// Memory that one call leaves serves the next, whatever its function and size: the results are those of fresh memory.
+/// Buffers of one call are reused by the next, whatever its function and size: the results are those of new
+/// buffers.
 #[test]
-fn memory_of_one_call_serves_the_next() {
+fn buffers_are_reused() {
     let Some(device) = crate::device() else { return };
     let model = robots::named("three_r.urdf");
     let functions = [Function::MassMatrix, Function::Gravity, Function::SemiImplicitEulerStep];

@@ -1,7 +1,7 @@
-//! What a device computes, against the library's doubles on the processor.
+//! Comparison of a device's results with the library's doubles on the CPU.
 //!
-//! Where no device is found the tests pass over, unless `ROBOT_DYNAMICS_DEVICE` says that one is expected, as
-//! `cargo xtask test gpu` does. If it says `cuda`, that is what they run on.
+//! If no device is found the tests are left out, unless `ROBOT_DYNAMICS_DEVICE` announces one, as
+//! `cargo xtask test gpu` does. With the value `cuda` they run on a CUDA device.
 #![cfg(feature = "wgpu")]
 
 mod bad_states;
@@ -10,23 +10,24 @@ mod doubles;
 mod errors;
 mod functions;
 mod limits;
+mod messages;
 mod robots;
 mod rollouts;
 mod values;
 
 use std::sync::OnceLock;
 
-use gpu::{Device, DeviceError, Limits};
+use robot_dynamics_gpu::{Device, DeviceError, Limits};
 
-/// What the environment says of the device that is expected.
+/// The environment variable for the expected device.
 const EXPECTED: &str = "ROBOT_DYNAMICS_DEVICE";
 
-/// Whether the tests run on a device by CUDA, which has doubles.
+/// Whether the tests run on a CUDA device, which supports doubles.
 fn is_cuda() -> bool {
     std::env::var_os(EXPECTED).is_some_and(|name| name == "cuda")
 }
 
-/// A device of which so much is taken.
+/// Opens a device with these limits.
 fn open_with(limits: Limits) -> Result<Device, DeviceError> {
     if !is_cuda() {
         return Device::open_with(limits);
@@ -37,7 +38,7 @@ fn open_with(limits: Limits) -> Result<Device, DeviceError> {
     panic!("these tests were compiled without the feature `cuda`");
 }
 
-/// The first device; none where there is none and none is expected.
+/// The first device; `None` if there is none and none is expected.
 fn device() -> Option<Device> {
     static DEVICE: OnceLock<Option<Device>> = OnceLock::new();
     let open = || match open_with(Limits::default()) {
@@ -47,7 +48,7 @@ fn device() -> Option<Device> {
         }
         Err(error) => {
             assert!(std::env::var_os(EXPECTED).is_none(), "a device is expected: {error}");
-            println!("passed over: {error}");
+            println!("left out: {error}");
             None
         }
     };

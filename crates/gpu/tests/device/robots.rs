@@ -4,12 +4,14 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use gpu::{Rollout, RolloutError, Torques};
-use multibody::batch::{self, BatchFloat, BatchWorkspace};
-use multibody::{Base, JointKind, Model, RandomRobotOptions, random_robot, random_state};
-use number::SplitMix64;
+use robot_dynamics::batch;
+use robot_dynamics::batch::{BatchFloat, BatchWorkspace};
+use robot_dynamics::description::{Base, JointKind, RandomRobotOptions, random_robot};
+use robot_dynamics::model::{Model, random_state};
+use robot_dynamics::number::SplitMix64;
+use robot_dynamics_gpu::{Rollout, RolloutError, Torques};
 
-/// A robot of the folder, those with legs in free space.
+/// A robot of the folder; those with legs have a floating base.
 pub(crate) fn named(file: &str) -> Model {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots").join(file);
     let mut options = robot_dynamics::Options::default();
@@ -30,7 +32,7 @@ pub(crate) fn all() -> Vec<Model> {
     models
 }
 
-/// A tree in free space with a ball among its joints, springs, damping and friction.
+/// A tree with a floating base, a spherical joint, springs, damping and friction.
 pub(crate) fn with_ball() -> Model {
     let options = RandomRobotOptions { joints: 2, base: Base::Floating, passive: 1.0, ..Default::default() };
     let has_ball = |model: &Model| model.joints().iter().any(|joint| joint.kind == JointKind::Spherical);
@@ -63,8 +65,8 @@ impl States {
     }
 }
 
-/// Moves states on the processor, the same torques at each step.
-pub(crate) fn moved_on_processor<T: BatchFloat>(
+/// Simulates states on the CPU, with the same torques at each step.
+pub(crate) fn roll_out_on_cpu<T: BatchFloat>(
     model: &Model,
     how: &Rollout,
     tau: &[T],

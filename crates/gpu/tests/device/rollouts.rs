@@ -1,11 +1,12 @@
-//! Motion in time on the device.
-#![allow(clippy::cast_possible_truncation)] // h as the device has it
+//! Rollouts on the device.
+#![allow(clippy::cast_possible_truncation)] // h in the device's precision
 
-use dynamics::Integrator;
-use gpu::{Batches, DeviceError, Function, Rollout, RolloutError, Torques};
-use multibody::{Model, normalize_quaternions};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
+
+use robot_dynamics::model::{Model, normalize_quaternions};
+use robot_dynamics::simulation::Integrator;
+use robot_dynamics_gpu::{Batches, DeviceError, Function, Rollout, RolloutError, Torques};
 
 use crate::bounds::{Bounds, size};
 use crate::robots::{self, States, row};
@@ -15,11 +16,11 @@ const ROWS: [(Integrator, Function); 2] = [
     (Integrator::RungeKutta4, Function::Rk4Step),
 ];
 
-fn go_on(_: gpu::RolloutProgress) -> ControlFlow<()> {
+fn go_on(_: robot_dynamics_gpu::RolloutProgress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Steps by calls from the processor, τ of each step by `tau`: the ends, and the states after every `stride`-th.
+/// Steps by separate calls, with τ of each step by `tau`: the states after each step.
 fn by_single_steps(
     batches: &mut Batches<f32>,
     function: &Function,
@@ -39,10 +40,10 @@ fn by_single_steps(
     after
 }
 
-/// A rollout is its steps, bit for bit, more of them than one look at the callback has: with torques of each step, held, and none;
-/// so are the samples of its trajectory.
+/// A rollout gives the same bits as its steps, over several calls of the callback: with torques of each step,
+/// constant ones, and none. So do the samples of its trajectory.
 #[test]
-fn a_rollout_is_its_steps() {
+fn a_rollout_has_the_bits_of_its_steps() {
     let Some(device) = crate::device() else { return };
     let model = robots::with_ball();
     let (nq, nv, count) = (model.nq(), model.nv(), 70);
@@ -84,10 +85,10 @@ fn a_rollout_is_its_steps() {
     }
 }
 
-/// One step is the processor's in doubles: v₁ to h times the bound of an acceleration and a rounding of v, q₁ to h times that and a
-/// rounding of q.
+/// One step agrees with the CPU's in doubles. v₁ agrees to h times the bound of an acceleration and a
+/// rounding of v, q₁ to h times that and a rounding of q.
 #[test]
-fn a_step_is_the_librarys_to_the_rounding_of_singles() {
+fn a_step_agrees_with_the_library_to_the_rounding_of_singles() {
     let Some(device) = crate::device() else { return };
     let mut judged = 0;
     for model in [robots::named("panda.urdf"), robots::with_ball(), robots::named("quadruped.urdf")] {
@@ -103,10 +104,10 @@ fn a_step_is_the_librarys_to_the_rounding_of_singles() {
                 .unwrap();
             let wide = |rows: &[f32]| -> Vec<f64> { rows.iter().map(|&x| f64::from(x)).collect() };
             let (mut q_there, mut v_there, tau) = (wide(&states.q), wide(&states.v), wide(&states.tau));
-            // h as the device has it.
+            // h in the device's precision.
             let h = f64::from(how.step as f32);
             let how = Rollout::new(integrator, h, 1);
-            robots::moved_on_processor(&model, &how, &tau, &mut q_there, &mut v_there).unwrap();
+            robots::roll_out_on_cpu(&model, &how, &tau, &mut q_there, &mut v_there).unwrap();
             for state in 0..count {
                 let of = |rows: &[f32]| row(rows, count, state);
                 let (mut at, v0, tau) = (of(&states.q), of(&states.v), of(&states.tau));
@@ -145,12 +146,12 @@ fn a_step_is_the_librarys_to_the_rounding_of_singles() {
     assert!(judged > 300, "{judged}");
 }
 
-/// Let go on the device, a pendulum keeps its energy: ½ l v² = g sin q from q = 0. RK4's own error is below 1e-9 here; each of
-/// 500 steps rounds q and v by ε/2 of less than 8, and energy changes with v by l v < 4.
+/// A falling pendulum on the device conserves energy: ½ l v² = g sin q from q = 0. RK4's own error is below
+/// 1e-9 here. Each of 500 steps rounds q and v by ε/2 of less than 8. Energy changes with v by l v < 4.
 #[test]
-fn what_falls_gains_what_it_loses() {
+fn a_falling_pendulum_conserves_energy() {
     let Some(device) = crate::device() else { return };
-    let model = Model::new(multibody::pendulum(2.0, 0.5)).unwrap();
+    let model = Model::new(robot_dynamics::description::pendulum(2.0, 0.5)).unwrap();
     let mut batches = device.compile::<f32>(&model, &[Function::Rk4Step]).unwrap();
     let (mut q, mut v) = (vec![0.0_f32; 3], vec![0.0_f32; 3]);
     let how = Rollout::new(Integrator::RungeKutta4, 1e-3, 500);
@@ -163,36 +164,36 @@ fn what_falls_gains_what_it_loses() {
     }
 }
 
-/// The callback hears of every stretch of steps, and the whole at the end; where it breaks, the states on the device and those to
-/// come are as they were, and the error names them.
+/// The callback is called after every chunk of steps, and with the total at the end. If it breaks, the states
+/// on the device and those after them keep their initial values, and the error names them.
 #[test]
-fn progress_is_told_and_a_rollout_can_be_stopped() {
+fn progress_is_reported_and_a_rollout_can_be_cancelled() {
     if crate::device().is_none() {
         return;
     }
     let model = robots::named("two_r.urdf");
-    let device = crate::open_with(gpu::Limits::default().with_launch_states(64)).unwrap();
+    let device = crate::open_with(robot_dynamics_gpu::Limits::default().with_launch_states(64)).unwrap();
     let mut batches = device.compile::<f32>(&model, &[Function::SemiImplicitEulerStep]).unwrap();
     let states = States::random(&model, 100, 6);
     let how = Rollout::new(Integrator::SemiImplicitEuler, 1e-3, 200);
     let (mut q, mut v) = (states.q.clone(), states.v.clone());
     let last = AtomicU64::new(0);
-    let listen = |progress: gpu::RolloutProgress| {
+    let listen = |progress: robot_dynamics_gpu::RolloutProgress| {
         assert!(progress.done > last.swap(progress.done, Ordering::Relaxed) && progress.total == 20_000);
         ControlFlow::Continue(())
     };
     batches.rollout(&how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &listen).unwrap();
     assert_eq!(last.into_inner(), 20_000);
     let whole = (q, v);
-    // After the first 64 states; in their midst; at the very end.
+    // After the first 64 states; halfway through them; at the very end.
     for (limit, first_unfinished) in [(64 * 200, 64), (64 * 100, 0), (20_000, 100)] {
         let (mut q, mut v) = (states.q.clone(), states.v.clone());
-        let stop = |progress: gpu::RolloutProgress| {
+        let stop = |progress: robot_dynamics_gpu::RolloutProgress| {
             if progress.done >= limit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let result = batches.rollout(&how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &stop);
         if first_unfinished == 100 {
-            // There is nothing left to stop.
+            // All states are finished.
             assert!(result.is_ok() && (q, v) == whole);
             continue;
         }

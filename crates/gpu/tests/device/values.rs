@@ -1,16 +1,17 @@
 //! Torques, accelerations and mass matrices of every robot.
 
-use gpu::Function;
-use multibody::{Model, normalize_quaternions};
+use robot_dynamics::model::{Model, normalize_quaternions};
+use robot_dynamics_gpu::Function;
 
 use crate::bounds::Bounds;
 use crate::robots::{self, States, row};
 
 const FUNCTIONS: [Function; 3] = [Function::InverseDynamics, Function::ForwardDynamics, Function::MassMatrix];
 
-/// Results within the bounds that follow from the robot's conditioning, in states of which the last fill no workgroup.
+/// Results are within the bounds that follow from the robot's conditioning, in a batch whose last workgroup
+/// is partial.
 #[test]
-fn every_robot_is_the_librarys_to_the_rounding_of_singles() {
+fn every_robot_agrees_with_the_library_to_the_rounding_of_singles() {
     let Some(device) = crate::device() else { return };
     let (mut judged, mut worst) = (0, [0.0_f64; 3]);
     for model in robots::all().into_iter().chain([robots::with_ball()]) {
@@ -44,11 +45,11 @@ fn every_robot_is_the_librarys_to_the_rounding_of_singles() {
     assert!(judged > 3000, "{judged}");
 }
 
-/// How much of the allowed error is there; none where M is not known to singles.
+/// The ratio of the error to its bound; `None` if singles do not determine M.
 fn compare(model: &Model, states: &States, state: usize, found: &[Vec<f64>; 3]) -> [Option<f64>; 3] {
     let of = |rows: &[f32]| row(rows, states.count, state);
     let (mut q, v, a, tau) = (of(&states.q), of(&states.v), of(&states.a), of(&states.tau));
-    normalize_quaternions(model, &mut q); // the device takes their direction
+    normalize_quaternions(model, &mut q); // the device uses their direction alone
     let bounds = Bounds::new(model, &q, &v, &a);
     let ratio = |found: &[f64], expected: &[f64], allowed: &dyn Fn(usize) -> f64| {
         let pairs = found.iter().zip(expected).enumerate();
@@ -56,7 +57,7 @@ fn compare(model: &Model, states: &States, state: usize, found: &[Vec<f64>; 3]) 
     };
     let torque = model.inverse_dynamics(&q, &v, &a).unwrap();
     let acceleration = model.forward_dynamics(&q, &v, &tau).unwrap();
-    // The acceleration that is on the way is the one computed.
+    // The bound uses the computed acceleration.
     let allowed = Bounds::new(model, &q, &v, acceleration.as_slice()).acceleration(&tau);
     let nv = model.nv();
     let entry = |i: usize| bounds.rounding * bounds.roots[i / nv] * bounds.roots[i % nv];

@@ -1,17 +1,19 @@
-//! Elements copied under other names, those outside bodies with what they name, and the account of how many there are.
+//! Copies elements under new names, and limits the number of copies.
 
 use std::collections::{HashMap, HashSet};
 
-use super::Growth;
+use super::Expansion;
 use crate::MjcfError;
-use crate::renaming::{MOST, OUTER, Renaming, Sort, Suffixes, asset_name, of_element, references};
+use crate::renaming::{
+    COPY_LIMIT, OUTER_SECTIONS, ObjectKind, Renaming, Suffixes, asset_name, of_element, references,
+};
 use crate::tree::{Id, Node};
 
-/// How much the copy of an element counts, as it takes more memory than a name.
-const COPY: usize = 8;
+/// The weight of a copied element in the limit; a name has weight 1, because it takes less memory.
+const COPY_WEIGHT: usize = 8;
 
-impl Growth<'_> {
-    /// Those of the elements of a section that name nothing but what is there, in a section of their own behind the others.
+impl Expansion<'_> {
+    /// Copies the elements of a section whose references exist into a new section after the others.
     pub(super) fn copy_outer(
         &mut self,
         section: &'static str,
@@ -30,14 +32,15 @@ impl Growth<'_> {
             let (own, others): (Vec<_>, Vec<_>) = references(tree, element)
                 .into_iter()
                 .filter(|name| *name != ("body", "world".to_owned()))
-                .partition(|(sort, name)| self.names.contains(&(*sort, renaming.name(name))));
-            // Of a tendon and of a pair one that is attached is enough; the others are what has their names here.
+                .partition(|(kind, name)| self.names.contains(&(*kind, renaming.name(name))));
+            // For a tendon or a pair one attached name suffices; the other names refer to elements of this
+            // model.
             let is_shared = matches!(section, "tendon" | "contact");
             let is_here = |name| is_shared && self.names.contains(name);
             if section != "keyframe" && (own.is_empty() || !others.iter().all(is_here)) {
                 if renaming.classes.is_some() {
-                    let why = "it names something that is not attached with it: left out, as in MuJoCo";
-                    self.source.tree.left.push((element, why));
+                    let why = "it refers to an element that is not attached: omitted, as in MuJoCo";
+                    self.source.tree.omissions.push((element, why));
                 }
                 continue;
             }
@@ -54,16 +57,17 @@ impl Growth<'_> {
             own_copy.insert(element, copy);
         }
         if !copies.is_empty() {
-            let node = Node { name: section.into(), children: copies, ..self.tree().nodes[self.root].bare() };
+            let node =
+                Node { name: section.into(), children: copies, ..self.tree().nodes[self.root].empty_copy() };
             let section = self.source.tree.push(node);
             self.source.tree.nodes[self.root].children.push(section);
         }
         own_copy
     }
 
-    /// Each element outside bodies that names something in a replicate is there as often as that is.
+    /// Copies each element outside bodies that refers to a replicated element, once for each replica.
     pub(super) fn replicate(&mut self, id: Id) {
-        let inside = self.inside.pop().unwrap_or_default();
+        let inside = self.replicate_names.pop().unwrap_or_default();
         let Some(suffixes) = Suffixes::of(&self.tree().nodes[id]) else { return };
         if !self.count(inside.len().saturating_mul(suffixes.count)) {
             return;
@@ -78,12 +82,12 @@ impl Growth<'_> {
             self.parts.remove(name);
         }
         for suffix in &suffixes {
-            for (sort, name) in &inside {
-                self.enter((*sort, format!("{name}{suffix}")));
+            for (kind, name) in &inside {
+                self.enter((*kind, format!("{name}{suffix}")));
             }
         }
-        let mut inside: HashSet<(Sort, String)> = inside.into_iter().collect();
-        for section in OUTER {
+        let mut inside: HashSet<(ObjectKind, String)> = inside.into_iter().collect();
+        for section in OUTER_SECTIONS {
             let elements = self.tree().in_sections_of(self.root, section);
             if !self.count(elements.len() + self.tree().origins.len()) {
                 return;
@@ -94,9 +98,9 @@ impl Growth<'_> {
             if moved.is_empty() {
                 continue;
             }
-            // What names a tendon over it goes with that.
+            // Elements that refer to a copied tendon or actuator are copied, too.
             inside.extend(moved.iter().filter_map(|&element| of_element(&tree.nodes[element], section)));
-            self.source.tree.grown = true;
+            self.source.tree.has_copies = true;
             let gone: HashSet<Id> = moved.iter().copied().collect();
             for section in self.tree().children(self.root, section).collect::<Vec<_>>() {
                 self.source.tree.nodes[section].children.retain(|child| !gone.contains(child));
@@ -104,7 +108,7 @@ impl Growth<'_> {
             for (at, suffix) in suffixes.iter().enumerate() {
                 let renaming = Renaming { suffix, ..Renaming::default() };
                 let copies = self.copy_outer(section, &moved, &renaming);
-                // A pose that came with them holds for the first copies.
+                // The keyframes of an attached model hold for the first copies.
                 for origin in self.source.tree.origins.values_mut().filter(|_| at == 0) {
                     for own in
                         origin.actuators.iter_mut().filter(|own| own.is_some_and(|own| gone.contains(&own)))
@@ -116,7 +120,7 @@ impl Growth<'_> {
         }
     }
 
-    /// An element outside bodies; what is of another model has the classes of that.
+    /// Copies an element outside bodies. An element of another model keeps the classes of that model.
     pub(super) fn copy_whole(&mut self, from: Id, renaming: &Renaming<'_>) -> Option<Id> {
         let copy = self.copy(from, renaming, &mut HashMap::new())?;
         let node = &mut self.source.tree.nodes[copy];
@@ -133,19 +137,19 @@ impl Growth<'_> {
         Some(copy)
     }
 
-    /// Counts what is made; `false`, with an error, once it is too much.
+    /// Adds to the number of copies; `false`, with an error, above the limit.
     pub(super) fn count(&mut self, more: usize) -> bool {
         let before = self.source.copied;
         self.source.copied = before.saturating_add(more);
-        if before <= MOST && self.source.copied > MOST {
+        if before <= COPY_LIMIT && self.source.copied > COPY_LIMIT {
             let (line, place) = self.place(self.root);
-            let (what, limit) = ("elements in attached parts", MOST / COPY);
+            let (what, limit) = ("elements in attached parts", COPY_LIMIT / COPY_WEIGHT);
             self.source.errors.push(MjcfError::TooMany { line, place, what, limit });
         }
-        self.source.copied <= MOST
+        self.source.copied <= COPY_LIMIT
     }
 
-    /// An element with all that is in it, renamed; `None` where there are too many.
+    /// Copies an element and its descendants under new names; `None` above the limit.
     pub(super) fn copy(
         &mut self,
         from: Id,
@@ -154,14 +158,14 @@ impl Growth<'_> {
     ) -> Option<Id> {
         let mut pending = vec![from];
         while let Some(old) = pending.pop() {
-            if !self.count(COPY) {
+            if !self.count(COPY_WEIGHT) {
                 return None;
             }
             let node = &self.tree().nodes[old];
             let attributes = node.attributes.iter();
             let attributes =
                 attributes.map(|(name, text)| (name.clone(), renaming.attribute(node, name, text)));
-            let copy = Node { attributes: attributes.collect(), children: Vec::new(), ..node.bare() };
+            let copy = Node { attributes: attributes.collect(), children: Vec::new(), ..node.empty_copy() };
             pending.extend(&node.children);
             let copy = self.source.tree.push(copy);
             copies.insert(old, copy);

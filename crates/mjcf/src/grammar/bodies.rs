@@ -1,21 +1,21 @@
-//! Bodies and what is in them.
+//! Bodies and their content.
 
-use super::Sort::{Looks, Physics};
-use super::{Rule, flexible, read, rule};
+use super::Handling::{Appearance, Physics};
+use super::{Rule, deformable, read, rule};
 
-/// Where bodies and what is in them are found.
+/// The possible parents of bodies and their content.
 const BODIES: &[&str] = &["worldbody", "body", "frame", "replicate"];
-/// The same for what has defaults.
-const OR_DEFAULT: &[&str] = &["worldbody", "body", "frame", "replicate", "default"];
+/// The possible parents of elements that have defaults.
+const BODIES_OR_DEFAULT: &[&str] = &["worldbody", "body", "frame", "replicate", "default"];
 
-/// Elements of bodies, with those of `<default>` that stand behind them.
+/// Elements of bodies, and their defaults in `<default>`.
 pub(super) const RULES: &[Rule] = &[
     read(
         BODIES,
         "body",
         &["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mocap", "gravcomp"],
     )
-    .aside(&["sleep", "simple", "user"]),
+    .ignored(&["sleep", "simple", "user"]),
     read(BODIES, "frame", &["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"]),
     read(BODIES, "replicate", &["count", "offset", "euler", "sep", "childclass"]),
     read(
@@ -24,7 +24,7 @@ pub(super) const RULES: &[Rule] = &[
         &["pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mass", "diaginertia", "fullinertia"],
     ),
     read(
-        OR_DEFAULT,
+        BODIES_OR_DEFAULT,
         "joint",
         &[
             "name",
@@ -51,10 +51,10 @@ pub(super) const RULES: &[Rule] = &[
             "margin",
         ],
     )
-    .aside(&["group", "user"]),
-    read(BODIES, "freejoint", &["name", "align"]).aside(&["group"]),
+    .ignored(&["group", "user"]),
+    read(BODIES, "freejoint", &["name", "align"]).ignored(&["group"]),
     read(
-        OR_DEFAULT,
+        BODIES_OR_DEFAULT,
         "geom",
         &[
             "name",
@@ -89,19 +89,19 @@ pub(super) const RULES: &[Rule] = &[
             "material",
         ],
     )
-    .aside(&["fluidcoef", "user"])
+    .ignored(&["fluidcoef", "user"])
     .physics(&[("fluidshape", "none"), ("surfacevel", "0"), ("adhesion", "0")]),
     read(
-        OR_DEFAULT,
+        BODIES_OR_DEFAULT,
         "site",
         &["name", "class", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto", "type", "size"],
     )
-    .aside(&["group", "material", "rgba", "user"]),
-    rule(OR_DEFAULT, "camera", Looks),
-    rule(OR_DEFAULT, "light", Looks),
-    // An attachment that was made is a frame by now.
+    .ignored(&["group", "material", "rgba", "user"]),
+    rule(BODIES_OR_DEFAULT, "camera", Appearance),
+    rule(BODIES_OR_DEFAULT, "light", Appearance),
+    // An <attach> that was expanded has become a frame.
     read(BODIES, "attach", &["model", "body", "frame", "prefix"]),
     rule(BODIES, "plugin", Physics("the forces of a plugin are not in the model")),
-    flexible(BODIES, "composite"),
-    flexible(BODIES, "flexcomp"),
+    deformable(BODIES, "composite"),
+    deformable(BODIES, "flexcomp"),
 ];

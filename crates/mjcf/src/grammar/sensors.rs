@@ -1,17 +1,17 @@
-//! Sensors: those that are answered, with their attributes, and why the others are not.
+//! Sensors: the supported ones with their attributes, and the reasons for which the others are not supported.
 
-use super::Sort::Aside;
+use super::Handling::NotDynamics;
 use super::{Rule, read, rule};
 
-const WITHIN: &[&str] = &["sensor"];
+const PARENTS: &[&str] = &["sensor"];
 
-/// Attributes of every sensor that do not enter its value, or are told where they would.
-const SIDE: &[&str] = &["user", "nsample", "interp", "interval"];
+/// Attributes of every sensor that do not enter its value.
+const IGNORED: &[&str] = &["user", "nsample", "interp", "interval"];
 
-/// A sensor with these attributes beside those of every sensor.
+/// A sensor with these attributes in addition to those of every sensor.
 macro_rules! sensor {
     ($name:literal $(, $own:literal)*) => {
-        read(WITHIN, $name, &["name", "cutoff", "noise", "delay" $(, $own)*]).aside(SIDE)
+        read(PARENTS, $name, &["name", "cutoff", "noise", "delay" $(, $own)*]).ignored(IGNORED)
     };
 }
 
@@ -21,8 +21,8 @@ macro_rules! frame {
     };
 }
 
-const fn unanswered(name: &'static str, why: &'static str) -> Rule {
-    rule(WITHIN, name, Aside(why))
+const fn unsupported(name: &'static str, why: &'static str) -> Rule {
+    rule(PARENTS, name, NotDynamics(why))
 }
 
 pub(super) const RULES: &[Rule] = &[
@@ -66,13 +66,13 @@ pub(super) const RULES: &[Rule] = &[
     sensor!("e_potential"),
     sensor!("e_kinetic"),
     sensor!("clock"),
-    unanswered("rangefinder", "a sensor that is not answered: no rays are cast at shapes"),
-    unanswered("camprojection", "a sensor that is not answered: cameras are not in the model"),
-    unanswered("distance", "a sensor that is not answered: distances of shapes are not computed for it"),
-    unanswered("normal", "a sensor that is not answered: distances of shapes are not computed for it"),
-    unanswered("fromto", "a sensor that is not answered: distances of shapes are not computed for it"),
-    unanswered("contact", "a sensor that is not answered: a run's contacts are its own results"),
-    unanswered("tactile", "a sensor that is not answered: meshes have no pressure"),
-    unanswered("user", "a sensor that is not answered: a program computes it"),
-    unanswered("plugin", "a sensor that is not answered: a plugin computes it"),
+    unsupported("rangefinder", "sensor not supported: rays to shapes are not computed"),
+    unsupported("camprojection", "sensor not supported: cameras are not in the model"),
+    unsupported("distance", "sensor not supported: distances between shapes are not computed"),
+    unsupported("normal", "sensor not supported: distances between shapes are not computed"),
+    unsupported("fromto", "sensor not supported: distances between shapes are not computed"),
+    unsupported("contact", "sensor not supported: contacts are results of the simulation"),
+    unsupported("tactile", "sensor not supported: pressures on meshes are not computed"),
+    unsupported("user", "sensor not supported: a user program computes its value"),
+    unsupported("plugin", "sensor not supported: a plugin computes its value"),
 ];

@@ -1,12 +1,12 @@
-//! `<actuator>`.
+//! Writes `<actuator>`.
 
-use multibody::{Activation, ActuatorDescription, Affine, JointKind, Transmission};
-use robot_xml::excerpt;
+use robot_dynamics_description::{Activation, ActuatorDescription, Affine, JointKind, Transmission};
+use robot_dynamics_xml::excerpt;
 
-use super::Writing;
+use super::MjcfWriter;
 
-impl Writing<'_> {
-    pub(super) fn actuators(&mut self) {
+impl MjcfWriter<'_> {
+    pub(super) fn write_actuators(&mut self) {
         let robot = self.robot;
         if robot.actuators.is_empty() {
             return;
@@ -15,22 +15,22 @@ impl Writing<'_> {
         for (index, actuator) in robot.actuators.iter().enumerate() {
             let place = format!("actuator {:?}", excerpt(&actuator.name));
             if let Some(reason) = self.reason_against(actuator) {
-                self.lost(&place, format!("left out: {reason}"));
+                self.add_loss(&place, format!("omitted: {reason}"));
                 continue;
             }
-            self.actuator(&place, actuator);
+            self.write_actuator(&place, actuator);
             self.written_actuators.push(index);
         }
         self.xml.end();
     }
 
-    /// Why the format cannot say it.
+    /// The reason for which MJCF cannot represent an actuator.
     fn reason_against(&self, actuator: &ActuatorDescription) -> Option<&'static str> {
         let ActuatorDescription { gain, bias, .. } = actuator;
-        // The format takes a servo whose velocity gain is positive for one that names a damping ratio.
+        // In MJCF a positive velocity bias of a servo is a damping ratio.
         let is_servo = gain.length == 0.0 && gain.velocity == 0.0 && gain.constant == -bias.length;
         if is_servo && bias.velocity > 0.0 {
-            return Some("the format reads a servo's negative damping as a damping ratio");
+            return Some("MJCF reads the negative damping of a servo as a damping ratio");
         }
         match &actuator.transmission {
             Transmission::Joint { joint, gear } => {
@@ -38,10 +38,10 @@ impl Writing<'_> {
                 match kind {
                     Some(JointKind::Fixed) | None => Some("its joint is locked"),
                     Some(JointKind::Universal { .. } | JointKind::Planar { .. }) => {
-                        Some("its joint becomes several of the format")
+                        Some("its joint becomes several joints in MJCF")
                     }
                     Some(JointKind::Floating) if gear[..3] != [0.0; 3] => {
-                        Some("in the format forces on a free joint are along the world's axes")
+                        Some("in MJCF forces on a free joint are along the axes of the world")
                     }
                     _ => None,
                 }
@@ -50,19 +50,18 @@ impl Writing<'_> {
                 let tendon = self.robot.tendons.iter().find(|own| own.name == *tendon);
                 let moves =
                     tendon.is_some_and(|tendon| tendon.terms.iter().any(|(joint, _)| !self.is_locked(joint)));
-                (!moves).then_some("none of its tendon's joints moves")
+                (!moves).then_some("no joint of its tendon moves")
             }
             Transmission::Frame { .. } => None,
-            _ => Some("the format has no transmission of its kind"),
         }
     }
 
-    fn actuator(&mut self, place: &str, actuator: &ActuatorDescription) {
+    fn write_actuator(&mut self, place: &str, actuator: &ActuatorDescription) {
         self.xml.start("general").attribute("name", &actuator.name);
         match &actuator.transmission {
             Transmission::Joint { joint, gear } => {
                 self.xml.attribute("joint", joint);
-                self.gear(gear);
+                self.write_gear(gear);
             }
             Transmission::Tendon { tendon, gear } => {
                 self.xml.attribute("tendon", tendon).unless("gear", *gear, 1.0);
@@ -70,12 +69,11 @@ impl Writing<'_> {
             Transmission::Frame { frame, gear } => {
                 let site = self.link_sites.get(frame.as_str()).unwrap_or(frame).clone();
                 self.xml.attribute("site", &site);
-                self.gear(gear);
+                self.write_gear(gear);
             }
-            _ => {}
         }
-        self.range(place, "ctrlrange", actuator.control_range);
-        self.range(place, "forcerange", actuator.force_range);
+        self.write_range(place, "ctrlrange", actuator.control_range);
+        self.write_range(place, "forcerange", actuator.force_range);
         match actuator.activation {
             Activation::None => {}
             Activation::Integrator => {
@@ -84,21 +82,20 @@ impl Writing<'_> {
             Activation::Filter { time_constant } => {
                 self.xml.attribute("dyntype", "filterexact").numbers("dynprm", &[time_constant]);
             }
-            _ => self.lost(place, "how its control becomes its activation: the format cannot say it"),
         }
-        self.law("gain", &actuator.gain);
-        self.law("bias", &actuator.bias);
+        self.write_law("gain", &actuator.gain);
+        self.write_law("bias", &actuator.bias);
         self.xml.end();
     }
 
-    fn gear(&mut self, gear: &[f64; 6]) {
+    fn write_gear(&mut self, gear: &[f64; 6]) {
         if *gear != [1.0, 0.0, 0.0, 0.0, 0.0, 0.0] {
             self.xml.numbers("gear", gear);
         }
     }
 
-    /// The format's default is a gain of 1 and no bias.
-    fn law(&mut self, what: &str, law: &Affine) {
+    /// Writes gain or bias, whose defaults are 1 and 0.
+    fn write_law(&mut self, what: &str, law: &Affine) {
         let Affine { constant, length, velocity } = *law;
         if length != 0.0 || velocity != 0.0 || (what == "bias" && constant != 0.0) {
             self.xml.attribute(&format!("{what}type"), "affine");

@@ -1,23 +1,23 @@
-//! `<worldbody>`: bodies with their inertia, joints, shapes and sites.
+//! Writes `<worldbody>`: bodies with their inertia, joints, shapes and sites.
 
 use std::collections::HashSet;
 
-use multibody::{Base, JointKind, Pose, Quaternion, Transmission};
-use robot_xml::excerpt;
+use robot_dynamics_description::{Base, JointKind, Pose, Quaternion, Transmission};
+use robot_dynamics_xml::excerpt;
 
-use super::Writing;
+use super::MjcfWriter;
 use super::chain::Body;
 
-/// Deepest nesting of bodies, for readers that refuse more (MuJoCo among them).
-const DEEPEST: usize = 490;
+/// The deepest nesting of bodies, below the limit of MuJoCo's parser.
+const DEPTH_LIMIT: usize = 490;
 
 enum Step {
     Begin(Body),
     End,
 }
 
-impl<'r> Writing<'r> {
-    /// Gives each frame its site, and each link that an actuator or a connection acts on one of its own.
+impl<'r> MjcfWriter<'r> {
+    /// Assigns a site to each frame, and to each link that an actuator or a connection acts on.
     pub(super) fn plan_sites(&mut self) {
         let robot = self.robot;
         for frame in &robot.frames {
@@ -33,9 +33,9 @@ impl<'r> Writing<'r> {
         }
         self.plan_sensor_sites();
         for (index, equality) in robot.equalities.iter().enumerate() {
-            if let multibody::Equality::Connect { a, b } = &equality.kind {
+            if let robot_dynamics_description::Equality::Connect { a, b } = &equality.kind {
                 let names = [("1", a), ("2", b)].map(|(number, (link, point))| {
-                    let name = self.site_names.free(&format!("{}_site{number}", equality.name));
+                    let name = self.site_names.unique(&format!("{}_site{number}", equality.name));
                     self.sites.entry(link).or_default().push((name.clone(), Pose::from_translation(*point)));
                     name
                 });
@@ -44,37 +44,37 @@ impl<'r> Writing<'r> {
         }
     }
 
-    /// A site where the link's own frame is.
+    /// Assigns a site at the frame of a link.
     pub(super) fn plan_link_site(&mut self, link: &'r str) {
         if !self.link_sites.contains_key(link) {
-            let name = self.site_names.free(&format!("{link}_site"));
+            let name = self.site_names.unique(&format!("{link}_site"));
             self.sites.entry(link).or_default().push((name.clone(), Pose::IDENTITY));
             self.link_sites.insert(link, name);
         }
     }
 
-    pub(super) fn bodies(&mut self) {
+    pub(super) fn write_bodies(&mut self) {
         let (robot, named) = (self.robot, self.named_links());
         let has_mass = self.moves_mass();
         self.xml.start("worldbody");
         let mut pending = Vec::new();
         if self.root_is_world() {
             if robot.links[self.root].mass_properties.is_some() {
-                self.note("link \"world\"", "its mass, which moves nothing: the format's world has none");
+                self.add_note("link \"world\"", "its mass is omitted: the world has none in MJCF");
             }
-            self.shapes_and_sites(self.root, true);
+            self.write_shapes_and_sites(self.root, true);
             self.push_children(self.root, true, &named, &mut pending);
         } else {
-            let stands = robot.base == Base::Fixed;
+            let is_fixed_to_world = robot.base == Base::Fixed;
             pending.push(Step::Begin(Body {
                 link: self.root,
                 joints: Vec::new(),
                 place: Pose::IDENTITY,
-                stands,
+                is_fixed_to_world,
             }));
         }
         let mut depth = 0_usize;
-        // Floating links under a link that stands are bodies of the world.
+        // Floating children of a fixed link are written as children of the world.
         let mut floating = Vec::new();
         loop {
             match pending.pop() {
@@ -86,14 +86,14 @@ impl<'r> Writing<'r> {
                         continue;
                     }
                     depth += 1;
-                    if depth == DEEPEST {
+                    if depth == DEPTH_LIMIT {
                         let message =
-                            format!("bodies are nested deeper than {DEEPEST}, which MuJoCo refuses");
+                            format!("bodies are nested deeper than {DEPTH_LIMIT}, which MuJoCo refuses");
                         self.unwritable.push(message);
                     }
-                    self.body(&body, &has_mass);
+                    self.write_body(&body, &has_mass);
                     pending.push(Step::End);
-                    self.push_children(body.link, body.stands, &named, &mut pending);
+                    self.push_children(body.link, body.is_fixed_to_world, &named, &mut pending);
                 }
                 Some(Step::End) => {
                     self.xml.end();
@@ -108,29 +108,35 @@ impl<'r> Writing<'r> {
         self.xml.end();
     }
 
-    /// The bodies below a link, the first on top.
-    fn push_children(&mut self, link: usize, stands: bool, named: &HashSet<usize>, pending: &mut Vec<Step>) {
+    /// Pushes the children of a link, the first one on top.
+    fn push_children(
+        &mut self,
+        link: usize,
+        is_fixed_to_world: bool,
+        named: &HashSet<usize>,
+        pending: &mut Vec<Step>,
+    ) {
         for at in (0..self.below[link].len()).rev() {
             let joint = self.below[link][at];
             let own = &self.robot.joints[joint];
-            let body = self.body_of(joint, stands, named);
+            let body = self.body_of(joint, is_fixed_to_world, named);
             if own.kind == JointKind::Floating {
-                if !stands || link != self.root {
+                if !is_fixed_to_world || link != self.root {
                     let place = super::joint_place(&own.name);
-                    self.unwritable.push(format!("{place}: in the format only bodies of the world float"));
+                    self.unwritable.push(format!("{place}: in MJCF only children of the world can float"));
                 } else if own.parent_from_joint != Pose::IDENTITY {
-                    let message = "its position counts from the world's frame, and no longer from its own";
-                    self.lost(&super::joint_place(&own.name), message);
+                    let message = "its position becomes relative to the frame of the world";
+                    self.add_loss(&super::joint_place(&own.name), message);
                 }
             }
             pending.push(Step::Begin(body));
         }
     }
 
-    fn body(&mut self, body: &Body, has_mass: &[bool]) {
+    fn write_body(&mut self, body: &Body, has_mass: &[bool]) {
         let link = &self.robot.links[body.link];
         self.xml.start("body").attribute("name", &self.body_names[body.link]);
-        self.placement(&body.place);
+        self.write_placement(&body.place);
         self.xml.unless("gravcomp", link.gravity_compensation, 0.0);
         if let Some(own) = &link.mass_properties {
             let (center, i) = (own.center_of_mass(), own.inertia_about_center_of_mass());
@@ -144,18 +150,18 @@ impl<'r> Writing<'r> {
             }
             self.xml.end();
         }
-        self.joints(body);
+        self.write_joints(body);
         let floats = body.link == self.root && self.robot.base == Base::Floating;
         let moves = floats || body.joints.iter().any(|&joint| self.robot.joints[joint].kind.nv() > 0);
         if moves && !has_mass[body.link] {
             let message = "it moves without mass, which MuJoCo refuses";
-            self.note(&format!("link {:?}", excerpt(&link.name)), message);
+            self.add_note(&format!("link {:?}", excerpt(&link.name)), message);
         }
-        self.shapes_and_sites(body.link, body.stands);
+        self.write_shapes_and_sites(body.link, body.is_fixed_to_world);
     }
 
-    /// `pos` and `quat`, each where it says something.
-    pub(super) fn placement(&mut self, pose: &Pose) {
+    /// Writes `pos` and `quat`, each unless it is the identity.
+    pub(super) fn write_placement(&mut self, pose: &Pose) {
         if pose.translation != [0.0; 3] {
             self.xml.numbers("pos", &pose.translation);
         }
@@ -164,24 +170,24 @@ impl<'r> Writing<'r> {
         }
     }
 
-    fn shapes_and_sites(&mut self, link: usize, stands: bool) {
+    fn write_shapes_and_sites(&mut self, link: usize, is_fixed_to_world: bool) {
         let name = self.robot.links[link].name.as_str();
         for (shape, asset) in self.shapes.remove(name).unwrap_or_default() {
-            self.shape(shape, asset.as_deref(), stands);
+            self.write_shape(shape, asset.as_deref(), is_fixed_to_world);
         }
         for (name, place) in self.sites.remove(name).unwrap_or_default() {
             self.xml.start("site").attribute("name", &name);
-            self.site_form(&name);
-            self.placement(&place);
+            self.write_site_shape(&name);
+            self.write_placement(&place);
             self.xml.end();
         }
     }
 
-    /// Which links have mass, or carry a link with mass that is fixed to them.
+    /// Whether each link, or a link fixed to it, has mass.
     fn moves_mass(&self) -> Vec<bool> {
         let robot = self.robot;
         let mut has_mass: Vec<bool> = robot.links.iter().map(|link| link.mass_properties.is_some()).collect();
-        // Parents before children, so that the way back passes it on.
+        // Parents before children, so that the reverse order propagates masses to the parents.
         let (mut order, mut at) = (vec![self.root], 0);
         while at < order.len() {
             let children = self.below[order[at]].iter();

@@ -1,27 +1,28 @@
-//! Which joints are written into one body: MuJoCo refuses to move a link without mass.
+//! Groups joints into bodies: links without mass between joints are omitted, because MuJoCo refuses to move
+//! them.
 
 use std::collections::HashSet;
 
-use multibody::{Equality, JointKind, Pose, SensorObject, Transmission};
+use robot_dynamics_description::{Equality, JointKind, Pose, SensorObject, Transmission};
 
-use super::Writing;
+use super::MjcfWriter;
 
-/// The most freedoms of a body.
-const FREEDOMS: usize = 6;
+/// The largest number of degrees of freedom of a body.
+const DOF_LIMIT: usize = 6;
 
 /// A body to be written.
 pub(super) struct Body {
     pub(super) link: usize,
-    /// The joints that move it, from its parent on.
+    /// The joints between its parent and it, in order.
     pub(super) joints: Vec<usize>,
-    /// In the body that it is in, where all joints are at zero.
+    /// The pose in its parent with all joints at zero.
     pub(super) place: Pose,
-    /// Whether it stands in the world.
-    pub(super) stands: bool,
+    /// Whether it is fixed to the world.
+    pub(super) is_fixed_to_world: bool,
 }
 
-impl Writing<'_> {
-    /// The links that something names, and which must have a body of their own.
+impl MjcfWriter<'_> {
+    /// The links that other elements refer to, which need a body of their own.
     pub(super) fn named_links(&self) -> HashSet<usize> {
         let robot = self.robot;
         let mut names: Vec<&str> = robot.shapes.iter().map(|shape| shape.link.as_str()).collect();
@@ -32,7 +33,7 @@ impl Writing<'_> {
                 Equality::Connect { a: (a, _), b: (b, _) } | Equality::Weld { a, b, .. } => {
                     names.extend([a.as_str(), b]);
                 }
-                _ => {}
+                Equality::Joints { .. } => {}
             }
         }
         for actuator in &robot.actuators {
@@ -50,14 +51,15 @@ impl Writing<'_> {
         names.into_iter().filter_map(|name| self.link_index.get(name).copied()).collect()
     }
 
-    /// The body at the end of a joint, with the joints that follow it over links without mass, nothing named on them.
-    pub(super) fn body_of(&mut self, joint: usize, stands: bool, named: &HashSet<usize>) -> Body {
+    /// The body after a joint. Joints after links without mass and without references belong to the same
+    /// body.
+    pub(super) fn body_of(&mut self, joint: usize, is_fixed_to_world: bool, named: &HashSet<usize>) -> Body {
         let robot = self.robot;
         let mut joints = vec![joint];
-        // A free body's spring rests where the file places the body.
+        // The spring of a free body is at rest in the pose of the file.
         let rest = robot.joints[joint].spring.filter(|_| robot.joints[joint].kind == JointKind::Floating);
         let mut place = rest.map_or(robot.joints[joint].parent_from_joint, |spring| spring.rest);
-        let mut freedoms = robot.joints[joint].kind.nv();
+        let mut dofs = robot.joints[joint].kind.nv();
         loop {
             let last = &robot.joints[joints[joints.len() - 1]];
             let link = self.link_index[last.child.as_str()];
@@ -66,8 +68,9 @@ impl Writing<'_> {
                 _ => break,
             };
             let after = &robot.joints[next];
-            let count = freedoms + after.kind.nv();
-            // A quaternion is along the body's axes, and so must be those of the joints behind it.
+            let count = dofs + after.kind.nv();
+            // The quaternion of a ball joint refers to the axes of the body, so later joints must not be
+            // rotated.
             let turns_freely = joints.iter().any(|&joint| robot.joints[joint].kind == JointKind::Spherical);
             let is_turned = after.parent_from_joint.rotation != Pose::IDENTITY.rotation;
             let is_free = |kind: JointKind| matches!(kind, JointKind::Floating | JointKind::Fixed);
@@ -75,23 +78,22 @@ impl Writing<'_> {
             if is_free(last.kind)
                 || after.kind == JointKind::Floating
                 || (after.kind == JointKind::Fixed && !readers_own)
-                || count > FREEDOMS
+                || count > DOF_LIMIT
                 || (turns_freely && is_turned)
             {
                 break;
             }
             if !readers_own {
-                let message =
-                    "without mass between two joints, which MuJoCo refuses: both joints are the next body's";
-                self.note(&format!("link {:?}", robot.links[link].name), message);
+                let message = "no mass between two joints, which MuJoCo refuses: both joints become those of the next body";
+                self.add_note(&format!("link {:?}", robot.links[link].name), message);
             }
             place = place.compose(&after.parent_from_joint);
-            freedoms = count;
+            dofs = count;
             joints.push(next);
         }
         let link = self.link_index[robot.joints[joints[joints.len() - 1]].child.as_str()];
         let moves = joints.iter().any(|&joint| robot.joints[joint].kind != JointKind::Fixed);
-        Body { link, joints, place, stands: stands && !moves }
+        Body { link, joints, place, is_fixed_to_world: is_fixed_to_world && !moves }
     }
 
     fn is_bare(&self, link: usize) -> bool {
@@ -99,8 +101,9 @@ impl Writing<'_> {
         link.mass_properties.is_none() && !self.link_sites.contains_key(link.name.as_str())
     }
 
-    /// Whether the root link is the world's own body.
+    /// Whether the root link is the world body.
     pub(super) fn root_is_world(&self) -> bool {
-        self.robot.base == multibody::Base::Fixed && self.robot.links[self.root].name == "world"
+        self.robot.base == robot_dynamics_description::Base::Fixed
+            && self.robot.links[self.root].name == "world"
     }
 }

@@ -1,31 +1,31 @@
-//! `<joint>` and `<freejoint>`.
+//! Writes `<joint>` and `<freejoint>`.
 
-use multibody::{JointDescription, JointKind, PassiveForces, Pose, Softness};
+use robot_dynamics_description::{JointDescription, JointKind, PassiveForces, Pose, Softness};
 
 use super::chain::Body;
-use super::{Writing, joint_place};
+use super::{MjcfWriter, joint_place};
 
-/// A joint of the file: its type, and its axis in the joint's frame.
-type Single = (&'static str, Option<[f64; 3]>);
+/// A joint of the file: its type, and its axis in the frame of the joint.
+type FileJoint = (&'static str, Option<[f64; 3]>);
 
-/// What a joint is made of in the file.
-pub(super) fn singles(kind: &JointKind) -> Vec<Single> {
+/// The joints of the file that represent a joint.
+pub(super) fn file_joints(kind: &JointKind) -> Vec<FileJoint> {
     match *kind {
         JointKind::Revolute { axis } | JointKind::Continuous { axis } => vec![("hinge", Some(axis))],
         JointKind::Prismatic { axis } => vec![("slide", Some(axis))],
         JointKind::Universal { first, second } => vec![("hinge", Some(first)), ("hinge", Some(second))],
         JointKind::Planar { normal } => {
-            let [x, y] = plane(normal);
+            let [x, y] = planar_axes(normal);
             vec![("slide", Some(x)), ("slide", Some(y)), ("hinge", Some(normal))]
         }
         JointKind::Spherical => vec![("ball", None)],
         JointKind::Floating => vec![("free", None)],
-        _ => Vec::new(), // none, or refused
+        _ => Vec::new(), // fixed joints, and types that are refused
     }
 }
 
-/// The axes of a planar joint: see [`JointKind::Planar`].
-fn plane(normal: [f64; 3]) -> [[f64; 3]; 2] {
+/// The two translation axes of a planar joint: see [`JointKind::Planar`].
+fn planar_axes(normal: [f64; 3]) -> [[f64; 3]; 2] {
     let [a, b, c] = normal.map(f64::abs);
     let largest = if a >= b && a >= c {
         0
@@ -41,25 +41,25 @@ fn plane(normal: [f64; 3]) -> [[f64; 3]; 2] {
     [x.into(), n.cross(&x).into()]
 }
 
-impl Writing<'_> {
-    /// The names of a joint's parts in the file.
-    pub(super) fn parts(joint: &JointDescription) -> Vec<String> {
+impl MjcfWriter<'_> {
+    /// The names of the joints of the file that represent a joint.
+    pub(super) fn file_joint_names(joint: &JointDescription) -> Vec<String> {
         if matches!(joint.kind, JointKind::Spherical | JointKind::Floating) {
             return vec![joint.name.clone()];
         }
         joint.kind.positions().iter().map(|position| position.of_joint(&joint.name)).collect()
     }
 
-    pub(super) fn joints(&mut self, body: &Body) {
+    pub(super) fn write_joints(&mut self, body: &Body) {
         let robot = self.robot;
-        if body.joints.is_empty() && robot.base == multibody::Base::Floating {
-            let name = self.joint_names.free(&robot.floating_base_name());
+        if body.joints.is_empty() && robot.base == robot_dynamics_description::Base::Floating {
+            let name = self.joint_names.unique(&robot.floating_base_name());
             self.xml.start("freejoint").attribute("name", &name).end();
             self.order.push(None);
         }
         for (at, &index) in body.joints.iter().enumerate() {
             let joint = &robot.joints[index];
-            // The joint's frame in the body's, all joints at zero.
+            // The frame of the joint in the body, with all joints at zero.
             let rest = body.joints[at + 1..].iter();
             let joint_from_body =
                 rest.fold(Pose::IDENTITY, |pose, &next| pose.compose(&robot.joints[next].parent_from_joint));
@@ -67,7 +67,9 @@ impl Writing<'_> {
             if joint.kind != JointKind::Fixed {
                 self.order.push(Some(index));
             }
-            for ((word, axis), name) in singles(&joint.kind).into_iter().zip(Self::parts(joint)) {
+            for ((word, axis), name) in
+                file_joints(&joint.kind).into_iter().zip(Self::file_joint_names(joint))
+            {
                 let is_plain = joint.passive == PassiveForces::default()
                     && joint.spring.is_none()
                     && joint.higher_terms.is_zero();
@@ -85,14 +87,14 @@ impl Writing<'_> {
                 if let Some(axis) = axis {
                     self.xml.numbers("axis", &body_from_joint.rotate(axis));
                 }
-                self.properties(joint, axis.is_some());
+                self.write_properties(joint, axis.is_some());
                 self.xml.end();
             }
         }
     }
 
-    /// How limits or friction yield, where that is not as MuJoCo has it.
-    pub(super) fn softness(&mut self, of: &str, softness: &Softness) {
+    /// Writes the softness of limits or friction, unless it is MuJoCo's default.
+    pub(super) fn write_softness(&mut self, of: &str, softness: &Softness) {
         let usual = Softness::default();
         if softness.solref != usual.solref {
             self.xml.numbers(&format!("solref{of}"), &softness.solref);
@@ -102,8 +104,8 @@ impl Writing<'_> {
         }
     }
 
-    /// As many coefficients as say something.
-    pub(super) fn polynomial(&mut self, name: &str, linear: f64, higher: [f64; 2]) {
+    /// Writes a polynomial without trailing zeros: one coefficient if it is linear.
+    pub(super) fn write_polynomial(&mut self, name: &str, linear: f64, higher: [f64; 2]) {
         if higher == [0.0; 2] {
             self.xml.unless(name, linear, 0.0);
         } else {
@@ -111,29 +113,29 @@ impl Writing<'_> {
         }
     }
 
-    fn properties(&mut self, joint: &JointDescription, is_single: bool) {
+    fn write_properties(&mut self, joint: &JointDescription, is_single: bool) {
         let place = joint_place(&joint.name);
         let limits = &joint.limits;
         let range = [limits.lower, limits.upper];
         if is_single {
-            self.range(&place, "range", range);
+            self.write_range(&place, "range", range);
         } else if range.iter().any(|bound| bound.is_finite()) {
-            self.lost(&place, format!("bounds {range:?} of its position: the format has none for its kind"));
+            self.add_loss(&place, format!("position bounds {range:?}: not supported by MJCF for its type"));
         }
         if joint.kind == JointKind::Spherical && limits.turn.is_finite() {
-            self.range(&place, "range", [0.0, limits.turn]);
+            self.write_range(&place, "range", [0.0, limits.turn]);
         }
         let PassiveForces { armature, damping, friction, stiffness, rest, .. } = joint.passive;
         let spring = joint.spring.unwrap_or_default();
         if joint.kind == JointKind::Spherical && spring.rest.rotation != Pose::IDENTITY.rotation {
-            self.lost(&place, "its spring rests in the file's own pose, and no longer where it did");
+            self.add_loss(&place, "the rest pose of its spring becomes the pose of the file");
         }
-        self.polynomial("stiffness", stiffness + spring.stiffness, joint.higher_terms.stiffness);
-        self.polynomial("damping", damping, joint.higher_terms.damping);
+        self.write_polynomial("stiffness", stiffness + spring.stiffness, joint.higher_terms.stiffness);
+        self.write_polynomial("damping", damping, joint.higher_terms.damping);
         self.xml.unless("springref", rest, 0.0).unless("armature", armature, 0.0);
         self.xml.unless("frictionloss", friction, 0.0);
-        self.softness("limit", &joint.softness.limit);
-        self.softness("friction", &joint.softness.friction);
+        self.write_softness("limit", &joint.softness.limit);
+        self.write_softness("friction", &joint.softness.friction);
         self.xml.unless("margin", joint.softness.margin, 0.0);
         if joint.actuator_compensates_gravity {
             self.xml.attribute("actuatorgravcomp", "true");
@@ -144,15 +146,12 @@ impl Writing<'_> {
             joint.actuator_force_range
         };
         if is_single && forces[0] < forces[1] {
-            self.range(&place, "actuatorfrcrange", forces);
+            self.write_range(&place, "actuatorfrcrange", forces);
         } else if forces.iter().any(|bound| bound.is_finite()) {
-            self.note(
-                &place,
-                format!("forces of its motors within {forces:?}: the format cannot say it here"),
-            );
+            self.add_note(&place, format!("bounds {forces:?} on its actuator forces: not supported by MJCF"));
         }
         if limits.velocity.is_finite() {
-            self.note(&place, format!("a bound on its velocity, {}: the format has none", limits.velocity));
+            self.add_note(&place, format!("a velocity bound of {}: not supported by MJCF", limits.velocity));
         }
     }
 }

@@ -1,11 +1,11 @@
-//! `<keyframe>`.
+//! Writes `<keyframe>`.
 
-use multibody::{JointDescription, JointKind, NamedPose, Quaternion};
+use robot_dynamics_description::{JointDescription, JointKind, NamedPose, Quaternion};
 
-use super::Writing;
+use super::MjcfWriter;
 
-impl Writing<'_> {
-    pub(super) fn poses(&mut self) {
+impl MjcfWriter<'_> {
+    pub(super) fn write_poses(&mut self) {
         let robot = self.robot;
         if robot.poses.is_empty() {
             return;
@@ -15,8 +15,8 @@ impl Writing<'_> {
             let (mut q, mut v) = (Vec::new(), Vec::new());
             for &joint in &self.order {
                 match joint {
-                    Some(joint) => self.stretch(pose, &robot.joints[joint], &mut q, &mut v),
-                    None => free(pose, &robot.floating_base_name(), &mut q, &mut v),
+                    Some(joint) => self.push_joint(pose, &robot.joints[joint], &mut q, &mut v),
+                    None => push_free_joint(pose, &robot.floating_base_name(), &mut q, &mut v),
                 }
             }
             self.xml.start("key").attribute("name", &pose.name).numbers("qpos", &q);
@@ -33,18 +33,18 @@ impl Writing<'_> {
         self.xml.end();
     }
 
-    /// A joint's numbers in the format's order: those of a follower from its leader's.
-    fn stretch(&self, pose: &NamedPose, joint: &JointDescription, q: &mut Vec<f64>, v: &mut Vec<f64>) {
+    /// Adds the numbers of a joint in the order of MJCF. Those of a mimic joint follow from its leader.
+    fn push_joint(&self, pose: &NamedPose, joint: &JointDescription, q: &mut Vec<f64>, v: &mut Vec<f64>) {
         match joint.kind {
-            JointKind::Floating => free(pose, &joint.name, q, v),
+            JointKind::Floating => push_free_joint(pose, &joint.name, q, v),
             JointKind::Spherical => {
-                let own = of(&pose.positions, &joint.name);
+                let own = numbers_of(&pose.positions, &joint.name);
                 let [x, y, z, w] = own.and_then(|own| own.try_into().ok()).unwrap_or([0.0, 0.0, 0.0, 1.0]);
                 q.extend([w, x, y, z]);
-                v.extend(padded(of(&pose.velocities, &joint.name), 3));
+                v.extend(pad(numbers_of(&pose.velocities, &joint.name), 3));
             }
             _ => {
-                // A follower's are its leader's, times its ratio; leaders of leaders likewise.
+                // Composes the ratios and offsets along the chain of leaders.
                 let (mut at, mut ratio, mut offset) = (joint, 1.0, 0.0);
                 while let Some(mimic) = &at.mimic {
                     (offset, ratio) = (offset + ratio * mimic.offset, ratio * mimic.ratio);
@@ -54,31 +54,33 @@ impl Writing<'_> {
                     at = leader;
                 }
                 let count = joint.kind.nv();
-                let (own_q, own_v) = (of(&pose.positions, &at.name), of(&pose.velocities, &at.name));
-                q.extend(padded(own_q, count).map(|x| ratio * x + offset));
-                v.extend(padded(own_v, count).map(|x| ratio * x));
+                let (own_q, own_v) =
+                    (numbers_of(&pose.positions, &at.name), numbers_of(&pose.velocities, &at.name));
+                q.extend(pad(own_q, count).map(|x| ratio * x + offset));
+                v.extend(pad(own_v, count).map(|x| ratio * x));
             }
         }
     }
 }
 
-/// A free body's place and quaternion, w first, and its velocities: the linear one along the world's axes.
-fn free(pose: &NamedPose, joint: &str, q: &mut Vec<f64>, v: &mut Vec<f64>) {
-    let own = of(&pose.positions, joint).and_then(|own| <[f64; 7]>::try_from(own).ok());
+/// Adds the position and quaternion (w first) of a free body, and its velocity with the linear part in world
+/// axes.
+fn push_free_joint(pose: &NamedPose, joint: &str, q: &mut Vec<f64>, v: &mut Vec<f64>) {
+    let own = numbers_of(&pose.positions, joint).and_then(|own| <[f64; 7]>::try_from(own).ok());
     let [a, b, c, x, y, z, w] = own.unwrap_or([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
     q.extend([a, b, c, w, x, y, z]);
-    let own: Vec<f64> = padded(of(&pose.velocities, joint), 6).collect();
+    let own: Vec<f64> = pad(numbers_of(&pose.velocities, joint), 6).collect();
     let turn = Quaternion::from_xyzw([x, y, z, w]).normalized();
     v.extend(turn.rotate([own[0], own[1], own[2]]));
     v.extend(&own[3..]);
 }
 
-fn of<'p>(list: &'p [(String, Vec<f64>)], joint: &str) -> Option<&'p [f64]> {
+fn numbers_of<'p>(list: &'p [(String, Vec<f64>)], joint: &str) -> Option<&'p [f64]> {
     list.iter().find(|(name, _)| name == joint).map(|(_, own)| own.as_slice())
 }
 
-/// These numbers, zeros behind them.
-fn padded(own: Option<&[f64]>, count: usize) -> impl Iterator<Item = f64> {
+/// The numbers, followed by zeros.
+fn pad(own: Option<&[f64]>, count: usize) -> impl Iterator<Item = f64> {
     let own = own.unwrap_or_default();
     own.iter().copied().chain(core::iter::repeat(0.0)).take(count)
 }

@@ -1,13 +1,13 @@
-//! `<sensor>`.
+//! Writes `<sensor>`.
 
-use multibody::{SensorDescription, SensorKind, SensorObject, Shape};
-use robot_xml::excerpt;
+use robot_dynamics_description::{SensorDescription, SensorKind, SensorObject, Shape};
+use robot_dynamics_xml::excerpt;
 
-use super::Writing;
+use super::MjcfWriter;
 use crate::sensor::MAGNETIC;
 
-impl Writing<'_> {
-    /// Sites for the sensors that the format puts on sites, with the forms of their zones.
+impl MjcfWriter<'_> {
+    /// Assigns sites to the sensors that need one, with the shapes of their zones.
     pub(super) fn plan_sensor_sites(&mut self) {
         for sensor in &self.robot.sensors {
             let Some(SensorObject::Named(name)) = site_of(sensor) else { continue };
@@ -26,8 +26,8 @@ impl Writing<'_> {
         self.link_sites.get(name).cloned().unwrap_or_else(|| name.to_owned())
     }
 
-    /// The form of a site that is a sensor's zone.
-    pub(super) fn site_form(&mut self, site: &str) {
+    /// Writes the shape of a site that is the zone of a sensor.
+    pub(super) fn write_site_shape(&mut self, site: &str) {
         let Some(zone) = self.zones.get(site) else { return };
         let (form, size) = match **zone {
             Shape::Sphere { radius } => ("sphere", vec![radius]),
@@ -40,13 +40,14 @@ impl Writing<'_> {
         self.xml.attribute("type", form).numbers("size", &size);
     }
 
-    /// The field of the magnetometers, of which the format has one.
+    /// The magnetic field of the first magnetometer, because MJCF has a single field; `None` if it is the
+    /// default.
     pub(super) fn magnetic_field(&self) -> Option<[f64; 3]> {
         let is_one = |sensor: &&SensorDescription| sensor.kind == SensorKind::Magnetometer;
         self.robot.sensors.iter().find(is_one).map(|sensor| sensor.field).filter(|field| *field != MAGNETIC)
     }
 
-    pub(super) fn sensors(&mut self) {
+    pub(super) fn write_sensors(&mut self) {
         let robot = self.robot;
         if robot.sensors.is_empty() {
             return;
@@ -55,7 +56,7 @@ impl Writing<'_> {
         for sensor in &robot.sensors {
             let place = format!("sensor {:?}", excerpt(&sensor.name));
             match self.sensor_attributes(sensor) {
-                Err(reason) => self.note(&place, format!("left out: {reason}")),
+                Err(reason) => self.add_note(&place, format!("omitted: {reason}")),
                 Ok(attributes) => {
                     self.xml.start(sensor.kind.name()).attribute("name", &sensor.name);
                     for (name, text) in attributes {
@@ -68,7 +69,7 @@ impl Writing<'_> {
         self.xml.end();
     }
 
-    /// The object that the sensor is on, in the format's attributes; or why the format cannot state it.
+    /// The attributes that give the object of a sensor, or the reason for which MJCF cannot represent it.
     fn sensor_attributes(
         &self,
         sensor: &SensorDescription,
@@ -76,11 +77,11 @@ impl Writing<'_> {
         let mut attributes = Vec::new();
         if let Some(object) = site_of(sensor) {
             let SensorObject::Named(name) = object else {
-                return Err("in the format it is on a site; give it a frame");
+                return Err("in MJCF it needs a site; attach it to a frame");
             };
             let site = self.site_named(name);
             if sensor.kind == SensorKind::Touch && sensor.zone.is_none() {
-                return Err("in the format a touch sensor has a zone; give it one");
+                return Err("in MJCF a touch sensor needs a zone; give it one");
             }
             if sensor.zone.as_ref().is_some_and(|zone| self.zones.get(&site).copied() != Some(zone)) {
                 return Err("another sensor has another zone on the same frame; give each its own frame");
@@ -90,7 +91,7 @@ impl Writing<'_> {
         if sensor.kind == SensorKind::Magnetometer
             && sensor.field != self.magnetic_field().unwrap_or(MAGNETIC)
         {
-            return Err("the format has one magnetic field, that of the first magnetometer");
+            return Err("MJCF has one magnetic field, that of the first magnetometer");
         }
         let name = match &sensor.object {
             SensorObject::Named(name) => name.clone(),
@@ -101,24 +102,24 @@ impl Writing<'_> {
             kind if kind.starts_with("tendon") => {
                 let tendon = self.robot.tendons.iter().find(|own| own.name == name);
                 if tendon.is_none_or(|own| own.terms.iter().all(|(joint, _)| self.is_locked(joint))) {
-                    return Err("none of its tendon's joints moves");
+                    return Err("no joint of its tendon moves");
                 }
                 attributes.push(("tendon", name));
             }
             kind if kind.starts_with("actuator") => {
                 let mut written = self.written_actuators.iter();
                 if !written.any(|&index| self.robot.actuators[index].name == name) {
-                    return Err("its actuator is left out");
+                    return Err("its actuator is omitted");
                 }
                 attributes.push(("actuator", name));
             }
             kind if kind.starts_with("subtree") => attributes.push(("body", self.body_name(&name))),
             kind if kind.starts_with("frame") || kind == "insidesite" => {
-                let (sort, name) = self.frame_object(&sensor.object)?;
-                attributes.extend([("objtype", sort.to_owned()), ("objname", name)]);
+                let (kind, name) = self.frame_object(&sensor.object)?;
+                attributes.extend([("objtype", kind.to_owned()), ("objname", name)]);
                 if let Some(reference) = sensor.reference.as_ref().filter(|_| kind != "insidesite") {
-                    let (sort, name) = self.frame_object(reference)?;
-                    attributes.extend([("reftype", sort.to_owned()), ("refname", name)]);
+                    let (kind, name) = self.frame_object(reference)?;
+                    attributes.extend([("reftype", kind.to_owned()), ("refname", name)]);
                 }
             }
             _ => {}
@@ -133,13 +134,13 @@ impl Writing<'_> {
             }
             SensorObject::Named(name) => Ok(("site", name.clone())),
             SensorObject::CenterOfMass(name) => Ok(("body", self.body_name(name))),
-            SensorObject::Shape(name) if self.shape_names.has(name) => Ok(("geom", name.clone())),
+            SensorObject::Shape(name) if self.shape_names.contains(name) => Ok(("geom", name.clone())),
             _ => Err("its shape is not in the file"),
         }
     }
 }
 
-/// The object of a sensor that the format puts on a site.
+/// The object of a sensor that MJCF attaches to a site.
 fn site_of(sensor: &SensorDescription) -> Option<&SensorObject> {
     match sensor.kind {
         SensorKind::InsideSite => sensor.reference.as_ref(),

@@ -1,20 +1,20 @@
-//! `<asset>` and `<geom>`.
+//! Writes `<asset>` and `<geom>`.
 
 use std::collections::HashMap;
 use std::path::Path;
 
-use multibody::{Elevation, LinkShape, Shape, ShapeRole, Surface};
-use robot_xml::{excerpt, is_name, way_from};
+use robot_dynamics_description::{Elevation, LinkShape, Shape, ShapeRole, Surface};
+use robot_dynamics_xml::{excerpt, is_name, way_from};
 
-use super::Writing;
+use super::MjcfWriter;
 use crate::names::Names;
 
-/// Kinds of mesh files that MuJoCo reads.
+/// The extensions of mesh files that MuJoCo reads.
 const MESHES: [&str; 3] = ["stl", "obj", "msh"];
 
-impl<'r> Writing<'r> {
-    /// Each file once, by name; sorts the shapes by their links.
-    pub(super) fn assets(&mut self) {
+impl<'r> MjcfWriter<'r> {
+    /// Writes each file once, and groups the shapes by links.
+    pub(super) fn write_assets(&mut self) {
         let robot = self.robot;
         let mut names = Names::default();
         let mut known: HashMap<(&Path, String), String> = HashMap::new();
@@ -28,7 +28,7 @@ impl<'r> Writing<'r> {
                     self.xml.start("asset");
                     is_open = true;
                 }
-                let name = names.free(if is_name(name) { name } else { "hfield" });
+                let name = names.unique(if is_name(name) { name } else { "hfield" });
                 self.xml.start("hfield").attribute("name", &name).numbers("size", size);
                 let Elevation { rows, columns, heights, .. } = elevation;
                 let from_largest_y: Vec<f64> =
@@ -39,13 +39,13 @@ impl<'r> Writing<'r> {
                 asset = Some(name);
             } else if let Some((name, file)) = shape.shape.file() {
                 let Some(file) = file else {
-                    self.note(&place, format!("left out: its file {:?} was not found", excerpt(name)));
+                    self.add_note(&place, format!("omitted: its file {:?} was not found", excerpt(name)));
                     continue;
                 };
                 let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
                 let is_mesh = matches!(shape.shape, Shape::Mesh { .. });
                 if is_mesh && !ending.is_some_and(|ending| MESHES.contains(&ending.as_str())) {
-                    self.note(&place, format!("left out: MuJoCo does not read {:?}", excerpt(name)));
+                    self.add_note(&place, format!("omitted: MuJoCo cannot read {:?}", excerpt(name)));
                     continue;
                 }
                 let numbers: &[f64] = match &shape.shape {
@@ -59,7 +59,7 @@ impl<'r> Writing<'r> {
                         is_open = true;
                     }
                     let stem = file.file_stem().map_or("mesh".into(), |stem| stem.to_string_lossy());
-                    let name = names.free(if is_name(&stem) { &stem } else { "mesh" });
+                    let name = names.unique(if is_name(&stem) { &stem } else { "mesh" });
                     self.xml.start(if is_mesh { "mesh" } else { "hfield" }).attribute("name", &name);
                     let way = self
                         .folder
@@ -82,7 +82,7 @@ impl<'r> Writing<'r> {
         }
     }
 
-    pub(super) fn shape(&mut self, shape: &'r LinkShape, asset: Option<&str>, stands: bool) {
+    pub(super) fn write_shape(&mut self, shape: &'r LinkShape, asset: Option<&str>, is_fixed_to_world: bool) {
         let (word, size): (&str, Vec<f64>) = match &shape.shape {
             Shape::Box { size } => ("box", size.map(|edge| 0.5 * edge).to_vec()),
             Shape::Cylinder { radius, length } => ("cylinder", vec![*radius, 0.5 * length]),
@@ -92,20 +92,19 @@ impl<'r> Writing<'r> {
             Shape::Plane { half_size: [x, y] } => ("plane", vec![*x, *y, 1.0]),
             Shape::HeightField { .. } => ("hfield", Vec::new()),
             Shape::Mesh { .. } => ("mesh", Vec::new()),
-            _ => return,
         };
         let place = format!("a shape of link {:?}", excerpt(&shape.link));
-        if matches!(word, "plane" | "hfield") && !stands {
-            self.note(&place, format!("left out: in MuJoCo a {word} does not move"));
+        if matches!(word, "plane" | "hfield") && !is_fixed_to_world {
+            self.add_note(&place, format!("omitted: in MuJoCo a {word} cannot move"));
             return;
         }
         if size.first().is_some_and(|_| word != "plane" && size.iter().any(|&edge| edge <= 0.0)) {
-            self.note(&place, "left out: a size of it is zero, which MuJoCo refuses");
+            self.add_note(&place, "omitted: one of its sizes is zero, which MuJoCo refuses");
             return;
         }
         self.xml.start("geom");
-        // Of several shapes of a name the first has it.
-        if is_name(&shape.name) && self.shape_names.take(&shape.name) {
+        // The first shape of a name keeps the name.
+        if is_name(&shape.name) && self.shape_names.reserve(&shape.name) {
             self.xml.attribute("name", &shape.name);
         }
         self.xml.attribute("type", word);
@@ -115,19 +114,19 @@ impl<'r> Writing<'r> {
         if !size.is_empty() {
             self.xml.numbers("size", &size);
         }
-        self.placement(&shape.link_from_shape);
+        self.write_placement(&shape.link_from_shape);
         if let Some(color) = &shape.color {
             self.xml.numbers("rgba", color);
         }
-        self.surface(shape);
+        self.write_surface(shape);
         self.xml.end();
     }
 
-    fn surface(&mut self, shape: &LinkShape) {
+    fn write_surface(&mut self, shape: &LinkShape) {
         let (own, usual) = (&shape.surface, Surface::default());
         let looks = shape.role == ShapeRole::Visual;
         let (contype, conaffinity) = if looks { (0, 0) } else { (own.contype, own.conaffinity) };
-        // As the collections do: looks in group 2, what touches in group 3, which is not shown.
+        // As in published models: visual shapes in group 2, collision shapes in group 3, which viewers hide.
         if self.has_looks {
             self.xml.attribute("group", if looks { "2" } else { "3" });
         }

@@ -1,17 +1,19 @@
-//! The account of a file: physics that is not read is named with line and severity, looks are counted, nothing is lost.
+//! The report of a file names physics that is not read, with line and severity, and counts elements of
+//! appearance.
 
-use mjcf::{Options, Severity, parse};
+use robot_dynamics_mjcf::{Disposition, MjcfError, Options, Severity, parse};
 
+use crate::faults::Frame;
 use crate::reading::read;
 
-/// Inside `<mujoco>`, with a body `a`, its joint `j`, its geom `g` and its site `s`, from line 2.
+/// The text is in `<mujoco>` from line 2, after a body `a` with its joint `j`, geom `g` and site `s`.
 fn in_file(text: &str) -> String {
     format!(
         "<mujoco><worldbody><body name='a'><joint name='j'/><geom name='g' size='0.1'/><site name='s'/></body></worldbody>\n{text}\n</mujoco>"
     )
 }
 
-/// Inside the body `a`, which has a shape and a joint, from line 2.
+/// The text is in the body `a` from line 2, after a shape and a joint.
 fn in_body(text: &str) -> String {
     format!(
         "<mujoco><worldbody><body name='a'><joint/><geom size='0.1'/>\n{text}\n</body></worldbody></mujoco>"
@@ -22,46 +24,46 @@ fn whole(text: &str) -> String {
     text.to_owned()
 }
 
-type Frame = fn(&str) -> String;
-
-/// How the text is framed, the text, place and message of its warning, on line 2.
+/// The frame around the text, the text, and the place of its warning, on line 2.
 #[rustfmt::skip]
-const WARNINGS: &[(Frame, &str, &str, &str)] = &[
-    (in_file, "<option density='1.2'/>", "option", r#"density="1.2" is not in the model"#),
-    (in_file, "<option viscosity='1e-5'/>", "option", r#"viscosity="1e-5" is not in the model"#),
-    (in_file, "<option><flag equality='disable'/></option>", "flag", r#"equality="disable" is not in the model"#),
-    (in_file, "<tendon><spatial name='t'><site site='s'/></spatial></tendon>", r#"spatial "t""#, "a tendon through space is not in the model"),
-    (in_file, "<actuator><muscle name='m' joint='j'/></actuator>", r#"muscle "m""#, "an actuator of this kind is not in the model"),
-    (in_file, "<actuator><general name='m' joint='j' gaintype='user'/></actuator>", r#"general "m""#, r#"gaintype="user": an actuator of this kind is not in the model"#),
-    (in_file, "<actuator><motor name='m' site='s' refsite='s'/></actuator>", r#"motor "m""#, "refsite: an actuator between two sites is not in the model"),
-    (in_file, "<actuator><motor name='m' joint='j' delay='1'/></actuator>", r#"motor "m""#, r#"delay="1" is not in the model"#),
-    (in_file, "<deformable><flex name='f'/></deformable>", "deformable", "bodies that bend are not in the model"),
-    (in_file, "<gravity/>", "gravity", "an element that <mujoco> of the format does not have: not read, perhaps physics"),
-    (in_body, "<geom name='wing' size='1' mass='0' fluidshape='ellipsoid'/>", r#"geom "wing""#, r#"fluidshape="ellipsoid" is not in the model"#),
-    (in_body, "<plugin plugin='p'/>", "plugin", "the forces of a plugin are not in the model"),
-    (in_body, "<composite type='cable'/>", "composite", "bodies that bend are not in the model"),
-    (in_file, "<worldbody><body><joint name='k' type='free' frictionloss='1'/><geom size='1'/></body></worldbody>", r#"joint "k""#, "frictionloss=1 of a free joint: in the model it resists along the body's axes, in MuJoCo along the world's"),
-    (in_body, "<joint name='k' mood='good'/>", r#"joint "k""#, r#"mood="good": an attribute that the format does not have here: not read, perhaps physics"#),
-    (in_body, "<body name='b'><joint/></body>", r#"body "b""#, "it moves, but neither it nor what is fixed to it has mass, which MuJoCo refuses: the mass matrix may be singular; give it an <inertial> or a geom"),
-    (in_body, "<inertial pos='0 0 0' mass='1' diaginertia='1 1 3'/>", r#"body "a"/inertial"#, "the principal moments 1, 1, 3 kg·m² break the triangle inequality: the largest exceeds the sum of the others by 1; check the units and whether the inertia is about the centre of mass; taken as written: correct it, or repair it on loading"),
-    (whole, "<mujoco><compiler autolimits='false'/><worldbody><body name='a'><geom size='0.1'/>\n<joint name='k' range='0 1'/></body></worldbody></mujoco>", r#"joint "k""#, "range without limited, and autolimits is off: no limit; give limited=\"true\" or \"false\""),
+pub(crate) const WARNINGS: &[(Frame, &str, &str)] = &[
+    (in_file, "<option density='1.2'/>", "option"),
+    (in_file, "<option viscosity='1e-5'/>", "option"),
+    (in_file, "<option><flag equality='disable'/></option>", "flag"),
+    (in_file, "<tendon><spatial name='t'><site site='s'/></spatial></tendon>", r#"spatial "t""#),
+    (in_file, "<actuator><muscle name='m' joint='j'/></actuator>", r#"muscle "m""#),
+    (in_file, "<actuator><general name='m' joint='j' gaintype='user'/></actuator>", r#"general "m""#),
+    (in_file, "<actuator><motor name='m' site='s' refsite='s'/></actuator>", r#"motor "m""#),
+    (in_file, "<actuator><motor name='m' joint='j' delay='1'/></actuator>", r#"motor "m""#),
+    (in_file, "<deformable><flex name='f'/></deformable>", "deformable"),
+    (in_file, "<gravity/>", "gravity"),
+    (in_body, "<geom name='wing' size='1' mass='0' fluidshape='ellipsoid'/>", r#"geom "wing""#),
+    (in_body, "<plugin plugin='p'/>", "plugin"),
+    (in_body, "<composite type='cable'/>", "composite"),
+    (in_file, "<worldbody><body><joint name='k' type='free' frictionloss='1'/><geom size='1'/></body></worldbody>", r#"joint "k""#),
+    (in_body, "<joint name='k' mood='good'/>", r#"joint "k""#),
+    (in_body, "<body name='b'><joint/></body>", r#"body "b""#),
+    (in_body, "<inertial pos='0 0 0' mass='1' diaginertia='1 1 3'/>", r#"body "a"/inertial"#),
+    (whole, "<mujoco><compiler autolimits='false'/><worldbody><body name='a'><geom size='0.1'/>\n<joint name='k' range='0 1'/></body></worldbody></mujoco>", r#"joint "k""#),
 ];
 
 #[test]
 fn physics_that_is_not_read_is_named_with_its_line() {
-    for (frame, text, place, message) in WARNINGS {
+    for (frame, text, place) in WARNINGS {
         let file = frame(text);
         let robot = read(&file);
-        let found: Vec<_> =
-            robot.report.warnings().map(|w| (w.line(), w.place(), w.severity(), w.message())).collect();
-        assert_eq!(found, [(2, *place, Severity::Warning, *message)], "{text}");
-        let strict = parse(&file, &Options::default().with_strict()).expect_err("a warning").to_string();
-        assert!(strict.contains(message) && strict.contains("strict reading refuses"), "{strict}");
+        let found: Vec<_> = robot.report.warnings().map(|w| (w.line(), w.place(), w.severity())).collect();
+        assert_eq!(found, [(2, *place, Severity::Warning)], "{text}");
+        let refused = parse(&file, &Options::default().with_strict()).expect_err("a warning");
+        let [MjcfError::Strict { line: 2, place: strict_place, .. }] = refused.errors() else {
+            panic!("{refused}")
+        };
+        assert_eq!(strict_place, place, "{text}");
     }
 }
 
 #[test]
-fn what_does_nothing_is_a_note() {
+fn attributes_without_effect_give_notes() {
     let text = in_file(
         "<option density='0' wind='0 0 0'/><actuator><motor joint='j' delay='0'/></actuator><option><flag contact='enable'/></option>",
     );
@@ -71,34 +73,35 @@ fn what_does_nothing_is_a_note() {
 }
 
 #[test]
-fn looks_are_counted() {
+fn elements_of_appearance_are_counted() {
     let robot = read(&in_file(
         "<visual><global/><headlight/></visual><asset><texture name='t'/></asset><statistic extent='1'/>",
     ));
-    // visual with two elements in it, texture, statistic.
+    // `visual` with two elements in it, `texture`, `statistic`.
     assert_eq!((robot.report.counts.not_dynamics, robot.report.counts.ignored), (5, 0), "{}", robot.report);
 }
 
 #[test]
-fn sizes_and_data_for_others_are_notes() {
+fn memory_sizes_and_custom_data_give_notes() {
     let robot = read(&in_file("<size memory='1M'/><custom/>"));
-    let messages: Vec<&str> =
-        robot.report.findings.iter().filter(|f| f.line() == 2).map(multibody::Finding::message).collect();
-    assert_eq!(messages, ["sizes of MuJoCo's memory", "data for other programs"]);
-}
-
-#[test]
-fn loose_text_and_unclean_xml_are_told() {
-    let robot = read("<mujoco>\nhello<worldbody/><x:y/></mujoco>");
-    let messages: Vec<&str> = robot.report.findings.iter().map(multibody::Finding::message).collect();
-    assert!(messages.contains(&"loose text \"hello\""), "{messages:?}");
+    let found: Vec<_> = robot.report.findings.iter().filter(|f| f.line() == 2).collect();
+    assert_eq!(found.iter().map(|f| f.place()).collect::<Vec<_>>(), ["size", "custom"]);
     assert!(
-        messages.iter().any(|message| message.starts_with("the prefix `x:` is not declared")),
-        "{messages:?}"
+        found.iter().all(|f| f.treatment() == Disposition::Ignored { physics: false }),
+        "{}",
+        robot.report
     );
 }
 
-/// An actuator that is not read takes its control with it.
+#[test]
+fn stray_text_and_undeclared_prefixes_are_reported() {
+    let robot = read("<mujoco>\nhello<worldbody/><x:y/></mujoco>");
+    let found: Vec<_> = robot.report.findings.iter().map(|f| (f.place(), f.treatment())).collect();
+    assert!(found.contains(&("text", Disposition::Ignored { physics: false })), "{}", robot.report);
+    assert!(found.contains(&("mujoco", Disposition::AsWritten)), "{}", robot.report);
+}
+
+/// The control of an actuator that is not read is omitted, too.
 #[test]
 fn controls_of_a_keyframe_follow_the_actuators_that_are_read() {
     let robot = read(&in_file(

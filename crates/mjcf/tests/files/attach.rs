@@ -1,16 +1,17 @@
-//! Parts of other files and of the same one, attached: refused where they circle, leave the folder, or have no end.
+//! Attaching parts of the same file and of other files. Cycles, and files outside the folder, are refused.
 
-use mjcf::{LoadError, MjcfError, Options, Robot, parse};
-use multibody::RobotDescription;
+use robot_dynamics::description::RobotDescription;
+use robot_dynamics_mjcf::{Disposition, Finding, LoadError, MjcfError, Options, Robot, parse};
 
+use crate::faults::variant;
 use crate::includes::Folder;
 
-const LEG: &str = "<mujoco model='leg'><default><joint damping='0.5'/><default class='c'><geom size='0.1'/></default></default>\
+pub(crate) const LEG: &str = "<mujoco model='leg'><default><joint damping='0.5'/><default class='c'><geom size='0.1'/></default></default>\
     <worldbody><body name='leg' childclass='c'><joint name='hip'/><geom/></body></worldbody>\
     <actuator><motor name='m' joint='hip'/></actuator></mujoco>";
 
-/// A file that names the leg, with this among its bodies.
-fn with_leg(attach: &str) -> String {
+/// A file that names the leg, with this text in its world.
+pub(crate) fn with_leg(attach: &str) -> String {
     format!(
         "<mujoco><asset><model name='leg' file='leg.xml'/></asset><worldbody>{attach}</worldbody></mujoco>"
     )
@@ -24,7 +25,7 @@ fn links(robot: &RobotDescription) -> Vec<&str> {
     robot.links.iter().map(|link| link.name.as_str()).collect()
 }
 
-/// Why a model was refused: file and reason.
+/// The file and the reason of a refused model.
 fn refused(outcome: Result<Robot, LoadError>) -> (String, String) {
     let error = outcome.expect_err("a model that is refused");
     match error.errors() {
@@ -34,7 +35,7 @@ fn refused(outcome: Result<Robot, LoadError>) -> (String, String) {
 }
 
 #[test]
-fn classes_names_and_drives_come_with_the_prefix() {
+fn classes_names_and_actuators_get_the_prefix() {
     let robot =
         load(&with_leg("<attach model='leg' prefix='a_'/><attach model='leg' body='leg' prefix='b_'/>"));
     let robot = robot.expect("a robot").description;
@@ -44,7 +45,7 @@ fn classes_names_and_drives_come_with_the_prefix() {
     assert_eq!(actuators, ["a_m", "b_m"]);
 }
 
-/// Classes of one name are each model's own, also without a prefix.
+/// Classes with equal names stay separate, even with an empty prefix.
 #[test]
 fn an_empty_prefix_keeps_classes_apart() {
     let text = with_leg(
@@ -84,7 +85,7 @@ fn a_model_finds_its_files_from_its_own_folder() {
 }
 
 #[test]
-fn circles_of_models_are_refused() {
+fn cycles_of_models_are_refused() {
     let attach = |file: &str| {
         format!(
             "<mujoco><asset><model name='k' file='{file}'/></asset><worldbody><attach model='k' prefix='p'/></worldbody></mujoco>"
@@ -98,9 +99,10 @@ fn circles_of_models_are_refused() {
     ];
     let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (*name, text.as_str())).collect();
     let folder = Folder::with("attach-circle", &files);
-    for file in ["main.xml", "self.xml"] {
-        let error = folder.load(file).expect_err("a circle").to_string();
-        assert!(error.contains("attached without end"), "{file}: {error}");
+    for (main, again) in [("main.xml", "./x/../a.xml"), ("self.xml", "self.xml")] {
+        let error = folder.load(main).expect_err("a circle");
+        let is_it = |error: &MjcfError| matches!(error, MjcfError::Attach { file, .. } if file == again);
+        assert!(error.errors().iter().any(is_it), "{main}: {error}");
     }
 }
 
@@ -110,48 +112,44 @@ fn models_outside_the_folder_and_missing_ones_are_refused() {
     std::fs::write(&outside, LEG).expect("a file");
     let name = outside.file_name().expect("a name").to_string_lossy().into_owned();
     for file in [format!("../{name}"), format!("x/../../{name}"), outside.display().to_string()] {
-        let (_, reason) = refused(load(&format!("<mujoco><asset><model file='{file}'/></asset></mujoco>")));
-        assert!(reason.contains("leaves the folder"), "{file}: {reason}");
+        let (named, _) = refused(load(&format!("<mujoco><asset><model file='{file}'/></asset></mujoco>")));
+        assert_eq!(named, file);
     }
     std::fs::remove_file(outside).expect("the file");
-    let (file, reason) = refused(load("<mujoco><asset><model file='none.xml'/></asset></mujoco>"));
-    assert!(file == "none.xml" && reason.contains("cannot read"), "{reason}");
-    let (_, reason) = refused(load("<mujoco><asset><model/></asset></mujoco>"));
-    assert!(reason.contains("no file"), "{reason}");
-    let (_, reason) = refused(parse(&with_leg(""), &Options::default()));
-    assert!(reason.contains("a text has no folder"), "{reason}");
+    assert_eq!(refused(load("<mujoco><asset><model file='none.xml'/></asset></mujoco>")).0, "none.xml");
+    assert_eq!(refused(load("<mujoco><asset><model/></asset></mujoco>")).0, "");
+    assert_eq!(refused(parse(&with_leg(""), &Options::default())).0, "leg.xml");
     let folder = Folder::with("attach-urdf", &[("main.xml", &with_leg("")), ("leg.xml", "<robot/>")]);
-    assert!(refused(folder.load("main.xml")).1.contains("<robot>, not <mujoco>"));
+    assert_eq!(refused(folder.load("main.xml")).0, "leg.xml");
 }
 
+/// Attachments that are refused, and the variant of the error.
+#[rustfmt::skip]
+pub(crate) const REFUSED: &[(&str, &str)] = &[
+    ("<attach model='leg'/>", "MissingAttribute"),
+    ("<attach prefix='a'/>", "Misplaced"),
+    ("<attach model='arm' prefix='a'/>", "UnknownName"),
+    ("<attach model='leg' body='arm' prefix='a'/>", "UnknownName"),
+    ("<attach model='leg' frame='leg' prefix='a'/>", "UnknownName"),
+    ("<attach model='leg' body='leg' frame='f' prefix='a'/>", "Misplaced"),
+    ("<attach body='later' prefix='a'/><body name='later'/>", "UnknownName"),
+    ("<body name='own'><attach body='own' prefix='a'/></body>", "Misplaced"),
+    ("<body name='aleg'/><attach model='leg' body='leg' prefix='a'/>", "Misplaced"),
+];
+
 #[test]
-fn what_cannot_be_attached_is_told() {
-    let cases = [
-        ("<attach model='leg'/>", "the attribute `prefix` is missing"),
-        ("<attach prefix='a'/>", "give it a model, or a body or a frame of this file"),
-        ("<attach model='arm' prefix='a'/>", "the model in <asset> \"arm\" does not exist"),
-        ("<attach model='leg' body='arm' prefix='a'/>", "the body to be attached \"arm\" does not exist"),
-        ("<attach model='leg' frame='leg' prefix='a'/>", "the frame to be attached \"leg\" does not exist"),
-        ("<attach model='leg' body='leg' frame='f' prefix='a'/>", "both body and frame are given"),
-        (
-            "<attach body='later' prefix='a'/><body name='later'/>",
-            "the body to be attached \"later\" does not exist",
-        ),
-        (
-            "<body name='own'><attach body='own' prefix='a'/></body>",
-            "it is in the body \"own\" that it attaches, without end",
-        ),
-        ("<body name='aleg'/><attach model='leg' body='leg' prefix='a'/>", "there is a body aleg already"),
-    ];
-    for (attach, reason) in cases {
-        let error = load(&with_leg(attach)).expect_err("a refusal").to_string();
-        assert!(error.contains(reason), "{attach}: {error}");
+fn invalid_attachments_are_refused() {
+    for (attach, name) in REFUSED {
+        let refused = load(&with_leg(attach)).expect_err("a refusal");
+        let names: Vec<String> = refused.errors().iter().map(variant).collect();
+        assert_eq!(names, [*name], "{attach}: {refused}");
     }
 }
 
-/// Each of forty models attaches the next one twice: a million million legs, refused before they are made.
+/// Each of forty models attaches the next one twice, which would give 2⁴⁰ legs. The file is refused before
+/// they are created.
 #[test]
-fn doubling_is_refused() {
+fn exponential_growth_is_refused() {
     let mut files: Vec<(String, String)> = (0..40)
         .map(|k| {
             let (this, next) = (format!("f{k}.xml"), k + 1);
@@ -167,25 +165,28 @@ fn doubling_is_refused() {
 }
 
 #[test]
-fn options_of_a_model_are_not_the_robots() {
+fn options_of_attached_models_are_ignored() {
     let leg = LEG.replace("<default>", "<option gravity='0 0 -1'/><deformable/><default>");
     let main = with_leg("<attach model='leg' prefix='a'/>");
     let folder = Folder::with("attach-options", &[("main.xml", &main), ("leg.xml", &leg)]);
     let robot = folder.load("main.xml").expect("a robot");
     assert_eq!(robot.description.gravity, [0.0, 0.0, -9.81]);
-    let told = |message: &str| robot.report.findings.iter().any(|finding| finding.message() == message);
-    assert!(told("options of an attached model: those of the main file count"), "{}", robot.report);
-    assert!(told("bodies that bend are not in the model"), "{}", robot.report);
+    let found: Vec<_> = robot.report.findings.iter().map(|f| (f.place(), f.treatment())).collect();
+    let [note, warning] = [false, true].map(|physics| Disposition::Ignored { physics });
+    assert!(found.contains(&("leg.xml: option", note)), "{}", robot.report);
+    assert!(found.contains(&("leg.xml: deformable", warning)), "{}", robot.report);
     let merge = main.replace("<asset>", "<compiler conflict='merge'/><asset>");
     let folder = Folder::with("attach-merge", &[("main.xml", &merge), ("leg.xml", &leg)]);
     let robot = folder.load("main.xml").expect("a robot");
-    let message = "conflict=\"merge\": options of an attached model are not merged";
-    assert!(robot.report.warnings().any(|warning| warning.message() == message), "{}", robot.report);
+    let places: Vec<&str> =
+        robot.report.warnings().map(robot_dynamics::description::Finding::place).collect();
+    assert!(places.contains(&"leg.xml: option"), "{}", robot.report);
 }
 
-/// Of a tendon it is enough that one joint is attached; other elements stay behind, and that is told.
+/// A tendon is copied if one of its joints is attached. Other elements with missing references are omitted
+/// and reported.
 #[test]
-fn what_names_more_than_is_attached() {
+fn elements_with_missing_references_are_omitted() {
     let leg = LEG.replace("<geom/></body>", "<geom/><body name='foot'><joint name='toe'/><geom/></body></body>").replace(
         "<actuator>",
         "<equality><joint joint1='toe' joint2='hip'/></equality><tendon><fixed name='t'><joint joint='hip' coef='1'/>\
@@ -200,16 +201,15 @@ fn what_names_more_than_is_attached() {
     let terms = vec![("hip".to_owned(), 1.0), ("p_toe".to_owned(), 2.0)];
     assert_eq!(robot.description.tendons[0].terms, terms);
     assert!(robot.description.equalities.is_empty() && robot.description.actuators.is_empty());
-    let left =
-        robot.report.findings.iter().filter(|finding| finding.message().contains("left out, as in MuJoCo"));
-    let places: Vec<&str> = left.map(multibody::Finding::place).collect();
+    let is_ignored = |finding: &&Finding| finding.treatment() == Disposition::Ignored { physics: false };
+    let places: Vec<&str> = robot.report.findings.iter().filter(is_ignored).map(Finding::place).collect();
     assert_eq!(places, ["leg.xml: joint", "leg.xml: motor \"m\""]);
 }
 
-/// Pairs that touch and those that do not come along where one of the two is attached and the other is there under its own name: found in
-/// `MuJoCo` 4.0.0.
+/// Pairs and exclusions are copied if one of their two objects is attached and the other exists under its own
+/// name. The expected results are those of `MuJoCo` 4.0.0.
 #[test]
-fn pairs_come_with_the_prefix() {
+fn pairs_get_the_prefix() {
     let leg = "<mujoco model='leg'><default><pair condim='4' friction='0.3'/>\
         <default class='c'><geom size='0.1'/><pair friction='0.7'/></default></default>\
         <worldbody><body name='leg' childclass='c'><joint name='hip'/><geom name='shank'/>\
@@ -242,15 +242,17 @@ fn pairs_come_with_the_prefix() {
             .collect();
         assert_eq!(names, expected, "{attach}");
         assert_eq!(robot.contact_exclusions.len(), expected.len(), "{attach}");
-        let is_of_class =
-            |pair: &multibody::ContactPairDescription| pair.condim == 4 && pair.friction[..2] == [0.7, 1.0];
+        let is_of_class = |pair: &robot_dynamics::description::ContactPairDescription| {
+            pair.condim == 4 && pair.friction[..2] == [0.7, 1.0]
+        };
         assert!(robot.contact_pairs.iter().all(is_of_class), "{attach}");
     }
 }
 
-/// Meshes, materials and height fields are found under the prefix, those without a name by that of their file.
+/// Meshes, materials and height fields are found under the prefix, also those that are named after their
+/// file.
 #[test]
-fn assets_come_with_the_prefix() {
+fn assets_get_the_prefix() {
     let leg = LEG.replace(
         "<worldbody>",
         "<asset><hfield file='hill.png' size='1 1 1 1'/><material name='red' rgba='1 0 0 1'/><texture name='red'/></asset><worldbody>\
@@ -260,7 +262,9 @@ fn assets_come_with_the_prefix() {
     let folder = Folder::with("attach-assets", &[("main.xml", &main), ("leg.xml", &leg)]);
     let robot = folder.load("main.xml").expect("a robot");
     assert_eq!(robot.report.warnings().count(), 0, "{}", robot.report);
-    let is_hill = |shape: &&multibody::LinkShape| matches!(shape.shape, multibody::Shape::HeightField { .. });
+    let is_hill = |shape: &&robot_dynamics::description::LinkShape| {
+        matches!(shape.shape, robot_dynamics::description::Shape::HeightField { .. })
+    };
     let hills: Vec<_> = robot.description.shapes.iter().filter(is_hill).map(|shape| shape.color).collect();
     assert_eq!(hills, [Some([1.0, 0.0, 0.0, 1.0]); 2]);
 }

@@ -1,13 +1,15 @@
-//! Single steps under MuJoCo's law with the contacts, surfaces and weights that the file states, against MuJoCo: `testdata/mjcf/contacts/golden.json`.
+//! Compares single steps under MuJoCo's constraint law with MuJoCo, with the contacts, surfaces and weights
+//! of the file: `testdata/mjcf/contacts/golden.json`.
 //!
-//! Tolerance: 1e-8 of the largest change of a velocity in a step, as MuJoCo's Newton method stops where the cost no longer falls: see [`crate::soft`].
+//! Tolerance: 1e-8 of the largest change of velocity in a step, because MuJoCo's Newton method stops when the
+//! cost no longer decreases: see [`crate::soft`].
 
-use mjcf::{Options, load};
-use multibody::Model;
-use multibody::conventions::{
+use robot_dynamics::conventions::{
     configuration_from_mujoco, configuration_to_mujoco, velocity_from_mujoco, velocity_to_mujoco,
 };
-use multibody::simulator::{Method, SimulationBuilder};
+use robot_dynamics::mjcf::{Options, load};
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::{Method, SimulationBuilder};
 use serde_json::Value;
 
 use crate::golden::{assert_near, numbers, root};

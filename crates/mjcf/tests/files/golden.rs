@@ -1,25 +1,25 @@
-//! The files of `testdata/mjcf` and `robots` against what MuJoCo makes of them: `testdata/mjcf/golden.json`.
+//! Compares the files of `testdata/mjcf` and `robots` with MuJoCo: `testdata/mjcf/golden.json`.
 //!
-//! Tolerances, relative to the largest number of what is compared: 1e-12, as sums over a dozen bodies are done in another order;
-//! 1e-9 for M and bias of meshes and of several primitives in a body, whose inertias MuJoCo turns to principal axes by an
-//! iteration that leaves entries off the diagonal below 1e-12 kg·m² and loses them.
+//! Tolerances are relative to the largest compared number. They are 1e-12, because sums over a dozen bodies
+//! have another order. For M and bias with meshes, or with several primitives in a body, they are 1e-9:
+//! MuJoCo diagonalizes such inertias by an iteration that drops off-diagonal entries below 1e-12 kg·m².
 
 use std::path::PathBuf;
 
-use mjcf::{Options, Robot, load};
-use multibody::conventions::{
+use robot_dynamics::algorithms::potential_energy;
+use robot_dynamics::conventions::{
     configuration_from_mujoco, force_to_mujoco, velocity_from_mujoco, velocity_to_mujoco,
 };
-use multibody::{
-    Actuation, HigherTerms, JointKind, Model, RobotDescription, TendonDescription, Workspace,
-    potential_energy,
-};
+use robot_dynamics::description::{HigherTerms, JointKind, RobotDescription, TendonDescription};
+use robot_dynamics::model::{Model, Workspace};
+use robot_dynamics::simulation::Actuation;
+use robot_dynamics_mjcf::{Options, Robot, load};
 use serde_json::Value;
 
 pub(crate) const SUMMED: f64 = 1e-12;
 const DIAGONALIZED: f64 = 1e-9;
 
-/// One file, read, with MuJoCo's account of it.
+/// A file, as read, and MuJoCo's results for it.
 pub(crate) struct Golden {
     pub(crate) file: String,
     pub(crate) robot: Robot,
@@ -30,7 +30,7 @@ pub(crate) fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// All files of the golden file.
+/// All files of the golden data.
 pub(crate) fn goldens() -> Vec<Golden> {
     let text = std::fs::read_to_string(root().join("testdata/mjcf/golden.json")).expect("the golden file");
     let golden: Value = serde_json::from_str(&text).expect("JSON");
@@ -61,7 +61,7 @@ pub(crate) fn numbers(value: &Value) -> Vec<f64> {
 #[track_caller]
 pub(crate) fn assert_near(what: &str, found: &[f64], expected: &[f64], tolerance: f64) {
     assert_eq!(found.len(), expected.len(), "{what}: length");
-    // What cancels to nothing is compared with 1.
+    // Numbers that cancel to zero are compared with 1.
     let scale = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs())).max(1e-3);
     for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
         assert!((found - expected).abs() <= tolerance * scale, "{what}[{at}]: {found} for {expected}");
@@ -78,14 +78,15 @@ impl Golden {
         if diagonalized { DIAGONALIZED } else { SUMMED }
     }
 
-    /// The robot without what stands beside its tree.
+    /// The robot without equalities and actuators.
     fn bare(&self) -> Model {
         let mut description = self.robot.description.clone();
         (description.equalities, description.actuators) = Default::default();
         Model::new(description).unwrap_or_else(|error| panic!("{}: {error}", self.file))
     }
 
-    /// What joints of several freedoms have beside the tree at a state, in MuJoCo's convention: forces of springs, of dampers.
+    /// The forces of springs and of dampers of joints with several degrees of freedom, in MuJoCo's
+    /// convention.
     fn of_joints_that_turn_freely(&self, q: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
         let mut robot = self.bare().description().clone();
         robot.tendons.clear();
@@ -106,7 +107,7 @@ impl Golden {
         [at_rest, damper]
     }
 
-    /// (q, v) of a state.
+    /// The q and v of a state.
     pub(crate) fn state(model: &Model, state: &Value) -> (Vec<f64>, Vec<f64>) {
         let (mut q, mut v) = (vec![0.0; model.nq()], vec![0.0; model.nv()]);
         configuration_from_mujoco(model, &numbers(&state["qpos"]), &mut q);
@@ -114,28 +115,31 @@ impl Golden {
         (q, v)
     }
 
-    /// The number of the freedom that each joint of a tendon has, with its coefficient.
+    /// The index of the degree of freedom of each joint of a tendon, with its coefficient.
     fn terms(model: &Model, tendon: &TendonDescription) -> Vec<(usize, f64)> {
         let joint = |name: &str| model.joints().iter().find(|joint| joint.name == name).expect("a joint");
         tendon.terms.iter().map(|(name, c)| (joint(name).v_index, *c)).collect()
     }
 }
 
-/// Joints of the description that move, in their order.
-fn moving(robot: &RobotDescription) -> impl Iterator<Item = &multibody::JointDescription> {
+/// The moving joints of the description, in order.
+fn moving(robot: &RobotDescription) -> impl Iterator<Item = &robot_dynamics::description::JointDescription> {
     robot.joints.iter().filter(|joint| joint.kind.nv() > 0)
 }
 
-/// The joints of one freedom whose springs or dampers have more than linear terms.
+/// The joints with one degree of freedom whose springs or dampers have nonlinear terms.
 fn higher_terms<'a>(
     robot: &'a RobotDescription,
     model: &'a Model,
-) -> impl Iterator<Item = (&'a multibody::Joint, &'a multibody::JointDescription)> {
-    let of = |own: &'a multibody::JointDescription| {
+) -> impl Iterator<Item = (&'a robot_dynamics::model::Joint, &'a robot_dynamics::description::JointDescription)>
+{
+    let of = |own: &'a robot_dynamics::description::JointDescription| {
         let joint = model.joints().iter().find(|joint| joint.name == own.name).expect("a joint");
         (joint, own)
     };
-    let single = |own: &&multibody::JointDescription| own.kind.nv() == 1 && !own.higher_terms.is_zero();
+    let single = |own: &&robot_dynamics::description::JointDescription| {
+        own.kind.nv() == 1 && !own.higher_terms.is_zero()
+    };
     robot.joints.iter().filter(single).map(of)
 }
 
@@ -203,7 +207,7 @@ fn masses_of_bodies_and_the_world() {
                 continue;
             };
             let mass = link.mass_properties.map_or(0.0, |body| body.mass());
-            // The fields of the world in MuJoCo hold the mass of its geoms, which moves nothing.
+            // MuJoCo's numbers for the world include the mass of its geoms, which does not move.
             if name != "world" {
                 assert_near(&format!("{}: {name}", golden.file), &[mass], &numbers(&body["mass"]), SUMMED);
                 compared += 1;
@@ -225,7 +229,7 @@ fn mass_matrices_and_biases() {
             let mass = numbers(&state["mass_matrix"]);
             let mut spring = numbers(&state["spring"]);
             for tendon in &golden.robot.description.tendons {
-                // The spring's force along c.
+                // The force of the spring along c.
                 let terms = Golden::terms(&model, tendon);
                 let position = |v: usize| {
                     model.joints().iter().find(|joint| joint.v_index == v).expect("a joint").q_index
@@ -237,14 +241,15 @@ fn mass_matrices_and_biases() {
                     spring[i] += a * pull;
                 }
             }
-            // What springs of joints have beyond their linear terms stands beside the tree, too.
+            // The nonlinear terms of joint springs are passive forces, too.
             for (joint, own) in higher_terms(&golden.robot.description, &model) {
                 spring[joint.v_index] -= own.higher_terms.spring_force(q[joint.q_index] - own.passive.rest);
             }
             let [turning, _] = golden.of_joints_that_turn_freely(&q, &v);
             spring.iter_mut().zip(turning).for_each(|(spring, own)| *spring -= own);
-            // The same acceleration on both sides: M ẇ + bias of MuJoCo, with q̈ of this library turned to its own. Columns of M are
-            // differences of such forces, so they need no convention of their own.
+            // The same acceleration on both sides: MuJoCo's M ẇ + bias, with q̈ of this library converted to
+            // MuJoCo's convention. Columns of M are differences of such forces, so they need no convention of
+            // their own.
             let inverse_dynamics = |a: &[f64]| {
                 let mut qfrc = vec![0.0; nv];
                 let tau = model.inverse_dynamics(&q, &v, a).expect("finite");
@@ -258,7 +263,7 @@ fn mass_matrices_and_biases() {
                 if k > 0 {
                     a[k - 1] = 1.0;
                 }
-                multibody::conventions::acceleration_to_mujoco(&model, &q, &v, &a, &mut qacc);
+                robot_dynamics::conventions::acceleration_to_mujoco(&model, &q, &v, &a, &mut qacc);
                 let expected: Vec<f64> = (0..nv)
                     .map(|i| bias[i] - spring[i] + (0..nv).map(|j| mass[i * nv + j] * qacc[j]).sum::<f64>())
                     .collect();
@@ -305,7 +310,7 @@ fn damping_of_joints() {
     }
 }
 
-/// All passive forces, and the energy that gravity and springs store, but for a constant.
+/// Compares all passive forces, and the energy of gravity and springs up to a constant.
 #[test]
 fn passive_forces_and_the_potential_energy() {
     for golden in goldens() {
@@ -316,7 +321,7 @@ fn passive_forces_and_the_potential_energy() {
         let actuation = Actuation::new(&model).expect("a robot");
         let (mut memory, mut workspace) = (actuation.workspace(), Workspace::new(&model));
         let mut energies = Vec::new();
-        // MuJoCo's energy counts the weight that is carried, too.
+        // MuJoCo's energy includes the weight that is compensated.
         let mut heavy = golden.robot.description.clone();
         heavy.links.iter_mut().for_each(|link| link.gravity_compensation = 0.0);
         let springs = Actuation::new(&Model::new(heavy).expect("a robot")).expect("a robot");
@@ -349,7 +354,7 @@ fn passive_forces_and_the_potential_energy() {
     }
 }
 
-/// Frames of bodies and sites, by name, in random poses.
+/// Compares the poses of bodies and sites by name, in random states.
 #[test]
 fn places_of_bodies_and_sites() {
     let mut compared = 0;
@@ -379,7 +384,7 @@ fn places_of_bodies_and_sites() {
     assert!(compared > 300, "{compared}");
 }
 
-/// The converters are each other's inverse, so a state that was turned here is the file's.
+/// The conversions to and from MuJoCo's convention are inverse, so converted states equal those of the file.
 #[test]
 fn states_are_the_files() {
     for golden in goldens() {

@@ -1,9 +1,9 @@
-//! `<hfield>`: heights that a file has itself.
+//! Height fields (`<hfield>`) with heights in the MJCF file.
 
-use mjcf::{Options, parse, write};
-use multibody::{Elevation, Shape};
+use robot_dynamics::description::{Elevation, Shape};
+use robot_dynamics_mjcf::{MjcfError, Options, parse, write};
 
-fn robot(hfield: &str) -> String {
+pub(crate) fn robot(hfield: &str) -> String {
     format!(
         "<mujoco><asset><hfield name='hill' size='1 2 0.5 0.1' {hfield}/></asset><worldbody>
            <geom type='hfield' hfield='hill' pos='0 0 1'/>
@@ -22,30 +22,31 @@ fn elevation(text: &str) -> Option<Elevation> {
     }
 }
 
-/// The first row of the text is that of largest y; the least height is at 0, the largest at the third number of `size`.
+/// The first row of the text has the largest y. The least height is at 0, the largest at the third number of
+/// `size`.
 #[test]
 fn rows_are_turned_and_heights_are_stretched() {
     let text = robot("nrow='2' ncol='3' elevation='1 2 3  3 3 5'");
     let found = elevation(&text).unwrap();
     assert_eq!((found.rows, found.columns), (2, 3));
     assert_eq!(found.heights, [0.25, 0.25, 0.5, 0.0, 0.125, 0.25]);
-    // Without numbers it is flat, as where they are equal; without counts there is nothing.
+    // Missing or equal numbers give a flat field; without counts there are no heights.
     assert_eq!(elevation(&robot("nrow='2' ncol='2'")).unwrap().heights, [0.0; 4]);
     assert_eq!(elevation(&robot("nrow='2' ncol='2' elevation='3 3 3 3'")).unwrap().heights, [0.0; 4]);
     assert_eq!(elevation(&robot("")), None);
-    // A file has its own.
+    // The heights of a separate file take precedence.
     assert_eq!(elevation(&robot("file='hill.png' nrow='2' ncol='2' elevation='3 3 3 3'")), None);
-    // It comes back as it is.
+    // Writing and reading preserve the heights.
     let read = parse(&text, &Options::default()).expect("a robot");
     let written = write(&read.description, None).expect("a robot");
     assert_eq!(written.left_out, []);
     assert_eq!(elevation(&written.text), Some(found));
 }
 
-/// Another number of heights than rows times columns is refused, as in MuJoCo.
+/// A wrong number of heights is refused, as in MuJoCo.
 #[test]
 fn too_few_heights_are_refused() {
-    let text =
-        parse(&robot("nrow='2' ncol='3' elevation='1 2 3'"), &Options::default()).unwrap_err().to_string();
-    assert!(text.contains("elevation") && text.contains("not nrow times ncol, 6"), "{text}");
+    let refused = parse(&robot("nrow='2' ncol='3' elevation='1 2 3'"), &Options::default()).unwrap_err();
+    let [MjcfError::WrongCount { attribute, found: 3, .. }] = refused.errors() else { panic!("{refused}") };
+    assert_eq!(attribute, "elevation");
 }

@@ -1,11 +1,11 @@
-//! Included files: found, told by name, and refused where they circle or leave the folder.
+//! Included files are located and named in messages. Cycles, and files outside the folder, are refused.
 
 use std::path::PathBuf;
 
-use mjcf::{FileSet, LoadError, MjcfError, Options, Robot, load, load_among, parse};
-use multibody::Shape;
+use robot_dynamics::description::Shape;
+use robot_dynamics::mjcf::{FileSet, LoadError, MjcfError, Options, Robot, load, load_among, parse};
 
-/// A folder of files that goes when it is dropped.
+/// A temporary folder of files, which is removed on drop.
 pub(crate) struct Folder(PathBuf);
 
 impl Folder {
@@ -30,7 +30,7 @@ impl Drop for Folder {
     }
 }
 
-/// Why an include was refused: file and reason.
+/// The file and the reason of a refused include.
 fn refused(outcome: Result<Robot, LoadError>) -> (String, String) {
     let error = outcome.expect_err("an include that is refused");
     match error.errors() {
@@ -40,7 +40,7 @@ fn refused(outcome: Result<Robot, LoadError>) -> (String, String) {
 }
 
 #[test]
-fn a_file_is_found_from_the_main_folder_or_from_beside() {
+fn an_include_is_found_in_the_main_folder_or_that_of_its_file() {
     let folder = Folder::with(
         "beside",
         &[
@@ -56,7 +56,7 @@ fn a_file_is_found_from_the_main_folder_or_from_beside() {
 }
 
 #[test]
-fn what_is_wrong_in_an_included_file_names_it() {
+fn messages_name_the_included_file() {
     let folder = Folder::with(
         "named",
         &[
@@ -72,7 +72,7 @@ fn what_is_wrong_in_an_included_file_names_it() {
 }
 
 #[test]
-fn circles_and_repetitions_are_refused() {
+fn cycles_and_repetitions_of_includes_are_refused() {
     let folder = Folder::with(
         "circle",
         &[
@@ -84,9 +84,8 @@ fn circles_and_repetitions_are_refused() {
             ("c.xml", "<mujoco><worldbody/></mujoco>"),
         ],
     );
-    for file in ["main.xml", "self.xml", "twice.xml"] {
-        let (_, reason) = refused(folder.load(file));
-        assert!(reason.contains("included already"), "{file}: {reason}");
+    for (file, again) in [("main.xml", "./x/../a.xml"), ("self.xml", "self.xml"), ("twice.xml", "c.xml")] {
+        assert_eq!(refused(folder.load(file)).0, again);
     }
 }
 
@@ -100,8 +99,7 @@ fn files_outside_the_folder_are_not_read() {
     {
         let text = format!("<mujoco><include file='{file}'/></mujoco>");
         let folder = Folder::with("leaves", &[("main.xml", &text)]);
-        let (found, reason) = refused(folder.load("main.xml"));
-        assert!(reason.contains("leaves the folder"), "{found}: {reason}");
+        assert_eq!(refused(folder.load("main.xml")).0, file);
     }
     std::fs::remove_file(outside).expect("the file");
 }
@@ -114,25 +112,27 @@ fn long_chains_and_missing_files_are_refused() {
     files.push(("main.xml".into(), "<mujoco><include file='f0.xml'/></mujoco>".into()));
     let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
     let folder = Folder::with("deep", &files);
-    assert!(refused(folder.load("main.xml")).1.contains("50 deep"));
-    assert!(refused(folder.load("f79.xml")).1.contains("cannot read"));
-    let (_, reason) = refused(parse("<mujoco><include file='a.xml'/></mujoco>", &Options::default()));
-    assert!(reason.contains("a text has no folder"), "{reason}");
-    let (_, reason) = refused(parse("<mujoco><include/></mujoco>", &Options::default()));
-    assert!(reason.contains("no file"), "{reason}");
+    // f0 to f49 are fifty nested includes.
+    assert_eq!(refused(folder.load("main.xml")).0, "f50.xml");
+    assert_eq!(refused(folder.load("f79.xml")).0, "f80.xml");
+    let options = Options::default();
+    assert_eq!(refused(parse("<mujoco><include file='a.xml'/></mujoco>", &options)).0, "a.xml");
+    assert_eq!(refused(parse("<mujoco><include/></mujoco>", &options)).0, "");
 }
 
 #[test]
-fn an_included_file_that_is_no_xml_names_itself() {
+fn an_included_file_that_is_not_xml_is_named() {
     let folder = Folder::with(
         "broken",
         &[("main.xml", "<mujoco><include file='a.xml'/></mujoco>"), ("a.xml", "<mujoco>\n<body></mujoco>")],
     );
-    let error = folder.load("main.xml").expect_err("broken").to_string();
-    assert!(error.starts_with("a.xml: line 2"), "{error}");
+    let error = folder.load("main.xml").expect_err("broken");
+    let [MjcfError::Xml { file, source }] = error.errors() else { panic!("{error}") };
+    assert_eq!((file.as_str(), source.line()), ("a.xml", Some(2)));
 }
 
-/// The same robot from memory as from the disk: includes below and beside, a mesh that inertia comes from.
+/// Files in memory give the same robot as on the disk, with includes in other folders and a mesh that inertia
+/// comes from.
 #[test]
 fn files_in_memory_are_read_as_those_on_the_disk() {
     let tetrahedron = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
@@ -152,7 +152,7 @@ fn files_in_memory_are_read_as_those_on_the_disk() {
     assert!(
         (on_disk.description.links[1].mass_properties.expect("a rock").mass() - 1000.0 / 6000.0).abs() < 1e-6
     );
-    // Shapes name their file in both, and its path where others can open it.
+    // Shapes name their file in both cases, but have a path only on the disk.
     for shape in &mut on_disk.description.shapes {
         if let Shape::Mesh { file, .. } = &mut shape.shape {
             assert!(file.take().is_some());
@@ -161,8 +161,12 @@ fn files_in_memory_are_read_as_those_on_the_disk() {
     assert_eq!(in_memory.description, on_disk.description);
 
     let broken = FileSet::new([("scene.xml", files[0].1)]);
-    let (_, reason) = refused(load_among(&broken, "scene.xml", &Options::default()));
-    assert!(reason.contains("not among the files that were given"), "{reason}");
-    let error = load_among(&broken, "robot.xml", &Options::default()).expect_err("none").to_string();
-    assert!(error.contains("robot.xml") && error.contains("not among the files"), "{error}");
+    assert_eq!(refused(load_among(&broken, "scene.xml", &Options::default())).0, "robot/body.xml");
+    let error = load_among(&broken, "robot.xml", &Options::default()).expect_err("none");
+    let [MjcfError::Xml { source: robot_dynamics_xml::XmlError::Unreadable { path, .. }, .. }] =
+        error.errors()
+    else {
+        panic!("{error}")
+    };
+    assert_eq!(path, std::path::Path::new("robot.xml"));
 }

@@ -1,14 +1,15 @@
-//! MJCF files: read as MuJoCo reads them, refused where they have no meaning, accounted for to the last attribute.
+//! Tests of reading MJCF files, of refused files, and of the report.
 
 mod account;
+mod actuation;
 mod attach;
-mod beside;
 mod contacts;
 mod faults;
 mod golden;
 mod height_fields;
 mod hostile;
 mod includes;
+mod messages;
 mod motion;
 mod mutations;
 mod pairs;

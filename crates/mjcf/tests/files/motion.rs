@@ -1,15 +1,16 @@
-//! Motions with actuators, tendons, springs, damping and carried weight against MuJoCo's RK4 over 1 s.
+//! Compares motions with actuators, tendons, springs, damping and gravity compensation with MuJoCo's RK4 over
+//! 1 s.
 //!
-//! Both take the same stages, in steps of 1 ms. The velocity of a free body is along its own axes here and along the world's there: the
-//! two ends are then as far apart as both are from the motion itself, (ω h)⁴ for spins of 60 rad/s, and h is 0.2 ms. Within 1e-9 of
-//! the largest number, or of 1; where MuJoCo's own inertias are off by 1e-9, within a hundred times that, as that error turns bodies
-//! for 1 s.
+//! Both use the same stages, in steps of 1 ms, or of 0.2 ms with free bodies. The velocity of a free body is
+//! along its own axes here and along the axes of the world in MuJoCo, so the two ends differ by the error of
+//! the method, (ω h)⁴ with spins up to 60 rad/s. The tolerance is 1e-9 of the largest number, or of 1. Where
+//! MuJoCo's inertias have an error of 1e-9, it is a hundred times that, because the error acts for 1 s.
 
-use multibody::Model;
-use multibody::conventions::{
+use robot_dynamics::conventions::{
     configuration_from_mujoco, configuration_to_mujoco, velocity_from_mujoco, velocity_to_mujoco,
 };
-use multibody::simulator::{Effect, Method, SimulationBuilder};
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::{Effect, Method, SimulationBuilder};
 
 use crate::golden::{SUMMED, goldens, numbers};
 
@@ -20,7 +21,7 @@ fn motions_end_where_mujocos_do() {
     let (mut compared, mut driven) = (0, 0);
     for golden in goldens() {
         let mut robot = golden.robot.description.clone();
-        // What MuJoCo counts as constraints.
+        // Parts that MuJoCo treats as constraints.
         robot.equalities.clear();
         for passive in (robot.joints.iter_mut().map(|joint| &mut joint.passive))
             .chain(robot.tendons.iter_mut().map(|tendon| &mut tendon.passive))
@@ -40,7 +41,7 @@ fn motions_end_where_mujocos_do() {
         let controls = numbers(&motion["ctrl"]);
         let mut simulation = SimulationBuilder::new(&model)
             .step(step)
-            .method(Method::Fixed(dynamics::Integrator::RungeKutta4))
+            .method(Method::Fixed(robot_dynamics::simulation::Integrator::RungeKutta4))
             .without(Effect::Contacts)
             .build()
             .expect("a simulation");

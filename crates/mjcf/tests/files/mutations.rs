@@ -1,12 +1,13 @@
-//! Random changes to files that load: each is read or refused, and none makes a reader or a compiler of robots panic.
+//! Random changes to valid files: each is read or refused, and neither the reader nor the compiler of models
+//! panics.
 
-use dynamics::SplitMix64;
-use mjcf::{Options, load, parse};
-use multibody::Model;
+use robot_dynamics::mjcf::{Options, load, parse};
+use robot_dynamics::model::Model;
+use robot_dynamics::number::SplitMix64;
 
 use crate::golden::root;
 
-/// Texts that load without other files.
+/// The files that load without other files.
 fn texts() -> Vec<(String, String)> {
     let mut found = Vec::new();
     for folder in ["testdata/mjcf", "robots"] {
@@ -53,7 +54,7 @@ const WORDS: [&str; 24] = [
     "<!--",
 ];
 
-/// One change: a span of the text goes, comes twice, changes places with another, or becomes a word.
+/// One change: a span of the text is removed, doubled, or replaced by a word.
 fn changed(text: &str, random: &mut SplitMix64) -> String {
     let letters: Vec<char> = text.chars().collect();
     // Changes between quotes and spaces keep most files well-formed.
@@ -105,7 +106,7 @@ fn changed_files_are_read_or_refused() {
     assert!(read > 200 && refused > 200, "{read} read, {refused} refused");
 }
 
-/// Meshes cut short, changed and made longer.
+/// Mesh files that are truncated, changed or extended.
 #[test]
 fn changed_mesh_files_are_read_or_refused() {
     let folder = std::env::temp_dir().join(format!("mjcf-mesh-{}", std::process::id()));
@@ -140,7 +141,7 @@ fn changed_mesh_files_are_read_or_refused() {
                 assert!(body.mass().is_finite() && body.mass() > 0.0, "{mesh}: {body:?}");
             }
         }
-        // Unchanged it loads.
+        // The unchanged file loads.
         std::fs::write(folder.join(&file), &bytes).expect("a file");
         load(folder.join("robot.xml"), &Options::default()).unwrap_or_else(|error| panic!("{mesh}: {error}"));
     }

@@ -1,8 +1,10 @@
-//! `<pair>`: geoms that touch whatever else is said of them.
+//! Explicit contact pairs (`<pair>`) are independent of the other contact settings of geoms.
 
-use mjcf::{Options, parse, write};
-use multibody::simulator::{Method, RunOptions, SimulationBuilder};
-use multibody::{ContactSet, Ground, Model, RobotDescription, ShapeRole, SoftConstraints, Workspace};
+use robot_dynamics::contact::{ContactSet, Ground, SoftConstraints};
+use robot_dynamics::description::{RobotDescription, ShapeRole};
+use robot_dynamics::model::{Model, Workspace};
+use robot_dynamics::simulation::{Method, RunOptions, SimulationBuilder};
+use robot_dynamics_mjcf::{Disposition, Options, parse, write};
 
 fn read(text: &str) -> RobotDescription {
     let robot = parse(text, &Options::default()).expect("a robot");
@@ -10,7 +12,8 @@ fn read(text: &str) -> RobotDescription {
     robot.description
 }
 
-/// All geoms have the bits of looks; the pairs alone let them touch. The ball and the finger it carries exclude each other, too.
+/// All geoms have zero collision bits, so only the pairs can collide. The ball and its child `finger` are
+/// also excluded.
 fn balls(pairs: &str) -> String {
     format!(
         r#"<mujoco>
@@ -31,7 +34,7 @@ fn balls(pairs: &str) -> String {
 }
 
 #[test]
-fn a_pair_is_read_with_its_defaults_and_comes_back() {
+fn a_pair_is_read_with_its_defaults_and_written() {
     let text = balls(
         r#"<pair name="own" geom1="ball" geom2="floor" friction="0.3" solref="-900 -40" solreffriction="0.03" gap="0.001"/>
            <pair class="grip" geom1="tip" geom2="ball" condim="6" solimp="0.8"/>"#,
@@ -39,13 +42,13 @@ fn a_pair_is_read_with_its_defaults_and_comes_back() {
     let robot = read(&text);
     let [floor, grip] = &robot.contact_pairs[..] else { panic!("{:?}", robot.contact_pairs) };
     assert_eq!((floor.name.as_str(), &floor.shapes), ("own", &["ball".to_owned(), "floor".to_owned()]));
-    // Fewer numbers go over those of the defaults, and these over MJCF's; the geoms have no say.
+    // Numbers of the pair replace those of its defaults, and these replace MJCF's. The geoms have no effect.
     assert_eq!((floor.condim, floor.friction), (4, [0.3, 0.2, 0.005, 1e-4, 1e-4]));
     assert_eq!((floor.solref, floor.margin, floor.gap), ([-900.0, -40.0], 0.0, 0.001));
     assert_eq!((floor.solreffriction, grip.solreffriction), (Some([0.03, 0.0]), None));
     assert_eq!((grip.condim, grip.friction, grip.margin), (6, [0.7, 0.7, 0.01, 1e-4, 1e-4], 0.002));
     assert_eq!((grip.solref, grip.solimp), ([0.02, 1.0], [0.8, 0.95, 0.001, 0.5, 2.0]));
-    // What a pair names is there to touch; the post is there for its looks.
+    // A geom in a pair is a collision shape; the post is a visual shape.
     let roles = robot.shapes.iter().map(|shape| (shape.name.as_str(), shape.role == ShapeRole::Collision));
     assert_eq!(roles.collect::<Vec<_>>(), [("floor", true), ("post", false), ("ball", true), ("tip", true)]);
 
@@ -62,18 +65,19 @@ fn a_pair_is_read_with_its_defaults_and_comes_back() {
 }
 
 #[test]
-fn friction_of_two_directions_is_told() {
+fn anisotropic_friction_is_reported() {
     let text = balls(r#"<pair geom1="ball" geom2="floor" friction="0.3 0.4"/>"#);
     let robot = parse(&text, &Options::default()).expect("a robot");
-    let told: Vec<_> =
-        robot.report.findings.iter().filter(|one| one.message().contains("two directions")).collect();
-    assert_eq!(told.len(), 1, "{}", robot.report);
-    assert_eq!(told[0].line(), 14);
+    let is_ignored =
+        |one: &&robot_dynamics_mjcf::Finding| one.treatment() == Disposition::Ignored { physics: false };
+    let findings: Vec<_> = robot.report.findings.iter().filter(is_ignored).collect();
+    assert_eq!(findings.len(), 1, "{}", robot.report);
+    assert_eq!(findings[0].line(), 14);
 }
 
-/// Pairs of attached models come under their prefix, those of replicates once for each copy.
+/// Pairs of attached models get the prefix, and those of replicates are copied for each replica.
 #[test]
-fn pairs_go_with_what_is_replicated() {
+fn pairs_of_replicated_geoms_are_replicated() {
     let text = r#"<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/>
         <replicate count="3" offset="1 0 0"><body name="b"><freejoint/><geom name="foot" size="0.1"/></body></replicate>
         </worldbody><contact><pair geom1="foot" geom2="floor" friction="0.4 0.4"/></contact></mujoco>"#;
@@ -87,7 +91,7 @@ fn run(text: &str, links: bool, v: &[f64], steps: usize) -> (Vec<f64>, Vec<f64>)
     let model = Model::new(read(text)).expect("a model");
     let contacts = ContactSet::new(&model, &[Ground::level(-0.1)]).expect("a ground");
     let contacts = if links { contacts.with_links(&model) } else { contacts };
-    let q = multibody::neutral(&model);
+    let q = robot_dynamics::model::neutral(&model);
     let run = SimulationBuilder::new(&model)
         .method(Method::Implicit)
         .contacts(contacts)
@@ -99,9 +103,10 @@ fn run(text: &str, links: bool, v: &[f64], steps: usize) -> (Vec<f64>, Vec<f64>)
     (run.q, run.v)
 }
 
-/// A ball that no bit lets touch falls; with a pair it slides on the ground with the pair's friction, x = v₀t − ½μgt².
+/// A ball without collision bits falls. With a pair it slides on the ground with the friction of the pair, x
+/// = v₀t − ½μgt².
 #[test]
-fn a_pair_with_a_plane_is_one_with_the_ground() {
+fn a_pair_with_a_plane_is_a_ground_contact() {
     let ball = |pair: &str| {
         format!(
             r#"<mujoco><default><geom contype="0" conaffinity="0"/></default>
@@ -115,23 +120,25 @@ fn a_pair_with_a_plane_is_one_with_the_ground() {
     assert!((q[2] + 0.5 * 9.81 * 0.01).abs() < 1e-12, "{q:?}");
     let (q, _) = run(&ball(r#"<pair geom1="floor" geom2="ball" friction="0.3"/>"#), false, &v, 100);
     let expected = 0.2 - 0.5 * 0.3 * 9.81 * 0.01;
-    // A ball that slides rises by less than 1e-5 m, and what it rises it is without friction.
+    // A sliding ball rises by less than 1e-5 m, and has no friction while it is above the ground.
     assert!(q[2].abs() < 1e-5 && (q[0] - expected).abs() < 1e-5, "{q:?} for {expected}");
 }
 
-/// The finger comes to rest on the ball that carries it, though bits, the excluded pair and the joint between them forbid it.
+/// The finger comes to rest on its parent `ball`, although bits, the exclusion and the joint between them
+/// rule out contact.
 #[test]
-fn a_pair_touches_though_all_else_forbids_it() {
+fn a_pair_overrides_bits_exclusions_and_joints() {
     let floor = r#"<pair geom1="floor" geom2="ball"/>"#;
     let (q, _) = run(&balls(floor), true, &[0.0; 7], 1000);
     assert!(q[7] < -4.0, "it falls through: {q:?}");
     let both = format!(r#"{floor}<pair geom1="tip" geom2="ball" friction="0 0"/>"#);
     let (q, v) = run(&balls(&both), true, &[0.0; 7], 4000);
-    // 0.3 m apart, radii 0.1 and 0.05. What the impact lifted comes back as exp(−t/0.1 s): nothing is left of it.
+    // The distance is 0.3 m and the radii are 0.1 and 0.05 m. A displacement by the impact decays as
+    // exp(−t/0.1 s), to zero here.
     assert!((q[7] + 0.15).abs() < 1e-9 && v[6].abs() < 1e-9, "{q:?} {v:?}");
 }
 
-/// MuJoCo's law has the pair's own numbers as well.
+/// MuJoCo's law uses the numbers of the pair, too.
 #[test]
 fn soft_contacts_have_the_surface_of_their_pair() {
     let text = balls(
@@ -145,7 +152,7 @@ fn soft_contacts_have_the_surface_of_their_pair() {
         .with_ground(&model, contacts)
         .expect("no restitution");
     let (mut workspace, mut acceleration) = (Workspace::new(&model), [0.0; 7]);
-    let q = multibody::neutral(&model);
+    let q = robot_dynamics::model::neutral(&model);
     soft.forward(&model, &mut workspace, &q, &[0.0; 7], &[0.0; 7], &[], &mut acceleration).expect("a state");
     let found: Vec<_> = soft.contacts().map(|(contact, _)| *contact).collect();
     let [floor, grip] = &found[..] else { panic!("{found:?}") };

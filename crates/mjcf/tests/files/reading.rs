@@ -1,7 +1,8 @@
-//! What of the format becomes what of the robot, where MuJoCo has no number to compare with.
+//! Tests the conversion of elements for which MuJoCo has no number to compare with.
 
-use mjcf::{Options, Robot, parse};
-use multibody::{Base, JointKind, Model};
+use robot_dynamics::description::{Base, JointKind};
+use robot_dynamics::model::Model;
+use robot_dynamics_mjcf::{Disposition, MjcfError, Options, Robot, parse};
 
 pub(crate) fn read(text: &str) -> Robot {
     parse(text, &Options::default()).unwrap_or_else(|error| panic!("{error}\n{text}"))
@@ -40,7 +41,7 @@ fn a_free_joint_is_a_floating_one_from_the_world() {
         (joint.name.as_str(), joint.kind, joint.parent.as_str()),
         ("root", JointKind::Floating, "world")
     );
-    // Its q is the place in the world, wherever the file puts the body.
+    // Its q is the pose in the world, independent of the placement in the file.
     assert_eq!(joint.parent_from_joint.translation, [0.0; 3]);
     let model = Model::new(robot.description.clone()).expect("a robot");
     assert_eq!(model.named_pose("qpos0").expect("its own pose").0, [1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0]);
@@ -58,19 +59,28 @@ fn a_floating_base_is_added_where_nothing_floats() {
     assert_eq!((robot.description.base, robot.report.counts.degrees_of_freedom), (Base::Fixed, 6));
 }
 
-/// In a scene the robot floats, and not the world with the table and the floor: 6 + 1 freedoms, of which the base carries the robot's mass.
+/// A world with a floor, a table, and these bodies.
+pub(crate) fn scene(bodies: &str) -> String {
+    let floor = "<geom name='floor' type='plane' size='1 1 1'/>";
+    format!(
+        "<mujoco><worldbody>{floor}{bodies}<body name='table'><geom type='box' size='1 1 .1'/></body></worldbody></mujoco>"
+    )
+}
+
+/// The treatments of findings about the whole file.
+fn notes_on_base(robot: &Robot) -> Vec<Disposition> {
+    let findings = robot.report.findings.iter().filter(|finding| finding.place() == "mujoco");
+    findings.map(robot_dynamics::description::Finding::treatment).collect()
+}
+
+/// In a scene the robot floats, and not the world with table and floor: 6 + 1 degrees of freedom, and the
+/// base moves the mass of the robot.
 #[test]
 fn the_robot_of_a_scene_floats() {
     let options = Options::default().with_floating_base();
     let robot = |name: &str| {
         format!(
             "<body name='{name}' pos='0 0 1'>{BALL}<body name='{name} arm'><joint name='{name} elbow' axis='0 1 0'/>{BALL}</body></body>"
-        )
-    };
-    let scene = |bodies: &str| {
-        let floor = "<geom name='floor' type='plane' size='1 1 1'/>";
-        format!(
-            "<mujoco><worldbody>{floor}{bodies}<body name='table'><geom type='box' size='1 1 .1'/></body></worldbody></mujoco>"
         )
     };
     let read = parse(&scene(&robot("r2d2")), &options).expect("a scene");
@@ -81,7 +91,7 @@ fn the_robot_of_a_scene_floats() {
         (read.description.base, model.nv(), read.report.counts.degrees_of_freedom),
         (Base::Fixed, 7, 7)
     );
-    let q = multibody::neutral(&model);
+    let q = robot_dynamics::model::neutral(&model);
     let mass = model.mass_matrix(&q).expect("M");
     assert!((mass[(0, 0)] - (model.total_mass() - table)).abs() < 1e-9 * mass[(0, 0)]);
     let place = |name: &str, q: &[f64]| {
@@ -92,31 +102,29 @@ fn the_robot_of_a_scene_floats() {
     let mut moved = q.clone();
     moved[base.q_index] = 3.0;
     assert_eq!((place("r2d2", &moved), place("table", &moved)), ([3.0, 0.0, 1.0], [0.0; 3]));
-    assert!(read.report.to_string().contains("body \"r2d2\" is freed"), "{}", read.report);
+    assert_eq!(notes_on_base(&read), [Disposition::Defaulted], "{}", read.report);
 
-    // Two robots, or one that hangs by a joint: nobody can know, or there is no base.
-    let refused = |bodies: &str| parse(&scene(bodies), &options).expect_err("no robot is meant").to_string();
-    let error = refused(&(robot("r2d2") + &robot("c3po")));
-    assert!(error.contains("several bodies of the world may be meant: \"r2d2\", \"c3po\""), "{error}");
-    let error = refused(&format!("<body name='door'><joint name='hinge'/>{BALL}</body>"));
-    assert!(error.contains("body \"door\" hangs in the world by joint \"hinge\""), "{error}");
-    // One that floats in the file already.
+    // With two robots the choice is ambiguous, and a robot that a joint connects to the world has no base.
+    for bodies in
+        [robot("r2d2") + &robot("c3po"), format!("<body name='door'><joint name='hinge'/>{BALL}</body>")]
+    {
+        let refused = parse(&scene(&bodies), &options).expect_err("no robot is meant");
+        assert!(matches!(refused.errors(), [MjcfError::Misplaced { .. }]), "{refused}");
+    }
+    // A robot that floats in the file.
     let free = robot("r2d2").replacen("<geom", "<freejoint/><geom", 1);
     let read = parse(&scene(&free), &options).expect("a scene");
-    assert!(
-        read.report.counts.degrees_of_freedom == 7 && read.report.to_string().contains("adds nothing"),
-        "{}",
-        read.report
-    );
+    assert_eq!(read.report.counts.degrees_of_freedom, 7, "{}", read.report);
+    assert_eq!(notes_on_base(&read), [Disposition::Ignored { physics: false }], "{}", read.report);
 }
 
 #[test]
-fn what_has_no_name_gets_one_of_its_own() {
+fn elements_without_a_name_get_unique_names() {
     let robot = in_world(&format!(
         "<body><joint/><joint axis='1 0 0'/>{BALL}</body><body name='body_1'><joint name='body_1_hinge'/>{BALL}</body>"
     ));
     let links: Vec<&str> = robot.description.links.iter().map(|link| link.name.as_str()).collect();
-    // The file's own names go first.
+    // The names of the file take precedence.
     assert_eq!(links, ["world", "body_1_2/body_1_2_hinge", "body_1_2", "body_1"]);
     let joints: Vec<&str> = robot.description.joints.iter().map(|joint| joint.name.as_str()).collect();
     assert_eq!(joints, ["body_1_2_hinge", "body_1_2_hinge_2", "body_1_hinge"]);
@@ -162,7 +170,10 @@ fn the_robot_has_its_models_name_or_its_files() {
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join("walker.xml");
     std::fs::write(&file, "<mujoco/>").expect("a file");
-    assert_eq!(mjcf::load(&file, &Options::default()).expect("a robot").description.name, "walker");
+    assert_eq!(
+        robot_dynamics_mjcf::load(&file, &Options::default()).expect("a robot").description.name,
+        "walker"
+    );
     std::fs::remove_dir_all(&folder).expect("the folder");
 }
 
@@ -177,7 +188,7 @@ fn inertias_are_repaired_on_request() {
     assert!(body.flaw().is_none(), "{body:?}");
 }
 
-/// As MuJoCo read it before it moved the word to the mesh.
+/// As in versions of MuJoCo in which `shellinertia` was an attribute of mesh geoms.
 #[test]
 fn a_mesh_geom_with_shell_inertia_has_its_mass_in_its_surface() {
     let text = |geom: &str, mesh: &str| {
@@ -190,29 +201,29 @@ fn a_mesh_geom_with_shell_inertia_has_its_mass_in_its_surface() {
     let new = read(&text("", "inertia='shell'"));
     assert_eq!(old.description.links[1].mass_properties, new.description.links[1].mass_properties);
     assert_eq!((old.report.counts.as_written, new.report.counts.as_written), (1, 0));
-    // Three faces of half a square metre, and one of half the root of three.
+    // Three faces of ½ m², and one of ½√3 m².
     let mass = new.description.links[1].mass_properties.expect("a body").mass();
     assert!((mass - 1000.0 * (1.5 + 0.75_f64.sqrt())).abs() < 1e-10, "{mass}");
 }
 
-/// Ninety radians are no angle that anyone means: the plausibility of units sees them as they were meant to be.
+/// Ninety radians are implausible, and the plausibility check suspects the unit.
 #[test]
 fn angles_in_a_wrong_unit_are_suspected() {
     let suspected = |unit: &str| {
         let robot = read(&format!(
             "<mujoco><compiler angle='{unit}'/><worldbody><body name='a' euler='90 0 0'><joint/>{BALL}</body></worldbody></mujoco>"
         ));
-        multibody::plausibility::suspicions(&robot.description, &robot.angles).len()
+        robot_dynamics::plausibility::suspicions(&robot.description, &robot.angles).len()
     };
     assert_eq!((suspected("degree"), suspected("radian")), (0, 1));
 }
 
-/// Springs of ball and free joints come back from a written file, where they rest included; no number of them is lost.
+/// Springs of ball and free joints are written and read back, with their rest poses and all numbers.
 #[test]
-fn springs_that_turn_freely_are_written() {
+fn springs_of_ball_and_free_joints_are_written() {
     let file = crate::golden::root().join("testdata/mjcf/placement_springs.xml");
-    let robot = mjcf::load(file, &Options::default()).expect("a robot").description;
-    let written = mjcf::write(&robot, None).expect("a file");
+    let robot = robot_dynamics_mjcf::load(file, &Options::default()).expect("a robot").description;
+    let written = robot_dynamics_mjcf::write(&robot, None).expect("a file");
     assert!(written.left_out.iter().all(|left| !left.place.contains("joint")), "{:?}", written.left_out);
     let back = parse(&written.text, &Options::default()).expect("a robot").description;
     let mut springs = 0;

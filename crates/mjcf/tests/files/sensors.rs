@@ -1,16 +1,18 @@
-//! Sensors: read, written, and evaluated against MuJoCo's `sensordata` (`testdata/mjcf/sensors/golden.json`).
+//! Tests reading, writing and evaluating sensors against MuJoCo's `sensordata`
+//! (`testdata/mjcf/sensors/golden.json`).
 //!
-//! Tolerance: 1e-10 of the largest value of the sensor and of its kin. Values are computed from MuJoCo's
-//! accelerations and forces, which are the same input on both sides, so only the rounding of sums over a
-//! dozen bodies differs.
+//! Tolerance: 1e-10 of the largest value of the sensor. The accelerations and forces are MuJoCo's on both
+//! sides, so only the rounding of sums over a dozen bodies differs.
 
-use mjcf::{FileSet, Options, load, load_among, parse};
-use multibody::conventions::{acceleration_from_mujoco, force_from_mujoco};
-use multibody::simulator::{Method, Simulation, SimulationBuilder};
-use multibody::{
-    LinkDescription, Model, PointForce, RobotDescription, SensorDescription, SensorInputs, SensorKind,
-    SensorObject, SensorSet, Shape,
+use robot_dynamics::conventions::{acceleration_from_mujoco, force_from_mujoco};
+use robot_dynamics::description::{
+    LinkDescription, RobotDescription, SensorDescription, SensorKind, SensorObject, Shape,
 };
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::{
+    Method, PointForce, SensorInputs, SensorSet, Simulation, SimulationBuilder,
+};
+use robot_dynamics_mjcf::{Disposition, FileSet, Finding, Options, load, load_among, parse};
 use serde_json::Value;
 
 use crate::golden::{Golden, numbers, root};
@@ -26,21 +28,21 @@ fn three(value: &Value) -> [f64; 3] {
     numbers(value).try_into().expect("three numbers")
 }
 
-/// MuJoCo's quaternion, w x y z, as ours is: x y z w, w not negative for a frame.
+/// Converts MuJoCo's quaternion, w x y z, to x y z w, with w not negative for a frame.
 fn ours(kind: SensorKind, value: &[f64]) -> Vec<f64> {
     let &[w, x, y, z] = value else { return value.to_vec() };
     let sign = if kind == SensorKind::FrameQuaternion && w < 0.0 { -1.0 } else { 1.0 };
     [x, y, z, w].map(|x| sign * x).to_vec()
 }
 
-/// The robot of a file, by way of its own text written anew where `again`.
+/// The robot of a file; if `again`, after writing it and reading the text back.
 fn robot(file: &str, again: bool) -> RobotDescription {
     let robot = load(root().join(file), &Options::default()).expect("a robot");
     assert_eq!(robot.report.counts.ignored, 0, "{}", robot.report);
     if !again {
         return robot.description;
     }
-    let written = mjcf::write(&robot.description, None).expect("a file");
+    let written = robot_dynamics_mjcf::write(&robot.description, None).expect("a file");
     let lost: Vec<_> = written.left_out.iter().filter(|lost| lost.place.contains("sensor")).collect();
     assert!(lost.is_empty(), "{lost:?}");
     parse(&written.text, &Options::default()).expect("its own file").description
@@ -106,7 +108,7 @@ fn written_sensors_give_the_same_values() {
     compare(true);
 }
 
-/// Without contact and motors, a sensor is what Newton says: here with numbers by hand.
+/// Without contact and motors the values follow from Newton's laws, here computed by hand.
 #[test]
 fn a_resting_body_shows_its_weight() {
     let text = "<mujoco><worldbody><body name='b'>
@@ -123,8 +125,8 @@ fn a_resting_body_shows_its_weight() {
     let mut values = [0.0; 9];
     let inputs = SensorInputs::new(&[], &[], &[]);
     sensors.evaluate(&model, &mut sensors.memory(&model), &inputs, &mut values);
-    // The site's y axis is up; the weight of 2 kg acts 0.2 m ahead, so that the joint holds −0.2·2·g about
-    // the world's y.
+    // The y axis of the site points up. The weight of 2 kg acts at 0.2 m, so the joint carries −0.2·2·g about
+    // the y axis of the world.
     let weight = 2.0 * 9.81;
     let expected = [0.0, 9.81, 0.0, 0.0, weight, 0.0, 0.0, 0.0, 0.2 * weight];
     for (found, expected) in values.iter().zip(expected) {
@@ -132,9 +134,9 @@ fn a_resting_body_shows_its_weight() {
     }
 }
 
-#[test]
-fn what_is_not_answered_is_named() {
-    let text = "<mujoco><worldbody><body name='b'><joint name='j' type='ball'/><geom name='g' size='0.1'/>
+/// A sensor that is supported, and four that are not.
+pub(crate) const UNANSWERED: &str =
+    "<mujoco><worldbody><body name='b'><joint name='j' type='ball'/><geom name='g' size='0.1'/>
         <site name='s'/></body></worldbody>
       <tendon><spatial name='t'><site site='s'/><site site='s'/></spatial></tendon>
       <sensor>
@@ -144,14 +146,20 @@ fn what_is_not_answered_is_named() {
       <framequat objtype='body' objname='b'/>
       <gyro site='s'/>
       </sensor></mujoco>";
-    let robot = parse(text, &Options::default()).expect("a robot");
+
+#[test]
+fn unsupported_sensors_are_reported() {
+    let robot = parse(UNANSWERED, &Options::default()).expect("a robot");
     assert_eq!(robot.description.sensors.len(), 1);
-    let lines: Vec<usize> = (robot.report.findings.iter())
-        .filter(|finding| finding.message().contains("not answered"))
-        .map(multibody::Finding::line)
+    let is_ignored = |finding: &&Finding| finding.treatment() == Disposition::Ignored { physics: false };
+    let lines: Vec<usize> = robot
+        .report
+        .findings
+        .iter()
+        .filter(is_ignored)
+        .map(robot_dynamics::description::Finding::line)
         .collect();
     assert_eq!(lines, [5, 6, 7, 8], "{}", robot.report);
-    assert!(!robot.report.findings.iter().any(|finding| finding.message() == "sensors"));
 }
 
 #[test]
@@ -166,12 +174,12 @@ fn an_unknown_object_is_an_error_of_its_line() {
         "<subtreecom body='nowhere'/>",
     ] {
         let error = parse(&format!("{body}\n{sensor}</sensor></mujoco>"), &Options::default());
-        let text = error.expect_err("refused").to_string();
-        assert!(text.contains("line 2"), "{sensor}: {text}");
+        let refused = error.expect_err("refused");
+        assert!(refused.errors().iter().all(|error| error.line() == Some(2)), "{sensor}: {refused}");
     }
 }
 
-/// Sensors come with the part that is attached, under its names, and once with each copy of a replicate.
+/// Sensors of an attached part get its prefix, and those of replicates are copied for each replica.
 #[test]
 fn sensors_are_attached_and_replicated() {
     let hand =
@@ -198,17 +206,17 @@ fn sensors_are_attached_and_replicated() {
     Model::new(robot).expect("a model");
 }
 
-/// Sensors on a link itself, with a zone, and what the format has no words for.
+/// Sensors on a link, sensors with a zone, and sensors that MJCF cannot represent.
 #[test]
 fn sensors_of_a_description_are_written() {
-    let mut robot = multibody::pendulum(2.0, 0.5);
+    let mut robot = robot_dynamics::description::pendulum(2.0, 0.5);
     robot.links.push(LinkDescription::new("hook", None));
-    let hook = multibody::JointDescription::new(
+    let hook = robot_dynamics::description::JointDescription::new(
         "weld",
-        multibody::JointKind::Fixed,
+        robot_dynamics::description::JointKind::Fixed,
         "rod",
         "hook",
-        multibody::Pose::IDENTITY,
+        robot_dynamics::description::Pose::IDENTITY,
     );
     robot.joints.push(hook);
     let pad = Shape::Box { size: [0.1, 0.2, 0.3] };
@@ -216,7 +224,7 @@ fn sensors_of_a_description_are_written() {
     robot.sensors.push(SensorDescription::new("pad", SensorKind::Touch, "tip").within(pad.clone()));
     robot.sensors.push(SensorDescription::new("all", SensorKind::Touch, "tip"));
     robot.sensors.push(SensorDescription::new("reach", SensorKind::FramePosition, "hook").relative_to("rod"));
-    let written = mjcf::write(&robot, None).expect("a file");
+    let written = robot_dynamics_mjcf::write(&robot, None).expect("a file");
     let left_out: Vec<&str> = written.left_out.iter().map(|lost| lost.place.as_str()).collect();
     assert!(left_out.contains(&"sensor \"all\""), "{left_out:?}");
     let back = parse(&written.text, &Options::default()).expect("a robot").description;
@@ -229,7 +237,7 @@ fn sensors_of_a_description_are_written() {
     assert_eq!(back.sensors[2].reference, Some("rod".into()));
 }
 
-/// Two links fall onto their upper limits, and a rope between the second one and a slide becomes taut.
+/// Two links fall to their upper limits, and a tendon between the second one and a slide becomes taut.
 const LIMITED: &str = r#"<mujoco><compiler angle="radian"/><option timestep="0.002"/>
   <worldbody>
     <body name="a" pos="0 0 1"><joint name="shoulder" axis="0 1 0" range="-0.5 0.3" damping="0.1" solreflimit="0.03 0.9"/>
@@ -257,7 +265,8 @@ fn sensed(simulation: &Simulation) -> Vec<f64> {
     simulation.sensors().into_iter().flat_map(|(_, values)| values).collect()
 }
 
-/// `sensordata` of MuJoCo 4.0.0 (`tolerance="0"`, 200 iterations): positions and velocities of the state after so many steps, and the forces of the last step.
+/// `sensordata` of MuJoCo 4.0.0 (`tolerance="0"`, 200 iterations): positions and velocities after the given
+/// steps, and the forces of the last step.
 #[test]
 fn limits_of_a_simulation_show_mujocos_forces() {
     let mut simulation = limited(Method::Mujoco);
@@ -296,7 +305,8 @@ fn limits_of_a_simulation_show_mujocos_forces() {
     }
 }
 
-/// At rest under the rigid law, the limits carry what gravity asks of the joints, on the limits to rounding.
+/// At rest under the rigid law, the forces of the limits balance gravity, and the joints are at the limits to
+/// rounding.
 #[test]
 fn rigid_limits_show_the_forces_that_carry_the_weight() {
     let mut simulation = limited(Method::Implicit);
@@ -307,7 +317,7 @@ fn rigid_limits_show_the_forces_that_carry_the_weight() {
     let held = model.inverse_dynamics(&q, &[0.0; 3], &[0.0; 3]).expect("a state");
     let tension = 0.4 * 9.81;
     assert!((held[2] - tension).abs() < 1e-12);
-    // Both upper limits push back; the rope pulls the elbow on.
+    // Both upper limits push back, and the tendon pulls the elbow.
     for (sensor, expected) in [(2, -held[0]), (5, -(held[1] - 0.1 * tension)), (8, tension)] {
         assert!((found[sensor] - expected).abs() < 1e-6, "{sensor}: {} for {expected}", found[sensor]);
     }

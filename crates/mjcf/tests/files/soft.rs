@@ -1,18 +1,18 @@
-//! Accelerations under MuJoCo's law of constraints against MuJoCo: `testdata/mjcf/soft/golden.json`, or the file that
-//! `SOFT_GOLDEN` names.
+//! Compares accelerations under MuJoCo's constraint law with MuJoCo: `testdata/mjcf/soft/golden.json`, or the
+//! file that the environment variable `SOFT_GOLDEN` names.
 //!
-//! Tolerance: 1e-8 of the largest acceleration. MuJoCo's Newton method stops where its own steps no longer lower the cost, whose
-//! rounding is 1e-16, so that what it finds is right to about its root.
+//! Tolerance: 1e-8 of the largest acceleration. MuJoCo's Newton method stops when its steps no longer lower
+//! the cost, whose rounding is 1e-16, so its result has an error of about the root of that.
 
-use mjcf::{Options, load};
-use multibody::conventions::{
+use robot_dynamics::contact::{ContactSet, Ground, SoftConstraints, SoftContact};
+use robot_dynamics::conventions::{
     acceleration_to_mujoco, configuration_from_mujoco, configuration_to_mujoco, force_from_mujoco,
     force_to_mujoco, velocity_to_mujoco,
 };
-use multibody::{
-    ContactSet, Ground, HigherTerms, Model, MujocoEuler, PassiveForces, SoftConstraints, SoftContact,
-    Softness, StepForces, StepWorkspace, Stepper, Surface, Workspace,
-};
+use robot_dynamics::description::{HigherTerms, PassiveForces, Softness, Surface};
+use robot_dynamics::mjcf::{Options, load};
+use robot_dynamics::model::{Model, Workspace};
+use robot_dynamics::simulation::{MujocoEuler, StepForces, StepWorkspace, Stepper};
 use serde_json::Value;
 
 use crate::golden::{Golden, assert_near, numbers, root};
@@ -23,7 +23,7 @@ fn vector<const N: usize>(value: &Value) -> [f64; N] {
     numbers(value).try_into().expect("so many numbers")
 }
 
-/// A contact as MuJoCo found it.
+/// A contact of MuJoCo.
 fn contact(model: &Model, value: &Value) -> SoftContact {
     let frame = |key: &str| model.frame(value[key].as_str().expect("a name"));
     let [normal, point] = ["normal", "point"].map(|key| vector::<3>(&value[key]));
@@ -38,7 +38,7 @@ fn contact(model: &Model, value: &Value) -> SoftContact {
     contact
 }
 
-/// The same contact, found here and there.
+/// Checks that this library and MuJoCo have the same contact.
 fn assert_alike(what: &str, own: &SoftContact, theirs: &SoftContact) {
     assert_eq!((own.link, own.other, own.condim), (theirs.link, theirs.other, theirs.condim), "{what}");
     let numbers = |contact: &SoftContact| {
@@ -55,8 +55,8 @@ fn golden() -> Value {
     serde_json::from_str(&std::fs::read_to_string(file).expect("the file")).expect("JSON")
 }
 
-/// A shape's surface and that of MuJoCo's plane without numbers together, as the ground here has no surface of its own: the plane's
-/// priority is 0, its share of the softness as that of a shape without numbers.
+/// Combines the surface of a shape with that of MuJoCo's default plane, because the ground here has no
+/// surface of its own. The priority of the plane is 0, and its weight in the mix is that of a default shape.
 fn on_plane(own: &Surface) -> Surface {
     let plane = Surface::default();
     if own.priority > 0 {
@@ -84,7 +84,7 @@ fn on_plane(own: &Surface) -> Surface {
     both
 }
 
-/// The robot without what does not act in the golden file, and its constraints.
+/// The robot without the forces that are absent in the golden data, and its constraints.
 fn robot(file: &str, record: &Value) -> (Model, SoftConstraints, ContactSet) {
     let mut robot = load(root().join(file), &Options::default()).expect("a robot").description;
     for link in &mut robot.links {
@@ -150,9 +150,10 @@ fn accelerations_under_soft_constraints_are_mujocos() {
     assert!(compared >= 40 && handed >= 30 && found_own >= 20, "{compared} {handed} {found_own}");
 }
 
-/// Robots that fall, by MuJoCo's own step: the same motion, and after it still the same contacts.
+/// Robots that fall, by MuJoCo's step: the motion and the contacts are the same.
 ///
-/// 1e-6 rad or m: what two solvers leave apart, 1e-11 of the accelerations, grows over impacts.
+/// Tolerance: 1e-6 rad or m. The difference between the two solvers, 1e-11 of the accelerations, grows in
+/// impacts.
 #[test]
 fn falls_by_mujocos_step_are_mujocos() {
     let (golden, mut dropped) = (golden(), 0);
@@ -188,7 +189,7 @@ fn falls_by_mujocos_step_are_mujocos() {
         println!("{file}: as many contacts in {same} of {} steps, at most {most}", counts.len());
         assert!(same == counts.len() && most > 1, "{file}: {same} of {}", counts.len());
     }
-    // Of the project's own file two robots, of another one some.
+    // The project's own file has two robots with falls; other files have some.
     let is_own = std::env::var_os("SOFT_GOLDEN").is_none();
     assert!(if is_own { dropped == 2 } else { dropped > 0 }, "{dropped} robots fell");
 }

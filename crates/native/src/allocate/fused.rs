@@ -1,16 +1,22 @@
-//! Fused multiply-adds, of whose operands one is overwritten.
+//! Register allocation for fused multiply-adds, which overwrite one operand.
 
 use super::{Allocator, Source};
-use crate::instruction::{Form, Instruction, Register};
-use crate::list::{Reads, Value};
+use crate::instruction::{FusedForm, Instruction, Register};
+use crate::list::{OperandAccess, Value};
 
 impl Allocator<'_> {
     /// a b + c, or c − a b.
     pub(super) fn fused(&mut self, a: Value, b: Value, c: Value, is_minus: bool) -> Register {
-        if self.machine.has_fused_apart {
-            let [left, right, addend] = [a, b, c].map(|value| self.in_register(value));
-            let to = self.destination(&[a, b, c]);
-            self.instructions.push(Instruction::FusedApart { is_minus, to, a: left, b: right, c: addend });
+        if self.machine.has_fused_destination {
+            let [left, right, addend] = [a, b, c].map(|value| self.load_to_register(value));
+            let to = self.result_register(&[a, b, c]);
+            self.instructions.push(Instruction::FusedWithDestination {
+                is_minus,
+                to,
+                a: left,
+                b: right,
+                c: addend,
+            });
             return to;
         }
         if self.machine.has_memory_operands {
@@ -20,22 +26,22 @@ impl Allocator<'_> {
         }
     }
 
-    /// Over the addend, or a copy of it.
+    /// Overwrites the addend, or a copy of it.
     fn fused_over_addend(&mut self, a: Value, b: Value, c: Value, is_minus: bool) -> Register {
-        let factors = [self.in_register(a), self.in_register(b)];
-        let addend = self.in_register(c);
-        // A factor that is the addend, too, is read before it is overwritten.
-        let to = if self.is_dead(c) { addend } else { self.copied(addend) };
+        let factors = [self.load_to_register(a), self.load_to_register(b)];
+        let addend = self.load_to_register(c);
+        // A factor that equals the addend is read before it is overwritten.
+        let to = if self.is_dead(c) { addend } else { self.copy_register(addend) };
         self.unbind_if(c, to);
-        self.push_fused(Form::Addend, is_minus, to, factors[0], Source::Register(factors[1]));
+        self.push_fused(FusedForm::Addend, is_minus, to, factors[0], Source::Register(factors[1]));
         for value in [a, b, c] {
             self.release(value);
         }
         to
     }
 
-    /// A copy of a register in another one.
-    fn copied(&mut self, from: Register) -> Register {
+    /// Copies a register to another one.
+    fn copy_register(&mut self, from: Register) -> Register {
         let to = self.acquire(self.locked);
         self.instructions.push(Instruction::Copy { to, from });
         self.counts.copies += 1;
@@ -48,12 +54,12 @@ impl Allocator<'_> {
         }
     }
 
-    /// Over the operand that is not read again or that is in memory, too; else over a copy.
+    /// Overwrites an operand that is dead or also in memory, else a copy.
     fn fused_over_any(&mut self, a: Value, b: Value, c: Value, is_minus: bool) -> Register {
-        let Some(over) = self.overwritten(a, b, c) else {
+        let Some(over) = self.choose_overwritten(a, b, c) else {
             let [left, right, addend] = [a, b, c].map(|value| self.register[value as usize]);
-            let to = self.copied(addend);
-            self.push_fused(Form::Addend, is_minus, to, left, Source::Register(right));
+            let to = self.copy_register(addend);
+            self.push_fused(FusedForm::Addend, is_minus, to, left, Source::Register(right));
             return to;
         };
         let to = self.register[over as usize];
@@ -61,26 +67,26 @@ impl Allocator<'_> {
             let exchange = !self.is_in_register(a)
                 && (self.is_in_register(b) || self.next[b as usize] < self.next[a as usize]);
             let (a, b) = if exchange { (b, a) } else { (a, b) };
-            let factor = self.in_register(a);
-            let other = self.source(b, Reads::Numbers);
-            self.push_fused(Form::Addend, is_minus, to, factor, other);
+            let factor = self.load_to_register(a);
+            let other = self.source(b, OperandAccess::Numbers);
+            self.push_fused(FusedForm::Addend, is_minus, to, factor, other);
         } else {
             let factor = if over == a { b } else { a };
             if !self.is_in_register(factor) && !self.is_in_register(c) {
                 let sooner = if self.next[factor as usize] < self.next[c as usize] { factor } else { c };
-                self.in_register(sooner);
+                self.load_to_register(sooner);
             }
             if self.is_in_register(factor) {
                 let factor = self.register[factor as usize];
-                let addend = self.source(c, Reads::Numbers);
-                self.push_fused(Form::FactorAndMemoryAddend, is_minus, to, factor, addend);
+                let addend = self.source(c, OperandAccess::Numbers);
+                self.push_fused(FusedForm::FactorAndMemoryAddend, is_minus, to, factor, addend);
             } else {
                 let addend = self.register[c as usize];
-                let factor = self.source(factor, Reads::Numbers);
-                self.push_fused(Form::Factor, is_minus, to, addend, factor);
+                let factor = self.source(factor, OperandAccess::Numbers);
+                self.push_fused(FusedForm::Factor, is_minus, to, addend, factor);
             }
         }
-        // A value that is read again is in memory.
+        // A live value is in memory.
         self.unbind(over);
         for value in [a, b, c] {
             self.release(value);
@@ -88,15 +94,15 @@ impl Allocator<'_> {
         to
     }
 
-    /// The operand whose register the result takes, which is not needed any more after the operation or is in memory, too.
-    fn overwritten(&mut self, a: Value, b: Value, c: Value) -> Option<Value> {
+    /// The operand whose register the result overwrites: it is dead after the operation, or also in memory.
+    fn choose_overwritten(&mut self, a: Value, b: Value, c: Value) -> Option<Value> {
         let dies = |value: &Value| self.is_in_register(*value) && self.is_dead(*value);
         if let Some(over) = [c, a, b].into_iter().find(dies) {
             return Some(over);
         }
         let outside = [c, a, b].into_iter().filter(|&value| !self.is_in_register(value));
         if let Some(value) = outside.max_by_key(|&value| self.next[value as usize]) {
-            self.in_register(value);
+            self.load_to_register(value);
             return Some(value);
         }
         if self.free_register().is_some() {
@@ -105,12 +111,12 @@ impl Allocator<'_> {
         let victim = self.victim(0);
         let is_operand = self.locked >> victim & 1 == 1;
         is_operand.then(|| {
-            self.save(victim);
-            self.holds[usize::from(victim)]
+            self.spill(victim);
+            self.value_in[usize::from(victim)]
         })
     }
 
-    fn push_fused(&mut self, form: Form, is_minus: bool, to: Register, a: Register, b: Source) {
+    fn push_fused(&mut self, form: FusedForm, is_minus: bool, to: Register, a: Register, b: Source) {
         self.instructions.push(Instruction::Fused { form, is_minus, to, a, b });
     }
 }

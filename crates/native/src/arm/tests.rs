@@ -1,20 +1,20 @@
-//! Every instruction, by LLVM's assembler: it makes the same bytes of the listing.
+//! LLVM's assembler makes the same bytes from the listing of every instruction.
 
 use std::io::Write;
 use std::process::{Command, Stdio};
 
-use expression::{Arithmetic, Precision};
-use number::InstructionSet;
+use robot_dynamics_expression::{Arithmetic, Precision};
+use robot_dynamics_number::InstructionSet;
 
-use super::{assembly, encoded};
-use crate::instruction::{Form, Instruction, Source};
+use super::{assembly, encode};
+use crate::instruction::{FusedForm, Instruction, Source};
 use crate::list::{Address, Base, Binary, Extent};
 use crate::target::{Target, Width};
 
 /// LLVM's assembler, of Debian's package `llvm`.
 const ASSEMBLER: &str = "llvm-mc";
 
-/// The bytes of a text, or nothing where there is no assembler.
+/// The bytes of a listing, or `None` without an assembler.
 fn assembled(text: String) -> Option<Vec<u8>> {
     let child = Command::new(ASSEMBLER)
         .args(["--triple=aarch64", "--show-encoding"])
@@ -41,7 +41,7 @@ fn check(target: Target, instructions: Vec<Instruction>) {
     let few = instructions[..2].to_vec();
     for (scratch_end, instructions) in [(64, instructions), (123_456, few.clone()), (1 << 25, few)] {
         let parts = [(target, instructions)];
-        let (bytes, length) = encoded(target, &parts, 16, scratch_end, &[1, 2, 3]);
+        let (bytes, length) = encode(target, &parts, 16, scratch_end, &[1, 2, 3]);
         let text = assembly(target, &parts, 16, scratch_end, bytes.len() - 3);
         let lines: Vec<String> = text.lines().map(str::to_owned).collect();
         let Some(expected) = assembled(text) else { return };
@@ -63,7 +63,7 @@ fn targets() -> Vec<Target> {
     targets
 }
 
-/// The first and last registers of a value, and some between.
+/// The first and last registers, and some between.
 fn registers(target: Target) -> &'static [u8] {
     match target.width {
         Width::One => &[0, 7, 15, 16, 30],
@@ -137,11 +137,12 @@ fn operations_are_those_of_llvm() {
                     for is_minus in [false, true] {
                         match target.width {
                             Width::One => {
-                                let apart = |&c: &u8| Instruction::FusedApart { is_minus, to, a, b, c };
+                                let apart =
+                                    |&c: &u8| Instruction::FusedWithDestination { is_minus, to, a, b, c };
                                 instructions.extend(registers(target).iter().map(apart));
                             }
                             Width::Lanes => {
-                                let form = Form::Addend;
+                                let form = FusedForm::Addend;
                                 instructions.push(Instruction::Fused { form, is_minus, to, a, b: source });
                             }
                         }

@@ -1,4 +1,5 @@
-//! Words of 64-bit ARM instructions, and their text where it is asked for (Arm Architecture Reference Manual for A-profile, chapter C).
+//! Words of 64-bit ARM instructions, and optionally their text (Arm Architecture Reference Manual for
+//! A-profile, chapter C).
 
 use std::fmt::Write;
 
@@ -7,26 +8,26 @@ use crate::instruction::Register;
 /// A general register.
 pub(super) type General = u32;
 
-/// Where addresses that no instruction holds are computed.
+/// The register for addresses that do not fit into an instruction.
 pub(super) const ADDRESS: General = 17;
 
-/// Instructions that are being written.
+/// The output: words, and optionally text.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Writer {
     pub(super) code: Vec<u8>,
-    /// One instruction a line.
+    /// The text, one instruction a line.
     pub(super) text: Option<String>,
 }
 
-/// The piece that a load or store moves.
+/// The unit that a load or store moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Piece {
+pub(super) enum Unit {
     Single,
     Double,
     Quad,
 }
 
-impl Piece {
+impl Unit {
     fn bytes(self) -> u32 {
         match self {
             Self::Single => 4,
@@ -43,7 +44,8 @@ impl Piece {
         }
     }
 
-    /// The words of a load with an offset that counts pieces, and of one with an offset of bytes; of a store bit 22 is clear.
+    /// The words of a load with an offset in units, and of one with an offset in bytes; for a store, bit 22
+    /// is clear.
     fn load(self) -> [u32; 2] {
         match self {
             Self::Single => [0xBD40_0000, 0xBC40_0000],
@@ -53,7 +55,7 @@ impl Piece {
     }
 }
 
-/// How lanes of a register are written.
+/// The arrangement of a register's lanes in assembly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     /// The lowest lane.
@@ -86,7 +88,8 @@ impl Writer {
         }
     }
 
-    /// An instruction of a result and up to three operands: the second at bit 5, the third at bit 16, the fourth at bit 10.
+    /// An instruction with a result and up to three operands: the second register at bit 5, the third at bit
+    /// 16, the fourth at bit 10.
     pub(super) fn registers(&mut self, name: &str, word: u32, shape: Shape, operands: &[Register]) {
         let places = [0, 5, 16, 10];
         let fields =
@@ -97,21 +100,21 @@ impl Writer {
         });
     }
 
-    /// A shift by a constant, which the word has with the size of a lane.
+    /// A shift by a constant, which is part of the word together with the size of a lane.
     pub(super) fn shift(&mut self, name: &str, word: u32, shape: Shape, [to, a]: [Register; 2], by: u8) {
         let word = word | u32::from(a) << 5 | u32::from(to);
         self.put(word, || format!("{name} {}, {}, #{by}", shape.register(to), shape.register(a)));
     }
 
-    pub(super) fn load(&mut self, piece: Piece, register: Register, base: General, offset: u32) {
-        self.moved("ld", piece, register, base, offset);
+    pub(super) fn load(&mut self, piece: Unit, register: Register, base: General, offset: u32) {
+        self.move_unit("ld", piece, register, base, offset);
     }
 
-    pub(super) fn store(&mut self, piece: Piece, register: Register, base: General, offset: u32) {
-        self.moved("st", piece, register, base, offset);
+    pub(super) fn store(&mut self, piece: Unit, register: Register, base: General, offset: u32) {
+        self.move_unit("st", piece, register, base, offset);
     }
 
-    fn moved(&mut self, name: &str, piece: Piece, register: Register, base: General, offset: u32) {
+    fn move_unit(&mut self, name: &str, piece: Unit, register: Register, base: General, offset: u32) {
         let kind = if name == "ld" { 0 } else { 1 << 22 };
         let [scaled, unscaled] = piece.load().map(|word| word ^ kind | u32::from(register));
         let (bytes, letter) = (piece.bytes(), piece.letter());
@@ -123,20 +126,20 @@ impl Writer {
             self.put(word, || format!("{name}ur {letter}{register}, {}", memory(base, offset)));
         } else {
             self.address(base, offset);
-            self.moved(name, piece, register, ADDRESS, 0);
+            self.move_unit(name, piece, register, ADDRESS, 0);
         }
     }
 
-    /// Two registers beside each other in memory.
+    /// Two registers, adjacent in memory.
     pub(super) fn load_pair(&mut self, registers: [Register; 2], base: General, offset: u32) {
-        self.moved_pair("ldp", 0xAD40_0000, registers, base, offset);
+        self.move_pair("ldp", 0xAD40_0000, registers, base, offset);
     }
 
     pub(super) fn store_pair(&mut self, registers: [Register; 2], base: General, offset: u32) {
-        self.moved_pair("stp", 0xAD00_0000, registers, base, offset);
+        self.move_pair("stp", 0xAD00_0000, registers, base, offset);
     }
 
-    fn moved_pair(
+    fn move_pair(
         &mut self,
         name: &str,
         word: u32,
@@ -149,7 +152,7 @@ impl Writer {
             self.put(word, || format!("{name} q{first}, q{second}, {}", memory(base, offset)));
         } else {
             self.address(base, offset);
-            self.moved_pair(name, word, [first, second], ADDRESS, 0);
+            self.move_pair(name, word, [first, second], ADDRESS, 0);
         }
     }
 
@@ -161,7 +164,7 @@ impl Writer {
         self.put(word, || format!("{name} d{first}, d{second}, {}", memory(base, offset)));
     }
 
-    /// An address as the sum of a register and an offset.
+    /// Computes the sum of a register and an offset in the address register.
     pub(super) fn address(&mut self, base: General, offset: u32) {
         if offset < 1 << 24 {
             let (low, high) = (offset & 0xFFF, offset >> 12);
@@ -181,21 +184,21 @@ impl Writer {
         }
     }
 
-    /// A constant in the register for addresses.
+    /// Loads a constant into the address register.
     pub(super) fn constant(&mut self, x: u32) {
         let (low, high) = (x & 0xFFFF, x >> 16);
         self.put(0xD280_0000 | low << 5 | ADDRESS, || format!("movz x{ADDRESS}, #{low}"));
         self.put(0xF2A0_0000 | high << 5 | ADDRESS, || format!("movk x{ADDRESS}, #{high}, lsl #16"));
     }
 
-    /// The sum of a register and the one for addresses.
+    /// Adds the address register to a register.
     pub(super) fn add(&mut self, to: General, a: General) {
         let word = 0x8B00_0000 | ADDRESS << 16 | a << 5 | to;
         self.put(word, || format!("add x{to}, x{a}, x{ADDRESS}"));
     }
 
-    /// The address of this instruction.
-    pub(super) fn here(&mut self, to: General) {
+    /// Loads the address of this instruction.
+    pub(super) fn load_own_address(&mut self, to: General) {
         self.put(0x1000_0000 | to, || format!("adr x{to}, #0"));
     }
 
@@ -204,12 +207,12 @@ impl Writer {
         self.put(word, || format!("ldr x{to}, {}", memory(base, 8 * number)));
     }
 
-    pub(super) fn end(&mut self) {
+    pub(super) fn ret(&mut self) {
         self.put(0xD65F_03C0, || "ret".into());
     }
 }
 
-/// An address.
+/// An address as text.
 fn memory(base: General, offset: u32) -> String {
     let mut text = format!("[x{base}");
     if offset > 0 {

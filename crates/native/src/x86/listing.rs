@@ -3,15 +3,15 @@
 use std::fmt::Write;
 
 use super::{Lanes, R11, TABLE, base};
-use crate::instruction::{Form, Instruction, Register, Source};
+use crate::instruction::{FusedForm, Instruction, Register, Source};
 use crate::list::{Address, Binary, Extent};
 use crate::target::Target;
 
-/// Names of general registers.
+/// Names of the general registers.
 const GENERAL: [&str; 12] =
     ["rax", "rcx", "rdx", "rbx", "rsp", "rbp", "rsi", "rdi", "r8", "r9", "r10", "r11"];
 
-/// All instructions, one a line; the address of the constants as that of the label `constants`.
+/// All instructions, one a line. The label `constants` denotes the address of the constants.
 pub(crate) fn assembly(parts: &[(Target, Vec<Instruction>)], tables: usize) -> String {
     let mut text = String::from("lea rax, [rip+constants+128]\n");
     for (&register, number) in TABLE.iter().zip(0..tables) {
@@ -60,7 +60,7 @@ impl Lister {
         }
     }
 
-    /// The end of a mnemonic: scalar or packed, double or single.
+    /// The suffix of a mnemonic: scalar or packed, double or single.
     fn suffix(&self) -> &'static str {
         match (self.lanes, self.is_double) {
             (Lanes::Lowest, true) => "sd",
@@ -74,12 +74,12 @@ impl Lister {
         if self.is_double { "pd" } else { "ps" }
     }
 
-    /// The end of a mnemonic of whole numbers.
+    /// The suffix of a mnemonic for integers.
     fn whole(&self) -> char {
         if self.is_double { 'q' } else { 'd' }
     }
 
-    /// Whether the instruction has no VEX form.
+    /// Whether the instruction has no VEX encoding.
     fn is_evex(&self, registers: &[Register], source: Source) -> bool {
         let is_high = |&register: &Register| register >= 16;
         self.lanes == Lanes::All
@@ -115,43 +115,41 @@ impl Lister {
             Instruction::Fused { form, is_minus, to, a, b } => {
                 let sign = if is_minus { "n" } else { "" };
                 let order = match form {
-                    Form::Factor => 132,
-                    Form::FactorAndMemoryAddend => 213,
-                    Form::Addend => 231,
+                    FusedForm::Factor => 132,
+                    FusedForm::FactorAndMemoryAddend => 213,
+                    FusedForm::Addend => 231,
                 };
                 let [to, a, b] = [self.register(to), self.register(a), self.source(b)];
                 format!("vf{sign}madd{order}{suffix} {to}, {a}, {b}")
             }
-            Instruction::FusedApart { .. } => unreachable!("multiply-adds overwrite an operand"),
-            Instruction::Root { to, a } => match (self.lanes, a) {
-                (Lanes::Lowest, Source::Register(upper)) => {
-                    format!(
-                        "vsqrt{suffix} {}, {}, {}",
-                        self.register(to),
-                        self.register(upper),
-                        self.source(a)
-                    )
-                }
-                (Lanes::Lowest, Source::Memory(_)) => {
-                    format!("vsqrt{suffix} {0}, {0}, {1}", self.register(to), self.source(a))
-                }
-                _ => format!("vsqrt{suffix} {}, {}", self.register(to), self.source(a)),
-            },
+            Instruction::FusedWithDestination { .. } => unreachable!("multiply-adds overwrite an operand"),
+            Instruction::Root { to, a } => self.root(to, a),
             Instruction::Shift { to, a, by } => {
                 format!("vpsll{} {}, {}, {by}", self.whole(), self.register(to), self.register(a))
             }
-            Instruction::Blend { to, otherwise, negative, mask } => {
-                let [to_text, otherwise_text] = [to, otherwise].map(|number| self.register(number));
-                let (source, mask_text) = (self.source(negative), self.register(mask));
-                if self.is_evex(&[to, otherwise, mask], negative) {
-                    let whole = self.whole();
-                    format!(
-                        "vpmov{whole}2m k1, {mask_text}\nvblendm{packed} {to_text}{{k1}}, {otherwise_text}, {source}"
-                    )
-                } else {
-                    format!("vblendv{packed} {to_text}, {otherwise_text}, {source}, {mask_text}")
-                }
-            }
+            Instruction::Blend { to, otherwise, negative, mask } => self.blend(to, otherwise, negative, mask),
+        }
+    }
+
+    fn root(&self, to: Register, a: Source) -> String {
+        let (suffix, to, from) = (self.suffix(), self.register(to), self.source(a));
+        match (self.lanes, a) {
+            (Lanes::Lowest, Source::Register(_)) => format!("vsqrt{suffix} {to}, {from}, {from}"),
+            (Lanes::Lowest, Source::Memory(_)) => format!("vsqrt{suffix} {to}, {to}, {from}"),
+            _ => format!("vsqrt{suffix} {to}, {from}"),
+        }
+    }
+
+    fn blend(&self, to: Register, otherwise: Register, negative: Source, mask: Register) -> String {
+        let (packed, whole) = (self.packed(), self.whole());
+        let [to_text, otherwise_text, mask_text] = [to, otherwise, mask].map(|number| self.register(number));
+        let source = self.source(negative);
+        if self.is_evex(&[to, otherwise, mask], negative) {
+            format!(
+                "vpmov{whole}2m k1, {mask_text}\nvblendm{packed} {to_text}{{k1}}, {otherwise_text}, {source}"
+            )
+        } else {
+            format!("vblendv{packed} {to_text}, {otherwise_text}, {source}, {mask_text}")
         }
     }
 
@@ -184,7 +182,7 @@ impl Lister {
     }
 }
 
-/// An address, with its offset in decimal digits.
+/// An address, with its offset in decimal.
 fn memory(address: Address) -> String {
     let (register, bias) = base(address);
     let name = GENERAL[usize::from(register)];

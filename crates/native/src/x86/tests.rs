@@ -1,21 +1,21 @@
-//! Every instruction, by another encoder: the bytes are read by `iced-x86`, are the instructions of the listing, and come out the same when
-//! `iced-x86` writes them.
+//! `iced-x86` decodes the bytes of every instruction to the text of the listing and encodes them to the same
+//! bytes.
 
-use expression::{Arithmetic, Precision};
 use iced_x86::{Decoder, DecoderOptions, Encoder as Iced, Formatter, Instruction as Read, IntelFormatter};
 use iced_x86::{MemorySizeOptions, NumberBase};
-use number::InstructionSet;
+use robot_dynamics_expression::{Arithmetic, Precision};
+use robot_dynamics_number::InstructionSet;
 
 use super::listing::assembly;
 use super::{Encoder, Lanes};
-use crate::instruction::{Form, Instruction, Source};
+use crate::instruction::{FusedForm, Instruction, Source};
 use crate::list::{Address, Base, Binary, Extent};
 use crate::target::{Target, Width};
 
-/// Where the constants are behind `lea`, so that its text is that of the listing.
+/// The operand of `lea` in the listing.
 const CONSTANTS: &str = "constants+128";
 
-/// The text of each instruction, after comparing the bytes that `iced-x86` makes of it.
+/// The text of each instruction; compares the bytes that `iced-x86` encodes it to.
 fn read(code: &[u8]) -> Vec<String> {
     let mut formatter = IntelFormatter::new();
     let options = formatter.options_mut();
@@ -29,8 +29,8 @@ fn read(code: &[u8]) -> Vec<String> {
         assert!(!instruction.is_invalid(), "invalid bytes at {:#x}", instruction.ip());
         let begin = usize::try_from(instruction.ip()).unwrap();
         let bytes = &code[begin..begin + instruction.len()];
-        assert_eq!(encoded(&instruction), bytes, "{}", formatted(&mut formatter, &instruction));
-        // An immediate of one byte, extended.
+        assert_eq!(encode(&instruction), bytes, "{}", formatted(&mut formatter, &instruction));
+        // A sign-extended immediate of one byte.
         lines.push(formatted(&mut formatter, &instruction).replace("18446744073709551488", "-128"));
     }
     lines
@@ -42,7 +42,7 @@ fn formatted(formatter: &mut IntelFormatter, instruction: &Read) -> String {
     text
 }
 
-fn encoded(instruction: &Read) -> Vec<u8> {
+fn encode(instruction: &Read) -> Vec<u8> {
     let mut encoder = Iced::new(64);
     encoder.encode(instruction, instruction.ip()).unwrap();
     encoder.take_buffer()
@@ -61,7 +61,7 @@ fn check(target: Target, instructions: &[Instruction]) {
     for (number, read) in read.iter().enumerate() {
         let listed = listed.next().expect("the listing has as many lines");
         if listed.contains(CONSTANTS) {
-            // The constants lie behind the code, whose first instruction has seven bytes.
+            // The constants follow the code, whose first instruction has seven bytes.
             assert_eq!(*read, format!("lea rax, [rip+{}]", bytes.len() - 4 - 7 + 128));
             continue;
         }
@@ -82,7 +82,7 @@ fn targets() -> Vec<Target> {
     targets
 }
 
-/// Addresses with offsets of no, one and four bytes, with and without EVEX's scaling.
+/// Addresses with displacements of zero, one and four bytes, with and without EVEX's scaling.
 fn addresses(target: Target, extent: Extent) -> Vec<Address> {
     let offsets = [0, 8, 120, 128, 132, 136, 192, 256, 1144, 1152, 4096, 8256, 8320, 100_000];
     let bases =
@@ -99,7 +99,7 @@ fn addresses(target: Target, extent: Extent) -> Vec<Address> {
         .collect()
 }
 
-/// Registers that an encoding treats differently.
+/// Registers that the encodings treat differently.
 fn registers(target: Target) -> &'static [u8] {
     match target.instructions {
         InstructionSet::Avx512 => &[0, 3, 7, 8, 15, 16, 21, 31],
@@ -107,7 +107,7 @@ fn registers(target: Target) -> &'static [u8] {
     }
 }
 
-/// Sources in memory for numbers of the lanes in use.
+/// Memory operands for numbers of the lanes in use.
 fn numbers_in_memory(target: Target) -> Vec<Source> {
     let extents: &[Extent] = match (target.width, target.instructions) {
         (Width::One, _) => &[Extent::Number, Extent::Register],
@@ -180,9 +180,9 @@ fn operations_of_two_values_are_those_of_another_encoder() {
         }
         for kind in kinds {
             let in_memory = match kind.reads() {
-                crate::list::Reads::Numbers => numbers_in_memory(target),
-                crate::list::Reads::Bits => whole_in_memory(target),
-                crate::list::Reads::Register => {
+                crate::list::OperandAccess::Numbers => numbers_in_memory(target),
+                crate::list::OperandAccess::Bits => whole_in_memory(target),
+                crate::list::OperandAccess::Register => {
                     addresses(target, Extent::Register).into_iter().map(Source::Memory).collect()
                 }
             };
@@ -205,7 +205,7 @@ fn operations_of_three_values_are_those_of_another_encoder() {
         for &to in registers(target) {
             for &a in registers(target) {
                 let in_registers = || registers(target).iter().map(|&b| Source::Register(b));
-                for form in [Form::Factor, Form::FactorAndMemoryAddend, Form::Addend] {
+                for form in [FusedForm::Factor, FusedForm::FactorAndMemoryAddend, FusedForm::Addend] {
                     for is_minus in [false, true] {
                         let sources = in_registers().chain(numbers_in_memory(target));
                         instructions.extend(sources.map(|b| Instruction::Fused { form, is_minus, to, a, b }));

@@ -9,16 +9,17 @@ use crate::registers::{F32x8, F64x4};
 use crate::registers::{F32x16, F64x8};
 use crate::{Float, Form, InstructionSet, StateLanes};
 
-/// What is done with memory over a register of states of `T`.
+/// A computation on memory over a register of states of `T`.
 pub trait LaneKernel<F: Form, T: Float> {
-    /// Does it; must be `#[inline(always)]`.
+    /// Runs the computation; must be `#[inline(always)]`.
     fn run<N: StateLanes<Float = T>, H: Hardware>(self, memory: &mut F::Over<N>);
 }
 
-/// Memory over as many states as a register of this machine holds, or over one where it has none.
+/// Memory over as many states as a register of this machine holds, or over one state where it has no
+/// registers.
 pub struct LaneMemory<F: Form>(pub(crate) Memory<F>);
 
-/// Each with registers has been made on a machine that has them.
+/// Variants with registers exist only on machines that have them.
 pub(crate) enum Memory<F: Form> {
     F64(Box<F::Over<f64>>),
     F32(Box<F::Over<f32>>),
@@ -53,7 +54,7 @@ impl<F: Form> LaneMemory<F> {
         }
     }
 
-    /// How many states it is for.
+    /// The number of states.
     pub fn lanes(&self) -> usize {
         match &self.0 {
             Memory::F64(_) | Memory::F32(_) => 1,
@@ -71,7 +72,7 @@ impl<F: Form> LaneMemory<F> {
     /// Runs a kernel.
     ///
     /// # Panics
-    /// If this memory is another float's.
+    /// If the memory was made for the other float.
     #[inline(always)]
     pub fn run<T: Float, K: LaneKernel<F, T>>(&mut self, kernel: K) {
         T::run_lanes(self, kernel);
@@ -85,25 +86,25 @@ impl<F: Form> fmt::Debug for LaneMemory<F> {
 }
 
 /// A kernel and its memory.
-struct OnLanes<'a, F: Form, N: StateLanes, K> {
+struct LaneCall<'a, F: Form, N: StateLanes, K> {
     kernel: K,
     memory: &'a mut F::Over<N>,
 }
 
-impl<F: Form, N: StateLanes, K: LaneKernel<F, N::Float>> Call for OnLanes<'_, F, N, K> {
+impl<F: Form, N: StateLanes, K: LaneKernel<F, N::Float>> Call for LaneCall<'_, F, N, K> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
         self.kernel.run::<N, H>(self.memory);
     }
 }
 
-/// Runs a kernel over a lone number.
+/// Runs a kernel over one number at a time.
 #[inline(always)]
 pub(crate) fn run_portable<F: Form, T: StateLanes<Float = T> + Float>(
     memory: &mut F::Over<T>,
     kernel: impl LaneKernel<F, T>,
 ) {
-    Portable::call(OnLanes::<F, T, _> { kernel, memory });
+    Portable::call(LaneCall::<F, T, _> { kernel, memory });
 }
 
 /// Runs a kernel over registers of AVX2, of NEON, or of simd128.
@@ -116,9 +117,9 @@ pub(crate) unsafe fn run_narrow<F: Form, N: StateLanes>(
     memory: &mut F::Over<N>,
     kernel: impl LaneKernel<F, N::Float>,
 ) {
-    let call = OnLanes::<F, N, _> { kernel, memory };
+    let call = LaneCall::<F, N, _> { kernel, memory };
     #[cfg(target_arch = "x86_64")]
-    // SAFETY: the caller's.
+    // SAFETY: as the caller guarantees.
     unsafe {
         super::with_avx2_fma(call);
     }
@@ -136,6 +137,6 @@ pub(crate) unsafe fn run_wide<F: Form, N: StateLanes>(
     memory: &mut F::Over<N>,
     kernel: impl LaneKernel<F, N::Float>,
 ) {
-    // SAFETY: the caller's.
-    unsafe { super::with_avx512(OnLanes::<F, N, _> { kernel, memory }) }
+    // SAFETY: as the caller guarantees.
+    unsafe { super::with_avx512(LaneCall::<F, N, _> { kernel, memory }) }
 }

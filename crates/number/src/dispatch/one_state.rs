@@ -6,47 +6,47 @@ use core::fmt;
 use super::Call;
 use super::{Hardware, Make};
 #[cfg(registers)]
-use crate::fused::Fused;
+use crate::fused::FmaFloat;
 use crate::{Float, Form, InstructionSet, Scalar, View};
 
-/// What is done with memory over the machine's number for `T`.
+/// A computation on memory over the machine's number for `T`.
 pub trait Kernel<F: Form, T: Scalar> {
-    /// Whether AVX-512 makes it faster: eight numbers a register, and twice the registers. The results are the same
-    /// bits.
+    /// Whether AVX-512 makes the kernel faster: eight numbers a register, and twice the registers. The
+    /// results have the same bits.
     const GAINS_BY_AVX512: bool = false;
 
-    /// Does it; must be `#[inline(always)]`.
+    /// Runs the computation; must be `#[inline(always)]`.
     fn run<N: View<T>, H: Hardware>(self, memory: &mut F::Over<N>);
 }
 
-/// A form that can be copied over every number.
+/// A type family whose members can be cloned over every number.
 pub trait CloneForm: Form {
-    /// A copy.
+    /// A clone of the member.
     fn copy<S: Scalar>(form: &Self::Over<S>) -> Self::Over<S>;
 }
 
-/// Memory over the machine's own number for `f64` or `f32`; only machines with such a number have it.
+/// Memory over the machine's own number for `f64` or `f32`. It exists only on machines with such a number.
 pub struct OneState<F: Form> {
     pub(crate) memory: Memory<F>,
-    /// Found on this machine before the memory was made.
+    /// Detected on this machine before the memory was allocated.
     pub(crate) set: InstructionSet,
 }
 
 #[cfg(registers)]
 pub(crate) enum Memory<F: Form> {
-    F64(Box<F::Over<Fused<f64>>>),
-    F32(Box<F::Over<Fused<f32>>>),
+    F64(Box<F::Over<FmaFloat<f64>>>),
+    F32(Box<F::Over<FmaFloat<f32>>>),
 }
 
 #[cfg(not(registers))]
 pub(crate) enum Memory<F: Form> {
-    /// There is no such number.
+    /// The target has no such number.
     #[expect(dead_code, reason = "no value has this type")]
     Never(core::convert::Infallible, core::marker::PhantomData<fn() -> F>),
 }
 
 impl<F: Form> OneState<F> {
-    /// Memory for the machine's number, unless the only instructions up to `limit` are those of the oldest machine.
+    /// Memory for the machine's number, or `None` where `limit` leaves only the portable instructions.
     #[inline(always)]
     pub fn new<T: Float>(limit: InstructionSet, make: &impl Make<F>) -> Option<Self> {
         T::new_one_state(limit, make)
@@ -57,11 +57,11 @@ impl<F: Form> OneState<F> {
         self.set
     }
 
-    /// Runs a kernel, which is taken. Where it stands it stays: moved from call to call, its arguments would cost a
-    /// short algorithm a tenth of its time.
+    /// Runs a kernel and takes it from the option. The kernel is passed in place: moving its arguments from
+    /// call to call costs a short algorithm a tenth of its time.
     ///
     /// # Panics
-    /// If this memory is another float's.
+    /// If the memory was made for the other float.
     #[inline(always)]
     pub fn run<T: Float, K: Kernel<F, T>>(&mut self, kernel: &mut Option<K>) {
         T::run_one_state(self, kernel);
@@ -93,14 +93,14 @@ impl<F: Form> fmt::Debug for OneState<F> {
 
 /// A kernel for `T` and its memory over `N`.
 #[cfg(registers)]
-struct OnMemory<'a, F: Form, T, N: Scalar, K> {
+struct StateCall<'a, F: Form, T, N: Scalar, K> {
     kernel: &'a mut Option<K>,
     memory: &'a mut F::Over<N>,
     of: core::marker::PhantomData<T>,
 }
 
 #[cfg(registers)]
-impl<F: Form, T: Scalar, N: View<T>, K: Kernel<F, T>> Call for OnMemory<'_, F, T, N, K> {
+impl<F: Form, T: Scalar, N: View<T>, K: Kernel<F, T>> Call for StateCall<'_, F, T, N, K> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
         if let Some(kernel) = self.kernel.take() {
@@ -112,7 +112,7 @@ impl<F: Form, T: Scalar, N: View<T>, K: Kernel<F, T>> Call for OnMemory<'_, F, T
 /// Runs a kernel on memory of a machine that has the instructions of `set`.
 ///
 /// # Safety
-/// `set` has been found on this machine.
+/// `set` has been detected on this machine.
 #[cfg(registers)]
 #[inline(always)]
 pub(crate) unsafe fn run_on<F: Form, T: Scalar, N: View<T>, K: Kernel<F, T>>(
@@ -120,9 +120,9 @@ pub(crate) unsafe fn run_on<F: Form, T: Scalar, N: View<T>, K: Kernel<F, T>>(
     kernel: &mut Option<K>,
     memory: &mut F::Over<N>,
 ) {
-    let call = OnMemory::<F, T, N, K> { kernel, memory, of: core::marker::PhantomData };
+    let call = StateCall::<F, T, N, K> { kernel, memory, of: core::marker::PhantomData };
     #[cfg(target_arch = "x86_64")]
-    // SAFETY: `set` is on this machine, and whoever has AVX-512 has AVX2.
+    // SAFETY: this machine has `set`, and every machine with AVX-512 has AVX2.
     unsafe {
         if const { K::GAINS_BY_AVX512 } && set == InstructionSet::Avx512 {
             super::with_avx512(call);

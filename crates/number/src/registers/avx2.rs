@@ -5,7 +5,7 @@ use core::arch::x86_64::*;
 use core::fmt;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use super::{RANGE, operator, parts_copied, register, repair};
+use super::{RANGE, copy_parts, operator, recompute_far_angles, register};
 use crate::sine::{Quadrants, sin_cos_f32, sin_cos_f64};
 use crate::{Scalar, StateLanes};
 
@@ -21,8 +21,8 @@ register!(
     _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps,
     _mm256_div_ps, _mm256_fmadd_ps, _mm256_sqrt_ps, sin_cos_f32
 );
-parts_copied!(F64x4, f64, 4);
-parts_copied!(F32x8, f32, 8);
+copy_parts!(F64x4, f64, 4);
+copy_parts!(F32x8, f32, 8);
 
 impl F64x4 {
     #[inline(always)]
@@ -66,7 +66,7 @@ impl Quadrants for F64x4 {
         // SAFETY: see the module.
         unsafe {
             let n = _mm256_castpd_si256(shifted.0);
-            // Bit 0 of n says whether to swap, bit 1 of n (of n + 1) the sign of the sine (cosine).
+            // Bit 0 of n selects the swap, bit 1 of n (of n + 1) the sign of the sine (cosine).
             let odd = _mm256_castsi256_pd(_mm256_slli_epi64::<63>(n));
             let sign = _mm256_set1_epi64x(i64::MIN);
             let next = _mm256_add_epi64(n, _mm256_set1_epi64x(1));
@@ -232,7 +232,7 @@ pub(crate) mod four {
     #[inline(always)]
     pub(crate) fn store(a: Quad) -> [f64; 4] {
         let mut x = [0.0; 4];
-        // SAFETY: see the module; `x` has room for four doubles, of any alignment.
+        // SAFETY: see the module; `x` holds four doubles, of any alignment.
         unsafe { _mm256_storeu_pd(x.as_mut_ptr(), a.0) };
         x
     }

@@ -5,7 +5,7 @@ use core::arch::x86_64::*;
 use core::fmt;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use super::{RANGE, operator, register, repair};
+use super::{RANGE, operator, recompute_far_angles, register};
 use crate::sine::{Quadrants, sin_cos_f32, sin_cos_f64};
 use crate::{Scalar, StateLanes};
 
@@ -22,29 +22,29 @@ register!(
     _mm512_div_ps, _mm512_fmadd_ps, _mm512_sqrt_ps, sin_cos_f32
 );
 
-/// Fewer numbers of a row than a register holds, from its start on.
-macro_rules! parts_masked {
+/// Loads and stores of fewer numbers of a row than a register holds, by masks.
+macro_rules! mask_parts {
     ($name:ident, $float:ty, $lanes:literal, $mask:ty, $load:ident, $store:ident) => {
         impl $name {
             #[inline(always)]
             fn load_part(row: &[$float], count: usize) -> Self {
                 let row = &row[..count];
                 let mask = (!0 as $mask) >> ($lanes - count);
-                // SAFETY: see the module; the mask admits the first `count` numbers, which the row has.
+                // SAFETY: see the module; the mask selects the first `count` numbers, which the row has.
                 unsafe { Self($load(mask, row.as_ptr())) }
             }
             #[inline(always)]
             fn store_part(self, row: &mut [$float], count: usize) {
                 let row = &mut row[..count];
                 let mask = (!0 as $mask) >> ($lanes - count);
-                // SAFETY: see the module; the mask admits the first `count` numbers, which the row has.
+                // SAFETY: see the module; the mask selects the first `count` numbers, which the row has.
                 unsafe { $store(row.as_mut_ptr(), mask, self.0) };
             }
         }
     };
 }
-parts_masked!(F64x8, f64, 8, __mmask8, _mm512_maskz_loadu_pd, _mm512_mask_storeu_pd);
-parts_masked!(F32x16, f32, 16, __mmask16, _mm512_maskz_loadu_ps, _mm512_mask_storeu_ps);
+mask_parts!(F64x8, f64, 8, __mmask8, _mm512_maskz_loadu_pd, _mm512_mask_storeu_pd);
+mask_parts!(F32x16, f32, 16, __mmask16, _mm512_maskz_loadu_ps, _mm512_mask_storeu_ps);
 
 impl F64x8 {
     #[inline(always)]

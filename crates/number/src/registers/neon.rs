@@ -1,20 +1,20 @@
-//! NEON of 64-bit ARM: registers of 128 bits, two by two, so that operations need not wait for each other.
+//! NEON of 64-bit ARM: 128-bit registers in pairs, so that operations need not wait for each other.
 #![allow(clippy::wildcard_imports)]
-#![allow(unused_unsafe)] // a pair's operations are safe functions, another set's instructions are not
+#![allow(unused_unsafe)] // operations on pairs are safe functions, instructions of other sets are not
 
 use core::arch::aarch64::*;
 use core::fmt;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use super::{RANGE, operator, parts_copied, register, repair};
+use super::{RANGE, copy_parts, operator, recompute_far_angles, register};
 use crate::sine::{Quadrants, sin_cos_f32, sin_cos_f64};
 use crate::{Scalar, StateLanes};
 
-/// Two registers: the first lanes, and those that follow.
+/// Two registers: the first lanes, and the following ones.
 #[derive(Clone, Copy)]
 pub(crate) struct Pair<R>(R, R);
 
-/// A pair's operations from one register's.
+/// Operations on pairs, from those on one register.
 macro_rules! on_pairs {
     ($($name:ident($register:ty: $($x:ident),*) => $body:expr;)*) => {
         $(
@@ -69,15 +69,15 @@ fn splat_f32(x: f32) -> Pair<float32x4_t> {
 /// `from` points at four doubles.
 #[inline(always)]
 unsafe fn load_f64(from: *const f64) -> Pair<float64x2_t> {
-    // SAFETY: the caller's; the alignment may be any double's.
+    // SAFETY: as the caller guarantees; the loads and stores need the alignment of a double only.
     unsafe { Pair(vld1q_f64(from), vld1q_f64(from.add(2))) }
 }
 
 /// # Safety
-/// `to` has room for four doubles.
+/// `to` is valid for writes of four doubles.
 #[inline(always)]
 unsafe fn store_f64(to: *mut f64, pair: Pair<float64x2_t>) {
-    // SAFETY: the caller's; the alignment may be any double's.
+    // SAFETY: as the caller guarantees; the loads and stores need the alignment of a double only.
     unsafe {
         vst1q_f64(to, pair.0);
         vst1q_f64(to.add(2), pair.1);
@@ -88,15 +88,15 @@ unsafe fn store_f64(to: *mut f64, pair: Pair<float64x2_t>) {
 /// `from` points at eight singles.
 #[inline(always)]
 unsafe fn load_f32(from: *const f32) -> Pair<float32x4_t> {
-    // SAFETY: the caller's; the alignment may be any single's.
+    // SAFETY: as the caller guarantees; the loads and stores need the alignment of a single only.
     unsafe { Pair(vld1q_f32(from), vld1q_f32(from.add(4))) }
 }
 
 /// # Safety
-/// `to` has room for eight singles.
+/// `to` is valid for writes of eight singles.
 #[inline(always)]
 unsafe fn store_f32(to: *mut f32, pair: Pair<float32x4_t>) {
-    // SAFETY: the caller's; the alignment may be any single's.
+    // SAFETY: as the caller guarantees; the loads and stores need the alignment of a single only.
     unsafe {
         vst1q_f32(to, pair.0);
         vst1q_f32(to.add(4), pair.1);
@@ -113,8 +113,8 @@ register!(
     F32x8(Pair<float32x4_t>), f32, 8,
     splat_f32, load_f32, store_f32, add_f32, sub_f32, mul_f32, div_f32, mul_add_f32, sqrt_f32, sin_cos_f32
 );
-parts_copied!(F64x4, f64, 4);
-parts_copied!(F32x8, f32, 8);
+copy_parts!(F64x4, f64, 4);
+copy_parts!(F32x8, f32, 8);
 
 impl F64x4 {
     #[inline(always)]
@@ -148,13 +148,13 @@ impl F64x4 {
     }
 }
 
-/// One register's share of [`Quadrants::turn`].
+/// [`Quadrants::turn`] for one register.
 #[inline(always)]
 fn turn_f64(shifted: float64x2_t, sine: float64x2_t, cosine: float64x2_t) -> (float64x2_t, float64x2_t) {
     // SAFETY: every 64-bit ARM has NEON.
     unsafe {
         let n = vreinterpretq_u64_f64(shifted);
-        // Bit 0 of n says whether to swap, bit 1 of n (of n + 1) the sign of the sine (cosine).
+        // Bit 0 of n selects the swap, bit 1 of n (of n + 1) the sign of the sine (cosine).
         let odd = vtstq_u64(n, vdupq_n_u64(1));
         let sign = vdupq_n_u64(1 << 63);
         let sine_sign = vandq_u64(vshlq_n_u64::<62>(n), sign);
@@ -218,7 +218,7 @@ impl F32x8 {
     }
 }
 
-/// One register's share of [`Quadrants::turn`]; the steps are those of `turn_f64`.
+/// [`Quadrants::turn`] for one register, by the steps of `turn_f64`.
 #[inline(always)]
 fn turn_f32(shifted: float32x4_t, sine: float32x4_t, cosine: float32x4_t) -> (float32x4_t, float32x4_t) {
     // SAFETY: every 64-bit ARM has NEON.
@@ -322,7 +322,7 @@ pub(crate) mod four {
     #[inline(always)]
     pub(crate) fn store(a: Quad) -> [f64; 4] {
         let mut x = [0.0; 4];
-        // SAFETY: `x` has room for four doubles.
+        // SAFETY: `x` holds four doubles.
         unsafe { store_f64(x.as_mut_ptr(), a.0) };
         x
     }

@@ -1,23 +1,24 @@
-//! simd128 of WebAssembly: registers of 128 bits, two by two, as NEON's are.
+//! simd128 of WebAssembly: 128-bit registers in pairs, like those of NEON.
 //!
-//! There is no multiply-add that rounds once: a product is rounded before it is added to. A module that names such an
-//! instruction is refused as a whole by an engine without it, so these are safe functions, all but loads and stores.
+//! There is no multiply-add that rounds once: the product is rounded before the sum. An engine without
+//! simd128 rejects a whole module that contains such an instruction, so these functions are safe, except
+//! loads and stores.
 #![allow(clippy::wildcard_imports)]
-#![allow(unused_unsafe)] // another set's instructions are no safe functions
+#![allow(unused_unsafe)] // instructions of other sets are unsafe functions
 
 use core::arch::wasm32::*;
 use core::fmt;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use super::{RANGE, operator, parts_copied, register, repair};
+use super::{RANGE, copy_parts, operator, recompute_far_angles, register};
 use crate::sine::{Quadrants, sin_cos_f64};
 use crate::{Scalar, StateLanes};
 
-/// Two registers: the first lanes, and those that follow.
+/// Two registers: the first lanes, and the following ones.
 #[derive(Clone, Copy)]
 pub(crate) struct Pair(v128, v128);
 
-/// A pair's operations from one register's.
+/// Operations on pairs, from those on one register.
 macro_rules! on_pairs {
     ($($name:ident($($x:ident),*) => $body:expr;)*) => {
         $(
@@ -69,15 +70,15 @@ fn splat_f32(x: f32) -> Pair {
 /// `from` points at four doubles.
 #[inline(always)]
 unsafe fn load_f64(from: *const f64) -> Pair {
-    // SAFETY: the caller's; a register is loaded from any address.
+    // SAFETY: as the caller guarantees; a register is loaded from any address.
     unsafe { Pair(v128_load(from.cast()), v128_load(from.add(2).cast())) }
 }
 
 /// # Safety
-/// `to` has room for four doubles.
+/// `to` is valid for writes of four doubles.
 #[inline(always)]
 unsafe fn store_f64(to: *mut f64, pair: Pair) {
-    // SAFETY: the caller's; a register is stored to any address.
+    // SAFETY: as the caller guarantees; a register is stored to any address.
     unsafe {
         v128_store(to.cast(), pair.0);
         v128_store(to.add(2).cast(), pair.1);
@@ -88,15 +89,15 @@ unsafe fn store_f64(to: *mut f64, pair: Pair) {
 /// `from` points at eight singles.
 #[inline(always)]
 unsafe fn load_f32(from: *const f32) -> Pair {
-    // SAFETY: the caller's; a register is loaded from any address.
+    // SAFETY: as the caller guarantees; a register is loaded from any address.
     unsafe { Pair(v128_load(from.cast()), v128_load(from.add(4).cast())) }
 }
 
 /// # Safety
-/// `to` has room for eight singles.
+/// `to` is valid for writes of eight singles.
 #[inline(always)]
 unsafe fn store_f32(to: *mut f32, pair: Pair) {
-    // SAFETY: the caller's; a register is stored to any address.
+    // SAFETY: as the caller guarantees; a register is stored to any address.
     unsafe {
         v128_store(to.cast(), pair.0);
         v128_store(to.add(4).cast(), pair.1);
@@ -113,8 +114,8 @@ register!(
     F32x8(Pair), f32, 8,
     splat_f32, load_f32, store_f32, add_f32, sub_f32, mul_f32, div_f32, mul_add_f32, sqrt_f32, sin_cos_in_double
 );
-parts_copied!(F64x4, f64, 4);
-parts_copied!(F32x8, f32, 8);
+copy_parts!(F64x4, f64, 4);
+copy_parts!(F32x8, f32, 8);
 
 impl F64x4 {
     #[inline(always)]
@@ -140,10 +141,10 @@ impl F64x4 {
     }
 }
 
-/// One register's share of [`Quadrants::turn`].
+/// [`Quadrants::turn`] for one register.
 #[inline(always)]
 fn turn_f64(n: v128, sine: v128, cosine: v128) -> (v128, v128) {
-    // Bit 0 of n says whether to swap, bit 1 of n (of n + 1) the sign of the sine (cosine).
+    // Bit 0 of n selects the swap, bit 1 of n (of n + 1) the sign of the sine (cosine).
     let (one, sign) = (u64x2_splat(1), u64x2_splat(1 << 63));
     let odd = i64x2_eq(v128_and(n, one), one);
     let sine_sign = v128_and(i64x2_shl(n, 62), sign);
@@ -223,14 +224,15 @@ impl F32x8 {
     }
 }
 
-/// Sine and cosine of singles in double precision: the reduction of singles needs a multiply-add that rounds once.
+/// Sine and cosine of singles in double precision: the reduction of singles needs a multiply-add that rounds
+/// once.
 #[inline(always)]
 fn sin_cos_in_double(x: F32x8) -> (F32x8, F32x8) {
     let four = |x| {
         let high = i64x2_shuffle::<1, 1>(x, x);
         let (sine, cosine) =
             sin_cos_f64(F64x4(Pair(f64x2_promote_low_f32x4(x), f64x2_promote_low_f32x4(high))));
-        (rounded(sine), rounded(cosine))
+        (demote(sine), demote(cosine))
     };
     let (first, second) = (four(x.0.0), four(x.0.1));
     (F32x8(Pair(first.0, second.0)), F32x8(Pair(first.1, second.1)))
@@ -238,7 +240,7 @@ fn sin_cos_in_double(x: F32x8) -> (F32x8, F32x8) {
 
 /// Four doubles as singles.
 #[inline(always)]
-fn rounded(F64x4(four): F64x4) -> v128 {
+fn demote(F64x4(four): F64x4) -> v128 {
     i64x2_shuffle::<0, 2>(f32x4_demote_f64x2_zero(four.0), f32x4_demote_f64x2_zero(four.1))
 }
 
@@ -318,7 +320,7 @@ pub(crate) mod four {
     #[inline(always)]
     pub(crate) fn store(a: Quad) -> [f64; 4] {
         let mut x = [0.0; 4];
-        // SAFETY: `x` has room for four doubles.
+        // SAFETY: `x` holds four doubles.
         unsafe { store_f64(x.as_mut_ptr(), a.0) };
         x
     }

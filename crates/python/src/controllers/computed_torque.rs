@@ -1,20 +1,22 @@
 //! The motion's own inverse dynamics, and feedback through M.
 
 use pyo3::prelude::*;
-use robot_dynamics::Reference;
+use robot_dynamics::control::Reference;
 
 use super::{Followed, Law, check_own, parts, torque};
 use crate::errors::Class;
 use crate::numbers::{configuration, vector};
 use crate::robot::Robot;
 
-/// τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains: follows a motion, the error of plain coordinates obeying
-/// ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Where no motor is (`robot.actuated_dofs`), as on a floating base, the torque is 0: those
-/// coordinates move as they must, and the others follow in spite of it while nothing else touches the robot.
+/// τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains: follows a motion, the error of
+/// plain coordinates obeying ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Where no motor is
+/// (`robot.actuated_dofs`), as on a floating base, the torque is 0: those coordinates move as they must, and
+/// the others follow in spite of it while nothing else touches the robot.
 ///
-/// `reference` is the motion (q*, v*, a*), or q* alone to stand there, or a function of t that gives one of these. `stiffness` Kp
-/// [1/s²] and `damping` Kd [1/s] are (nv,); Kd = 2 √Kp is critically damped. `dissipation` compensates the joints' damping and
-/// friction, too. It is a function of (t, q, v); in `simulate` it runs in the library.
+/// `reference` is the motion (q*, v*, a*), or q* alone to stand there, or a function of t that gives one of
+/// these. `stiffness` Kp [1/s²] and `damping` Kd [1/s] are (nv,); Kd = 2 √Kp is critically damped.
+/// `dissipation` compensates the joints' damping and friction, too. It is a function of (t, q, v); in
+/// `simulate` it runs in the library.
 ///
 /// >>> robot = rd.example("two_r")
 /// >>> swing = lambda t: ([np.sin(t), np.cos(t)], [np.cos(t), -np.sin(t)], [-np.sin(t), -np.cos(t)])
@@ -78,9 +80,13 @@ impl ComputedTorque {
         let followed = self.reference.share(py);
         let is_called = followed.is_called();
         let reference = move |t: f64| followed.at(t, |given| reference_of(robot, given));
-        let law =
-            robot_dynamics::ComputedTorque::new(&robot.model, reference, &self.stiffness, &self.damping)
-                .map_err(|error| Class::Control.error(py, error))?;
+        let law = robot_dynamics::control::ComputedTorque::new(
+            &robot.model,
+            reference,
+            &self.stiffness,
+            &self.damping,
+        )
+        .map_err(|error| Class::Control.error(py, error))?;
         let law = if self.dissipation { law.with_dissipation() } else { law };
         Ok(Law { controller: Box::new(law), is_called })
     }

@@ -2,19 +2,19 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use robot_dynamics::GravityAt;
+use robot_dynamics::simulation::GravityAt;
 
 use super::{check_own, torque};
 use crate::errors::Class;
 use crate::numbers::{configuration, shaped, vector};
 use crate::robot::Robot;
 
-/// τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose. Where no motor is
-/// (`robot.actuated_dofs`), as on a floating base, the torque is 0.
+/// τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose.
+/// Where no motor is (`robot.actuated_dofs`), as on a floating base, the torque is 0.
 ///
-/// `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N], the robot's where not given.
-/// g is taken at the `target`, or with `gravity_at="state"` where the robot is. It is a function of (t, q, v); in `simulate` it
-/// runs without Python.
+/// `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N],
+/// the robot's where not given. g is taken at the `target`, or with `gravity_at="state"` where the robot is.
+/// It is a function of (t, q, v); in `simulate` it runs without Python.
 ///
 /// >>> robot = rd.example("panda")
 /// >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
@@ -95,9 +95,9 @@ impl GravityCompensatedPd {
         &self,
         py: Python<'_>,
         robot: &'a Robot,
-    ) -> PyResult<robot_dynamics::GravityCompensatedPd<&'a robot_dynamics::Model>> {
+    ) -> PyResult<robot_dynamics::simulation::GravityCompensatedPd<&'a robot_dynamics::model::Model>> {
         check_own(py, self.robot.get(), robot)?;
-        let law = robot_dynamics::GravityCompensatedPd::new(
+        let law = robot_dynamics::simulation::GravityCompensatedPd::new(
             &robot.model,
             &self.target,
             &self.stiffness,

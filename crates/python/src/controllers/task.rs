@@ -2,7 +2,10 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use robot_dynamics::{ClosureRow, FrameId, PoseReference, TaskGains, TaskReference, Twist};
+use robot_dynamics::algorithms::Twist;
+use robot_dynamics::constraints::SpatialAxis;
+use robot_dynamics::control::{PoseReference, TaskGains, TaskReference};
+use robot_dynamics::model::FrameId;
 
 use super::{Followed, Law, check_own, parts, torque};
 use crate::constraints::closure_rows;
@@ -11,15 +14,19 @@ use crate::numbers::{configuration, numbers, pose_of, shaped};
 use crate::operand::shown;
 use crate::robot::Robot;
 
-/// τ = Jᵀ(Λ (ẍ* + kp e + kd (ẋ* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀, τ₀ = C v + g + M (kr (q* ⊖ q) − kn v): leads a frame.
+/// τ = Jᵀ(Λ (ẍ* + kp e + kd (ẋ* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀, τ₀ = C v + g + M (kr (q* ⊖ q) − kn v): leads
+/// a frame.
 ///
-/// `reference` is where the frame should be in the world: its origin (3,), orientation free, or its pose (4, 4); with velocity and
-/// acceleration along the world's axes as (x*, ẋ*, ẍ*), of a pose six numbers each; or a function of t that gives one of these, asked
-/// once at t = 0 to see which. `rows` are those of x, y, z, rx, ry, rz along the world's axes that follow, all of the reference's where not
-/// given: ("x", "z") of an arm that moves in that plane. kp `stiffness` [1/s²], kd `damping` [1/s], 2 √kp being critically damped; kn `null_damping` [1/s]
-/// of what the frame does not feel, which kr `posture_stiffness` [1/s²] pulls to the `posture` q* (nq,). Where the frame cannot
-/// accelerate in every direction there is no torque. Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, get
-/// none: the base recoils, and the frame follows in spite of it while nothing else touches the robot. It is a function of (t, q, v); in `simulate` it runs in the library.
+/// `reference` is where the frame should be in the world: its origin (3,), orientation free, or its pose (4,
+/// 4); with velocity and acceleration along the world's axes as (x*, ẋ*, ẍ*), of a pose six numbers each; or
+/// a function of t that gives one of these, asked once at t = 0 to see which. `rows` are those of x, y, z,
+/// rx, ry, rz along the world's axes that follow, all of the reference's where not given: ("x", "z") of an
+/// arm that moves in that plane. kp `stiffness` [1/s²], kd `damping` [1/s], 2 √kp being critically damped; kn
+/// `null_damping` [1/s] of what the frame does not feel, which kr `posture_stiffness` [1/s²] pulls to the
+/// `posture` q* (nq,). Where the frame cannot accelerate in every direction there is no torque. Coordinates
+/// without a motor (`robot.actuated_dofs`), as those of a floating base, get none: the base recoils, and the
+/// frame follows in spite of it while nothing else touches the robot. It is a function of (t, q, v); in
+/// `simulate` it runs in the library.
 ///
 /// >>> robot, q = rd.example("panda"), np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
 /// >>> goal = robot.frame_pose(q, "panda_link8") @ np.block([[np.eye(3), np.full((3, 1), 0.05)], [0.0, 0.0, 0.0, 1.0]])
@@ -33,7 +40,7 @@ pub(crate) struct TaskControl {
     frame: FrameId,
     reference: Leading,
     gains: TaskGains,
-    rows: Option<Vec<ClosureRow>>,
+    rows: Option<Vec<SpatialAxis>>,
     posture: Option<(Vec<f64>, f64)>,
 }
 
@@ -117,8 +124,13 @@ impl TaskControl {
                 let is_called = followed.is_called();
                 let reference = move |t: f64| followed.at(t, $read);
                 let refused = |error| Class::Control.error(py, error);
-                let law = robot_dynamics::TaskControl::new(&robot.model, self.frame, reference, self.gains)
-                    .map_err(refused)?;
+                let law = robot_dynamics::control::TaskControl::new(
+                    &robot.model,
+                    self.frame,
+                    reference,
+                    self.gains,
+                )
+                .map_err(refused)?;
                 let law = match &self.posture {
                     Some((posture, stiffness)) => law.with_posture(posture, *stiffness).map_err(refused)?,
                     None => law,
@@ -138,7 +150,7 @@ impl TaskControl {
 }
 
 /// The rows of a reference of this shape by their names.
-fn task_rows(names: &[String], shape: &[usize]) -> PyResult<Vec<ClosureRow>> {
+fn task_rows(names: &[String], shape: &[usize]) -> PyResult<Vec<SpatialAxis>> {
     let rows = closure_rows(names)?;
     if rows.is_empty() {
         return Err(PyValueError::new_err("rows is empty; name at least one of x, y, z, rx, ry, rz"));

@@ -108,9 +108,10 @@ impl<'a> XlaCall<'a> {
             return None;
         }
         let (arguments, results) = (core::mem::take(&mut self.arguments), core::mem::take(&mut self.results));
-        // SAFETY: XLA gives each buffer with room for as many numbers of its type as its dimensions say, which lie there until
-        // the call returns; those of results are the call's alone, as no alias was asked for. Aligned, and looked at above. An
-        // empty one is nowhere. As the lists are taken out, no second slice of a result is made.
+        // SAFETY: XLA gives each buffer with room for as many numbers of its type as its dimensions say,
+        // which lie there until the call returns; those of results are the call's alone, as no alias was
+        // asked for. Aligned, and looked at above. An empty one is nowhere. As the lists are taken out, no
+        // second slice of a result is made.
         unsafe {
             let read = |buffer: Buffer<'a>| match buffer.len {
                 0 => &[][..],
@@ -142,7 +143,8 @@ unsafe fn listed<'a, T>(start: *const T, count: i64) -> &'a [T] {
 /// # Safety
 /// The list is XLA's and lives for 'a.
 unsafe fn buffers_of<'a>(list: &Buffers) -> Result<Vec<Buffer<'a>>, String> {
-    // SAFETY: both lists have `count` entries, each entry of kind `BUFFER` points at one; its dimensions are `rank` many.
+    // SAFETY: both lists have `count` entries, each entry of kind `BUFFER` points at one; its dimensions are
+    // `rank` many.
     unsafe {
         let (kinds, buffers) = (listed(list.kinds, list.count), listed(list.buffers, list.count));
         kinds
@@ -171,7 +173,8 @@ unsafe fn buffers_of<'a>(list: &Buffers) -> Result<Vec<Buffer<'a>>, String> {
 /// # Safety
 /// The frame is XLA's, in the stage of execution, and lives for 'a.
 unsafe fn call_of<'a>(frame: &'a CallFrame) -> Result<XlaCall<'a>, String> {
-    // SAFETY: the lists of attributes have `count` entries; a value is what its kind says, and lives as the frame does.
+    // SAFETY: the lists of attributes have `count` entries; a value is what its kind says, and lives as the
+    // frame does.
     unsafe {
         let list = &frame.attributes;
         let kinds = listed(list.kinds, list.count);
@@ -216,8 +219,8 @@ pub(crate) type Work = fn(XlaCall<'_>) -> Result<(), String>;
 /// # Safety
 /// The frame is one that XLA calls a handler with.
 unsafe fn handle(frame: *mut CallFrame, work: Work) -> *mut Failure {
-    // SAFETY: XLA's frame and what it points at live until the handler returns, and nobody else writes there. An extension of
-    // kind `METADATA` is a `MetadataExtension`, whose metadata has at least the fields above.
+    // SAFETY: XLA's frame and what it points at live until the handler returns, and nobody else writes there.
+    // An extension of kind `METADATA` is a `MetadataExtension`, whose metadata has at least the fields above.
     unsafe {
         let frame = &*frame;
         if let Some(extension) = frame.extension.as_ref()
@@ -232,7 +235,8 @@ unsafe fn handle(frame: *mut CallFrame, work: Work) -> *mut Failure {
         if frame.stage != EXECUTE {
             return null_mut();
         }
-        // A panic must not pass through C++. What it may leave half done is scratch and the results, which fail with it.
+        // A panic must not pass through C++. What it may leave half done is scratch and the results, which
+        // fail with it.
         let done = catch_unwind(AssertUnwindSafe(|| work(call_of(frame)?)));
         let (message, code) = match done {
             Ok(Ok(())) => return null_mut(),
@@ -288,7 +292,7 @@ const CAPSULE: &CStr = c"xla._CUSTOM_CALL_TARGET";
 pub(crate) fn capsule(py: Python<'_>, handler: Handler) -> PyResult<Bound<'_, PyCapsule>> {
     let pointer = NonNull::new(handler as *mut c_void);
     let pointer = pointer.ok_or_else(|| pyo3::exceptions::PyRuntimeError::new_err("no handler"))?;
-    // SAFETY: the pointer is that of a function, which is there as long as the process; whoever takes it out of a capsule of
-    // this name calls it as XLA calls handlers.
+    // SAFETY: the pointer is that of a function, which is there as long as the process; whoever takes it out
+    // of a capsule of this name calls it as XLA calls handlers.
     unsafe { PyCapsule::new_with_pointer(py, pointer, CAPSULE) }
 }

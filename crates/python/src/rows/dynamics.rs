@@ -1,6 +1,6 @@
 //! The equation of motion: its terms, its solutions, their slopes; energies, momenta, regressors.
 
-use robot_dynamics::Quantity;
+use robot_dynamics::quantity::Quantity;
 
 use super::rows;
 use crate::row::Shape::{Cube, Parameters, Regressor, Scalar, Six, Square, Vector};
@@ -26,8 +26,8 @@ rows! {
     /// True
     bias(q, v) => [Vector] Of(Quantity::Bias);
 
-    /// g(q) = ∂V/∂q: the forces that hold it still, springs of the joints included. `gravity_vector` is the field's
-    /// acceleration.
+    /// g(q) = ∂V/∂q: the forces that hold it still, springs of the joints included. `gravity_vector` is the
+    /// field's acceleration.
     ///
     /// q (..., nq) → (..., nv) [N·m or N].
     ///
@@ -57,7 +57,8 @@ rows! {
 
     /// τ = M(q) a + C(q, v) v + g(q): the generalized forces of a motion (recursive Newton–Euler).
     ///
-    /// q (..., nq), v (..., nv), a (..., nv) → (..., nv) [N·m or N]. Damping and friction are not in it: see `dissipation`.
+    /// q (..., nq), v (..., nv), a (..., nv) → (..., nv) [N·m or N]. Damping and friction are not in it: see
+    /// `dissipation`.
     ///
     /// >>> robot, q, v = rd.example("panda"), np.zeros((1000, 7)), np.zeros(7)
     /// >>> robot.inverse_dynamics(q, v, v).shape
@@ -84,10 +85,12 @@ rows! {
     /// True
     inverse_mass_matrix(q) => [Square] Of(Quantity::InverseMassMatrix);
 
-    /// The factor of M(q) = LᵀDL: below the diagonal L, whose own diagonal is 1, on the diagonal D, above it zeros.
+    /// The factor of M(q) = LᵀDL: below the diagonal L, whose own diagonal is 1, on the diagonal D, above it
+    /// zeros.
     ///
-    /// q (..., nq) → (..., nv, nv). L is zero where M is because two freedoms do not carry one another: solving costs no more than
-    /// the tree is deep. The product of the diagonal is det M. Raises SingularMassError where joints move no inertia.
+    /// q (..., nq) → (..., nv, nv). L is zero where M is because two freedoms do not carry one another:
+    /// solving costs no more than the tree is deep. The product of the diagonal is det M. Raises
+    /// SingularMassError where joints move no inertia.
     ///
     /// >>> factor = rd.example("two_r").mass_matrix_factor([0.3, 1.2])
     /// >>> l, d = np.tril(factor, -1) + np.eye(2), np.diag(factor.diagonal())
@@ -97,8 +100,8 @@ rows! {
 
     /// ∂τ/∂q and ∂τ/∂v of τ(q, v, a); ∂τ/∂a is M.
     ///
-    /// q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., nv, nv). By q means by displacements,
-    /// q ⊕ δq: the same for joints of one coordinate, in nv numbers for quaternions.
+    /// q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., nv, nv). By q means
+    /// by displacements, q ⊕ δq: the same for joints of one coordinate, in nv numbers for quaternions.
     ///
     /// >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0]
     /// >>> slopes = robot.inverse_dynamics_derivatives(q, v, v)
@@ -108,8 +111,8 @@ rows! {
 
     /// ∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹ of a(q, v, τ).
     ///
-    /// q (..., nq), v (..., nv), tau (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv, nv); by q as in
-    /// `inverse_dynamics_derivatives`.
+    /// q (..., nq), v (..., nv), tau (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv,
+    /// nv); by q as in `inverse_dynamics_derivatives`.
     ///
     /// >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0]
     /// >>> slopes = robot.forward_dynamics_derivatives(q, v, v)
@@ -135,7 +138,8 @@ rows! {
     /// True
     kinetic_energy(q, v) => [Scalar] Of(Quantity::KineticEnergy);
 
-    /// V(q), the potential energy of gravity and of the joints' springs; 0 where all masses are at the world's origin.
+    /// V(q), the potential energy of gravity and of the joints' springs; 0 where all masses are at the
+    /// world's origin.
     ///
     /// q (..., nq) → (...) [J].
     ///
@@ -160,7 +164,7 @@ rows! {
     /// >>> float(robot.kinetic_energy_gradient(q, v)[0].round(12))  # nothing depends on where the first rod points
     /// 0.0
     kinetic_energy_gradient(q, v) => [Vector]
-        Each(|m, s, x, _, [out, ..]| robot_dynamics::kinetic_energy_gradient(m, &mut s.workspace, x[0], x[1], out));
+        Each(|m, s, x, _, [out, ..]| robot_dynamics::algorithms::kinetic_energy_gradient(m, &mut s.workspace, x[0], x[1], out));
 
     /// b(v) = damping · v + friction · sign v of the joints, which resists the motion: M a + C v + g + b = τ.
     ///
@@ -168,7 +172,7 @@ rows! {
     ///
     /// >>> rd.example("two_r").dissipation([1.0, -2.0]).shape
     /// (2,)
-    dissipation(v) => [Vector] Each(|m, _, x, _, [out, ..]| robot_dynamics::dissipation(m, x[0], out));
+    dissipation(v) => [Vector] Each(|m, _, x, _, [out, ..]| robot_dynamics::algorithms::dissipation(m, x[0], out));
 
     /// Ṁ: the rate of M(q) along a motion.
     ///
@@ -179,7 +183,7 @@ rows! {
     /// >>> bool(np.allclose(robot.mass_matrix_rate(q, v), (ahead - behind) / 2e-6, atol=1e-8))
     /// True
     mass_matrix_rate(q, v) => [Square]
-        Each(|m, s, x, _, [out, ..]| robot_dynamics::mass_matrix_rate(m, s.dual(m), x[0], x[1], out));
+        Each(|m, s, x, _, [out, ..]| robot_dynamics::algorithms::mass_matrix_rate(m, s.dual(m), x[0], x[1], out));
 
     /// Γⁱⱼₖ = ½(∂M_ij/∂qₖ + ∂M_ik/∂qⱼ − ∂M_jk/∂qᵢ), the Christoffel symbols of the first kind.
     ///
@@ -189,7 +193,7 @@ rows! {
     /// >>> bool(np.allclose(robot.christoffel_symbols(q) @ v, robot.coriolis_matrix(q, v)))
     /// True
     christoffel_symbols(q) => [Cube]
-        Each(|m, s, x, _, [out, ..]| robot_dynamics::christoffel_symbols(m, &mut s.workspace, x[0], out));
+        Each(|m, s, x, _, [out, ..]| robot_dynamics::algorithms::christoffel_symbols(m, &mut s.workspace, x[0], out));
 
     /// Y of τ = Y(q, v, a) π, π being the `inertial_parameters`, ten for each link that moves.
     ///
@@ -200,7 +204,7 @@ rows! {
     /// >>> bool(np.allclose(Y @ robot.inertial_parameters, robot.inverse_dynamics(q, v, a)))
     /// True
     joint_torque_regressor(q, v, a) => [Regressor] Each(|m, s, x, _, [out, ..]| {
-        robot_dynamics::joint_torque_regressor(m, &mut s.workspace, x[0], x[1], x[2], out);
+        robot_dynamics::algorithms::joint_torque_regressor(m, &mut s.workspace, x[0], x[1], x[2], out);
     });
 
     /// The row y of K = y(q, v) π.
@@ -212,7 +216,7 @@ rows! {
     /// >>> bool(np.isclose(y @ robot.inertial_parameters, robot.kinetic_energy(q, v)))
     /// True
     kinetic_energy_regressor(q, v) => [Parameters]
-        Each(|m, s, x, _, [out, ..]| robot_dynamics::kinetic_energy_regressor(m, &mut s.workspace, x[0], x[1], out));
+        Each(|m, s, x, _, [out, ..]| robot_dynamics::algorithms::kinetic_energy_regressor(m, &mut s.workspace, x[0], x[1], out));
 
     /// The row y of V = y(q) π, gravity's part of the potential energy.
     ///
@@ -223,7 +227,7 @@ rows! {
     /// >>> bool(np.isclose(y @ robot.inertial_parameters, robot.potential_energy(q)))
     /// True
     potential_energy_regressor(q) => [Parameters]
-        Each(|m, s, x, _, [out, ..]| robot_dynamics::potential_energy_regressor(m, &mut s.workspace, x[0], out));
+        Each(|m, s, x, _, [out, ..]| robot_dynamics::algorithms::potential_energy_regressor(m, &mut s.workspace, x[0], out));
 
     /// The matrix A_G of h = A_G(q) v, the momentum about the centre of mass along the world's axes.
     ///
@@ -243,7 +247,7 @@ rows! {
     /// >>> bool(np.isclose(robot.centroidal_momentum(robot.neutral(), v)[0], 2.0 * robot.mass))
     /// True
     centroidal_momentum(q, v) => [Six] Each(|m, s, x, _, [out, ..]| {
-        let h = robot_dynamics::centroidal_momentum(m, &mut s.workspace, x[0], x[1]);
+        let h = robot_dynamics::algorithms::centroidal_momentum(m, &mut s.workspace, x[0], x[1]);
         crate::rows::six(out, h.linear, h.angular);
     });
 
@@ -256,7 +260,7 @@ rows! {
     /// >>> bool(np.allclose(rate, robot.centroidal_momentum_bias_rate(q, v)))
     /// True
     centroidal_momentum_rate(q, v, a) => [Six] Each(|m, s, x, _, [out, ..]| {
-        let h = robot_dynamics::centroidal_momentum_rate(m, &mut s.workspace, x[0], x[1], x[2]);
+        let h = robot_dynamics::algorithms::centroidal_momentum_rate(m, &mut s.workspace, x[0], x[1], x[2]);
         crate::rows::six(out, h.linear, h.angular);
     });
 
@@ -268,7 +272,7 @@ rows! {
     /// >>> robot.centroidal_momentum_bias_rate(np.zeros(7), np.zeros(7)) @ np.ones(6)
     /// np.float64(0.0)
     centroidal_momentum_bias_rate(q, v) => [Six] Each(|m, s, x, _, [out, ..]| {
-        let h = robot_dynamics::centroidal_momentum_bias_rate(m, &mut s.workspace, x[0], x[1]);
+        let h = robot_dynamics::algorithms::centroidal_momentum_bias_rate(m, &mut s.workspace, x[0], x[1]);
         crate::rows::six(out, h.linear, h.angular);
     });
 }

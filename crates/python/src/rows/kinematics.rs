@@ -1,21 +1,21 @@
 //! Frames and the centre of mass: places, velocities, accelerations, Jacobians, their slopes.
 
 use pyo3::prelude::*;
-use robot_dynamics::Quantity;
+use robot_dynamics::quantity::Quantity;
 
 use super::{operand, rows, six};
 use crate::call::call;
 use crate::robot::Robot;
-use crate::row::Shape::{Pose, Poses, Rows, Six};
+use crate::row::Shape::{Point, Pose, Poses, Rows, Six};
 use crate::row::Work::{Each, Quantity as Of};
-use crate::row::{Row, Shape::Point, Work};
+use crate::row::{Row, Work};
 
 #[pymethods]
 impl Robot {
     /// `world_from_frame` of frames, as homogeneous matrices [R p; 0 1]: x_world = R x_frame + p.
     ///
-    /// q (..., nq) → (..., frames, 4, 4). `frames` lists names or indices; without it all frames, in the order of
-    /// `frame_names`.
+    /// q (..., nq) → (..., frames, 4, 4). `frames` lists names or indices; without it all frames, in the
+    /// order of `frame_names`.
     ///
     /// >>> robot = rd.example("two_r")
     /// >>> robot.frame_poses([0.0, np.pi / 2], ["tip"])[0, :3, 3].round(12)  # 1 m along x, then 1 m up
@@ -67,14 +67,15 @@ rows! {
     /// True
     frame_jacobian_in_frame(q) at frame => [Rows(6)] Of(Quantity::FrameJacobianInFrame);
 
-    /// The Jacobian of the point of a frame's body that passes the world's origin, along the world's axes (WORLD).
+    /// The Jacobian of the point of a frame's body that passes the world's origin, along the world's axes
+    /// (WORLD).
     ///
     /// q (..., nq) → (..., 6, nv), rows linear then angular.
     ///
     /// >>> rd.example("two_r").frame_jacobian_in_world([0.0, np.pi / 2], "tip")[4]  # both turn about −y
     /// array([-1., -1.])
     frame_jacobian_in_world(q) at frame => [Rows(6)] Each(|m, s, x, f, [out, ..]| {
-        robot_dynamics::frame_jacobian_in_world(m, &mut s.workspace, x[0], f[0], out);
+        robot_dynamics::algorithms::frame_jacobian_in_world(m, &mut s.workspace, x[0], f[0], out);
     });
 
     /// A frame's velocity along the world's axes, of its origin (LOCAL_WORLD_ALIGNED).
@@ -86,7 +87,7 @@ rows! {
     /// >>> bool(np.allclose(robot.frame_velocity_world_aligned(q, v, "tip"), J @ v))
     /// True
     frame_velocity_world_aligned(q, v) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let twist = robot_dynamics::frame_velocity_world_aligned(m, &mut s.workspace, x[0], x[1], f[0]);
+        let twist = robot_dynamics::algorithms::frame_velocity_world_aligned(m, &mut s.workspace, x[0], x[1], f[0]);
         six(out, twist.linear, twist.angular);
     });
 
@@ -97,57 +98,61 @@ rows! {
     /// >>> rd.example("two_r").frame_velocity_in_frame([0.0, 0.0], [1.0, 0.0], "tip").round(12)
     /// array([ 0.,  0.,  2.,  0., -1.,  0.])
     frame_velocity_in_frame(q, v) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let twist = robot_dynamics::frame_velocity_in_frame(m, &mut s.workspace, x[0], x[1], f[0]);
+        let twist = robot_dynamics::algorithms::frame_velocity_in_frame(m, &mut s.workspace, x[0], x[1], f[0]);
         six(out, twist.linear, twist.angular);
     });
 
-    /// The velocity of the point of a frame's body that passes the world's origin, along the world's axes (WORLD).
+    /// The velocity of the point of a frame's body that passes the world's origin, along the world's axes
+    /// (WORLD).
     ///
     /// q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s].
     ///
     /// >>> rd.example("two_r").frame_velocity_in_world([0.0, 0.0], [1.0, 0.0], "tip").round(12)
     /// array([ 0.,  0.,  0.,  0., -1.,  0.])
     frame_velocity_in_world(q, v) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let twist = robot_dynamics::frame_velocity_in_world(m, &mut s.workspace, x[0], x[1], f[0]);
+        let twist = robot_dynamics::algorithms::frame_velocity_in_world(m, &mut s.workspace, x[0], x[1], f[0]);
         six(out, twist.linear, twist.angular);
     });
 
     /// A frame's acceleration as an observer in the world sees it, p̈ and ω̇ along the world's axes.
     ///
-    /// q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not in it.
+    /// q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not
+    /// in it.
     ///
     /// >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
     /// >>> robot.frame_classical_acceleration_world_aligned(zero, [1.0, 0.0], zero, "tip").round(12)[:2]  # −ω² r
     /// array([-2.,  0.])
     frame_classical_acceleration_world_aligned(q, v, a) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
         let w = &mut s.workspace;
-        let rate = robot_dynamics::frame_classical_acceleration_world_aligned(m, w, x[0], x[1], x[2], f[0]);
+        let rate = robot_dynamics::algorithms::frame_classical_acceleration_world_aligned(m, w, x[0], x[1], x[2], f[0]);
         six(out, rate.linear, rate.angular);
     });
 
     /// A frame's spatial acceleration along its own axes: the rate of its velocity there (LOCAL).
     ///
-    /// q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not in it.
+    /// q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not
+    /// in it.
     ///
     /// >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
     /// >>> robot.frame_spatial_acceleration_in_frame(zero, zero, [1.0, 0.0], "tip").round(12)
     /// array([ 0.,  0.,  2.,  0., -1.,  0.])
     frame_spatial_acceleration_in_frame(q, v, a) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
         let w = &mut s.workspace;
-        let rate = robot_dynamics::frame_spatial_acceleration_in_frame(m, w, x[0], x[1], x[2], f[0]);
+        let rate = robot_dynamics::algorithms::frame_spatial_acceleration_in_frame(m, w, x[0], x[1], x[2], f[0]);
         six(out, rate.linear, rate.angular);
     });
 
     /// A frame's spatial acceleration about the world's origin, along the world's axes (WORLD).
     ///
-    /// q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not in it.
+    /// q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not
+    /// in it.
     ///
     /// >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
     /// >>> robot.frame_spatial_acceleration_in_world(zero, zero, [1.0, 0.0], "tip").round(12)
     /// array([ 0.,  0.,  0.,  0., -1.,  0.])
     frame_spatial_acceleration_in_world(q, v, a) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
         let w = &mut s.workspace;
-        let rate = robot_dynamics::frame_spatial_acceleration_in_world(m, w, x[0], x[1], x[2], f[0]);
+        let rate = robot_dynamics::algorithms::frame_spatial_acceleration_in_world(m, w, x[0], x[1], x[2], f[0]);
         six(out, rate.linear, rate.angular);
     });
 
@@ -158,7 +163,7 @@ rows! {
     /// >>> rd.example("two_r").frame_bias_acceleration_world_aligned([0.0, 0.0], [1.0, 0.0], "tip").round(12)[:2]
     /// array([-2.,  0.])
     frame_bias_acceleration_world_aligned(q, v) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let rate = robot_dynamics::frame_bias_acceleration_world_aligned(m, &mut s.workspace, x[0], x[1], f[0]);
+        let rate = robot_dynamics::algorithms::frame_bias_acceleration_world_aligned(m, &mut s.workspace, x[0], x[1], f[0]);
         six(out, rate.linear, rate.angular);
     });
 
@@ -169,7 +174,7 @@ rows! {
     /// >>> rd.example("two_r").frame_bias_acceleration_in_frame([0.0, 0.0], [0.0, 0.0], "tip") @ np.ones(6)
     /// np.float64(0.0)
     frame_bias_acceleration_in_frame(q, v) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let rate = robot_dynamics::frame_bias_acceleration_in_frame(m, &mut s.workspace, x[0], x[1], f[0]);
+        let rate = robot_dynamics::algorithms::frame_bias_acceleration_in_frame(m, &mut s.workspace, x[0], x[1], f[0]);
         six(out, rate.linear, rate.angular);
     });
 
@@ -180,7 +185,7 @@ rows! {
     /// >>> rd.example("two_r").frame_bias_acceleration_in_world([0.0, 0.0], [0.0, 0.0], "tip") @ np.ones(6)
     /// np.float64(0.0)
     frame_bias_acceleration_in_world(q, v) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let rate = robot_dynamics::frame_bias_acceleration_in_world(m, &mut s.workspace, x[0], x[1], f[0]);
+        let rate = robot_dynamics::algorithms::frame_bias_acceleration_in_world(m, &mut s.workspace, x[0], x[1], f[0]);
         six(out, rate.linear, rate.angular);
     });
 
@@ -192,7 +197,7 @@ rows! {
     /// array([-2., -1.])
     frame_velocity_derivative_world_aligned(q, v) at frame => [Rows(6)] Each(|m, s, x, f, [out, ..]| {
         let w = &mut s.workspace;
-        robot_dynamics::frame_velocity_derivative_world_aligned(m, w, x[0], x[1], f[0], out);
+        robot_dynamics::derivatives::frame_velocity_derivative_world_aligned(m, w, x[0], x[1], f[0], out);
     });
 
     /// ∂(frame_velocity_in_frame)/∂q.
@@ -203,7 +208,7 @@ rows! {
     /// array([0., 1.])
     frame_velocity_derivative_in_frame(q, v) at frame => [Rows(6)] Each(|m, s, x, f, [out, ..]| {
         let w = &mut s.workspace;
-        robot_dynamics::frame_velocity_derivative_in_frame(m, w, x[0], x[1], f[0], out);
+        robot_dynamics::derivatives::frame_velocity_derivative_in_frame(m, w, x[0], x[1], f[0], out);
     });
 
     /// ∂(frame_classical_acceleration_world_aligned) by q and by v; by a it is the Jacobian.
@@ -216,7 +221,7 @@ rows! {
     frame_acceleration_derivatives_world_aligned(q, v, a) at frame => [Rows(6), Rows(6)]
         Each(|m, s, x, f, [by_q, by_v, ..]| {
             let w = &mut s.workspace;
-            robot_dynamics::frame_acceleration_derivatives_world_aligned(m, w, x[0], x[1], x[2], f[0], by_q, by_v);
+            robot_dynamics::derivatives::frame_acceleration_derivatives_world_aligned(m, w, x[0], x[1], x[2], f[0], by_q, by_v);
         });
 
     /// ∂(frame_spatial_acceleration_in_frame) by q and by v; by a it is the Jacobian.
@@ -229,7 +234,7 @@ rows! {
     frame_acceleration_derivatives_in_frame(q, v, a) at frame => [Rows(6), Rows(6)]
         Each(|m, s, x, f, [by_q, by_v, ..]| {
             let w = &mut s.workspace;
-            robot_dynamics::frame_acceleration_derivatives_in_frame(m, w, x[0], x[1], x[2], f[0], by_q, by_v);
+            robot_dynamics::derivatives::frame_acceleration_derivatives_in_frame(m, w, x[0], x[1], x[2], f[0], by_q, by_v);
         });
 
     /// The centre of mass, in the world.
@@ -256,7 +261,7 @@ rows! {
     /// >>> rd.example("two_r").center_of_mass_velocity([0.0, 0.0], [1.2, 0.0]).round(12)  # upwards
     /// array([0., 0., 1.])
     center_of_mass_velocity(q, v) => [Point] Each(|m, s, x, _, [out, ..]| {
-        out.copy_from_slice(&robot_dynamics::center_of_mass_velocity(m, &mut s.workspace, x[0], x[1]));
+        out.copy_from_slice(&robot_dynamics::algorithms::center_of_mass_velocity(m, &mut s.workspace, x[0], x[1]));
     });
 
     /// J̇ v of `center_of_mass_jacobian`: the acceleration of the centre of mass without a.
@@ -266,7 +271,7 @@ rows! {
     /// >>> rd.example("two_r").center_of_mass_bias_acceleration([0.0, 0.0], [1.2, 0.0]).round(12)
     /// array([-1.2,  0. ,  0. ])
     center_of_mass_bias_acceleration(q, v) => [Point] Each(|m, s, x, _, [out, ..]| {
-        out.copy_from_slice(&robot_dynamics::center_of_mass_bias_acceleration(m, &mut s.workspace, x[0], x[1]));
+        out.copy_from_slice(&robot_dynamics::algorithms::center_of_mass_bias_acceleration(m, &mut s.workspace, x[0], x[1]));
     });
 
     /// ∂(center_of_mass_velocity)/∂q.
@@ -276,6 +281,6 @@ rows! {
     /// >>> rd.example("two_r").center_of_mass_velocity_derivative([0.0, 0.0], [1.2, 0.0])[0].round(12)
     /// array([-1. , -0.2])
     center_of_mass_velocity_derivative(q, v) => [Rows(3)] Each(|m, s, x, _, [out, ..]| {
-        robot_dynamics::center_of_mass_velocity_derivative(m, &mut s.workspace, x[0], x[1], out);
+        robot_dynamics::derivatives::center_of_mass_velocity_derivative(m, &mut s.workspace, x[0], x[1], out);
     });
 }

@@ -1,7 +1,7 @@
 //! The configuration space: moving along it and the way between two of its points.
 
 use pyo3::prelude::*;
-use robot_dynamics::dynamics::SplitMix64;
+use robot_dynamics::number::SplitMix64;
 
 use super::rows;
 use crate::outcome;
@@ -16,11 +16,11 @@ impl Robot {
     /// >>> rd.example("quadruped", floating_base=True).neutral()[:7]
     /// array([0., 0., 0., 0., 0., 0., 1.])
     fn neutral<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        outcome::filled(py, &[self.model.nq()], &robot_dynamics::neutral(&self.model))
+        outcome::filled(py, &[self.model.nq()], &robot_dynamics::model::neutral(&self.model))
     }
 
-    /// Random configurations within the joint limits, (*size, nq); without limits from −π to π, or −1 m to 1 m; rotations
-    /// evenly. The same seed gives the same ones.
+    /// Random configurations within the joint limits, (*size, nq); without limits from −π to π, or −1 m to 1
+    /// m; rotations evenly. The same seed gives the same ones.
     ///
     /// >>> robot = rd.example("panda")
     /// >>> q = robot.random_configuration(1000, seed=1)
@@ -44,7 +44,7 @@ impl Robot {
         shape.push(self.model.nq());
         let mut random = SplitMix64::new(seed);
         let numbers: Vec<f64> = (0..states)
-            .flat_map(|_| robot_dynamics::random_within_limits(&self.model, &mut random))
+            .flat_map(|_| robot_dynamics::model::random_within_limits(&self.model, &mut random))
             .collect();
         outcome::filled(py, &shape, &numbers)
     }
@@ -59,7 +59,7 @@ impl Robot {
     /// True
     #[getter]
     fn inertial_parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let parameters = robot_dynamics::inertial_parameters(&self.model);
+        let parameters = robot_dynamics::algorithms::inertial_parameters(&self.model);
         outcome::filled(py, &[parameters.len()], &parameters)
     }
 
@@ -69,19 +69,20 @@ impl Robot {
     /// ['link2.m', 'link2.hx']
     #[getter]
     fn inertial_parameter_names(&self) -> Vec<String> {
-        robot_dynamics::inertial_parameter_names(&self.model)
+        robot_dynamics::control::inertial_parameter_names(&self.model)
     }
 }
 
 rows! {
     /// q ⊕ d: the configuration reached by moving along d, a velocity times a time.
     ///
-    /// q (..., nq), d (..., nv) → (..., nq). For angles and lengths q + d; quaternions turn about d in the body's axes.
+    /// q (..., nq), d (..., nv) → (..., nq). For angles and lengths q + d; quaternions turn about d in the
+    /// body's axes.
     ///
     /// >>> rd.example("two_r").integrate([0.3, 1.2], [0.1, -0.2]).round(12)
     /// array([0.4, 1. ])
     integrate(q, d) => [Configuration]
-        Each(|m, _, x, _, [out, ..]| robot_dynamics::integrate(m, x[0], x[1], out));
+        Each(|m, _, x, _, [out, ..]| robot_dynamics::model::integrate(m, x[0], x[1], out));
 
     /// q1 ⊖ q0: the displacement d with q0 ⊕ d = q1, the shortest way.
     ///
@@ -92,7 +93,7 @@ rows! {
     /// >>> bool(np.allclose(robot.difference(q0, robot.integrate(q0, d)), d))
     /// True
     difference(q0, q1) => [Vector]
-        Each(|m, _, x, _, [out, ..]| robot_dynamics::difference(m, x[0], x[1], out));
+        Each(|m, _, x, _, [out, ..]| robot_dynamics::model::difference(m, x[0], x[1], out));
 
     /// q0 ⊕ s (q1 ⊖ q0): the configuration at s on the shortest way, 0 at q0 and 1 at q1.
     ///
@@ -101,5 +102,5 @@ rows! {
     /// >>> rd.example("two_r").interpolate([0.0, 0.0], [1.0, -2.0], 0.5)
     /// array([ 0.5, -1. ])
     interpolate(q0, q1, s) => [Configuration]
-        Each(|m, _, x, _, [out, ..]| robot_dynamics::interpolate(m, x[0], x[1], x[2][0], out));
+        Each(|m, _, x, _, [out, ..]| robot_dynamics::model::interpolate(m, x[0], x[1], x[2][0], out));
 }

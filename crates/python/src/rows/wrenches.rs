@@ -2,7 +2,8 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use robot_dynamics::{FrameId, FrameWrench};
+use robot_dynamics::algorithms::FrameWrench;
+use robot_dynamics::model::FrameId;
 
 use crate::call::call;
 use crate::robot::Robot;
@@ -33,7 +34,7 @@ const INVERSE_DYNAMICS: Row = Row {
     results: &[Shape::Vector],
     work: Work::Each(|m, s, x, frames, [out, ..]| {
         let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
-        robot_dynamics::inverse_dynamics_with_wrenches(m, w, x[0], x[1], x[2], &pushed, out);
+        robot_dynamics::algorithms::inverse_dynamics_with_wrenches(m, w, x[0], x[1], x[2], &pushed, out);
     }),
 };
 
@@ -43,7 +44,7 @@ const JOINT_REACTIONS: Row = Row {
     results: &[Shape::Reactions],
     work: Work::Each(|m, s, x, frames, [out, ..]| {
         let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
-        robot_dynamics::joint_reactions(m, w, x[0], x[1], x[2], &pushed, out);
+        robot_dynamics::algorithms::joint_reactions(m, w, x[0], x[1], x[2], &pushed, out);
     }),
 };
 
@@ -53,7 +54,7 @@ const FORWARD_DYNAMICS: Row = Row {
     results: &[Shape::Vector],
     work: Work::Each(|m, s, x, frames, [out, ..]| {
         let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
-        robot_dynamics::forward_dynamics_with_wrenches(m, w, x[0], x[1], x[2], &pushed, out);
+        robot_dynamics::algorithms::forward_dynamics_with_wrenches(m, w, x[0], x[1], x[2], &pushed, out);
     }),
 };
 
@@ -63,7 +64,7 @@ const INVERSE_DYNAMICS_DERIVATIVES: Row = Row {
     results: &[Shape::Square, Shape::Square],
     work: Work::Each(|m, s, x, frames, [by_q, by_v, ..]| {
         let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
-        robot_dynamics::inverse_dynamics_derivatives_with_wrenches(
+        robot_dynamics::derivatives::inverse_dynamics_derivatives_with_wrenches(
             m, w, x[0], x[1], x[2], &pushed, by_q, by_v,
         );
     }),
@@ -75,7 +76,7 @@ const FORWARD_DYNAMICS_DERIVATIVES: Row = Row {
     results: &[Shape::Square, Shape::Square, Shape::Square],
     work: Work::Each(|m, s, x, frames, [by_q, by_v, by_tau, ..]| {
         let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
-        robot_dynamics::forward_dynamics_derivatives_with_wrenches(
+        robot_dynamics::derivatives::forward_dynamics_derivatives_with_wrenches(
             m, w, x[0], x[1], x[2], &pushed, by_q, by_v, by_tau,
         );
     }),
@@ -83,8 +84,8 @@ const FORWARD_DYNAMICS_DERIVATIVES: Row = Row {
 
 #[pymethods]
 impl Robot {
-    /// The results of `row` for states under wrenches: `inverse_dynamics`, `forward_dynamics`, `joint_reactions`,
-    /// `inverse_dynamics_derivatives` or `forward_dynamics_derivatives`; `x` is a or τ.
+    /// The results of `row` for states under wrenches: `inverse_dynamics`, `forward_dynamics`,
+    /// `joint_reactions`, `inverse_dynamics_derivatives` or `forward_dynamics_derivatives`; `x` is a or τ.
     #[pyo3(signature = (row, q, v, x, frames, wrenches, *, out, threads))]
     fn _with_wrenches<'py>(
         &self,

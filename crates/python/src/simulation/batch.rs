@@ -6,7 +6,7 @@ use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use robot_dynamics::batch::SimulationBatch as Stepped;
-use robot_dynamics::simulator::{Simulation as Single, StepFailure};
+use robot_dynamics::simulation::{Simulation as Single, StepFailure};
 
 use super::setup::Setup;
 use super::stepping::Simulation;
@@ -14,9 +14,8 @@ use crate::errors::Class;
 use crate::interrupts::{FEW_STEPS, interruptible};
 use crate::numbers::numbers;
 use crate::operand::shown;
-use crate::outcome;
 use crate::robot::Robot;
-use crate::threads;
+use crate::{outcome, threads};
 
 /// The native half of `robot_dynamics.SimulationBatch`.
 #[pyclass(subclass, module = "robot_dynamics._native")]
@@ -85,7 +84,8 @@ impl SimulationBatch {
         self.stepped.simulations().iter().map(Single::time).collect()
     }
 
-    /// The torques of the next steps (count, nv), held until they are set again; (nv,) sets those of all [N·m or N].
+    /// The torques of the next steps (count, nv), held until they are set again; (nv,) sets those of all [N·m
+    /// or N].
     #[setter]
     fn set_torques(&mut self, py: Python<'_>, torques: &Bound<'_, PyAny>) -> PyResult<()> {
         let width = self.robot.get().model.nv();
@@ -97,7 +97,8 @@ impl SimulationBatch {
         self.table(py, self.robot.get().model.nv(), Single::torques)
     }
 
-    /// The controls of the actuators that act (count, controls), held until they are set again; (controls,) sets those of all.
+    /// The controls of the actuators that act (count, controls), held until they are set again; (controls,)
+    /// sets those of all.
     #[setter]
     fn set_controls(&mut self, py: Python<'_>, controls: &Bound<'_, PyAny>) -> PyResult<()> {
         self.set_each(py, "controls", controls, self.control_count(), Single::set_controls)
@@ -214,7 +215,8 @@ impl SimulationBatch {
         Ok(mask)
     }
 
-    /// The states at which simulations are put: rows for those of the numbers, one for all, or where the file places the robot, at rest.
+    /// The states at which simulations are put: rows for those of the numbers, one for all, or where the file
+    /// places the robot, at rest.
     fn places(
         &self,
         py: Python<'_>,

@@ -2,8 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::dynamics::EnergyLedger;
-use robot_dynamics::{AdaptiveRecord, Losses};
+use robot_dynamics::simulation::{AdaptiveRecord, EnergyLedger, Losses};
 
 use crate::numbers::{object, record};
 

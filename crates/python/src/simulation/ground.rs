@@ -1,7 +1,8 @@
 //! The ground of a simulation, by the arguments of the Python half.
 
 use pyo3::prelude::*;
-use robot_dynamics::{ContactError, ContactSet, height_field};
+use robot_dynamics::contact::{ContactError, ContactSet};
+use robot_dynamics::height_field;
 
 use crate::robot::Robot;
 

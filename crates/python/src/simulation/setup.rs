@@ -8,12 +8,12 @@ use std::sync::atomic::AtomicBool;
 use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::simulator::{
-    Effect, Method, Simulation, SimulationBuilder, SimulationError, StepFailure,
-};
-use robot_dynamics::{
-    AdaptiveOptions, CallbackError, ControlTiming, ControllerError, DriftCorrection, Ground, HeightField,
-    Pose,
+use robot_dynamics::constraints::DriftCorrection;
+use robot_dynamics::contact::{Ground, HeightField};
+use robot_dynamics::description::Pose;
+use robot_dynamics::simulation::{
+    AdaptiveOptions, CallbackError, ControlTiming, ControllerError, Effect, Method, Simulation,
+    SimulationBuilder, SimulationError, StepFailure,
 };
 
 use super::ground::GroundFields;
@@ -166,7 +166,7 @@ impl Setup {
         }
         if let Some(constraints) = &self.constraints {
             let set = constraints.get().of(py, robot)?.clone();
-            let options = options_of(robot_dynamics::dynamics::Integrator::RungeKutta4, self.stabilization);
+            let options = options_of(robot_dynamics::simulation::Integrator::RungeKutta4, self.stabilization);
             let correction = correction_of(&self.correction)?;
             builder = builder.constraints(set).constraint_options(options, correction);
         } else {
@@ -180,14 +180,16 @@ impl Setup {
         Ok(simulation)
     }
 
-    /// Calls with the simulation, which is set up anew only where the arguments are not those of the robot's last call.
+    /// Calls with the simulation, which is set up anew only where the arguments are not those of the robot's
+    /// last call.
     pub(crate) fn with_prepared<R>(
         self,
         py: Python<'_>,
         robot: &Robot,
         call: impl FnOnce(&mut Simulation) -> PyResult<R>,
     ) -> PyResult<R> {
-        // No one waits: where another thread has it, or a fork has left it so, a simulation is set up for this call alone.
+        // No one waits: where another thread has it, or a fork has left it so, a simulation is set up for
+        // this call alone.
         let Ok(mut kept) = robot.prepared.try_lock() else { return call(&mut self.build(py, robot)?) };
         let own = match kept.take() {
             Some(mut own) if own.0 == self => {
@@ -246,7 +248,7 @@ fn with_ground(
     builder: SimulationBuilder<'static>,
     ground: &GroundFields,
 ) -> PyResult<SimulationBuilder<'static>> {
-    let refused = |error: robot_dynamics::ContactError| PyValueError::new_err(error.to_string());
+    let refused = |error: robot_dynamics::contact::ContactError| PyValueError::new_err(error.to_string());
     match ground {
         GroundFields::Plane(z, slope, friction, restitution) => {
             let mut plane = Ground::slope(*slope).map_err(refused)?.with_restitution(*restitution);

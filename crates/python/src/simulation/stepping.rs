@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use robot_dynamics::simulator::{AppliedWrench, ReferenceFrame, Simulation as Stepped, Snapshot as Kept};
+use robot_dynamics::simulation::{AppliedWrench, ReferenceFrame, Simulation as Stepped, Snapshot as Kept};
 
 use super::books::{ledger_of, losses_of};
 use super::setup::{Setup, controls_of, failed_step};
@@ -286,7 +286,7 @@ impl Simulation {
 
     /// See `contacts`.
     fn _contacts<'py>(&self, py: Python<'py>) -> PyResult<Vec<ContactFields<'py>>> {
-        let fields = |contact: robot_dynamics::ContactPoint<'_>| {
+        let fields = |contact: robot_dynamics::contact::ContactPoint<'_>| {
             Ok((
                 contact.link.to_owned(),
                 contact.shape.to_owned(),
@@ -303,7 +303,8 @@ impl Simulation {
         self.stepped.contacts().into_iter().map(fields).collect()
     }
 
-    /// The point about which the normal forces of the grounds have no moment (3,) [m]; `None` where nothing presses on a ground.
+    /// The point about which the normal forces of the grounds have no moment (3,) [m]; `None` where nothing
+    /// presses on a ground.
     #[getter]
     fn center_of_pressure<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.stepped.center_of_pressure().map(|point| array(py, &point)).transpose()
@@ -319,8 +320,9 @@ impl Simulation {
         Ok(forces)
     }
 
-    /// The force [N] and moment [N·m] that each joint transmits to its child, by its name, fixed joints included: (6,) along the axes of the
-    /// child's frame and about its origin, as a force-torque sensor there reads. Forces of equalities are not counted.
+    /// The force [N] and moment [N·m] that each joint transmits to its child, by its name, fixed joints
+    /// included: (6,) along the axes of the child's frame and about its origin, as a force-torque sensor
+    /// there reads. Forces of equalities are not counted.
     #[getter]
     fn joint_reactions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let reactions = PyDict::new(py);
@@ -345,7 +347,8 @@ impl Simulation {
         ledger_of(py, self.stepped.ledger())
     }
 
-    /// The energy that damping, friction, stops, sliding and impacts took, where the method tells them apart [J].
+    /// The energy that damping, friction, stops, sliding and impacts took, where the method tells them apart
+    /// [J].
     #[getter]
     fn losses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         losses_of(py, self.stepped.losses())

@@ -1,7 +1,7 @@
 //! Where a run's torques come from.
 
 use pyo3::prelude::*;
-use robot_dynamics::{CallbackError, Controller, ControllerError};
+use robot_dynamics::simulation::{CallbackError, Controller, ControllerError};
 
 use crate::controllers::{self, Law};
 use crate::numbers::{self, array, shaped};

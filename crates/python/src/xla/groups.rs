@@ -1,12 +1,13 @@
-//! The robots that the states of a call are of: one for all, or, where a program computes a robot's parameters, one for all
-//! neighbours with the same.
+//! The robots that the states of a call are of: one for all, or, where a program computes a robot's
+//! parameters, one for all neighbours with the same.
 
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, TryLockError};
 
 use rayon::prelude::*;
-use robot_dynamics::{Model, with_parameters};
+use robot_dynamics::derivatives::with_parameters;
+use robot_dynamics::model::Model;
 
 use crate::ffi::Number;
 use crate::robot::Robot;
@@ -83,8 +84,8 @@ fn kept(robot: &Robot, parameters: &[f64]) -> Result<Arc<Robot>, String> {
     Ok(robot)
 }
 
-/// Does the work of each group with its robot: `threads` on one, or one on each of several. Parameters that are not finite give
-/// results of NaN.
+/// Does the work of each group with its robot: `threads` on one, or one on each of several. Parameters that
+/// are not finite give results of NaN.
 ///
 /// `work` gets the robot, what its states read and write, how many these are, and how many threads may work.
 pub(super) fn by_groups<'a, T: Number>(
@@ -95,7 +96,7 @@ pub(super) fn by_groups<'a, T: Number>(
     threads: usize,
     work: impl Fn(&Robot, Tables<'a, T>, usize, usize) -> Result<(), String> + Sync,
 ) -> Result<(), String> {
-    let count = robot_dynamics::parameter_count(&robot.model);
+    let count = robot_dynamics::derivatives::parameter_count(&robot.model);
     let mut groups = groups_of(parameters, count, states);
     if groups.len() <= 1 {
         return match groups.pop().and_then(|group| group.parameters) {

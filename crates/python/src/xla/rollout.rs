@@ -4,11 +4,11 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 use robot_dynamics::batch::{self, Rollout, RolloutError, Torques};
-use robot_dynamics::dynamics::Integrator;
-use robot_dynamics::{
-    LinearizeStepWorkspace, Model, StepForces, StepPullbackWorkspace, StepWorkspace, linearize_step, step,
-    step_pullback,
+use robot_dynamics::derivatives::{
+    LinearizeStepWorkspace, StepPullbackWorkspace, linearize_step, step_pullback,
 };
+use robot_dynamics::model::Model;
+use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace, step};
 
 use super::groups::{Tables, by_groups, fill_with_nan};
 use super::{NOT_FLOATS, length, parameters_of, robot_of};
@@ -54,7 +54,8 @@ impl Course {
         }
     }
 
-    /// Does the work of the states of each robot: with its tables, how many states they are of, by how many threads.
+    /// Does the work of the states of each robot: with its tables, how many states they are of, by how many
+    /// threads.
     fn run<'a, T: Number>(
         &self,
         mut call: XlaCall<'a>,
@@ -95,7 +96,8 @@ macro_rules! over_floats {
     };
 }
 
-/// A rollout: q, v, the torques and the parameters, where there are such, to the end's q and v, and the trajectory's.
+/// A rollout: q, v, the torques and the parameters, where there are such, to the end's q and v, and the
+/// trajectory's.
 pub(crate) fn rollout(call: XlaCall<'_>) -> Result<(), String> {
     over_floats!(call, rollout_over)
 }
@@ -121,8 +123,8 @@ fn rollout_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
     })
 }
 
-/// Its pullback: q, v and the torques, the cotangents of the end and of the trajectory, and the parameters, to those of the
-/// start, of the torques and of the parameters; all by displacements.
+/// Its pullback: q, v and the torques, the cotangents of the end and of the trajectory, and the parameters,
+/// to those of the start, of the torques and of the parameters; all by displacements.
 pub(crate) fn rollout_pullback(call: XlaCall<'_>) -> Result<(), String> {
     over_floats!(call, rollout_pullback_over)
 }
@@ -162,9 +164,9 @@ fn rollout_pullback_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
     })
 }
 
-/// Its tangent: q, v and the torques, with the changes of each by displacements, to the changes of the end and of the
-/// trajectory. Step by step (δq, δv) ← A (δq, δv) + B δτ + P δp, in float64; p are the parameters, δp of each state and the last
-/// of the changes.
+/// Its tangent: q, v and the torques, with the changes of each by displacements, to the changes of the end
+/// and of the trajectory. Step by step (δq, δv) ← A (δq, δv) + B δτ + P δp, in float64; p are the parameters,
+/// δp of each state and the last of the changes.
 pub(crate) fn rollout_tangent(call: XlaCall<'_>) -> Result<(), String> {
     over_floats!(call, rollout_tangent_over)
 }

@@ -1,11 +1,11 @@
-//! `<joint>`, and placements by roll, pitch and yaw.
+//! Writes `<joint>`, and `<origin>` by roll, pitch and yaw.
 
-use multibody::{JointDescription, JointKind, Limits, PassiveForces, Pose};
+use robot_dynamics_description::{JointDescription, JointKind, Limits, PassiveForces, Pose};
 
-use super::{Writing, joint_place};
+use super::{UrdfWriter, joint_place};
 
-impl Writing<'_> {
-    pub(super) fn joint(&mut self, joint: &JointDescription) {
+impl UrdfWriter<'_> {
+    pub(super) fn write_joint(&mut self, joint: &JointDescription) {
         let place = joint_place(&joint.name);
         let (word, axis) = match joint.kind {
             JointKind::Fixed => ("fixed", None),
@@ -15,29 +15,29 @@ impl Writing<'_> {
             JointKind::Planar { normal } => ("planar", Some(normal)),
             JointKind::Floating => ("floating", None),
             JointKind::Spherical => {
-                self.note(&place, "type=\"spherical\" is read by this library and by few other programs");
+                self.add_note(&place, "few other programs read type=\"spherical\"");
                 ("spherical", None)
             }
             kind => {
-                self.unwritable.push(format!("{place}: the format has no {} joints", kind.name()));
+                self.unwritable.push(format!("{place}: URDF has no {} joints", kind.name()));
                 return;
             }
         };
         self.xml.start("joint").attribute("name", &joint.name).attribute("type", word);
-        self.origin(&joint.parent_from_joint);
+        self.write_origin(&joint.parent_from_joint);
         self.xml.start("parent").attribute("link", &joint.parent).end();
         self.xml.start("child").attribute("link", &joint.child).end();
         if let Some(axis) = axis {
             self.xml.start("axis").numbers("xyz", &axis).end();
         }
         if joint.kind != JointKind::Fixed {
-            self.limit(&place, joint);
-            self.dynamics(&place, &joint.passive);
+            self.write_limit(&place, joint);
+            self.write_dynamics(&place, &joint.passive);
             if !joint.higher_terms.is_zero() {
-                self.lost(&place, "a spring or damper with more than linear terms: the format has none");
+                self.add_loss(&place, "nonlinear terms of a spring or damper: not supported by URDF");
             }
             if joint.spring.is_some() {
-                self.lost(&place, "the spring of a joint that turns freely: the format has none");
+                self.add_loss(&place, "the spring of a ball or free joint: not supported by URDF");
             }
         }
         if let Some(mimic) = &joint.mimic {
@@ -47,8 +47,8 @@ impl Writing<'_> {
         self.xml.end();
     }
 
-    /// Nothing where the frames are one.
-    pub(super) fn origin(&mut self, pose: &Pose) {
+    /// Writes `<origin>`, which is omitted for the identity.
+    pub(super) fn write_origin(&mut self, pose: &Pose) {
         if *pose == Pose::IDENTITY {
             return;
         }
@@ -56,41 +56,40 @@ impl Writing<'_> {
         self.xml.numbers("rpy", &roll_pitch_yaw(&pose.rotation)).end();
     }
 
-    fn limit(&mut self, place: &str, joint: &JointDescription) {
+    fn write_limit(&mut self, place: &str, joint: &JointDescription) {
         let Limits { lower, upper, velocity, effort, .. } = joint.limits;
         let is_bounded = matches!(joint.kind, JointKind::Revolute { .. } | JointKind::Prismatic { .. });
         if !is_bounded && (lower.is_finite() || upper.is_finite()) {
             let message =
-                format!("bounds {lower} and {upper}: a {} joint has none in the format", joint.kind.name());
-            self.lost(place, message);
+                format!("bounds {lower} and {upper}: not supported by URDF for {} joints", joint.kind.name());
+            self.add_loss(place, message);
         }
         let [least, most] = joint.actuator_force_range;
-        // What its reader makes of bounds on forces: the larger of both is its effort.
+        // The effort is the larger of the two bounds, as in the readers.
         let effort = effort.min(least.abs().max(most.abs()));
         #[allow(clippy::float_cmp)] // the same bound on both sides, or not
         if -least != most {
-            let message =
-                format!("forces of its actuators from {least} to {most}: the format bounds both sides alike");
-            self.lost(place, message);
+            let message = format!("actuator forces from {least} to {most}: URDF has only symmetric bounds");
+            self.add_loss(place, message);
         }
         if is_bounded || velocity.is_finite() || effort.is_finite() {
             self.xml.start("limit");
             if is_bounded {
-                self.bound("lower", lower);
-                self.bound("upper", upper);
+                self.write_bound("lower", lower);
+                self.write_bound("upper", upper);
             }
-            self.bound("effort", effort);
-            self.bound("velocity", velocity);
+            self.write_bound("effort", effort);
+            self.write_bound("velocity", velocity);
             self.xml.end();
         }
     }
 
-    /// Readers want every bound; the largest of all numbers stands for none.
-    fn bound(&mut self, name: &str, bound: f64) {
+    /// Writes a bound. Readers require every bound, so the largest double stands for "no bound".
+    fn write_bound(&mut self, name: &str, bound: f64) {
         self.xml.numbers(name, &[bound.clamp(-f64::MAX, f64::MAX)]);
     }
 
-    fn dynamics(&mut self, place: &str, passive: &PassiveForces) {
+    fn write_dynamics(&mut self, place: &str, passive: &PassiveForces) {
         let PassiveForces { armature, damping, friction, stiffness, rest, .. } = *passive;
         if [armature, damping, friction, stiffness, rest] == [0.0; 5] {
             return;
@@ -99,16 +98,16 @@ impl Writing<'_> {
         self.xml.unless("armature", armature, 0.0).unless("stiffness", stiffness, 0.0);
         self.xml.unless("rest", rest, 0.0).end();
         if armature != 0.0 || stiffness != 0.0 {
-            let message = "armature and spring are attributes of <dynamics> that this library reads, and few other programs";
-            self.note(place, message);
+            let message = "armature and spring are attributes of <dynamics>, which few other programs read";
+            self.add_note(place, message);
         }
     }
 }
 
-/// The angles of R = Rz(yaw) Ry(pitch) Rx(roll) \[rad\]. Each is taken of what is left when the one before it is turned back,
-/// so that R comes back to rounding wherever the angles themselves are not determined.
+/// The angles of R = Rz(yaw) Ry(pitch) Rx(roll) \[rad\]. Each angle is computed after the rotation by the one
+/// before it is removed, so that R is reproduced to rounding even where the angles are not unique.
 fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
-    // Below rounding the first column has no direction: x points up or down, and any yaw serves.
+    // Here x points up or down to rounding, and the yaw is arbitrary.
     let yaw = if r[0][0].hypot(r[1][0]) < 1e-15 { 0.0 } else { r[1][0].atan2(r[0][0]) };
     let (sin, cos) = yaw.sin_cos();
     let pitch = (-r[2][0]).atan2(cos * r[0][0] + sin * r[1][0]);
@@ -120,11 +119,11 @@ fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
 mod tests {
     use core::f64::consts::FRAC_PI_2;
 
-    use multibody::Pose;
+    use robot_dynamics_description::Pose;
 
     use super::roll_pitch_yaw;
 
-    /// Also where x points up, and next to it.
+    /// The pitches include ±90° and angles close to them.
     #[test]
     fn angles_give_the_rotation_back() {
         let mut worst = 0.0_f64;

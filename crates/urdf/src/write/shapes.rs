@@ -1,12 +1,12 @@
-//! `<visual>` and `<collision>`.
+//! Writes `<visual>` and `<collision>`.
 
-use multibody::{LinkShape, Shape, ShapeRole, Surface};
-use robot_xml::{excerpt, is_name, way_from};
+use robot_dynamics_description::{LinkShape, Shape, ShapeRole, Surface};
+use robot_dynamics_xml::{excerpt, is_name, way_from};
 
-use super::Writing;
+use super::UrdfWriter;
 
-impl Writing<'_> {
-    pub(super) fn shape(&mut self, shape: &LinkShape) {
+impl UrdfWriter<'_> {
+    pub(super) fn write_shape(&mut self, shape: &LinkShape) {
         let place = format!("a shape of link {:?}", excerpt(&shape.link));
         let word = match shape.shape {
             Shape::Box { .. }
@@ -17,10 +17,9 @@ impl Writing<'_> {
             Shape::Ellipsoid { .. } => Some("ellipsoids"),
             Shape::Plane { .. } => Some("planes"),
             Shape::HeightField { .. } => Some("height fields"),
-            _ => Some("shapes of its kind"),
         };
         if let Some(word) = word {
-            self.note(&place, format!("left out: the format has no {word}"));
+            self.add_note(&place, format!("omitted: URDF has no {word}"));
             return;
         }
         let collides = shape.role == ShapeRole::Collision;
@@ -28,7 +27,7 @@ impl Writing<'_> {
         if is_name(&shape.name) {
             self.xml.attribute("name", &shape.name);
         }
-        self.origin(&shape.link_from_shape);
+        self.write_origin(&shape.link_from_shape);
         self.xml.start("geometry");
         match &shape.shape {
             Shape::Box { size } => self.xml.start("box").numbers("size", size),
@@ -40,7 +39,7 @@ impl Writing<'_> {
             }
             Shape::Sphere { radius } => self.xml.start("sphere").numbers("radius", &[*radius]),
             Shape::Mesh { name, file, scale } => {
-                // A package is found from anywhere.
+                // Names with a scheme, such as package://, do not depend on the folder.
                 let is_place = name.contains("://");
                 let found = self.folder.zip(file.as_deref()).filter(|_| !is_place);
                 let name = found.map_or_else(|| name.clone(), |(folder, file)| way_from(folder, file));
@@ -64,7 +63,7 @@ impl Writing<'_> {
         }
         self.xml.end();
         if collides && shape.surface != Surface::default() {
-            self.note(&place, "friction and other properties of its surface: the format has none");
+            self.add_note(&place, "contact properties of its surface: not supported by URDF");
         }
     }
 }

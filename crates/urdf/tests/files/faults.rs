@@ -1,10 +1,10 @@
-//! The table of docs/faults.md: its column of this project is what loading each file of testdata/faults does.
+//! Compares this project's column in docs/faults.md with the result of loading each file of testdata/faults.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use multibody::Model;
-use urdf::{Options, Severity, Treatment};
+use robot_dynamics::model::Model;
+use robot_dynamics::urdf::{Disposition, Options, Severity};
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -12,13 +12,13 @@ fn repository() -> PathBuf {
 
 /// A row of the page.
 struct Row {
-    /// The root is freed.
+    /// Whether the file is read with a floating base.
     freed: bool,
     /// The last cell.
     ours: String,
 }
 
-/// The page's rows by the names of their files.
+/// The rows of the page by the names of their files.
 fn rows() -> BTreeMap<String, Row> {
     let page = std::fs::read_to_string(repository().join("docs/faults.md")).unwrap();
     let mut rows = BTreeMap::new();
@@ -33,8 +33,8 @@ fn rows() -> BTreeMap<String, Row> {
     rows
 }
 
-/// What loading does: its gravest severity, none where there is nothing to say; the messages of that severity; the
-/// model.
+/// The result of loading a file: its highest severity (`None` without findings), the messages of that
+/// severity, and the model.
 struct Outcome {
     severity: Option<Severity>,
     messages: Vec<String>,
@@ -44,7 +44,7 @@ struct Outcome {
 fn outcome(path: &Path, freed: bool) -> Outcome {
     let options = if freed { Options::default().with_floating_base() } else { Options::default() };
     let refused = |messages| Outcome { severity: Some(Severity::Error), messages, model: None };
-    let robot = match urdf::load(path, &options) {
+    let robot = match robot_dynamics::urdf::load(path, &options) {
         Ok(robot) => robot,
         Err(error) => return refused(error.errors().iter().map(ToString::to_string).collect()),
     };
@@ -52,8 +52,8 @@ fn outcome(path: &Path, freed: bool) -> Outcome {
         Ok(model) => model,
         Err(error) => return refused(vec![error.to_string()]),
     };
-    let told = || robot.report.findings.iter().filter(|finding| finding.treatment() != Treatment::Read);
-    let severity = told().map(urdf::Finding::severity).max();
+    let told = || robot.report.findings.iter().filter(|finding| finding.treatment() != Disposition::Read);
+    let severity = told().map(robot_dynamics::urdf::Finding::severity).max();
     let messages = told()
         .filter(|finding| Some(finding.severity()) == severity)
         .map(|finding| finding.message().to_owned())
@@ -61,7 +61,7 @@ fn outcome(path: &Path, freed: bool) -> Outcome {
     Outcome { severity, messages, model: Some(model) }
 }
 
-/// What is wrong with the row, if anything.
+/// The difference between the row and the result, if there is one.
 fn disagreement(row: &Row, outcome: &Outcome) -> Option<String> {
     let Some(model) = &outcome.model else {
         let words = row.ours.strip_prefix("**error**: ");

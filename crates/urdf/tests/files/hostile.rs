@@ -1,22 +1,23 @@
-//! Hostile and huge input: an answer, quickly, never a panic.
+//! Hostile and very large input gives an answer quickly, and never a panic.
 
 use std::fmt::Write as _;
 use std::time::Duration;
 
-use urdf::{LoadError, Options, Robot, UrdfError, load, parse};
+use robot_dynamics::urdf::{LoadError, Options, Robot, UrdfError, load, parse};
 
-/// What this thread has computed so far, which a busy machine does not lengthen; zero where the system does not tell.
-fn computed() -> Duration {
-    let told = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    Duration::from_nanos(told.split(' ').next().and_then(|word| word.parse().ok()).unwrap_or(0))
+/// The processor time of this thread, which does not depend on the load of the machine; zero if the system
+/// does not provide it.
+fn processor_time() -> Duration {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    Duration::from_nanos(text.split(' ').next().and_then(|word| word.parse().ok()).unwrap_or(0))
 }
 
-/// The answer and a bound on the work for it. Each case takes well under a second; quadratic work on these sizes takes
-/// minutes.
+/// Parses a text and bounds the time. Each case takes well under a second; quadratic work would take minutes
+/// at these sizes.
 fn quickly(what: &str, text: &str) -> Result<Robot, LoadError> {
-    let start = computed();
+    let start = processor_time();
     let answer = parse(text, &Options::default());
-    let took = computed().saturating_sub(start);
+    let took = processor_time().saturating_sub(start);
     assert!(took < Duration::from_secs(10), "{what} took {took:?}");
     answer
 }
@@ -29,7 +30,7 @@ fn only(error: &LoadError) -> &UrdfError {
 
 const BODY: &str = r#"<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>"#;
 
-/// A chain of revolute joints, the last link first when `backwards`; `inside` goes into joint i.
+/// A chain of revolute joints, in reverse order if `backwards`; `inside` is the content of joint i.
 fn chain(joints: usize, backwards: bool, inside: impl Fn(usize) -> String) -> String {
     let mut text = String::from("<robot name=\"chain\">\n<link name=\"l0\"/>\n");
     for i in 0..joints {
@@ -45,7 +46,7 @@ fn chain(joints: usize, backwards: bool, inside: impl Fn(usize) -> String) -> St
     text + "</robot>"
 }
 
-/// Nothing more in a joint.
+/// No content in a joint.
 fn bare(_: usize) -> String {
     String::new()
 }
@@ -59,25 +60,29 @@ fn a_chain_of_a_hundred_thousand_joints_loads() {
 }
 
 #[test]
-fn a_hundred_thousand_followers_load_unless_they_form_a_ring() {
+fn a_hundred_thousand_mimic_joints_load_unless_they_form_a_cycle() {
     for backwards in [false, true] {
         let follow = |i: usize| if i == 0 { String::new() } else { format!("<mimic joint=\"j{}\"/>", i - 1) };
         let robot = quickly("many followers", &chain(100_000, backwards, follow)).expect("a robot");
         assert_eq!(robot.report.counts.degrees_of_freedom, 1);
         let ring = |i: usize| format!("<mimic joint=\"j{}\"/>", (i + 99_999) % 100_000);
         let error = quickly("a ring of followers", &chain(100_000, backwards, ring)).expect_err("a ring");
-        assert!(error.to_string().contains("99991 more mimic each other"), "{error}");
+        // Ten names, and the number of the others.
+        assert!(
+            matches!(only(&error), UrdfError::MimicCycle { joints, .. } if joints.len() == 11),
+            "{error}"
+        );
     }
 }
 
 #[test]
-fn a_ring_of_a_hundred_thousand_joints_is_a_cycle() {
+fn a_cycle_of_a_hundred_thousand_joints_is_refused() {
     let text = chain(100_000, false, bare).replace(
         "</robot>",
         r#"<joint name="back" type="fixed"><parent link="l100000"/><child link="l0"/></joint></robot>"#,
     );
-    let error = quickly("a ring", &text).expect_err("a cycle").to_string();
-    assert!(error.contains("99991 more form a cycle"), "{error}");
+    let error = quickly("a ring", &text).expect_err("a cycle");
+    assert!(matches!(only(&error), UrdfError::Cycle { joints, .. } if joints.len() == 11), "{error}");
 }
 
 #[test]
@@ -94,14 +99,14 @@ fn a_hundred_thousand_nested_elements_are_refused() {
         let error = quickly("nested elements", &text).expect_err("too deep");
         assert!(matches!(only(&error), UrdfError::TooDeep { line: 2, .. }), "{error}");
     }
-    // Comments and CDATA do not nest.
+    // Comments and CDATA are not nesting levels.
     let text =
         format!("<robot name='r'><link name='a'/>{}</robot>", "<!--<a>--><![CDATA[<b>]]>".repeat(1000));
     quickly("comments", &text).expect("a robot");
 }
 
 #[test]
-fn masses_of_attributes_and_namespaces_are_refused() {
+fn many_attributes_and_namespaces_are_refused() {
     let attributes: String = (0..100_000).fold(String::new(), |text, i| text + &format!(" a{i}=''"));
     let error = quickly("attributes", &format!("<robot{attributes}/>")).expect_err("too many");
     assert!(matches!(only(&error), UrdfError::TooMany { .. }), "{error}");
@@ -143,7 +148,7 @@ fn long_texts_make_short_messages() {
 }
 
 #[test]
-fn masses_of_unknown_elements_are_listed() {
+fn many_unknown_elements_are_listed() {
     let text = format!("<robot name='r'><link name='a'/>{}</robot>", "<a/>".repeat(250_000));
     assert_eq!(quickly("unknown elements", &text).expect("a robot").report.counts.ignored, 250_000);
 }
@@ -175,7 +180,7 @@ fn extreme_numbers_are_refused_or_read() {
 }
 
 #[test]
-fn files_that_are_not_there_or_not_text() {
+fn missing_and_binary_files_are_refused() {
     let folder = std::env::temp_dir().join(format!("urdf-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     let options = Options::default();
@@ -188,7 +193,7 @@ fn files_that_are_not_there_or_not_text() {
     std::fs::write(&binary, [b'<', b'r', 0xff, 0x00, 0x80]).expect("a file");
     assert!(matches!(only(&load(&binary, &options).expect_err("no robot")), UrdfError::NotUtf8 { byte: 2 }));
     let large = folder.join("large.urdf");
-    std::fs::write(&large, " ".repeat(urdf::SIZE_LIMIT + 1)).expect("a file");
+    std::fs::write(&large, " ".repeat(robot_dynamics::urdf::SIZE_LIMIT + 1)).expect("a file");
     assert!(matches!(only(&load(&large, &options).expect_err("no robot")), UrdfError::TooLarge { .. }));
     std::fs::remove_dir_all(&folder).expect("the folder");
 }

@@ -1,10 +1,11 @@
-//! What is read from files, and what is refused.
+//! Tests of reading files, and of refused files.
 
 mod audit;
 mod collected;
 mod faults;
 mod hostile;
 mod malformed;
+mod messages;
 mod mutations;
 mod plausibility;
 mod reading;

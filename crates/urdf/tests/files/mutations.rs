@@ -1,17 +1,18 @@
-//! Random damage to valid files: refused or read, never a panic, never a robot that is not a tree.
+//! Random damage to valid files: each is refused or read, without a panic, and every robot that is read is a
+//! tree.
 //!
-//! A few hundred seeded cases by default; `PROPTEST_CASES=1000000 cargo test -p robot-dynamics-urdf --test files mutations` runs
-//! that many from a fresh seed.
+//! By default a few hundred seeded cases run. `PROPTEST_CASES=1000000 cargo test -p robot-dynamics-urdf
+//! --test files mutations` runs that many from a random seed.
 
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use multibody::Model;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use urdf::{Options, parse};
+use robot_dynamics::model::Model;
+use robot_dynamics::urdf::{Options, parse};
 
-/// The robots of this repository, and one small file with every element that is read or judged.
+/// The robots of this repository, and one small file with every element that is read or reported.
 static FILES: LazyLock<Vec<String>> = LazyLock::new(|| {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots");
     let mut paths: Vec<PathBuf> =
@@ -107,9 +108,9 @@ enum Damage {
     Cut(usize, usize),
     /// Copy a piece elsewhere.
     Copy(usize, usize, usize),
-    /// Replace the nth run of letters and digits, or of anything else.
+    /// Replace the nth run of letters and digits, or of other characters.
     Word(usize, usize),
-    /// Stop.
+    /// Truncate.
     End(usize),
 }
 
@@ -159,9 +160,10 @@ fn apply(text: &str, damage: &Damage) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Whatever is accepted is a tree of finite numbers that compiles; strict reading accepts no more.
+/// Every robot that is read is a tree of finite numbers that compiles. A strict reading accepts no more
+/// files.
 fn check(text: &str) -> Result<(), TestCaseError> {
-    // Repair refuses no more and no less, and changes nothing that is sound.
+    // Repair does not change which files are refused, and leaves valid inertias unchanged.
     let repaired = parse(text, &Options::default().with_repaired_inertia());
     let Ok(robot) = parse(text, &Options::default()) else {
         prop_assert!(parse(text, &Options::default().with_strict()).is_err());
@@ -188,7 +190,7 @@ fn check(text: &str) -> Result<(), TestCaseError> {
         prop_assert!(joint.limits.effort >= 0.0 && joint.limits.velocity >= 0.0);
         prop_assert!(joint.passive.damping.is_finite() && joint.passive.friction.is_finite());
     }
-    // Also robots whose freedoms move no inertia.
+    // Robots with degrees of freedom that move no inertia compile, too.
     let compiled = Model::new(description.clone());
     prop_assert!(compiled.is_ok(), "{:?}", compiled.err());
     let warnings = robot.report.counts.warnings;
@@ -224,7 +226,7 @@ proptest! {
     }
 
     #[test]
-    fn heaps_of_words_are_refused_or_read(words in prop::collection::vec(0..WORDS.len(), 0..60)) {
+    fn random_words_are_refused_or_read(words in prop::collection::vec(0..WORDS.len(), 0..60)) {
         let text: String = words.into_iter().map(|word| WORDS[word]).collect();
         check(&text)?;
         check(&format!("<robot name=\"r\">{text}</robot>"))?;

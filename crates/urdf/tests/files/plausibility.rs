@@ -1,11 +1,10 @@
-//! Faults put into the project's robots, one at a time: each is suspected, or known not to show.
+//! Tests single faults in the robots of the repository: each is suspected, unless it cannot be detected.
 
 use std::path::PathBuf;
 
-use dynamics::MassProperties;
-use multibody::plausibility::{Culprit, Quantity, RobotStatistics, Suspicion, suspicions};
-use multibody::{JointKind, RobotDescription};
-use urdf::{Options, Robot, parse};
+use robot_dynamics::description::{JointKind, MassProperties, RobotDescription};
+use robot_dynamics::plausibility::{Culprit, Quantity, RobotStatistics, Suspicion, suspicions};
+use robot_dynamics::urdf::{Options, Robot, parse};
 
 const ROBOTS: [&str; 10] =
     ["dual_arm", "gantry", "gripper", "hand", "humanoid", "panda", "quadruped", "three_r", "two_r", "ur5"];
@@ -20,7 +19,7 @@ fn suspected_in(text: &str) -> Vec<Suspicion> {
     suspicions(&description, &angles)
 }
 
-/// The robot after `change` of each link's (m, c, I) that `which` names.
+/// Changes the mass properties (m, c, I) of the links that `which` selects.
 fn changed(
     robot: &RobotDescription,
     which: impl Fn(usize) -> bool,
@@ -46,14 +45,14 @@ fn suspected(robot: &RobotDescription) -> Vec<Suspicion> {
 }
 
 #[test]
-fn no_robot_of_the_project_is_accused() {
+fn robots_of_the_repository_are_not_suspected() {
     for name in ROBOTS {
         assert_eq!(suspected_in(&text(name)), [], "{name}");
     }
 }
 
-/// All masses, moments, offsets or centres of mass by a factor: suspected as a fault of the whole robot, with
-/// the right culprit and the factor to half a decade.
+/// A factor in all masses, moments, offsets or centres of mass is suspected as a fault of the whole robot,
+/// with the right culprit and the factor to half a decade.
 #[test]
 fn wrong_units_of_all_links_are_suspected() {
     use Culprit::{CentersOfMass, Masses, MassesAndMoments, Moments};
@@ -74,15 +73,16 @@ fn wrong_units_of_all_links_are_suspected() {
             let found = suspected(&changed(&robot, |_| true, fault));
             let context = format!("{name}, {culprit:?} by {factor:e}: {found:#?}");
             if is_rods && *culprit == MassesAndMoments {
-                // A rod has no volume, and nothing is drawn: only its mass per length tells, and metres of
-                // steel differ from metres of foam by more.
+                // A rod has no volume and no shape, so only its mass per length can tell. It differs by more
+                // between rods of steel and rods of foam.
                 assert_eq!(found, [], "{context}");
                 continue;
             }
             let suspicion = found.first().unwrap_or_else(|| panic!("{context}"));
             assert!(suspicion.is_general(), "{context}");
             if is_rods && matches!(culprit, Masses | Moments) {
-                // Their radius of gyration tells that mass and moments disagree, not which of them is wrong.
+                // The radius of gyration shows that mass and moments disagree, but not which of them is
+                // wrong.
                 assert_eq!(suspicion.quantity, Quantity::GyrationOverExtent, "{context}");
                 continue;
             }
@@ -93,7 +93,7 @@ fn wrong_units_of_all_links_are_suspected() {
     }
 }
 
-/// Joint offsets in millimetres: the links are too small for their spacing.
+/// With joint offsets in millimetres the links are too small for their spacing.
 #[test]
 fn spacing_in_millimetres_is_suspected() {
     for name in ROBOTS {
@@ -109,10 +109,10 @@ fn spacing_in_millimetres_is_suspected() {
     }
 }
 
-/// One link alone: suspected, and named, unless it matters little: see the reasons below.
+/// A fault in one link is suspected, with its name, unless its effect is small; the reasons are below.
 #[test]
 fn a_wrong_unit_of_one_link_is_suspected() {
-    // Name, and factors of m, c and I.
+    // The name, and the factors of m, c and I.
     let faults = [
         ("mass 1000", [1e3, 1.0, 1.0]),
         ("mass 0.001", [1e-3, 1.0, 1.0]),
@@ -131,7 +131,7 @@ fn a_wrong_unit_of_one_link_is_suspected() {
                 let spoilt = changed(&robot, |other| other == index, scaled(mass, center, moments));
                 let found = suspected(&spoilt);
                 let context = format!("{name}, link {:?}, {fault}: {found:#?}", link.link);
-                // No other link is blamed for it.
+                // No other link is suspected.
                 assert!(found.iter().all(|s| s.places == [format!("link {:?}", link.link)]), "{context}");
                 if found.is_empty() {
                     missed += 1;
@@ -147,7 +147,7 @@ fn a_wrong_unit_of_one_link_is_suspected() {
     assert!(7 * missed < tried, "{missed} of {tried}");
 }
 
-/// The text with each number of each attribute `name` multiplied.
+/// The text with each number of each attribute `name` multiplied by a factor.
 fn with_attribute(text: &str, name: &str, factor: f64) -> String {
     let start = format!(" {name}=\"");
     let mut out = String::new();
@@ -172,7 +172,7 @@ fn angles_in_degrees_are_suspected() {
     for name in ROBOTS {
         let good = text(name);
         let Robot { description, angles, .. } = parse(&good, &Options::default()).expect("a robot");
-        // Below seven degrees they could be radians.
+        // Angles below seven degrees could be radians.
         let shows = angles.iter().flat_map(|written| written.angles).any(|angle| angle.abs() * degrees > 7.0);
         let found = suspected_in(&with_attribute(&good, "rpy", degrees));
         assert_eq!(!found.is_empty(), shows, "{name}: {found:#?}");
@@ -189,7 +189,7 @@ fn angles_in_degrees_are_suspected() {
     }
 }
 
-/// Travel of the slides in millimetres.
+/// Limits of prismatic joints in millimetres.
 #[test]
 fn slides_in_millimetres_are_suspected() {
     for name in ["gantry", "gripper"] {
@@ -200,9 +200,10 @@ fn slides_in_millimetres_are_suspected() {
     }
 }
 
-/// A robot of point masses, drawn with balls of steel: their mass in grams shows.
+/// In a robot of point masses with spheres as shapes, masses in grams are detected by the density of the
+/// shapes.
 #[test]
-fn shapes_tell_what_point_masses_do_not() {
+fn shapes_show_wrong_units_of_point_masses() {
     let robot = |mass: f64| {
         let link = |name: &str| {
             format!(

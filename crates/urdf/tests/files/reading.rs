@@ -1,15 +1,15 @@
-//! What is read is read right, and what is not is in the report.
+//! Elements are read correctly, and parts that are not read are in the report.
 
-use multibody::{Base, JointKind};
 use nalgebra::{Matrix3, Rotation3};
-use urdf::{Finding, Options, Robot, Treatment, UrdfError, parse};
+use robot_dynamics::description::{Base, JointKind};
+use robot_dynamics::urdf::{Disposition, Finding, Options, Robot, UrdfError, parse};
 
 fn read(text: &str) -> Robot {
     parse(text, &Options::default()).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// A joint `j` with this attribute and content between a massless root and a link with mass.
-fn with_joint(joint_type: &str, content: &str) -> String {
+/// A joint `j` of this type and content between a massless root and a link with mass.
+pub(crate) fn with_joint(joint_type: &str, content: &str) -> String {
     format!(
         r#"<robot name="r"><link name="a"/>
 <link name="b"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
@@ -18,20 +18,17 @@ fn with_joint(joint_type: &str, content: &str) -> String {
     )
 }
 
-fn finding<'r>(robot: &'r Robot, message: &str) -> &'r Finding {
-    robot
-        .report
-        .findings
-        .iter()
-        .find(|finding| finding.message().contains(message))
-        .unwrap_or_else(|| panic!("no finding says {message:?}:\n{}", robot.report))
+/// The places of all findings of a treatment, in order.
+fn places(robot: &Robot, treatment: Disposition) -> Vec<(usize, &str)> {
+    let findings = robot.report.findings.iter().filter(|finding| finding.treatment() == treatment);
+    findings.map(|finding| (finding.line(), finding.place())).collect()
 }
 
-const PHYSICS: Treatment = Treatment::Ignored { physics: true };
-const HARMLESS: Treatment = Treatment::Ignored { physics: false };
+const PHYSICS: Disposition = Disposition::Ignored { physics: true };
+const HARMLESS: Disposition = Disposition::Ignored { physics: false };
 
 #[test]
-fn inertia_is_turned_into_the_links_axes() {
+fn inertia_is_rotated_to_the_axes_of_the_link() {
     let robot = read(
         r#"<robot name="r"><link name="a"><inertial>
              <origin xyz="0.1 -0.2 0.3" rpy="0.4 -0.5 0.6"/>
@@ -42,7 +39,7 @@ fn inertia_is_turned_into_the_links_axes() {
     let body = robot.description.links[0].mass_properties.expect("mass");
     assert_eq!(body.mass(), 2.5);
     assert_eq!(body.center_of_mass().as_slice(), [0.1, -0.2, 0.3]);
-    // nalgebra's own roll-pitch-yaw is the oracle for R.
+    // nalgebra's roll-pitch-yaw is the reference for R.
     let r = Rotation3::from_euler_angles(0.4, -0.5, 0.6);
     let given = Matrix3::new(0.02, 0.001, -0.002, 0.001, 0.03, 0.003, -0.002, 0.003, 0.04);
     let turned = r.matrix() * given * r.matrix().transpose();
@@ -50,7 +47,7 @@ fn inertia_is_turned_into_the_links_axes() {
 }
 
 #[test]
-fn a_joint_is_read_with_everything_it_says() {
+fn all_parts_of_a_joint_are_read() {
     let robot = read(&with_joint(
         "revolute",
         r#"<origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/>
@@ -96,13 +93,16 @@ fn defaults_are_taken_and_reported() {
     assert_eq!(joint.kind, JointKind::Revolute { axis: [1.0, 0.0, 0.0] });
     assert_eq!((joint.limits.lower, joint.limits.upper), (0.0, 0.0));
     assert_eq!((joint.limits.effort, joint.limits.velocity), (1.0, f64::INFINITY));
-    for message in
-        ["no <axis>", "no <origin>", "no lower", "no upper", "no velocity", "no <dynamics>", "no ixy"]
-    {
-        assert_eq!(finding(&robot, message).treatment(), Treatment::Defaulted, "{message}");
-    }
-    assert_eq!(finding(&robot, "no velocity").line(), 4);
-    assert_eq!(finding(&robot, "no velocity").place(), r#"joint "j"/limit"#);
+    let [link, inertial, inertia] =
+        ["", "/inertial", "/inertial/inertia"].map(|part| format!("link \"b\"{part}"));
+    let defaulted = places(&robot, Disposition::Defaulted);
+    let count = |line, place: &str| defaulted.iter().filter(|found| **found == (line, place)).count();
+    assert_eq!(count(1, r#"link "a""#), 1); // no <inertial>
+    // No <origin>; no ixy, ixz, iyz.
+    assert_eq!((count(2, &link), count(2, &inertial), count(2, &inertia)), (0, 1, 3));
+    assert_eq!(count(3, r#"joint "j""#), 3); // no <origin>, <axis>, <dynamics>
+    assert_eq!(count(4, r#"joint "j"/limit"#), 3); // no lower, upper, velocity
+    assert_eq!(defaulted.len(), 11, "{}", robot.report);
 }
 
 #[test]
@@ -120,67 +120,70 @@ fn a_floating_base_is_six_more_degrees_of_freedom() {
     assert_eq!(robot.report.counts.degrees_of_freedom, 7);
 }
 
-/// What the file holds, the treatment, and words of its entry.
+/// Content of a file that is not read, with its treatment.
 #[rustfmt::skip]
-const UNREAD: &[(&str, Treatment, &str)] = &[
-    (r#"<transmission name="t"><type>Simple</type><joint name="j"/><actuator name="m"/></transmission>"#, HARMLESS, "couples motors"),
-    (r#"<transmission name="t"><actuator name="m"><mechanicalReduction>100</mechanicalReduction></actuator></transmission>"#, PHYSICS, "mechanicalReduction = 100"),
-    (r#"<transmission name="t"><actuator name="m"><mechanicalReduction>1</mechanicalReduction></actuator></transmission>"#, HARMLESS, "couples motors"),
-    (r#"<transmission name="t"><actuator name="m"><rotor_inertia value="1e-4"/></actuator></transmission>"#, PHYSICS, "rotor_inertia = 1e-4"),
-    (r#"<transmission name="t"><actuator name="m"><drake:gear_ratio value="50" xmlns:drake="d"/></actuator></transmission>"#, PHYSICS, "gear_ratio = 50"),
-    (r#"<gazebo reference="b"><material>Gazebo/Red</material><mu1>0.5</mu1><kp>1e6</kp></gazebo>"#, HARMLESS, "Gazebo simulator (\"b\")"),
-    (r#"<gazebo reference="j"><springStiffness>3</springStiffness></gazebo>"#, PHYSICS, "springStiffness = 3"),
-    (r#"<gazebo reference="b"><turnGravityOff>true</turnGravityOff></gazebo>"#, PHYSICS, "turnGravityOff = true"),
-    (r#"<gazebo reference="b"><turnGravityOff>false</turnGravityOff></gazebo>"#, HARMLESS, "Gazebo"),
-    (r#"<gazebo><joint name="loop" type="revolute"><parent>a</parent><child>b</child></joint></gazebo>"#, PHYSICS, "joint is not in the model"),
-    (r#"<ros2_control name="c" type="system"><joint name="j"><command_interface name="effort"/></joint></ros2_control>"#, HARMLESS, "controllers"),
-    (r#"<loop_joint name="l" type="ball"/>"#, PHYSICS, "loop_joint is not in the model"),
-    (r#"<x:thing xmlns:x="somewhere"/>"#, HARMLESS, "unknown element"),
-    (r#"<group name="arm"/>"#, HARMLESS, "group of links"),
-    ("stray words", HARMLESS, "loose text \"stray words\""),
+pub(crate) const UNREAD: &[(&str, Disposition)] = &[
+    (r#"<transmission name="t"><type>Simple</type><joint name="j"/><actuator name="m"/></transmission>"#, HARMLESS),
+    (r#"<transmission name="t"><actuator name="m"><mechanicalReduction>100</mechanicalReduction></actuator></transmission>"#, PHYSICS),
+    (r#"<transmission name="t"><actuator name="m"><mechanicalReduction>1</mechanicalReduction></actuator></transmission>"#, HARMLESS),
+    (r#"<transmission name="t"><actuator name="m"><rotor_inertia value="1e-4"/></actuator></transmission>"#, PHYSICS),
+    (r#"<transmission name="t"><actuator name="m"><drake:gear_ratio value="50" xmlns:drake="d"/></actuator></transmission>"#, PHYSICS),
+    (r#"<gazebo reference="b"><material>Gazebo/Red</material><mu1>0.5</mu1><kp>1e6</kp></gazebo>"#, HARMLESS),
+    (r#"<gazebo reference="j"><springStiffness>3</springStiffness></gazebo>"#, PHYSICS),
+    (r#"<gazebo reference="b"><turnGravityOff>true</turnGravityOff></gazebo>"#, PHYSICS),
+    (r#"<gazebo reference="b"><turnGravityOff>false</turnGravityOff></gazebo>"#, HARMLESS),
+    (r#"<gazebo><joint name="loop" type="revolute"><parent>a</parent><child>b</child></joint></gazebo>"#, PHYSICS),
+    (r#"<ros2_control name="c" type="system"><joint name="j"><command_interface name="effort"/></joint></ros2_control>"#, HARMLESS),
+    (r#"<loop_joint name="l" type="ball"/>"#, PHYSICS),
+    (r#"<x:thing xmlns:x="somewhere"/>"#, HARMLESS),
+    (r#"<group name="arm"/>"#, HARMLESS),
+    ("stray words", HARMLESS),
 ];
 
+/// The text is at line 5.
+pub(crate) fn with_unread(text: &str) -> String {
+    with_joint("continuous", "").replace("</robot>", &format!("\n{text}\n</robot>"))
+}
+
 #[test]
-fn what_is_not_read_is_listed_and_judged() {
-    for (text, treatment, message) in UNREAD {
-        let file = with_joint("continuous", "").replace("</robot>", &format!("\n{text}\n</robot>"));
+fn parts_that_are_not_read_are_reported() {
+    for (text, treatment) in UNREAD {
+        let file = with_unread(text);
         let robot = read(&file);
-        let found = finding(&robot, message);
-        assert_eq!(found.treatment(), *treatment, "{text}:\n{}", robot.report);
-        assert!(found.line() >= 5, "{text}: line {}", found.line());
+        let found = places(&robot, *treatment);
+        assert!(!found.is_empty() && found.iter().all(|(line, _)| *line >= 5), "{text}:\n{}", robot.report);
         let physics = *treatment == PHYSICS;
         assert_eq!(robot.report.counts.ignored_physics > 0, physics, "{text}:\n{}", robot.report);
         let strict = parse(&file, &Options::default().with_strict());
-        let refused = strict.as_ref().err().map(urdf::LoadError::errors);
+        let refused = strict.as_ref().err().map(robot_dynamics::urdf::LoadError::errors);
         assert_eq!(matches!(refused, Some([UrdfError::Strict { .. }])), physics, "{text}: {strict:?}");
     }
 }
 
-/// What a joint or an inertial may hold beyond the standard.
+/// Contents of a joint beyond the standard, and whether they count as physics.
+#[rustfmt::skip]
+pub(crate) const UNKNOWN_PARTS: &[(&str, bool)] = &[
+    (r#"<dynamics damping="0" friction="0" rotor="3"/>"#, true),
+    ("<flexibility/>", true),
+    (r#"<axis xyz="0 0 1" expressed_in="world"/>"#, true),
+    (r#"<limit effort="1" velocity="1" acceleration="4"/>"#, false),
+    (r#"<safety_controller k_velocity="1"/>"#, false),
+    (r#"<calibration rising="0"/>"#, false),
+];
+
 #[test]
 fn unknown_parts_of_joints_and_inertias_count_as_physics() {
-    for (content, message, physics) in [
-        (r#"<dynamics damping="0" friction="0" rotor="3"/>"#, "unknown attribute rotor", true),
-        ("<flexibility/>", "perhaps physics", true),
-        (r#"<axis xyz="0 0 1" expressed_in="world"/>"#, "unknown attribute expressed_in", true),
-        (r#"<limit effort="1" velocity="1" acceleration="4"/>"#, "unknown attribute acceleration", false),
-        (r#"<safety_controller k_velocity="1"/>"#, "soft limits", false),
-        (r#"<calibration rising="0"/>"#, "reference positions", false),
-    ] {
+    for &(content, physics) in UNKNOWN_PARTS {
         let file = with_joint("continuous", content);
         let robot = read(&file);
-        assert_eq!(finding(&robot, message).treatment(), Treatment::Ignored { physics }, "{content}");
+        assert_eq!(places(&robot, Disposition::Ignored { physics }).len(), 1, "{content}:\n{}", robot.report);
         assert_eq!(parse(&file, &Options::default().with_strict()).is_err(), physics, "{content}");
     }
     let file = r#"<robot name="r"><link name="a"><inertial unit="lb"><mass value="1"/>
         <inertia ixx="1" iyy="1" izz="1"/></inertial></link></robot>"#;
-    assert_eq!(finding(&read(file), "unknown attribute unit").treatment(), PHYSICS);
-    let error = parse(file, &Options::default().with_strict()).expect_err("strict");
-    assert_eq!(
-        error.to_string(),
-        "line 1: link \"a\"/inertial: unknown attribute unit=\"lb\" (a warning, which strict reading refuses; \
-         correct it or do not be strict)"
-    );
+    assert_eq!(places(&read(file), PHYSICS), [(1, r#"link "a"/inertial"#)]);
+    let refused = parse(file, &Options::default().with_strict()).expect_err("strict");
+    assert!(matches!(refused.errors(), [UrdfError::Strict { line: 1, .. }]), "{refused}");
 }
 
 #[test]
@@ -188,9 +191,8 @@ fn fixed_joints_need_no_axis_or_limit() {
     let content =
         r#"<axis xyz="0 0 0"/><limit lower="1" upper="0"/><dynamics damping="1"/><mimic joint="x"/>"#;
     let robot = read(&with_joint("fixed", content));
-    for name in ["axis", "limit", "dynamics", "mimic"] {
-        assert_eq!(finding(&robot, &format!("has no <{name}>")).treatment(), HARMLESS);
-    }
+    let parts = ["axis", "limit", "dynamics", "mimic"].map(|name| format!("joint \"j\"/{name}"));
+    assert_eq!(places(&robot, HARMLESS), parts.each_ref().map(|part| (4, part.as_str())));
 }
 
 #[test]
@@ -200,17 +202,18 @@ fn shapes_are_counted_and_no_mesh_is_opened() {
     let file = with_joint("continuous", "").replace("<inertial>", &format!("{shape}<inertial>"));
     let robot = read(&file.replace("</robot>", r#"<material name="red"/></robot>"#));
     assert_eq!(robot.report.counts.not_dynamics, 3);
-    // The second mesh's scale is none.
-    let note = finding(&robot, "a shape that cannot be read");
-    assert_eq!((robot.report.counts.ignored, note.treatment()), (1, HARMLESS), "{}", robot.report);
+    // The scale of the second mesh is invalid.
+    assert_eq!(places(&robot, HARMLESS).len(), 1, "{}", robot.report);
+    assert_eq!(robot.report.counts.ignored, 1, "{}", robot.report);
     assert_eq!(robot.description.shapes.len(), 1);
 }
 
 const BODY: &str = r#"<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>"#;
 
 #[test]
-fn links_without_mass_are_fine_where_others_carry_it() {
-    // Between two joints, at the root, and with its mass on a fixed child; the fixed tip has none either.
+fn links_without_mass_are_accepted_if_every_joint_moves_mass() {
+    // The links between two joints and at the root have no mass, and one link has its mass in a fixed child.
+    // The fixed tip has none.
     let robot = read(&format!(
         r#"<robot name="r"><link name="root"/><link name="cross"/><link name="shell"/>
            <link name="core">{BODY}</link><link name="tip"/>
@@ -219,21 +222,18 @@ fn links_without_mass_are_fine_where_others_carry_it() {
            <joint name="f1" type="fixed"><parent link="shell"/><child link="core"/></joint>
            <joint name="f2" type="fixed"><parent link="core"/><child link="tip"/></joint></robot>"#
     ));
-    let noted: Vec<&str> = robot
-        .report
-        .findings
-        .iter()
-        .filter(|finding| finding.message().contains("no mass of its own"))
-        .map(Finding::place)
-        .collect();
-    assert_eq!(noted, [r#"joint "j1""#]);
+    // Both joints lack <origin>, <limit> and <dynamics>, and j1 lacks <axis>. The fifth note of j1 is about
+    // the mass of its link.
+    let noted = places(&robot, Disposition::Defaulted);
+    let count = |joint: &str| noted.iter().filter(|(_, place)| *place == joint).count();
+    assert_eq!((count(r#"joint "j1""#), count(r#"joint "j2""#)), (5, 3), "{}", robot.report);
     let zeros = BODY.replace("\"1\"", "\"0\"");
     let robot = read(&format!(r#"<robot name="r"><link name="a">{zeros}</link></robot>"#));
     assert!(robot.description.links[0].mass_properties.is_none());
 }
 
 #[test]
-fn a_leader_may_move_mass_through_its_follower_only() {
+fn a_leader_may_move_mass_only_by_its_mimic_joint() {
     let file = |mimic: &str| {
         format!(
             r#"<robot name="r"><link name="root"/><link name="wheel"/><link name="arm">{BODY}</link>
@@ -246,12 +246,12 @@ fn a_leader_may_move_mass_through_its_follower_only() {
     assert_eq!((mimic.joint.as_str(), mimic.ratio, mimic.offset), ("lead", -2.0, 0.5));
     assert_eq!(robot.report.counts.degrees_of_freedom, 1);
     let alone = read(&file(""));
-    assert_eq!(finding(&alone, "no link from there on has mass").place(), r#"joint "lead""#);
+    assert_eq!(places(&alone, Disposition::AsWritten), [(2, r#"joint "lead""#)], "{}", alone.report);
     assert!(robot.report.warnings().next().is_none(), "{}", robot.report);
 }
 
 #[test]
-fn a_chain_of_followers_is_allowed() {
+fn a_chain_of_mimic_joints_is_allowed() {
     let robot = read(&format!(
         r#"<robot name="r"><link name="a"/><link name="b">{BODY}</link><link name="c">{BODY}</link>
            <link name="d">{BODY}</link>
@@ -263,7 +263,7 @@ fn a_chain_of_followers_is_allowed() {
 }
 
 #[test]
-fn marks_of_other_systems_do_no_harm() {
+fn byte_order_marks_line_ends_and_comments_are_accepted() {
     let plain = with_joint("continuous", r#"<axis xyz="0 0 1"/>"#);
     let expected = read(&plain).description;
     let windows = format!("\u{feff}<?xml version=\"1.0\"?>\r\n{}", plain.replace('\n', "\r\n"));
@@ -278,17 +278,10 @@ fn marks_of_other_systems_do_no_harm() {
 }
 
 #[test]
-fn the_report_is_readable_and_survives_json() {
+fn the_report_survives_json() {
     let report = read(&with_joint("continuous", "<flexibility/>")).report;
-    let listing = report.to_string();
-    assert!(listing.starts_with("robot \"r\": 2 links, 1 joints, 1 degrees of freedom\n"), "{listing}");
-    assert!(
-        listing
-            .contains("     4  IGNORED PHYSICS  joint \"j\"/flexibility: unknown element, perhaps physics\n"),
-        "{listing}"
-    );
     let json = serde_json::to_string(&report).expect("json");
-    assert_eq!(serde_json::from_str::<urdf::LoadReport>(&json).expect("the same"), report);
+    assert_eq!(serde_json::from_str::<robot_dynamics::urdf::LoadReport>(&json).expect("the same"), report);
     let lines: Vec<usize> = report.findings.iter().map(Finding::line).collect();
     assert!(lines.is_sorted(), "{lines:?}");
     assert_eq!(report.ignored_physics().count(), report.counts.ignored_physics);

@@ -1,10 +1,11 @@
-//! The robots of this repository load without ignoring any physics.
+//! The robots of this repository load, and no physics in them is ignored.
 
 use std::path::PathBuf;
 
-use dynamics::SplitMix64;
-use multibody::{Base, JointKind, Model, Pose, random_state};
-use urdf::{Options, Robot, load};
+use robot_dynamics::description::{Base, JointKind, Pose};
+use robot_dynamics::model::{Model, random_state};
+use robot_dynamics::number::SplitMix64;
+use robot_dynamics::urdf::{Options, Robot, load};
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots")
@@ -15,7 +16,7 @@ fn robot(name: &str) -> Robot {
         .unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// Name, links, joints, degrees of freedom, mass in kg (the sums of what each file's header says).
+/// Name, links, joints, degrees of freedom, and mass in kg (the sum in the header of each file).
 const ROBOTS: [(&str, usize, usize, usize, f64); 10] = [
     ("dual_arm", 17, 16, 16, 59.0),
     ("gantry", 7, 6, 6, 71.5),
@@ -48,7 +49,7 @@ fn every_robot_loads_strictly_with_the_stated_size_and_mass() {
             (links, joints, freedom),
             "{name}"
         );
-        // Shapes are no part of the dynamics, nor are the two materials that some of them have; all else is.
+        // Shapes and the two materials in some files are not part of the dynamics. Everything else is read.
         let materials = if ["humanoid", "quadruped"].contains(&name) { 2 } else { 0 };
         let looks = description.shapes.len() + materials;
         assert_eq!((counts.ignored, counts.not_dynamics), (0, looks), "{name}:\n{report}");
@@ -69,7 +70,7 @@ fn legged_robots_load_with_a_floating_base() {
     }
 }
 
-/// Where the link is when every joint is at `q` (in the order of the file's moving joints).
+/// The pose of a link at `q`, which is in the order of the moving joints in the file.
 fn placed(robot: &Robot, link: &str, q: &[f64]) -> Pose {
     let moving: Vec<&str> = robot
         .description
@@ -94,7 +95,7 @@ fn placed(robot: &Robot, link: &str, q: &[f64]) -> Pose {
 
 fn assert_at(found: [f64; 3], expected: [f64; 3]) {
     let off = (0..3).map(|i| (found[i] - expected[i]).abs()).fold(0.0, f64::max);
-    // Rounding of a few rotations by right angles; lengths of a metre.
+    // Rounding of a few rotations by right angles, for lengths of about a metre.
     assert!(off < 1e-14, "found {found:?}, expected {expected:?}");
 }
 
@@ -110,7 +111,8 @@ fn planar_arms_turn_from_the_x_axis_up_to_z() {
 
 #[test]
 fn the_panda_flange_is_where_its_lengths_put_it() {
-    // All joints at zero: over the base by d1 + d3 + d5 − d_flange, forward by a7, looking down.
+    // With all joints at zero the flange is above the base by d1 + d3 + d5 − d_flange and in front by a7, and
+    // points down.
     let flange = placed(&robot("panda"), "panda_link8", &[0.0; 7]);
     assert_at(flange.translation, [0.088, 0.0, 0.333 + 0.316 + 0.384 - 0.107]);
     assert_at(flange.rotate([0.0, 0.0, 1.0]), [0.0, 0.0, -1.0]);
@@ -118,12 +120,14 @@ fn the_panda_flange_is_where_its_lengths_put_it() {
 
 #[test]
 fn the_ur5_tool_is_where_its_lengths_put_it() {
-    // All joints at zero: stretched out along −x, the wrist's offsets along −y and down.
+    // With all joints at zero the arm is stretched along −x, with the offsets of the wrist along −y and
+    // downwards.
     let tool = placed(&robot("ur5"), "tool", &[0.0; 6]);
     assert_at(tool.translation, [-0.425 - 0.39225, -0.10915 - 0.0823, 0.089159 - 0.09465]);
 }
 
-/// The rows of their Jacobians, on every robot, its base fixed and floating: κ(M) ε of the largest entry, and 1e-12.
+/// Pullbacks are products with the Jacobians, for every robot with fixed and floating base. Tolerance: κ(M) ε
+/// of the largest entry, or 1e-12.
 #[test]
 fn pullbacks_of_every_robot_are_rows_of_its_jacobians() {
     for (name, ..) in ROBOTS {
@@ -144,7 +148,8 @@ fn pullbacks_of_every_robot_are_rows_of_its_jacobians() {
                 assert!((found - expected).amax() < 1e-12 * scale, "{name}");
             }
             let by = model.forward_dynamics_pullback(q, v, tau, a);
-            // A base without mass that floats under a lift: no acceleration, no pullback, the same error.
+            // A floating base without mass under a lift has no acceleration and no pullback: both give the
+            // same error.
             if let Err(singular) = model.check_rank(q) {
                 assert_eq!(by, Err(singular), "{name}");
                 continue;

@@ -1,4 +1,4 @@
-//! The tumbling brick: a free rigid body, spun about one of its axes.
+//! The tumbling brick: a free rigid body with an initial spin about one of its axes.
 
 use dynamics::{FreeRotation, MassProperties, RotationalInertia, cayley_body_step, euler_body_step};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -8,11 +8,11 @@ use crate::LabError;
 use crate::input::{finite, positive, vector};
 use crate::samples::Samples;
 
-/// Time between two samples \[s\] and the number kept.
+/// Sampling period \[s\] and the number of samples kept.
 const INTERVAL: f64 = 0.02;
 const KEPT: usize = 1000;
 
-/// How far what must stay has strayed since the start, each as a share of what it was.
+/// Relative drift of the conserved quantities since the start.
 #[wasm_bindgen]
 #[derive(Clone, Copy, Debug)]
 pub struct BrickDrift {
@@ -24,7 +24,7 @@ pub struct BrickDrift {
     pub energy: f64,
 }
 
-/// A solid box that no torque acts on.
+/// A solid box without torques.
 #[wasm_bindgen]
 #[derive(Clone, Debug)]
 pub struct Brick {
@@ -50,7 +50,7 @@ impl Brick {
     /// A box of three edges \[m\] and a density \[kg/m³\], at rest.
     ///
     /// # Errors
-    /// If an edge or the density is not positive.
+    /// Fails if an edge or the density is not positive.
     #[wasm_bindgen(constructor)]
     pub fn new(edge_x: f64, edge_y: f64, edge_z: f64, density: f64) -> Result<Self, LabError> {
         let edges = Vector3::new(edge_x, edge_y, edge_z);
@@ -76,19 +76,19 @@ impl Brick {
         })
     }
 
-    /// Starts anew, axes along the world's, with ω \[rad/s\] in body axes. Flips are counted about its largest
+    /// Restarts with axes along the world's and ω \[rad/s\] in body axes. Flips are counted about its largest
     /// component.
     ///
     /// # Errors
-    /// If a number is not finite.
+    /// Fails if a number is not finite.
     pub fn spin(&mut self, omega: &[f64]) -> Result<(), LabError> {
         self.place(&[0.0, 0.0, 0.0, 1.0], omega)
     }
 
-    /// Starts anew at an orientation given as a quaternion x, y, z, w (normalised here) and ω in body axes.
+    /// Restarts with an orientation given as a quaternion x, y, z, w (normalised here) and ω in body axes.
     ///
     /// # Errors
-    /// If a number is not finite or the quaternion is zero.
+    /// Fails if a number is not finite or the quaternion is zero.
     pub fn place(&mut self, xyzw: &[f64], omega: &[f64]) -> Result<(), LabError> {
         finite("the quaternion", xyzw, 4)?;
         let quaternion = nalgebra::Quaternion::new(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
@@ -105,10 +105,10 @@ impl Brick {
         Ok(())
     }
 
-    /// `cayley` (keeps L and K) or `rk4`, and the step \[s\].
+    /// Sets the method, `cayley` (conserves L and K) or `rk4`, and the step \[s\].
     ///
     /// # Errors
-    /// If the name is neither, or the step not positive.
+    /// Fails if the name is unknown or the step is not positive.
     #[wasm_bindgen(js_name = setMethod)]
     pub fn set_method(&mut self, name: &str, h: f64) -> Result<(), LabError> {
         self.keeps_momentum = match name {
@@ -116,7 +116,7 @@ impl Brick {
             "rk4" => false,
             _ => {
                 return Err(LabError::new(format!(
-                    "no rotation step is named \"{name}\"; there are cayley and rk4"
+                    "unknown rotation step \"{name}\"; known: cayley and rk4"
                 )));
             }
         };
@@ -129,7 +129,7 @@ impl Brick {
     /// Advances by whole steps.
     ///
     /// # Errors
-    /// Where a step fails; the state before it is kept.
+    /// Fails if a step fails; the state before it is kept.
     pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
         let free = Vector3::zeros();
         for _ in 0..steps {
@@ -138,7 +138,7 @@ impl Brick {
                 step(&self.world_from_body, &self.omega, &free, &self.inertia, self.h)?;
             if !omega.iter().all(|x| x.is_finite()) {
                 return Err(LabError::new(format!(
-                    "the spin is not finite any more at {:.3} s; take a smaller step",
+                    "the spin is not finite at {:.3} s; use a smaller step",
                     self.time
                 )));
             }
@@ -177,7 +177,7 @@ impl Brick {
         self.inertia.matrix().diagonal().as_slice().to_vec()
     }
 
-    /// The rotation world from body, row by row.
+    /// The rotation world from body, in row-major order.
     #[wasm_bindgen(getter)]
     pub fn rotation(&self) -> Vec<f64> {
         self.world_from_body.to_rotation_matrix().matrix().transpose().as_slice().to_vec()
@@ -207,7 +207,7 @@ impl Brick {
         self.inertia.kinetic_energy(&self.omega)
     }
 
-    /// How far L and K have strayed.
+    /// The relative drifts of L and K.
     #[wasm_bindgen(getter)]
     pub fn drift(&self) -> BrickDrift {
         if self.energy_at_start == 0.0 {
@@ -218,19 +218,19 @@ impl Brick {
         BrickDrift { momentum, energy }
     }
 
-    /// How often the spin about the axis it was started on has changed sign.
+    /// The number of sign changes of the spin about the initial axis.
     #[wasm_bindgen(getter)]
     pub fn flips(&self) -> u32 {
         self.flips
     }
 
-    /// ω in body axes by Jacobi's elliptic functions, at the present time \[rad/s\].
+    /// ω in body axes by Jacobi's elliptic functions, at the current time \[rad/s\].
     #[wasm_bindgen(getter, js_name = exactOmega)]
     pub fn exact_omega(&self) -> Vec<f64> {
         self.exact.omega_in_body(self.time).as_slice().to_vec()
     }
 
-    /// The exact period of ω \[s\]; infinite where ω stays.
+    /// The exact period of ω \[s\]; infinite if ω is constant.
     #[wasm_bindgen(getter, js_name = exactPeriod)]
     pub fn exact_period(&self) -> f64 {
         self.exact.period()
@@ -241,10 +241,10 @@ impl Brick {
         self.points_of_period(&self.exact, count)
     }
 
-    /// The polhode through another direction of Π, for the map of all of them.
+    /// The polhode through another direction of Π.
     ///
     /// # Errors
-    /// If the direction has not three finite numbers.
+    /// Fails if the direction does not have three finite numbers.
     #[wasm_bindgen(js_name = polhodeThrough)]
     pub fn polhode_through(&self, direction: &[f64], count: u32) -> Result<Vec<f64>, LabError> {
         let omega = self.inertia.angular_velocity(&vector("the direction", direction)?);
@@ -252,7 +252,7 @@ impl Brick {
         Ok(self.points_of_period(&motion, count))
     }
 
-    /// Π/|Π| in body axes: where L points, seen from the brick.
+    /// Π/|Π| in body axes, the direction of L in the body.
     #[wasm_bindgen(getter)]
     pub fn direction(&self) -> Vec<f64> {
         self.unit_momentum(&self.omega).to_vec()
@@ -263,7 +263,7 @@ impl Brick {
         self.samples.flat()
     }
 
-    /// One point where ω stays for ever.
+    /// A single point, for constant ω.
     fn points_of_period(&self, motion: &FreeRotation, count: u32) -> Vec<f64> {
         let period = motion.period();
         if !period.is_finite() {

@@ -1,5 +1,6 @@
-//! Any closed-form model of the library, by name.
+//! The library's closed-form models, by name.
 
+use dynamics::SystemStep;
 use dynamics::{
     Christoffel, Dynamics, InertiaEllipse, PlanarArm, PlanarBody, PlanarKinematics, PolarMass, Reach2R,
     RpArm, christoffel, christoffel_by_differences, energy_drift, mass_rate, skew_symmetry_defect,
@@ -27,8 +28,8 @@ enum Kind {
     PlanarBody(PlanarBody),
 }
 
-/// A model by what it can do: the integrators and the rest are compiled once for each count of coordinates, not for
-/// each model, which the reader of the page would have to load.
+/// The operations of a model. Integrators and other algorithms are compiled once for each number of
+/// coordinates instead of once for each model, which keeps the page's download small.
 #[derive(Clone, Copy)]
 enum System<'a> {
     Two(&'a dyn Dynamics<2>),
@@ -47,7 +48,7 @@ impl ClosedForm {
     }
 }
 
-/// The same expression for two coordinates and for three.
+/// Evaluates the same expression for two and for three coordinates.
 macro_rules! on {
     ($self:expr, $system:ident => $result:expr) => {
         match $self.system() {
@@ -57,7 +58,7 @@ macro_rules! on {
     };
 }
 
-/// The same expression on the model itself, for what needs its formulas over other numbers than f64.
+/// Evaluates the same expression on the model's own type, for formulas over other numbers than f64.
 macro_rules! on_model {
     ($self:expr, $model:ident => $result:expr) => {
         match &$self.kind {
@@ -75,7 +76,7 @@ impl ClosedForm {
     /// Two uniform rods: lengths \[m\], masses \[kg\], gravity \[m/s²\].
     ///
     /// # Errors
-    /// If a length or mass is not positive, or a number is not finite.
+    /// Fails if a length or mass is not positive, or a number is not finite.
     #[wasm_bindgen(js_name = reach2R)]
     pub fn reach_2r(l1: f64, m1: f64, l2: f64, m2: f64, a_g: f64) -> Result<Self, LabError> {
         Ok(Self { kind: Kind::Reach2R(two_rods(l1, m1, l2, m2, a_g)?) })
@@ -87,10 +88,10 @@ impl ClosedForm {
         Self { kind: Kind::Reach3R(PlanarArm::reach_3r()) }
     }
 
-    /// A turning and a sliding link.
+    /// A revolute and a prismatic link.
     ///
     /// # Errors
-    /// If a mass is not positive, an inertia negative, or a number not finite.
+    /// Fails if a mass is not positive, an inertia negative, or a number not finite.
     #[wasm_bindgen(js_name = rpArm)]
     pub fn rp_arm(r1: f64, m1: f64, i1: f64, m2: f64, i2: f64, a_g: f64) -> Result<Self, LabError> {
         Ok(Self {
@@ -108,7 +109,7 @@ impl ClosedForm {
     /// A point mass in polar coordinates.
     ///
     /// # Errors
-    /// If the mass is not positive or gravity not finite.
+    /// Fails if the mass is not positive or gravity not finite.
     #[wasm_bindgen(js_name = polarMass)]
     pub fn polar_mass(m: f64, a_g: f64) -> Result<Self, LabError> {
         Ok(Self { kind: Kind::PolarMass(PolarMass { m: positive("m", m)?, a_g: number("gravity", a_g)? }) })
@@ -117,7 +118,7 @@ impl ClosedForm {
     /// A free body in the plane.
     ///
     /// # Errors
-    /// If the mass or the inertia is not positive, or gravity not finite.
+    /// Fails if the mass or the inertia is not positive, or gravity not finite.
     #[wasm_bindgen(js_name = planarBody)]
     pub fn planar_body(m: f64, i_zz: f64, a_g: f64) -> Result<Self, LabError> {
         Ok(Self {
@@ -129,10 +130,10 @@ impl ClosedForm {
         })
     }
 
-    /// M(q), row by row.
+    /// M(q), in row-major order.
     ///
     /// # Errors
-    /// If q has the wrong length or is not finite; so for every method below.
+    /// Fails if q has the wrong length or is not finite, like every method below.
     pub fn mass(&self, q: &[f64]) -> Result<Vec<f64>, LabError> {
         on!(self, s => Ok(rows(&s.mass(&vector("q", q)?))))
     }
@@ -140,7 +141,7 @@ impl ClosedForm {
     /// C(q,q̇) q̇.
     ///
     /// # Errors
-    /// As [`mass`](Self::mass).
+    /// Fails as [`mass`](Self::mass) does.
     #[wasm_bindgen(js_name = velocityProduct)]
     pub fn velocity_product(&self, q: &[f64], qd: &[f64]) -> Result<Vec<f64>, LabError> {
         on!(self, s => Ok(list(&s.velocity_product(&vector("q", q)?, &vector("qd", qd)?))))
@@ -149,7 +150,7 @@ impl ClosedForm {
     /// g(q) = ∂V/∂q.
     ///
     /// # Errors
-    /// As [`mass`](Self::mass).
+    /// Fails as [`mass`](Self::mass) does.
     pub fn gravity(&self, q: &[f64]) -> Result<Vec<f64>, LabError> {
         on!(self, s => Ok(list(&s.gravity(&vector("q", q)?))))
     }
@@ -157,7 +158,7 @@ impl ClosedForm {
     /// V(q) \[J\].
     ///
     /// # Errors
-    /// As [`mass`](Self::mass).
+    /// Fails as [`mass`](Self::mass) does.
     #[wasm_bindgen(js_name = potentialEnergy)]
     pub fn potential_energy(&self, q: &[f64]) -> Result<f64, LabError> {
         on!(self, s => Ok(s.potential_energy(&vector("q", q)?)))
@@ -166,7 +167,7 @@ impl ClosedForm {
     /// K = ½ q̇ᵀM q̇ \[J\].
     ///
     /// # Errors
-    /// As [`mass`](Self::mass).
+    /// Fails as [`mass`](Self::mass) does.
     #[wasm_bindgen(js_name = kineticEnergy)]
     pub fn kinetic_energy(&self, q: &[f64], qd: &[f64]) -> Result<f64, LabError> {
         on!(self, s => Ok(s.kinetic_energy(&vector("q", q)?, &vector("qd", qd)?)))
@@ -175,7 +176,7 @@ impl ClosedForm {
     /// q̈ = M⁻¹(u − C q̇ − g − b).
     ///
     /// # Errors
-    /// As [`mass`](Self::mass); if M is singular.
+    /// Fails as [`mass`](Self::mass) does, or if M is singular.
     pub fn forward(&self, q: &[f64], qd: &[f64], u: &[f64]) -> Result<Vec<f64>, LabError> {
         on!(self, s => {
             Ok(list(&s.try_forward(&vector("q", q)?, &vector("qd", qd)?, &vector("u", u)?)?))
@@ -185,15 +186,15 @@ impl ClosedForm {
     /// u = M q̈ + C q̇ + g + b.
     ///
     /// # Errors
-    /// As [`mass`](Self::mass).
+    /// Fails as [`mass`](Self::mass) does.
     pub fn inverse(&self, q: &[f64], qd: &[f64], qdd: &[f64]) -> Result<Vec<f64>, LabError> {
         on!(self, s => Ok(list(&s.inverse(&vector("q", q)?, &vector("qd", qd)?, &vector("qdd", qdd)?))))
     }
 
-    /// Γⁱⱼₖ, i slowest, exact. **(PRM 10.9)**
+    /// Γⁱⱼₖ, exact, with i as the slowest index. **(PRM 10.9)**
     ///
     /// # Errors
-    /// As [`mass`](Self::mass).
+    /// Fails as [`mass`](Self::mass) does.
     pub fn christoffel(&self, q: &[f64]) -> Result<Vec<f64>, LabError> {
         on_model!(self, s => Ok(symbols(&christoffel(s, &vector("q", q)?))))
     }
@@ -201,7 +202,7 @@ impl ClosedForm {
     /// Γⁱⱼₖ by central differences of M with this step.
     ///
     /// # Errors
-    /// As [`mass`](Self::mass); if the step is not positive.
+    /// Fails as [`mass`](Self::mass) does, or if the step is not positive.
     #[wasm_bindgen(js_name = christoffelByDifferences)]
     pub fn christoffel_by_differences(&self, q: &[f64], step: f64) -> Result<Vec<f64>, LabError> {
         let step = positive("the difference step", step)?;
@@ -211,7 +212,7 @@ impl ClosedForm {
     /// max |(Ṁ−2C) + (Ṁ−2C)ᵀ|.
     ///
     /// # Errors
-    /// As [`mass`](Self::mass).
+    /// Fails as [`mass`](Self::mass) does.
     #[wasm_bindgen(js_name = skewSymmetryDefect)]
     pub fn skew_symmetry_defect(&self, q: &[f64], qd: &[f64]) -> Result<f64, LabError> {
         on_model!(self, s => {
@@ -220,10 +221,10 @@ impl ClosedForm {
         })
     }
 
-    /// Whether M(q) is positive definite, by Cholesky.
+    /// Whether M(q) is positive definite, by a Cholesky factorisation.
     ///
     /// # Errors
-    /// As [`mass`](Self::mass).
+    /// Fails as [`mass`](Self::mass) does.
     #[wasm_bindgen(js_name = massIsPositiveDefinite)]
     pub fn mass_is_positive_definite(&self, q: &[f64]) -> Result<bool, LabError> {
         on!(self, s => {
@@ -232,10 +233,10 @@ impl ClosedForm {
         })
     }
 
-    /// The inertia ellipse q̇ᵀM q̇ = 1: semi-axes, longest first, then the unit directions, one after another.
+    /// The inertia ellipse q̇ᵀM q̇ = 1: the semi-axes, longest first, then their unit directions.
     ///
     /// # Errors
-    /// As [`mass`](Self::mass); if M is singular.
+    /// Fails as [`mass`](Self::mass) does, or if M is singular.
     #[wasm_bindgen(js_name = inertiaEllipse)]
     pub fn inertia_ellipse(&self, q: &[f64]) -> Result<Vec<f64>, LabError> {
         on!(self, s => {
@@ -244,10 +245,10 @@ impl ClosedForm {
         })
     }
 
-    /// (q, q̇) after one step of `h` \[s\] of the named integrator, u held.
+    /// (q, q̇) after one step of `h` \[s\] of the named integrator with constant u.
     ///
     /// # Errors
-    /// As [`mass`](Self::mass); where the integrator fails, in its words.
+    /// Fails as [`mass`](Self::mass) does, or if the integrator fails.
     pub fn step(&self, name: &str, q: &[f64], qd: &[f64], u: &[f64], h: f64) -> Result<Vec<f64>, LabError> {
         let (row, h) = (integrator(name)?, positive("the step", h)?);
         on!(self, s => {
@@ -259,7 +260,7 @@ impl ClosedForm {
     /// max |E − E₀|/|E₀| over `steps` steps of `h` \[s\] from (q, q̇), u = 0.
     ///
     /// # Errors
-    /// As [`step`](Self::step).
+    /// Fails as [`step`](Self::step) does.
     #[wasm_bindgen(js_name = energyDrift)]
     pub fn energy_drift(
         &self,
@@ -277,7 +278,7 @@ impl ClosedForm {
     }
 }
 
-/// Two uniform rods, checked.
+/// Two uniform rods with checked parameters.
 pub(crate) fn two_rods(l1: f64, m1: f64, l2: f64, m2: f64, a_g: f64) -> Result<Reach2R, LabError> {
     let (l1, m1) = (positive("length 1", l1)?, positive("mass 1", m1)?);
     let (l2, m2) = (positive("length 2", l2)?, positive("mass 2", m2)?);
@@ -295,7 +296,7 @@ fn list<const N: usize>(vector: &SVector<f64, N>) -> Vec<f64> {
     vector.as_slice().to_vec()
 }
 
-/// The entries row by row; nalgebra stores columns.
+/// The entries in row-major order; nalgebra stores columns.
 fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<f64> {
     matrix.transpose().as_slice().to_vec()
 }

@@ -1,4 +1,4 @@
-//! What is drawn on a planar arm besides its links: where its weights act, and how readily its tip is moved.
+//! Quantities drawn on a planar arm: link ends, weights, and the mobility of the tip.
 
 use dynamics::{Dynamics, DynamicsError, PlanarArm, PlanarKinematics, solve_mass, symmetric_eigen};
 use nalgebra::{SMatrix, SVector};
@@ -8,7 +8,7 @@ pub(crate) fn link_ends<const N: usize>(arm: &PlanarArm<N>, q: &SVector<f64, N>)
     (0..N).flat_map(|k| arm.point_over(&q.data.0[0], k, [arm.links[k].length, 0.0])).collect()
 }
 
-/// Every link's centre of mass and weight: x, y \[m\], m a_g \[N\], one link after another.
+/// Every link's centre of mass and weight: x, y \[m\], m a_g \[N\], for one link after another.
 pub(crate) fn weights<const N: usize>(arm: &PlanarArm<N>, q: &SVector<f64, N>) -> Vec<f64> {
     let weight = |k: usize| {
         let link = &arm.links[k];
@@ -18,26 +18,26 @@ pub(crate) fn weights<const N: usize>(arm: &PlanarArm<N>, q: &SVector<f64, N>) -
     (0..N).flat_map(weight).collect()
 }
 
-/// J M⁻¹ Jᵀ of a point with Jacobian J: how much a newton accelerates it, at rest, by direction \[1/kg\].
+/// J M⁻¹ Jᵀ of a point with Jacobian J: its acceleration at rest for a force of 1 N, by direction \[1/kg\].
 ///
 /// # Errors
-/// If M is singular.
+/// Fails if M is singular.
 pub(crate) fn mobility<const N: usize>(
     mass: &SMatrix<f64, N, N>,
     jacobian: &SMatrix<f64, 2, N>,
 ) -> Result<SMatrix<f64, 2, 2>, DynamicsError> {
     let [x, y] = [0, 1].map(|row| solve_mass(mass, &jacobian.row(row).transpose()));
     let (x, y) = (jacobian * x?, jacobian * y?);
-    // Symmetric but for rounding.
+    // Symmetric up to rounding.
     let off = x[1].midpoint(y[0]);
     Ok(SMatrix::<f64, 2, 2>::new(x[0], off, off, y[1]))
 }
 
-/// The tip's mobility by its principal axes: the greater eigenvalue, the smaller \[1/kg\], and the direction of the
-/// greater, x and y. Their inverses are the effective masses at the tip. **(Khatib 1987)**
+/// The tip's mobility in principal axes: the larger eigenvalue, the smaller \[1/kg\], and the direction of
+/// the larger, x and y. The inverse eigenvalues are the effective masses at the tip. **(Khatib 1987)**
 ///
 /// # Errors
-/// If M is singular.
+/// Fails if M is singular.
 pub(crate) fn tip_mobility<const N: usize>(
     arm: &PlanarArm<N>,
     q: &SVector<f64, N>,
@@ -45,7 +45,7 @@ pub(crate) fn tip_mobility<const N: usize>(
     let jacobian = arm.point_jacobian(q, N - 1, [arm.links[N - 1].length, 0.0]);
     let (values, vectors) = symmetric_eigen(&mobility(&arm.mass(q), &jacobian)?);
     let (greater, smaller) = if values[0] >= values[1] { (0, 1) } else { (1, 0) };
-    // A stretched arm's tip cannot go outwards at all: zero, but for rounding.
+    // The tip of a stretched arm cannot move outwards: the eigenvalue is zero up to rounding.
     Ok(vec![values[greater], values[smaller].max(0.0), vectors[(0, greater)], vectors[(1, greater)]])
 }
 
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
     use nalgebra::vector;
 
-    /// Bent at a right angle the arm of the worked example: M⁻¹ by hand, J of the tip by hand.
+    /// The arm of the worked example, bent at a right angle, with M⁻¹ and J of the tip by hand.
     #[test]
     fn the_tip_moves_as_newton_says() {
         let arm = PlanarArm::from(dynamics::Reach2R::worked_example());

@@ -1,5 +1,7 @@
-//! The Lagrangian lab: a two-link arm let go or driven by constant torques, with its energy and its forces.
+//! The Lagrangian lab: a two-link arm, passive or under constant torques, with its energy and its forces.
 
+use dynamics::SystemEnergy;
+use dynamics::SystemStep;
 use dynamics::{Dynamics, EnergyLedger, Integrator, PlanarArm};
 use nalgebra::{Vector2, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -11,11 +13,11 @@ use crate::LabError;
 use crate::input::{integrator, not_negative, positive, vector};
 use crate::samples::Samples;
 
-/// Time between two samples of the trail \[s\] and the number kept: 30 s.
+/// Sampling period of the trail \[s\] and the number of samples kept: 30 s.
 const INTERVAL: f64 = 0.01;
 const KEPT: usize = 3000;
 
-/// The energy of an arm that falls \[J\].
+/// The energy of a falling arm \[J\].
 #[wasm_bindgen]
 #[derive(Clone, Copy, Debug)]
 pub struct ArmEnergies {
@@ -31,12 +33,12 @@ pub struct ArmEnergies {
     /// E at the start.
     #[wasm_bindgen(readonly)]
     pub start: f64,
-    /// The most that K, or |V|, or |E| can be while E keeps its line.
+    /// The bound on K, |V| and |E| while E is constant.
     #[wasm_bindgen(readonly)]
     pub most: f64,
 }
 
-/// A two-link arm under torques that are held, its integrator, and the books of its energy.
+/// A two-link arm under constant torques, with its integrator and its energy account.
 #[wasm_bindgen]
 #[derive(Clone, Debug)]
 pub struct FallingArm {
@@ -60,7 +62,7 @@ impl FallingArm {
     /// Two uniform rods at rest along the x axis: lengths \[m\], masses \[kg\], gravity \[m/s²\].
     ///
     /// # Errors
-    /// If a length or a mass is not positive.
+    /// Fails if a length or a mass is not positive.
     #[wasm_bindgen(constructor)]
     pub fn new(l1: f64, m1: f64, l2: f64, m2: f64, a_g: f64) -> Result<Self, LabError> {
         let arm = two_rods(l1, m1, l2, m2, a_g)?;
@@ -81,10 +83,10 @@ impl FallingArm {
         })
     }
 
-    /// Puts the arm at (q, q̇), sets time to zero and opens new books.
+    /// Puts the arm at (q, q̇), and resets time and the energy account.
     ///
     /// # Errors
-    /// If a number is not finite.
+    /// Fails if a number is not finite.
     pub fn place(&mut self, q: &[f64], qd: &[f64]) -> Result<(), LabError> {
         (self.q, self.qd) = (vector("q", q)?, vector("qd", qd)?);
         self.ledger = EnergyLedger::open(&self.system as &dyn Dynamics<2>, &self.q, &self.qd);
@@ -94,11 +96,11 @@ impl FallingArm {
         Ok(())
     }
 
-    /// Other rods and another gravity in the same state: lengths \[m\], masses \[kg\], gravity \[m/s²\]. Time goes on, the books are
-    /// new.
+    /// Changes rods and gravity in the same state: lengths \[m\], masses \[kg\], gravity \[m/s²\]. Time goes
+    /// on, and the energy account is reset.
     ///
     /// # Errors
-    /// If a length or a mass is not positive.
+    /// Fails if a length or a mass is not positive.
     #[wasm_bindgen(js_name = setRods)]
     pub fn set_rods(&mut self, l1: f64, m1: f64, l2: f64, m2: f64, a_g: f64) -> Result<(), LabError> {
         self.system.arm = two_rods(l1, m1, l2, m2, a_g)?;
@@ -107,37 +109,37 @@ impl FallingArm {
         Ok(())
     }
 
-    /// The motors' torques from here on \[N·m\]; their work is in the books.
+    /// Sets the motors' torques \[N·m\]; the energy account includes their work.
     ///
     /// # Errors
-    /// If a number is not finite.
+    /// Fails if a number is not finite.
     #[wasm_bindgen(js_name = setTorque)]
     pub fn set_torque(&mut self, u1: f64, u2: f64) -> Result<(), LabError> {
         self.u = vector("the torque", &[u1, u2])?;
         Ok(())
     }
 
-    /// Viscous friction of both joints from here on \[N·m·s/rad\]; what it takes out is in the books.
+    /// Sets the viscous friction of both joints \[N·m·s/rad\]; the energy account includes its losses.
     ///
     /// # Errors
-    /// If it is negative or not finite.
+    /// Fails if it is negative or not finite.
     #[wasm_bindgen(js_name = setDamping)]
     pub fn set_damping(&mut self, damping: f64) -> Result<(), LabError> {
         self.system.damping = not_negative("the damping", damping)?;
         Ok(())
     }
 
-    /// The same \[N·m·s/rad\].
+    /// The viscous friction of both joints \[N·m·s/rad\].
     #[wasm_bindgen(getter)]
     pub fn damping(&self) -> f64 {
         self.system.damping
     }
 
-    /// A second arm in the same state and by the same method, its outer rod so many times as heavy; time goes on, its books
-    /// are new.
+    /// A second arm in the same state with the same method, its outer rod heavier by a factor. Time goes on,
+    /// and its energy account starts anew.
     ///
     /// # Errors
-    /// If the factor is not positive.
+    /// Fails if the factor is not positive.
     pub fn fork(&self, heavier: f64) -> Result<Self, LabError> {
         let [l1, m1, l2, m2, a_g] = self.rods;
         let mut other = Self::new(l1, m1, l2, m2 * positive("the factor", heavier)?, a_g)?;
@@ -150,7 +152,7 @@ impl FallingArm {
         Ok(other)
     }
 
-    /// How far this arm's tip is from another's \[m\].
+    /// The distance between this arm's tip and another's \[m\].
     #[wasm_bindgen(js_name = tipDistance)]
     pub fn tip_distance(&self, other: &FallingArm) -> f64 {
         let tip = |arm: &Self| {
@@ -161,10 +163,10 @@ impl FallingArm {
         (a[0] - b[0]).hypot(a[1] - b[1])
     }
 
-    /// Chooses integrator and step \[s\] from here on; the books go on.
+    /// Sets the integrator and the step \[s\]; the energy account goes on.
     ///
     /// # Errors
-    /// If the name is unknown or the step not positive.
+    /// Fails if the name is unknown or the step not positive.
     #[wasm_bindgen(js_name = setMethod)]
     pub fn set_method(&mut self, name: &str, h: f64) -> Result<(), LabError> {
         (self.integrator, self.h) = (integrator(name)?, positive("the step", h)?);
@@ -173,7 +175,7 @@ impl FallingArm {
         Ok(())
     }
 
-    /// Whether C q̇ is part of the motion. Leaving it out is the lie that the energy shows up.
+    /// Whether C q̇ is part of the motion. Without it the energy is not conserved.
     #[wasm_bindgen(js_name = setCoriolis)]
     pub fn set_coriolis(&mut self, on: bool) {
         self.system.has_coriolis = on;
@@ -182,10 +184,10 @@ impl FallingArm {
     /// Advances by whole steps.
     ///
     /// # Errors
-    /// Where the integrator fails or the energy is no longer finite; the state before that step is kept.
+    /// Fails if the integrator fails or the energy is not finite; the state before that step is kept.
     pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
         let u = self.u;
-        // As `dyn`, so that the integrators are in the page's download once.
+        // With `dyn` the page downloads the integrators once.
         let system = self.system;
         let system: &dyn Dynamics<2> = &system;
         for _ in 0..steps {
@@ -194,7 +196,7 @@ impl FallingArm {
             ledger.record(system, (&self.q, &self.qd), (&next.0, &next.1), &u, self.h);
             if !ledger.now().is_finite() {
                 return Err(LabError::new(format!(
-                    "the energy is not finite any more at {:.3} s; take a smaller step",
+                    "the energy is not finite at {:.3} s; use a smaller step",
                     self.time
                 )));
             }
@@ -208,7 +210,7 @@ impl FallingArm {
         Ok(())
     }
 
-    /// Time since the arm was placed \[s\].
+    /// Time since the last placement \[s\].
     #[wasm_bindgen(getter)]
     pub fn time(&self) -> f64 {
         self.time
@@ -237,20 +239,20 @@ impl FallingArm {
     pub fn energies(&self) -> ArmEnergies {
         let (kinetic, potential) =
             (self.system.arm.kinetic_energy(&self.q, &self.qd), self.system.arm.potential_energy(&self.q));
-        // V is least where the stretched arm hangs; all that it is above that can be K.
+        // V has its minimum where the stretched arm hangs; the rest of E can become K.
         let hanging = vector![-core::f64::consts::FRAC_PI_2, 0.0];
         let (least, start) = (self.system.arm.potential_energy(&hanging), self.ledger.start());
         let most = (start - least).max(start.abs()).max(least.abs());
         ArmEnergies { kinetic, potential, total: kinetic + potential, start, most }
     }
 
-    /// The work of the motors since the books were opened \[J\].
+    /// The work of the motors since the last reset of the energy account \[J\].
     #[wasm_bindgen(getter)]
     pub fn work(&self) -> f64 {
         self.ledger.work()
     }
 
-    /// What the joints' friction took out since the books were opened \[J\].
+    /// The energy lost to joint friction since the last reset of the energy account \[J\].
     #[wasm_bindgen(getter)]
     pub fn dissipated(&self) -> f64 {
         self.ledger.dissipated()
@@ -274,21 +276,22 @@ impl FallingArm {
         weights(&PlanarArm::from(self.system.arm), &self.q)
     }
 
-    /// J M⁻¹ Jᵀ of the tip: the greater eigenvalue, the smaller \[1/kg\], the direction of the greater, x and y.
+    /// J M⁻¹ Jᵀ of the tip: the greater eigenvalue, the smaller \[1/kg\], the direction of the greater, x and
+    /// y.
     ///
     /// # Errors
-    /// If M is singular.
+    /// Fails if M is singular.
     #[wasm_bindgen(js_name = tipMobility)]
     pub fn tip_mobility(&self) -> Result<Vec<f64>, LabError> {
         Ok(tip_mobility(&PlanarArm::from(self.system.arm), &self.q)?)
     }
 
-    /// M q̈, C q̇, g and b, two joints each; they add up to the torque \[N·m\].
+    /// M q̈, C q̇, g and b, two joints each, which add up to the torque \[N·m\].
     ///
-    /// With the lie on, M q̈ is what the lie makes of it, and the sum is off by the C q̇ that was left out.
+    /// Without C q̇ in the motion, M q̈ belongs to that motion, and the sum is off by C q̇.
     ///
     /// # Errors
-    /// If there is no acceleration.
+    /// Fails if the acceleration is undefined.
     #[wasm_bindgen(js_name = torqueStack)]
     pub fn torque_stack(&self) -> Result<Vec<f64>, LabError> {
         let LabArm { arm, .. } = &self.system;
@@ -299,7 +302,7 @@ impl FallingArm {
         Ok([inertial, product, gravity, friction].iter().flat_map(|term| [term[0], term[1]]).collect())
     }
 
-    /// M(q), row by row \[kg·m²\].
+    /// M(q), in row-major order \[kg·m²\].
     pub fn mass(&self) -> Vec<f64> {
         self.system.arm.mass(&self.q).as_slice().to_vec()
     }
@@ -307,7 +310,7 @@ impl FallingArm {
     /// Elbow and tip in another pose: x, y, x, y \[m\].
     ///
     /// # Errors
-    /// If an angle is not finite.
+    /// Fails if an angle is not finite.
     #[wasm_bindgen(js_name = pointsAt)]
     pub fn points_at(&self, q1: f64, q2: f64) -> Result<Vec<f64>, LabError> {
         Ok(elbow_and_tip(&self.system.arm, &vector("q", &[q1, q2])?).to_vec())
@@ -328,7 +331,7 @@ impl FallingArm {
 }
 
 impl FallingArm {
-    /// A part of |E₀|; no part at all where there is no energy to compare with.
+    /// A fraction of |E₀|, or zero if E₀ is zero.
     fn relative(&self, energy: f64) -> f64 {
         if energy == 0.0 { 0.0 } else { energy / self.ledger.scale() }
     }
@@ -336,7 +339,7 @@ impl FallingArm {
     /// The arm and the pose of the worked example.
     ///
     /// # Errors
-    /// None; the numbers are good.
+    /// None for these parameters.
     pub fn worked_example() -> Result<Self, LabError> {
         let mut lab = Self::new(1.0, 2.0, 1.0, 1.0, 9.81)?;
         let quarter = core::f64::consts::FRAC_PI_4;

@@ -1,5 +1,6 @@
-//! The knife-edge: a chassis that cannot slip sideways, driven by its two wheels.
+//! The knife-edge: a chassis that cannot slip sideways, driven by two wheels.
 
+use dynamics::SystemEnergy;
 use dynamics::{Dynamics, EnergyLedger, KnifeEdge, Pfaffian, constrained_rk4_step, generalized_force};
 use nalgebra::{Vector3, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -8,7 +9,7 @@ use crate::LabError;
 use crate::input::{number, positive, vector};
 use crate::samples::Samples;
 
-/// Time between two samples \[s\], the number kept, and the step \[s\].
+/// Sampling period \[s\], the number of samples kept, and the step \[s\].
 const INTERVAL: f64 = 0.02;
 const KEPT: usize = 1500;
 const STEP: f64 = 1e-3;
@@ -20,15 +21,15 @@ pub struct BladeBooks {
     /// K.
     #[wasm_bindgen(readonly)]
     pub kinetic: f64,
-    /// Work of the wheels and the push.
+    /// Work of the wheels and of the push.
     #[wasm_bindgen(readonly)]
     pub work: f64,
-    /// What nothing accounts for.
+    /// The residual of the energy balance.
     #[wasm_bindgen(readonly)]
     pub unaccounted: f64,
 }
 
-/// A chassis on a level floor with a force forwards at each wheel, and a side push.
+/// A chassis on a level floor with a forward force at each wheel and a side push.
 #[wasm_bindgen]
 #[derive(Clone, Debug)]
 pub struct Blade {
@@ -49,7 +50,7 @@ impl Blade {
     /// Mass \[kg\], moment of inertia \[kg·m²\], half the distance between the wheels \[m\].
     ///
     /// # Errors
-    /// If one of them is not positive.
+    /// Fails if one of them is not positive.
     #[wasm_bindgen(constructor)]
     pub fn new(m: f64, i_zz: f64, half_track: f64) -> Result<Self, LabError> {
         let body = KnifeEdge::new(positive("the mass", m)?, positive("the inertia", i_zz)?);
@@ -68,10 +69,10 @@ impl Blade {
         })
     }
 
-    /// Starts anew at (x, y, θ) with a forward speed \[m/s\] and a turning rate \[rad/s\].
+    /// Restarts at (x, y, θ) with a forward speed \[m/s\] and a turning rate \[rad/s\].
     ///
     /// # Errors
-    /// If a number is not finite.
+    /// Fails if a number is not finite.
     pub fn place(&mut self, q: &[f64], speed: f64, turning: f64) -> Result<(), LabError> {
         self.q = vector("q", q)?;
         self.qd =
@@ -83,10 +84,10 @@ impl Blade {
         Ok(())
     }
 
-    /// The forces: left wheel, right wheel, and a push to the left at the centre \[N\].
+    /// Sets the forces: left wheel, right wheel, and a push to the left at the centre \[N\].
     ///
     /// # Errors
-    /// If a number is not finite.
+    /// Fails if a number is not finite.
     #[wasm_bindgen(js_name = setForces)]
     pub fn set_forces(&mut self, left: f64, right: f64, side: f64) -> Result<(), LabError> {
         self.wheels = [number("the left force", left)?, number("the right force", right)?];
@@ -94,20 +95,20 @@ impl Blade {
         Ok(())
     }
 
-    /// Drag that takes speed away: each wheel loses this much force per m/s of its own speed \[N·s/m\].
+    /// Sets the viscous drag of each wheel \[N·s/m\].
     ///
     /// # Errors
-    /// If the number is negative or not finite.
+    /// Fails if the number is negative or not finite.
     #[wasm_bindgen(js_name = setDamping)]
     pub fn set_damping(&mut self, damping: f64) -> Result<(), LabError> {
         self.damping = crate::input::not_negative("the drag", damping)?;
         Ok(())
     }
 
-    /// Advances by steps of a millisecond, forces held over each.
+    /// Advances by steps of a millisecond with constant forces.
     ///
     /// # Errors
-    /// Where a step fails; the state before it is kept.
+    /// Fails if a step fails; the state before it is kept.
     pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
         for _ in 0..steps {
             let u = self.generalized_force();
@@ -146,7 +147,7 @@ impl Blade {
         self.qd.as_slice().to_vec()
     }
 
-    /// λ: the side force of the floor, counted to the right of the heading \[N\].
+    /// λ, the side force of the floor, positive to the right of the heading \[N\].
     #[wasm_bindgen(getter)]
     pub fn lambda(&self) -> f64 {
         self.body.side_force(&self.q, &self.qd, &self.generalized_force())
@@ -158,7 +159,7 @@ impl Blade {
         (self.body.rows(&self.q).transpose() * self.lambda()).as_slice().to_vec()
     }
 
-    /// A q̇: the sideways speed that the blade forbids \[m/s\].
+    /// A q̇: the sideways speed, which the constraint keeps at zero \[m/s\].
     #[wasm_bindgen(getter, js_name = sideSlip)]
     pub fn side_slip(&self) -> f64 {
         (self.body.rows(&self.q) * self.qd)[0]
@@ -170,13 +171,13 @@ impl Blade {
         KnifeEdge::forward_speed(&self.q, &self.qd)
     }
 
-    /// −m v θ̇: the side force that turning alone asks for \[N\].
+    /// −m v θ̇: the side force of a turn \[N\].
     #[wasm_bindgen(getter, js_name = turningForce)]
     pub fn turning_force(&self) -> f64 {
         self.body.side_force(&self.q, &self.qd, &Vector3::zeros())
     }
 
-    /// The hubs of the left and the right wheel, x y x y \[m\].
+    /// The hubs of the left and the right wheel: x, y, x, y \[m\].
     #[wasm_bindgen(getter)]
     pub fn hubs(&self) -> Vec<f64> {
         let (s, c) = self.q[2].sin_cos();
@@ -184,7 +185,7 @@ impl Blade {
         vec![x - b * s, y + b * c, x + b * s, y - b * c]
     }
 
-    /// The energy of the chassis.
+    /// The energy of the chassis \[J\].
     #[wasm_bindgen(getter)]
     pub fn books(&self) -> BladeBooks {
         let kinetic = self.body.body.kinetic_energy(&self.q, &self.qd);
@@ -196,13 +197,13 @@ impl Blade {
         self.samples.flat()
     }
 
-    /// u = T f with the drag taken off at the wheels, and the side push.
+    /// u = T f minus the drag at the wheels, plus the side push.
     fn generalized_force(&self) -> Vector3<f64> {
         let map = KnifeEdge::wheel_map(&self.q, self.half_track);
         let hubs = dynamics::actuator_velocity(&map, &self.qd);
         let wheels =
             vector![self.wheels[0] - self.damping * hubs[0], self.wheels[1] - self.damping * hubs[1]];
-        // A row of A points to the right; the push is to the left.
+        // A row of A points to the right, the push to the left.
         generalized_force(&map, &wheels) - self.body.rows(&self.q).transpose() * self.side
     }
 
@@ -213,10 +214,11 @@ impl Blade {
 }
 
 impl Blade {
-    /// λ, q̈ and P of any chassis at any state, by the solver and by the closed forms: what the self-checks compare.
+    /// λ, q̈ and P of a chassis in a state, by the solver and by the closed forms. The self-checks compare
+    /// them.
     ///
     /// # Errors
-    /// If the solver fails.
+    /// Fails if the solver fails.
     pub fn solver_against_closed_form(
         body: &KnifeEdge,
         q: &Vector3<f64>,
@@ -238,7 +240,7 @@ impl Blade {
 /// The largest difference between the constraint solver and the closed forms over seeded random states.
 ///
 /// # Errors
-/// If the solver fails.
+/// Fails if the solver fails.
 #[wasm_bindgen(js_name = knifeEdgeDefect)]
 pub fn knife_edge_defect(seed: u32, states: u32) -> Result<f64, LabError> {
     let mut random = dynamics::SplitMix64::new(seed.into());

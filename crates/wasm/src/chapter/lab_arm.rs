@@ -1,9 +1,9 @@
-//! The two-link arm as the lab lets it move: with friction in its joints, and with a lie.
+//! The two-link arm of the lab, with joint friction and an optional error: C q̇ can be left out.
 
 use dynamics::{Dynamics, Reach2R};
 use nalgebra::{Matrix2, Vector2};
 
-/// M q̈ + C q̇ + g + b = u with b = d q̇ in both joints; without C q̇ where that is struck out, and then its energy wanders off.
+/// M q̈ + C q̇ + g + b = u with b = d q̇ in both joints. Without C q̇ the energy drifts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LabArm {
     pub(crate) arm: Reach2R,

@@ -1,4 +1,4 @@
-//! The chapter's numbers that the native and the WebAssembly build are compared on.
+//! The chapter's values that the native and the WebAssembly build must agree on.
 
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -6,18 +6,18 @@ use super::{Brick, ClosedForm, FallingArm, integrator_names};
 use crate::LabError;
 use crate::parity::entry;
 
-/// Lines `name<TAB>exact|rounded<TAB>numbers`: `exact` must agree bit for bit (no sine, cosine in it), `rounded`
-/// to 1e-12 of a line's largest number, since the builds take their sines from different libraries, and their
-/// registers do not all have a multiply-add that rounds once.
+/// Lines `name<TAB>exact|rounded<TAB>numbers`. Lines marked `exact` contain no sine or cosine and must agree
+/// bit for bit. Lines marked `rounded` must agree to 1e-12 of their largest number, as builds differ in their
+/// sines and in fused multiply-add.
 ///
 /// # Errors
-/// None, unless a model fails.
+/// Fails only if a model fails.
 #[wasm_bindgen(js_name = parityValues)]
 pub fn parity_values() -> Result<Vec<String>, LabError> {
     let mut lines = Vec::new();
     let mut line = |name: &str, exact: bool, numbers: &[f64]| lines.push(entry(name, exact, numbers));
 
-    // Arithmetic and square roots only: the same bits everywhere.
+    // Arithmetic and square roots only, with the same bits everywhere.
     for method in ["cayley", "rk4"] {
         let mut brick = Brick::new(0.3, 0.2, 0.1, 1000.0)?;
         brick.set_method(method, 1e-3)?;
@@ -38,7 +38,7 @@ pub fn parity_values() -> Result<Vec<String>, LabError> {
         &[polar.mass(&q)?, polar.christoffel(&q)?].concat(),
     );
 
-    // With sines and cosines. A second of falling magnifies a last bit by less than 1e3.
+    // With sines and cosines. A second of falling magnifies a difference in the last bit by less than 1e3.
     let arm = ClosedForm::reach_2r(1.0, 2.0, 1.0, 1.0, 9.81)?;
     let three = ClosedForm::reach_3r();
     let (q2, q3) = ([0.3, -0.8], [0.4, 1.1, -2.0]);

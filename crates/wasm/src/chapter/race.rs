@@ -1,5 +1,7 @@
-//! The integrator race: the same fall by several rows of the table.
+//! The integrator race: one fall by several integrators of the table.
 
+use dynamics::SystemEnergy;
+use dynamics::SystemStep;
 use dynamics::{Dynamics, EnergyLedger, Integrator, Reach2R};
 use nalgebra::Vector2;
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -8,10 +10,10 @@ use super::closed_form::elbow_and_tip;
 use crate::LabError;
 use crate::input::{integrator, positive, vector};
 
-/// Buckets of the plot over the whole race.
+/// Number of time intervals of the plot.
 const BUCKETS: u64 = 600;
 
-/// Several runs of the two-link arm of the worked example from one state, with one step.
+/// Runs of the worked example's arm by several integrators, from one state and with one step.
 #[wasm_bindgen]
 #[derive(Clone, Debug)]
 pub struct Race {
@@ -30,21 +32,21 @@ struct Runner {
     q: Vector2<f64>,
     qd: Vector2<f64>,
     ledger: EnergyLedger,
-    /// The largest |E − E₀|/|E₀| within the present bucket, and in each finished one.
+    /// The largest |E − E₀|/|E₀| in the current interval, and in each completed one.
     worst: f64,
     errors: Vec<f64>,
-    /// Why it dropped out.
+    /// The reason for leaving the race.
     fault: Option<String>,
 }
 
 #[wasm_bindgen]
 impl Race {
-    /// From (q, q̇) with a step `h` \[s\] for `duration` \[s\]; the integrators by name.
+    /// Starts at (q, q̇) with a step `h` \[s\] for `duration` \[s\], with the named integrators.
     ///
     /// # Errors
-    /// If a name is unknown, or a number not finite or not positive.
+    /// Fails if a name is unknown, or a number not finite or not positive.
     #[wasm_bindgen(constructor)]
-    #[allow(clippy::needless_pass_by_value)] // how a list of strings crosses the boundary
+    #[allow(clippy::needless_pass_by_value)] // // wasm-bindgen passes lists by value
     pub fn new(names: Vec<String>, q: &[f64], qd: &[f64], h: f64, duration: f64) -> Result<Self, LabError> {
         let arm = Reach2R::worked_example();
         let (q, qd) = (vector("q", q)?, vector("qd", qd)?);
@@ -60,7 +62,7 @@ impl Race {
                 fault: None,
             })
         });
-        // Rounded up, so that the plot has at most its number of buckets.
+        // Rounded up, so that the plot has at most `BUCKETS` points.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let bucket = ((duration / h).ceil() as u64).div_ceil(BUCKETS).max(1);
         Ok(Self {
@@ -73,7 +75,7 @@ impl Race {
         })
     }
 
-    /// Advances every runner that is still in the race by whole steps.
+    /// Advances every runner that has not failed by whole steps.
     pub fn advance(&mut self, steps: u32) {
         for _ in 0..steps {
             self.steps += 1;
@@ -97,16 +99,16 @@ impl Race {
         self.steps as f64 * self.h
     }
 
-    /// The times at which the plot has a point \[s\].
+    /// The times of the points of the plot \[s\].
     #[wasm_bindgen(getter)]
     pub fn times(&self) -> Vec<f64> {
         self.times.clone()
     }
 
-    /// max |E − E₀|/|E₀| within each bucket of time, for one runner; shorter than the times if it dropped out.
+    /// max |E − E₀|/|E₀| in each interval, for one runner; shorter than the times if the runner failed.
     ///
     /// # Errors
-    /// If there is no such runner.
+    /// Fails if the runner does not exist.
     pub fn errors(&self, runner: usize) -> Result<Vec<f64>, LabError> {
         Ok(self.runner(runner)?.errors.clone())
     }
@@ -114,7 +116,7 @@ impl Race {
     /// max |E − E₀|/|E₀| over the whole run so far.
     ///
     /// # Errors
-    /// If there is no such runner.
+    /// Fails if the runner does not exist.
     pub fn drift(&self, runner: usize) -> Result<f64, LabError> {
         Ok(self.runner(runner)?.ledger.drift())
     }
@@ -122,22 +124,22 @@ impl Race {
     /// Elbow and tip of one runner: x, y, x, y \[m\].
     ///
     /// # Errors
-    /// If there is no such runner.
+    /// Fails if the runner does not exist.
     pub fn points(&self, runner: usize) -> Result<Vec<f64>, LabError> {
         Ok(elbow_and_tip(&self.arm, &self.runner(runner)?.q).to_vec())
     }
 
-    /// Why a runner dropped out; empty while it is in the race.
+    /// The reason for a runner's failure; empty without one.
     ///
     /// # Errors
-    /// If there is no such runner.
+    /// Fails if the runner does not exist.
     pub fn fault(&self, runner: usize) -> Result<String, LabError> {
         Ok(self.runner(runner)?.fault.clone().unwrap_or_default())
     }
 
     fn runner(&self, index: usize) -> Result<&Runner, LabError> {
         let count = self.runners.len();
-        self.runners.get(index).ok_or_else(|| LabError::new(format!("there is no runner {index} of {count}")))
+        self.runners.get(index).ok_or_else(|| LabError::new(format!("no runner {index} among {count}")))
     }
 }
 
@@ -156,7 +158,7 @@ impl Runner {
                     self.worst = self.worst.max(error);
                     ((self.q, self.qd), self.ledger) = (next, ledger);
                 } else {
-                    self.fault = Some("the energy is not finite any more; take a smaller step".into());
+                    self.fault = Some("the energy is not finite; use a smaller step".into());
                 }
             }
             Err(error) => self.fault = Some(error.to_string()),

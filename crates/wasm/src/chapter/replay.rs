@@ -1,4 +1,4 @@
-//! Replay: one path of the two-link arm, played at any speed.
+//! Replay: one path of the two-link arm at a variable speed.
 
 use core::f64::consts::TAU;
 
@@ -12,10 +12,10 @@ use super::closed_form::elbow_and_tip;
 use crate::LabError;
 use crate::input::{number, positive};
 
-/// Samples of the loop when its peaks are sought.
+/// Number of samples of the loop for its peak torques.
 const SAMPLES: usize = 2000;
 
-/// The arm of the worked example on its closed path. A path has no clock: the speed is an argument.
+/// The arm of the worked example on its closed path. The speed along the path is an argument.
 #[wasm_bindgen]
 #[derive(Clone, Copy, Debug)]
 pub struct Replay {
@@ -25,9 +25,9 @@ pub struct Replay {
 
 #[wasm_bindgen]
 impl Replay {
-    /// The library's path.
+    /// The path of the library's example.
     #[wasm_bindgen(constructor)]
-    #[allow(clippy::new_without_default)] // a JavaScript constructor
+    #[allow(clippy::new_without_default)] // // a JavaScript constructor
     pub fn new() -> Self {
         Self { arm: Reach2R::worked_example(), path: reach_replay() }
     }
@@ -47,36 +47,36 @@ impl Replay {
     /// q1, q2 and x, y of elbow and tip at the fraction `turn` of the loop.
     ///
     /// # Errors
-    /// If `turn` is not finite.
+    /// Fails if `turn` is not finite.
     pub fn pose(&self, turn: f64) -> Result<Vec<f64>, LabError> {
         let q = self.path.at(number("turn", turn)? * TAU).q;
         Ok([q[0], q[1]].into_iter().chain(elbow_and_tip(&self.arm, &q)).collect())
     }
 
-    /// τ of both joints at the fraction `turn` of the loop, played `times` as fast: b ṡ² + c; then c alone.
+    /// τ of both joints at the fraction `turn` of the loop at `times` the speed, b ṡ² + c; then c alone.
     ///
     /// # Errors
-    /// If an argument is not finite.
+    /// Fails if an argument is not finite.
     pub fn torque(&self, turn: f64, times: f64) -> Result<Vec<f64>, LabError> {
         let terms = PathDynamics::new(&self.arm, &self.path.at(number("turn", turn)? * TAU));
         let torque = terms.torque(number("the speed", times)? * REACH_REPLAY_SPEED, 0.0);
         Ok(vec![torque[0], torque[1], terms.c[0], terms.c[1]])
     }
 
-    /// The largest |τ| of each joint over the loop, played `times` as fast.
+    /// The largest |τ| of each joint over the loop at `times` the speed.
     ///
     /// # Errors
-    /// If `times` is not finite.
+    /// Fails if `times` is not finite.
     #[wasm_bindgen(js_name = peakTorque)]
     pub fn peak_torque(&self, times: f64) -> Result<Vec<f64>, LabError> {
         let speed = number("the speed", times)? * REACH_REPLAY_SPEED;
         Ok(peak_torque(&self.arm, &self.path, speed, SAMPLES).as_slice().to_vec())
     }
 
-    /// How many times faster than 1× the loop can be played within the limits.
+    /// The largest speed of the loop within the limits, as a multiple of 1×.
     ///
     /// # Errors
-    /// If gravity alone exceeds them.
+    /// Fails if gravity alone exceeds the limits.
     #[wasm_bindgen(js_name = fastestSpeed)]
     pub fn fastest_speed(&self) -> Result<f64, LabError> {
         fastest_constant_speed(&self.arm, &self.path, &REACH_TORQUE_LIMITS, SAMPLES)
@@ -84,10 +84,10 @@ impl Replay {
             .ok_or_else(|| LabError::new("gravity alone exceeds a torque limit on this path"))
     }
 
-    /// Rows of seven over one loop played `times` as fast: t, q1, q2, x, y of the tip, τ1, τ2.
+    /// Rows of seven over one loop at `times` the speed: t, q1, q2, x, y of the tip, τ1, τ2.
     ///
     /// # Errors
-    /// If `times` is not positive or there are no rows.
+    /// Fails if `times` is not positive or the number of rows is zero.
     #[wasm_bindgen(js_name = loopSamples)]
     pub fn loop_samples(&self, times: f64, count: u32) -> Result<Vec<f64>, LabError> {
         let (times, rows_asked) = (positive("the speed", times)?, count);

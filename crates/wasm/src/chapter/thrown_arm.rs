@@ -1,5 +1,7 @@
-//! The opening: a planar arm of three links that a hand takes hold of and throws.
+//! The opening: a planar arm of three links that the user drags and throws.
 
+use dynamics::SystemEnergy;
+use dynamics::SystemStep;
 use dynamics::{Dynamics, EnergyLedger, Integrator, Link, PlanarArm, PlanarKinematics, solve_mass};
 use nalgebra::{SMatrix, Vector2, Vector3, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -12,17 +14,18 @@ use crate::samples::Samples;
 /// The step \[s\].
 const STEP: f64 = 1e-3;
 
-/// Time between two samples of the tip's path \[s\] and the number kept: 2 s.
+/// Sampling period of the tip's path \[s\] and the number of samples kept: 2 s.
 const INTERVAL: f64 = 0.01;
 const KEPT: usize = 200;
 
-/// Natural frequency \[rad/s\] of the hand's spring in the direction in which the held point is lightest.
+/// Natural frequency \[rad/s\] of the hand's spring in the direction of the smallest effective mass at the
+/// held point.
 const FREQUENCY: f64 = 40.0;
 
-/// The strongest pull, in weights of the arm (in Earth's gravity).
+/// The largest force of the hand, as a multiple of the arm's weight on Earth.
 const MOST: f64 = 5.0;
 
-/// The energy of a thrown arm \[J\]; V counts from where the stretched arm hangs.
+/// The energy of a thrown arm \[J\]; V is zero where the stretched arm hangs.
 #[wasm_bindgen]
 #[derive(Clone, Copy, Debug)]
 pub struct ThrownBooks {
@@ -35,18 +38,19 @@ pub struct ThrownBooks {
     /// E at the start.
     #[wasm_bindgen(readonly)]
     pub start: f64,
-    /// What the hand has put in since.
+    /// Work of the hand since the start.
     #[wasm_bindgen(readonly)]
     pub work: f64,
-    /// E − E₀ − work: the integrator's error.
+    /// E − E₀ − work, the integrator's error.
     #[wasm_bindgen(readonly)]
     pub unaccounted: f64,
 }
 
 /// A planar arm of three uniform rods without friction, thrown by hand.
 ///
-/// The hand holds a point p of a link by a spring and a damper, f = k (p\* − p) − d ṗ, which act on the joints as u = Jᵀf,
-/// held over each step, so that its work u·Δq is exact. Every step is one of Runge–Kutta 4, 1 ms long.
+/// A spring and a damper f = k (p\* − p) − d ṗ connect the hand with a point p of a link. They act on the
+/// joints as u = Jᵀf, constant over each step, so that the work u·Δq is exact. Steps are Runge–Kutta 4 of 1
+/// ms.
 #[wasm_bindgen]
 #[derive(Clone, Debug)]
 pub struct ThrownArm {
@@ -55,13 +59,13 @@ pub struct ThrownArm {
     qd: Vector3<f64>,
     hand: Option<Hand>,
     steps: u64,
-    /// The energy that strikes brought, beside the work of the hand in `ledger`.
+    /// The energy of strikes, in addition to the hand's work in `ledger`.
     struck: f64,
     ledger: EnergyLedger,
     samples: Samples<3>,
 }
 
-/// What holds a point of a link.
+/// The grip of the hand on a point of a link.
 #[derive(Clone, Copy, Debug)]
 struct Hand {
     link: usize,
@@ -77,7 +81,7 @@ impl ThrownArm {
     /// Three uniform rods at rest along the x axis: lengths \[m\], masses \[kg\], gravity \[m/s²\].
     ///
     /// # Errors
-    /// If there are not three of each, or a length or a mass is not positive.
+    /// Fails if there are not three of each, or a length or a mass is not positive.
     #[wasm_bindgen(constructor)]
     pub fn new(lengths: &[f64], masses: &[f64], a_g: f64) -> Result<Self, LabError> {
         finite("lengths", lengths, 3)?;
@@ -99,10 +103,10 @@ impl ThrownArm {
         })
     }
 
-    /// Puts the arm at (q, q̇), lets go of it, and opens new books.
+    /// Puts the arm at (q, q̇), releases it, and resets the energy account.
     ///
     /// # Errors
-    /// If a list has the wrong length or a number is not finite.
+    /// Fails if a list has the wrong length or a number is not finite.
     pub fn place(&mut self, q: &[f64], qd: &[f64]) -> Result<(), LabError> {
         (self.q, self.qd) = (crate::input::vector("q", q)?, crate::input::vector("qd", qd)?);
         (self.hand, self.steps, self.struck) = (None, 0, 0.0);
@@ -112,19 +116,19 @@ impl ThrownArm {
         Ok(())
     }
 
-    /// Takes hold of a link, so many metres from its joint; the hand is where that point is.
+    /// Grips a link at this distance \[m\] from its joint; the hand starts at that point.
     ///
     /// # Errors
-    /// If there is no such link, or the distance is not finite.
+    /// Fails if the link does not exist or the distance is not finite.
     pub fn grab(&mut self, link: usize, along: f64) -> Result<(), LabError> {
         if link >= 3 {
-            return Err(LabError::new(format!("there is no link {link} of three")));
+            return Err(LabError::new(format!("no link {link} among three")));
         }
         let along = number("the distance", along)?
             .clamp(0.05 * self.arm.links[link].length, self.arm.links[link].length);
         let (target, jacobian) = self.point(link, along);
         let mobility = mobility(&self.arm.mass(&self.q), &jacobian)?;
-        // The lightest direction, so that the spring is as stiff as the step allows in all of them.
+        // In the direction of the smallest effective mass the spring is as stiff as the step allows.
         let lightest = dynamics::symmetric_eigen(&mobility).0.max();
         let masses: f64 = self.arm.links.iter().map(|link| link.mass).sum();
         self.hand = Some(Hand {
@@ -138,10 +142,10 @@ impl ThrownArm {
         Ok(())
     }
 
-    /// The hand goes there \[m\].
+    /// Moves the hand to this point \[m\].
     ///
     /// # Errors
-    /// If a number is not finite.
+    /// Fails if a number is not finite.
     #[wasm_bindgen(js_name = pullTo)]
     pub fn pull_to(&mut self, x: f64, y: f64) -> Result<(), LabError> {
         let target = vector![number("x", x)?, number("y", y)?];
@@ -151,16 +155,16 @@ impl ThrownArm {
         Ok(())
     }
 
-    /// Lets go: the arm flies on as fast as it moved.
+    /// Releases the arm, which keeps its velocity.
     #[wasm_bindgen(js_name = letGo)]
     pub fn let_go(&mut self) {
         self.hand = None;
     }
 
-    /// Strikes the tip with an impulse p \[N·s\]: q̇ grows by M⁻¹Jᵀp. Its work is the energy it brings.
+    /// Applies an impulse p \[N·s\] to the tip: q̇ increases by M⁻¹Jᵀp. Its work is the change of energy.
     ///
     /// # Errors
-    /// If a number is not finite.
+    /// Fails if a number is not finite.
     pub fn strike(&mut self, px: f64, py: f64) -> Result<(), LabError> {
         let impulse = vector![number("px", px)?, number("py", py)?];
         let (_, jacobian) = self.point(2, self.arm.links[2].length);
@@ -173,9 +177,9 @@ impl ThrownArm {
     /// Advances by whole steps of a millisecond.
     ///
     /// # Errors
-    /// Where a step fails or the energy is no longer finite; the state before that step is kept.
+    /// Fails if a step fails or the energy is not finite; the state before that step is kept.
     pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
-        // As `dyn`, so that the integrators are in the page's download once.
+        // With `dyn` the page downloads the integrators once.
         let arm = self.arm;
         let arm: &dyn Dynamics<3> = &arm;
         for _ in 0..steps {
@@ -184,7 +188,7 @@ impl ThrownArm {
             let mut ledger = self.ledger;
             ledger.record(arm, (&self.q, &self.qd), (&next.0, &next.1), &u, STEP);
             if !ledger.now().is_finite() {
-                return Err(LabError::new("the energy is not finite any more; start again"));
+                return Err(LabError::new("the energy is not finite; start again"));
             }
             ((self.q, self.qd), self.ledger) = (next, ledger);
             self.steps += 1;
@@ -201,7 +205,7 @@ impl ThrownArm {
         STEP
     }
 
-    /// Time since the arm was placed \[s\].
+    /// Time since the last placement \[s\].
     #[wasm_bindgen(getter)]
     pub fn time(&self) -> f64 {
         self.steps as f64 * STEP
@@ -231,10 +235,11 @@ impl ThrownArm {
         weights(&self.arm, &self.q)
     }
 
-    /// M q̈, C q̇, g and u of every joint, one after another \[N·m\]; the first three add up to the last.
+    /// M q̈, C q̇, g and u of every joint, one joint after another \[N·m\]; the first three add up to the
+    /// fourth.
     ///
     /// # Errors
-    /// If there is no acceleration.
+    /// Fails if the acceleration is undefined.
     #[wasm_bindgen(js_name = torqueStack)]
     pub fn torque_stack(&self) -> Result<Vec<f64>, LabError> {
         let u = self.torque();
@@ -248,23 +253,24 @@ impl ThrownArm {
         Ok(terms.iter().flat_map(|term| term.iter().copied()).collect())
     }
 
-    /// J M⁻¹ Jᵀ of the tip: the greater eigenvalue, the smaller \[1/kg\], the direction of the greater, x and y.
+    /// J M⁻¹ Jᵀ of the tip: the greater eigenvalue, the smaller \[1/kg\], the direction of the greater, x and
+    /// y.
     ///
     /// # Errors
-    /// If M is singular.
+    /// Fails if M is singular.
     #[wasm_bindgen(js_name = tipMobility)]
     pub fn tip_mobility(&self) -> Result<Vec<f64>, LabError> {
         Ok(tip_mobility(&self.arm, &self.q)?)
     }
 
-    /// Where the held point is, where the hand is \[m\], and its force \[N\]: six numbers, or none.
+    /// The held point, the hand \[m\] and its force \[N\]: six numbers, or none without a grip.
     #[wasm_bindgen(getter)]
     pub fn hand(&self) -> Vec<f64> {
         let (Some((place, _, force)), Some(hand)) = (self.pull(), self.hand) else { return Vec::new() };
         [place, hand.target, force].iter().flat_map(|point| [point[0], point[1]]).collect()
     }
 
-    /// K, V, and what the hand put in \[J\].
+    /// K, V and the work of the hand \[J\].
     #[wasm_bindgen(getter)]
     pub fn books(&self) -> ThrownBooks {
         let mut hanging = Vector3::zeros();
@@ -289,7 +295,7 @@ impl ThrownArm {
 }
 
 impl ThrownArm {
-    /// The place of a point of a link and its Jacobian.
+    /// The position of a point of a link, and its Jacobian.
     fn point(&self, link: usize, along: f64) -> (Vector2<f64>, SMatrix<f64, 2, 3>) {
         let point = [along, 0.0];
         (
@@ -321,7 +327,7 @@ impl ThrownArm {
 mod tests {
     use super::*;
 
-    /// A hand drags the arm about for a second and throws it: what it put in is what the arm has.
+    /// A hand drags the arm for a second and throws it: the arm's energy is the work of the hand.
     #[test]
     fn what_the_hand_puts_in_is_what_the_arm_has() -> Result<(), LabError> {
         let mut arm = ThrownArm::new(&[0.6, 0.5, 0.4], &[1.2, 1.0, 0.8], 9.81)?;

@@ -1,4 +1,4 @@
-//! The workbench: a two-link arm held at a waypoint by PD control with gravity compensation.
+//! The workbench: a two-link arm under PD control with gravity compensation.
 
 use dynamics::{Dynamics, HoldRun, PdHold, Reach2R, hold, rk4_step};
 use nalgebra::{Vector2, vector};
@@ -9,11 +9,11 @@ use crate::LabError;
 use crate::input::{finite, not_negative, vector};
 use crate::samples::Samples;
 
-/// Control period and integrator step \[s\], time between two samples \[s\], and the number kept.
+/// Control period and integrator step \[s\], sampling period \[s\], and the number of samples kept.
 const STEP: f64 = 1e-3;
 const INTERVAL: f64 = 0.01;
 const KEPT: usize = 1200;
-/// The predicted run: its length in steps, and what counts as settled \[rad\].
+/// The predicted run: its length in steps, and the tolerance of settling \[rad\].
 const STEPS: usize = 6000;
 const BAND: f64 = 0.01;
 
@@ -21,34 +21,34 @@ const BAND: f64 = 0.01;
 #[wasm_bindgen]
 #[derive(Clone, Copy, Debug)]
 pub struct HoldTorques {
-    /// Of joint 1, now.
+    /// Joint 1, current.
     #[wasm_bindgen(readonly)]
     pub joint1: f64,
-    /// Of joint 2.
+    /// Joint 2, current.
     #[wasm_bindgen(readonly)]
     pub joint2: f64,
-    /// The largest of joint 1 since the start.
+    /// Joint 1, largest since the start.
     #[wasm_bindgen(readonly)]
     pub peak1: f64,
-    /// Of joint 2.
+    /// Joint 2, largest since the start.
     #[wasm_bindgen(readonly)]
     pub peak2: f64,
 }
 
-/// What gains will do, before they do it.
+/// The predicted response to the gains.
 #[wasm_bindgen]
 #[derive(Clone, Copy, Debug)]
 pub struct HoldForecast {
     /// M₁₁ at the waypoint \[kg·m²\].
     #[wasm_bindgen(readonly)]
     pub inertia: f64,
-    /// ζ of joint 1 there.
+    /// ζ of joint 1 at the waypoint.
     #[wasm_bindgen(readonly)]
     pub ratio: f64,
-    /// By how much joint 1 passes the waypoint \[rad\].
+    /// The overshoot of joint 1 \[rad\].
     #[wasm_bindgen(readonly)]
     pub overshoot: f64,
-    /// When both joints have settled \[s\]; `undefined` if never.
+    /// The settling time of both joints \[s\]; `undefined` if they do not settle.
     #[wasm_bindgen(readonly)]
     pub settles: Option<f64>,
 }
@@ -68,7 +68,7 @@ pub struct Workbench {
 
 #[wasm_bindgen]
 impl Workbench {
-    /// The arm of the worked example, or the same arm on a flat table (no gravity).
+    /// The arm of the worked example, or the same arm in a horizontal plane without gravity.
     #[wasm_bindgen(constructor)]
     pub fn new(gravity: bool) -> Self {
         let mut arm = Reach2R::worked_example();
@@ -89,18 +89,18 @@ impl Workbench {
         }
     }
 
-    /// Starts anew at rest at q \[rad\].
+    /// Restarts at rest at q \[rad\].
     ///
     /// # Errors
-    /// If a number is not finite.
+    /// Fails if a number is not finite.
     pub fn place(&mut self, q: &[f64]) -> Result<(), LabError> {
         self.place_moving(q, &[0.0, 0.0])
     }
 
-    /// The same in motion, at q̇ \[rad/s\].
+    /// Restarts at q \[rad\] with q̇ \[rad/s\].
     ///
     /// # Errors
-    /// If a number is not finite.
+    /// Fails if a number is not finite.
     #[wasm_bindgen(js_name = placeMoving)]
     pub fn place_moving(&mut self, q: &[f64], qd: &[f64]) -> Result<(), LabError> {
         (self.q, self.qd) = (vector("q", q)?, vector("qd", qd)?);
@@ -110,20 +110,20 @@ impl Workbench {
         Ok(())
     }
 
-    /// The waypoint q\* \[rad\].
+    /// Sets the waypoint q\* \[rad\].
     ///
     /// # Errors
-    /// If a number is not finite.
+    /// Fails if a number is not finite.
     #[wasm_bindgen(js_name = setTarget)]
     pub fn set_target(&mut self, target: &[f64]) -> Result<(), LabError> {
         self.control.target = vector("the waypoint", target)?;
         Ok(())
     }
 
-    /// The gains Kp \[N·m/rad\], Kd \[N·m·s/rad\] and the limits \[N·m\], two joints each.
+    /// Sets the gains Kp \[N·m/rad\], Kd \[N·m·s/rad\] and the limits \[N·m\], two joints each.
     ///
     /// # Errors
-    /// If a number is negative or not finite.
+    /// Fails if a number is negative or not finite.
     #[wasm_bindgen(js_name = setControl)]
     pub fn set_control(
         &mut self,
@@ -145,7 +145,7 @@ impl Workbench {
     /// Advances by steps of a millisecond.
     ///
     /// # Errors
-    /// Where a step fails; the state before it is kept.
+    /// Fails if a step fails; the state before it is kept.
     pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
         for _ in 0..steps {
             let torque = self.control.torque(&self.arm, &self.q, &self.qd);
@@ -184,31 +184,31 @@ impl Workbench {
         self.qd.as_slice().to_vec()
     }
 
-    /// Elbow and tip at q, then at the waypoint: x, y four times \[m\].
+    /// Elbow and tip at q, then at the waypoint: four pairs x, y \[m\].
     #[wasm_bindgen(getter)]
     pub fn points(&self) -> Vec<f64> {
         let (now, then) = (elbow_and_tip(&self.arm, &self.q), elbow_and_tip(&self.arm, &self.control.target));
         now.into_iter().chain(then).collect()
     }
 
-    /// τ now, and its peak since the start.
+    /// The current τ, and its peak since the start.
     #[wasm_bindgen(getter)]
     pub fn torque(&self) -> HoldTorques {
         let now = self.control.torque(&self.arm, &self.q, &self.qd);
         HoldTorques { joint1: now[0], joint2: now[1], peak1: self.peak[0], peak2: self.peak[1] }
     }
 
-    /// The joints (from 0) that cannot even carry the waypoint's weight.
+    /// The joints (from 0) whose torque limit is below the weight at the waypoint.
     #[wasm_bindgen(getter)]
     pub fn overloaded(&self) -> Vec<u32> {
         let joints = self.control.overloaded_joints(&self.arm);
         joints.into_iter().filter_map(|joint| u32::try_from(joint).ok()).collect()
     }
 
-    /// Of a whole run of 6 s from q at rest.
+    /// The prediction by a run of 6 s from q at rest.
     ///
     /// # Errors
-    /// If q is not finite or a step fails.
+    /// Fails if q is not finite or a step fails.
     pub fn predict(&self, q: &[f64]) -> Result<HoldForecast, LabError> {
         let run = HoldRun { step: STEP, steps: STEPS, band: BAND };
         let report =

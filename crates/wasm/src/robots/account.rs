@@ -1,18 +1,19 @@
-//! What the page is told in numbers with names.
+//! Named numbers for the page.
 
-use multibody::{Counts, Losses};
+use robot_dynamics::description::Counts;
+use robot_dynamics::simulation::Losses;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::Robot;
 
-/// A robot's energy since it was placed \[J\].
+/// A robot's energy since its placement \[J\].
 #[wasm_bindgen]
 #[derive(Clone, Copy, Debug)]
 pub struct RobotBooks {
     /// K.
     #[wasm_bindgen(readonly)]
     pub kinetic: f64,
-    /// V, springs of joints among it.
+    /// V, with joint springs.
     #[wasm_bindgen(readonly)]
     pub potential: f64,
     /// K + V.
@@ -21,36 +22,36 @@ pub struct RobotBooks {
     /// K + V at the start.
     #[wasm_bindgen(readonly)]
     pub start: f64,
-    /// Work of the motors and of the hand that pulls.
+    /// Work of the motors and of the pulling hand.
     #[wasm_bindgen(readonly)]
     pub work: f64,
-    /// All that was taken out.
+    /// Sum of all losses.
     #[wasm_bindgen(readonly)]
     pub dissipated: f64,
-    /// Of it by viscous damping; with friction, where the method does not tell them apart.
+    /// Loss by viscous damping, with friction if the method does not separate them.
     #[wasm_bindgen(readonly)]
     pub damping: f64,
-    /// By dry friction.
+    /// Loss by dry friction.
     #[wasm_bindgen(readonly)]
     pub friction: f64,
-    /// By stops.
+    /// Loss by stops.
     #[wasm_bindgen(readonly)]
     pub stops: f64,
-    /// By moving back what began a step beyond a stop or within another shape; negative where that put energy in.
+    /// Loss by the correction of penetration at the start of a step; negative for a gain.
     #[wasm_bindgen(readonly)]
     pub corrections: f64,
-    /// By friction where it slides.
+    /// Loss by sliding friction.
     #[wasm_bindgen(readonly)]
     pub sliding: f64,
-    /// By impacts.
+    /// Loss by impacts.
     #[wasm_bindgen(readonly)]
     pub impacts: f64,
-    /// What nothing accounts for: the method's own error.
+    /// The residual: the method's own error.
     #[wasm_bindgen(readonly)]
     pub unaccounted: f64,
 }
 
-/// How much of a file's robot there is, and what became of it.
+/// The size of a robot from a file, and the treatment of the file's values.
 #[wasm_bindgen]
 #[derive(Clone, Copy, Debug)]
 pub struct RobotCounts {
@@ -63,35 +64,35 @@ pub struct RobotCounts {
     /// Degrees of freedom.
     #[wasm_bindgen(readonly)]
     pub freedoms: usize,
-    /// Values left to their defaults.
+    /// Values that were defaulted.
     #[wasm_bindgen(readonly)]
     pub defaulted: usize,
-    /// Inertias mended.
+    /// Inertias that were repaired.
     #[wasm_bindgen(readonly)]
     pub repaired: usize,
-    /// Taken as written though suspicious.
+    /// Suspicious values that were taken as written.
     #[wasm_bindgen(readonly)]
     pub suspicious: usize,
-    /// Ignored, none of it physics.
+    /// Ignored values without physics.
     #[wasm_bindgen(readonly)]
     pub ignored: usize,
-    /// Physics that was ignored.
+    /// Ignored physics.
     #[wasm_bindgen(readonly, js_name = ignoredPhysics)]
     pub ignored_physics: usize,
-    /// Closed loops and couplings beside the tree.
+    /// Closed loops and joint couplings.
     #[wasm_bindgen(readonly)]
     pub equalities: usize,
     /// Tendons.
     #[wasm_bindgen(readonly)]
     pub tendons: usize,
-    /// Motors that the file describes.
+    /// Actuators of the file.
     #[wasm_bindgen(readonly)]
     pub actuators: usize,
 }
 
 #[wasm_bindgen]
 impl Robot {
-    /// The energy books.
+    /// The energy balance.
     #[wasm_bindgen(getter)]
     pub fn books(&self) -> RobotBooks {
         let (ledger, losses) = (self.simulation.ledger(), self.simulation.losses());
@@ -114,7 +115,7 @@ impl Robot {
         }
     }
 
-    /// Links, joints, freedoms, and what became of the file's values.
+    /// Numbers of links, joints and degrees of freedom, and the treatment of the file's values.
     #[wasm_bindgen(getter)]
     pub fn counts(&self) -> RobotCounts {
         let description = self.model.description();

@@ -1,24 +1,25 @@
-//! Where a run begins: a pose that is possible, and a step that the robot bears.
+//! The start of a run: a valid pose, and a step that balances the energy.
 
+use robot_dynamics::model::neutral;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::choice::Choice;
 use super::robot::Robot;
 use crate::LabError;
-use multibody::neutral;
 
-/// A joint that can be at zero only just is begun in the middle of its range \[rad or m\].
+/// Margin of a limit around zero, below which a joint starts in the middle of its range \[rad or m\].
 const LEEWAY: f64 = 0.05;
 
-/// Steps to try \[s\], how long each \[s\], and what may be unaccounted for then, as a share of the energies.
+/// Steps to try \[s\], the duration of each trial \[s\], and the allowed residual as a fraction of the
+/// energies.
 const STEPS: [f64; 4] = [1e-3, 5e-4, 2e-4, 1e-4];
 const TRIAL: f64 = 0.05;
 const SHARE: f64 = 1e-4;
 
 #[wasm_bindgen]
 impl Robot {
-    /// The first pose that the file names, or the neutral configuration, but the middle of its range for a joint that cannot be, or only just, at zero;
-    /// lifted where that would be in the ground.
+    /// The first pose of the file, or the neutral configuration with joints that exclude zero, or nearly so,
+    /// in the middle of their range. A pose in the ground is lifted.
     #[wasm_bindgen(js_name = startPose)]
     pub fn start_pose(&self) -> Vec<f64> {
         let mut q = self.first_pose();
@@ -43,11 +44,11 @@ impl Robot {
         q
     }
 
-    /// The longest of a few steps \[s\] at which a twentieth of a second of falling from the start pose leaves the
-    /// energy balanced. Leaves the robot there, at rest.
+    /// The largest of a few steps \[s\] that keeps the energy balanced for a twentieth of a second of falling
+    /// from the start pose. Leaves the robot there at rest.
     ///
     /// # Errors
-    /// If the start pose is no configuration of this robot.
+    /// Fails if the start pose is invalid.
     #[wasm_bindgen(js_name = steadyStep)]
     pub fn steady_step(&mut self) -> Result<f64, LabError> {
         let start = self.start_pose();
@@ -55,7 +56,7 @@ impl Robot {
         for h in STEPS {
             self.set_up(Choice { step: h, ..self.choice.clone() })?;
             self.place(&start)?;
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a few hundred
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // // a few hundred
             let steps = (TRIAL / h).round() as u32;
             if self.advance(steps).is_ok()
                 && self.simulation.ledger().imbalance().abs() < SHARE * self.energy_at_stake()
@@ -69,7 +70,7 @@ impl Robot {
         Ok(steady)
     }
 
-    /// The energy that an imbalance is measured against \[J\].
+    /// The reference for an energy imbalance \[J\].
     pub(crate) fn energy_at_stake(&self) -> f64 {
         let ledger = self.simulation.ledger();
         [ledger.start(), ledger.now(), ledger.work(), ledger.dissipated()]

@@ -1,31 +1,32 @@
-//! The options that a person chose for a robot's motion, and the simulation that the library makes of them.
+//! The options of a robot's motion, and the simulation that the library builds from them.
 //!
-//! The library decides what acts and by which method: here are the options of its builder, no more.
+//! The library chooses effects and method; these are the options of its builder.
 
 use core::fmt::Write;
 use std::sync::Arc;
 
-use multibody::simulator::{Effect, Method, Simulation, SimulationError};
-use multibody::{Ground, LinkShape, Shape, ShapeRole};
+use robot_dynamics::contact::Ground;
+use robot_dynamics::description::{LinkShape, Shape, ShapeRole};
+use robot_dynamics::simulation::{Effect, Method, Simulation, SimulationError};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::{Robot, shown};
 use crate::LabError;
 use crate::input::positive;
 
-/// How many things of one reason are named.
-const NAMED: usize = 4;
+/// Number of names in one line.
+const MAX_NAMES: usize = 4;
 
 /// Options of the builder.
 #[derive(Clone, Debug)]
 pub(crate) struct Choice {
-    /// `None`: the library's.
+    /// `None` for the library's choice.
     pub(crate) method: Option<Method>,
     /// \[s\].
     pub(crate) step: f64,
-    /// The effects that are switched off.
+    /// Effects that are switched off.
     pub(crate) off: Vec<Effect>,
-    /// Whether level ground lies under a robot that floats and whose file has no ground.
+    /// Whether to add level ground under a floating robot whose file has none.
     pub(crate) ground: bool,
 }
 
@@ -37,11 +38,12 @@ impl Default for Choice {
 
 #[wasm_bindgen]
 impl Robot {
-    /// Chooses the method by its name (empty: as the library chooses), the step \[s\], and which effects are switched off, by their names. The robot goes on from
-    /// where it is; its energy account begins anew.
+    /// Chooses the method by name (the library's choice if empty), the step \[s\], and the names of effects
+    /// to switch off. The robot keeps its state, and the energy account is reset.
     ///
     /// # Errors
-    /// If a name is unknown, the step is not positive, or the method does not know what acts; the choice before is kept.
+    /// Fails if a name is unknown, the step is not positive, or the method does not support an effect; the
+    /// previous choice is kept.
     #[allow(clippy::needless_pass_by_value)] // wasm-bindgen passes lists by value
     pub fn choose(&mut self, method: &str, step: f64, off: Vec<String>) -> Result<(), LabError> {
         let method = if method.is_empty() { None } else { Some(method.parse::<Method>()?) };
@@ -50,10 +52,11 @@ impl Robot {
         self.set_up(choice)
     }
 
-    /// Lays level ground, or takes it away; a robot that does not float, or whose file has ground, gets none. The energy account begins anew.
+    /// Adds or removes level ground. It applies to floating robots whose file has no ground. The energy
+    /// account is reset.
     ///
     /// # Errors
-    /// If a size or a surface of a shape that touches it is invalid.
+    /// Fails if the size or the surface of a contact shape is invalid.
     #[wasm_bindgen(js_name = setGround)]
     pub fn set_ground(&mut self, on: bool) -> Result<(), LabError> {
         let choice = Choice { ground: on, ..self.choice.clone() };
@@ -66,13 +69,13 @@ impl Robot {
         Method::names().map(str::to_owned).collect()
     }
 
-    /// The method that takes the steps.
+    /// The name of the method.
     #[wasm_bindgen(getter)]
     pub fn method(&self) -> String {
         self.simulation.method().name().to_owned()
     }
 
-    /// Why that method, in words.
+    /// The reason for the method.
     #[wasm_bindgen(getter)]
     pub fn reason(&self) -> String {
         shown(self.simulation.reason())
@@ -84,9 +87,9 @@ impl Robot {
         self.choice.step
     }
 
-    /// The effects that there are with everything on, by the implicit method: what a switch is worth having for.
+    /// The effects that act by the implicit method with nothing switched off: those that a switch can affect.
     pub fn effects(&self) -> Vec<String> {
-        self.stated.iter().map(|effect| effect.name().to_owned()).collect()
+        self.file_effects.iter().map(|effect| effect.name().to_owned()).collect()
     }
 
     /// The effects that act.
@@ -94,11 +97,12 @@ impl Robot {
         self.simulation.acting().iter().map(|effect| effect.name().to_owned()).collect()
     }
 
-    /// The features that the file states, or the page lays, and the simulation leaves out: each kind once, with the reason and a count.
+    /// Features of the file or of the page that the simulation leaves out, group_by_reason by reason, with a
+    /// count.
     #[wasm_bindgen(getter, js_name = leftOut)]
     pub fn left_out(&self) -> Vec<String> {
         let all = self.simulation.left_out().iter().chain(&self.notes).map(String::as_str);
-        grouped(all).iter().map(|line| shown(line)).collect()
+        group_by_reason(all).iter().map(|line| shown(line)).collect()
     }
 
     /// Whether the file has ground of its own.
@@ -107,13 +111,13 @@ impl Robot {
         self.own_plane().is_some()
     }
 
-    /// Where the ground is, or would be \[m\].
+    /// The height of the ground, present or not \[m\].
     #[wasm_bindgen(getter, js_name = groundHeight)]
     pub fn ground_height(&self) -> f64 {
         self.own_plane().map_or(0.0, |plane| plane.link_from_shape.translation[2])
     }
 
-    /// Whether the robot meets the ground as it moves.
+    /// Whether the robot touches the ground in its motion.
     #[wasm_bindgen(getter)]
     pub fn grounded(&self) -> bool {
         let grounds =
@@ -123,31 +127,32 @@ impl Robot {
 }
 
 impl Robot {
-    /// A simulation by another choice, which goes on from where the robot is.
+    /// Replaces the simulation by that of another choice, in the same state.
     pub(crate) fn set_up(&mut self, choice: Choice) -> Result<(), LabError> {
         let (mut simulation, notes) = self.build(&choice)?;
         simulation.reset(self.simulation.q(), self.simulation.v())?;
         self.since = self.time();
         (self.simulation, self.notes, self.choice, self.last) = (simulation, notes, choice, None);
-        self.stated = self.everything()?;
+        self.file_effects = self.all_effects()?;
         self.begin_samples();
         Ok(())
     }
 
-    /// The effects that act with nothing switched off, by the method that supports all of them.
-    pub(crate) fn everything(&self) -> Result<Vec<Effect>, LabError> {
+    /// The effects that act by the method that supports all of them, with nothing switched off.
+    pub(crate) fn all_effects(&self) -> Result<Vec<Effect>, LabError> {
         let all = Choice { method: Some(Method::Implicit), off: Vec::new(), ..self.choice.clone() };
         Ok(self.build(&all)?.0.acting().to_vec())
     }
 
-    /// The simulation of a choice, and why it leaves out what the page lays. Motors that hold a pose take the place of the file's actuators.
+    /// The simulation of a choice, and the reasons for leaving out the page's ground. Motors that hold a pose
+    /// replace the file's actuators.
     pub(crate) fn build(&self, choice: &Choice) -> Result<(Simulation, Vec<String>), LabError> {
         let (shapes, meshes) = (Arc::clone(&self.model), self.meshes.clone());
         let corners = move |shape: &LinkShape| {
-            // Shapes that are equal have the same mesh.
+            // Equal shapes have the same mesh.
             let number = shapes.description().shapes.iter().position(|one| one == shape);
             let given = number.and_then(|number| meshes.get(&number));
-            given.cloned().ok_or_else(|| "its file was not given".to_owned())
+            given.cloned().ok_or_else(|| "its file is missing".to_owned())
         };
         let mut builder = robot_dynamics::simulation(&self.model).step(choice.step).meshes(corners);
         if let Some(method) = choice.method {
@@ -163,7 +168,7 @@ impl Robot {
             return Ok((builder.build()?, Vec::new()));
         }
         if let Some(Method::Fixed(row)) = choice.method {
-            let note = format!("the ground: `{}` knows no contact, `implicit` does", row.name());
+            let note = format!("the ground: `{}` does not support contact, `implicit` does", row.name());
             return Ok((builder.build()?, vec![note]));
         }
         match builder.ground(Ground::level(0.0)).build() {
@@ -175,7 +180,7 @@ impl Robot {
         }
     }
 
-    /// The plane of the file that lies under the robot.
+    /// The ground plane of the file.
     fn own_plane(&self) -> Option<&LinkShape> {
         let description = self.model.description();
         let hangs = |link: &str| description.joints.iter().any(|joint| joint.child == link);
@@ -187,8 +192,8 @@ impl Robot {
     }
 }
 
-/// Lines `what: reason`, those of one reason once, with the first few and how many others there are.
-fn grouped<'a>(lines: impl Iterator<Item = &'a str>) -> Vec<String> {
+/// Groups lines `feature: reason` by reason, with the first few names and the number of the others.
+fn group_by_reason<'a>(lines: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
     for line in lines {
         let (what, reason) = line.split_once(": ").unwrap_or((line, ""));
@@ -198,7 +203,7 @@ fn grouped<'a>(lines: impl Iterator<Item = &'a str>) -> Vec<String> {
         }
     }
     let written = |(reason, all): &(&str, Vec<&str>)| {
-        let (named, others) = all.split_at(all.len().min(NAMED));
+        let (named, others) = all.split_at(all.len().min(MAX_NAMES));
         let mut text = named.join(", ");
         if !others.is_empty() {
             let _ = write!(text, " and {} more", others.len());
@@ -210,7 +215,7 @@ fn grouped<'a>(lines: impl Iterator<Item = &'a str>) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::grouped;
+    use super::group_by_reason;
 
     #[test]
     fn lines_of_one_reason_are_one() {
@@ -221,6 +226,6 @@ mod tests {
             "limits: not by rk4",
             "springs",
         ];
-        assert_eq!(grouped(lines), expected);
+        assert_eq!(group_by_reason(lines), expected);
     }
 }

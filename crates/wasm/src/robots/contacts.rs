@@ -1,17 +1,18 @@
-//! Where a robot touches, and a pose that does not begin in the ground.
+//! Contact points of a robot, and a start pose above the ground.
 
-use multibody::{JointKind, Workspace};
+use robot_dynamics::description::JointKind;
+use robot_dynamics::model::Workspace;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::Robot;
 
-/// How far above the ground a robot starts that would else start in it \[m\].
+/// Height above the ground of a robot that would otherwise start in it \[m\].
 const DROP: f64 = 0.1;
 
 #[wasm_bindgen]
 impl Robot {
-    /// The points where the robot touches and the forces there, six numbers a contact, in the world: the point \[m\], the force on the link \[N\].
-    /// If two links touch, the opposite force acts on the other.
+    /// Contact points and forces in the world, six numbers each: the point \[m\], then the force on the link
+    /// \[N\]. In a contact of two links the opposite force acts on the other.
     #[wasm_bindgen(js_name = contactForces)]
     pub fn contact_forces(&self) -> Vec<f64> {
         self.simulation.contacts().iter().flat_map(|one| one.point.into_iter().chain(one.force)).collect()
@@ -19,7 +20,7 @@ impl Robot {
 }
 
 impl Robot {
-    /// Lifts a pose that is in the ground until its lowest point is above it.
+    /// Lifts a pose that penetrates the ground above it.
     pub(crate) fn lift(&self, q: &mut [f64]) {
         let Some(contacts) = self.simulation.contact_set() else { return };
         let base = self.model.joints().iter().find(|joint| joint.kind == JointKind::Floating);

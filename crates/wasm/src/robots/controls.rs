@@ -1,21 +1,21 @@
 //! The controls of the file's actuators, as a function of time.
 
-use multibody::ActuatorDescription;
+use robot_dynamics::description::ActuatorDescription;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::{Robot, shown};
 use crate::LabError;
 use crate::input::finite;
 
-/// The poses of a file in turn: each is kept for this time, and the next reached along a straight line of this time \[s\].
+/// For a sequence of poses: the time at each pose, and the time of each linear transition \[s\].
 const KEPT: f64 = 0.5;
 const REACHED: f64 = 0.5;
 
-/// Controls at some times, with straight lines between, and constant before and after.
+/// Controls at given times, linear between them, and constant before and after.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ControlLine {
     times: Vec<f64>,
-    /// As many rows as times.
+    /// One row for each time.
     controls: Vec<Vec<f64>>,
 }
 
@@ -24,7 +24,7 @@ impl ControlLine {
         Self { times: vec![0.0], controls: vec![controls] }
     }
 
-    /// At a time \[s\], written into `controls`.
+    /// Writes the controls at a time \[s\] into `controls`.
     pub(crate) fn at(&self, time: f64, controls: &mut [f64]) {
         let after = self.times.partition_point(|t| *t <= time);
         let (Some(from), to) = (after.checked_sub(1).or(Some(0)), after) else { return };
@@ -48,10 +48,10 @@ pub struct RobotControl {
     /// Its name.
     #[wasm_bindgen(readonly)]
     pub name: String,
-    /// The lower bound of the control; infinite if it is not bounded.
+    /// Lower bound of the control; infinite if unbounded.
     #[wasm_bindgen(readonly)]
     pub lower: f64,
-    /// The upper bound.
+    /// Upper bound.
     #[wasm_bindgen(readonly)]
     pub upper: f64,
 }
@@ -69,7 +69,7 @@ pub struct RobotPose {
     /// v.
     #[wasm_bindgen(readonly)]
     pub v: Vec<f64>,
-    /// The controls; empty where the pose has none.
+    /// Its controls; empty if the pose has none.
     #[wasm_bindgen(readonly)]
     pub controls: Vec<f64>,
 }
@@ -96,17 +96,17 @@ impl Robot {
         found.collect()
     }
 
-    /// The controls now.
+    /// The current controls.
     pub fn controls(&self) -> Vec<f64> {
         let mut controls = vec![0.0; self.model.description().actuators.len()];
         self.controls.at(self.time(), &mut controls);
         controls
     }
 
-    /// Holds these controls.
+    /// Sets constant controls.
     ///
     /// # Errors
-    /// If their number is wrong or one is not finite.
+    /// Fails if their number is wrong or one is not finite.
     #[wasm_bindgen(js_name = setControls)]
     pub fn set_controls(&mut self, controls: &[f64]) -> Result<(), LabError> {
         finite("the controls", controls, self.model.description().actuators.len())?;
@@ -114,8 +114,8 @@ impl Robot {
         Ok(())
     }
 
-    /// The controls of the file's poses in turn, from time 0 on: each is kept for half a second, and the next reached along a straight line of half a
-    /// second; the last is kept. Without two such poses nothing changes.
+    /// Sets the controls to those of the file's poses in turn, from time 0 on. Each pose lasts half a second,
+    /// as does each linear transition; the last pose stays. With fewer than two such poses nothing changes.
     #[wasm_bindgen(js_name = posesInTurn)]
     pub fn poses_in_turn(&mut self) {
         let poses = &self.model.description().poses;

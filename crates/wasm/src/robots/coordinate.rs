@@ -1,6 +1,6 @@
-//! The robot's coordinates, one by one.
+//! The robot's coordinates.
 
-use multibody::{JointKind, Measure};
+use robot_dynamics::description::{JointKind, Measure};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::{Robot, shown};
@@ -12,10 +12,10 @@ pub struct RobotCoordinate {
     /// Its name.
     #[wasm_bindgen(readonly)]
     pub name: String,
-    /// Its place in q; `undefined` where q has no number of its own for it (quaternions).
+    /// Its index in q; `undefined` if q has no single number for it (quaternions).
     #[wasm_bindgen(readonly)]
     pub place: Option<u32>,
-    /// Whether it is a length \[m\] and not an angle \[rad\].
+    /// Whether it is a length \[m\] rather than an angle \[rad\].
     #[wasm_bindgen(readonly)]
     pub slides: bool,
     /// Lower limit.

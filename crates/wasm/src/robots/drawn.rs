@@ -1,7 +1,8 @@
-//! What a page needs to draw a robot: shapes, masses, axes once; poses every frame.
+//! Data for drawing a robot: shapes, masses and axes once, poses for every frame.
 
 use dynamics::MassProperties;
-use multibody::{JointKind, LinkShape, Shape, ShapeRole, frame_poses};
+use robot_dynamics::algorithms::frame_poses;
+use robot_dynamics::description::{JointKind, LinkShape, Shape, ShapeRole};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::{Robot, shown};
@@ -10,50 +11,50 @@ use super::robot::{Robot, shown};
 #[wasm_bindgen(getter_with_clone)]
 #[derive(Clone, Debug)]
 pub struct DrawnShape {
-    /// Its number among the shapes of the file.
+    /// Its index among the shapes of the file.
     #[wasm_bindgen(readonly)]
     pub number: usize,
-    /// The link's number.
+    /// The link's index.
     #[wasm_bindgen(readonly)]
     pub link: usize,
-    /// Whether it is there to be seen; else it is what the link hits.
+    /// Whether it is a visual shape; otherwise it is a collision shape.
     #[wasm_bindgen(readonly)]
     pub visual: bool,
     /// `box`, `cylinder`, `sphere`, `capsule`, `ellipsoid`, `plane`, `mesh`, or `other`.
     #[wasm_bindgen(readonly)]
     pub kind: String,
-    /// Box: edges. Cylinder, capsule: radius, length. Sphere: radius. Ellipsoid: half axes. Plane: half sizes, 0 without
-    /// end. Mesh: factors along x, y, z \[m\].
+    /// Box: edges. Cylinder, capsule: radius, length. Sphere: radius. Ellipsoid: semi-axes. Plane: half
+    /// sizes, 0 if unbounded. Mesh: scale factors along x, y, z \[m\].
     #[wasm_bindgen(readonly)]
     pub size: Vec<f64>,
-    /// Link from shape: the rotation row by row, then the origin \[m\].
+    /// Link from shape: the rotation in row-major order, then the origin \[m\].
     #[wasm_bindgen(readonly)]
     pub pose: Vec<f64>,
-    /// Red, green, blue, opacity; empty where the file gives none.
+    /// Red, green, blue, opacity; empty if the file has none.
     #[wasm_bindgen(readonly)]
     pub color: Vec<f64>,
-    /// A mesh's file as the robot's file names it; else empty.
+    /// The path of a mesh in the robot's file; otherwise empty.
     #[wasm_bindgen(readonly)]
     pub file: String,
 }
 
-/// Where a link's mass sits and how it is spread.
+/// The mass of a link and its distribution.
 #[wasm_bindgen(getter_with_clone)]
 #[derive(Clone, Debug)]
 pub struct DrawnBody {
     /// The link's name.
     #[wasm_bindgen(readonly)]
     pub name: String,
-    /// Mass \[kg\]; 0 for a link without.
+    /// Mass \[kg\], 0 for a link without mass.
     #[wasm_bindgen(readonly)]
     pub mass: f64,
     /// Centre of mass in the link's frame \[m\].
     #[wasm_bindgen(readonly)]
     pub center: Vec<f64>,
-    /// The semi-axes of the uniform ellipsoid of this mass and inertia \[m\].
+    /// The semi-axes of the uniform ellipsoid with this mass and inertia \[m\].
     #[wasm_bindgen(readonly)]
     pub semiaxes: Vec<f64>,
-    /// Link frame from principal axes, row by row.
+    /// Link frame from principal axes, in row-major order.
     #[wasm_bindgen(readonly)]
     pub axes: Vec<f64>,
 }
@@ -62,16 +63,16 @@ pub struct DrawnBody {
 #[wasm_bindgen(getter_with_clone)]
 #[derive(Clone, Debug)]
 pub struct DrawnJoint {
-    /// The number of the parent link.
+    /// The index of the parent link.
     #[wasm_bindgen(readonly)]
     pub parent: usize,
-    /// The number of the child link.
+    /// The index of the child link.
     #[wasm_bindgen(readonly)]
     pub child: usize,
-    /// The number of the coordinate that it moves; `undefined` where it moves none or several.
+    /// The index of its coordinate; `undefined` if it has none or several.
     #[wasm_bindgen(readonly)]
     pub coordinate: Option<usize>,
-    /// The numbers of all coordinates that it moves.
+    /// The indices of its coordinates.
     #[wasm_bindgen(readonly)]
     pub coordinates: Vec<usize>,
     /// Its axis in the child's frame; zero if it has none.
@@ -119,7 +120,8 @@ impl Robot {
         drawn.collect()
     }
 
-    /// Rows of twelve, one a link: the rotation world from link row by row, then the origin \[m\].
+    /// Rows of twelve, one for each link: the rotation world from link in row-major order, then the origin
+    /// \[m\].
     pub fn poses(&mut self) -> Vec<f64> {
         frame_poses(&self.model, &mut self.workspace, self.simulation.q(), &mut self.poses);
         let links = self.model.description().links.len();
@@ -139,7 +141,7 @@ fn drawn_shape(number: usize, shape: &LinkShape, link: usize) -> DrawnShape {
         Shape::Ellipsoid { half_axes } => ("ellipsoid", half_axes.to_vec()),
         Shape::Plane { half_size } => ("plane", half_size.to_vec()),
         Shape::Mesh { scale, .. } => ("mesh", scale.to_vec()),
-        _ => ("other", Vec::new()),
+        Shape::HeightField { .. } => ("other", Vec::new()),
     };
     let place = &shape.link_from_shape;
     DrawnShape {
@@ -154,8 +156,8 @@ fn drawn_shape(number: usize, shape: &LinkShape, link: usize) -> DrawnShape {
     }
 }
 
-/// With moments I₁ = m(σ₂² + σ₃²) and so on, the mean square distance from the centre along an axis is σ₁² = (I₂ + I₃ − I₁)/(2m);
-/// over an ellipsoid of semi-axis a it is a²/5.
+/// The principal moments are I₁ = m(σ₂² + σ₃²) and so on. The mean square distance from the centre along an
+/// axis is σ₁² = (I₂ + I₃ − I₁)/(2m). For an ellipsoid of semi-axis a it is a²/5.
 fn drawn_body(name: &str, body: Option<&MassProperties>) -> DrawnBody {
     let name = name.to_owned();
     let Some(body) = body else {
@@ -170,7 +172,7 @@ fn drawn_body(name: &str, body: Option<&MassProperties>) -> DrawnBody {
     };
     let principal = body.principal();
     let i = principal.moments;
-    // The triangle inequality holds but for rounding.
+    // The triangle inequality holds up to rounding.
     let semiaxis = |k: usize| (2.5 * (i.sum() - 2.0 * i[k]).max(0.0) / body.mass()).sqrt();
     DrawnBody {
         name,

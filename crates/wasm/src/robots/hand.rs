@@ -1,31 +1,32 @@
-//! A hand that takes hold of a point of the robot: it pulls while the robot moves, and leads while it rests.
+//! A hand that grips a point of the robot. It pulls a moving robot, and guides a robot at rest.
 //!
-//! While it moves, a spring and a damper between the point p and where the hand is, f = k(p\* − p) − dṗ, act on the link. While it rests, inverse kinematics brings p to p\*, as near as the joints' limits let it.
+//! In motion, a spring and a damper f = k(p\* − p) − dṗ between the point p and the hand p\* act on the link.
+//! At rest, inverse kinematics moves p to p\*, as close as the joints' limits allow.
 
-use multibody::simulator::{AppliedWrench, ReferenceFrame};
-use multibody::{
-    FrameDescription, FrameId, InverseKinematicsError, InverseKinematicsOptions, Model, Pose, Workspace,
-    frame_jacobian_world_aligned, frame_pose, inverse_kinematics, inverse_mass_matrix,
-};
 use nalgebra::{DMatrix, Matrix3, Matrix3xX};
+use robot_dynamics::algorithms::{frame_jacobian_world_aligned, frame_pose, inverse_mass_matrix};
+use robot_dynamics::control::{InverseKinematicsError, InverseKinematicsOptions, inverse_kinematics};
+use robot_dynamics::description::{FrameDescription, Pose};
+use robot_dynamics::model::{FrameId, Model, Workspace};
+use robot_dynamics::simulation::{AppliedWrench, ReferenceFrame};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::Robot;
 use crate::LabError;
 use crate::input::finite;
 
-/// Natural frequency \[rad/s\] and damping ratio of the spring with the mass that is felt at the point.
+/// Natural frequency \[rad/s\] and damping ratio of the spring with the effective mass at the point.
 const FREQUENCY: f64 = 15.0;
 const DAMPING_RATIO: f64 = 1.0;
 
-/// The strongest pull, in weights of the robot.
+/// Largest force, as a multiple of the robot's weight.
 const MOST: f64 = 4.0;
 
-/// How near inverse kinematics comes \[m\], and how many steps one call takes.
+/// Tolerance of inverse kinematics \[m\], and the number of its iterations in one call.
 const NEAR: f64 = 1e-5;
 const STEPS: usize = 30;
 
-/// The name of the frame at the point that is held.
+/// The name of the frame at the held point.
 const POINT: &str = "the hand on the page";
 
 /// J M⁻¹ Jᵀ of the point's velocity \[1/kg\].
@@ -38,10 +39,10 @@ fn mobility(model: &Model, workspace: &mut Workspace, q: &[f64], jacobian: &[f64
     &rows * inverse * rows.transpose()
 }
 
-/// A point of the robot that is held.
+/// A held point of the robot.
 #[derive(Debug)]
 pub(crate) struct Hand {
-    /// The link that carries it, in the robot without the point.
+    /// Its link, in the robot without the frame at the point.
     link: FrameId,
     /// The robot with a frame at the point.
     model: Model,
@@ -55,11 +56,10 @@ pub(crate) struct Hand {
 }
 
 impl Hand {
-    /// At a point of that link, given in the world.
+    /// Grips a link at a point given in the world.
     fn new(model: &Model, q: &[f64], link: usize, place: [f64; 3]) -> Result<Self, LabError> {
         let mut description = model.description().clone();
-        let link =
-            description.links.get(link).ok_or_else(|| LabError::new(format!("there is no link {link}")))?;
+        let link = description.links.get(link).ok_or_else(|| LabError::new(format!("no link {link}")))?;
         let link = link.name.clone();
         let carrier = model.frame_named(&link)?;
         let world_from_link = frame_pose(model, &mut Workspace::new(model), q, carrier);
@@ -73,7 +73,8 @@ impl Hand {
         let (mut workspace, nv) = (Workspace::new(&model), model.nv());
         let (point, mut jacobian) = (model.frame_named(&name)?, vec![0.0; 6 * nv]);
         frame_jacobian_world_aligned(&model, &mut workspace, q, point, &mut jacobian);
-        // The mass that is felt: 3/tr(J M⁻¹ Jᵀ), a mean over all directions that no light one exceeds by more than three.
+        // The effective mass 3/tr(J M⁻¹ Jᵀ). It averages over all directions, and the lightest is at most
+        // three times lighter.
         let mobility = mobility(&model, &mut workspace, q, &jacobian).trace();
         let felt = if mobility > 0.0 { (3.0 / mobility).min(model.mass()) } else { 0.0 };
         let g = model.gravity().iter().map(|g| g * g).sum::<f64>().sqrt().max(1.0);
@@ -90,7 +91,8 @@ impl Hand {
         })
     }
 
-    /// The force on the point, as a wrench on its link about the world's origin; writes its generalised forces Jᵀf into `tau`.
+    /// The force on the point, as a wrench on its link about the world's origin. Writes its generalised
+    /// forces Jᵀf into `tau`.
     pub(crate) fn pull(&mut self, q: &[f64], v: &[f64], tau: &mut [f64]) -> AppliedWrench {
         let Self { model, workspace, point, target, stiffness, damping, most, jacobian, .. } = self;
         let nv = v.len();
@@ -116,21 +118,21 @@ impl Hand {
     }
 }
 
-/// The mass that a hand feels at the point it holds, by direction: (J M⁻¹ Jᵀ)⁻¹. **(Khatib 1987)**
+/// The effective mass at the held point by direction, (J M⁻¹ Jᵀ)⁻¹. **(Khatib 1987)**
 #[wasm_bindgen(getter_with_clone)]
 #[derive(Clone, Debug)]
 pub struct FeltMass {
-    /// Along each axis \[kg\]; infinite where the point cannot go.
+    /// Along each axis \[kg\]; infinite in directions without motion.
     #[wasm_bindgen(readonly)]
     pub masses: Vec<f64>,
-    /// World frame from these axes, row by row.
+    /// World frame from these axes, in row-major order.
     #[wasm_bindgen(readonly)]
     pub axes: Vec<f64>,
 }
 
 #[wasm_bindgen]
 impl Robot {
-    /// The mass that the hand feels; `undefined` where nothing is held.
+    /// The effective mass at the held point; `undefined` without a grip.
     #[wasm_bindgen(js_name = feltMass)]
     pub fn felt_mass(&mut self) -> Option<FeltMass> {
         let Hand { model, workspace, point, jacobian, .. } = self.hand.as_mut()?;
@@ -141,20 +143,20 @@ impl Robot {
         Some(FeltMass { masses, axes: eigen.eigenvectors.transpose().as_slice().to_vec() })
     }
 
-    /// Takes hold of that link at a point of the world \[m\].
+    /// Grips that link at a point of the world \[m\].
     ///
     /// # Errors
-    /// If there is no such link, or the point is not three finite numbers.
+    /// Fails if the link does not exist, or the point is not three finite numbers.
     pub fn grab(&mut self, link: usize, point: &[f64]) -> Result<(), LabError> {
         finite("the point", point, 3)?;
         self.hand = Some(Hand::new(&self.model, self.simulation.q(), link, [point[0], point[1], point[2]])?);
         Ok(())
     }
 
-    /// The hand goes there \[m\]; a robot that moves is pulled after it.
+    /// Moves the hand \[m\]; a moving robot is pulled after it.
     ///
     /// # Errors
-    /// If the point is not three finite numbers.
+    /// Fails if the point is not three finite numbers.
     #[wasm_bindgen(js_name = pullTo)]
     pub fn pull_to(&mut self, point: &[f64]) -> Result<(), LabError> {
         finite("the point", point, 3)?;
@@ -164,10 +166,11 @@ impl Robot {
         Ok(())
     }
 
-    /// Brings the held point there \[m\], at rest, or as near as the joints' limits let it; answers how far it is \[m\].
+    /// Moves the held point of a robot at rest to this point \[m\], as close as the joints' limits allow.
+    /// Returns the remaining distance \[m\].
     ///
     /// # Errors
-    /// If the point is not three finite numbers.
+    /// Fails if the point is not three finite numbers.
     #[wasm_bindgen(js_name = leadTo)]
     pub fn lead_to(&mut self, point: &[f64]) -> Result<f64, LabError> {
         self.pull_to(point)?;
@@ -186,7 +189,7 @@ impl Robot {
         Ok(found.position_error)
     }
 
-    /// Where the held point is: three numbers \[m\], or none.
+    /// The held point: three numbers \[m\], or none without a grip.
     #[wasm_bindgen(js_name = heldPoint)]
     pub fn held_point(&mut self) -> Vec<f64> {
         match &mut self.hand {
@@ -197,7 +200,7 @@ impl Robot {
         }
     }
 
-    /// Lets go of it.
+    /// Releases the point.
     #[wasm_bindgen(js_name = letGo)]
     pub fn let_go(&mut self) {
         self.hand = None;

@@ -1,17 +1,17 @@
-//! Closed loops and couplings of a robot's file: a robot is placed on them.
+//! Closed loops and joint couplings of a robot's file: projection of a start onto them.
 
-use multibody::simulator::Effect;
-use multibody::{ConstraintOptions, project_position, project_velocity};
+use robot_dynamics::constraints::{ConstraintOptions, project_position, project_velocity};
+use robot_dynamics::simulation::Effect;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::{Robot, shown};
 
-/// |φ| of a start \[m or rad\].
+/// Tolerance of |φ| at the start \[m or rad\].
 const TOLERANCE: f64 = 1e-10;
 
 #[wasm_bindgen]
 impl Robot {
-    /// Why no method holds the file's loops; `undefined` where they can be held.
+    /// The reason if no method can satisfy the file's loops; `undefined` otherwise.
     #[wasm_bindgen(getter)]
     pub fn loose(&self) -> Option<String> {
         self.loose.as_deref().map(shown)
@@ -19,8 +19,8 @@ impl Robot {
 }
 
 impl Robot {
-    /// Moves q and v onto the loops, by the shortest way; a pose from which none is found is left as it is, and the implicit method then
-    /// closes it over time.
+    /// Projects q and v onto the loops. A pose without a projection is unchanged, and the implicit method
+    /// then closes the loops over time.
     pub(crate) fn close(&mut self, q: &mut Vec<f64>, v: &mut Vec<f64>) {
         if self.loops.is_empty() || self.choice.off.contains(&Effect::Equalities) {
             return;

@@ -1,4 +1,4 @@
-//! The meshes that were given for a robot's shapes: each touches as the convex hull of its points.
+//! Meshes of a robot's shapes, whose contact shapes are their convex hulls.
 
 use core::f64::consts::PI;
 
@@ -7,10 +7,11 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::Robot;
 
-/// Directions in which a mesh of many points keeps its outermost ones, as a hull of thousands of corners would take seconds.
+/// Number of directions that select the extreme points of a large mesh, since a hull of thousands of corners
+/// takes seconds.
 const DIRECTIONS: usize = 256;
 
-/// A few hundred points on a hull.
+/// The mesh size above which points are selected.
 fn outermost(points: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     if points.len() <= 2 * DIRECTIONS {
         return points;
@@ -19,7 +20,7 @@ fn outermost(points: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     on_sphere(DIRECTIONS).filter_map(farthest).collect()
 }
 
-/// So many points about evenly on the sphere: a spiral by the golden angle.
+/// Points spread evenly over the sphere: a spiral with the golden angle.
 fn on_sphere(count: usize) -> impl Iterator<Item = Vector3<f64>> {
     let golden = PI * (3.0 - 5.0_f64.sqrt());
     (0..count).map(move |k| {
@@ -31,13 +32,14 @@ fn on_sphere(count: usize) -> impl Iterator<Item = Vector3<f64>> {
 
 #[wasm_bindgen]
 impl Robot {
-    /// The points of a shape's mesh, three numbers each, in the shape's frame \[m\]: it touches as their convex hull, of many points as
-    /// that of some hundred outermost ones, once [`set_ground`](Self::set_ground) is called.
+    /// Sets the points of a shape's mesh, three numbers each, in the shape's frame \[m\]. Their convex hull
+    /// is the contact shape after the next [`set_ground`](Self::set_ground). A large mesh keeps only a few
+    /// hundred extreme points.
     #[wasm_bindgen(js_name = giveMesh)]
     pub fn give_mesh(&mut self, shape: usize, points: &[f64]) {
         let points: Vec<Vector3<f64>> = points.chunks_exact(3).map(Vector3::from_column_slice).collect();
         if points.iter().flatten().all(|x| x.is_finite()) {
-            let corners = robot_mesh::corners(&outermost(points));
+            let corners = robot_dynamics_mesh::corners(&outermost(points));
             self.meshes.insert(shape, corners.into_iter().map(Into::into).collect());
         }
     }
@@ -47,7 +49,8 @@ impl Robot {
 mod tests {
     use super::*;
 
-    /// A ball of ten thousand points keeps its size but for the caps between 256 directions: 1 − cos of half their distance.
+    /// A ball of ten thousand points keeps its size except for the caps between 256 directions: 1 − cos of
+    /// half their distance.
     #[test]
     fn many_points_keep_their_outline() {
         let kept = outermost(on_sphere(10_000).collect());

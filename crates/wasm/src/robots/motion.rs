@@ -1,9 +1,11 @@
-//! The robot in motion.
+//! The motion of the robot.
 
 use std::sync::Arc;
 
 use dynamics::EnergyLedger;
-use multibody::{Controller, GravityCompensatedPd, inverse_mass_matrix, normalize_quaternions};
+use robot_dynamics::algorithms::inverse_mass_matrix;
+use robot_dynamics::model::normalize_quaternions;
+use robot_dynamics::simulation::{Controller, GravityCompensatedPd};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::{Hold, INTERVAL, KEPT, Robot};
@@ -12,25 +14,26 @@ use crate::LabError;
 use crate::input::{finite, not_negative};
 use crate::samples::Samples;
 
-/// What may be unaccounted for, as a share of the energies: a stiff joint and a long step make energy out of nothing before
-/// they make infinities.
+/// Allowed energy residual as a fraction of the energies. With stiff joints and long steps the energy grows
+/// before it becomes infinite.
 const SHARE: f64 = 0.1;
 
 #[wasm_bindgen]
 impl Robot {
-    /// Puts the robot at rest at q (quaternions are normalised, loops closed), sets time to zero and begins a new energy account.
+    /// Puts the robot at rest at q (with quaternions normalised and loops closed), and resets time and the
+    /// energy account.
     ///
     /// # Errors
-    /// If q has the wrong length or is not finite.
+    /// Fails if q has the wrong length or is not finite.
     pub fn place(&mut self, q: &[f64]) -> Result<(), LabError> {
         let rest = vec![0.0; self.model.nv()];
         self.place_moving(q, &rest)
     }
 
-    /// The same in motion, at v.
+    /// Puts the robot at q with velocity v.
     ///
     /// # Errors
-    /// If q or v has the wrong length or is not finite.
+    /// Fails if q or v has the wrong length or is not finite.
     #[wasm_bindgen(js_name = placeMoving)]
     pub fn place_moving(&mut self, q: &[f64], v: &[f64]) -> Result<(), LabError> {
         finite("q", q, self.model.nq())?;
@@ -45,24 +48,24 @@ impl Robot {
         Ok(())
     }
 
-    /// Holds the present pose with gravity compensation, each coordinate as an oscillator of this natural
+    /// Holds the current pose with gravity compensation. Each coordinate is an oscillator of this natural
     /// frequency \[rad/s\] and damping ratio: Kp = ω²/(M⁻¹)ᵢᵢ, Kd = 2ζω/(M⁻¹)ᵢᵢ at the pose.
     ///
-    /// 1/(M⁻¹)ᵢᵢ is the inertia that a torque at coordinate i alone feels. All eigenvalues of M⁻¹Kd are then at
-    /// most nv·2ζω, so that a light joint is not shaken by a gain meant for a heavy one. A floating base has no
-    /// motors. The file's actuators rest meanwhile, and torques are cut off at the effort limits.
+    /// 1/(M⁻¹)ᵢᵢ is the effective inertia for a torque at coordinate i alone. All eigenvalues of M⁻¹Kd are
+    /// then at most nv·2ζω, which avoids excessive gains at light joints. A floating base has no motors.
+    /// Meanwhile the file's actuators are switched off, and torques are limited to the effort limits.
     ///
     /// # Errors
-    /// If the frequency or the ratio is negative.
+    /// Fails if the frequency or the ratio is negative.
     pub fn hold(&mut self, frequency: f64, damping_ratio: f64) -> Result<(), LabError> {
         let here = self.q();
         self.hold_at(&here, frequency, damping_ratio)
     }
 
-    /// The same for another pose than the present one.
+    /// Holds a given pose.
     ///
     /// # Errors
-    /// If the pose is none of this robot, or the frequency or the ratio is negative.
+    /// Fails if the pose is invalid, or the frequency or the ratio is negative.
     #[wasm_bindgen(js_name = holdAt)]
     pub fn hold_at(&mut self, pose: &[f64], frequency: f64, damping_ratio: f64) -> Result<(), LabError> {
         finite("the pose", pose, self.model.nq())?;
@@ -82,21 +85,21 @@ impl Robot {
         self.set_hold(Some(hold))
     }
 
-    /// The pose that the motors hold; empty where they rest.
+    /// The held pose; empty if the motors are off.
     #[wasm_bindgen(getter)]
     pub fn held(&self) -> Vec<f64> {
         self.hold.as_ref().map_or_else(Vec::new, |hold| hold.target.clone())
     }
 
-    /// The motors rest.
+    /// Switches the motors off.
     ///
     /// # Errors
-    /// If the file's actuators, which act again, cannot be set up.
+    /// Fails if the file's actuators cannot be switched on again.
     pub fn release(&mut self) -> Result<(), LabError> {
         self.set_hold(None)
     }
 
-    /// In how many steps a torque was cut off at its effort limit, the most of all coordinates.
+    /// The largest number of steps in which the torque of a coordinate was at its effort limit.
     #[wasm_bindgen(getter, js_name = stepsAtLimit)]
     pub fn steps_at_limit(&self) -> usize {
         self.simulation.steps_at_effort_limits().iter().copied().max().unwrap_or(0)
@@ -105,12 +108,12 @@ impl Robot {
     /// Advances by whole steps.
     ///
     /// # Errors
-    /// Where a step fails or blows up, or energy comes from nowhere; the state before it is kept.
+    /// Fails if a step fails, or if the motion or its energy diverges; the state before it is kept.
     pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
         let model = Arc::clone(&self.model);
         let mut holding = match &self.hold {
             Some(Hold { target, stiffness, damping }) => {
-                // The simulation cuts torques off and counts how often.
+                // The simulation limits torques and counts the steps.
                 let unlimited = vec![f64::INFINITY; model.nv()];
                 Some(GravityCompensatedPd::new(&model, target, stiffness, damping)?.with_limits(&unlimited))
             }
@@ -120,7 +123,7 @@ impl Robot {
         let mut controls = vec![0.0; self.simulation.controls().len()];
         self.last = None;
         for step in 0..steps {
-            // The inputs of this step: motors that hold, the file's actuators, the hand.
+            // The inputs of this step: motors that hold a pose, the file's actuators, and the hand.
             let (q, v) = (self.simulation.q().to_vec(), self.simulation.v().to_vec());
             if let Some(motors) = &mut holding {
                 motors.torque(self.simulation.time(), &q, &v, &mut torques)?;
@@ -149,7 +152,7 @@ impl Robot {
         Ok(())
     }
 
-    /// Rows of four: t, K, V, unaccounted for.
+    /// Rows of four: t, K, V, residual.
     pub fn samples(&self) -> Vec<f64> {
         self.samples.flat()
     }
@@ -158,7 +161,7 @@ impl Robot {
         self.samples.push(row(self.time(), self.simulation.ledger()));
     }
 
-    /// Samples of another step than before.
+    /// Starts new samples for a new step.
     pub(crate) fn begin_samples(&mut self) {
         self.samples = Samples::new(INTERVAL, self.choice.step, KEPT);
         self.sample();
@@ -166,7 +169,7 @@ impl Robot {
 }
 
 impl Robot {
-    /// Motors that hold take the place of the file's actuators, so that these are set up anew.
+    /// Rebuilds the simulation, since motors that hold a pose replace the file's actuators.
     fn set_hold(&mut self, hold: Option<Hold>) -> Result<(), LabError> {
         let is_another = self.hold.is_some() != hold.is_some();
         let before = core::mem::replace(&mut self.hold, hold);
@@ -176,7 +179,7 @@ impl Robot {
         Ok(())
     }
 
-    /// The step that was just taken from there.
+    /// The step just taken from that state.
     fn step_from(&self, q: Vec<f64>, v: Vec<f64>) -> Step {
         let simulation = &self.simulation;
         let mut tau = simulation.applied_torques().to_vec();
@@ -188,7 +191,7 @@ impl Robot {
     }
 }
 
-/// A row of the samples.
+/// One row of the samples.
 fn row(time: f64, ledger: &EnergyLedger) -> [f64; 4] {
     [time, ledger.kinetic(), ledger.potential(), ledger.imbalance()]
 }

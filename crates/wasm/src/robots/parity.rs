@@ -1,10 +1,8 @@
-//! The robots' numbers that the native and both WebAssembly builds are compared on.
+//! The robots' values that the native and both WebAssembly builds must agree on.
 
-use multibody::simulator::{Effect, Method};
-use multibody::{
-    Controller, FramePose, GravityCompensatedPd, Model, Workspace, check_rank, energy_ledger, frame_poses,
-    gravity, inverse_mass_matrix, neutral, normalize_quaternions,
-};
+use robot_dynamics::algorithms::{FramePose, check_rank, frame_poses, gravity, inverse_mass_matrix};
+use robot_dynamics::model::{Model, Workspace, neutral, normalize_quaternions};
+use robot_dynamics::simulation::{Controller, Effect, GravityCompensatedPd, Method, energy_ledger};
 use robot_dynamics::{Options, describe_text, simulation};
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -12,11 +10,11 @@ use super::Robot;
 use crate::LabError;
 use crate::parity::entry;
 
-/// As the chapter's lines (`parityValues`), for a robot from a file: every algorithm that its experiment calls, and
+/// Lines like the chapter's (`parityValues`), for a robot from a file: every algorithm of its experiment, and
 /// every integrator.
 ///
 /// # Errors
-/// If the file is no robot, or a step fails.
+/// Fails if the file is invalid or a step fails.
 #[wasm_bindgen(js_name = robotParityValues)]
 pub fn robot_parity_values(text: &str, floating_base: bool) -> Result<Vec<String>, LabError> {
     let options = Options { floating_base, ..Options::default() };
@@ -26,7 +24,7 @@ pub fn robot_parity_values(text: &str, floating_base: bool) -> Result<Vec<String
     let mut line =
         |what: &str, numbers: &[f64]| lines.push(entry(&format!("{}: {what}", model.name()), false, numbers));
 
-    // No joint is at zero, and none moves as its neighbours do.
+    // No joint is at zero, and no two neighbours move alike.
     let mut start = neutral(&model);
     start.iter_mut().enumerate().for_each(|(k, x)| *x += 0.1 + 0.07 * k as f64);
     normalize_quaternions(&model, &mut start);
@@ -53,9 +51,9 @@ pub fn robot_parity_values(text: &str, floating_base: bool) -> Result<Vec<String
     let target = neutral(&model);
     GravityCompensatedPd::new(&model, &target, &gains, &gains)?.torque(0.0, &start, &speeds, &mut torques)?;
     line("torques that hold", &torques);
-    // The lab's modules have no adaptive steps, which a build of all features has.
+    // The lab's modules have no adaptive steps, unlike a build with all features.
     for name in Method::names().filter(|name| *name != "adaptive") {
-        // In this pose links overlap, and what that does magnifies rounding.
+        // Links overlap in this pose, and contact magnifies rounding.
         let builder = simulation(&model).without(Effect::Contacts);
         let mut stepped = builder.method(name.parse()?).step(1e-4).build()?;
         stepped.reset(&start, &speeds)?;

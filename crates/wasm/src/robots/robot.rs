@@ -1,12 +1,15 @@
-//! Your robot: any URDF or MJCF file, posed, pulled, held, or let fall.
+//! A robot from a URDF or MJCF file: posed, pulled, held, or falling.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use multibody::simulator::{Effect, RunOptions, Simulation, SimulationBuilder};
-use multibody::text::{file_stem, one_line};
-use multibody::{Base, ConstraintSet, Finding, FramePose, LoadReport, Model, Workspace};
-use robot_dynamics::{Described, Options, describe_among, describe_text};
+use robot_dynamics::algorithms::FramePose;
+use robot_dynamics::constraints::ConstraintSet;
+use robot_dynamics::description::{Base, Finding, LoadReport};
+use robot_dynamics::model::{Model, Workspace, lock_massless};
+use robot_dynamics::simulation::{Effect, RunOptions, Simulation, SimulationBuilder};
+use robot_dynamics::text::{file_stem, one_line};
+use robot_dynamics::{LoadedDescription, Options, describe_among, describe_text};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::choice::Choice;
@@ -17,11 +20,11 @@ use super::torques::Step;
 use crate::LabError;
 use crate::samples::Samples;
 
-/// Time between two samples \[s\] and the number kept.
+/// Sampling period \[s\] and the number of samples kept.
 pub(crate) const INTERVAL: f64 = 0.02;
 pub(crate) const KEPT: usize = 1500;
 
-/// A robot from a file, in the library's simulation.
+/// A robot from a file, with its simulation.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Robot {
@@ -32,22 +35,22 @@ pub struct Robot {
     pub(crate) poses: Vec<FramePose>,
     pub(crate) choice: Choice,
     pub(crate) simulation: Simulation,
-    /// The effects that act with everything on.
-    pub(crate) stated: Vec<Effect>,
-    /// Why something that the page lays is left out.
+    /// The effects that act with nothing switched off.
+    pub(crate) file_effects: Vec<Effect>,
+    /// Reasons for leaving out the page's ground.
     pub(crate) notes: Vec<String>,
-    /// When the simulation was set up, after the robot was placed \[s\].
+    /// The time when the simulation was built \[s\].
     pub(crate) since: f64,
-    /// Corners of convex hulls by the number of their shape, in the shape's frame \[m\].
+    /// Corners of convex hulls by shape index, in the shape's frame \[m\].
     pub(crate) meshes: HashMap<usize, Vec<[f64; 3]>>,
     /// The closed loops and couplings of the file.
     pub(crate) loops: ConstraintSet,
-    /// Why they cannot be held.
+    /// The reason why they cannot be satisfied.
     pub(crate) loose: Option<String>,
     pub(crate) controls: ControlLine,
     pub(crate) hold: Option<Hold>,
     pub(crate) hand: Option<Hand>,
-    /// The generalised forces of the hand, nv entries.
+    /// The generalised forces of the hand, nv numbers.
     pub(crate) pull: Vec<f64>,
     pub(crate) last: Option<Step>,
     pub(crate) samples: Samples<4>,
@@ -63,19 +66,19 @@ pub(crate) struct Hold {
 
 #[wasm_bindgen]
 impl Robot {
-    /// Reads the text of a URDF or an MJCF file; which of the two, its outermost element says. Joints that move no mass
-    /// in any pose, and so would have no acceleration, are held still.
+    /// Reads the text of a URDF or an MJCF file, told apart by the outermost element. Joints that move no
+    /// mass in any pose have no defined acceleration and are locked.
     ///
     /// # Errors
-    /// If the file cannot be read as a robot: what is wrong, on which line, and what to do.
+    /// Fails if the file is invalid; the error names the problem, the line, and a remedy.
     pub fn load(text: &str, floating_base: bool, repair_inertia: bool) -> Result<Self, LabError> {
         Self::of(describe_text(text, &options(floating_base, repair_inertia))?)
     }
 
-    /// The same of one file among others, which it may include and take meshes' inertia from.
+    /// Reads one file of a set, which it may include or take inertia of meshes from.
     ///
     /// # Errors
-    /// As [`load`](Self::load).
+    /// Fails as [`load`](Self::load) does.
     #[wasm_bindgen(js_name = loadAmong)]
     pub fn load_among(
         files: &RobotFiles,
@@ -92,7 +95,7 @@ impl Robot {
         shown(self.model.name())
     }
 
-    /// The robot's name as that of a file, without an ending.
+    /// The robot's name as a file name without an extension.
     #[wasm_bindgen(getter, js_name = fileName)]
     pub fn file_name(&self) -> String {
         file_stem(self.model.name())
@@ -104,24 +107,24 @@ impl Robot {
         self.model.total_mass()
     }
 
-    /// Whether anything of it floats, and so can fall.
+    /// Whether any part of it floats, and so can fall.
     #[wasm_bindgen(getter)]
     pub fn floats(&self) -> bool {
-        self.model.joints().iter().any(|joint| joint.kind == multibody::JointKind::Floating)
+        self.model.joints().iter().any(|joint| joint.kind == robot_dynamics::description::JointKind::Floating)
     }
 
-    /// Whether its root link floats; a world that carries something which floats does not.
+    /// Whether its root link floats. A world with a floating body does not.
     #[wasm_bindgen(getter, js_name = baseFloats)]
     pub fn base_floats(&self) -> bool {
         self.model.description().base == Base::Floating
     }
 
-    /// The joints that move no mass and are held still.
+    /// The locked joints that move no mass.
     pub fn locked(&self) -> Vec<String> {
         self.locked.iter().map(|joint| shown(joint)).collect()
     }
 
-    /// The load report, one entry a string: line, treatment, place, message, separated by tabs.
+    /// The load report, one string for each entry: line, treatment, place, message, separated by tabs.
     pub fn report(&self) -> Vec<String> {
         let line = |finding: &Finding| {
             let (place, message) = (shown(finding.place()), shown(finding.message()));
@@ -142,7 +145,7 @@ impl Robot {
         self.simulation.v().to_vec()
     }
 
-    /// Time since the last placing \[s\].
+    /// Time since the last placement \[s\].
     #[wasm_bindgen(getter)]
     pub fn time(&self) -> f64 {
         self.since + self.simulation.time()
@@ -150,15 +153,15 @@ impl Robot {
 }
 
 impl Robot {
-    fn of(mut described: Described) -> Result<Self, LabError> {
-        let locked = described.description.lock_massless()?;
+    fn of(mut described: LoadedDescription) -> Result<Self, LabError> {
+        let locked = lock_massless(&mut described.description)?;
         let model = Arc::new(Model::new(described.description)?);
         let (loops, loose) = match ConstraintSet::from_equalities(&model) {
             Ok(loops) => (loops, None),
             Err(error) => (ConstraintSet::default(), Some(error.to_string())),
         };
         let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
-        // Nothing acts in this one; the robot's own is set up once all that it needs is there.
+        // A simulation without effects; the robot's own is built once all its parts exist.
         let mut bare = SimulationBuilder::shared(Arc::clone(&model));
         for effect in Effect::ALL {
             bare = bare.without(effect);
@@ -168,7 +171,7 @@ impl Robot {
             poses: vec![still; model.frames().len()],
             choice: Choice::default(),
             simulation: bare.build()?,
-            stated: Vec::new(),
+            file_effects: Vec::new(),
             notes: Vec::new(),
             since: 0.0,
             meshes: HashMap::new(),
@@ -185,14 +188,14 @@ impl Robot {
             locked,
         };
         let (simulation, notes) = robot.build(&Choice::default())?;
-        (robot.stated, robot.simulation, robot.notes) = (robot.everything()?, simulation, notes);
+        (robot.file_effects, robot.simulation, robot.notes) = (robot.all_effects()?, simulation, notes);
         Ok(robot)
     }
 
-    /// The same fall as a whole run of the library, for tests: q after so many steps without motors and hand.
+    /// The same fall by the library's run, for tests: q after that many steps without motors and hand.
     ///
     /// # Errors
-    /// Where the run fails.
+    /// Fails if the run fails.
     pub fn reference_fall(&self, steps: usize) -> Result<Vec<f64>, LabError> {
         let (mut simulation, _) = self.build(&self.choice)?;
         simulation.reset(self.simulation.q(), self.simulation.v())?;
@@ -202,12 +205,12 @@ impl Robot {
     }
 }
 
-/// A name of the file as text on the page, on one line.
+/// A name from the file, on one line, for the page.
 pub(crate) fn shown(name: &str) -> String {
     one_line(name).into_owned()
 }
 
-/// Any text on one line, what cannot be seen in it as escapes: for names of files that a person gave.
+/// Any text on one line with invisible characters escaped, for names of files from the user.
 #[wasm_bindgen(js_name = oneLine)]
 pub fn one_line_text(text: &str) -> String {
     shown(text)

@@ -1,24 +1,25 @@
-//! The terms of the equation of motion, M q̈ + C q̇ + g = τ + the rest, coordinate by coordinate.
+//! The terms of the equation of motion M q̈ + C q̇ + g = τ + others, for each coordinate.
 
-use multibody::{difference, gravity, integrate, inverse_dynamics};
+use robot_dynamics::algorithms::{gravity, inverse_dynamics};
+use robot_dynamics::model::{difference, integrate};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::Robot;
 
-/// A step as it was taken.
+/// A completed step.
 #[derive(Clone, Debug)]
 pub(crate) struct Step {
-    /// q and v before it.
+    /// q and v before the step.
     pub(crate) q: Vec<f64>,
     pub(crate) v: Vec<f64>,
-    /// What motors and hand gave, the same all through it.
+    /// The torque of motors and hand, constant over the step.
     pub(crate) tau: Vec<f64>,
-    /// How long it was \[s\].
+    /// Its length \[s\].
     pub(crate) h: f64,
 }
 
-/// What each coordinate's equation is made of, nv numbers a term \[N·m or N\]: averaged over the last step, which is what a
-/// method of second order knows of them; at rest, before the first step, of the pose alone.
+/// The terms of each coordinate's equation, nv numbers for each term \[N·m or N\], averaged over the last
+/// step, to second order. Before the first step they are those of the pose at rest.
 #[wasm_bindgen(getter_with_clone)]
 #[derive(Clone, Debug)]
 pub struct RobotTorques {
@@ -28,21 +29,22 @@ pub struct RobotTorques {
     /// C q̇.
     #[wasm_bindgen(readonly)]
     pub coriolis: Vec<f64>,
-    /// g(q): what motors must give to hold the pose.
+    /// g(q): the torque of motors that hold the pose.
     #[wasm_bindgen(readonly)]
     pub gravity: Vec<f64>,
-    /// What motors and hand gave; empty before the first step.
+    /// Torque of motors and hand; empty before the first step.
     #[wasm_bindgen(readonly)]
     pub applied: Vec<f64>,
-    /// What is left of the equation, which damping, friction, stops, the ground and loops gave; empty before the first step.
+    /// The rest of the equation, which damping, friction, stops, the ground and loops contribute; empty
+    /// before the first step.
     #[wasm_bindgen(readonly)]
     pub rest: Vec<f64>,
 }
 
 #[wasm_bindgen]
 impl Robot {
-    /// The terms of the equation of motion over the last step: M and C and g at the middle of the way it took, with the
-    /// mean velocity, and q̈ = Δv/h.
+    /// The terms of the equation of motion over the last step: M, C and g at the midpoint with the mean
+    /// velocity, and q̈ = Δv/h.
     pub fn torques(&mut self) -> RobotTorques {
         let (model, workspace, nv) = (&*self.model, &mut self.workspace, self.model.nv());
         let (mut q, mut v) = (self.simulation.q().to_vec(), self.simulation.v().to_vec());

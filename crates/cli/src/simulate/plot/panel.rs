@@ -1,6 +1,5 @@
-//! One panel: lines over time, and beside it their names.
+//! One panel: lines over time with a legend.
 
-use multibody::text::one_line;
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
@@ -10,6 +9,7 @@ use plotters::prelude::{
     Text,
 };
 use plotters::style::{Color, RGBColor, ShapeStyle};
+use robot_dynamics::text::one_line;
 
 use crate::table::short;
 
@@ -19,8 +19,8 @@ pub(super) struct Panel {
     pub axis: Axis,
     pub lines: Vec<Line>,
     pub times: Vec<f64>,
-    /// Whether values far above the others may be cut off.
-    pub blew_up: bool,
+    /// Whether values far above the others may be clipped.
+    pub diverged: bool,
 }
 
 /// One value for each time.
@@ -35,17 +35,17 @@ pub(super) enum Axis {
     Logarithmic,
 }
 
-/// Whether the edges of a line are one path. The corners of a painted path stick out where it turns back
-/// sharply, so a bitmap gets its edges one by one; in SVG the viewer takes care, and one path is shorter.
+/// Whether the edges of a line form one path. A bitmap draws each edge alone, since the joints of a path
+/// stick out at sharp turns. In SVG the viewer draws joints correctly, and one path is shorter.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Corners {
     Joined,
     Open,
 }
 
-type Drawn<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
+type DrawingResult<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
-/// Ten colours told apart by most eyes, also on paper; then the same dashed.
+/// Ten colours that most people can distinguish, also in print. Further lines repeat them with dashes.
 const COLOURS: [RGBColor; 10] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -59,23 +59,27 @@ const COLOURS: [RGBColor; 10] = [
     RGBColor(130, 150, 20),
 ];
 
-/// Dash and gap in pixels, for each further ten; the first are drawn through.
+/// Dash and gap in pixels for each group of ten lines; the first group is solid.
 const DASHES: [(u32, u32); 5] = [(0, 0), (10, 4), (3, 3), (18, 6), (6, 10)];
 
 const LEGEND_WIDTH: u32 = 260;
 const LEGEND_ROW: u32 = 17;
 
-/// Below this a relative error is rounding; zero has no logarithm.
+/// Smallest relative error on a logarithmic axis; below it are rounding and zero.
 const FLOOR: f64 = 1e-17;
 
 impl Panel {
-    /// The usual height, or what the names need.
+    /// The usual height, or more if the legend needs it.
     pub(super) fn height(&self, usual: u32) -> u32 {
         let rows = u32::try_from(self.lines.len()).unwrap_or(u32::MAX / LEGEND_ROW / 2);
         usual.max(rows * LEGEND_ROW + 60)
     }
 
-    pub(super) fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, corners: Corners) -> Drawn<B> {
+    pub(super) fn draw<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        corners: Corners,
+    ) -> DrawingResult<B> {
         let (width, _) = area.dim_in_pixel();
         let (chart, legend) = area.split_horizontally(width - LEGEND_WIDTH);
         self.draw_legend(&legend)?;
@@ -102,7 +106,7 @@ impl Panel {
         (low, high): (f64, f64),
         corners: Corners,
         label: &dyn Fn(&f64) -> String,
-    ) -> Drawn<B>
+    ) -> DrawingResult<B>
     where
         Y: Ranged<ValueType = f64> + ValueFormatter<f64> + AsRangedCoord,
     {
@@ -123,12 +127,13 @@ impl Panel {
         for (index, line) in self.lines.iter().enumerate() {
             let (style, (dash, gap)) = style(index);
             let points = self.times.iter().zip(&line.values).map(|(&t, &y)| match self.axis {
-                // Zero has no logarithm, and is drawn at the bottom.
+                // Zero has no logarithm and is drawn at the bottom.
                 Axis::Logarithmic => (t, y.max(low)),
                 Axis::Linear => (t, y),
             });
             let points: Vec<(f64, f64)> = points.collect();
-            // What leaves the frame is not drawn: stretches of one point are outside, or have no neighbour.
+            // Points outside the frame are not drawn. A stretch of one point is outside or has no
+            // neighbour.
             let stretches = points.chunk_by(|a, b| [a, b].iter().all(|p| (low..=high).contains(&p.1)));
             for stretch in stretches.filter(|stretch| stretch.len() > 1) {
                 for piece in dashed(stretch, f64::from(dash) / second, f64::from(gap) / second) {
@@ -145,12 +150,12 @@ impl Panel {
         Ok(())
     }
 
-    /// Each line's look and name, one below the other.
-    fn draw_legend<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Drawn<B> {
+    /// The style and name of each line, one below the other.
+    fn draw_legend<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> DrawingResult<B> {
         for (index, line) in self.lines.iter().enumerate() {
             let y = 45 + i32::try_from(index).unwrap_or(0) * LEGEND_ROW.cast_signed();
             let (style, (dash, gap)) = style(index);
-            // As in the chart: strokes of `dash` pixels with gaps between.
+            // Strokes of `dash` pixels with gaps, as in the chart.
             let (start, end) = (4_i32, 40_i32);
             let (dash, gap) =
                 if dash == 0 { (end - start, 1) } else { (dash.cast_signed(), gap.cast_signed()) };
@@ -164,7 +169,7 @@ impl Panel {
         Ok(())
     }
 
-    /// What the axis spans: all values, but for a run that blew up, whose last values would hide the rest.
+    /// The range of the axis: all values, except for diverged motions, whose last values would hide the rest.
     fn range(&self) -> (f64, f64) {
         let values = || self.lines.iter().flat_map(|line| &line.values).copied().filter(|y| y.is_finite());
         if self.axis == Axis::Logarithmic {
@@ -173,7 +178,7 @@ impl Panel {
             // Whole decades.
             return (10f64.powf(least.log10().floor()), 10f64.powf(most.log10().ceil()));
         }
-        // The most that any line has at each time; nine tenths of the run stay below the usual.
+        // The largest absolute value at each time; nine tenths of them are below `usual`.
         let most_at = |i: usize| {
             self.lines
                 .iter()
@@ -183,28 +188,27 @@ impl Panel {
         let mut sizes: Vec<f64> = (0..self.times.len()).map(most_at).collect();
         sizes.sort_by(f64::total_cmp);
         let usual = sizes.get(sizes.len() * 9 / 10).copied().unwrap_or(0.0);
-        let bound = if self.blew_up { 3.0 * usual.max(1e-3) } else { f64::INFINITY };
+        let bound = if self.diverged { 3.0 * usual.max(1e-3) } else { f64::INFINITY };
         let (low, high) = values()
             .filter(|y| y.abs() <= bound)
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
         if low > high {
             return (-1.0, 1.0);
         }
-        // A line that does not move lies in the middle.
+        // A constant line is drawn in the middle.
         let is_flat = high - low <= 1e-9 * high.abs().max(1e-3);
         let margin = if is_flat { (0.05 * high.abs()).max(1.0) } else { 0.05 * (high - low) };
         (low - margin, high + margin)
     }
 }
 
-/// The look of line number `index`.
+/// The style of line number `index`.
 fn style(index: usize) -> (ShapeStyle, (u32, u32)) {
     let colour = COLOURS[index % COLOURS.len()];
     (colour.stroke_width(2), DASHES[index / COLOURS.len() % DASHES.len()])
 }
 
-/// The pieces of a line that are drawn: all of it without a dash, else stretches of `dash` seconds with gaps
-/// between.
+/// The drawn pieces of a line: the whole line without a dash, else pieces of `dash` seconds with gaps.
 fn dashed(points: &[(f64, f64)], dash: f64, gap: f64) -> Vec<Vec<(f64, f64)>> {
     if dash == 0.0 {
         return vec![points.to_vec()];
@@ -219,7 +223,7 @@ fn dashed(points: &[(f64, f64)], dash: f64, gap: f64) -> Vec<Vec<(f64, f64)>> {
         while t < t1 {
             let start = (t / period).floor() * period;
             let is_drawn = t - start < dash;
-            // Rounding may put a boundary on t itself.
+            // Rounding can put a boundary at t.
             let next = (start + if is_drawn { dash } else { period }).max(t + 1e-6 * period).min(t1);
             if is_drawn {
                 if piece.is_empty() {
@@ -236,12 +240,12 @@ fn dashed(points: &[(f64, f64)], dash: f64, gap: f64) -> Vec<Vec<(f64, f64)>> {
     pieces
 }
 
-/// A tick's number; what is zero but for rounding is zero.
+/// The label of a tick. Values that are zero up to rounding become 0.
 fn short_or_zero(x: f64, span: f64) -> String {
     if x.abs() < 1e-9 * span { "0".into() } else { short(x) }
 }
 
-/// A name that fits beside the chart; a longer one loses its middle.
+/// A name that fits beside the chart; a longer one is shortened in the middle.
 fn fitted(name: &str) -> String {
     const MOST: usize = 27;
     let letters: Vec<char> = name.chars().collect();

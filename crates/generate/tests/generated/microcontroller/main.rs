@@ -1,7 +1,8 @@
-//! A program for a Cortex-M4 with its floating-point unit: runs generated code, compares bits, counts instructions and the stack.
+//! A program for a Cortex-M4 with a floating-point unit. It runs generated code, compares bits, and counts
+//! instructions and the stack.
 //!
-//! It has no dependencies: its vector table, its way to the debugger (semihosting) and its clock (SysTick) are below. `cases.rs` is written
-//! by the test: tables and a call of `run` for each function.
+//! It has no dependencies: the vector table, semihosting (access to the debugger) and SysTick (the clock) are
+//! defined here. The test writes `cases.rs`: tables, and a call of `run` for each function.
 #![no_std]
 #![no_main]
 
@@ -14,7 +15,8 @@ mod robot {
     include!("src/robot.rs");
 }
 
-// The processor reads the stack's top and the first instruction from address 0. Floats need the unit switched on (CPACR).
+// The processor reads the initial stack pointer and the reset vector from address 0. The floating-point unit
+// must be enabled (CPACR).
 global_asm!(
     ".section .vectors, \"a\"",
     ".word STACK_TOP",
@@ -40,7 +42,7 @@ global_asm!(
 
 /// A request to the debugger, here the emulator.
 fn semihosting(operation: u32, argument: *const u32) {
-    // SAFETY: the emulator reads what `argument` points to, and writes nothing.
+    // SAFETY: the emulator reads the memory that `argument` points to, and writes none.
     unsafe { asm!("bkpt #0xab", inout("r0") operation => _, in("r1") argument) };
 }
 
@@ -72,7 +74,7 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     exit(1)
 }
 
-/// Ticks of `work`, of the clock that counts down from 2²⁴ - 1.
+/// Ticks of the clock during `work`; it counts down from 2²⁴ - 1.
 fn ticks(work: impl FnOnce()) -> u32 {
     const CONTROL: *mut u32 = 0xe000_e010 as *mut u32;
     const MOST: u32 = 0xff_ffff;
@@ -81,7 +83,7 @@ fn ticks(work: impl FnOnce()) -> u32 {
         write_volatile(CONTROL.add(1), MOST);
         write_volatile(CONTROL.add(2), 0);
         write_volatile(CONTROL, 5);
-        // It starts from 0, and from the most one tick later.
+        // The counter starts at 0 and is reloaded one tick later.
         while read_volatile(CONTROL.add(2)) == 0 {}
         let before = read_volatile(CONTROL.add(2));
         work();
@@ -91,24 +93,24 @@ fn ticks(work: impl FnOnce()) -> u32 {
     }
 }
 
-/// Instructions of a thousand ticks: of a loop of two instructions.
+/// Instructions per thousand ticks, measured with a loop of two instructions.
 fn instructions_per_thousand_ticks() -> u32 {
     const TURNS: u32 = 2_000_000;
-    // SAFETY: it counts a register down.
+    // SAFETY: the loop decrements a register.
     let ticks = ticks(|| unsafe { asm!("2:", "subs {0}, #1", "bne 2b", inout(reg) TURNS => _) });
     (u64::from(2 * TURNS) * 1000 / u64::from(ticks)) as u32
 }
 
-/// Bytes of the stack below the caller that `work` writes.
+/// Bytes of the stack that `work` writes.
 #[inline(never)]
 fn stack(work: impl FnOnce()) -> usize {
     const PAINT: u32 = 0xa5a5_a5a5;
     const DEPTH: usize = 0x8000;
     let here: usize;
-    // SAFETY: it reads the stack pointer.
+    // SAFETY: the instruction reads the stack pointer.
     unsafe { asm!("mov {}, sp", out(reg) here) };
     let lowest = here - 4 * DEPTH;
-    // SAFETY: the memory below the stack pointer is nobody's, and there are 4 MiB of it.
+    // SAFETY: the memory below the stack pointer is unused, and there are 4 MiB of it.
     unsafe {
         (0..DEPTH).for_each(|k| write_volatile((lowest as *mut u32).add(k), PAINT));
         work();
@@ -119,7 +121,7 @@ fn stack(work: impl FnOnce()) -> usize {
 
 const CALLS: u32 = 100;
 
-/// Holds a function's results to the library's bits, state by state; says what a call costs.
+/// Compares a function's results with the library's bits, state by state, and prints the cost of a call.
 fn run<const N: usize>(name: &str, expected: &[[u32; N]], call: impl Fn(usize, &mut [f32; N])) {
     let mut out = [0.0; N];
     let mut bits = 0;

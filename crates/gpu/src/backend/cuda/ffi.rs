@@ -1,4 +1,4 @@
-//! What no compiler checks: that libraries are CUDA's, and that a kernel gets the arguments that it was generated with.
+//! The unchecked interface to CUDA: the identity of its libraries, and the arguments of kernels.
 //!
 //! Unsafe code: three calls, each with its reason.
 #![allow(unsafe_code)]
@@ -7,10 +7,10 @@ use cudarc::driver::{CudaStream, DriverError, LaunchConfig, PushKernelArg};
 
 use super::{BLOCK, Launch, locked};
 
-/// Whether the system finds the driver and the run-time compiler; else which one it does not.
+/// Checks that the system finds the driver and the run-time compiler; the error names the missing one.
 pub(super) fn find_libraries() -> Result<(), String> {
-    // SAFETY: a library by CUDA's name is opened as the calls after it would open it; what its start-up code does is the system's
-    // word, as for every library that is linked.
+    // SAFETY: libraries with CUDA's names are opened as the later calls would open them. Their start-up code
+    // is trusted, as for every library that is linked.
     let (driver, compiler) =
         unsafe { (cudarc::driver::sys::is_culib_present(), cudarc::nvrtc::sys::is_culib_present()) };
     match (driver, compiler) {
@@ -20,9 +20,9 @@ pub(super) fn find_libraries() -> Result<(), String> {
     }
 }
 
-/// Puts a kernel on the stream.
+/// Launches a kernel on the stream.
 pub(super) fn launch(stream: &CudaStream, launch: &Launch) -> Result<(), DriverError> {
-    // No table is bound twice, so that no lock waits for itself.
+    // No table is bound twice, so no lock is taken twice.
     let tables: Vec<_> = launch.tables.iter().map(|table| locked(table)).collect();
     let (count, by_columns) = (i32::try_from(launch.states).expect("at most 2³⁰ states"), 0_i32);
     let mut arguments = stream.launch_builder(&launch.kernel);
@@ -33,9 +33,9 @@ pub(super) fn launch(stream: &CudaStream, launch: &Launch) -> Result<(), DriverE
     arguments.arg(&by_columns);
     let blocks = launch.states.div_ceil(BLOCK);
     let shape = LaunchConfig { grid_dim: (blocks, 1, 1), block_dim: (BLOCK, 1, 1), shared_mem_bytes: 0 };
-    // SAFETY: a generated kernel's parameters are a pointer to each table, the count of states and whether they are by columns, in
-    // this order (`generate/src/target/cuda.rs`). Its threads beyond `count` return, the others read and write rows of their own,
-    // and `bind` has seen that there are as many tables as it has, and that each holds so many states. The stream takes its commands one after the other, and memory is
-    // given back on it.
+    // SAFETY: a generated kernel's parameters are a pointer to each table, the number of states and whether
+    // they are by columns, in this order (`generate/src/target/cuda.rs`). Threads beyond `count` return; the
+    // others access rows of their own. `bind` has checked the number of tables and that each holds this
+    // number of states. The stream executes its commands in order, and memory is freed on it.
     unsafe { arguments.launch(shape) }.map(|_| ())
 }

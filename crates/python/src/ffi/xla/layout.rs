@@ -1,11 +1,13 @@
-//! The C structs of XLA's typed foreign calls, of `xla/ffi/api/c_api.h` (`OpenXLA`; jaxlib brings the file), field by field.
+//! The C structs of XLA's typed foreign calls, of `xla/ffi/api/c_api.h` (`OpenXLA`; jaxlib brings the file),
+//! field by field.
 //!
-//! XLA adds fields at the ends alone, and says in `struct_size` how many it has. The sizes are checked where they are declared.
+//! XLA adds fields at the ends alone, and says in `struct_size` how many it has. The sizes are checked where
+//! they are declared.
 
 use core::ffi::{c_char, c_int, c_void};
 
-/// The version of the calls that the fields below are of, and the least that XLA still takes (found with jaxlib 0.10, whose own
-/// is 0.3, and which refuses 0.0).
+/// The version of the calls that the fields below are of, and the least that XLA still takes (found with
+/// jaxlib 0.10, whose own is 0.3, and which refuses 0.0).
 pub(super) const API_MAJOR: c_int = 0;
 pub(super) const API_MINOR: c_int = 1;
 

@@ -1,0 +1,61 @@
+//! Algorithms on many states of one robot at once, with SIMD lanes and threads.
+//!
+//! Tables are row-major, one state after the other: q is \[batch\]\[nq\], v, a and tau are \[batch\]\[nv\], a
+//! matrix is \[batch\]\[rows\]\[columns\]. A block of states fills the lanes of one vector register, and
+//! threads process chunks of blocks. The arithmetic of each lane does not depend on its position in a block
+//! or chunk. Results are therefore the same bits for any number of threads and for any division of a batch.
+//! They differ from those of the single-state functions by rounding.
+//!
+//! A state with an input or a result that is not finite does not affect other states. [`BadStates`] reports
+//! it, its results are NaN, and those of all other states are valid.
+//!
+//! ```
+//! use robot_dynamics::batch;
+//! use robot_dynamics::batch::BatchWorkspace;
+//! use robot_dynamics::description::{RandomRobotOptions, random_robot};
+//! use robot_dynamics::model::Model;
+//! let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+//! let mut workspace = BatchWorkspace::<f64>::new(&model);
+//! let q = robot_dynamics::model::neutral(&model).repeat(100);
+//! let v = vec![0.1; 100 * model.nv()];
+//! let mut tau = v.clone();
+//! batch::bias(&model, &mut workspace, &q, &v, &mut tau)?;
+//! assert_eq!(tau[..model.nv()], tau[99 * model.nv()..]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod bad_states;
+mod block;
+mod compiled_once;
+mod compute;
+mod derivatives;
+mod equation;
+mod kinematics;
+mod native;
+mod pullback;
+mod quantity;
+mod recursions;
+mod related_mass;
+mod rollout;
+mod share;
+mod simulations;
+mod within;
+mod workspace;
+
+pub use bad_states::BadStates;
+pub use derivatives::{forward_dynamics_derivatives, inverse_dynamics_derivatives};
+pub use equation::{bias, forward_dynamics, gravity, inverse_dynamics, inverse_mass_matrix, mass_matrix};
+pub use kinematics::{
+    NUMBERS_PER_POSE, frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
+    frame_poses,
+};
+pub use pullback::{forward_dynamics_pullback, inverse_dynamics_pullback};
+pub use quantity::BatchQuantity;
+pub use related_mass::mass_matrix_related;
+pub use robot_dynamics_core::mass_matrix_related_entries;
+pub use rollout::{
+    PolicyInput, Rollout, RolloutError, RolloutProgress, StepperRollout, Torques, rollout,
+    rollout_by_stepper, rollout_pullback,
+};
+pub use simulations::SimulationBatch;
+pub use workspace::{BatchFloat, BatchOptions, BatchWorkspace, ThreadError, Threads};

@@ -1,0 +1,94 @@
+//! Batches of the quantities in the table of algorithms.
+
+use robot_dynamics_core::{Inputs, Model, Quantity};
+
+use crate::{BadStates, BatchFloat, BatchWorkspace};
+
+/// Computes a [`Quantity`] on batches.
+pub trait BatchQuantity {
+    /// Whether the quantity can be computed on batches.
+    fn has_batch(self) -> bool;
+
+    /// Computes the quantity for each state of a batch. The results are in the order of
+    /// [`Quantity::results`], and unused ones are empty. Returns `None` if [`has_batch`](Self::has_batch) is
+    /// false.
+    ///
+    /// ```
+    /// use robot_dynamics::batch::{BatchQuantity, BatchWorkspace};
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::quantity::{Inputs, Quantity};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let (mut workspace, mut mass) = (BatchWorkspace::<f64>::new(&model), [0.0; 3]);
+    /// let inputs = Inputs { q: &[0.0, 0.5, 1.0], ..Inputs::default() };
+    /// let results = [&mut mass[..], &mut [], &mut []];
+    /// Quantity::MassMatrix.compute_batch(&model, &mut workspace, &inputs, results).expect("there are batches of M")?;
+    /// assert_eq!(mass, [0.5; 3]);
+    /// assert!(!Quantity::Momentum.has_batch());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`BadStates`] lists the states without a valid result; all other results are valid.
+    ///
+    /// # Panics
+    /// Panics if a table has the wrong length, or the workspace belongs to another model.
+    #[track_caller]
+    fn compute_batch<T: BatchFloat>(
+        self,
+        model: &Model,
+        workspace: &mut BatchWorkspace<T>,
+        inputs: &Inputs<'_, T>,
+        results: [&mut [T]; 3],
+    ) -> Option<Result<(), BadStates>>;
+}
+
+impl BatchQuantity for Quantity {
+    fn has_batch(self) -> bool {
+        matches!(
+            self,
+            Self::MassMatrix
+                | Self::Bias
+                | Self::Gravity
+                | Self::InverseDynamics
+                | Self::ForwardDynamics
+                | Self::InverseMassMatrix
+                | Self::FramePoses
+                | Self::FrameJacobianWorldAligned
+                | Self::FrameJacobianInFrame
+                | Self::InverseDynamicsDerivatives
+                | Self::ForwardDynamicsDerivatives
+        )
+    }
+
+    fn compute_batch<T: BatchFloat>(
+        self,
+        model: &Model,
+        workspace: &mut BatchWorkspace<T>,
+        inputs: &Inputs<'_, T>,
+        results: [&mut [T]; 3],
+    ) -> Option<Result<(), BadStates>> {
+        let &Inputs { q, v, a, tau, frames } = inputs;
+        let [x, y, z] = results;
+        Some(match self {
+            Self::MassMatrix => crate::mass_matrix(model, workspace, q, x),
+            Self::Bias => crate::bias(model, workspace, q, v, x),
+            Self::Gravity => crate::gravity(model, workspace, q, x),
+            Self::InverseDynamics => crate::inverse_dynamics(model, workspace, q, v, a, x),
+            Self::ForwardDynamics => crate::forward_dynamics(model, workspace, q, v, tau, x),
+            Self::InverseMassMatrix => crate::inverse_mass_matrix(model, workspace, q, x),
+            Self::FramePoses => crate::frame_poses(model, workspace, q, frames, x),
+            Self::FrameJacobianWorldAligned => {
+                crate::frame_jacobian_world_aligned(model, workspace, q, frames[0], x)
+            }
+            Self::FrameJacobianInFrame => crate::frame_jacobian_in_frame(model, workspace, q, frames[0], x),
+            Self::InverseDynamicsDerivatives => {
+                crate::inverse_dynamics_derivatives(model, workspace, q, v, a, x, y)
+            }
+            Self::ForwardDynamicsDerivatives => {
+                crate::forward_dynamics_derivatives(model, workspace, q, v, tau, x, y, z)
+            }
+            _ => return None,
+        })
+    }
+}

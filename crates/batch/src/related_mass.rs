@@ -1,0 +1,115 @@
+//! The structurally nonzero entries of M.
+
+use robot_dynamics_core::algorithms::mass_matrix::{CompositeBodies, Entries, is_plain, related_end};
+use robot_dynamics_core::workspace::buffers::Dense;
+use robot_dynamics_core::{Model, NativeFunction, Workspace};
+use robot_dynamics_number::dispatch::Hardware;
+use robot_dynamics_number::{Scalar, StateLanes};
+
+use super::block::{Operation, add_poison};
+use super::compiled_once::Quantity;
+use super::compute::Tables;
+use super::within::call;
+use super::{BadStates, BatchFloat, BatchWorkspace};
+
+/// The entries of M that [`mass_matrix_related`].
+#[derive(Clone, Copy)]
+pub(super) struct RelatedMass;
+
+impl<T> Operation<T> for RelatedMass {
+    fn width(self, model: &Model) -> usize {
+        (0..model.nv).map(|i| related_end(model, i) - i).sum()
+    }
+
+    fn native(self) -> Option<NativeFunction> {
+        Some(NativeFunction::MassMatrixRelated)
+    }
+
+    /// |M_ij|² ≤ M_ii M_jj, so the diagonal entries suffice, the first of each row.
+    #[inline(always)]
+    fn watch<N: StateLanes<Float = T>>(self, model: &Model, packed: &[N], poison: &mut N) {
+        let mut k = 0;
+        for i in 0..model.nv {
+            add_poison(poison, &packed[k..=k], 1);
+            k += related_end(model, i) - i;
+        }
+    }
+
+    #[inline(always)]
+    fn run<N: StateLanes<Float = T>, H: Hardware>(
+        self,
+        model: &Model,
+        workspace: &mut Workspace<N>,
+        [q, ..]: [&[N]; 3],
+        packed: &mut [N],
+    ) {
+        if is_plain(model) {
+            call::<H, _, _>(
+                &mut workspace.tree,
+                CompositeBodies { model, q, mass: packed, entries: Entries::Packed },
+            );
+            return;
+        }
+        let Workspace { tree, dense: Dense { matrix, .. }, .. } = workspace;
+        let (mass, entries) = (&mut matrix[..], Entries::RelatedAbove);
+        call::<H, _, _>(tree, CompositeBodies { model, q, mass, entries });
+        pack(model, matrix, packed);
+    }
+}
+
+#[inline(always)]
+fn pack<N: Scalar>(model: &Model, matrix: &[N], packed: &mut [N]) {
+    let mut k = 0;
+    for i in 0..model.nv {
+        for j in i..related_end(model, i) {
+            packed[k] = matrix[i * model.nv + j];
+            k += 1;
+        }
+    }
+}
+
+/// The structurally nonzero entries of M(q) of each state on and above the diagonal. These are the M_ij of
+/// two degrees of freedom of which one is an ancestor of the other.
+/// [`mass_matrix_related_entries`](robot_dynamics_core::mass_matrix_related_entries) lists them.
+///
+/// q is \[batch\]\[nq\]; the result is \[batch\]\[entries\]. For a chain it has half of the entries of
+/// [`mass_matrix`](super::mass_matrix), for a tree with many branches far fewer. They have the same bits.
+///
+/// # Errors
+/// [`BadStates`] lists the states without a valid result; all other results are valid.
+///
+/// # Panics
+/// Panics if a table has the wrong length, or the workspace belongs to another model.
+///
+/// ```
+/// use robot_dynamics::batch;
+/// use robot_dynamics::batch::BatchWorkspace;
+/// use robot_dynamics::description::{RandomRobotOptions, random_robot};
+/// use robot_dynamics::model::{Model, neutral};
+/// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// let mut workspace = BatchWorkspace::<f64>::new(&model);
+/// let (nv, q) = (model.nv(), neutral(&model).repeat(100));
+/// let entries = batch::mass_matrix_related_entries(&model);
+/// let mut packed = vec![0.0; 100 * entries.len()];
+/// batch::mass_matrix_related(&model, &mut workspace, &q, &mut packed)?;
+/// // Assemble the first state's whole matrix.
+/// let mut mass = vec![0.0; nv * nv];
+/// for (&(i, j), &m) in entries.iter().zip(&packed) {
+///     (mass[i * nv + j], mass[j * nv + i]) = (m, m);
+/// }
+/// let mut expected = vec![0.0; 100 * nv * nv];
+/// batch::mass_matrix(&model, &mut workspace, &q, &mut expected)?;
+/// assert_eq!(mass, expected[..nv * nv]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "CRBA")]
+#[track_caller]
+pub fn mass_matrix_related<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    q: &[T],
+    mass: &mut [T],
+) -> Result<(), BadStates> {
+    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
+    T::compute(model, workspace, Quantity::RelatedMass, &tables, "the related entries of M", mass)
+}

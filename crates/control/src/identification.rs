@@ -1,0 +1,51 @@
+//! Inertial parameters from measured motions.
+//!
+//! Motions determine only combinations of the inertial parameters. In W π = τ, where W stacks the regressors
+//! of many states, some columns depend on others. The independent columns, with the contributions of the
+//! others, define the base parameters β = π_b + K π_d. Least squares determines β from data, and β determines
+//! every torque.
+//!
+//! Sources:
+//! - Atkeson, An, Hollerbach (1986), as in
+//!   [`joint_torque_regressor`](robot_dynamics_core::joint_torque_regressor).
+//! - Gautier, Khalil, *Direct calculation of minimum set of inertial parameters of serial robots*, IEEE T-RA
+//!   6 (1990).
+//! - Wensing, Kim, Slotine, *Linear matrix inequalities for physically consistent inertial parameter
+//!   identification*, IEEE RA-L 3 (2018) for the pseudo-inertia.
+
+mod base;
+mod consistency;
+mod error;
+mod record;
+
+pub use base::{BaseParameter, BaseParameters, IdentificationResult};
+pub use consistency::{LinkConsistency, physical_consistency, pseudo_inertia};
+pub use error::IdentificationError;
+pub use record::MotionRecord;
+
+use robot_dynamics_core::Model;
+
+/// The names of a link's ten parameters, in the order of
+/// [`joint_torque_regressor`](robot_dynamics_core::joint_torque_regressor).
+const PARAMETER_NAMES: [&str; robot_dynamics_core::PARAMETERS_PER_LINK] =
+    ["m", "hx", "hy", "hz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
+
+/// The names of all inertial parameters, `link.m`, `link.hx`, ..., in the order of
+/// [`inertial_parameters`](robot_dynamics_core::inertial_parameters).
+///
+/// ```
+/// use robot_dynamics::algorithms::inertial_parameters;
+/// use robot_dynamics::control::inertial_parameter_names;
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::Model;
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (names, values) = (inertial_parameter_names(&model), inertial_parameters(&model));
+/// assert_eq!((names[0].as_str(), values[0]), ("rod.m", 2.0));
+/// assert_eq!((names[1].as_str(), values[1]), ("rod.hx", 2.0 * 0.5));
+/// assert_eq!((names[6].as_str(), values[6]), ("rod.Iyy", 2.0 * 0.5 * 0.5));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn inertial_parameter_names(model: &Model) -> Vec<String> {
+    let of_link = |link: &str| PARAMETER_NAMES.map(|name| format!("{link}.{name}"));
+    model.moving_links().flat_map(of_link).collect()
+}

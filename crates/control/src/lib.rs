@@ -1,0 +1,26 @@
+//! Inverse kinematics, operational-space control, LQR, time-optimal paths and identification of parameters.
+
+mod identification;
+mod inverse_kinematics;
+mod lqr;
+mod operational_space;
+mod time_parameterization;
+
+pub use identification::{
+    BaseParameter, BaseParameters, IdentificationError, IdentificationResult, LinkConsistency, MotionRecord,
+    inertial_parameter_names, physical_consistency, pseudo_inertia,
+};
+pub use inverse_kinematics::{
+    FrameTarget, InverseKinematicsError, InverseKinematicsOptions, InverseKinematicsSolution,
+    inverse_kinematics,
+};
+pub use lqr::{Dlqr, DlqrError, dlqr};
+pub use operational_space::{
+    ComputedTorque, OperationalSpace, OperationalSpaceWorkspace, PoseReference, Reference, TaskControl,
+    TaskGains, TaskReference, TaskTarget, operational_space, operational_space_into,
+};
+pub use time_parameterization::{
+    Collocation, CubicSpline, LimitUtilization, MotionLimits, ParameterizationError, PathCoefficients,
+    PathState, SplineError, TimeOptimal, TimedPath, TreePath, TreePathPoint, limit_utilization,
+    path_coefficients, time_optimal,
+};

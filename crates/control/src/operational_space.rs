@@ -1,0 +1,394 @@
+//! Operational-space dynamics, and controllers that track a motion.
+//!
+//! Source of the operational-space quantities: Khatib, *A unified approach for motion and force control of
+//! robot manipulators*, IEEE J. Robotics and Automation 3 (1987).
+
+mod actuated_part;
+mod computed_torque;
+mod mobility;
+mod target;
+mod task;
+
+pub use computed_torque::{ComputedTorque, Reference};
+pub use target::{PoseReference, TaskReference, TaskTarget};
+pub use task::{TaskControl, TaskGains};
+
+use nalgebra::{DMatrix, DVector};
+use robot_dynamics_core::algorithms::motion_error::{check_result, check_vector};
+use robot_dynamics_core::{
+    FrameId, Model, MotionError, Workspace, bias, check_configuration, check_rank,
+    frame_bias_acceleration_world_aligned, frame_jacobian_world_aligned,
+};
+use robot_dynamics_description::check_length;
+use robot_dynamics_simulation::motion::integrate::MassFactor;
+use robot_dynamics_simulation::motion::operational_space_error::check_entries;
+use robot_dynamics_simulation::{OperationalSpaceError, SpatialAxis};
+
+use self::actuated_part::ActuatedPart;
+use self::mobility::Mobility;
+
+/// A row is singular if its mobility independent of the others is below this fraction of its own; Λ would
+/// have less than four digits.
+const LEAST_MOBILITY: f64 = 1e-12;
+
+/// The largest number of directions of a frame.
+const MOST_ROWS: usize = 6;
+
+/// The dynamics of a frame: Λ ẍ + μ + p = F, where x are the chosen directions of its world-aligned velocity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OperationalSpace {
+    /// Λ = (J M⁻¹Jᵀ)⁻¹, K×K: the inertia that a force at the frame accelerates \[kg, kg·m, kg·m²\].
+    pub inertia: DMatrix<f64>,
+    /// J, K×nv: the chosen rows of the world-aligned frame Jacobian.
+    pub jacobian: DMatrix<f64>,
+    /// J̄ = M⁻¹JᵀΛ, nv×K: J J̄ = 1, and J̄ᵀτ is the force at the frame that is equivalent to τ.
+    pub consistent_inverse: DMatrix<f64>,
+    /// J̇ v, K.
+    pub bias_acceleration: DVector<f64>,
+    /// μ + p = J̄ᵀ(C v + g) − Λ J̇ v, K: the force that keeps ẍ = 0.
+    pub bias_force: DVector<f64>,
+}
+
+/// Scratch for [`operational_space_into`] on one model.
+#[derive(Clone, Debug)]
+pub struct OperationalSpaceWorkspace {
+    dynamics: Workspace,
+    scratch: Scratch,
+}
+
+/// The memory for the quantities of an operational space.
+#[derive(Clone, Debug)]
+struct Scratch {
+    /// All six rows of J, row-major.
+    jacobian: Vec<f64>,
+    /// C v + g.
+    force: Vec<f64>,
+    mass: MassFactor,
+    /// Present if only motors act, and they do not drive every coordinate.
+    part: Option<ActuatedPart>,
+    /// Present if Λ is damped near a singular pose.
+    damping: Option<f64>,
+}
+
+impl Scratch {
+    fn new(model: &Model) -> Self {
+        let nv = model.nv();
+        Self {
+            jacobian: vec![0.0; 6 * nv],
+            force: vec![0.0; nv],
+            mass: MassFactor::new(model),
+            part: None,
+            damping: None,
+        }
+    }
+}
+
+impl OperationalSpaceWorkspace {
+    /// Allocates the memory for this model; nothing else allocates.
+    pub fn new(model: &Model) -> Self {
+        Self { dynamics: Workspace::new(model), scratch: Scratch::new(model) }
+    }
+
+    /// The same for a robot that is driven by its motors only: J̃, Λ̃ and μ̃, where the unactuated
+    /// coordinates move according to the dynamics. Λ̃ is damped near a singular pose.
+    fn of_actuated(model: &Model, damping: f64) -> Self {
+        let mut workspace = Self::new(model);
+        workspace.scratch.part = ActuatedPart::new(model);
+        workspace.scratch.damping = Some(damping);
+        workspace
+    }
+}
+
+/// Λ, J̄ and μ + p of a frame, for the rows chosen of x, y, z, rx, ry, rz along the world's axes.
+///
+/// F = Λ ẍ + μ + p with τ = JᵀF. Torques (1 − JᵀJ̄ᵀ) τ₀ do not accelerate the frame. This function allocates;
+/// [`operational_space_into`] does not, and suits control loops.
+///
+/// ```
+/// use robot_dynamics::constraints::SpatialAxis;
+/// use robot_dynamics::control::operational_space;
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::{Model, Workspace};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // Horizontal rod: the tip accelerates along z, and its effective mass is the mass there.
+/// let (w, tip) = (&mut Workspace::new(&model), model.frame_named("tip")?);
+/// let space = operational_space(&model, w, &[0.0], &[0.0], tip, &[SpatialAxis::Z])?;
+/// assert!((space.inertia[(0, 0)] - 2.0).abs() < 1e-14);
+/// assert!((space.bias_force[0] - 2.0 * 9.81).abs() < 1e-13); // the force that holds the weight
+/// assert!(((&space.jacobian * &space.consistent_inverse)[(0, 0)] - 1.0).abs() < 1e-15); // J J̄ = 1
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`OperationalSpaceError`] if q is an invalid configuration, v is not finite, M or J M⁻¹Jᵀ is singular, or
+/// a result overflows.
+///
+/// # Panics
+/// Panics if no row or more than six are chosen, or the frame belongs to another model.
+#[track_caller]
+pub fn operational_space(
+    model: &Model,
+    workspace: &mut Workspace,
+    q: &[f64],
+    v: &[f64],
+    frame: FrameId,
+    rows: &[SpatialAxis],
+) -> Result<OperationalSpace, OperationalSpaceError> {
+    workspace.check_inputs(model, q);
+    model.frame_of(frame);
+    check_length("v", v.len(), model.nv);
+    let mut space = OperationalSpace::zeros(model, rows.len());
+    compute(model, workspace, &mut Scratch::new(model), q, v, frame, rows, &mut space)?;
+    Ok(space)
+}
+
+/// [`operational_space`] into existing memory, without allocation. On an error the contents of `space` are
+/// unspecified.
+///
+/// ```
+/// use robot_dynamics::constraints::SpatialAxis;
+/// use robot_dynamics::control::{OperationalSpace, OperationalSpaceWorkspace};
+/// use robot_dynamics::control::operational_space_into;
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::Model;
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (tip, rows) = (model.frame_named("tip")?, [SpatialAxis::Z]);
+/// let mut workspace = OperationalSpaceWorkspace::new(&model); // allocated once before the loop
+/// let mut space = OperationalSpace::zeros(&model, rows.len());
+/// operational_space_into(&model, &mut workspace, &[0.3], &[0.0], tip, &rows, &mut space)?;
+/// assert!((space.inertia[(0, 0)] - 2.0 / 0.3_f64.cos().powi(2)).abs() < 1e-14); // only part of its motion is along z
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`operational_space`].
+///
+/// # Panics
+/// As [`operational_space`], and if `space` has another number of rows or coordinates.
+#[track_caller]
+pub fn operational_space_into(
+    model: &Model,
+    workspace: &mut OperationalSpaceWorkspace,
+    q: &[f64],
+    v: &[f64],
+    frame: FrameId,
+    rows: &[SpatialAxis],
+    space: &mut OperationalSpace,
+) -> Result<(), OperationalSpaceError> {
+    let OperationalSpaceWorkspace { dynamics, scratch } = workspace;
+    compute(model, dynamics, scratch, q, v, frame, rows, space)
+}
+
+#[allow(clippy::too_many_arguments)] // model, memory, state, frame and result
+fn compute(
+    model: &Model,
+    workspace: &mut Workspace,
+    scratch: &mut Scratch,
+    q: &[f64],
+    v: &[f64],
+    frame: FrameId,
+    rows: &[SpatialAxis],
+    space: &mut OperationalSpace,
+) -> Result<(), OperationalSpaceError> {
+    let (nv, count) = (model.nv(), rows.len());
+    assert!((1..=MOST_ROWS).contains(&count), "an operational space has one to six rows, not {count}");
+    check_length("the operational space", space.inertia.nrows(), count);
+    check_length("a row of the operational space's J", space.jacobian.ncols(), nv);
+    check_configuration(model, q).map_err(MotionError::from)?;
+    check_vector(model, "v", v)?;
+    let Scratch { jacobian: full, force, mass, part, damping } = scratch;
+    frame_jacobian_world_aligned(model, workspace, q, frame, full);
+    let rate = frame_bias_acceleration_world_aligned(model, workspace, q, v, frame);
+    bias(model, workspace, q, v, force);
+    check_rank(model, workspace, q).map_err(MotionError::from)?;
+    if mass.factor(model, workspace, q).is_err() {
+        return Err(singular_mass(model, q).into());
+    }
+
+    let OperationalSpace { inertia, jacobian, consistent_inverse, bias_acceleration, bias_force } = space;
+    // M⁻¹Jᵀ, column by column, in the memory of J̄.
+    for (k, row) in rows.iter().map(|row| *row as usize).enumerate() {
+        bias_acceleration[k] = if row < 3 { rate.linear[row] } else { rate.angular[row - 3] };
+        let mut response = consistent_inverse.column_mut(k);
+        for (i, &entry) in full[row * nv..(row + 1) * nv].iter().enumerate() {
+            jacobian[(k, i)] = entry;
+            response[i] = entry;
+        }
+        mass.solve(response.as_mut_slice());
+    }
+    if let Some(part) = part {
+        part.factor(model, workspace, q)?;
+        part.reduce(force);
+        for (k, row) in rows.iter().map(|row| *row as usize).enumerate() {
+            let row = &mut full[row * nv..(row + 1) * nv];
+            bias_acceleration[k] -= part.along_unactuated(row);
+        }
+        for (k, row) in rows.iter().map(|row| *row as usize).enumerate() {
+            let row = &mut full[row * nv..(row + 1) * nv];
+            part.reduce(row);
+            jacobian.row_mut(k).iter_mut().zip(&*row).for_each(|(entry, x)| *entry = *x);
+            part.clear_unactuated(consistent_inverse.column_mut(k).as_mut_slice());
+        }
+    }
+    let mut mobility = Mobility::new(count, |i, j| jacobian.row(i).tr_dot(&consistent_inverse.column(j)));
+    let factored = match *damping {
+        Some(damping) => mobility.factor_damped(damping),
+        None => mobility.factor(LEAST_MOBILITY).map(|_| ()),
+    };
+    if let Err((row, pivot)) = factored {
+        return Err(OperationalSpaceError::Singular { row: rows[row].name(), pivot });
+    }
+    mobility.invert(inertia);
+    for i in 0..nv {
+        let mut row = consistent_inverse.row_mut(i);
+        let mut response = [0.0; MOST_ROWS];
+        response.iter_mut().zip(row.iter()).for_each(|(to, x)| *to = *x);
+        for k in 0..count {
+            row[k] = (0..count).map(|j| response[j] * inertia[(j, k)]).sum();
+        }
+    }
+    for k in 0..count {
+        let weight: f64 = consistent_inverse.column(k).iter().zip(force.iter()).map(|(j, f)| j * f).sum();
+        let lost: f64 = (0..count).map(|j| inertia[(k, j)] * bias_acceleration[j]).sum();
+        bias_force[k] = weight - lost;
+    }
+    check_result("Λ", inertia.as_slice())?;
+    check_result("J̄", consistent_inverse.as_slice())?;
+    Ok(check_result("μ + p", bias_force.as_slice())?)
+}
+
+/// The error for an M that could not be factored.
+fn singular_mass(model: &Model, q: &[f64]) -> MotionError {
+    let overflow = MotionError::Overflow { quantity: "M⁻¹", value: f64::INFINITY };
+    model.inverse_mass_matrix(q).err().unwrap_or(overflow)
+}
+
+impl OperationalSpace {
+    /// Allocates zeros for this number of rows, to be filled by [`operational_space_into`].
+    pub fn zeros(model: &Model, rows: usize) -> Self {
+        let nv = model.nv();
+        Self {
+            inertia: DMatrix::zeros(rows, rows),
+            jacobian: DMatrix::zeros(rows, nv),
+            consistent_inverse: DMatrix::zeros(nv, rows),
+            bias_acceleration: DVector::zeros(rows),
+            bias_force: DVector::zeros(rows),
+        }
+    }
+
+    /// τ = JᵀF with F = Λ ẍ + μ + p: the torque that gives the frame this acceleration. The motion of the
+    /// robot in the null space is not controlled, and gravity acts on it: see
+    /// [`torque_with_posture`](Self::torque_with_posture). It allocates.
+    ///
+    /// # Errors
+    /// [`OperationalSpaceError`] if ẍ is not finite, or τ overflows.
+    ///
+    /// # Panics
+    /// Panics if ẍ has the wrong length.
+    #[track_caller]
+    pub fn torque(&self, acceleration: &[f64]) -> Result<DVector<f64>, OperationalSpaceError> {
+        let mut tau = DVector::zeros(self.jacobian.ncols());
+        self.add_force(&self.force(acceleration)?, tau.as_mut_slice())?;
+        Ok(tau)
+    }
+
+    /// (1 − JᵀJ̄ᵀ) τ₀: a torque without its component that accelerates the frame. It allocates.
+    ///
+    /// # Errors
+    /// [`OperationalSpaceError`] if τ₀ is not finite, or the result overflows.
+    ///
+    /// # Panics
+    /// Panics if τ₀ has the wrong length.
+    #[track_caller]
+    pub fn null_torque(&self, tau: &[f64]) -> Result<DVector<f64>, OperationalSpaceError> {
+        let mut rest = DVector::zeros(self.jacobian.ncols());
+        self.with_null_torque([0.0; MOST_ROWS], tau, rest.as_mut_slice())?;
+        Ok(rest)
+    }
+
+    /// The torque with a null-space part:
+    ///
+    /// > τ = JᵀF + (1 − JᵀJ̄ᵀ) τ₀,  F = Λ ẍ + μ + p
+    ///
+    /// The frame accelerates with ẍ for any τ₀, and τ₀ controls the motion in the null space. τ has nv
+    /// entries, ẍ has K, and τ₀ has nv. It does not allocate.
+    /// allocate.
+    ///
+    /// τ₀ = C v + g − k (q ⊖ q\*) − d v keeps an arm's elbow in place. Without C v + g, which compensates its
+    /// weight, the elbow sags, and without the spring it drifts.
+    ///
+    /// ```
+    /// use robot_dynamics::algorithms::forward_dynamics;
+    /// use robot_dynamics::algorithms::frame_classical_acceleration_world_aligned;
+    /// use robot_dynamics::constraints::SpatialAxis;
+    /// use robot_dynamics::control::operational_space;
+    /// use robot_dynamics::description::{JointKinds, RandomRobotOptions, random_robot};
+    /// use robot_dynamics::model::{Model, Workspace};
+    /// let options = RandomRobotOptions { joints: 7, kinds: JointKinds::Turning, chain: 1.0, ..Default::default() };
+    /// let model = Model::new(random_robot(4, &options))?;
+    /// let hand = model.frame(&model.frames()[model.frames().len() - 1].name).expect("a frame");
+    /// let (w, q, v) = (&mut Workspace::new(&model), vec![0.4; 7], vec![0.0; 7]);
+    /// let rows = [SpatialAxis::X, SpatialAxis::Y, SpatialAxis::Z];
+    /// let space = operational_space(&model, w, &q, &v, hand, &rows)?;
+    /// let (mut tau, mut a) = (vec![0.0; 7], vec![0.0; 7]);
+    /// space.torque_with_posture(&[0.1, 0.2, 0.3], &vec![5.0; 7], &mut tau)?;
+    /// forward_dynamics(&model, w, &q, &v, &tau, &mut a);
+    /// let moved = frame_classical_acceleration_world_aligned(&model, w, &q, &v, &a, hand).linear;
+    /// assert!((moved[1] - 0.2).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`OperationalSpaceError`] if ẍ or τ₀ is not finite, or τ overflows; τ is then unspecified.
+    ///
+    /// # Panics
+    /// Panics if a slice has the wrong length.
+    #[track_caller]
+    pub fn torque_with_posture(
+        &self,
+        acceleration: &[f64],
+        posture: &[f64],
+        tau: &mut [f64],
+    ) -> Result<(), OperationalSpaceError> {
+        self.with_null_torque(self.force(acceleration)?, posture, tau)
+    }
+
+    /// F = Λ ẍ + μ + p.
+    fn force(&self, acceleration: &[f64]) -> Result<[f64; MOST_ROWS], OperationalSpaceError> {
+        let count = self.inertia.nrows();
+        check_length("the acceleration", acceleration.len(), count);
+        check_entries("the acceleration", acceleration)?;
+        let mut force = [0.0; MOST_ROWS];
+        for k in 0..count {
+            let push: f64 = (0..count).map(|j| self.inertia[(k, j)] * acceleration[j]).sum();
+            force[k] = push + self.bias_force[k];
+        }
+        Ok(force)
+    }
+
+    /// τ = JᵀF + (1 − JᵀJ̄ᵀ) τ₀ = τ₀ + Jᵀ(F − J̄ᵀτ₀).
+    fn with_null_torque(
+        &self,
+        mut force: [f64; MOST_ROWS],
+        posture: &[f64],
+        tau: &mut [f64],
+    ) -> Result<(), OperationalSpaceError> {
+        let nv = self.jacobian.ncols();
+        check_length("the posture's torque", posture.len(), nv);
+        check_length("tau", tau.len(), nv);
+        check_entries("the posture's torque", posture)?;
+        for (force, column) in force.iter_mut().zip(self.consistent_inverse.column_iter()) {
+            *force -= column.iter().zip(posture).map(|(j, tau)| j * tau).sum::<f64>();
+        }
+        tau.copy_from_slice(posture);
+        self.add_force(&force, tau)
+    }
+
+    /// τ ← τ + JᵀF.
+    fn add_force(&self, force: &[f64; MOST_ROWS], tau: &mut [f64]) -> Result<(), OperationalSpaceError> {
+        for (tau, column) in tau.iter_mut().zip(self.jacobian.column_iter()) {
+            *tau += column.iter().zip(force).map(|(j, f)| j * f).sum::<f64>();
+        }
+        Ok(check_result("the torque", tau)?)
+    }
+}

@@ -1,0 +1,24 @@
+//! Time parameterization: torques along a path, and the fastest motion along it within the robot's limits.
+//!
+//! A path q(s) has no time law. With one, v = q′ ṡ and a = q′ s̈ + q″ ṡ². The torques are a(s) s̈ + b(s) ṡ² +
+//! c(s) = τ, linear in u = s̈ and x = ṡ² **(PRM ch. 11; MR §9.4)**. Limits of torque and velocity at s are
+//! therefore half-planes of (u, x), and x′ = 2 s̈. A backward pass finds the values of x from which the
+//! motion can still stop in time. A forward pass takes the largest of them.
+
+mod coefficients;
+mod grid;
+mod half_planes;
+mod limits;
+mod path;
+mod reachability;
+mod spline;
+mod timed_path;
+mod verification;
+
+pub use coefficients::{PathCoefficients, path_coefficients};
+pub use limits::{MotionLimits, ParameterizationError};
+pub use path::{TreePath, TreePathPoint};
+pub use reachability::{Collocation, TimeOptimal, time_optimal};
+pub use spline::{CubicSpline, SplineError};
+pub use timed_path::{PathState, TimedPath};
+pub use verification::{LimitUtilization, limit_utilization};

@@ -1,0 +1,23 @@
+//! The recursions: each quantity of the equation of motion in O(n), or O(n) per row.
+
+pub mod center_of_mass;
+pub(crate) mod centroidal;
+pub mod christoffel;
+pub mod coriolis;
+pub mod dissipation;
+pub mod energy;
+pub mod forward_dynamics;
+pub mod forward_dynamics_by_cholesky;
+pub mod frame_motion;
+pub mod inverse_dynamics;
+pub mod inverse_mass_matrix;
+pub mod jacobian;
+pub mod joint_reactions;
+pub mod kinematics;
+pub mod mass_matrix;
+pub mod mass_matrix_factor;
+pub mod mass_matrix_rate;
+pub mod momentum;
+pub mod motion_error;
+pub mod rank;
+pub mod regressor;

@@ -1,0 +1,345 @@
+//! Velocities and accelerations of frames. Cost: O(n).
+//!
+//! The name of each function states the reference point and the axes:
+//! - *world aligned*: the velocity of the frame's origin and ω, along the world's axes;
+//! - *in frame*: the same two vectors along the frame's own axes (the body twist, MR §3.3.2);
+//! - *in world*: ω, and the velocity of the point of the moving body that coincides with the world's origin
+//!   (the spatial twist, MR §3.3.2).
+
+use robot_dynamics_description::Pose;
+use robot_dynamics_description::check_length;
+use robot_dynamics_number::Scalar;
+use robot_dynamics_number::algebra::{M3, V3};
+
+use crate::algorithms::kinematics::constant;
+use crate::kinematics::screws::{accelerate_screws, move_screws, place_screws, shifted, turn_screws};
+use crate::kinematics::shifts::in_world;
+use crate::spatial::screw::{Screw, Transform};
+use crate::workspace::tree::TreeMemory;
+use crate::{Frame, FrameId, Model, Workspace};
+
+/// A velocity \[m/s, rad/s\] or an acceleration \[m/s², rad/s²\] of a frame. The function that returns it
+/// states the reference point of the linear part and the axes of both parts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Twist<S = f64> {
+    /// The linear part.
+    pub linear: [S; 3],
+    /// The angular part.
+    pub angular: [S; 3],
+}
+
+/// The velocity of the frame's origin and ω, along the world's axes \[m/s, rad/s\].
+///
+/// ```
+/// use robot_dynamics::algorithms::frame_velocity_world_aligned;
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::{Model, Workspace};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (w, tip) = (&mut Workspace::new(&model), model.frame_named("tip")?);
+/// let velocity = frame_velocity_world_aligned(&model, w, &[0.3], &[3.0], tip);
+/// assert!((velocity.linear[0] + 0.5 * 3.0 * 0.3_f64.sin()).abs() < 1e-14); // l v, across the rod
+/// assert!((velocity.linear[2] + 0.5 * 3.0 * 0.3_f64.cos()).abs() < 1e-14);
+/// assert!((velocity.angular[1] - 3.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame belongs to another model.
+#[doc(alias = "LOCAL_WORLD_ALIGNED")]
+#[inline]
+#[track_caller]
+pub fn frame_velocity_world_aligned<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    workspace.check_inputs(model, q);
+    model.frame_of(frame);
+    check_length("v", v.len(), model.nv);
+    Moving::moved(model, &mut workspace.tree, q, v, frame).velocity_world_aligned()
+}
+
+/// The velocity of the frame's origin and ω, along the frame's own axes \[m/s, rad/s\].
+///
+/// ```
+/// use robot_dynamics::algorithms::frame_velocity_in_frame;
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::{Model, Workspace};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // In the rod's axes the tip moves along −z at every angle.
+/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
+/// let velocity = frame_velocity_in_frame(&model, w, &[0.3], &[3.0], tip);
+/// assert!(velocity.linear[0].abs() < 1e-14 && (velocity.linear[2] + 0.5 * 3.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame belongs to another model.
+#[doc(alias = "LOCAL")]
+#[inline]
+#[track_caller]
+pub fn frame_velocity_in_frame<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    workspace.check_inputs(model, q);
+    model.frame_of(frame);
+    check_length("v", v.len(), model.nv);
+    let moving = Moving::moved(model, &mut workspace.tree, q, v, frame);
+    moving.along_own_axes(&moving.velocity_world_aligned())
+}
+
+/// ω, and the velocity of the point of the frame's body that coincides with the world's origin, along the
+/// world's axes \[m/s, rad/s\].
+///
+/// ```
+/// use robot_dynamics::algorithms::frame_velocity_in_world;
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::{Model, Workspace};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // The rod's point at the world's origin is the hinge, which does not move.
+/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
+/// let velocity = frame_velocity_in_world(&model, w, &[0.3], &[3.0], tip);
+/// assert!(velocity.linear.iter().all(|x| x.abs() < 1e-14) && (velocity.angular[1] - 3.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame belongs to another model.
+#[doc(alias = "WORLD")]
+#[inline]
+#[track_caller]
+pub fn frame_velocity_in_world<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    workspace.check_inputs(model, q);
+    model.frame_of(frame);
+    check_length("v", v.len(), model.nv);
+    let moving = Moving::moved(model, &mut workspace.tree, q, v, frame);
+    moving.at_world_origin(&moving.twist)
+}
+
+/// The classical acceleration p̈ of the frame's origin, and ω̇, along the world's axes \[m/s², rad/s²\]. It
+/// is the rate of [`frame_velocity_world_aligned`] and does not include gravity.
+///
+/// ```
+/// use robot_dynamics::algorithms::frame_classical_acceleration_world_aligned;
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::{Model, Workspace};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // Horizontal: l v² towards the hinge, l a downwards.
+/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
+/// let p = frame_classical_acceleration_world_aligned(&model, w, &[0.0], &[3.0], &[2.0], tip).linear;
+/// assert!((p[0] + 0.5 * 3.0 * 3.0).abs() < 1e-14 && (p[2] + 0.5 * 2.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame belongs to another model.
+#[inline]
+#[track_caller]
+pub fn frame_classical_acceleration_world_aligned<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    workspace.check_inputs(model, q);
+    model.frame_of(frame);
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
+    Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame).classical_world_aligned()
+}
+
+/// The spatial acceleration at the frame's origin, p̈ − ω × ṗ, and ω̇, along the frame's own axes \[m/s²,
+/// rad/s²\]. It is the rate of the components of [`frame_velocity_in_frame`]. **(RBDA §2.11)**
+///
+/// ```
+/// use robot_dynamics::algorithms::frame_spatial_acceleration_in_frame;
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::{Model, Workspace};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // In the rod's axes the tip's velocity, l v along −z, changes by l a. The rod's rotation does not count.
+/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
+/// let rate = frame_spatial_acceleration_in_frame(&model, w, &[0.3], &[3.0], &[2.0], tip);
+/// assert!(rate.linear[0].abs() < 1e-14 && (rate.linear[2] + 0.5 * 2.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame belongs to another model.
+#[inline]
+#[track_caller]
+pub fn frame_spatial_acceleration_in_frame<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    workspace.check_inputs(model, q);
+    model.frame_of(frame);
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
+    Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame).spatial_in_frame()
+}
+
+/// The spatial acceleration at the world's origin, along the world's axes \[m/s², rad/s²\]. It is the rate of
+/// [`frame_velocity_in_world`]. **(RBDA §2.11)**
+///
+/// ```
+/// use robot_dynamics::algorithms::frame_spatial_acceleration_in_world;
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::{Model, Workspace};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // The rod's point at the world's origin is the hinge, which stays at rest.
+/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
+/// let rate = frame_spatial_acceleration_in_world(&model, w, &[0.3], &[3.0], &[2.0], tip);
+/// assert!(rate.linear.iter().all(|x| x.abs() < 1e-14) && (rate.angular[1] - 2.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame belongs to another model.
+#[inline]
+#[track_caller]
+pub fn frame_spatial_acceleration_in_world<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    workspace.check_inputs(model, q);
+    model.frame_of(frame);
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
+    Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame).spatial_in_world()
+}
+
+/// A frame and its body's motion, in the body's inertial frame of [`place_screws`].
+pub struct Moving<S: Scalar> {
+    /// The frame's placement in the inertial frame.
+    pub place: Transform<S>,
+    pub twist: Screw<S>,
+    pub rate: Screw<S>,
+    /// The inertial frame's origin in the world.
+    pub origin: V3<S>,
+}
+
+impl<S: Scalar> Moving<S> {
+    /// Reads the results of [`move_screws`] and, if called, of [`accelerate_screws`].
+    #[inline(always)]
+    fn new(model: &Model, tree: &TreeMemory<S>, frame: FrameId) -> Self {
+        Self::of_frame(model, tree, model.frame_of(frame))
+    }
+
+    /// The same for any frame on a body.
+    #[inline(always)]
+    pub fn of_frame(model: &Model, tree: &TreeMemory<S>, frame: &Frame) -> Self {
+        let at = Self::at(model, tree, frame.body);
+        Self { place: at.place.then(&constant(frame)), ..at }
+    }
+
+    /// The same for a body's own frame, or the world's.
+    #[inline(always)]
+    pub fn at(model: &Model, tree: &TreeMemory<S>, body: Option<usize>) -> Self {
+        match body {
+            Some(body) => Self {
+                place: tree.screws.world[body],
+                twist: tree.screws.twist[body],
+                rate: tree.screws.twist_rate[body],
+                origin: in_world(model, tree, body),
+            },
+            None => Self {
+                place: Transform { rotation: M3::from_f64(Pose::IDENTITY.rotation), translation: V3::zero() },
+                twist: Screw::zero(),
+                rate: Screw::zero(),
+                origin: V3::zero(),
+            },
+        }
+    }
+
+    #[inline(always)]
+    pub fn moved(model: &Model, tree: &mut TreeMemory<S>, q: &[S], v: &[S], frame: FrameId) -> Self {
+        place_screws(model, tree, q);
+        move_screws(model, tree, v);
+        Self::new(model, tree, frame)
+    }
+
+    #[inline(always)]
+    pub fn accelerated(
+        model: &Model,
+        tree: &mut TreeMemory<S>,
+        q: &[S],
+        v: &[S],
+        a: Option<&[S]>,
+        frame: FrameId,
+    ) -> Self {
+        place_screws(model, tree, q);
+        move_screws(model, tree, v);
+        turn_screws(model, tree);
+        accelerate_screws(model, tree, a);
+        Self::new(model, tree, frame)
+    }
+
+    /// ṗ = u + ω × p.
+    #[inline(always)]
+    pub fn velocity_world_aligned(&self) -> Twist<S> {
+        let Screw { linear, angular } = shifted(&self.twist, self.place.translation);
+        Twist { linear: linear.array(), angular: angular.array() }
+    }
+
+    /// p̈ = u̇ + ω̇ × p + ω × ṗ.
+    #[inline(always)]
+    pub fn classical_world_aligned(&self) -> Twist<S> {
+        let velocity = shifted(&self.twist, self.place.translation);
+        let spatial = shifted(&self.rate, self.place.translation);
+        let linear = spatial.linear + velocity.angular.cross(velocity.linear);
+        Twist { linear: linear.array(), angular: spatial.angular.array() }
+    }
+
+    #[inline(always)]
+    pub fn spatial_in_frame(&self) -> Twist<S> {
+        let Screw { linear, angular } = shifted(&self.rate, self.place.translation);
+        self.along_own_axes(&Twist { linear: linear.array(), angular: angular.array() })
+    }
+
+    #[inline(always)]
+    pub fn spatial_in_world(&self) -> Twist<S> {
+        self.at_world_origin(&self.rate)
+    }
+
+    /// A motion in the inertial frame, about the frame's origin and along the frame's own axes.
+    #[inline(always)]
+    pub fn screw_in_frame(&self, motion: &Screw<S>) -> Screw<S> {
+        let Screw { linear, angular } = shifted(motion, self.place.translation);
+        let turn = &self.place.rotation;
+        Screw { linear: turn.transpose_mul(linear), angular: turn.transpose_mul(angular) }
+    }
+
+    #[inline(always)]
+    fn along_own_axes(&self, twist: &Twist<S>) -> Twist<S> {
+        let turn = |v: [S; 3]| self.place.rotation.transpose_mul(V3::new(v)).array();
+        Twist { linear: turn(twist.linear), angular: turn(twist.angular) }
+    }
+
+    #[inline(always)]
+    fn at_world_origin(&self, twist: &Screw<S>) -> Twist<S> {
+        let Screw { linear, angular } = shifted(twist, -self.origin);
+        Twist { linear: linear.array(), angular: angular.array() }
+    }
+}

@@ -1,0 +1,50 @@
+//! Derivatives of the recursions by configuration and velocity, in closed form.
+//!
+//! Work in the inertial frame of [`screws`](crate::kinematics::screws). Let j be a DoF of body b, whose
+//! parent p has the velocity V_p and the acceleration A_p (A_p of the world is −gravity). A displacement
+//! along j changes the motions and forces of the subtree by the cross product with S_j. The parts that the
+//! parent imposes do not change. With
+//!
+//! ψ_j = V_p × S_j,  ψ′_j = A_p × S_j + V_p × ψ_j,
+//!
+//! ∂V/∂q_j = S_j × V + ψ_j, ∂A/∂q_j = S_j × A + ψ_j × V + ψ′_j. For the force F = I A + V ×\* I V of a body,
+//!
+//! ∂F/∂q_j = S_j ×\* F + I ψ′_j + 2B ψ_j,  ∂F/∂v_j = I (Ṡ_j + ψ_j) + 2B S_j,
+//!
+//! with the matrix B of [`coriolis`](crate::coriolis_matrix). The expressions are linear in I, B and F, so
+//! the sums over a subtree serve every DoF on its way to the root. Cost: O(n depth).
+//!
+//! Sources: Singh, Russell, Wensing, *Efficient analytical derivatives of rigid-body dynamics using spatial
+//! vector algebra*, IEEE Robotics and Automation Letters 7 (2022); Carpentier, Mansard, *Analytical
+//! derivatives of rigid body dynamics algorithms*, RSS (2018).
+//!
+//! For a spherical or floating joint, ∂/∂q_j is the rate along q ⊕ δ e_j in the directions of v, with ⊕ of
+//! [`integrate`](crate::integrate).
+
+mod center_of_mass;
+mod columns;
+mod entries;
+mod forward_dynamics;
+mod frames;
+mod gravity;
+mod inverse_dynamics;
+mod pullback;
+mod solve_rows;
+
+pub use center_of_mass::center_of_mass_velocity_derivative;
+pub use forward_dynamics::ForwardDynamicsSlopes;
+pub use forward_dynamics::{forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches};
+pub use frames::{
+    frame_acceleration_derivatives_in_frame, frame_acceleration_derivatives_world_aligned,
+    frame_velocity_derivative_in_frame, frame_velocity_derivative_world_aligned,
+};
+pub use gravity::gravity_derivative;
+pub use inverse_dynamics::InverseDynamicsSlopes;
+pub use inverse_dynamics::{inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches};
+pub use pullback::{ArticulatedBodiesPullback, NewtonEulerPullback, negate, solve_negative};
+pub use pullback::{
+    PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError, dissipation_pullback,
+    forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
+    inverse_dynamics_pullback_with_parameters, parameter_count, parameter_values, with_parameters,
+};
+pub use pullback::{check_parameters, pull_dissipation};

@@ -1,0 +1,137 @@
+//! The derivatives of inverse dynamics.
+
+use robot_dynamics_description::check_length;
+use robot_dynamics_number::Scalar;
+use robot_dynamics_number::View;
+use robot_dynamics_number::dispatch::{Hardware, Kernel};
+
+use super::columns::{bend, subtract_carried, sweep_in, sweep_out};
+use super::entries::{Slopes, write_slopes};
+use crate::kinematics::place::spread;
+use crate::kinematics::screws::place_screws;
+use crate::kinematics::wrench::FrameWrench;
+use crate::workspace::compiled_once::{OverNumber, compiled_once, run};
+use crate::workspace::tree::TreeMemory;
+use crate::{Model, Workspace};
+
+/// The arguments.
+pub struct InverseDynamicsSlopes<'a, S> {
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub v: &'a [S],
+    pub a: &'a [S],
+    pub wrenches: &'a [FrameWrench<S>],
+    pub by_position: &'a mut [S],
+    pub by_velocity: &'a mut [S],
+}
+
+compiled_once!(pub InverseSlopesKind, InverseDynamicsSlopes);
+
+impl<S: Scalar> Kernel<OverNumber, S> for InverseDynamicsSlopes<'_, S> {
+    const GAINS_BY_AVX512: bool = true;
+
+    #[inline(always)]
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
+        let Self { model, q, v, a, wrenches, by_position, by_velocity } = self;
+        let (q, v, a) = (N::view(q), N::view(v), N::view(a));
+        let (by_position, by_velocity) = (N::view_mut(by_position), N::view_mut(by_velocity));
+        place_screws(model, tree, q);
+        spread(model, v, &mut tree.freedoms.v);
+        spread(model, a, &mut tree.freedoms.a);
+        sweep_out(model, tree, model.gravity().map(|g| -g));
+        subtract_carried(model, tree, wrenches);
+        sweep_in(model, tree);
+        bend(model, tree);
+        by_position.fill(N::zero());
+        by_velocity.fill(N::zero());
+        let mut slopes = Slopes { by_position, by_velocity, stride: model.nv };
+        write_slopes(model, &tree.derivatives.paths.blocks, &mut slopes);
+    }
+}
+
+/// ∂τ/∂q and ∂τ/∂v of τ = M(q) a + C(q,v) v + g(q), each nv×nv, row-major. ∂τ/∂a is
+/// [`mass_matrix`](crate::mass_matrix). O(n depth).
+///
+/// For a spherical or floating joint, column j of ∂τ/∂q is the rate along [`integrate`](crate::integrate)(q,
+/// δ eⱼ), the directions of v. ∂τ/∂q includes springs. It is symmetric only at v = a = 0 and without
+/// quaternions, where it is the Hessian of V. Over dual numbers this function gives second derivatives.
+///
+/// ```
+/// use robot_dynamics::derivatives::inverse_dynamics_derivatives;
+/// use robot_dynamics::description::{JointDescription, JointKind, LinkDescription, Pose};
+/// use robot_dynamics::description::RobotDescription;
+/// use robot_dynamics::model::{Model, Workspace};
+/// // A pendulum of 2 kg on a 0.5 m rod, about y: τ = m l² a − m g l cos q.
+/// # let mass = robot_dynamics::description::MassProperties::new(2.0, [0.5, 0.0, 0.0].into(), nalgebra::Matrix3::zeros()).ok();
+/// let mut robot = RobotDescription::new("pendulum");
+/// robot.links.push(LinkDescription::new("ceiling", None));
+/// robot.links.push(LinkDescription::new("rod", mass));
+/// let about_y = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+/// robot.joints.push(JointDescription::new("hinge", about_y, "ceiling", "rod", Pose::IDENTITY));
+/// let model = Model::new(robot)?;
+/// let (mut by_q, mut by_v) = ([0.0], [0.0]);
+/// let mut workspace = Workspace::new(&model);
+/// inverse_dynamics_derivatives(&model, &mut workspace, &[0.3], &[1.0], &[2.0], &mut by_q, &mut by_v);
+/// assert!((by_q[0] - 2.0 * 9.81 * 0.5 * 0.3_f64.sin()).abs() < 1e-14);
+/// assert!(by_v[0].abs() < 1e-14);
+/// # Ok::<(), robot_dynamics::description::ModelError>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[doc(alias = "computeRNEADerivatives")]
+#[inline]
+#[track_caller]
+pub fn inverse_dynamics_derivatives<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+) {
+    inverse_dynamics_derivatives_with_wrenches(model, workspace, q, v, a, &[], by_position, by_velocity);
+}
+
+/// ∂τ/∂q and ∂τ/∂v of τ = M a + C v + g − Σ Jᵀw. The wrenches w keep their components in their frames.
+///
+/// ```
+/// use robot_dynamics::algorithms::FrameWrench;
+/// use robot_dynamics::derivatives::inverse_dynamics_derivatives_with_wrenches;
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::{Model, Workspace};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // A thruster turns with the rod, so its torque does not depend on the angle; only the weight's does.
+/// let (frame, w) = (model.frame_named("tip")?, &mut Workspace::<f64>::new(&model));
+/// let thrust = FrameWrench { frame, force_in_frame: [0.0, 0.0, 30.0], moment_in_frame: [0.0; 3] };
+/// let (mut by_q, mut by_v) = ([0.0], [0.0]);
+/// inverse_dynamics_derivatives_with_wrenches(
+///     &model, w, &[0.3], &[1.0], &[2.0], &[thrust], &mut by_q, &mut by_v,
+/// );
+/// assert!((by_q[0] - 2.0 * 9.81 * 0.5 * 0.3_f64.sin()).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[allow(clippy::too_many_arguments)] // as inverse_dynamics_with_wrenches, with two results
+#[inline]
+#[track_caller]
+pub fn inverse_dynamics_derivatives_with_wrenches<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    wrenches: &[FrameWrench<S>],
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+) {
+    workspace.check_inputs(model, q);
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
+    check_length("the derivative by q", by_position.len(), model.nv * model.nv);
+    check_length("the derivative by v", by_velocity.len(), model.nv * model.nv);
+    run(&mut workspace.tree, InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity });
+}

@@ -1,0 +1,299 @@
+//! The acceleration and the pullback of forward dynamics.
+
+use robot_dynamics_description::check_length;
+use robot_dynamics_number::Scalar;
+use robot_dynamics_number::View;
+use robot_dynamics_number::dispatch::{Hardware, Kernel};
+
+use super::inverse_dynamics::NewtonEulerPullback;
+use super::parameters::check_parameters;
+use super::sweeps::{Results, sweep_in, weigh_bodies};
+use crate::algorithms::forward_dynamics::{
+    accelerate_freedoms, eliminate_freedoms, free_bodies, subtract_in_world,
+};
+use crate::algorithms::forward_dynamics_by_cholesky::accelerate_by_cholesky;
+use crate::derivatives::columns::subtract_carried;
+use crate::factorization::sparse;
+use crate::kinematics::place::{gather, spread};
+use crate::kinematics::screws::{add_scaled, move_screws, place_screws};
+use crate::kinematics::shifts::{pass_inward, pass_outward};
+use crate::kinematics::wrench::FrameWrench;
+use crate::model::WORLD;
+use crate::model::native::NativeFunction;
+use crate::spatial::screw::Force;
+use crate::workspace::buffers::Dense;
+use crate::workspace::compiled_once::{OverNumber, compiled_once, run};
+use crate::workspace::native::computed_natively;
+use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, Screws, TreeMemory};
+use crate::{Model, Workspace};
+
+/// The arguments, for trees without coupled branches.
+pub struct ArticulatedBodiesPullback<'a, S> {
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub v: &'a [S],
+    pub tau: &'a [S],
+    pub wrenches: &'a [FrameWrench<S>],
+    pub cotangent: &'a [S],
+    pub acceleration: &'a mut [S],
+    pub by_position: &'a mut [S],
+    pub by_velocity: &'a mut [S],
+    pub by_force: &'a mut [S],
+    /// The cotangents are added; empty if not requested.
+    pub parameters: &'a mut [S],
+}
+
+compiled_once!(pub ArticulatedBodiesPullbackKind, ArticulatedBodiesPullback);
+
+impl<S: Scalar> Kernel<OverNumber, S> for ArticulatedBodiesPullback<'_, S> {
+    #[inline(always)]
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
+        let Self { model, q, v, tau, wrenches, cotangent, .. } = self;
+        let by_force = N::view_mut(self.by_force);
+        place_screws(model, tree, N::view(q));
+        move_screws(model, tree, N::view(v));
+        spread(model, N::view(tau), &mut tree.freedoms.tau);
+        free_bodies(model, tree);
+        subtract_in_world(model, tree, wrenches);
+        eliminate_freedoms(model, tree);
+        accelerate_freedoms(model, tree);
+        gather(model, &tree.freedoms.a, N::view_mut(self.acceleration));
+        // −ā gives −λ, which has the sign that the pullback of inverse dynamics needs.
+        by_force.copy_from_slice(N::view(cotangent));
+        negate(by_force);
+        spread(model, by_force, &mut tree.freedoms.tau);
+        solve_again(model, tree);
+        by_force.copy_from_slice(&tree.freedoms.tau);
+        negate(by_force);
+        weigh_bodies(model, tree);
+        subtract_carried(model, tree, wrenches);
+        let mut results = Results {
+            by_position: N::view_mut(self.by_position),
+            by_velocity: N::view_mut(self.by_velocity),
+            by_acceleration: &mut [],
+            parameters: N::view_mut(self.parameters),
+        };
+        sweep_in(model, tree, &mut results);
+    }
+}
+
+/// Replaces x = `freedoms.tau` by M⁻¹ x, by the pivots of [`eliminate_freedoms`]; leaves each body's
+/// L = Σ S x.
+///
+/// The sweeps are those of the articulated bodies at rest without gravity: u = τ − sᵀp, p_parent gains p + U
+/// u/d; then x = u/d − Uᵀ L/d. **(RBDA §7.3)**
+#[inline(always)]
+fn solve_again<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
+    let n = model.bodies.len();
+    let TreeMemory {
+        freedoms: DofBuffers { tau, .. },
+        screws: Screws { column, levers, .. },
+        inertias: Inertias { pivot, .. },
+        bodies: BodyBuffers { beyond, .. },
+        pullback,
+        ..
+    } = tree;
+    let (bodies, biases, shadows) = (&model.bodies[..n], &mut beyond[..n], &mut pullback.shadow[..n]);
+    biases.fill(Force::zero());
+    for i in (0..n).rev() {
+        let (body, mut bias) = (&bodies[i], biases[i]);
+        for k in (body.dof..body.dof + body.motion.nv()).rev() {
+            let left = tau[k] - column[k].dot(&bias);
+            add_scaled(&mut bias, left, &pivot[k].column);
+            tau[k] = left * pivot[k].inverse;
+        }
+        if body.parent != WORLD {
+            pass_inward(body, levers, &mut bias);
+            biases[body.parent].add(&bias);
+        }
+    }
+    for i in 0..n {
+        let body = &bodies[i];
+        let mut shadow = if body.parent == WORLD { Force::zero() } else { shadows[body.parent] };
+        pass_outward(body, levers, &mut shadow);
+        for k in body.dof..body.dof + body.motion.nv() {
+            let x = tau[k] - pivot[k].column.dot(&shadow);
+            add_scaled(&mut shadow, x, &column[k]);
+            tau[k] = x;
+        }
+        shadows[i] = shadow;
+    }
+}
+
+/// a = M⁻¹(τ − C v − g) and, for a cotangent ā of a, āᵀ∂a/∂q, āᵀ∂a/∂v and āᵀ∂a/∂τ = (M⁻¹ā)ᵀ, nv numbers each.
+/// O(n), without Jacobians and without M⁻¹.
+///
+/// For a spherical or floating joint, entry j of āᵀ∂a/∂q is the rate along [`integrate`](crate::integrate)(q,
+/// δ eⱼ), the directions of v. [`cotangent_to_coordinates`](crate::cotangent_to_coordinates) converts it to
+/// the numbers of q. Damping and friction are not included; see
+/// [`dissipation_pullback`](crate::dissipation_pullback). If M is singular, the numbers are not finite. A
+/// robot with coupled branches uses M and its factor, O(n depth²).
+///
+/// ```
+/// use robot_dynamics::derivatives::forward_dynamics_pullback;
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::{Model, Workspace};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // a = (τ + m g l cos q)/(m l²)
+/// let (w, mut a) = (&mut Workspace::<f64>::new(&model), [0.0]);
+/// let (mut by_q, mut by_v, mut by_tau) = ([0.0], [0.0], [0.0]);
+/// forward_dynamics_pullback(
+///     &model, w, &[0.3], &[1.0], &[0.7], &[3.0], &mut a, &mut by_q, &mut by_v, &mut by_tau,
+/// );
+/// assert!((a[0] - (0.7 + 9.81 * 0.3_f64.cos()) / 0.5).abs() < 1e-13);
+/// assert!((by_q[0] + 3.0 * 9.81 / 0.5 * 0.3_f64.sin()).abs() < 1e-12);
+/// assert!(by_v[0].abs() < 1e-13 && (by_tau[0] - 3.0 / (2.0 * 0.25)).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[doc(alias = "vector-Jacobian product")]
+#[doc(alias = "VJP")]
+#[allow(clippy::too_many_arguments)] // as forward_dynamics, with a cotangent and three more results
+#[inline]
+#[track_caller]
+pub fn forward_dynamics_pullback<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    tau: &[S],
+    cotangent: &[S],
+    acceleration: &mut [S],
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+    by_force: &mut [S],
+) {
+    forward_dynamics_pullback_with_parameters(
+        model,
+        workspace,
+        q,
+        v,
+        tau,
+        &[],
+        cotangent,
+        acceleration,
+        by_position,
+        by_velocity,
+        by_force,
+        &mut [],
+    );
+}
+
+/// [`forward_dynamics_pullback`] of a = M⁻¹(τ + Σ Jᵀw − C v − g), and the cotangents of the description's
+/// parameters. The wrenches w on frames keep their components in their frames.
+///
+/// `parameters` is empty or has [`parameter_count`](crate::parameter_count) numbers in the layout of
+/// [`ParameterCotangents`](crate::ParameterCotangents). The cotangents are **added**, so that calls along a
+/// trajectory accumulate. The inertial ones are −λᵀY of the
+/// [`joint_torque_regressor`](crate::joint_torque_regressor) with λ = M⁻¹ā. The cotangent of a wrench is J λ:
+/// the [`frame_velocity_in_frame`](crate::frame_velocity_in_frame) at v = λ.
+///
+/// ```
+/// use robot_dynamics::derivatives::ParameterCotangents;
+/// use robot_dynamics::derivatives::{forward_dynamics_pullback_with_parameters, parameter_count};
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::{Model, Workspace};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (w, mut parameters) = (&mut Workspace::<f64>::new(&model), vec![0.0; parameter_count(&model)]);
+/// let [mut a, mut x, mut y, mut z] = [[0.0]; 4];
+/// forward_dynamics_pullback_with_parameters(
+///     &model, w, &[0.3], &[1.0], &[0.7], &[], &[1.0], &mut a, &mut x, &mut y, &mut z, &mut parameters,
+/// );
+/// // a = f/(m l² + armature), so ∂a/∂(armature) = −a/(m l²).
+/// let by = ParameterCotangents::of(&model, &parameters);
+/// assert!((by.passive[0] + a[0] / 0.5).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[allow(clippy::too_many_arguments)] // as forward_dynamics_with_wrenches, with four more results
+#[inline]
+#[track_caller]
+pub fn forward_dynamics_pullback_with_parameters<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    tau: &[S],
+    wrenches: &[FrameWrench<S>],
+    cotangent: &[S],
+    acceleration: &mut [S],
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+    by_force: &mut [S],
+    parameters: &mut [S],
+) {
+    workspace.check_inputs(model, q);
+    check_length("v", v.len(), model.nv);
+    check_length("tau", tau.len(), model.nv);
+    check_length("the cotangent", cotangent.len(), model.nv);
+    check_length("the acceleration", acceleration.len(), model.nv);
+    check_length("the cotangent of q", by_position.len(), model.nv);
+    check_length("the cotangent of v", by_velocity.len(), model.nv);
+    check_length("the cotangent of tau", by_force.len(), model.nv);
+    check_parameters(model, parameters);
+    if wrenches.is_empty() && parameters.is_empty() {
+        let results = &mut [&mut *acceleration, &mut *by_position, &mut *by_velocity, &mut *by_force];
+        let (native, function) = (&mut workspace.tree.native, NativeFunction::ForwardDynamicsPullback);
+        if computed_natively(model, native, function, &[q, v, tau, cotangent], results) {
+            return;
+        }
+    }
+    if model.needs_dense_factor {
+        accelerate_by_cholesky(model, workspace, q, v, tau, wrenches, acceleration);
+        solve_negative(&workspace.dense, cotangent, by_force);
+        let a = &*acceleration;
+        run(
+            &mut workspace.tree,
+            NewtonEulerPullback {
+                model,
+                q,
+                v,
+                a,
+                wrenches,
+                cotangent: by_force,
+                by_position,
+                by_velocity,
+                by_acceleration: &mut [],
+                parameters,
+            },
+        );
+        negate(by_force);
+        return;
+    }
+    run(
+        &mut workspace.tree,
+        ArticulatedBodiesPullback {
+            model,
+            q,
+            v,
+            tau,
+            wrenches,
+            cotangent,
+            acceleration,
+            by_position,
+            by_velocity,
+            by_force,
+            parameters,
+        },
+    );
+}
+
+/// −M⁻¹ā, by the factor that forward dynamics leaves in the workspace for a robot with coupled branches.
+#[inline(always)]
+pub fn solve_negative<S: Scalar>(dense: &Dense<S>, cotangent: &[S], x: &mut [S]) {
+    x.copy_from_slice(cotangent);
+    negate(x);
+    sparse::solve(&dense.carrier, &dense.matrix, x);
+}
+
+/// x ← −x.
+#[inline(always)]
+pub fn negate<S: Scalar>(x: &mut [S]) {
+    for k in 0..x.len() {
+        x[k] = -x[k];
+    }
+}

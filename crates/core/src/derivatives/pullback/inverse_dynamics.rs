@@ -1,0 +1,189 @@
+//! The pullback of inverse dynamics.
+
+use robot_dynamics_description::check_length;
+use robot_dynamics_number::Scalar;
+use robot_dynamics_number::View;
+use robot_dynamics_number::dispatch::{Hardware, Kernel};
+
+use super::parameters::check_parameters;
+use super::sweeps::{Results, sweep_in, sweep_out, weigh_bodies};
+use crate::derivatives::columns::subtract_carried;
+use crate::kinematics::place::spread;
+use crate::kinematics::screws::place_screws;
+use crate::kinematics::wrench::FrameWrench;
+use crate::model::native::NativeFunction;
+use crate::workspace::compiled_once::{OverNumber, compiled_once, run};
+use crate::workspace::native::computed_natively;
+use crate::workspace::tree::TreeMemory;
+use crate::{Model, Workspace};
+
+/// The arguments.
+pub struct NewtonEulerPullback<'a, S> {
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub v: &'a [S],
+    pub a: &'a [S],
+    pub wrenches: &'a [FrameWrench<S>],
+    pub cotangent: &'a [S],
+    pub by_position: &'a mut [S],
+    pub by_velocity: &'a mut [S],
+    /// Empty if not requested.
+    pub by_acceleration: &'a mut [S],
+    /// The cotangents are added; empty if not requested.
+    pub parameters: &'a mut [S],
+}
+
+compiled_once!(pub NewtonEulerPullbackKind, NewtonEulerPullback);
+
+impl<S: Scalar> Kernel<OverNumber, S> for NewtonEulerPullback<'_, S> {
+    #[inline(always)]
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
+        let Self { model, q, v, a, wrenches, cotangent, .. } = self;
+        place_screws(model, tree, N::view(q));
+        spread(model, N::view(v), &mut tree.freedoms.v);
+        spread(model, N::view(a), &mut tree.freedoms.a);
+        spread(model, N::view(cotangent), &mut tree.freedoms.tau);
+        sweep_out(model, tree);
+        weigh_bodies(model, tree);
+        subtract_carried(model, tree, wrenches);
+        let mut results = Results {
+            by_position: N::view_mut(self.by_position),
+            by_velocity: N::view_mut(self.by_velocity),
+            by_acceleration: N::view_mut(self.by_acceleration),
+            parameters: N::view_mut(self.parameters),
+        };
+        sweep_in(model, tree, &mut results);
+    }
+}
+
+/// λᵀ∂τ/∂q, λᵀ∂τ/∂v and λᵀ∂τ/∂a = (M λ)ᵀ of τ = M(q) a + C(q,v) v + g(q), nv numbers each, for a cotangent λ
+/// of τ. O(n), without Jacobians.
+///
+/// For a spherical or floating joint, entry j of λᵀ∂τ/∂q is the rate along [`integrate`](crate::integrate)(q,
+/// δ eⱼ), the directions of v. [`cotangent_to_coordinates`](crate::cotangent_to_coordinates) converts it to
+/// the numbers of q. Springs and armature are included, dissipation is not; see
+/// [`dissipation_pullback`](crate::dissipation_pullback). Over dual numbers this function gives
+/// Hessian-vector products.
+///
+/// ```
+/// use robot_dynamics::derivatives::inverse_dynamics_pullback;
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::{Model, Workspace};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // τ = m l² a − m g l cos q, so 3 τ has the derivatives 3 m g l sin q, 0 and 3 m l².
+/// let (w, mut by_q, mut by_v, mut by_a) = (&mut Workspace::<f64>::new(&model), [0.0], [0.0], [0.0]);
+/// inverse_dynamics_pullback(&model, w, &[0.3], &[1.0], &[2.0], &[3.0], &mut by_q, &mut by_v, &mut by_a);
+/// assert!((by_q[0] - 3.0 * 2.0 * 9.81 * 0.5 * 0.3_f64.sin()).abs() < 1e-13);
+/// assert!(by_v[0].abs() < 1e-13 && (by_a[0] - 3.0 * 2.0 * 0.25).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[doc(alias = "vector-Jacobian product")]
+#[doc(alias = "VJP")]
+#[allow(clippy::too_many_arguments)] // as inverse_dynamics, with a cotangent and three results
+#[inline]
+#[track_caller]
+pub fn inverse_dynamics_pullback<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    cotangent: &[S],
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+    by_acceleration: &mut [S],
+) {
+    inverse_dynamics_pullback_with_parameters(
+        model,
+        workspace,
+        q,
+        v,
+        a,
+        &[],
+        cotangent,
+        by_position,
+        by_velocity,
+        by_acceleration,
+        &mut [],
+    );
+}
+
+/// [`inverse_dynamics_pullback`] of τ = M a + C v + g − Σ Jᵀw, and the cotangents of the description's
+/// parameters. The wrenches w on frames keep their components in their frames.
+///
+/// `parameters` is empty or has [`parameter_count`](crate::parameter_count) numbers in the layout of
+/// [`ParameterCotangents`](crate::ParameterCotangents). The cotangents are **added**, so that calls along a
+/// trajectory accumulate. The inertial ones are λᵀY of the
+/// [`joint_torque_regressor`](crate::joint_torque_regressor). The cotangent of a wrench is −J λ: the
+/// [`frame_velocity_in_frame`](crate::frame_velocity_in_frame) at v = −λ.
+///
+/// ```
+/// use robot_dynamics::derivatives::ParameterCotangents;
+/// use robot_dynamics::derivatives::{inverse_dynamics_pullback_with_parameters, parameter_count};
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::{Model, Workspace};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (w, mut parameters) = (&mut Workspace::<f64>::new(&model), vec![0.0; parameter_count(&model)]);
+/// let (x, y, z) = (&mut [0.0], &mut [0.0], &mut [0.0]);
+/// inverse_dynamics_pullback_with_parameters(
+///     &model, w, &[0.3], &[1.0], &[2.0], &[], &[1.0], x, y, z, &mut parameters,
+/// );
+/// // The derivative of −m g l cos q by the field's z component, which is −g: m l cos q.
+/// let by = ParameterCotangents::of(&model, &parameters);
+/// assert!((by.gravity[2] - 2.0 * 0.5 * 0.3_f64.cos()).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[allow(clippy::too_many_arguments)] // as inverse_dynamics_with_wrenches, with a cotangent and four results
+#[inline]
+#[track_caller]
+pub fn inverse_dynamics_pullback_with_parameters<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    wrenches: &[FrameWrench<S>],
+    cotangent: &[S],
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+    by_acceleration: &mut [S],
+    parameters: &mut [S],
+) {
+    workspace.check_inputs(model, q);
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
+    check_length("the cotangent", cotangent.len(), model.nv);
+    check_length("the cotangent of q", by_position.len(), model.nv);
+    check_length("the cotangent of v", by_velocity.len(), model.nv);
+    check_length("the cotangent of a", by_acceleration.len(), model.nv);
+    check_parameters(model, parameters);
+    if wrenches.is_empty() && parameters.is_empty() {
+        let (arguments, results) =
+            (&[q, v, a, cotangent], &mut [&mut *by_position, &mut *by_velocity, &mut *by_acceleration]);
+        let (native, function) = (&mut workspace.tree.native, NativeFunction::InverseDynamicsPullback);
+        if computed_natively(model, native, function, arguments, results) {
+            return;
+        }
+    }
+    run(
+        &mut workspace.tree,
+        NewtonEulerPullback {
+            model,
+            q,
+            v,
+            a,
+            wrenches,
+            cotangent,
+            by_position,
+            by_velocity,
+            by_acceleration,
+            parameters,
+        },
+    );
+}

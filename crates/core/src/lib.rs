@@ -1,0 +1,130 @@
+//! Kinematic trees: M(q) v̇ + C(q,v) v + g(q) = τ for trees of rigid bodies, in O(n).
+//!
+//! A `RobotDescription` is compiled into a [`Model`], which is immutable and checked. Each algorithm is a
+//! function of the model, a caller's [`Workspace`] and slices; none allocates. The methods of [`Model`] are
+//! the same algorithms on vectors, with checked input.
+//!
+//! Six-vectors are linear before angular. Quaternions are x y z w. Angles are in radians, lengths in metres.
+//! M and the Jacobians are row-major. [`conventions`] converts to and from other conventions. Every function
+//! is generic over [`Scalar`](robot_dynamics_number::Scalar): `f64`, `f32`, and dual numbers for derivatives.
+//!
+//! The modules hidden from this documentation serve the other crates of this library; semantic versioning
+//! does not apply to them.
+
+// Each module uses only those before it (`cargo xtask tidy` checks this).
+
+// Copies that keep their capacity.
+#[doc(hidden)]
+pub mod clone_in_place;
+
+// Rotations and six-vectors.
+#[doc(hidden)]
+pub mod spatial;
+
+// Motion of each primitive joint.
+#[doc(hidden)]
+pub mod joint;
+
+// The compiled model.
+#[doc(hidden)]
+pub mod model;
+
+// The configuration space.
+#[doc(hidden)]
+pub mod configuration;
+
+// Factors of M.
+#[doc(hidden)]
+pub mod factorization;
+
+// Memory of the recursions, and their dispatch.
+#[doc(hidden)]
+pub mod workspace;
+
+// Passes that several recursions share.
+#[doc(hidden)]
+pub mod kinematics;
+
+// The recursions.
+#[doc(hidden)]
+pub mod algorithms;
+
+// Their derivatives.
+#[doc(hidden)]
+pub mod derivatives;
+
+// The recursions as methods that check their input.
+mod checked;
+
+// The recursions as a table.
+mod quantity;
+
+pub use configuration::conventions;
+pub use robot_dynamics_number::InstructionSet;
+
+pub use algorithms::center_of_mass::{
+    center_of_mass, center_of_mass_bias_acceleration, center_of_mass_jacobian, center_of_mass_velocity,
+};
+pub use algorithms::centroidal::{
+    CentroidalMomentum, centroidal_momentum, centroidal_momentum_bias_rate, centroidal_momentum_matrix,
+    centroidal_momentum_rate,
+};
+pub use algorithms::christoffel::christoffel_symbols;
+pub use algorithms::coriolis::coriolis_matrix;
+pub use algorithms::dissipation::{dissipation, dissipation_derivative};
+pub use algorithms::energy::{kinetic_energy, potential_energy};
+#[doc(hidden)]
+pub use algorithms::forward_dynamics::inverse_pivots;
+pub use algorithms::forward_dynamics::{forward_dynamics, forward_dynamics_with_wrenches};
+pub use algorithms::forward_dynamics_by_cholesky::forward_dynamics_by_cholesky;
+pub use algorithms::frame_motion::{
+    Twist, frame_classical_acceleration_world_aligned, frame_spatial_acceleration_in_frame,
+    frame_spatial_acceleration_in_world, frame_velocity_in_frame, frame_velocity_in_world,
+    frame_velocity_world_aligned,
+};
+pub use algorithms::inverse_dynamics::{
+    bias, gravity, inverse_dynamics, inverse_dynamics_with_wrenches, velocity_product,
+};
+pub use algorithms::inverse_mass_matrix::inverse_mass_matrix;
+pub use algorithms::jacobian::{
+    frame_bias_acceleration_in_frame, frame_bias_acceleration_in_world,
+    frame_bias_acceleration_world_aligned, frame_jacobian_in_frame, frame_jacobian_in_world,
+    frame_jacobian_world_aligned,
+};
+pub use algorithms::joint_reactions::joint_reactions;
+pub use algorithms::kinematics::{FramePose, frame_pose, frame_poses};
+pub use algorithms::mass_matrix::{mass_matrix, mass_matrix_related_entries};
+pub use algorithms::mass_matrix_factor::mass_matrix_factor;
+pub use algorithms::mass_matrix_rate::mass_matrix_rate;
+pub use algorithms::momentum::{kinetic_energy_gradient, momentum};
+pub use algorithms::motion_error::MotionError;
+pub use algorithms::rank::{SingularMass, SingularMotion, check_rank, mass_rank};
+pub use algorithms::regressor::{
+    PARAMETERS_PER_LINK, inertial_parameters, joint_torque_regressor, kinetic_energy_regressor,
+    potential_energy_regressor,
+};
+pub use checked::{ForwardDynamicsDerivatives, ForwardPullback, InverseDynamicsDerivatives, InversePullback};
+pub use configuration::cotangent::{cotangent_from_coordinates, cotangent_to_coordinates};
+pub use configuration::joint_map::{JointMap, JointMapError};
+pub use configuration::manifold::{
+    ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,
+    normalize_quaternions, random_within_limits,
+};
+pub use derivatives::{
+    PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError, center_of_mass_velocity_derivative,
+    dissipation_pullback, forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches,
+    forward_dynamics_pullback, forward_dynamics_pullback_with_parameters,
+    frame_acceleration_derivatives_in_frame, frame_acceleration_derivatives_world_aligned,
+    frame_velocity_derivative_in_frame, frame_velocity_derivative_world_aligned, gravity_derivative,
+    inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches, inverse_dynamics_pullback,
+    inverse_dynamics_pullback_with_parameters, parameter_count, parameter_values, with_parameters,
+};
+pub use kinematics::wrench::FrameWrench;
+pub use model::massless::lock_massless;
+pub use model::native::{NativeCode, NativeFunction, NativeReport, NativeUse};
+#[cfg(feature = "native")]
+pub use model::native::{NativeTrace, Tracer};
+pub use model::random_state::{RandomState, random_state};
+pub use model::{Frame, FrameId, Joint, Model};
+pub use quantity::{Input, Inputs, Quantity, QuantityMemory, QuantityResult, ResultShape};
+pub use workspace::buffers::Workspace;

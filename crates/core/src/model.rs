@@ -1,0 +1,20 @@
+//! The compiled robot: from a description to the arrays of the recursions.
+
+pub mod actuated;
+pub mod compile;
+pub mod frame;
+pub mod identity;
+pub mod mass;
+pub mod massless;
+pub mod native;
+pub mod random_state;
+pub(crate) mod reference_point;
+pub(crate) mod regroup;
+pub(crate) mod right_angles;
+pub mod robot;
+pub mod rotor;
+pub mod segment;
+
+pub use frame::{Frame, FrameId};
+pub use robot::{Body, Dof, WORLD};
+pub use robot::{Joint, Model};

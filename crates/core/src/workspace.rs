@@ -1,0 +1,14 @@
+//! The memory of the algorithms, and the dispatch of an algorithm on it.
+
+pub(crate) mod branch_block;
+pub mod buffers;
+pub mod compiled_once;
+pub mod derivatives;
+pub mod extent;
+pub mod freedoms;
+pub(crate) mod momentum_block;
+pub mod native;
+pub mod passes;
+pub mod pullback;
+pub mod slope;
+pub mod tree;

@@ -1,0 +1,58 @@
+//! The memory of the derivatives.
+
+use robot_dynamics_number::Scalar;
+
+use crate::Model;
+use crate::factorization::tile::WIDTH;
+use crate::factorization::tree_factor::TreeFactor;
+use crate::spatial::screw::Force;
+use crate::workspace::freedoms::Paths;
+use crate::workspace::passes::{Pass, Solved, passes};
+use crate::workspace::slope::Slope;
+
+/// Scratch for the derivatives.
+#[derive(Clone, Debug)]
+pub struct Scratch<S: Scalar> {
+    pub slope: Vec<Slope<S>>,
+    pub paths: Paths<S>,
+    pub mass: TreeFactor<S>,
+    /// τ − the forces at a = 0, then a.
+    pub vector: Vec<S>,
+    /// ∂τ/∂q and ∂τ/∂v, with rows padded to multiples of eight columns. Entries between DoFs on different
+    /// branches are initialized to zero and never written.
+    pub by_position: Vec<[S; WIDTH]>,
+    pub by_velocity: Vec<[S; WIDTH]>,
+    pub passes: Vec<Pass>,
+    /// The right sides by groups of columns, and the rows of one tile's ancestors.
+    pub solved: Vec<Solved<S>>,
+    pub carriers: Vec<Solved<S>>,
+    /// A one among zeros: eight consecutive numbers of it are a block of a unit row, or zero.
+    pub unit: [S; 2 * WIDTH],
+}
+
+impl<S: Scalar> Scratch<S> {
+    /// `carrier` is λ of each coordinate; if it is empty, there is no memory for matrices.
+    pub fn new(model: &Model, carrier: &[usize]) -> Self {
+        let (dofs, nv) = (model.dofs.len(), carrier.len());
+        let zero = S::zero();
+        let force = Force::zero();
+        let mass = TreeFactor::new(carrier);
+        let rows = mass.deepest();
+        let groups = nv.div_ceil(WIDTH);
+        let slopes = vec![[zero; WIDTH]; groups * nv];
+        let mut unit = [zero; 2 * WIDTH];
+        unit[WIDTH] = S::one();
+        Self {
+            slope: vec![Slope { once: force, twice: force, swept: force }; dofs],
+            paths: Paths::new(model),
+            vector: vec![zero; nv],
+            by_position: slopes.clone(),
+            by_velocity: slopes,
+            passes: passes::<S>(carrier, &mass.tiles),
+            solved: vec![Solved::zero(); groups * nv],
+            carriers: vec![Solved::zero(); groups * rows],
+            unit,
+            mass,
+        }
+    }
+}

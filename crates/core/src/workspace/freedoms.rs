@@ -1,0 +1,210 @@
+//! The DoFs' vectors, four DoFs side by side.
+//!
+//! The DoFs of a block are a chain on the way from the root. A sum over one of them for their descendants is
+//! then a sum over all of them. The DoFs of one body have a block of their own.
+
+use core::ops::Range;
+
+use robot_dynamics_number::Scalar;
+use robot_dynamics_number::algebra::{M3, V3};
+
+use crate::Model;
+use crate::factorization::sparse::{NONE, freedom_carriers};
+use crate::factorization::tile::{TALLEST, Tile, tiles};
+use crate::spatial::screw::{Force, Screw};
+use crate::workspace::slope::Slope;
+
+/// The number of DoFs side by side.
+pub(crate) const LANES: usize = TALLEST;
+
+/// The vectors of up to four DoFs. No load of a row crosses a cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct DofBlock<S> {
+    /// Terms of an ancestor: ψ′, then the angular part of ψ. In the second half of the rows: Ṡ + ψ, then the
+    /// angular part of S.
+    pub slopes: [[S; 2 * LANES]; 9],
+    /// Terms of a descendant: S ×\* F + I ψ′ + 2B ψ. In the second half of the rows: I (Ṡ + ψ) + 2B S. The
+    /// moment comes before the force.
+    pub bends: [[S; 2 * LANES]; 6],
+    /// S, its angular part before the linear one.
+    pub screws: [[S; LANES]; 6],
+    /// The same, DoF by DoF.
+    pub screw: [[S; 6]; LANES],
+    /// I S, then the moment of 2Bᵀ S, whose force is zero; DoF by DoF.
+    pub inertial: [[S; 9]; LANES],
+    pub tile: Tile,
+    /// The last ancestor outside the block; [`NONE`] if there is none.
+    pub before: usize,
+    /// The body, if these are DoFs of one body with several.
+    pub(crate) joint_body: Option<usize>,
+    /// Whether the ancestors have another reference point, and the lever from there to the block's.
+    pub shifts_reference_point: bool,
+    pub lever: [S; 3],
+}
+
+/// All DoFs in blocks along paths from the root.
+#[derive(Clone, Debug)]
+pub struct Paths<S> {
+    pub blocks: Vec<DofBlock<S>>,
+    /// The block and lane of each DoF.
+    lanes: Vec<(usize, usize)>,
+}
+
+impl<S: Scalar> Paths<S> {
+    pub fn new(model: &Model) -> Self {
+        let carrier = freedom_carriers(model);
+        let several = |dof: usize| {
+            let body = model.dofs[dof].body;
+            (model.bodies[body].motion.nv() > 1).then_some(body)
+        };
+        let shifts_reference_point = |dof: usize| {
+            let body = &model.bodies[model.dofs[dof].body];
+            body.shifts_reference_point && body.dof == dof
+        };
+        let tiles = tiles(&carrier, LANES, |k| several(k) == several(k - 1) && !shifts_reference_point(k));
+        let mut lanes = vec![(0, 0); carrier.len()];
+        for (at, tile) in tiles.iter().enumerate() {
+            for lane in 0..tile.rows {
+                lanes[tile.first + lane] = (at, lane);
+            }
+        }
+        let zero = S::zero();
+        let block = |&tile: &Tile| DofBlock {
+            slopes: [[zero; 2 * LANES]; 9],
+            bends: [[zero; 2 * LANES]; 6],
+            screws: [[zero; LANES]; 6],
+            screw: [[zero; 6]; LANES],
+            inertial: [[zero; 9]; LANES],
+            tile,
+            before: lanes.get(carrier[tile.first]).map_or(NONE, |lane| lane.0),
+            joint_body: several(tile.first),
+            shifts_reference_point: shifts_reference_point(tile.first),
+            lever: [zero; 3],
+        };
+        Self { blocks: tiles.iter().map(block).collect(), lanes }
+    }
+
+    /// The block and lane of a DoF.
+    #[inline(always)]
+    pub(crate) fn seat(&mut self, dof: usize) -> (&mut DofBlock<S>, usize) {
+        let (block, lane) = self.lanes[dof];
+        (&mut self.blocks[block], lane % LANES)
+    }
+}
+
+impl<S: Scalar> DofBlock<S> {
+    #[inline(always)]
+    pub(crate) fn write_screw(&mut self, lane: usize, s: &Screw<S>) {
+        self.screw[lane] = turn_first(s);
+        write(&mut self.screws, lane, 0, s.angular);
+        write(&mut self.screws, lane, 3, s.linear);
+        write(&mut self.slopes, LANES + lane, 6, s.angular);
+    }
+
+    /// The forces about a point that is at −d from the present one.
+    #[inline(always)]
+    pub fn shifted(&self, d: &[S; 3]) -> Self {
+        let mut shifted = *self;
+        for inertial in &mut shifted.inertial {
+            let [fx, fy, fz, nx, ny, nz, ..] = *inertial;
+            let [x, y, z, ..] = turned_about(d, [nx, ny, nz, fx, fy, fz]);
+            (inertial[3], inertial[4], inertial[5]) = (x, y, z);
+        }
+        for l in 0..2 * LANES {
+            let bend = turned_about(d, self.bends.map(|row| row[l]));
+            for k in 0..6 {
+                shifted.bends[k][l] = bend[k];
+            }
+        }
+        shifted
+    }
+
+    /// I S, the moment before the force.
+    #[inline(always)]
+    pub(crate) fn inertial_turn_first(&self, lane: usize) -> [S; 6] {
+        let [a, b, c, d, e, f, ..] = self.inertial[lane];
+        [d, e, f, a, b, c]
+    }
+
+    #[inline(always)]
+    pub(crate) fn write_slope(&mut self, lane: usize, slope: &Slope<S>) {
+        write(&mut self.slopes, lane, 0, slope.twice.linear);
+        write(&mut self.slopes, lane, 3, slope.twice.angular);
+        write(&mut self.slopes, lane, 6, slope.once.angular);
+        write(&mut self.slopes, LANES + lane, 0, slope.swept.linear);
+        write(&mut self.slopes, LANES + lane, 3, slope.swept.angular);
+    }
+
+    /// S ×\* F + I ψ′ + 2B ψ.
+    #[inline(always)]
+    pub(crate) fn write_bent(&mut self, lane: usize, bent: &Force<S>) {
+        write(&mut self.bends, lane, 0, bent.angular);
+        write(&mut self.bends, lane, 3, bent.linear);
+    }
+
+    /// I (Ṡ + ψ) + 2B S.
+    #[inline(always)]
+    pub(crate) fn write_above(&mut self, lane: usize, above: &Force<S>) {
+        write(&mut self.bends, LANES + lane, 0, above.angular);
+        write(&mut self.bends, LANES + lane, 3, above.linear);
+    }
+}
+
+/// n + d × f of a force, with the moment before the force.
+#[inline(always)]
+pub(crate) fn turned_about<S: Scalar>([x, y, z]: &[S; 3], [a, b, c, fx, fy, fz]: [S; 6]) -> [S; 6] {
+    let (x, y, z) = (*x, *y, *z);
+    [a + y * fz - z * fy, b + z * fx - x * fz, c + x * fy - y * fx, fx, fy, fz]
+}
+
+/// The angular part before the linear one.
+#[inline(always)]
+fn turn_first<S: Scalar>(force: &Force<S>) -> [S; 6] {
+    let ([a, b, c], [d, e, f]) = (force.angular.array(), force.linear.array());
+    [a, b, c, d, e, f]
+}
+
+#[inline(always)]
+fn write<S: Scalar, const N: usize, const K: usize>(
+    rows: &mut [[S; N]; K],
+    lane: usize,
+    first: usize,
+    vector: V3<S>,
+) {
+    let [x, y, z] = vector.array();
+    rows[first][lane] = x;
+    rows[first + 1][lane] = y;
+    rows[first + 2][lane] = z;
+}
+
+/// Σₖ weightₖ rowₖ for at least the lanes `freedoms`, for all matrices side by side.
+#[inline(always)]
+pub fn project<S: Scalar, const K: usize, const N: usize>(
+    weights: &[S; K],
+    rows: &[[S; N]; K],
+    freedoms: Range<usize>,
+) -> [S; N] {
+    let mut sums = [S::zero(); N];
+    if M3::<S>::KEEPS_TRANSPOSE {
+        for l in 0..N {
+            sums[l] = rows[0][l] * weights[0];
+        }
+        for k in 1..K {
+            for l in 0..N {
+                sums[l] = weights[k].mul_add(rows[k][l], sums[l]);
+            }
+        }
+    } else {
+        for l in freedoms.start..freedoms.end.min(LANES) {
+            for l in (l..N).step_by(LANES) {
+                let mut sum = rows[0][l] * weights[0];
+                for k in 1..K {
+                    sum = weights[k].mul_add(rows[k][l], sum);
+                }
+                sums[l] = sum;
+            }
+        }
+    }
+    sums
+}

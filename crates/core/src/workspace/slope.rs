@@ -1,0 +1,16 @@
+//! Intermediate results of the derivatives' sweeps, for one DoF.
+
+use robot_dynamics_number::Scalar;
+
+use crate::spatial::screw::Screw;
+
+/// Derivatives of the motion by one DoF.
+#[derive(Clone, Copy, Debug)]
+pub struct Slope<S: Scalar> {
+    /// ψ = V_p × S.
+    pub once: Screw<S>,
+    /// ψ′ = A_p × S + V_p × ψ.
+    pub twice: Screw<S>,
+    /// Ṡ + ψ.
+    pub swept: Screw<S>,
+}

@@ -1,0 +1,222 @@
+//! The memory of the recursions over the tree, with a part for each stage.
+
+use core::marker::PhantomData;
+
+use robot_dynamics_number::Scalar;
+use robot_dynamics_number::algebra::{M3, Sym3, V3};
+use robot_dynamics_number::dispatch::{Make, OneState};
+use robot_dynamics_number::{AsFloat, Float, Form};
+
+use crate::spatial::screw::{
+    ArticulatedInertia, AxisMotion, BodyMotion, DofElimination, Force, MassFlux, Screw, SpatialInertia,
+    Transform,
+};
+use crate::workspace::branch_block::BranchBlock;
+use crate::workspace::compiled_once::OverNumber;
+use crate::workspace::derivatives::Scratch;
+use crate::workspace::momentum_block::momentum_blocks;
+use crate::workspace::native::NativeScratch;
+use crate::workspace::pullback;
+use crate::{InstructionSet, Model};
+
+/// The memory of kernels, over one scalar type.
+#[derive(Clone, Debug)]
+pub struct TreeMemory<S: Scalar> {
+    /// The memory over the machine's vector type, if it is faster than `f64` or `f32`.
+    pub fast: Option<OneState<OverNumber>>,
+    pub native: NativeScratch<S>,
+    pub angles: Angles<S>,
+    pub freedoms: DofBuffers<S>,
+    pub bodies: BodyBuffers<S>,
+    pub screws: Screws<S>,
+    pub inertias: Inertias<S>,
+    pub blocks: Blocks<S>,
+    pub derivatives: Scratch<S>,
+    pub pullback: pullback::Scratch<S>,
+}
+
+/// Positions of the one-DoF joints, with their sines and cosines; one entry per body.
+#[derive(Clone, Debug)]
+pub struct Angles<S> {
+    pub angle: Vec<S>,
+    pub sine: Vec<S>,
+    pub cosine: Vec<S>,
+}
+
+/// Velocity, acceleration and force of each DoF of the tree (mimic joints included).
+#[derive(Clone, Debug)]
+pub struct DofBuffers<S> {
+    pub v: Vec<S>,
+    pub a: Vec<S>,
+    pub tau: Vec<S>,
+}
+
+/// One entry per body, in the body's own frame.
+#[derive(Clone, Debug)]
+pub struct BodyBuffers<S: Scalar> {
+    /// `parent_from_body`.
+    pub place: Vec<Transform<S>>,
+    /// The velocity of the frame's origin, and ω.
+    pub velocity: Vec<Screw<S>>,
+    pub motion: Vec<BodyMotion<S>>,
+    /// Motion along the world's axes.
+    pub axis_motion: Vec<AxisMotion<S>>,
+    pub force: Vec<Force<S>>,
+    /// The total force of the body's subtree.
+    pub beyond: Vec<Force<S>>,
+}
+
+/// Placements and motions in one inertial frame; see [`screws`](crate::kinematics::screws).
+#[derive(Clone, Debug)]
+pub struct Screws<S: Scalar> {
+    /// `world_from_body`, or the same placement relative to the body's reference point.
+    pub world: Vec<Transform<S>>,
+    /// The reference points: those of trees' roots in the world, others relative to their tree's root.
+    pub points: Vec<V3<S>>,
+    /// The vector to each point from that of the parent's tree.
+    pub levers: Vec<V3<S>>,
+    /// Each DoF's motion S.
+    pub column: Vec<Screw<S>>,
+    /// Ṡ.
+    pub column_rate: Vec<Screw<S>>,
+    /// Each body's velocity V, and V̇ or a part of it, as motions in the inertial frame.
+    pub twist: Vec<Screw<S>>,
+    pub twist_rate: Vec<Screw<S>>,
+    pub flow: Vec<MassFlux<S>>,
+    /// Bodies between a frame and the root.
+    pub chain: Vec<usize>,
+}
+
+/// Inertias of bodies and of their subtrees.
+#[derive(Clone, Debug)]
+pub struct Inertias<S: Scalar> {
+    /// The subtree as one rigid body.
+    pub composite: Vec<SpatialInertia<S>>,
+    /// The body with the joints beyond it free.
+    pub articulated: Vec<ArticulatedInertia<S>>,
+    /// One entry per DoF, for its elimination.
+    pub pivot: Vec<DofElimination<S>>,
+}
+
+/// Momenta of the DoFs, one per column.
+#[derive(Clone, Debug)]
+pub struct Blocks<S> {
+    /// A row-major matrix of six rows, with a column for each DoF.
+    pub rows: Vec<S>,
+    /// Momenta and their rates by blocks of columns, for C.
+    pub branch_block: Vec<BranchBlock<S>>,
+}
+
+/// The type of a memory, for dispatch.
+struct Made<'a>(PhantomData<&'a ()>);
+
+impl<'a> Form for Made<'a> {
+    type Over<S: Scalar> = &'a mut Option<TreeMemory<S>>;
+}
+
+/// The inputs of a memory. If the parents are empty, there is no memory for derivatives.
+struct Maker<'a> {
+    model: &'a Model,
+    carrier: &'a [usize],
+}
+
+impl Make<OverNumber> for Maker<'_> {
+    fn make<S: Scalar>(&self) -> TreeMemory<S> {
+        TreeMemory::portable(self.model, self.carrier)
+    }
+}
+
+/// A memory over a float, with the machine's vector type up to a set of instructions.
+fn over_float<T: Float>(maker: &Maker<'_>, limit: InstructionSet) -> TreeMemory<T> {
+    let fast = OneState::new::<T>(limit, maker);
+    let instructions = fast.as_ref().map_or(InstructionSet::Portable, OneState::instruction_set);
+    TreeMemory { fast, native: NativeScratch::new(instructions), ..maker.make() }
+}
+
+fn over_f64(maker: &Maker<'_>, limit: InstructionSet, made: &mut Option<TreeMemory<f64>>) {
+    *made = Some(over_float(maker, limit));
+}
+
+fn over_f32(maker: &Maker<'_>, limit: InstructionSet, made: &mut Option<TreeMemory<f32>>) {
+    *made = Some(over_float(maker, limit));
+}
+
+impl<S: Scalar> TreeMemory<S> {
+    /// A memory for instructions up to these. `carrier` is λ of each coordinate; if it is empty, there is no
+    /// memory for derivatives.
+    #[inline(always)]
+    pub fn limited(model: &Model, carrier: &[usize], limit: InstructionSet) -> Self {
+        let maker = &Maker { model, carrier };
+        let mut made = None;
+        // A branch on a constant: memories of floats are compiled only in this library.
+        if const { S::IS_FLOAT } {
+            match S::as_float::<Made<'_>>(&mut made) {
+                AsFloat::F64(made) => over_f64(maker, limit, made),
+                AsFloat::F32(made) => over_f32(maker, limit, made),
+                AsFloat::Other(_) => {}
+            }
+        } else {
+            made = Some(maker.make());
+        }
+        let Some(made) = made else { unreachable!("a float says which one it is") };
+        made
+    }
+
+    /// A memory over this scalar type only, for kernels.
+    #[inline(never)]
+    pub fn portable(model: &Model, carrier: &[usize]) -> Self {
+        let (bodies, dofs, points) = (model.bodies.len(), model.dofs.len(), model.points.count);
+        let zero = S::zero();
+        let (v3, m3, sym) = (V3::zero(), M3::zero(), Sym3::zero());
+        let force = Force::zero();
+        let articulated =
+            ArticulatedInertia { mass: sym, coupling: m3, coupling_back: m3, inertia: sym, bias: force };
+        Self {
+            fast: None,
+            native: NativeScratch::new(InstructionSet::Portable),
+            angles: Angles {
+                angle: filled(zero, bodies),
+                sine: filled(zero, bodies),
+                cosine: filled(zero, bodies),
+            },
+            freedoms: DofBuffers { v: filled(zero, dofs), a: filled(zero, dofs), tau: filled(zero, dofs) },
+            bodies: BodyBuffers {
+                place: filled(Transform { rotation: m3, translation: v3 }, bodies),
+                motion: filled(BodyMotion { angular: v3, gradient: m3, origin: v3, alpha: v3 }, bodies),
+                velocity: filled(force, bodies),
+                axis_motion: filled(AxisMotion { angular: v3, alpha: v3, origin: v3 }, bodies),
+                force: filled(force, bodies),
+                beyond: filled(force, bodies),
+            },
+            screws: Screws {
+                world: filled(Transform { rotation: m3, translation: v3 }, bodies),
+                points: filled(v3, points),
+                levers: filled(v3, points),
+                column: filled(force, dofs),
+                column_rate: filled(force, dofs),
+                twist: filled(force, bodies),
+                twist_rate: filled(force, bodies),
+                flow: filled(MassFlux { momentum: v3, stir: m3 }, bodies),
+                chain: vec![0; bodies],
+            },
+            inertias: Inertias {
+                composite: filled(SpatialInertia { mass: zero, first_moment: v3, inertia: sym }, bodies),
+                articulated: filled(articulated, bodies),
+                pivot: filled(DofElimination { column: force, residual: zero, inverse: zero }, dofs),
+            },
+            blocks: Blocks {
+                rows: filled(zero, 6 * dofs),
+                branch_block: filled(BranchBlock::zero(), momentum_blocks(dofs)),
+            },
+            derivatives: Scratch::new(model, carrier),
+            pullback: pullback::Scratch::new(model),
+        }
+    }
+}
+
+/// A vector of equal values: one function for each type of field. Written out for each field, these loops
+/// would dominate the compile time of a memory of wide registers.
+#[inline(never)]
+fn filled<T: Clone>(value: T, count: usize) -> Vec<T> {
+    vec![value; count]
+}

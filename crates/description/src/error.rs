@@ -1,0 +1,158 @@
+//! Errors of a robot description.
+
+use thiserror::Error;
+
+/// The plural of a sort.
+fn plural(sort: &str) -> String {
+    if let Some(stem) = sort.strip_suffix('y') { format!("{stem}ies") } else { format!("{sort}s") }
+}
+
+/// The reason why a [`RobotDescription`](crate::RobotDescription) is invalid.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// There is no link.
+    #[error("the robot has no links; add at least one")]
+    NoLinks,
+    /// Two items of one sort share a name.
+    #[error("two {} are named `{name}`; rename one", plural(.sort))]
+    DuplicateName {
+        /// `link`, `joint`, `frame`, `tendon`, `equality`, `actuator` or `sensor`.
+        sort: &'static str,
+        /// The shared name.
+        name: String,
+    },
+    /// A joint, frame or mimic joint refers to an unknown name.
+    #[error("{user} refers to {sort} `{name}`, which does not exist")]
+    UnknownName {
+        /// The item that refers to it, for example ``joint `elbow` ``.
+        user: String,
+        /// `link`, `joint` or `tendon`.
+        sort: &'static str,
+        /// The unknown name.
+        name: String,
+    },
+    /// A link is the child of two joints.
+    #[error("link `{link}` is the child of both joint `{first}` and joint `{second}`; a tree allows one")]
+    TwoParents {
+        /// The link.
+        link: String,
+        /// One joint.
+        first: String,
+        /// The other joint.
+        second: String,
+    },
+    /// There are several roots: links that are not a child of any joint.
+    #[error("links {} are all roots; connect them with joints", .links.join(", "))]
+    SeveralRoots {
+        /// The roots.
+        links: Vec<String>,
+    },
+    /// Links without a path from the root: their joints form a loop.
+    #[error("links {} form a loop of joints that the root does not reach", .links.join(", "))]
+    Cycle {
+        /// The links on or behind the loop.
+        links: Vec<String>,
+    },
+    /// An axis is zero.
+    #[error("joint `{joint}`: the axis {axis:?} has no direction; give a finite, non-zero vector")]
+    ZeroAxis {
+        /// The joint.
+        joint: String,
+        /// The axis given.
+        axis: [f64; 3],
+    },
+    /// A number is NaN or infinite, or out of its range.
+    #[error("{owner}: {quantity} = {value} is not {expected}")]
+    BadNumber {
+        /// The owner of the number, for example ``joint `elbow` ``.
+        owner: String,
+        /// The quantity.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// The requirement, for example `finite`.
+        expected: &'static str,
+    },
+    /// A placement's matrix is not a rotation.
+    #[error("{owner}: the rotation matrix is not orthonormal with determinant 1 (off by {defect:e})")]
+    NotARotation {
+        /// The owner of the placement.
+        owner: String,
+        /// max |RᵀR − 1| and |det R − 1|.
+        defect: f64,
+    },
+    /// A sensor's object or reference does not match its kind.
+    #[error("sensor `{sensor}` ({kind}): {reason}")]
+    BadSensor {
+        /// The sensor.
+        sensor: String,
+        /// The name of its kind.
+        kind: &'static str,
+        /// The reason, and the remedy.
+        reason: String,
+    },
+    /// An invalid mimic joint: its leader is itself, a joint of several DoFs, or part of a cycle.
+    #[error("joint `{joint}` cannot follow joint `{leader}`: {reason}")]
+    BadMimic {
+        /// The mimic joint.
+        joint: String,
+        /// Its leader.
+        leader: String,
+        /// The reason.
+        reason: &'static str,
+    },
+}
+
+/// The robot has no frame of this name.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("robot `{robot}` has no frame or link `{name}`{}", .similar.as_ref().map(|similar| format!("; did you mean `{similar}`?")).unwrap_or_default())]
+#[non_exhaustive]
+pub struct NoSuchFrame {
+    /// The robot.
+    pub robot: String,
+    /// The name given.
+    pub name: String,
+    /// The most similar name of the robot, if there is one.
+    pub similar: Option<String>,
+}
+
+impl NoSuchFrame {
+    /// The error for a robot with these names.
+    #[doc(hidden)]
+    pub fn new<'a>(robot: &str, name: &str, names: impl Iterator<Item = &'a str>) -> Self {
+        Self { robot: robot.into(), name: name.into(), similar: similar(name, names) }
+    }
+}
+
+/// The name most similar to the one given: at most a third of its letters differ, or one name contains the
+/// other.
+#[doc(hidden)]
+pub fn similar<'a>(asked: &str, names: impl Iterator<Item = &'a str>) -> Option<String> {
+    let asked = asked.to_lowercase();
+    let rank = |name: &str| {
+        let name = name.to_lowercase();
+        let changed = strsim::damerau_levenshtein(&asked, &name);
+        let is_part =
+            !asked.is_empty() && !name.is_empty() && (name.contains(&asked) || asked.contains(&name));
+        (is_part || 3 * changed <= asked.chars().count()).then_some(changed)
+    };
+    let ranked = names.filter_map(|name| rank(name).map(|changed| (changed, name)));
+    ranked.min_by_key(|(changed, _)| *changed).map(|(_, name)| name.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_is_found_by_part_and_by_slip() {
+        let names = ["panda_link7", "panda_hand", "panda_leftfinger"];
+        let of = |asked| similar(asked, names.into_iter());
+        assert_eq!(of("hand").as_deref(), Some("panda_hand"));
+        assert_eq!(of("panda_hnad").as_deref(), Some("panda_hand"));
+        assert_eq!(of("Panda_Link7").as_deref(), Some("panda_link7"));
+        assert_eq!(of("wheel"), None);
+        assert_eq!(of(""), None);
+    }
+}

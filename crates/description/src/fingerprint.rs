@@ -1,0 +1,62 @@
+//! A hash of everything that affects a robot's motion.
+
+use core::fmt::{self, Write};
+
+use crate::RobotDescription;
+
+/// The hash of everything that affects a robot's motion: all but its shapes, sensors and poses.
+#[doc(hidden)]
+pub fn fingerprint(description: &RobotDescription) -> u64 {
+    let mut hash = Fnv1a(0xcbf2_9ce4_8422_2325);
+    // All fields that affect the motion; floats with enough digits to read back as the same number.
+    let RobotDescription {
+        name,
+        gravity,
+        base,
+        links,
+        joints,
+        frames,
+        shapes: _,
+        contact_exclusions: _,
+        contact_pairs: _,
+        tendons,
+        equalities,
+        actuators,
+        sensors: _,
+        poses: _,
+        actuated_joints,
+        time_step: _,
+        impratio: _,
+    } = description;
+    let motion = (name, gravity, base, links, joints, frames);
+    let written = write!(hash, "{motion:?}{:?}", (tendons, equalities, actuators));
+    // Without a list of actuated joints nothing is hashed, so that such robots keep their fingerprints.
+    let chosen = actuated_joints.as_ref().map_or(Ok(()), |joints| write!(hash, "{joints:?}"));
+    debug_assert!(written.and(chosen).is_ok(), "a description has a text");
+    hash.0
+}
+
+/// The hash of Fowler, Noll and Vo, variant 1a with 64 bits.
+struct Fnv1a(u64);
+
+impl Write for Fnv1a {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for byte in text.bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The published value for the bytes of `foobar`.
+    #[test]
+    fn the_hash_is_the_published_one() {
+        let mut hash = Fnv1a(0xcbf2_9ce4_8422_2325);
+        assert!(hash.write_str("foobar").is_ok());
+        assert_eq!(hash.0, 0x8594_4171_f739_67e8);
+    }
+}

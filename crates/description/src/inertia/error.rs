@@ -1,0 +1,131 @@
+//! Errors of mass properties.
+
+use core::fmt;
+
+/// The reason why mass properties are invalid.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum InertiaError {
+    /// A number is NaN or infinite.
+    NonFinite {
+        /// The quantity: `mass`, `center of mass`, `inertia`, `density`, `size`, …
+        quantity: &'static str,
+        /// The index of the entry; row-major for the inertia.
+        index: usize,
+    },
+    /// A mass, a density or a length is not positive.
+    NotPositive {
+        /// The quantity.
+        quantity: &'static str,
+        /// Its value, in SI units.
+        value: f64,
+    },
+    /// The inertia matrix is not symmetric.
+    NotSymmetric {
+        /// Row of the worse of the two entries.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// The entry at (row, column) \[kg·m²\].
+        upper: f64,
+        /// The entry at (column, row) \[kg·m²\].
+        lower: f64,
+    },
+    /// A mass is negative.
+    NegativeMass {
+        /// Its value \[kg\].
+        value: f64,
+    },
+    /// A principal moment is negative.
+    NegativeMoment {
+        /// The principal moments, ascending \[kg·m²\].
+        moments: [f64; 3],
+    },
+    /// The largest principal moment exceeds the sum of the other two.
+    TriangleInequality {
+        /// The principal moments, ascending \[kg·m²\].
+        moments: [f64; 3],
+    },
+    /// A principal moment is zero: the body is a line or a point, and its spin about that axis is
+    /// undetermined.
+    SingularMoment {
+        /// The principal moments, ascending \[kg·m²\].
+        moments: [f64; 3],
+    },
+    /// A composite body without parts.
+    NoParts,
+}
+
+impl fmt::Display for InertiaError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NonFinite { quantity, index } => write!(f, "{quantity}[{index}] is not finite"),
+            Self::NotPositive { quantity, value } => {
+                write!(f, "the {quantity} is {value}; it must be positive")
+            }
+            Self::NotSymmetric { row, column, upper, lower } => write!(
+                f,
+                "the inertia is not symmetric: entry ({row}, {column}) is {upper}, entry ({column}, {row}) is {lower}"
+            ),
+            Self::NegativeMass { value } => {
+                write!(f, "the mass is {value} kg; a body's mass is zero or positive")
+            }
+            Self::NegativeMoment { moments } => {
+                let [a, b, c] = moments.map(six_digits);
+                write!(f, "a principal moment is negative: {a}, {b}, {c} kg·m²; no mass distribution has it")
+            }
+            Self::TriangleInequality { moments } => {
+                let [a, b, c] = moments.map(six_digits);
+                let excess = six_digits(moments[2] - moments[0] - moments[1]);
+                write!(
+                    f,
+                    "the principal moments {a}, {b}, {c} kg·m² break the triangle inequality: the largest exceeds \
+                     the sum of the others by {excess}; check the units and whether the inertia is about the centre \
+                     of mass"
+                )
+            }
+            Self::SingularMoment { moments } => {
+                let [a, b, c] = moments.map(six_digits);
+                write!(
+                    f,
+                    "the principal moments are {a}, {b}, {c} kg·m²: about the first axis the body has no inertia, \
+                     so a torque about it determines no motion; give the body some width"
+                )
+            }
+            Self::NoParts => write!(f, "a composite body needs at least one part"),
+        }
+    }
+}
+
+impl core::error::Error for InertiaError {}
+
+/// Formats a number with at most six digits, and with a power of ten if it is very large or small, for
+/// messages.
+///
+/// ```
+/// assert_eq!(robot_dynamics_description::six_digits(-2.4e-35), "-2.4e-35");
+/// assert_eq!(robot_dynamics_description::six_digits(1.0 / 3.0), "0.333333");
+/// ```
+pub fn six_digits(x: f64) -> String {
+    // The exponent form rounds to six digits; parsing it back drops trailing zeros.
+    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
+    if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
+/// Rejects a list with a NaN or an infinity.
+pub(super) fn finite(quantity: &'static str, values: &[f64]) -> Result<(), InertiaError> {
+    match values.iter().position(|x| !x.is_finite()) {
+        Some(index) => Err(InertiaError::NonFinite { quantity, index }),
+        None => Ok(()),
+    }
+}
+
+/// Rejects a number that is not finite and positive.
+pub(super) fn positive(quantity: &'static str, value: f64) -> Result<(), InertiaError> {
+    finite(quantity, &[value])?;
+    if value > 0.0 { Ok(()) } else { Err(InertiaError::NotPositive { quantity, value }) }
+}

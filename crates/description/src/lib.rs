@@ -1,0 +1,76 @@
+//! A robot as its file describes it: names, links, joints, shapes, inertias, sensors and actuators.
+//!
+//! [`RobotDescription`] is plain data in the file's own axes. File formats read and write it. The crate
+//! `robot-dynamics-core` checks it and compiles it into a model. [`MassProperties`] are checked on
+//! construction. [`plausibility`] reports numbers that seem to be in a wrong unit.
+
+mod actuated;
+mod actuator;
+mod contact_pair;
+mod couplings;
+mod edit;
+mod equality;
+mod error;
+mod finding_group;
+mod fingerprint;
+mod higher_terms;
+mod inertia;
+mod joint;
+mod joint_kind;
+mod length;
+mod named_pose;
+mod pendulum;
+mod placement_spring;
+pub mod plausibility;
+mod pose;
+mod quaternion;
+mod random_robot;
+mod refused_file;
+mod report;
+mod robot;
+pub mod sensor;
+mod shape;
+mod softness;
+mod tendon;
+pub mod text;
+#[doc(hidden)]
+pub mod validate;
+mod validate_beside;
+mod validate_sensors;
+mod written_file;
+
+pub use actuator::{Activation, ActuatorDescription, Affine, Transmission};
+pub use contact_pair::ContactPairDescription;
+pub use edit::EditError;
+pub use edit::moved_by;
+pub use equality::{Equality, EqualityDescription};
+pub use error::similar;
+pub use error::{ModelError, NoSuchFrame};
+pub use finding_group::FindingGroup;
+pub use fingerprint::fingerprint;
+pub use higher_terms::HigherTerms;
+pub use inertia::{
+    InertiaError, MassProperties, PrincipalInertia, RotationalInertia, parallel_axis, parallel_axis_planar,
+    six_digits,
+};
+pub use joint::{JointDescription, Limits, Mimic, PassiveForces};
+pub use joint_kind::z_onto;
+pub use joint_kind::{Coordinate, JointKind, Measure};
+pub use length::check_length;
+pub use named_pose::NamedPose;
+pub use pendulum::pendulum;
+pub use placement_spring::PlacementSpring;
+pub use pose::Pose;
+pub use pose::exponential::{exp_motion, log_motion};
+pub use quaternion::Quaternion;
+pub use quaternion::rotation_of;
+pub use random_robot::random_quaternion;
+pub use random_robot::{JointKinds, RandomRobotOptions, random_robot};
+pub use refused_file::RefusedFile;
+pub use report::{Counts, Disposition, Finding, LoadReport, Severity};
+pub use robot::{Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, LinkDescription, RobotDescription};
+pub use sensor::{SensorDescription, SensorKind, SensorObject};
+pub use shape::{Elevation, LinkShape, Shape, ShapeRole, Surface};
+pub use softness::{JointSoftness, Softness, TendonSoftness};
+pub use tendon::TendonDescription;
+pub use written_file::{UnsupportedFeature, WriteError, WrittenFile};

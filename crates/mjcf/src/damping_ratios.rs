@@ -1,0 +1,113 @@
+//! Computes springs and dampers that are given by time constants and damping ratios. They depend on the mass
+//! matrix in the pose of the file.
+
+use robot_dynamics_core::{Model, neutral};
+use robot_dynamics_description::RobotDescription;
+
+use crate::actuator::Actuators;
+use crate::assemble::{ElementTable, placement_spring};
+use crate::body::Body;
+use crate::reader::Reader;
+
+/// The largest number of degrees of freedom for which the mass matrix is inverted here.
+const DOF_LIMIT: usize = 1000;
+
+impl Reader<'_> {
+    /// Sets stiffness and damping of joints with `springdamper`, and the damping of servos with `dampratio`.
+    pub(crate) fn resolve_damping_ratios(
+        &mut self,
+        bodies: &[Body],
+        table: &ElementTable,
+        actuators: &Actuators,
+        robot: &mut RobotDescription,
+    ) {
+        let springs: Vec<(usize, [f64; 2])> = table
+            .joints
+            .iter()
+            .enumerate()
+            .filter_map(|(at, joint)| Some((at, joint.spring_damper?)))
+            .collect();
+        if (springs.is_empty() && actuators.damping_ratios.is_empty()) || !self.errors.is_empty() {
+            return;
+        }
+        let Some(inverse) = inverse_mass_matrix(table, robot) else {
+            let message = "springdamper and dampratio need an invertible mass matrix and at most 1000 degrees of \
+                           freedom: their springs and dampers are not in the model";
+            let root = self.raw_element(crate::tree::Tree::ROOT);
+            self.report_ignored_physics(&root, message);
+            return;
+        };
+        let dofs = |joint: usize| table.joints[joint].motion.dof_count();
+        let mut first = vec![0; table.joints.len() + 1];
+        for joint in 0..table.joints.len() {
+            first[joint + 1] = first[joint] + dofs(joint);
+        }
+        for (at, [time, ratio]) in springs {
+            // The inertia 1/(M⁻¹)ᵢᵢ, with the mean of (M⁻¹)ᵢᵢ over the joint's degrees of freedom.
+            let count = dofs(at) as f64;
+            let admittance: f64 = (first[at]..first[at + 1]).map(|i| inverse[(i, i)]).sum();
+            let inertia = count / admittance;
+            let placed = &table.joints[at];
+            let Some(joint) = robot.joints.iter_mut().find(|joint| joint.name == placed.name) else {
+                continue;
+            };
+            joint.passive.damping = 2.0 * inertia / time;
+            let stiffness = inertia / (time * ratio).powi(2);
+            if count == 1.0 {
+                joint.passive.stiffness = stiffness;
+                continue;
+            }
+            let mut all = bodies.iter().flat_map(|body| body.joints.iter().map(move |joint| (body, joint)));
+            if let Some((body, own)) = all.nth(at) {
+                joint.spring = placement_spring(own, stiffness, &body.parent_from_body);
+            }
+        }
+        for &(at, ratio) in &actuators.damping_ratios {
+            // J M⁻¹ Jᵀ for the moment row J of the actuator: 1/m of the mass that it moves.
+            let row = moment(robot, table, &first, at);
+            let admittance: f64 = row
+                .iter()
+                .flat_map(|&(i, a)| row.iter().map(move |&(j, b)| (i, j, a * b)))
+                .map(|(i, j, ab)| ab * inverse[(i, j)])
+                .sum();
+            let moved = if admittance > 0.0 { 1.0 / admittance } else { 0.0 };
+            let actuator = &mut robot.actuators[at];
+            actuator.bias.velocity = -2.0 * ratio * (actuator.gain.constant * moved).max(0.0).sqrt();
+        }
+    }
+}
+
+type Matrix = nalgebra::DMatrix<f64>;
+
+/// M⁻¹ in the pose of the file.
+fn inverse_mass_matrix(table: &ElementTable, robot: &RobotDescription) -> Option<Matrix> {
+    let mut bare = robot.clone();
+    (bare.equalities, bare.actuators, bare.sensors, bare.poses) = Default::default();
+    (bare.shapes, bare.contact_exclusions, bare.frames) = Default::default();
+    bare.contact_pairs.clear();
+    // The base is fixed here. A floating base is added later.
+    let model = Model::new(bare).ok().filter(|model| model.nv() <= DOF_LIMIT)?;
+    let mut q = neutral(&model);
+    for joint in &table.joints {
+        let placed = model.joints().iter().find(|own| own.name == joint.name)?;
+        q[placed.q_index..placed.q_index + placed.nq].copy_from_slice(&joint.initial);
+    }
+    Some(model.mass_matrix(&q).ok()?.cholesky()?.inverse())
+}
+
+/// The degrees of freedom that an actuator acts on, each with its gear.
+fn moment(robot: &RobotDescription, table: &ElementTable, first: &[usize], at: usize) -> Vec<(usize, f64)> {
+    use robot_dynamics_description::Transmission::{Joint, Tendon};
+    let index = |name: &str| table.joints.iter().position(|joint| joint.name == name);
+    match &robot.actuators[at].transmission {
+        Joint { joint, gear } => index(joint)
+            .map(|joint| (first[joint]..first[joint + 1]).zip(*gear).collect())
+            .unwrap_or_default(),
+        Tendon { tendon, gear } => {
+            let tendon = robot.tendons.iter().find(|own| own.name == *tendon);
+            let terms = tendon.map(|tendon| &tendon.terms[..]).unwrap_or_default();
+            terms.iter().filter_map(|(joint, c)| Some((first[index(joint)?], c * gear))).collect()
+        }
+        _ => Vec::new(),
+    }
+}

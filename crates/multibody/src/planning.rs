@@ -1,3 +1,0 @@
-//! A path with a clock.
-
-pub(crate) mod time_parameterization;

@@ -1,9 +1,0 @@
-//! The recursions and their derivatives over numbers that are compiled here, against the Lagrange recipe and each other.
-
-#[path = "../common/mod.rs"]
-mod common;
-
-mod derivatives;
-mod dispatch_paths;
-mod momentum;
-mod oracles;

@@ -1,0 +1,221 @@
+//! Forces on the joints from outside the rigid bodies: tendons, actuators, compensated weight of links,
+//! springs of ball and floating joints, and nonlinear terms.
+//!
+//! τ = τ_passive(q, v) + τ_actuators(u, q, v) is an input of forward dynamics. None of it is part of M, C or
+//! g.
+
+mod carried_weight;
+mod coupling;
+mod law;
+mod measured;
+mod placement_spring;
+mod tendon;
+mod transmission;
+
+pub use law::ActuationWorkspace;
+
+use carried_weight::CarriedWeight;
+use placement_spring::PlacementSpring;
+use robot_dynamics_core::Model;
+use robot_dynamics_core::model::identity::Identity;
+use robot_dynamics_description::validate::is_single;
+use robot_dynamics_description::{ActuatorDescription, ModelError};
+use tendon::Tendon;
+use transmission::Drive;
+
+pub(crate) use coupling::Coupling;
+
+/// The tendons, actuators and carried weight of one robot, ready to be evaluated.
+///
+/// ```
+/// use robot_dynamics::description::{ActuatorDescription, Transmission, pendulum};
+/// use robot_dynamics::model::Model;
+/// use robot_dynamics::simulation::Actuation;
+/// let mut robot = pendulum(2.0, 0.5);
+/// let servo = ActuatorDescription::new("servo", Transmission::joint("hinge", 1.0)).servo(100.0, 5.0);
+/// robot.actuators.push(servo);
+/// let model = Model::new(robot)?;
+/// let actuation = Actuation::new(&model)?;
+/// let (mut memory, mut tau) = (actuation.workspace(), [0.0]);
+/// actuation.forces(&model, &mut memory, &[0.5], &[0.2], &[0.1], &mut tau); // control, q, v
+/// assert_eq!(tau, [100.0 * (0.5 - 0.2) - 5.0 * 0.1]);
+/// # Ok::<(), robot_dynamics::description::ModelError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Actuation {
+    robot: Identity,
+    /// The tendons of the description, in its order, then the joints of one degree of freedom with nonlinear
+    /// terms.
+    tendons: Vec<Tendon>,
+    springs: Vec<PlacementSpring>,
+    actuators: Vec<(ActuatorDescription, Drive)>,
+    weight: Option<CarriedWeight>,
+    /// Coordinates with bounds on the sum of their actuators, and the bounds.
+    bounded: Vec<(usize, [f64; 2])>,
+    /// Coordinates at which the carried weight comes from the actuators.
+    by_actuators: Vec<usize>,
+    nv: usize,
+}
+
+impl Actuation {
+    /// Resolves the actuators, tendons and springs of the robot's description.
+    ///
+    /// # Errors
+    /// [`ModelError`] if the carried parts of the links' weights are an invalid robot. A model from a file
+    /// does not cause errors.
+    pub fn new(model: &Model) -> Result<Self, ModelError> {
+        let description = model.description();
+        let joints = description.joints.iter();
+        let singles = joints.clone().filter(|joint| is_single(&joint.kind) && !joint.higher_terms.is_zero());
+        let tendons = (description.tendons.iter().map(|tendon| Tendon::new(model, tendon)))
+            .chain(singles.map(|joint| Tendon::of_joint(model, joint)))
+            .collect();
+        let springs = joints.filter_map(|joint| PlacementSpring::new(model, joint)).collect();
+        let actuators = description
+            .actuators
+            .iter()
+            .map(|actuator| (actuator.clone(), Drive::new(model, &actuator.transmission)))
+            .collect();
+        let (mut bounded, mut by_actuators) = (Vec::new(), Vec::new());
+        for joint in model.joints() {
+            let Some(own) = description.joints.iter().find(|own| own.name == joint.name) else { continue };
+            let coordinates = joint.v_index..joint.v_index + joint.nv;
+            if own.actuator_force_range != [f64::NEG_INFINITY, f64::INFINITY] {
+                bounded.extend(coordinates.clone().map(|coordinate| (coordinate, own.actuator_force_range)));
+            }
+            if own.actuator_compensates_gravity {
+                by_actuators.extend(coordinates);
+            }
+        }
+        Ok(Self {
+            robot: model.identity.clone(),
+            tendons,
+            springs,
+            actuators,
+            weight: CarriedWeight::new(model)?,
+            bounded,
+            by_actuators,
+            nv: model.nv(),
+        })
+    }
+
+    /// Removes the actuators: tendons, springs and carried weight remain.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{ActuatorDescription, Transmission, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::Actuation;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.actuators.push(ActuatorDescription::new("motor", Transmission::joint("hinge", 1.0)));
+    /// let actuation = Actuation::new(&Model::new(robot)?)?;
+    /// assert!(!actuation.is_empty() && actuation.without_actuators().is_empty());
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    pub fn without_actuators(self) -> Self {
+        Self { actuators: Vec::new(), bounded: Vec::new(), ..self }
+    }
+
+    /// Removes the dry friction of tendons, for laws that treat it as a constraint, such as
+    /// [`SoftConstraints`](crate::SoftConstraints).
+    ///
+    /// ```
+    /// use robot_dynamics::description::{PassiveForces, TendonDescription, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::Actuation;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let mut cable = TendonDescription::new("cable", [("hinge".to_owned(), 0.1)]);
+    /// cable.passive = PassiveForces::default().with_friction(3.0);
+    /// robot.tendons.push(cable);
+    /// let model = Model::new(robot)?;
+    /// let actuation = Actuation::new(&model)?;
+    /// let mut tau = [0.0];
+    /// actuation.forces(&model, &mut actuation.workspace(), &[], &[0.0], &[1.0], &mut tau);
+    /// assert!((tau[0] + 0.3).abs() < 1e-15);
+    /// let actuation = actuation.without_tendon_friction();
+    /// actuation.forces(&model, &mut actuation.workspace(), &[], &[0.0], &[1.0], &mut tau);
+    /// assert_eq!(tau[0], 0.0);
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    pub fn without_tendon_friction(mut self) -> Self {
+        self.tendons.iter_mut().for_each(Tendon::forget_friction);
+        self
+    }
+
+    /// Removes the damping and friction of tendons, and the damping of springs.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{PassiveForces, TendonDescription, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::Actuation;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let mut cable = TendonDescription::new("cable", [("hinge".to_owned(), 0.1)]);
+    /// cable.passive = PassiveForces::default().with_spring(20.0, 0.0).with_damping(3.0);
+    /// robot.tendons.push(cable);
+    /// let model = Model::new(robot)?;
+    /// let actuation = Actuation::new(&model)?.without_dissipation();
+    /// let mut tau = [0.0];
+    /// actuation.forces(&model, &mut actuation.workspace(), &[], &[0.5], &[1.0], &mut tau);
+    /// assert!((tau[0] + 20.0 * 0.1 * 0.1 * 0.5).abs() < 1e-15);
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    pub fn without_dissipation(mut self) -> Self {
+        self.tendons.iter_mut().for_each(Tendon::forget_dissipation);
+        self.springs.iter_mut().for_each(PlacementSpring::forget_dissipation);
+        self
+    }
+
+    /// Removes the springs of tendons, ball joints and floating joints, and the compensated weight. Actuators
+    /// and dissipation stay.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{PassiveForces, TendonDescription, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::Actuation;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let mut cable = TendonDescription::new("cable", [("hinge".to_owned(), 0.1)]);
+    /// cable.passive = PassiveForces::default().with_spring(20.0, 0.0).with_damping(3.0);
+    /// robot.tendons.push(cable);
+    /// let model = Model::new(robot)?;
+    /// let actuation = Actuation::new(&model)?.without_springs();
+    /// let mut tau = [0.0];
+    /// actuation.forces(&model, &mut actuation.workspace(), &[], &[0.5], &[1.0], &mut tau);
+    /// assert!((tau[0] + 3.0 * 0.1 * 0.1).abs() < 1e-15);
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    pub fn without_springs(mut self) -> Self {
+        self.tendons.iter_mut().for_each(Tendon::forget_spring);
+        Self { springs: Vec::new(), weight: None, by_actuators: Vec::new(), ..self }
+    }
+
+    /// The number of controls: one for each actuator, in the description's order.
+    pub fn control_count(&self) -> usize {
+        self.actuators.len()
+    }
+
+    /// The actuators' names, in the order of the controls.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{ActuatorDescription, Transmission, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::Actuation;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.actuators.push(ActuatorDescription::new("motor", Transmission::joint("hinge", 1.0)));
+    /// let actuation = Actuation::new(&Model::new(robot)?)?;
+    /// assert_eq!(actuation.control_names().collect::<Vec<_>>(), ["motor"]);
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    pub fn control_names(&self) -> impl Iterator<Item = &str> {
+        self.actuators.iter().map(|(actuator, _)| actuator.name.as_str())
+    }
+
+    /// Whether no such force acts.
+    pub fn is_empty(&self) -> bool {
+        let has_springs = !(self.tendons.is_empty() && self.springs.is_empty());
+        !has_springs && self.actuators.is_empty() && self.weight.is_none()
+    }
+
+    /// Returns memory for the calls, which then do not allocate.
+    pub fn workspace(&self) -> ActuationWorkspace {
+        ActuationWorkspace::new(self)
+    }
+}

@@ -1,0 +1,348 @@
+//! The forces at a state, the stored energy and the dissipated power.
+
+use robot_dynamics_core::configuration::joint_sum::JointSum;
+use robot_dynamics_core::{Model, Workspace, gravity, potential_energy};
+use robot_dynamics_description::Activation;
+use robot_dynamics_description::check_length;
+
+use super::placement_spring::PlacementSpring;
+use super::tendon::Tendon;
+use super::transmission::{Drive, FrameMemory};
+use super::{Actuation, Coupling};
+
+/// The memory of [`Actuation`]'s calls.
+#[derive(Clone, Debug)]
+pub struct ActuationWorkspace {
+    pub(super) frames: FrameMemory,
+    /// The workspace of the robot with the carried masses.
+    carried: Option<Workspace>,
+    pub(super) weight: Vec<f64>,
+    /// The force of each actuator, and the total force of the actuators on each tendon.
+    forces: Vec<f64>,
+    on_tendons: Vec<f64>,
+}
+
+impl ActuationWorkspace {
+    pub(super) fn new(actuation: &Actuation) -> Self {
+        Self {
+            frames: FrameMemory::new(actuation.nv),
+            carried: actuation.weight.as_ref().map(|weight| Workspace::new(&weight.model)),
+            weight: vec![0.0; actuation.nv],
+            forces: vec![0.0; actuation.actuators.len()],
+            on_tendons: vec![0.0; actuation.tendons.len()],
+        }
+    }
+
+    /// Each actuator's force in the last call.
+    pub(crate) fn actuator_forces(&self) -> &[f64] {
+        &self.forces
+    }
+}
+
+impl Actuation {
+    /// Returns τ of tendons, actuators and carried weight together, nv entries \[N·m or N\]. `u` holds each
+    /// actuator's control, or its activation if it has one. Controls are limited to their ranges here.
+    ///
+    /// # Panics
+    /// If a slice has the wrong length, or the model belongs to another robot.
+    #[track_caller]
+    pub fn forces(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        u: &[f64],
+        q: &[f64],
+        v: &[f64],
+        tau: &mut [f64],
+    ) {
+        self.actuator_torques(model, workspace, u, q, v, tau);
+        self.add_passive(workspace, q, v, tau);
+    }
+
+    /// Adds the forces of tendons and springs, and the carried weight that
+    /// [`actuator_torques`](Self::actuator_torques) computed at this state and leaves out.
+    pub(crate) fn add_passive(&self, workspace: &ActuationWorkspace, q: &[f64], v: &[f64], tau: &mut [f64]) {
+        self.add_tendons(q, v, tau);
+        self.add_weight(workspace, tau);
+    }
+
+    /// Returns τ without actuators: springs, damping and friction outside the tree, and the carried weight,
+    /// nv entries.
+    ///
+    /// # Panics
+    /// As [`forces`](Self::forces).
+    #[track_caller]
+    pub fn passive_forces(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        q: &[f64],
+        v: &[f64],
+        tau: &mut [f64],
+    ) {
+        self.check(model, q, v, tau);
+        self.carry(workspace, q);
+        tau.fill(0.0);
+        self.add_weight(workspace, tau);
+        self.add_tendons(q, v, tau);
+    }
+
+    /// Returns τ of the actuators, with the carried weight if it comes from them, within the bounds of joints
+    /// and tendons.
+    ///
+    /// # Panics
+    /// As [`forces`](Self::forces).
+    #[track_caller]
+    pub fn actuator_torques(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        u: &[f64],
+        q: &[f64],
+        v: &[f64],
+        tau: &mut [f64],
+    ) {
+        self.check(model, q, v, tau);
+        check_length("the controls", u.len(), self.actuators.len());
+        self.evaluate(model, workspace, u, q, v);
+        self.carry(workspace, q);
+        tau.fill(0.0);
+        for (k, (_, drive)) in self.actuators.iter().enumerate() {
+            let force = workspace.forces[k];
+            drive.spread(model, &self.tendons, &mut workspace.frames, q, force, tau);
+        }
+        for &k in &self.by_actuators {
+            tau[k] += workspace.weight[k];
+        }
+        for &(k, range) in &self.bounded {
+            tau[k] = within(tau[k], range);
+        }
+    }
+
+    /// Returns each actuator's own f \[N·m or N\] at a state, within its range and its tendon's.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{ActuatorDescription, Transmission, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::Actuation;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let mut motor = ActuatorDescription::new("motor", Transmission::joint("hinge", 50.0));
+    /// motor.force_range = [-2.0, 2.0];
+    /// robot.actuators.push(motor);
+    /// let model = Model::new(robot)?;
+    /// let actuation = Actuation::new(&model)?;
+    /// let mut force = [0.0];
+    /// actuation.actuator_forces(&model, &mut actuation.workspace(), &[7.0], &[0.0], &[0.0], &mut force);
+    /// assert_eq!(force, [2.0]); // before the gear
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// As [`forces`](Self::forces).
+    #[track_caller]
+    pub fn actuator_forces(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        u: &[f64],
+        q: &[f64],
+        v: &[f64],
+        forces: &mut [f64],
+    ) {
+        self.robot.check(model, "the actuation");
+        check_length("the controls", u.len(), self.actuators.len());
+        check_length("the forces", forces.len(), self.actuators.len());
+        self.evaluate(model, workspace, u, q, v);
+        forces.copy_from_slice(&workspace.forces);
+    }
+
+    /// Returns the energy stored outside the tree \[J\]: ½ k·stretch² of tendons and springs, less the
+    /// potential of the carried weight. That potential is left out if the weight comes from the actuators.
+    ///
+    /// # Panics
+    /// As [`forces`](Self::forces).
+    #[track_caller]
+    pub fn stored_energy(&self, workspace: &mut ActuationWorkspace, q: &[f64]) -> f64 {
+        let springs = self.spring_energy(q);
+        match (&self.weight, &mut workspace.carried) {
+            (Some(weight), Some(carried)) if self.by_actuators.is_empty() => {
+                springs - potential_energy(&weight.model, carried, q)
+            }
+            _ => springs,
+        }
+    }
+
+    /// Returns the power that damping and friction outside the tree dissipate \[W\], never negative.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{PassiveForces, TendonDescription, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::Actuation;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let mut cable = TendonDescription::new("cable", [("hinge".to_owned(), 2.0)]);
+    /// cable.passive = PassiveForces::default().with_damping(0.3);
+    /// robot.tendons.push(cable);
+    /// let actuation = Actuation::new(&Model::new(robot)?)?;
+    /// assert_eq!(actuation.dissipated_power(&[0.0], &[5.0]), 0.3 * (2.0_f64 * 5.0).powi(2));
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    pub fn dissipated_power(&self, q: &[f64], v: &[f64]) -> f64 {
+        let tendons: f64 =
+            self.tendons.iter().map(|tendon| -tendon.dissipative_force(v) * tendon.length.rate(v)).sum();
+        tendons + self.springs.iter().map(|spring| spring.lost_power(q, v, v)).sum::<f64>()
+    }
+
+    /// Returns the energy that damping and friction outside the tree dissipate in h \[J\]. It is their
+    /// impulse for a displacement of h·`rate` about q, times the mean velocity.
+    pub(crate) fn dissipated_over(&self, h: f64, q: &[f64], rate: &[f64], mean: &[f64]) -> f64 {
+        let lost = |tendon: &Tendon| {
+            let force = tendon.dissipative_force_at(tendon.length.rate(rate));
+            (-force * tendon.length.rate(mean) * h).max(0.0)
+        };
+        let tendons: f64 = self.tendons.iter().map(lost).sum();
+        tendons + self.springs.iter().map(|spring| h * spring.lost_power(q, rate, mean).max(0.0)).sum::<f64>()
+    }
+
+    /// Adds the stiffness and damping of servos and tendons to those of the coordinates. Terms over several
+    /// coordinates are added to the couplings. Negative values are left out.
+    pub(crate) fn add_gains(
+        &self,
+        stiffness: &mut [f64],
+        damping: &mut [f64],
+        couplings: &mut Vec<Coupling>,
+    ) {
+        for (coordinate, k) in self.springs.iter().flat_map(PlacementSpring::gains) {
+            stiffness[coordinate] += k.max(0.0);
+        }
+        let mut add = |length: &JointSum, (k, d): (f64, f64)| {
+            let (k, d) = (k.max(0.0), d.max(0.0));
+            match length.row().as_slice() {
+                [] => {}
+                &[(coordinate, factor)] => {
+                    stiffness[coordinate] += factor * factor * k;
+                    damping[coordinate] += factor * factor * d;
+                }
+                _ if k == 0.0 && d == 0.0 => {}
+                row => couplings.push(Coupling { row: row.to_vec(), stiffness: k, damping: d }),
+            }
+        };
+        for tendon in &self.tendons {
+            add(&tendon.length, tendon.gains());
+        }
+        for (actuator, drive) in &self.actuators {
+            let (k, d) = (-actuator.bias.length, -actuator.bias.velocity);
+            match drive {
+                Drive::Joint { length } => add(length, (k, d)),
+                Drive::Tendon { index, gear } => {
+                    add(&self.tendons[*index].length, (gear * gear * k, gear * gear * d));
+                }
+                Drive::Freedoms { .. } | Drive::Frame { .. } | Drive::Nothing => {}
+            }
+        }
+    }
+
+    /// Advances the activations by h \[s\] with constant controls, exactly. Without activation dynamics, an
+    /// activation equals its control.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{Activation, ActuatorDescription, Transmission, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::Actuation;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let mut motor = ActuatorDescription::new("motor", Transmission::joint("hinge", 1.0));
+    /// motor.activation = Activation::Filter { time_constant: 0.5 };
+    /// robot.actuators.push(motor);
+    /// let actuation = Actuation::new(&Model::new(robot)?)?;
+    /// let mut activation = [0.0];
+    /// actuation.activate(&[1.0], 0.5, &mut activation);
+    /// assert!((activation[0] - (1.0 - (-1.0_f64).exp())).abs() < 1e-15);
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If a slice has the wrong length.
+    #[track_caller]
+    pub fn activate(&self, controls: &[f64], h: f64, activations: &mut [f64]) {
+        check_length("the controls", controls.len(), self.actuators.len());
+        check_length("the activations", activations.len(), self.actuators.len());
+        for (k, (actuator, _)) in self.actuators.iter().enumerate() {
+            let control = within(controls[k], actuator.control_range);
+            match actuator.activation {
+                Activation::None => activations[k] = control,
+                Activation::Integrator => activations[k] += h * control,
+                Activation::Filter { time_constant } => {
+                    activations[k] += (control - activations[k]) * -(-h / time_constant).exp_m1();
+                }
+            }
+        }
+    }
+
+    /// Adds the carried weight that neither [`actuator_torques`](Self::actuator_torques), called before, nor
+    /// [`stored_energy`](Self::stored_energy) includes.
+    pub(crate) fn add_unstored(&self, workspace: &ActuationWorkspace, tau: &mut [f64]) {
+        if !self.by_actuators.is_empty() {
+            self.add_weight(workspace, tau);
+        }
+    }
+
+    /// Adds the forces of tendons and springs without actuators.
+    fn add_tendons(&self, q: &[f64], v: &[f64], tau: &mut [f64]) {
+        for tendon in &self.tendons {
+            tendon.length.spread(tendon.spring_force(q) + tendon.dissipative_force(v), tau);
+        }
+        self.springs.iter().for_each(|spring| spring.spread(q, v, tau));
+    }
+
+    /// Adds the carried weight computed by [`carry`](Self::carry), if it does not come from the actuators.
+    fn add_weight(&self, workspace: &ActuationWorkspace, tau: &mut [f64]) {
+        for (k, weight) in workspace.weight.iter().enumerate() {
+            if !self.by_actuators.contains(&k) {
+                tau[k] += weight;
+            }
+        }
+    }
+
+    #[track_caller]
+    fn check(&self, model: &Model, q: &[f64], v: &[f64], tau: &[f64]) {
+        self.robot.check(model, "the actuation");
+        check_length("q", q.len(), model.nq);
+        check_length("v", v.len(), model.nv);
+        check_length("tau", tau.len(), model.nv);
+    }
+
+    /// Computes each actuator's f into `workspace.forces`.
+    fn evaluate(&self, model: &Model, workspace: &mut ActuationWorkspace, u: &[f64], q: &[f64], v: &[f64]) {
+        workspace.on_tendons.fill(0.0);
+        for (k, (actuator, drive)) in self.actuators.iter().enumerate() {
+            let (length, rate) = drive.length_and_rate(model, &self.tendons, &mut workspace.frames, (q, v));
+            let u = match actuator.activation {
+                Activation::None => within(u[k], actuator.control_range),
+                _ => u[k],
+            };
+            workspace.forces[k] = actuator.force(u, length, rate);
+            if let Drive::Tendon { index, gear } = drive {
+                workspace.on_tendons[*index] += gear * workspace.forces[k];
+            }
+        }
+        for (k, (_, drive)) in self.actuators.iter().enumerate() {
+            if let Drive::Tendon { index, .. } = drive {
+                let (sum, most) = (workspace.on_tendons[*index].abs(), self.tendons[*index].most_force());
+                if sum > most {
+                    workspace.forces[k] *= most / sum;
+                }
+            }
+        }
+    }
+
+    /// Computes τ of the carried weight into `workspace.weight`.
+    pub(super) fn carry(&self, workspace: &mut ActuationWorkspace, q: &[f64]) {
+        if let (Some(weight), Some(carried)) = (&self.weight, &mut workspace.carried) {
+            gravity(&weight.model, carried, q, &mut workspace.weight);
+        }
+    }
+}
+
+/// The nearest number in a range.
+pub(super) fn within(x: f64, [lower, upper]: [f64; 2]) -> f64 {
+    x.max(lower).min(upper)
+}

@@ -1,0 +1,57 @@
+//! A linear relation between coordinates.
+
+use nalgebra::RowDVector;
+use robot_dynamics_core::Model;
+use robot_dynamics_core::configuration::manifold::coordinate_ranges;
+use robot_dynamics_core::joint::Chart;
+
+use super::ConstraintSetError;
+use super::set::RowsAt;
+
+/// Σ cᵢ vᵢ = 0 with constant c: gears, belts, differentials, a locked joint.
+///
+/// If every coordinate in it is a plain number, φ = Σ cᵢ qᵢ − offset. Unlike a mimic joint of the robot's
+/// description, it keeps both coordinates, and its multiplier is the force in the gear.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coupling {
+    /// Pairs (coordinate of v, cᵢ).
+    pub(super) terms: Vec<(usize, f64)>,
+    /// The required value of Σ cᵢ qᵢ.
+    pub(super) offset: f64,
+}
+
+impl Coupling {
+    /// A coupling of coordinates, given by name ([`Model::coordinate_names`]), with coefficients.
+    ///
+    /// # Errors
+    /// [`ConstraintSetError::UnknownCoordinate`], [`ConstraintSetError::BadNumber`].
+    pub fn new(model: &Model, terms: &[(&str, f64)], offset: f64) -> Result<Self, ConstraintSetError> {
+        let names = model.coordinate_names();
+        let bad = |quantity: &'static str, value: f64| ConstraintSetError::BadNumber { quantity, value };
+        let term = |&(name, coefficient): &(&str, f64)| {
+            if !coefficient.is_finite() {
+                return Err(bad("a coupling's coefficient", coefficient));
+            }
+            let found = names.iter().position(|known| known == name);
+            found.map(|index| (index, coefficient)).ok_or_else(|| ConstraintSetError::UnknownCoordinate {
+                name: name.to_owned(),
+                robot: model.name().to_owned(),
+            })
+        };
+        if !offset.is_finite() {
+            return Err(bad("a coupling's offset", offset));
+        }
+        Ok(Self { terms: terms.iter().map(term).collect::<Result<_, _>>()?, offset })
+    }
+
+    pub(super) fn write(&self, model: &Model, q: &[f64], rows: &mut RowsAt<'_>) {
+        let mut row = RowDVector::zeros(model.nv());
+        let mut error = Some(-self.offset);
+        for &(coordinate, coefficient) in &self.terms {
+            row[coordinate] += coefficient;
+            let plain = coordinate_ranges(model).find(|s| s.chart == Chart::Line && s.v == coordinate);
+            error = error.zip(plain).map(|(sum, stretch)| sum + coefficient * q[stretch.q]);
+        }
+        rows.push(&row, 0.0, error);
+    }
+}

@@ -1,0 +1,216 @@
+//! Errors of constraints, and of motions with constraints.
+
+use thiserror::Error;
+
+/// An invalid constraint of a robot.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ConstraintSetError {
+    /// A loop names a frame that the robot does not have.
+    #[error("constraint `{constraint}`: robot `{robot}` has no link or frame `{frame}`")]
+    UnknownFrame {
+        /// The constraint.
+        constraint: String,
+        /// The missing name.
+        frame: String,
+        /// The robot.
+        robot: String,
+    },
+    /// A coupling names a coordinate that the robot does not have.
+    #[error("robot `{robot}` has no coordinate `{name}`; Model::coordinate_names lists them")]
+    UnknownCoordinate {
+        /// The missing name.
+        name: String,
+        /// The robot.
+        robot: String,
+    },
+    /// A frame of another model.
+    #[error(
+        "constraint `{constraint}` names a frame of another robot than `{robot}`; look frames up in this model"
+    )]
+    ForeignFrame {
+        /// The constraint.
+        constraint: String,
+        /// The model's name.
+        robot: String,
+    },
+    /// Two constraints share a name.
+    #[error("two constraints are named `{name}`; rename one")]
+    DuplicateName {
+        /// The name.
+        name: String,
+    },
+    /// A constraint without rows, or with a row twice.
+    #[error("constraint `{constraint}` {problem}")]
+    BadRows {
+        /// The constraint.
+        constraint: String,
+        /// `has no rows` or `has a row twice`.
+        problem: &'static str,
+    },
+    /// A number out of its range.
+    #[error("{quantity} is {value}; it must be finite, and positive where it is a radius")]
+    BadNumber {
+        /// The quantity.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
+}
+
+/// The name of a constraint row that depends on the rows before it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct NamedDependentRow {
+    /// The row's index in A.
+    pub row: usize,
+    /// Its name, for example `pin.rx`.
+    pub name: String,
+    /// The earlier rows whose combination it is; empty for a row of zeros.
+    pub combination_of: Vec<String>,
+}
+
+impl core::fmt::Display for NamedDependentRow {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self.combination_of.as_slice() {
+            [] => write!(f, "`{}` is zero", self.name),
+            rows => write!(f, "`{}` depends on `{}`", self.name, rows.join("`, `")),
+        }
+    }
+}
+
+/// The reason why a constrained motion was not computed.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ConstrainedMotionError {
+    /// An input or a result is NaN or infinite.
+    #[error("{quantity}[{index}] is not finite")]
+    NotFinite {
+        /// The quantity.
+        quantity: &'static str,
+        /// The index of the entry.
+        index: usize,
+    },
+    /// An option, a tolerance or a coefficient is NaN or infinite.
+    #[error("{quantity} is {value}; it must be finite")]
+    BadNumber {
+        /// The name of the number.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// An invalid support.
+    #[error("support {index}: {problem}")]
+    BadSupport {
+        /// The index of the support.
+        index: usize,
+        /// The fault of the support.
+        problem: &'static str,
+    },
+    /// Forces with zero or negative weight are not unique.
+    #[error("the weight of the forces must be positive, got {weight} m²")]
+    BadSupportWeight {
+        /// The given weight \[m²\].
+        weight: f64,
+    },
+    /// A step that is not positive and finite.
+    #[error("the step must be positive and finite, got {step} s")]
+    BadStep {
+        /// The given step \[s\].
+        step: f64,
+    },
+    /// M is singular.
+    #[error(transparent)]
+    SingularMass(#[from] robot_dynamics_core::SingularMass),
+    /// A row of A or Ȧv is not finite.
+    #[error("constraint row `{name}` is not finite at this state; a rolling disc must not lie flat")]
+    NonFiniteRow {
+        /// The row.
+        name: String,
+    },
+    /// Rows depend on each other, with [`RedundantRows::Refuse`](super::RedundantRows::Refuse).
+    #[error("the constraint rows have rank {rank} only: {}; leave the named rows out, or allow redundant rows",
+        .rows.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))]
+    DependentRows {
+        /// The number of independent rows.
+        rank: usize,
+        /// The dependent rows.
+        rows: Vec<NamedDependentRow>,
+    },
+    /// Redundant rows contradict each other, or the damped solve did not converge.
+    #[error(
+        "the constraint rows contradict each other: A a misses its target by {residual:e}, most at row `{name}`"
+    )]
+    Inconsistent {
+        /// The worst row.
+        name: String,
+        /// max |A a + Ȧv| \[m/s² or rad/s²\].
+        residual: f64,
+    },
+    /// Baumgarte's feedback with a method whose equations satisfy φ = 0 themselves.
+    #[error("a variational step holds the constraint itself; leave the stabilization out")]
+    StabilizedVariationalStep,
+    /// The implicit equations of a variational step were not solved to round-off.
+    #[error(
+        "the implicit step of {step:e} s did not converge: relative change {residual:e} after {iterations} \
+         iterations, farthest off in row `{name}`; take a smaller step, or start on the constraint"
+    )]
+    StepNotConverged {
+        /// The last change of the velocity over the step, as a fraction of the velocity's size.
+        residual: f64,
+        /// Iterations spent.
+        iterations: usize,
+        /// The implicit step \[s\], a fraction of the whole step (possibly negative) for a composed method.
+        step: f64,
+        /// The row with the largest residual.
+        name: String,
+    },
+    /// The rows at the two ends of a variational step have no common solution except by rounding.
+    #[error(
+        "the constraint rows, `{name}` last, are independent by little more than rounding here: a singular \
+         position, or ConstraintOptions::dependence is too small to leave the redundant row out"
+    )]
+    NearlyDependentRow {
+        /// The row with the smallest part that is independent of the others.
+        name: String,
+    },
+    /// The projection onto the constraint did not converge.
+    #[error(
+        "no configuration on the constraint found after {iterations} steps: \
+         row `{name}` is still off by {error:e}; start nearer to it"
+    )]
+    NotConverged {
+        /// Gauss–Newton steps taken.
+        iterations: usize,
+        /// The worst row.
+        name: String,
+        /// Its |φ|.
+        error: f64,
+    },
+    /// The initial state is off the constraint.
+    #[error(
+        "the start is off the constraint: {quantity} of row `{name}` is {error:e}; \
+         project_position and project_velocity bring it there"
+    )]
+    OffConstraint {
+        /// `the position error` or `the velocity`.
+        quantity: &'static str,
+        /// The row.
+        name: String,
+        /// The error.
+        error: f64,
+    },
+}
+
+/// Returns an error if an entry of the vector is not finite.
+pub(super) fn check_entries(quantity: &'static str, x: &[f64]) -> Result<(), ConstrainedMotionError> {
+    match x.iter().position(|x| !x.is_finite()) {
+        Some(index) => Err(ConstrainedMotionError::NotFinite { quantity, index }),
+        None => Ok(()),
+    }
+}
+
+/// Returns an error if the number is not finite.
+pub(super) fn check_number(quantity: &'static str, value: f64) -> Result<(), ConstrainedMotionError> {
+    if value.is_finite() { Ok(()) } else { Err(ConstrainedMotionError::BadNumber { quantity, value }) }
+}

@@ -1,0 +1,125 @@
+//! A disc that rolls on a plane.
+
+use nalgebra::{Unit, Vector3};
+use robot_dynamics_core::{FrameId, Model, Workspace};
+#[cfg(feature = "serde")]
+use serde::{Deserialize, Serialize};
+
+use super::frame_motion::FrameMotion;
+use super::set::RowsAt;
+
+/// The plane n·x = offset in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    pub(super) normal: Unit<Vector3<f64>>,
+    pub(super) offset: f64,
+}
+
+impl Plane {
+    /// The plane through a point with a normal, which need not have unit length.
+    ///
+    /// # Panics
+    /// If the normal is zero or not finite.
+    #[track_caller]
+    pub fn new(normal: [f64; 3], point: [f64; 3]) -> Self {
+        let normal = Vector3::from(normal);
+        let length = normal.norm();
+        assert!(length > 0.0 && length.is_finite(), "a plane's normal must have a direction, got {normal:?}");
+        let normal = Unit::new_normalize(normal);
+        Self { normal, offset: normal.dot(&Vector3::from(point)) }
+    }
+
+    /// n·x of its points \[m\].
+    pub(super) fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// z = height.
+    pub fn level(height: f64) -> Self {
+        Self { normal: Vector3::z_axis(), offset: height }
+    }
+}
+
+/// The directions in which the disc's contact point must not move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+pub enum RollingRow {
+    /// Along the heading: the disc rolls.
+    Forward,
+    /// In the plane across the heading.
+    Side,
+    /// Along the plane's normal; this row has φ, the height of the lowest point.
+    Normal,
+}
+
+impl RollingRow {
+    /// `forward`, `side` or `normal`.
+    pub fn name(self) -> &'static str {
+        ["forward", "side", "normal"][self as usize]
+    }
+}
+
+/// A thin disc about the origin of a frame, in contact with a plane, that does not slip.
+///
+/// Let s be the unit axle, n the plane's normal, w = n − (n·s) s, and u = w/|w|. The contact is at p − r u,
+/// and the disc heads along h = s × n/|s × n|. The disc's point there has the velocity V = ṗ − r ω × u. The
+/// rows are V·h, V·(n × h) and V·n. An upright wheel and a tilted coin are the same constraint. An axle along
+/// n has no heading, and the rows are then not finite. **(PRM ch. 12; MLS ch. 7)**
+#[derive(Clone, Debug, PartialEq)]
+pub struct RollingDisc {
+    /// The frame at the disc's centre.
+    pub frame: FrameId,
+    /// The axle in the frame; need not have unit length.
+    pub axle: [f64; 3],
+    /// r \[m\].
+    pub radius: f64,
+    /// The plane.
+    pub plane: Plane,
+    /// The rows; on a planar base the normal row is zero and better left out.
+    pub rows: Vec<RollingRow>,
+}
+
+impl RollingDisc {
+    /// All three rows on the plane z = 0.
+    pub fn on_floor(frame: FrameId, axle: [f64; 3], radius: f64) -> Self {
+        let rows = vec![RollingRow::Forward, RollingRow::Side, RollingRow::Normal];
+        Self { frame, axle, radius, plane: Plane::level(0.0), rows }
+    }
+
+    pub(super) fn write(
+        &self,
+        model: &Model,
+        workspace: &mut Workspace,
+        q: &[f64],
+        v: &[f64],
+        rows: &mut RowsAt<'_>,
+    ) {
+        let disc = FrameMotion::of_frame(model, workspace, q, v, self.frame);
+        let (n, r) = (self.plane.normal.into_inner(), self.radius);
+        let s = disc.rotation * Vector3::from(self.axle).normalize();
+        let s_rate = disc.spin.cross(&s);
+        // w, u, h and their rates; a unit vector x/|x| changes at (ẋ − u (u·ẋ))/|x|.
+        let turned = |u: &Vector3<f64>, rate: Vector3<f64>, length: f64| (rate - u * u.dot(&rate)) / length;
+        let w = n - s * n.dot(&s);
+        let length = w.norm();
+        let u = w / length;
+        let u_rate = turned(&u, -s * n.dot(&s_rate) - s_rate * n.dot(&s), length);
+        let h = s.cross(&n) / length;
+        let h_rate = turned(&h, s_rate.cross(&n), length);
+
+        let velocity = disc.velocity - disc.spin.cross(&u) * r;
+        let bias = disc.bias - (disc.spin_bias.cross(&u) + disc.spin.cross(&u_rate)) * r;
+        for row in &self.rows {
+            let (d, d_rate, error) = match row {
+                RollingRow::Forward => (h, h_rate, None),
+                RollingRow::Side => (n.cross(&h), n.cross(&h_rate), None),
+                RollingRow::Normal => {
+                    (n, Vector3::zeros(), Some(n.dot(&disc.position) - r * length - self.plane.offset))
+                }
+            };
+            // d·V = d·ṗ − r ω·(u × d)
+            rows.push(&disc.row(&d, &(d.cross(&u) * r)), d.dot(&bias) + d_rate.dot(&velocity), error);
+        }
+    }
+}

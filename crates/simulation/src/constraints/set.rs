@@ -1,0 +1,276 @@
+//! Named constraints, and their rows at a state.
+
+use nalgebra::{DMatrix, DVector, RowDVector};
+use robot_dynamics_core::model::identity::Identity;
+use robot_dynamics_core::{FrameId, Model, Workspace};
+use robot_dynamics_description::check_length;
+use robot_dynamics_description::{Equality, EqualityDescription};
+
+use super::{
+    Anchor, ConstrainedMotionError, Constraint, ConstraintSetError, FrameConstraint, LoopClosure,
+    PolynomialCoupling, SpatialAxis,
+};
+
+/// Named constraints of one robot, in order.
+///
+/// ```
+/// use robot_dynamics::constraints::{FrameConstraint, ConstraintSet};
+/// use robot_dynamics::description::{RandomRobotOptions, random_robot};
+/// use robot_dynamics::model::Model;
+/// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// let (a, b) = (model.frame("link4").expect("a link"), model.frame("link9").expect("a link"));
+/// let set = ConstraintSet::new(&model, [("pin", FrameConstraint::between(a, b, &FrameConstraint::BALL).into())])?;
+/// assert_eq!(set.row_names(), ["pin.x", "pin.y", "pin.z"]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ConstraintSet {
+    /// The robot of these constraints; `None` for the empty default set, which constrains no robot.
+    robot: Option<Identity>,
+    constraints: Vec<Constraint>,
+    names: Vec<String>,
+    row_names: Vec<String>,
+}
+
+/// The rows of a set at a state.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ConstraintRows {
+    /// A(q), K×nv.
+    pub matrix: DMatrix<f64>,
+    /// Ȧv, K: the rate of A v at a = 0.
+    pub bias: DVector<f64>,
+    /// φ(q) with φ̇ = A v, K; 0 in rows without φ.
+    pub position_error: DVector<f64>,
+    /// Whether each row has φ.
+    pub holonomic: Vec<bool>,
+}
+
+impl ConstraintRows {
+    /// Returns an error if a row is not finite.
+    pub(super) fn check(&self, set: &ConstraintSet) -> Result<(), ConstrainedMotionError> {
+        let finite = |i: usize| {
+            self.bias[i].is_finite()
+                && self.position_error[i].is_finite()
+                && self.matrix.row(i).iter().all(|x| x.is_finite())
+        };
+        match (0..set.len()).find(|&i| !finite(i)) {
+            Some(i) => Err(ConstrainedMotionError::NonFiniteRow { name: set.row_names()[i].clone() }),
+            None => Ok(()),
+        }
+    }
+}
+
+impl ConstraintSet {
+    /// Checks the constraints against the robot.
+    ///
+    /// # Errors
+    /// [`ConstraintSetError`]: a duplicate name, missing or repeated rows, an invalid radius, a number that
+    /// is not finite, or a frame of another model.
+    pub fn new<N: Into<String>>(
+        model: &Model,
+        constraints: impl IntoIterator<Item = (N, Constraint)>,
+    ) -> Result<Self, ConstraintSetError> {
+        let mut set = Self { robot: Some(model.identity.clone()), ..Self::default() };
+        for (name, constraint) in constraints {
+            set.add(model, name.into(), constraint)?;
+        }
+        Ok(set)
+    }
+
+    /// The loops given beside a robot file.
+    ///
+    /// # Errors
+    /// As [`ConstraintSet::new`], and [`ConstraintSetError::UnknownFrame`].
+    pub fn from_loops(model: &Model, loops: &[LoopClosure]) -> Result<Self, ConstraintSetError> {
+        let mut set = Self { robot: Some(model.identity.clone()), ..Self::default() };
+        for closure in loops {
+            set.add(model, closure.name.clone(), closure.resolve(model)?.into())?;
+        }
+        Ok(set)
+    }
+
+    /// The active equalities of the robot's description. Joints become [`PolynomialCoupling`]s, and
+    /// connections and welds [`FrameConstraint`]s between the frames that the robot has for them
+    /// ([`EqualityDescription::frames`]). Relations of locked joints are left out.
+    ///
+    /// ```
+    /// use robot_dynamics::constraints::ConstraintSet;
+    /// use robot_dynamics::description::{Equality, EqualityDescription, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let pin = Equality::Connect { a: ("rod".into(), [0.5, 0.0, 0.0]), b: ("ceiling".into(), [0.5, 0.0, 0.0]) };
+    /// robot.equalities.push(EqualityDescription::new("pin", pin));
+    /// let model = Model::new(robot)?;
+    /// assert_eq!(ConstraintSet::from_equalities(&model)?.row_names(), ["pin.x", "pin.y", "pin.z"]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`ConstraintSet::new`]. The equalities of a compiled robot do not cause errors.
+    pub fn from_equalities(model: &Model) -> Result<Self, ConstraintSetError> {
+        let mut set = Self { robot: Some(model.identity.clone()), ..Self::default() };
+        for equality in model.description().equalities.iter().filter(|equality| equality.active) {
+            let constraint = match &equality.kind {
+                Equality::Joints { joint, leader, polynomial } => {
+                    let moves = |own: &&robot_dynamics_core::Joint| {
+                        own.name == joint.0 && (own.nv > 0 || own.mimic.is_some())
+                    };
+                    if model.joints().iter().find(moves).is_none() {
+                        continue;
+                    }
+                    let leader = leader.as_ref().map(|(name, reference)| (name.as_str(), *reference));
+                    PolynomialCoupling::new(model, (&joint.0, joint.1), leader, *polynomial)?.into()
+                }
+                Equality::Connect { .. } => joined(model, equality, &FrameConstraint::BALL)?,
+                Equality::Weld { .. } => joined(model, equality, &FrameConstraint::WELD)?,
+            };
+            set.add(model, equality.name.clone(), constraint)?;
+        }
+        Ok(set)
+    }
+
+    fn add(&mut self, model: &Model, name: String, constraint: Constraint) -> Result<(), ConstraintSetError> {
+        if self.names.contains(&name) {
+            return Err(ConstraintSetError::DuplicateName { name });
+        }
+        let rows = constraint.row_names();
+        let bad_rows = |problem| ConstraintSetError::BadRows { constraint: name.clone(), problem };
+        if rows.is_empty() {
+            return Err(bad_rows("has no rows"));
+        }
+        if (1..rows.len()).any(|i| rows[..i].contains(&rows[i])) {
+            return Err(bad_rows("has a row twice"));
+        }
+        if let Constraint::RollingDisc(disc) = &constraint {
+            let axle = disc.axle.iter().map(|x| x * x).sum::<f64>().sqrt();
+            for (quantity, value) in [("a disc's radius", disc.radius), ("the length of an axle", axle)] {
+                if !(value > 0.0 && value.is_finite()) {
+                    return Err(ConstraintSetError::BadNumber { quantity, value });
+                }
+            }
+        }
+        for (quantity, value) in numbers(&constraint) {
+            if !value.is_finite() {
+                return Err(ConstraintSetError::BadNumber { quantity, value });
+            }
+        }
+        if frames(&constraint).into_iter().any(|frame| !model.has_frame(frame)) {
+            return Err(ConstraintSetError::ForeignFrame {
+                constraint: name,
+                robot: model.name().to_owned(),
+            });
+        }
+        self.row_names.extend(rows.iter().map(|row| format!("{name}.{row}")));
+        self.names.push(name);
+        self.constraints.push(constraint);
+        Ok(())
+    }
+
+    /// K: the number of rows.
+    pub fn len(&self) -> usize {
+        self.row_names.len()
+    }
+
+    /// Whether the set has no constraints.
+    pub fn is_empty(&self) -> bool {
+        self.row_names.is_empty()
+    }
+
+    /// The rows' names, `constraint.row`.
+    pub fn row_names(&self) -> &[String] {
+        &self.row_names
+    }
+
+    /// The constraints with their names.
+    pub fn constraints(&self) -> impl Iterator<Item = (&str, &Constraint)> {
+        self.names.iter().map(String::as_str).zip(&self.constraints)
+    }
+
+    #[track_caller]
+    pub(super) fn check_robot(&self, model: &Model) {
+        if let Some(robot) = &self.robot {
+            robot.check(model, "the constraint set");
+        }
+    }
+
+    /// A(q), Ȧv and φ(q) at a state.
+    ///
+    /// # Panics
+    /// If a slice has the wrong length, or the set or the workspace belongs to another robot.
+    #[track_caller]
+    pub fn rows(&self, model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f64]) -> ConstraintRows {
+        self.check_robot(model);
+        check_length("q", q.len(), model.nq());
+        check_length("v", v.len(), model.nv());
+        let count = self.len();
+        let mut rows = ConstraintRows {
+            matrix: DMatrix::zeros(count, model.nv()),
+            bias: DVector::zeros(count),
+            position_error: DVector::zeros(count),
+            holonomic: vec![false; count],
+        };
+        let mut next = RowsAt { rows: &mut rows, at: 0 };
+        for constraint in &self.constraints {
+            let end = next.at + constraint.count();
+            constraint.write(model, workspace, q, v, &mut next);
+            debug_assert_eq!(next.at, end, "a constraint wrote another number of rows than it has");
+        }
+        rows
+    }
+}
+
+/// The two frames of an equality, joined.
+fn joined(
+    model: &Model,
+    equality: &EqualityDescription,
+    rows: &[SpatialAxis],
+) -> Result<Constraint, ConstraintSetError> {
+    let [frame_a, frame_b] = ["a", "b"].map(|side| equality.frame_name(side));
+    let closure = LoopClosure { name: equality.name.clone(), frame_a, frame_b, rows: rows.to_vec() };
+    Ok(closure.resolve(model)?.into())
+}
+
+fn frames(constraint: &Constraint) -> Vec<FrameId> {
+    match constraint {
+        Constraint::FrameConstraint(FrameConstraint { a, b, .. }) => [a, b]
+            .into_iter()
+            .filter_map(|anchor| if let Anchor::Frame(frame) = anchor { Some(*frame) } else { None })
+            .collect(),
+        Constraint::NoSlip(no_slip) => vec![no_slip.frame],
+        Constraint::RollingDisc(disc) => vec![disc.frame],
+        Constraint::Coupling(_) | Constraint::PolynomialCoupling(_) => Vec::new(),
+    }
+}
+
+/// The numbers in a constraint's geometry.
+fn numbers(constraint: &Constraint) -> Vec<(&'static str, f64)> {
+    match constraint {
+        Constraint::FrameConstraint(FrameConstraint { a, b, .. }) => [a, b]
+            .into_iter()
+            .filter_map(|anchor| if let Anchor::World(pose) = anchor { Some(pose) } else { None })
+            .flat_map(|pose| pose.rotation.as_flattened().iter().chain(&pose.translation))
+            .map(|&x| ("a number of an anchor's pose", x))
+            .collect(),
+        Constraint::RollingDisc(disc) => vec![("a plane's offset", disc.plane.offset())],
+        Constraint::NoSlip(_) | Constraint::Coupling(_) | Constraint::PolynomialCoupling(_) => Vec::new(),
+    }
+}
+
+/// The position of the next row.
+pub(super) struct RowsAt<'a> {
+    rows: &'a mut ConstraintRows,
+    at: usize,
+}
+
+impl RowsAt<'_> {
+    /// Writes one row of A with its entry of Ȧv, and its φ if it has one.
+    pub(super) fn push(&mut self, row: &RowDVector<f64>, bias: f64, position_error: Option<f64>) {
+        let Self { rows, at } = self;
+        rows.matrix.set_row(*at, row);
+        rows.bias[*at] = bias;
+        rows.position_error[*at] = position_error.unwrap_or(0.0);
+        rows.holonomic[*at] = position_error.is_some();
+        *at += 1;
+    }
+}

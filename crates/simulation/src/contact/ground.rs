@@ -1,0 +1,229 @@
+//! Half-spaces as grounds.
+
+use core::f64::consts::FRAC_PI_2;
+
+use nalgebra::Vector3;
+use robot_dynamics_description::Surface;
+
+/// A half-space that bodies do not enter: { x : n·x < d }.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Ground {
+    /// n, a unit vector that points out of it.
+    pub normal: [f64; 3],
+    /// d: the distance of its plane from the world's origin along n \[m\].
+    pub offset: f64,
+    /// μ of every contact with it; `None`: that of the surfaces.
+    pub friction: Option<f64>,
+    /// Its surface, which mixes with that of each shape; `None`: each shape's own surface counts.
+    pub surface: Option<Surface>,
+    /// e: the fraction of its normal speed with which a body rebounds; 0 if it does not bounce.
+    pub restitution: f64,
+}
+
+impl Ground {
+    /// The half-space below z \[m\].
+    ///
+    /// ```
+    /// assert_eq!(robot_dynamics::contact::Ground::level(0.5).normal, [0.0, 0.0, 1.0]);
+    /// ```
+    pub const fn level(z: f64) -> Self {
+        Self { normal: [0.0, 0.0, 1.0], offset: z, friction: None, surface: None, restitution: 0.0 }
+    }
+
+    /// The half-space below a plane through the world's origin that rises along x by this angle \[rad\],
+    /// between −π/2 and π/2.
+    ///
+    /// ```
+    /// let [x, _, z] = robot_dynamics::contact::Ground::slope(0.3)?.normal;
+    /// assert!((x / z + 0.3f64.tan()).abs() < 1e-15); // downhill is −x
+    /// # Ok::<(), robot_dynamics::contact::ContactError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ContactError::Slope`].
+    pub fn slope(angle: f64) -> Result<Self, ContactError> {
+        if angle.is_nan() || angle.abs() >= FRAC_PI_2 {
+            return Err(ContactError::Slope { angle });
+        }
+        Ok(Self { normal: [-angle.sin(), 0.0, angle.cos()], ..Self::level(0.0) })
+    }
+
+    /// The half-space below the plane through a point, whose normal (of any length) points out of it.
+    ///
+    /// # Errors
+    /// [`ContactError::Normal`].
+    ///
+    /// ```
+    /// let wall = robot_dynamics::contact::Ground::through([2.0, 0.0, 0.0], [-3.0, 0.0, 0.0])?;
+    /// assert_eq!((wall.normal, wall.offset), ([-1.0, 0.0, 0.0], -2.0));
+    /// # Ok::<(), robot_dynamics::contact::ContactError>(())
+    /// ```
+    pub fn through(point: [f64; 3], normal: [f64; 3]) -> Result<Self, ContactError> {
+        let unit = Vector3::from(normal).try_normalize(0.0).filter(|unit| unit.iter().all(|x| x.is_finite()));
+        let Some(unit) = unit else { return Err(ContactError::Normal { normal }) };
+        Ok(Self { normal: unit.into(), offset: unit.dot(&Vector3::from(point)), ..Self::level(0.0) })
+    }
+
+    /// Sets the coefficient of friction of every contact.
+    pub const fn with_friction(self, friction: f64) -> Self {
+        Self { friction: Some(friction), ..self }
+    }
+
+    /// Sets the surface. It mixes with the surface of each shape, and its `contype` and `conaffinity`
+    /// determine which shapes it touches.
+    ///
+    /// ```
+    /// use robot_dynamics::contact::Ground;
+    /// use robot_dynamics::description::Surface;
+    /// let mut ice = Surface::default();
+    /// ice.friction[0] = 0.05;
+    /// assert_eq!(Ground::level(0.0).with_surface(ice).surface, Some(ice));
+    /// ```
+    pub const fn with_surface(self, surface: Surface) -> Self {
+        Self { surface: Some(surface), ..self }
+    }
+
+    /// Sets the restitution: the fraction, 0 to 1, of its normal speed with which a body rebounds.
+    pub const fn with_restitution(self, restitution: f64) -> Self {
+        Self { restitution, ..self }
+    }
+
+    /// Returns an error if a number is invalid.
+    pub(super) fn check(&self) -> Result<(), ContactError> {
+        let normal = Vector3::from(self.normal);
+        if !((normal.norm() - 1.0).abs() < 1e-9 && self.offset.is_finite()) {
+            return Err(ContactError::Normal { normal: self.normal });
+        }
+        if let Some(friction) = self.friction
+            && !(friction >= 0.0 && friction.is_finite())
+        {
+            return Err(ContactError::Friction { friction });
+        }
+        if !(0.0..=1.0).contains(&self.restitution) {
+            return Err(ContactError::Restitution { restitution: self.restitution });
+        }
+        if let Some(quantity) = self.surface.and_then(|surface| surface.not_finite()) {
+            return Err(ContactError::Surface { shape: "a ground".into(), quantity });
+        }
+        Ok(())
+    }
+
+    /// The world's coordinates of (n, t₁, t₂), an orthonormal basis; for level ground t₁ = x, t₂ = y.
+    pub(super) fn axes(&self) -> [Vector3<f64>; 3] {
+        axes(self.normal.into())
+    }
+}
+
+/// The normal and two unit vectors tangential to it.
+pub fn axes(n: Vector3<f64>) -> [Vector3<f64>; 3] {
+    let from = if n.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+    let first = (from - n * n.dot(&from)).normalize();
+    [n, first, n.cross(&first)]
+}
+
+/// An invalid ground or contact.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ContactError {
+    /// A slope must be between −π/2 and π/2, both excluded.
+    Slope {
+        /// \[rad\].
+        angle: f64,
+    },
+    /// A normal without a direction, or a plane without a position.
+    Normal {
+        /// The given normal.
+        normal: [f64; 3],
+    },
+    /// A coefficient of friction must be 0 or more.
+    Friction {
+        /// The given coefficient.
+        friction: f64,
+    },
+    /// Links that cannot touch each other.
+    Pair {
+        /// The names of the links.
+        links: [String; 2],
+    },
+    /// A pair of links with a name that the robot does not have.
+    NoSuchLink {
+        /// The robot.
+        robot: String,
+        /// The given name.
+        link: String,
+        /// The robot's most similar name, if there is one.
+        similar: Option<String>,
+    },
+    /// A collision shape, or a pair of shapes, with an invalid size or number of its surface.
+    Surface {
+        /// The shape and its link.
+        shape: String,
+        /// The invalid quantity.
+        quantity: &'static str,
+    },
+    /// A height field with invalid numbers.
+    HeightField {
+        /// The requirement that they violate.
+        quantity: &'static str,
+    },
+    /// A coefficient of restitution lies between 0 and 1.
+    Restitution {
+        /// The given coefficient.
+        restitution: f64,
+    },
+    /// A coefficient of restitution under MuJoCo's law, which has no restitution.
+    RestitutionUnderSoftLaw {
+        /// The given coefficient.
+        restitution: f64,
+    },
+}
+
+impl core::fmt::Display for ContactError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Slope { angle } => {
+                write!(
+                    f,
+                    "a slope of {angle} rad is no ground: it must lie between -π/2 and π/2, both excluded"
+                )
+            }
+            Self::Normal { normal } => {
+                write!(
+                    f,
+                    "{normal:?} is no normal of a ground: a finite unit vector and a finite offset are needed"
+                )
+            }
+            Self::Friction { friction } => {
+                write!(f, "{friction} is no coefficient of friction: it must be a finite number, 0 or more")
+            }
+            Self::Pair { links: [one, two] } => {
+                write!(
+                    f,
+                    "links `{one}` and `{two}` cannot touch: each needs a shape for collisions of a kind that is known, and one must \
+                     move against the other"
+                )
+            }
+            Self::NoSuchLink { robot, link, similar } => {
+                write!(f, "robot `{robot}` has no link `{link}`, which a pair of links names")?;
+                similar.as_ref().map_or(Ok(()), |similar| write!(f, "; did you mean `{similar}`?"))
+            }
+            Self::Surface { shape, quantity } => {
+                write!(f, "{shape}: its {quantity} is no finite number; correct the description")
+            }
+            Self::HeightField { quantity } => write!(f, "a height field's {quantity}"),
+            Self::Restitution { restitution } => {
+                write!(f, "{restitution} is no coefficient of restitution: it must lie between 0 and 1")
+            }
+            Self::RestitutionUnderSoftLaw { restitution } => {
+                write!(
+                    f,
+                    "MuJoCo's law has no restitution, and {restitution} was given: leave it out and let `solref` of the surfaces set how a contact \
+                     bounces, or take the integrator `implicit`"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for ContactError {}

@@ -1,0 +1,188 @@
+//! The relative motion of a contact: of a shape against the ground or another link's shape.
+
+use nalgebra::Vector3;
+use robot_dynamics_core::Model;
+use robot_dynamics_core::factorization::sparse;
+use robot_dynamics_core::factorization::sparse::NONE;
+use robot_dynamics_core::model::{Dof, WORLD};
+use robot_dynamics_description::Surface;
+
+use super::{ContactImpulses, MOST_ROWS, in_world};
+use crate::contact::placement::{Placement, Twist};
+use crate::contact::touch::{ContactPartner, TouchingPoint};
+use crate::contact::{Components, ContactSet, Touching, rows_of};
+
+impl Touching {
+    /// The tree that moves it, or [`NONE`].
+    pub(super) fn tree(&self, components: &Components) -> usize {
+        self.coordinates.last().map_or(NONE, |coordinate| components.tree_of(*coordinate))
+    }
+}
+
+impl ContactSet {
+    /// Calls `look` with each degree of freedom that moves the first shape relative to its contact partner.
+    /// The other arguments are the velocity at a point and ω of that motion.
+    #[inline]
+    pub(super) fn each_relative_motion(
+        &self,
+        model: &Model,
+        placement: &Placement,
+        point: &TouchingPoint,
+        mut look: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
+    ) {
+        let body = self.shapes[point.shape].body;
+        match point.against {
+            ContactPartner::Ground(_) | ContactPartner::Field(_) => {
+                placement.each_motion(model, body, point.at, look)
+            }
+            ContactPartner::Pair(pair) => {
+                let pair = &self.pairs[pair];
+                let other = self.shapes[pair.shapes[1]].body;
+                placement.each_motion_on(model, [body, pair.common], point.at, &mut look);
+                placement.each_motion_on(model, [other, pair.common], point.at, |dof, velocity, spin| {
+                    look(dof, -velocity, -spin);
+                });
+            }
+        }
+    }
+
+    /// The bodies that move there, the first shape's with 1 and the other's with −1.
+    pub(super) fn sides(&self, point: &TouchingPoint) -> impl Iterator<Item = (usize, f64)> {
+        let other = match point.against {
+            ContactPartner::Ground(_) | ContactPartner::Field(_) => WORLD,
+            ContactPartner::Pair(pair) => self.shapes[self.pairs[pair].shapes[1]].body,
+        };
+        let sides = [(self.shapes[point.shape].body, 1.0), (other, -1.0)];
+        sides.into_iter().filter(|(body, _)| *body != WORLD)
+    }
+
+    /// The trees of the two sides of a contact.
+    pub(super) fn trees(&self, components: &Components, point: &TouchingPoint) -> [usize; 2] {
+        let tree = |shape: usize| self.shapes[shape].tree(components);
+        let other = match point.against {
+            ContactPartner::Ground(_) | ContactPartner::Field(_) => NONE,
+            ContactPartner::Pair(pair) => tree(self.pairs[pair].shapes[1]),
+        };
+        [tree(point.shape), other]
+    }
+
+    /// Adds a contact's force and moment to those of its bodies, about the world's origin.
+    pub(super) fn add_wrench(&self, point: &TouchingPoint, force: &[f64; MOST_ROWS], wrenches: &mut [Twist]) {
+        let (force, moment) = in_world(point, force);
+        let moment = moment + point.at.cross(&force);
+        for (body, sign) in self.sides(point) {
+            wrenches[body][0] += force * sign;
+            wrenches[body][1] += moment * sign;
+        }
+    }
+
+    /// The coordinates of the relative motion, in increasing order.
+    pub(super) fn coordinates(&self, point: &TouchingPoint) -> &[usize] {
+        match point.against {
+            ContactPartner::Ground(_) | ContactPartner::Field(_) => &self.shapes[point.shape].coordinates,
+            ContactPartner::Pair(pair) => &self.pairs[pair].coordinates,
+        }
+    }
+
+    /// The surface given for the contact, its coefficient of sliding friction, and its restitution; `None` if
+    /// not given.
+    pub(in crate::contact) fn stated(&self, point: &TouchingPoint) -> (Option<&Surface>, Option<f64>, f64) {
+        let on_ground = self.shapes[point.shape].on_grounds.first().map(|(_, surface)| surface);
+        match point.against {
+            ContactPartner::Ground(ground) => {
+                let surfaces = self.ground_surfaces[ground].as_ref();
+                let ground = &self.grounds[ground].0;
+                let stated = surfaces.map_or(on_ground, |surfaces| surfaces[point.shape].as_ref());
+                (stated, ground.friction, ground.restitution)
+            }
+            ContactPartner::Field(field) => {
+                let field = &self.fields[field];
+                let surfaces = field.surfaces.as_ref();
+                let stated = surfaces.map_or(on_ground, |surfaces| surfaces[point.shape].as_ref());
+                (stated, field.friction, field.restitution)
+            }
+            ContactPartner::Pair(pair) => (Some(&self.pairs[pair].surface), None, self.link_restitution),
+        }
+    }
+
+    /// The coefficients of restitution of the grounds, the height fields and the links.
+    pub(in crate::contact) fn restitutions(&self) -> impl Iterator<Item = f64> + '_ {
+        let grounds = self.grounds.iter().map(|(ground, _)| ground.restitution);
+        let fields = self.fields.iter().map(|field| field.restitution);
+        let links = (!self.pairs.is_empty()).then_some(self.link_restitution);
+        grounds.chain(fields).chain(links)
+    }
+
+    /// The surface of the contact, or the shape's own if none is given, with the coefficients of sliding
+    /// friction and of restitution.
+    pub(super) fn surface(&self, point: &TouchingPoint) -> (&Surface, f64, f64) {
+        let (stated, friction, restitution) = self.stated(point);
+        let surface = stated.unwrap_or(&self.shapes[point.shape].surface);
+        (surface, friction.unwrap_or(surface.friction[0]).max(0.0), restitution)
+    }
+}
+
+impl ContactImpulses {
+    /// Normal and tangential velocity of a contact, then its angular velocity about the same axes.
+    pub(super) fn velocity(
+        &self,
+        model: &Model,
+        placement: &Placement,
+        number: usize,
+        v: &[f64],
+    ) -> [f64; MOST_ROWS] {
+        let point = self.set.point(placement, number);
+        let (mut velocity, mut spin) = (Vector3::zeros(), Vector3::zeros());
+        self.set.each_relative_motion(model, placement, &point, |dof, u, w| {
+            let rate = dof.ratio * v[dof.coordinate];
+            velocity += u * rate;
+            spin += w * rate;
+        });
+        along_axes(&point, &velocity, &spin)
+    }
+
+    /// Computes λ of the zeros that remain when links touch each other: a pair's contact couples the
+    /// coordinates of both links.
+    pub(super) fn couple(&mut self, carrier: &[usize]) {
+        self.carrier.clear();
+        self.carrier.extend_from_slice(carrier);
+        for active in &self.active {
+            if let ContactPartner::Pair(pair) = active.point.against
+                && let Some(ends) = self.set.pairs[pair].ends
+            {
+                sparse::couple(&mut self.carrier, ends);
+            }
+        }
+    }
+}
+
+/// Normal and tangential components of a velocity, then those of an angular velocity.
+pub(super) fn along_axes(
+    point: &TouchingPoint,
+    velocity: &Vector3<f64>,
+    spin: &Vector3<f64>,
+) -> [f64; MOST_ROWS] {
+    let [n, s, t] = &point.axes;
+    [n.dot(velocity), s.dot(velocity), t.dot(velocity), n.dot(spin), s.dot(spin), t.dot(spin)]
+}
+
+/// The number of rows of a contact, and their factors. Moments are scaled by the ratio of sliding friction to
+/// theirs, so that the cone is round.
+pub(super) fn directions(surface: &Surface, friction: f64) -> (usize, [f64; MOST_ROWS]) {
+    let [_, torsion, rolling] = surface.friction;
+    let mut scale = [1.0; MOST_ROWS];
+    if friction <= 0.0 {
+        return (1, scale);
+    }
+    let [torsion, rolling] = [torsion, rolling].map(|moment| moment.max(0.0) / friction);
+    (scale[3], scale[4], scale[5]) = (torsion, rolling, rolling);
+    // Rows with zero friction moment are left out at the end. Torsion with zero friction stays before
+    // rolling, with the factor 0.
+    let rows = match rows_of(surface.condim) {
+        6 if rolling > 0.0 => 6,
+        4 | 6 if torsion > 0.0 => 4,
+        1 => 1,
+        _ => 3,
+    };
+    (rows, scale)
+}

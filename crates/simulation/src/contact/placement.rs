@@ -1,0 +1,213 @@
+//! The pose of each body, and its motion by each degree of freedom, in the world.
+
+use nalgebra::{Matrix3, Vector3};
+use robot_dynamics_core::clone_in_place::clone_in_place;
+use robot_dynamics_core::kinematics::place::place_all_in_world;
+use robot_dynamics_core::model::{Dof, WORLD};
+use robot_dynamics_core::spatial::screw::Transform;
+use robot_dynamics_core::workspace::compiled_once::{OverNumber, compiled_once, run};
+use robot_dynamics_core::workspace::tree::TreeMemory;
+use robot_dynamics_core::{Frame, FrameId, Model, Workspace};
+use robot_dynamics_number::Scalar;
+use robot_dynamics_number::View;
+use robot_dynamics_number::algebra::V3;
+use robot_dynamics_number::dispatch::{Hardware, Kernel};
+
+use super::coordinates_of;
+
+/// A velocity and ω, or a force and its moment.
+pub(super) type Twist = [Vector3<f64>; 2];
+
+clone_in_place! {
+    /// The bodies in one configuration.
+    #[derive(Debug)]
+    pub(super) struct Placement {
+        /// `world_from_body`: R by rows, then p.
+        bodies: Vec<[f64; 12]>,
+        /// The velocity of the body's origin, and ω, for each degree of freedom of the tree.
+        columns: Vec<[f64; 6]>,
+        paths: Vec<Vec<usize>>,
+        /// The configuration; NaN before the first call.
+        q: Vec<f64>,
+    }
+}
+
+impl Placement {
+    pub(super) fn new(model: &Model) -> Self {
+        let bodies = model.bodies.len();
+        Self {
+            bodies: vec![[0.0; 12]; bodies],
+            columns: vec![[0.0; 6]; model.dofs.len()],
+            paths: (0..bodies).map(|body| coordinates_of(model, body)).collect(),
+            q: vec![f64::NAN; model.nq],
+        }
+    }
+
+    /// Computes the placement at q.
+    pub(super) fn set(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64]) {
+        self.q.copy_from_slice(q);
+        let Self { bodies, columns, .. } = self;
+        run(&mut workspace.tree, PlacedBodies { model, q, bodies, columns });
+    }
+
+    /// Whether this is the placement at q.
+    pub(super) fn is_at(&self, q: &[f64]) -> bool {
+        self.q == q
+    }
+
+    /// R and p of a body, or of the world.
+    pub(super) fn body(&self, body: usize) -> (Matrix3<f64>, Vector3<f64>) {
+        if body == WORLD {
+            return (Matrix3::identity(), Vector3::zeros());
+        }
+        let [a, b, c, d, e, f, g, h, i, x, y, z] = self.bodies[body];
+        (Matrix3::new(a, b, c, d, e, f, g, h, i), Vector3::new(x, y, z))
+    }
+
+    /// Rᵀn of a body, and n·p: a direction in the body's axes, and the distance of its origin along it.
+    #[inline]
+    pub(super) fn along(&self, body: usize, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
+        if body == WORLD {
+            return (*n, 0.0);
+        }
+        let [a, b, c, d, e, f, g, h, i, x, y, z] = self.bodies[body];
+        let row = |k: usize| n.x * [a, b, c][k] + n.y * [d, e, f][k] + n.z * [g, h, i][k];
+        (Vector3::new(row(0), row(1), row(2)), n.x * x + n.y * y + n.z * z)
+    }
+
+    /// A frame's axes and origin.
+    pub(super) fn frame(&self, model: &Model, frame: FrameId) -> (Matrix3<f64>, Vector3<f64>) {
+        let Frame { body, body_from_frame, .. } = model.frame_of(frame);
+        let turn = Matrix3::from_fn(|i, j| body_from_frame.rotation[i][j]);
+        let at = Vector3::from(body_from_frame.translation);
+        let (rotation, origin) =
+            body.map_or_else(|| (Matrix3::identity(), Vector3::zeros()), |b| self.body(b));
+        (rotation * turn, origin + rotation * at)
+    }
+
+    /// Calls `look` with each degree of freedom that moves a body, from its own last one to the root's first.
+    /// The other arguments are the velocity of a point of the body and ω per unit rate.
+    #[inline]
+    pub(super) fn each_motion(
+        &self,
+        model: &Model,
+        body: usize,
+        point: Vector3<f64>,
+        look: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
+    ) {
+        self.each_motion_on(model, [body, WORLD], point, look);
+    }
+
+    /// The same, up to a body that carries it, without that body's own degrees of freedom.
+    #[inline]
+    pub(super) fn each_motion_on(
+        &self,
+        model: &Model,
+        [body, carrier]: [usize; 2],
+        point: Vector3<f64>,
+        mut look: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
+    ) {
+        let mut at = body;
+        while at != carrier {
+            let lever = point - self.origin(at);
+            for (dof, [velocity, spin]) in self.freedoms(model, at).rev() {
+                look(dof, velocity + spin.cross(&lever), spin);
+            }
+            at = model.bodies[at].parent;
+        }
+    }
+
+    /// The velocity of each body's origin, and ω.
+    pub(super) fn velocities(&self, model: &Model, v: &[f64], to: &mut Vec<Twist>) {
+        to.clear();
+        for (i, body) in model.bodies.iter().enumerate() {
+            let [mut velocity, mut spin] = [Vector3::zeros(); 2];
+            if body.parent != WORLD {
+                [velocity, spin] = to[body.parent];
+                velocity += spin.cross(&(self.origin(i) - self.origin(body.parent)));
+            }
+            for (dof, [u, w]) in self.freedoms(model, i) {
+                let rate = dof.ratio * v[dof.coordinate];
+                velocity += u * rate;
+                spin += w * rate;
+            }
+            to.push([velocity, spin]);
+        }
+    }
+
+    /// Adds to `forces` the generalized forces of a force on each body, with its moment about the world's
+    /// origin. They are passed on to the bodies that carry the bodies.
+    pub(super) fn add_forces(&self, model: &Model, wrenches: &mut [Twist], forces: &mut [f64]) {
+        for i in (0..wrenches.len()).rev() {
+            let [force, moment] = wrenches[i];
+            let about = moment - self.origin(i).cross(&force);
+            for (dof, [u, w]) in self.freedoms(model, i) {
+                forces[dof.coordinate] += dof.ratio * (u.dot(&force) + w.dot(&about));
+            }
+            let parent = model.bodies[i].parent;
+            if parent != WORLD {
+                wrenches[parent][0] += force;
+                wrenches[parent][1] += moment;
+            }
+        }
+    }
+
+    /// The origin of a body's frame.
+    pub(super) fn origin(&self, body: usize) -> Vector3<f64> {
+        let [.., x, y, z] = self.bodies[body];
+        Vector3::new(x, y, z)
+    }
+
+    /// A body's own degrees of freedom, with the velocity of its origin and ω.
+    #[inline]
+    fn freedoms<'a>(
+        &'a self,
+        model: &'a Model,
+        body: usize,
+    ) -> impl DoubleEndedIterator<Item = (&'a Dof, Twist)> {
+        let body = &model.bodies[body];
+        let freedoms = body.dof..body.dof + body.motion.nv();
+        let columns = self.columns[freedoms.clone()].iter();
+        model.dofs[freedoms]
+            .iter()
+            .zip(columns.map(|&[a, b, c, d, e, f]| [Vector3::new(a, b, c), Vector3::new(d, e, f)]))
+    }
+
+    /// The coordinates that move a body, in increasing order.
+    pub(super) fn path(&self, body: usize) -> &[usize] {
+        &self.paths[body]
+    }
+}
+
+/// The arguments of [`Placement::set`].
+pub(crate) struct PlacedBodies<'a, S> {
+    model: &'a Model,
+    q: &'a [S],
+    bodies: &'a mut [[S; 12]],
+    columns: &'a mut [[S; 6]],
+}
+
+compiled_once!(pub(crate) PlacedBodiesKind, PlacedBodies);
+
+impl<S: Scalar> Kernel<OverNumber, S> for PlacedBodies<'_, S> {
+    #[inline(always)]
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
+        let Self { model, q, bodies, columns } = self;
+        place_all_in_world(model, tree, N::view(q));
+        for (i, body) in model.bodies.iter().enumerate() {
+            let world = &tree.screws.world[i];
+            let ([x, y, z], p) = (world.rotation.rows(), world.translation.array());
+            for (to, from) in bodies[i].iter_mut().zip([x, y, z, p].into_iter().flatten()) {
+                *to = from.value();
+            }
+            let at_origin = Transform { rotation: world.rotation, translation: V3::zero() };
+            for k in 0..body.motion.nv() {
+                let column = body.motion.screw(k, &at_origin);
+                let parts = column.linear.array().into_iter().chain(column.angular.array());
+                for (to, from) in columns[body.dof + k].iter_mut().zip(parts) {
+                    *to = from.value();
+                }
+            }
+        }
+    }
+}

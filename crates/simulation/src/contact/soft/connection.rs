@@ -1,0 +1,78 @@
+//! Connections of points and welds of links.
+//!
+//! For frames with orientations q₀, q₁, the violation is the distance r of their origins along the world's
+//! axes. A weld also has the vector part of q₁⁻¹q₀ = (s, e). With w = R₁ᵀ(ω₀ − ω₁), ė = ½(s w + w × e) and ṡ
+//! = −½ w·e. The second derivatives are ẇ = R₁ᵀ(ω̇₀ − ω̇₁ − ω₁ × (ω₀ − ω₁)) and ë = ½(ṡ w + s ẇ + ẇ × e + w ×
+//! ė). For these constraints alone, MuJoCo includes the part that does not depend on v̇. **(MuJoCo's source,
+//! 4.0)**
+
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use robot_dynamics_core::{FrameId, frame_bias_acceleration_world_aligned, frame_velocity_world_aligned};
+use robot_dynamics_description::Softness;
+
+use super::impedance::Response;
+use super::rows::{Side, push};
+use super::{Asked, Of, State};
+use crate::contact::ConeProblem;
+use crate::contact::cone_problem::Set;
+use crate::contact::placement::Placement;
+
+/// Two frames whose origins coincide, or that coincide.
+#[derive(Clone, Debug)]
+pub(super) struct Connection {
+    pub(super) frames: [FrameId; 2],
+    pub(super) is_weld: bool,
+    pub(super) softness: Softness,
+    /// The sum of both sides' weights, translation and rotation.
+    pub(super) weights: [f64; 2],
+}
+
+impl Connection {
+    pub(super) fn add(
+        &self,
+        placement: &Placement,
+        state: &mut State<'_>,
+        problem: &mut ConeProblem,
+        asked: &mut Vec<Asked>,
+    ) {
+        let State { model, workspace, q, v, h, .. } = state;
+        let [(turn, at), (other_turn, other_at)] = self.frames.map(|frame| placement.frame(model, frame));
+        let drift =
+            self.frames.map(|frame| frame_bias_acceleration_world_aligned(model, workspace, q, v, frame));
+        let spin =
+            self.frames.map(|frame| frame_velocity_world_aligned(model, workspace, q, v, frame).angular);
+        let apart = at - other_at;
+        let turned = Rotation3::from_matrix_unchecked(other_turn.transpose() * turn);
+        let between = UnitQuaternion::from_rotation_matrix(&turned);
+        let (s, e) = (between.scalar(), between.vector().into_owned());
+        let size = apart.norm().hypot(if self.is_weld { e.norm() } else { 0.0 });
+        let response = Response::new(&self.softness, *h, size);
+        // K d per unit of violation.
+        let stiffness = if size > 0.0 { response.spring / size } else { 0.0 };
+        let moving = [0, 1].map(|side| Vector3::from(drift[side].linear));
+        let spin = spin.map(Vector3::from);
+        let apart_spin = spin[0] - spin[1];
+        let w = other_turn.tr_mul(&apart_spin);
+        let turning = Vector3::from(drift[0].angular) - Vector3::from(drift[1].angular);
+        let w_rate = other_turn.tr_mul(&(turning - spin[1].cross(&apart_spin)));
+        let e_rate = (w * s + w.cross(&e)) * 0.5;
+        let e_bend = (w * (-0.5 * w.dot(&e)) + w_rate * s + w_rate.cross(&e) + w.cross(&e_rate)) * 0.5;
+        let sides = [(0, 1.0, at), (1, -1.0, other_at)]
+            .map(|(side, sign, at)| Some(Side::new(model, self.frames[side], sign, at)));
+        let free = Set::Interval(f64::NEG_INFINITY, f64::INFINITY);
+        let none = Vector3::zeros();
+        for k in 0..if self.is_weld { 6 } else { 3 } {
+            let axis = Vector3::ith(k % 3, 1.0);
+            let (direction, violation, drift) = if k < 3 {
+                ((axis, none), apart[k], moving[0][k] - moving[1][k])
+            } else {
+                let about = other_turn * (axis * s + e.cross(&axis)) * 0.5;
+                ((none, about), e[k - 3], e_bend[k - 3])
+            };
+            let row = push(problem, model, placement, free, sides, &[direction]);
+            problem.soften(response.softness(self.weights[k / 3]));
+            let drift = Some(drift);
+            asked.push(Asked { drift, ..Asked::new(Of::Stop, row, response.damping, stiffness * violation) });
+        }
+    }
+}

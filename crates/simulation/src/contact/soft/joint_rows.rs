@@ -1,0 +1,140 @@
+//! The rows of joints and tendons at a configuration.
+
+use nalgebra::Vector3;
+use robot_dynamics_description::Quaternion;
+
+use super::active_set::ActiveLimits;
+use super::impedance::Response;
+use super::rows::JointRows;
+use super::{Asked, Of, State};
+use crate::contact::ConeProblem;
+use crate::contact::cone_problem::Set;
+use crate::contact::placement::Placement;
+
+/// The force of a row that can only push, and of a row that pushes and pulls.
+const HALF_LINE: Set = Set::Interval(0.0, f64::INFINITY);
+const LINE: Set = Set::Interval(f64::NEG_INFINITY, f64::INFINITY);
+
+/// The problem that rows are added to, with their references.
+struct Rows<'a> {
+    problem: &'a mut ConeProblem,
+    asked: &'a mut Vec<Asked>,
+}
+
+impl JointRows {
+    /// Adds the rows at q. Returns whether the coordinates of each lie on one path to the root.
+    pub(super) fn add(
+        &self,
+        placement: &Placement,
+        state: &mut State<'_>,
+        mut active: ActiveLimits<'_>,
+        (problem, asked): (&mut ConeProblem, &mut Vec<Asked>),
+    ) -> bool {
+        let State { h, q, .. } = *state;
+        let mut rows = Rows { problem, asked };
+        if state.dissipates {
+            self.add_friction_rows(h, &mut rows);
+        }
+        self.add_limit_rows((q, h), &mut active, &mut rows);
+        self.add_turn_rows((q, h), &mut active, &mut rows);
+        self.add_tendon_rows((q, h), &mut active, &mut rows);
+        self.add_equality_rows((q, h), &mut rows);
+        let Rows { problem, asked } = rows;
+        for connection in &self.connections {
+            connection.add(placement, state, problem, asked);
+        }
+        self.keeps_tree
+    }
+
+    fn add_friction_rows(&self, h: f64, rows: &mut Rows<'_>) {
+        for friction in &self.frictions {
+            let response = Response::new(&friction.softness, h, 0.0);
+            let set = Set::Interval(-friction.most, friction.most);
+            let row = rows.problem.push_row(set, 1.0, &friction.slopes);
+            rows.problem.soften(response.softness(friction.weight));
+            rows.asked.push(Asked::new(Of::Friction, row, response.damping, 0.0));
+        }
+    }
+
+    fn add_limit_rows(&self, (q, h): (&[f64], f64), active: &mut ActiveLimits<'_>, rows: &mut Rows<'_>) {
+        for (number, limit) in self.limits.iter().enumerate() {
+            let distance = limit.sign * (limit.ratio * q[limit.q] + limit.offset - limit.bound);
+            if !active.admits(number, distance < limit.margin) {
+                continue;
+            }
+            let response = Response::new(&limit.softness, h, distance - limit.margin);
+            let row = rows.problem.push(HALF_LINE, 1, core::iter::once(limit.coordinate));
+            rows.problem.last().1[0] = limit.sign * limit.ratio;
+            rows.problem.soften(response.softness(limit.weight));
+            rows.asked.push(Asked::new(
+                Of::Limit(limit.coordinate, limit.sign * limit.ratio),
+                row,
+                response.damping,
+                response.spring,
+            ));
+        }
+    }
+
+    fn add_turn_rows(&self, (q, h): (&[f64], f64), active: &mut ActiveLimits<'_>, rows: &mut Rows<'_>) {
+        let first = self.limits.len();
+        for (number, turn) in self.turns.iter().enumerate() {
+            // The angle changes with the component of the angular velocity along the axis, which is the same
+            // in both frames.
+            let [x, y, z, w] = [0, 1, 2, 3].map(|k| q[turn.q + k]);
+            let turned = Vector3::from(Quaternion::from_xyzw([x, y, z, w]).log());
+            let angle = turned.norm();
+            let distance = turn.most - angle;
+            if !active.admits(first + number, distance < turn.margin && angle != 0.0) || angle == 0.0 {
+                continue;
+            }
+            let response = Response::new(&turn.softness, h, distance - turn.margin);
+            let row = rows.problem.push(HALF_LINE, 1, turn.coordinate..turn.coordinate + 3);
+            rows.problem.last().1.copy_from_slice((turned / -angle).as_slice());
+            rows.problem.soften(response.softness(turn.weight));
+            rows.asked.push(Asked::new(Of::Stop, row, response.damping, response.spring));
+        }
+    }
+
+    fn add_tendon_rows(&self, (q, h): (&[f64], f64), active: &mut ActiveLimits<'_>, rows: &mut Rows<'_>) {
+        let first = self.limits.len() + self.turns.len();
+        for (number, limit) in self.tendons.iter().enumerate() {
+            let distance = limit.sign * (limit.length.at(q) - limit.bound) - limit.softness.margin;
+            if !active.admits(first + number, distance < 0.0) {
+                continue;
+            }
+            let response = Response::new(&limit.softness.limit, h, distance);
+            let row = rows.problem.push_row(HALF_LINE, limit.sign, &limit.slopes);
+            rows.problem.soften(response.softness(limit.weight));
+            rows.asked.push(Asked::new(
+                Of::TendonLimit(limit.number, limit.sign),
+                row,
+                response.damping,
+                response.spring,
+            ));
+        }
+    }
+
+    fn add_equality_rows(&self, (q, h): (&[f64], f64), rows: &mut Rows<'_>) {
+        for equal in &self.equalities {
+            let [c0, c1, c2, c3, c4] = equal.polynomial;
+            let x = equal.leader.map_or(0.0, |(at, _, reference)| q[at] - reference);
+            let value = c0 + x * (c1 + x * (c2 + x * (c3 + x * c4)));
+            let slope = c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * 4.0 * c4));
+            let (at, coordinate, reference) = equal.joint;
+            let response = Response::new(&equal.softness, h, q[at] - reference - value);
+            let leader = equal.leader.map(|(_, leader, _)| leader);
+            let (least, most) = (
+                leader.map_or(coordinate, |leader| leader.min(coordinate)),
+                leader.map_or(coordinate, |leader| leader.max(coordinate)),
+            );
+            let support = core::iter::once(least).chain((most != least).then_some(most));
+            let row = rows.problem.push(LINE, 1, support);
+            let (support, entries) = rows.problem.last();
+            for (&k, entry) in support.iter().zip(entries) {
+                *entry = if k == coordinate { 1.0 } else { -slope };
+            }
+            rows.problem.soften(response.softness(equal.weight));
+            rows.asked.push(Asked::new(Of::Stop, row, response.damping, response.spring));
+        }
+    }
+}

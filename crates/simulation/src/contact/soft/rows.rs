@@ -1,0 +1,289 @@
+//! The rows of A of constraints, and those of joints: limits, friction, equalities.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+use robot_dynamics_core::clone_in_place::clone_in_place;
+use robot_dynamics_core::configuration::joint_sum::JointSum;
+use robot_dynamics_core::factorization::sparse::{carriers, coordinate_carriers};
+use robot_dynamics_core::{FrameId, Model};
+use robot_dynamics_description::{
+    Equality, JointKind, JointSoftness, Softness, TendonDescription, TendonSoftness,
+};
+
+use super::connection::Connection;
+use super::weights::InverseWeights;
+use crate::contact::ConeProblem;
+use crate::contact::cone_problem::Set;
+use crate::contact::placement::Placement;
+
+/// A point of a body on which a constraint acts, and its sign.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Side {
+    body: Option<usize>,
+    sign: f64,
+    point: Vector3<f64>,
+}
+
+impl Side {
+    #[track_caller]
+    pub(super) fn new(model: &Model, frame: FrameId, sign: f64, point: Vector3<f64>) -> Self {
+        Self { body: model.frame_of(frame).body, sign, point }
+    }
+}
+
+/// Adds rows with the velocities and angular velocities of the sides along these directions. Returns the
+/// first row's index.
+pub(super) fn push(
+    problem: &mut ConeProblem,
+    model: &Model,
+    placement: &Placement,
+    set: Set,
+    sides: [Option<Side>; 2],
+    directions: &[(Vector3<f64>, Vector3<f64>)],
+) -> usize {
+    // The coordinates of both sides, in increasing order, each once.
+    let path =
+        |side: Option<Side>| side.and_then(|side| side.body).map_or(&[][..], |body| placement.path(body));
+    let [mut one, mut two] = sides.map(path);
+    let support = core::iter::from_fn(|| {
+        let next = match (one.first(), two.first()) {
+            (Some(a), Some(b)) => a.min(b),
+            (a, b) => a.or(b)?,
+        };
+        one = if one.first() == Some(next) { &one[1..] } else { one };
+        two = if two.first() == Some(next) { &two[1..] } else { two };
+        Some(*next)
+    });
+    let row = problem.push(set, directions.len(), support);
+    let (support, entries) = problem.last();
+    let count = support.len();
+    for side in sides.into_iter().flatten() {
+        let Some(body) = side.body else { continue };
+        placement.each_motion(model, body, side.point, |dof, velocity, spin| {
+            let Ok(column) = support.binary_search(&dof.coordinate) else { return };
+            let factor = side.sign * dof.ratio;
+            for (r, (along, about)) in directions.iter().enumerate() {
+                entries[r * count + column] += factor * (along.dot(&velocity) + about.dot(&spin));
+            }
+        });
+    }
+    row
+}
+
+/// ℓ(q).
+pub(super) fn tendon_length(model: &Model, tendon: &TendonDescription) -> JointSum {
+    let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
+    JointSum::new(model, tendon.offset, terms)
+}
+
+clone_in_place! {
+    /// The constraints of joints and tendons.
+    #[derive(Debug)]
+    pub(super) struct JointRows {
+        pub(super) frictions: Vec<Friction>,
+        pub(super) limits: Vec<Limit>,
+        pub(super) turns: Vec<Turn>,
+        pub(super) tendons: Vec<TendonLimit>,
+        pub(super) equalities: Vec<Equal>,
+        pub(super) connections: Vec<Connection>,
+        /// Whether the coordinates of each row lie on one path to the root.
+        pub(super) keeps_tree: bool,
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Friction {
+    /// Its coordinates, in increasing order, with ∂/∂q of the position along which friction acts.
+    pub(super) slopes: Vec<(usize, f64)>,
+    /// \[N·m or N\].
+    pub(super) most: f64,
+    pub(super) softness: Softness,
+    pub(super) weight: f64,
+}
+
+/// sign·(ratio·q + offset − bound) ≥ 0.
+#[derive(Clone, Debug)]
+pub(super) struct Limit {
+    pub(super) q: usize,
+    pub(super) coordinate: usize,
+    pub(super) ratio: f64,
+    pub(super) offset: f64,
+    pub(super) bound: f64,
+    pub(super) sign: f64,
+    pub(super) margin: f64,
+    pub(super) softness: Softness,
+    pub(super) weight: f64,
+}
+
+/// most − |log q| ≥ 0 of a ball joint.
+#[derive(Clone, Debug)]
+pub(super) struct Turn {
+    pub(super) q: usize,
+    pub(super) coordinate: usize,
+    pub(super) most: f64,
+    pub(super) margin: f64,
+    pub(super) softness: Softness,
+    pub(super) weight: f64,
+}
+
+/// sign·(ℓ − bound) ≥ 0 of a tendon's length.
+#[derive(Clone, Debug)]
+pub(super) struct TendonLimit {
+    /// The index in the description.
+    pub(super) number: usize,
+    pub(super) length: JointSum,
+    /// ∂ℓ/∂q by its coordinates, in increasing order.
+    pub(super) slopes: Vec<(usize, f64)>,
+    pub(super) bound: f64,
+    pub(super) sign: f64,
+    pub(super) softness: TendonSoftness,
+    pub(super) weight: f64,
+}
+
+/// y − y⁰ = Σ cₖ(x − x⁰)ᵏ of joints' positions, each (q, coordinate, reference).
+#[derive(Clone, Debug)]
+pub(super) struct Equal {
+    pub(super) joint: (usize, usize, f64),
+    pub(super) leader: Option<(usize, usize, f64)>,
+    pub(super) polynomial: [f64; 5],
+    pub(super) softness: Softness,
+    pub(super) weight: f64,
+}
+
+impl JointRows {
+    pub(super) fn new(model: &Model, weights: &InverseWeights) -> Self {
+        let described: HashMap<&str, &JointSoftness> =
+            model.description().joints.iter().map(|joint| (joint.name.as_str(), &joint.softness)).collect();
+        let of = |joint: usize| -> JointSoftness {
+            described.get(model.joints[joint].name.as_str()).copied().copied().unwrap_or_default()
+        };
+        let mut rows = Self {
+            frictions: Vec::new(),
+            limits: Vec::new(),
+            turns: Vec::new(),
+            tendons: Vec::new(),
+            equalities: Vec::new(),
+            connections: Vec::new(),
+            keeps_tree: true,
+        };
+        rows.add_degrees_of_freedom(model, weights, of);
+        rows.add_ball_joints(model, weights, of);
+        rows.add_tendons(model, weights);
+        rows.add_equalities(model, weights);
+        rows.keeps_tree &= rows.equalities.is_empty() && rows.connections.is_empty();
+        rows
+    }
+
+    /// Adds dry friction and limits of joints with one degree of freedom.
+    fn add_degrees_of_freedom(
+        &mut self,
+        model: &Model,
+        weights: &InverseWeights,
+        of: impl Fn(usize) -> JointSoftness,
+    ) {
+        for dof in &model.dofs {
+            let (k, softness, square) = (dof.coordinate, of(dof.joint), dof.ratio * dof.ratio);
+            if dof.passive.friction > 0.0 {
+                self.frictions.push(Friction {
+                    slopes: vec![(k, 1.0)],
+                    most: dof.ratio.abs() * dof.passive.friction,
+                    softness: softness.friction,
+                    weight: weights.coordinates[k],
+                });
+            }
+            let joint = &model.joints[dof.joint];
+            let leader = model.joints.iter().find(|own| own.nv == 1 && own.v_index == k);
+            let Some(leader) = leader.filter(|_| dof.ratio != 0.0) else { continue };
+            for (bound, sign) in [(joint.limits.lower, 1.0), (joint.limits.upper, -1.0)] {
+                if bound.is_finite() {
+                    self.limits.push(Limit {
+                        q: leader.q_index,
+                        coordinate: k,
+                        ratio: dof.ratio,
+                        offset: dof.offset,
+                        bound,
+                        sign,
+                        margin: softness.margin,
+                        softness: softness.limit,
+                        weight: square * weights.coordinates[k],
+                    });
+                }
+            }
+        }
+    }
+
+    /// Adds the limits of ball joints' angles.
+    fn add_ball_joints(
+        &mut self,
+        model: &Model,
+        weights: &InverseWeights,
+        of: impl Fn(usize) -> JointSoftness,
+    ) {
+        for (joint, own) in
+            model.joints.iter().enumerate().filter(|(_, own)| own.kind == JointKind::Spherical)
+        {
+            let (most, softness) = (own.limits.turn, of(joint));
+            if most.is_finite() {
+                let (q, coordinate) = (own.q_index, own.v_index);
+                let (margin, softness) = (softness.margin, softness.limit);
+                let weight = weights.coordinates[coordinate];
+                self.turns.push(Turn { q, coordinate, most, margin, softness, weight });
+            }
+        }
+    }
+
+    fn add_equalities(&mut self, model: &Model, weights: &InverseWeights) {
+        for equality in model.description().equalities.iter().filter(|own| own.active) {
+            let softness = Softness { solref: equality.solref, solimp: equality.solimp };
+            let single = |(name, reference): &(String, f64)| {
+                let joint = model.joints.iter().find(|own| own.name == *name && own.nv == 1)?;
+                Some((joint.q_index, joint.v_index, *reference))
+            };
+            match &equality.kind {
+                Equality::Joints { joint, leader, polynomial } => {
+                    let (Some(joint), leader) = (single(joint), leader.as_ref().and_then(single)) else {
+                        continue;
+                    };
+                    let other = leader.map_or(0.0, |leader| weights.coordinates[leader.1]);
+                    let weight = weights.coordinates[joint.1] + other;
+                    self.equalities.push(Equal { joint, leader, polynomial: *polynomial, softness, weight });
+                }
+                Equality::Connect { a: (a, _), b: (b, _) } | Equality::Weld { a, b, .. } => {
+                    let sides = ["a", "b"].map(|side| model.frame(&equality.frame_name(side)));
+                    let [Some(one), Some(two)] = sides else { continue };
+                    let of =
+                        |link: &str| model.frame(link).map_or([0.0; 2], |link| weights.frames[link.index]);
+                    let (frames, weights) = ([one, two], [0, 1].map(|part| of(a)[part] + of(b)[part]));
+                    let is_weld = matches!(equality.kind, Equality::Weld { .. });
+                    self.connections.push(Connection { frames, is_weld, softness, weights });
+                }
+            }
+        }
+    }
+
+    fn add_tendons(&mut self, model: &Model, weights: &InverseWeights) {
+        let carrier = coordinate_carriers(model);
+        for (number, (tendon, &weight)) in
+            model.description().tendons.iter().zip(&weights.tendons).enumerate()
+        {
+            let length = tendon_length(model, tendon);
+            let slopes = length.row();
+            let Some(((last, _), others)) = slopes.split_last() else { continue };
+            let is_path = others.iter().all(|(k, _)| carriers(&carrier, *last).any(|i| i == *k));
+            let most = tendon.passive.friction;
+            if most > 0.0 {
+                let (slopes, softness) = (slopes.clone(), tendon.softness.friction);
+                self.frictions.push(Friction { slopes, most, softness, weight });
+                self.keeps_tree &= is_path;
+            }
+            for (bound, sign) in [(tendon.limits.lower, 1.0), (tendon.limits.upper, -1.0)] {
+                if bound.is_finite() {
+                    let (length, slopes, softness) = (length.clone(), slopes.clone(), tendon.softness);
+                    self.tendons.push(TendonLimit { number, length, slopes, bound, sign, softness, weight });
+                    self.keeps_tree &= is_path;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! A contact point of a shape.
+
+use nalgebra::{Matrix3, Vector3};
+use robot_dynamics_core::Model;
+
+use super::form::ABOUT;
+use super::meeting::MOST_MEETING;
+use super::pair::Met;
+use super::placement::Placement;
+use super::{ContactSet, Touching};
+use crate::Ground;
+
+/// The contact partner of a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum ContactPartner {
+    /// A ground, by its index in the set.
+    Ground(usize),
+    /// A height field, by its index in the set.
+    Field(usize),
+    /// The first shape of a pair, by the pair's index in the set; the shape is the second.
+    Pair(usize),
+}
+
+/// A point of a shape relative to a ground or another shape.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TouchingPoint {
+    /// Its number among all points on all grounds, and then of all pairs.
+    pub(super) number: usize,
+    pub(super) shape: usize,
+    pub(super) against: ContactPartner,
+    /// The distance; negative if it penetrates \[m\].
+    pub(super) gap: f64,
+    /// The position in the world \[m\].
+    pub(super) at: Vector3<f64>,
+    /// In the world: the normal, which points into the shape, and two tangential directions.
+    pub(super) axes: [Vector3<f64>; 3],
+}
+
+/// The most points of one shape that touch one ground.
+pub(super) const MOST_POINTS: usize = 1 + ABOUT.len();
+
+/// A shape in the world.
+pub(super) struct Placed {
+    pub(super) center: Vector3<f64>,
+    pub(super) rotation: Matrix3<f64>,
+}
+
+impl ContactSet {
+    /// Calls `look` for each point of each shape whose gap to a ground is at most `within` \[m\].
+    pub(super) fn look(&self, placement: &Placement, within: f64, mut look: impl FnMut(TouchingPoint)) {
+        let is_looked_at =
+            |index: usize, shape: &Touching| shape.on_ground.is_some() && self.is_active(index);
+        for (index, shape) in
+            self.shapes.iter().enumerate().filter(|(index, shape)| is_looked_at(*index, shape))
+        {
+            let mut placed = None;
+            for (ground_index, (ground, [n, ..])) in self.grounds.iter().enumerate() {
+                if !self.meets_ground(index, ground_index) {
+                    continue;
+                }
+                let (up, height) = placement.along(shape.body, n);
+                let height = height + up.dot(&shape.translation) - ground.offset;
+                // Most points are rejected in the body's frame, with a margin for rounding.
+                let near = within + shape.reach * 1e-9;
+                if height > shape.reach + near {
+                    continue;
+                }
+                let down = -shape.rotation.tr_mul(&up);
+                if height > shape.extent.dot(&down.abs()) + near {
+                    continue;
+                }
+                let is_low = |k: &usize| {
+                    shape.form.takes_part(*k, &down)
+                        && height - down.dot(&shape.form.point(*k, &down)) <= near
+                };
+                let points = (0..shape.form.count()).filter(is_low);
+                let points = points.map(|k| {
+                    let placed = placed.get_or_insert_with(|| Placed::new(shape, placement));
+                    self.at_ground(placed, (index, ground_index), k, &down)
+                });
+                let near = points.filter(|point| point.gap <= within);
+                if shape.form.count() <= MOST_POINTS {
+                    near.for_each(&mut look);
+                } else {
+                    let [_, s, t] = self.grounds[ground_index].1;
+                    let mut outermost = Outermost::new([s, t]);
+                    near.for_each(|point| outermost.add(point));
+                    outermost.each(&mut look);
+                }
+            }
+            if !self.fields.is_empty() {
+                let placed = placed.unwrap_or_else(|| Placed::new(shape, placement));
+                self.look_at_fields((index, &placed), within, &mut look);
+            }
+        }
+    }
+
+    /// Calls `look` for these, and for the points of each pair of shapes.
+    pub(super) fn look_around(
+        &self,
+        placement: &Placement,
+        within: f64,
+        mut look: impl FnMut(TouchingPoint),
+    ) {
+        self.look(placement, within, &mut look);
+        self.look_at_pairs(placement, within, look);
+    }
+
+    /// From here on, searches find only contacts of these shapes; one entry for each shape.
+    pub(super) fn look_only(&mut self, is_active: impl Iterator<Item = bool>) {
+        self.active.clear();
+        self.active.extend(is_active);
+    }
+
+    /// Whether searches include a shape.
+    #[inline]
+    pub(super) fn is_active(&self, shape: usize) -> bool {
+        self.active.get(shape).is_none_or(|active| *active)
+    }
+
+    /// Makes the pair of this point's number, if it does not exist.
+    pub(super) fn make_touched(&mut self, model: &Model, number: usize) {
+        if let Some(number) = number.checked_sub(self.ground_count()) {
+            self.make_numbered(model, number / MOST_MEETING);
+        }
+    }
+
+    /// The point of this number, at any distance.
+    pub(super) fn point(&self, placement: &Placement, number: usize) -> TouchingPoint {
+        self.point_after(placement, number, &mut None)
+    }
+
+    /// The same, with the contact points of the last point's pair cached: points of one pair are adjacent.
+    pub(super) fn point_after(
+        &self,
+        placement: &Placement,
+        number: usize,
+        last: &mut Option<Met>,
+    ) -> TouchingPoint {
+        if let Some(number) = number.checked_sub(self.ground_point_count()) {
+            return self.point_of_pair_after(placement, number, last);
+        }
+        if number >= self.points * self.grounds.len() {
+            return self.point_at_field(|shape| Placed::new(shape, placement), number);
+        }
+        let (ground, point) = (number / self.points, number % self.points);
+        let index = self.shapes.partition_point(|shape| shape.first <= point) - 1;
+        let shape = &self.shapes[index];
+        let placed = Placed::new(shape, placement);
+        let (up, _) = placement.along(shape.body, &self.grounds[ground].1[0]);
+        let down = -shape.rotation.tr_mul(&up);
+        self.at_ground(&placed, (index, ground), point - shape.first, &down)
+    }
+
+    fn at_ground(
+        &self,
+        placed: &Placed,
+        (shape, ground): (usize, usize),
+        k: usize,
+        down: &Vector3<f64>,
+    ) -> TouchingPoint {
+        let (Ground { offset, .. }, axes) = &self.grounds[ground];
+        let n = &axes[0];
+        let Touching { form, first, .. } = &self.shapes[shape];
+        let at = placed.at(&form.point(k, down));
+        TouchingPoint {
+            number: ground * self.points + first + k,
+            shape,
+            against: ContactPartner::Ground(ground),
+            gap: n.dot(&at) - offset,
+            at,
+            axes: *axes,
+        }
+    }
+}
+
+/// The deepest of many points and the outermost in directions all around; their convex hull supports the
+/// shape.
+pub(super) struct Outermost {
+    /// Two tangential directions of the ground.
+    sides: [Vector3<f64>; 2],
+    best: [Option<(f64, TouchingPoint)>; MOST_POINTS],
+}
+
+impl Outermost {
+    pub(super) fn new(sides: [Vector3<f64>; 2]) -> Self {
+        Self { sides, best: [None; MOST_POINTS] }
+    }
+
+    pub(super) fn add(&mut self, point: TouchingPoint) {
+        let [s, t] = &self.sides;
+        for (k, best) in self.best.iter_mut().enumerate() {
+            let far = match k {
+                0 => -point.gap,
+                k => {
+                    let (sin, cos) = ABOUT[k % ABOUT.len()];
+                    cos * s.dot(&point.at) + sin * t.dot(&point.at)
+                }
+            };
+            if best.is_none_or(|(farthest, _)| far > farthest) {
+                *best = Some((far, point));
+            }
+        }
+    }
+
+    /// Calls `look` with each point once.
+    pub(super) fn each(&self, mut look: impl FnMut(TouchingPoint)) {
+        for (k, (_, point)) in self.best.iter().flatten().enumerate() {
+            if self.best[..k].iter().flatten().all(|(_, other)| other.number != point.number) {
+                look(*point);
+            }
+        }
+    }
+}
+
+impl Placed {
+    pub(super) fn new(shape: &Touching, placement: &Placement) -> Self {
+        let (rotation, p) = placement.body(shape.body);
+        Self { center: p + rotation * shape.translation, rotation: rotation * shape.rotation }
+    }
+
+    /// The position of a point of the shape in the world.
+    pub(super) fn at(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.center + self.rotation * point
+    }
+}

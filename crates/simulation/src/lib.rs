@@ -1,0 +1,61 @@
+//! Simulation of kinematic trees: contact, constraints, actuators, sensors, steps and runs.
+
+// Each module uses those before it alone (`cargo xtask tidy` checks).
+
+// Actuators, tendons, passive forces beyond the joints.
+mod actuation;
+
+// Contact.
+#[doc(hidden)]
+pub mod contact;
+
+// Steps and runs.
+#[doc(hidden)]
+pub mod motion;
+
+// Sensors.
+mod sensors;
+
+// Constraints on velocities.
+#[doc(hidden)]
+pub mod constraints;
+
+// The simulator.
+pub mod simulator;
+
+pub use actuation::{Actuation, ActuationWorkspace};
+pub use constraints::{
+    Anchor, Baumgarte, ConstrainedMotion, ConstrainedMotionError, ConstrainedStepReport, ConstrainedTorque,
+    Constraint, ConstraintDrift, ConstraintOptions, ConstraintRecord, ConstraintRows, ConstraintSet,
+    ConstraintSetError, ContactImpulse, ContactSupport, Coupling, DriftCorrection, FrameConstraint,
+    LoopClosure, NamedDependentRow, NoSlip, Plane, PolynomialCoupling, PositionProjection, RedundantRows,
+    RollingDisc, RollingRow, SpatialAxis, SupportProblem, SupportedTorque, TreeProjections,
+    constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
+    constraint_projections, contact_impulse, project_position, project_velocity, supported_inverse_dynamics,
+};
+pub use contact::{
+    ActiveSet, ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet,
+    ContactViolation, Ground, HeightField, SoftConstraints, SoftContact,
+};
+pub use motion::implicit::Implicit;
+pub use motion::integrate::step_stages::step_stages;
+pub use motion::integrate::{StepForces, StepStagesWorkspace, StepWorkspace, step};
+pub use motion::linearize_step::{
+    DifferenceError, LinearizeStepError, LinearizeStepWorkspace, linearize_by_differences, linearize_step,
+};
+pub use motion::mujoco_euler::MujocoEuler;
+pub use motion::operational_space_error::OperationalSpaceError;
+pub use motion::pullback::{
+    PullbackError, Rollout, RolloutPullbackWorkspace, StepPullbackWorkspace, rollout_pullback, step_pullback,
+};
+pub use motion::simulate::{
+    ActuatedStepError, CallbackError, ConstantTorque, Controller, ControllerError, DivergenceCause, Event,
+    EventOccurrence, GravityAt, GravityCompensatedPd, IntoCallbackResult, Losses, Run, RunError, RunFailure,
+    Sample, StepError, StepFault, StepInfo, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
+};
+#[cfg(feature = "adaptive")]
+pub use motion::simulate::{
+    AdaptiveMethod, AdaptiveOptions, AdaptiveOptionsError, AdaptiveRecord, AdaptiveStepError, ControlTiming,
+    StepStatistics,
+};
+pub use sensors::{PointForce, SensorInputs, SensorMemory, SensorSet};

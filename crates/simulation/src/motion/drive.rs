@@ -1,0 +1,135 @@
+//! Actuation in implicit and MuJoCo's steps, and its part in the energy account.
+
+use robot_dynamics_core::clone_in_place::clone_in_place;
+use robot_dynamics_core::{Model, integrate};
+use robot_dynamics_description::check_length;
+use robot_dynamics_integrators::EnergyLedger;
+
+use super::simulate::{Losses, end_energies};
+use crate::{Actuation, ActuationWorkspace, StepForces, StepWorkspace};
+
+clone_in_place! {
+    /// Tendons, gravity compensation and actuators, at held controls.
+    #[derive(Debug)]
+    pub struct Drive {
+        actuation: Actuation,
+        workspace: ActuationWorkspace,
+        controls: Vec<f64>,
+        /// The actuators' joint torques at the last evaluation.
+        torques: Vec<f64>,
+        of_step: ActuatorLoad,
+        driven: Vec<f64>,
+        mean: Vec<f64>,
+        half: Vec<f64>,
+    }
+}
+
+clone_in_place! {
+    /// The forces of the actuators in a step: see [`Stepper::actuator_forces`](crate::Stepper::actuator_forces).
+    #[derive(Debug, Default)]
+    pub(crate) struct ActuatorLoad {
+        /// The force of each actuator \[N·m or N\].
+        pub forces: Vec<f64>,
+        /// The generalized force on each coordinate \[N·m or N\].
+        pub torques: Vec<f64>,
+    }
+}
+
+impl ActuatorLoad {
+    pub(crate) fn new(actuation: &Actuation, nv: usize) -> Self {
+        Self { forces: vec![0.0; actuation.control_count()], torques: vec![0.0; nv] }
+    }
+}
+
+impl Drive {
+    /// # Panics
+    /// Panics if the number of controls differs from the number of actuators.
+    #[track_caller]
+    pub(crate) fn new(nv: usize, actuation: &Actuation, controls: &[f64]) -> Self {
+        check_length("the controls", controls.len(), actuation.control_count());
+        let zeros = || vec![0.0; nv];
+        Self {
+            actuation: actuation.clone(),
+            workspace: actuation.workspace(),
+            controls: controls.to_vec(),
+            torques: zeros(),
+            of_step: ActuatorLoad::new(actuation, nv),
+            driven: zeros(),
+            mean: zeros(),
+            half: zeros(),
+        }
+    }
+
+    /// Sets the controls for the next steps.
+    ///
+    /// # Panics
+    /// Panics if the number of controls differs from the number of actuators.
+    #[track_caller]
+    pub(crate) fn set_controls(&mut self, controls: &[f64]) {
+        check_length("the controls", controls.len(), self.controls.len());
+        self.controls.copy_from_slice(controls);
+    }
+
+    /// The forces at (q, v).
+    pub(crate) fn forces(&mut self, model: &Model, q: &[f64], v: &[f64], forces: &mut [f64]) {
+        let Self { actuation, workspace, controls, torques, .. } = self;
+        actuation.actuator_torques(model, workspace, controls, q, v, torques);
+        forces.copy_from_slice(torques);
+        actuation.add_passive(workspace, q, v, forces);
+    }
+
+    /// Stores the actuators' forces of the last evaluation as those of the step.
+    pub(crate) fn record_forces(&mut self) {
+        self.of_step.forces.copy_from_slice(self.workspace.actuator_forces());
+        self.of_step.torques.copy_from_slice(&self.torques);
+    }
+
+    /// The forces that [`record_forces`](Self::record_forces) stored.
+    pub(crate) fn of_step(&self) -> &ActuatorLoad {
+        &self.of_step
+    }
+
+    pub(crate) fn actuation(&self) -> &Actuation {
+        &self.actuation
+    }
+
+    /// The energy stored by springs and gravity compensation \[J\].
+    pub(crate) fn stored_energy(&mut self, q: &[f64]) -> f64 {
+        self.actuation.stored_energy(&mut self.workspace, q)
+    }
+}
+
+/// Records a step in the energy account. `last` holds the losses of the scheme; the function adds those of
+/// the drive's dampers to it, and then adds `last` to `losses`.
+pub fn record(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    ledger: &mut EnergyLedger,
+    [from, to]: [(&[f64], &[f64]); 2],
+    (forces, h): (&StepForces<'_>, f64),
+    drive: &mut Option<Drive>,
+    (last, losses): (&mut Losses, &mut Losses),
+) {
+    let (kinetic, potential) = end_energies(model, workspace, from, to, h);
+    let StepWorkspace { displacement: way, q: middle, .. } = workspace;
+    let mut work: f64 = forces.tau.iter().zip(&*way).map(|(tau, way)| tau * way).sum();
+    let mut stored = 0.0;
+    if let Some(Drive { actuation, workspace, controls, torques, driven, mean, half, .. }) = drive {
+        // The impulse of forces that are linear in q and v, hf(q̄, Δq/h), times the mean velocity.
+        for k in 0..way.len() {
+            half[k] = 0.5 * way[k];
+            mean[k] = 0.5 * (from.1[k] + to.1[k]);
+            way[k] /= h;
+        }
+        integrate(model, from.0, half, middle);
+        actuation.actuator_torques(model, workspace, controls, middle, way, torques);
+        driven.copy_from_slice(torques);
+        actuation.add_unstored(workspace, driven);
+        work += h * driven.iter().zip(&*mean).map(|(tau, v)| tau * v).sum::<f64>();
+        last.damping += actuation.dissipated_over(h, middle, way, mean);
+        stored = actuation.stored_energy(workspace, to.0);
+    }
+    losses.add(last);
+    let dissipated = ledger.dissipated() + last.total();
+    ledger.enter(kinetic, potential + stored, ledger.work() + work, dissipated);
+}

@@ -1,0 +1,236 @@
+//! The passive properties of joints and tendons, coordinate by coordinate.
+
+use nalgebra::Vector3;
+use robot_dynamics_core::Model;
+use robot_dynamics_core::clone_in_place::clone_in_place;
+use robot_dynamics_core::configuration::joint_sum::JointSum;
+use robot_dynamics_core::configuration::manifold::coordinate_ranges;
+use robot_dynamics_core::joint::Chart;
+use robot_dynamics_description::{JointKind, Quaternion};
+
+use crate::Actuation;
+use crate::actuation::Coupling;
+
+/// A bound sign·(x − bound) ≥ 0, where x is a coordinate q\[i\], a tendon's length ℓ(q), or the rotation
+/// angle of a ball joint.
+#[derive(Clone, Debug)]
+pub(super) struct Stop {
+    /// The row that it bounds.
+    pub(super) row: usize,
+    pub(super) length: Length,
+    pub(super) bound: f64,
+    pub(super) sign: f64,
+}
+
+/// The bounded quantity.
+#[derive(Clone, Debug)]
+pub(super) enum Length {
+    /// This entry of q.
+    Coordinate(usize),
+    Tendon(JointSum),
+    /// The angle of the quaternion that starts at this entry.
+    Turn(usize),
+}
+
+impl Stop {
+    /// The distance from the stop, negative beyond it.
+    #[inline]
+    pub(super) fn gap(&self, q: &[f64]) -> f64 {
+        let length = match &self.length {
+            Length::Coordinate(at) => q[*at],
+            Length::Tendon(sum) => sum.at(q),
+            Length::Turn(at) => turned(*at, q).norm(),
+        };
+        self.sign * (length - self.bound)
+    }
+}
+
+/// The rotation vector of a ball joint, which has the same components in both links; the angle increases with
+/// the angular velocity along it.
+pub(super) fn turned(at: usize, q: &[f64]) -> Vector3<f64> {
+    Quaternion::from_xyzw([0, 1, 2, 3].map(|k| q[at + k])).log().into()
+}
+
+clone_in_place! {
+    /// The damping, stiffness and friction of each coordinate, with those of its mimic joints, and all stops.
+    #[derive(Debug)]
+    pub(super) struct Joints {
+        /// The damping that acts in this step; negative damping in a file adds energy, as specified.
+        pub(super) damping: Vec<f64>,
+        /// The dry friction of each row.
+        pub(super) friction: Vec<f64>,
+        /// Springs with positive stiffness; the explicit part handles negative stiffness.
+        pub(super) stiffness: Vec<f64>,
+        pub(super) stops: Vec<Stop>,
+        /// Whether each coordinate has a stop of its own.
+        is_bounded: Vec<bool>,
+        /// The rows along which impulses act, each as coordinates with factors: first every coordinate, then
+        /// tendons with bounds or friction, then ball joints with bounds. The factors of ball joints depend
+        /// on q.
+        pub(super) rows: Vec<Vec<(usize, f64)>>,
+        /// The stiffness and damping of servos and tendons, whose forces are evaluated elsewhere.
+        driven_stiffness: Vec<f64>,
+        driven_damping: Vec<f64>,
+        /// The stiffness and damping of servos and tendons over several coordinates.
+        couplings: Vec<Coupling>,
+        /// Whether some damping is negative.
+        pub(super) adds_energy: bool,
+        /// The damping and friction with dissipation switched on.
+        all_damping: Vec<f64>,
+        all_friction: Vec<f64>,
+        /// The row and the dry friction of each tendon with a row.
+        tendons: Vec<(usize, f64)>,
+        /// The indices of these tendons in the description.
+        tendon_numbers: Vec<usize>,
+    }
+}
+
+impl Joints {
+    pub(super) fn new(model: &Model) -> Self {
+        let nv = model.nv;
+        let mut joints = Self {
+            damping: vec![0.0; nv],
+            friction: vec![0.0; nv],
+            stiffness: vec![0.0; nv],
+            stops: Vec::new(),
+            is_bounded: vec![false; nv],
+            rows: (0..nv).map(|k| vec![(k, 1.0)]).collect(),
+            driven_stiffness: vec![0.0; nv],
+            driven_damping: vec![0.0; nv],
+            couplings: Vec::new(),
+            adds_energy: false,
+            all_damping: vec![0.0; nv],
+            all_friction: vec![0.0; nv],
+            tendons: Vec::new(),
+            tendon_numbers: Vec::new(),
+        };
+        for freedom in &model.dofs {
+            let (k, square, passive) = (freedom.coordinate, freedom.ratio * freedom.ratio, &freedom.passive);
+            joints.all_damping[k] += square * passive.damping;
+            joints.all_friction[k] += freedom.ratio.abs() * passive.friction.max(0.0);
+            joints.stiffness[k] += square * passive.stiffness;
+        }
+        joints.adds_energy = joints.all_damping.iter().any(|damping| *damping < 0.0);
+        joints.stiffness.iter_mut().for_each(|stiffness| *stiffness = stiffness.max(0.0));
+        for stretch in coordinate_ranges(model).filter(|stretch| stretch.chart == Chart::Line) {
+            let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
+            for freedom in model.dofs.iter().filter(|freedom| freedom.coordinate == stretch.v) {
+                let limits = &model.joints[freedom.joint].limits;
+                if freedom.ratio == 0.0 || limits.lower > limits.upper {
+                    continue;
+                }
+                let ends = [limits.lower, limits.upper].map(|end| (end - freedom.offset) / freedom.ratio);
+                lower = lower.max(ends[0].min(ends[1]));
+                upper = upper.min(ends[0].max(ends[1]));
+            }
+            for (bound, sign) in [(lower, 1.0), (upper, -1.0)] {
+                if bound.is_finite() {
+                    let length = Length::Coordinate(stretch.q);
+                    joints.stops.push(Stop { row: stretch.v, length, bound, sign });
+                    joints.is_bounded[stretch.v] = true;
+                }
+            }
+        }
+        for (number, tendon) in model.description().tendons.iter().enumerate() {
+            let (lower, upper) = (tendon.limits.lower, tendon.limits.upper);
+            let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
+            let sum = JointSum::new(model, tendon.offset, terms);
+            let row = sum.row();
+            let is_bounded = (lower.is_finite() || upper.is_finite()) && lower <= upper;
+            let friction = tendon.passive.friction.max(0.0);
+            if row.is_empty() || !(is_bounded || friction > 0.0) {
+                continue;
+            }
+            joints.tendons.push((joints.rows.len(), friction));
+            joints.tendon_numbers.push(number);
+            for (bound, sign) in [(lower, 1.0), (upper, -1.0)] {
+                if is_bounded && bound.is_finite() {
+                    let length = Length::Tendon(sum.clone());
+                    joints.stops.push(Stop { row: joints.rows.len(), length, bound, sign });
+                }
+            }
+            joints.rows.push(row);
+        }
+        for joint in model.joints.iter().filter(|joint| joint.kind == JointKind::Spherical) {
+            let bound = joint.limits.turn;
+            if bound.is_finite() {
+                let (row, length) = (joints.rows.len(), Length::Turn(joint.q_index));
+                joints.stops.push(Stop { row, length, bound, sign: -1.0 });
+                joints.rows.push((0..3).map(|k| (joint.v_index + k, 0.0)).collect());
+            }
+        }
+        joints.friction.resize(joints.rows.len(), 0.0);
+        joints.all_friction.resize(joints.rows.len(), 0.0);
+        joints
+    }
+
+    /// Adds the stiffness and damping of servos and tendons, and the tendons' dry friction.
+    pub(super) fn add_gains(&mut self, actuation: &Actuation) {
+        self.tendons.iter().for_each(|&(row, friction)| self.all_friction[row] = friction);
+        actuation.add_gains(&mut self.driven_stiffness, &mut self.driven_damping, &mut self.couplings);
+    }
+
+    /// K and D over several coordinates.
+    pub(super) fn couplings(&self) -> &[Coupling] {
+        &self.couplings
+    }
+
+    /// y −= g K x.
+    pub(super) fn subtract_stiffness(&self, g: f64, x: &[f64], y: &mut [f64]) {
+        for k in 0..x.len() {
+            y[k] -= g * self.slopes(k).0 * x[k];
+        }
+        self.couplings.iter().for_each(|coupling| coupling.subtract_stiffness(g, x, y));
+    }
+
+    /// K and D of coordinate k alone, without negative values.
+    pub(super) fn slopes(&self, k: usize) -> (f64, f64) {
+        let damping = self.damping[k].max(0.0) + self.driven_damping[k];
+        (self.stiffness[k] + self.driven_stiffness[k], damping)
+    }
+
+    /// Whether the forces on coordinate k depend on its motion, alone or coupled with other coordinates.
+    pub(super) fn resists(&self, k: usize) -> bool {
+        let is_coupled = |coupling: &Coupling| coupling.row.iter().any(|(coordinate, _)| *coordinate == k);
+        self.damping[k] != 0.0
+            || self.friction[k] != 0.0
+            || self.slopes(k) != (0.0, 0.0)
+            || self.couplings.iter().any(is_coupled)
+            || self.is_bounded[k]
+    }
+
+    /// Selects whether damping and friction act.
+    pub(super) fn choose(&mut self, dissipation: bool) {
+        if dissipation {
+            self.damping.copy_from_slice(&self.all_damping);
+            self.friction.copy_from_slice(&self.all_friction);
+        } else {
+            self.damping.fill(0.0);
+            self.friction.fill(0.0);
+        }
+    }
+
+    /// The dry friction along a row.
+    pub(super) fn friction_along(&self, row: usize) -> f64 {
+        self.friction[row]
+    }
+
+    /// The first row of ball joints.
+    pub(super) fn first_turning(&self) -> usize {
+        let turns = |stop: &&Stop| matches!(stop.length, Length::Turn(_));
+        self.stops.iter().find(turns).map_or(self.rows.len(), |stop| stop.row)
+    }
+
+    pub(super) fn has_friction(&self) -> bool {
+        self.friction.iter().any(|friction| *friction > 0.0)
+    }
+
+    /// The rows of tendons, each with the tendon's index in the description.
+    pub(super) fn tendon_rows(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.tendons.iter().zip(&self.tendon_numbers).map(|(&(row, _), &number)| (row, number))
+    }
+
+    pub(super) fn has_stops(&self) -> bool {
+        !self.stops.is_empty()
+    }
+}

@@ -1,0 +1,47 @@
+//! The factorization M = LᵀDL of the implicit rows, with a check of the rank.
+
+use robot_dynamics_core::factorization::sparse;
+use robot_dynamics_core::factorization::sparse::coordinate_carriers;
+use robot_dynamics_core::{Model, Workspace, mass_matrix};
+use robot_dynamics_integrators::DynamicsError;
+
+/// [`sparse`] factorization with its own memory and a check of the pivots.
+#[derive(Clone, Debug)]
+pub struct MassFactor {
+    parent: Vec<usize>,
+    entries: Vec<f64>,
+    diagonal: Vec<f64>,
+}
+
+impl MassFactor {
+    /// Allocates memory for the factor of this model's M.
+    pub fn new(model: &Model) -> Self {
+        let nv = model.nv;
+        Self { parent: coordinate_carriers(model), entries: vec![0.0; nv * nv], diagonal: vec![0.0; nv] }
+    }
+
+    /// Factors M(q).
+    ///
+    /// # Errors
+    /// [`DynamicsError::SingularMass`] with the degree of freedom whose pivot is not above the rounding of
+    /// its row.
+    pub fn factor(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        q: &[f64],
+    ) -> Result<(), DynamicsError> {
+        let Self { parent, entries: m, diagonal } = self;
+        let n = parent.len();
+        mass_matrix(model, workspace, q, m);
+        for k in 0..n {
+            diagonal[k] = m[k * n + k];
+        }
+        sparse::factor_watched(parent, m, |k| diagonal[k])
+    }
+
+    /// x ← M⁻¹ x.
+    pub fn solve(&self, x: &mut [f64]) {
+        sparse::solve(&self.parent, &self.entries, x);
+    }
+}

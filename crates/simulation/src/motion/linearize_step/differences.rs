@@ -1,0 +1,239 @@
+//! The discrete linear system of one step of any stepper, by finite differences.
+
+use core::fmt;
+
+use robot_dynamics_core::{Model, difference, integrate, mass_matrix};
+use robot_dynamics_description::check_length;
+
+use crate::{StepForces, StepWorkspace, Stepper};
+
+/// The increment of a coordinate or a velocity to either side \[rad, m, rad/s, m/s\]. The error of a smooth
+/// step is half its square times the third derivative, 1e-10. The error of the steps themselves, about 1e-11
+/// of the speeds, is divided by it.
+const MOVE: f64 = 1e-5;
+
+/// The ratio of successive increments. At the third and last, 1.6e-7, the error of the steps themselves is
+/// 1e-4 of the speeds.
+const SHORTER: f64 = 1.0 / 8.0;
+
+/// The derivatives of both sides agree if they differ by less than this fraction; smaller differences are the
+/// steps' own error.
+const AGREE: f64 = 1e-4;
+
+/// Next to a discontinuity, the difference quotient across it increases eightfold with each smaller
+/// increment, and the other one is constant.
+const GROWS: f64 = 4.0;
+const STAYS: f64 = 0.1;
+
+/// An error of the linearization by finite differences.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum DifferenceError<E> {
+    /// A step from the state, or from a state nearby, failed.
+    Step(E),
+    /// The step is discontinuous on both sides of the state and has no derivative.
+    Discontinuous {
+        /// The perturbed quantity: `q`, `v` or `tau`.
+        quantity: &'static str,
+        /// The perturbed coordinate.
+        coordinate: String,
+    },
+}
+
+impl<E: fmt::Display> fmt::Display for DifferenceError<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Step(error) => write!(f, "{error}"),
+            Self::Discontinuous { quantity, coordinate } => write!(
+                f,
+                "the step has no derivative by the {quantity} of `{coordinate}`: it jumps on both sides of this state, as contacts open or close \
+                 there; linearise at a state that is not at the edge of a contact, or with another step length"
+            ),
+        }
+    }
+}
+
+impl<E: core::error::Error> core::error::Error for DifferenceError<E> {}
+
+/// A and B of one step of any [`Stepper`], by central differences: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ. They
+/// include contact, stops and dry friction.
+///
+/// The layout is that of [`linearize_step`](crate::linearize_step), which is exact and faster for explicit
+/// rows. Here each column costs two steps, 6nv + 1 in total. Each step uses a copy of the given `stepper`, so
+/// all of them start with its stored contacts of the step before. A stepper with contacts should therefore
+/// have taken a step to (q, v): its contacts then persist under a perturbation of 10 µm. Coordinates and
+/// velocities are perturbed by 1e-5 to either side, forces by an amount that changes the velocities about as
+/// much.
+///
+/// A stepper may have an active set ([`Stepper::active_set`]). The limits and contacts that act in the step
+/// from (q, v) then act in all of these steps. A step with MuJoCo's soft constraints is discontinuous where a
+/// constraint starts or stops to act at a nonzero velocity. The derivative is that of the step on the side of
+/// the state.
+///
+/// If the difference quotients of both sides differ, the column is computed again with 1/8 and 1/64 of the
+/// increment, which distinguishes three cases:
+///
+/// | step near the state | result |
+/// | --- | --- |
+/// | has a kink, such as a contact that is about to slip | the mean of both sides |
+/// | is discontinuous on one side, such as a contact that opens or closes at a nonzero velocity | the derivative of the other side: that of the step with its current contacts |
+/// | is discontinuous on both sides | [`DifferenceError::Discontinuous`] |
+///
+/// ```
+/// use robot_dynamics::derivatives::linearize_by_differences;
+/// use robot_dynamics::description::{Limits, pendulum};
+/// use robot_dynamics::model::Model;
+/// use robot_dynamics::simulation::{Implicit, StepForces, StepWorkspace};
+/// let mut robot = pendulum(2.0, 0.5);
+/// robot.joints[0].limits = Limits::new(-0.2, 0.0); // the robot is at its stop
+/// let model = Model::new(robot)?;
+/// let (implicit, mut workspace, h) = (Implicit::new(&model), StepWorkspace::new(&model), 1e-3);
+/// let (mut a, mut b) = ([0.0; 4], [0.0; 2]);
+/// let push = [2.0 * 9.81 * 0.5 + 3.0]; // towards the stop, 3 N·m more than its weight requires
+/// let forces = StepForces::new(&push, true);
+/// let mut held = implicit.clone();
+/// # use robot_dynamics::simulation::Stepper;
+/// held.step(&model, &mut workspace, &forces, h, &mut [0.0], &mut [0.0])?;
+/// linearize_by_differences(&model, &held, &mut workspace, &forces, h, &[0.0], &[0.0], &mut a, &mut b)?;
+/// assert!(b.iter().all(|b| b.abs() < 1e-9)); // the stop compensates any motor torque
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`DifferenceError::Step`] if a step nearby fails; [`DifferenceError::Discontinuous`].
+///
+/// # Panics
+/// Panics if a slice has the wrong length.
+#[allow(clippy::too_many_arguments)] // the arguments of `linearize_step`
+#[track_caller]
+pub fn linearize_by_differences<S: Stepper + Clone>(
+    model: &Model,
+    stepper: &S,
+    workspace: &mut StepWorkspace,
+    forces: &StepForces<'_>,
+    h: f64,
+    q: &[f64],
+    v: &[f64],
+    by_state: &mut [f64],
+    by_force: &mut [f64],
+) -> Result<(), DifferenceError<S::Error>> {
+    let (nq, nv) = (model.nq(), model.nv());
+    check_length("q", q.len(), nq);
+    check_length("v", v.len(), nv);
+    check_length("tau", forces.tau.len(), nv);
+    check_length("A", by_state.len(), 4 * nv * nv);
+    check_length("B", by_force.len(), 2 * nv * nv);
+    let mut mass = vec![0.0; nv * nv];
+    mass_matrix(model, workspace.dynamics(), q, &mut mass);
+    let (mut q0, mut v0, mut tau) = (vec![0.0; nq], vec![0.0; nv], vec![0.0; nv]);
+    let mut way = vec![0.0; nv];
+    // The end of the step from the state, perturbed by `by` in the given column.
+    let mut stepped = |stepper: &mut S, column: usize, by: f64| -> Result<(Vec<f64>, Vec<f64>), S::Error> {
+        let (part, k) = (column / nv, column % nv);
+        way.fill(0.0);
+        way[k] = if part == 0 { by } else { 0.0 };
+        integrate(model, q, &way, &mut q0);
+        v0.copy_from_slice(v);
+        v0[k] += if part == 1 { by } else { 0.0 };
+        tau.copy_from_slice(forces.tau);
+        tau[k] += if part == 2 { by } else { 0.0 };
+        let forces = StepForces::new(&tau, forces.dissipation);
+        stepper.step(model, workspace, &forces, h, &mut q0, &mut v0)?;
+        Ok((q0.clone(), v0.clone()))
+    };
+    let change = |(q, v): &(Vec<f64>, Vec<f64>), (q_after, v_after): &(Vec<f64>, Vec<f64>)| -> Vec<f64> {
+        let mut change = vec![0.0; 2 * nv];
+        difference(model, q, q_after, &mut change[..nv]);
+        (0..nv).for_each(|i| change[nv + i] = v_after[i] - v[i]);
+        change
+    };
+    let (mut unmoved, mut stepper) = (stepper.clone(), stepper.clone());
+    let middle = stepped(&mut unmoved, 0, 0.0).map_err(DifferenceError::Step)?;
+    // The constraints that act in this step also act in the perturbed steps.
+    stepper.fix_active_set(unmoved.active_set());
+    for column in 0..3 * nv {
+        let k = column % nv;
+        // The force that changes the velocity of coordinate k by that amount in the step, if no other
+        // coordinate moves.
+        let inertia = mass[k * nv + k];
+        let unit = if column < 2 * nv || inertia <= 0.0 { 1.0 } else { inertia / h };
+        let slopes = column_of(|by| {
+            let [before, after] = [-by, by].map(|by| stepped(&mut stepper.clone(), column, by * unit));
+            let (before, after) = (before?, after?);
+            let slope = |mut change: Vec<f64>, by: f64| {
+                for change in &mut change {
+                    *change /= by;
+                }
+                change
+            };
+            Ok(DifferenceQuotients {
+                before: slope(change(&before, &middle), by),
+                after: slope(change(&middle, &after), by),
+                mean: slope(change(&before, &after), 2.0 * by),
+            })
+        })
+        .map_err(DifferenceError::Step)?;
+        let Some(slopes) = slopes else {
+            let quantity = ["q", "v", "tau"][column / nv];
+            let coordinate = model.coordinate_names().get(k).cloned().unwrap_or_default();
+            return Err(DifferenceError::Discontinuous { quantity, coordinate });
+        };
+        for (row, slope) in slopes.iter().enumerate() {
+            match column.checked_sub(2 * nv) {
+                Some(column) => by_force[row * nv + column] = slope / unit,
+                None => by_state[row * 2 * nv + column] = *slope,
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The difference quotients of a column at one increment.
+struct DifferenceQuotients {
+    before: Vec<f64>,
+    after: Vec<f64>,
+    mean: Vec<f64>,
+}
+
+impl DifferenceQuotients {
+    /// The largest difference of both sides, and the largest derivative.
+    fn apart(&self) -> (f64, f64) {
+        (farthest(&self.before, &self.after), self.mean.iter().fold(0.0, |most, slope| slope.abs().max(most)))
+    }
+}
+
+/// The derivative of a column from the difference quotients at each increment; `None` if the step is
+/// discontinuous on both sides.
+fn column_of<E>(mut at: impl FnMut(f64) -> Result<DifferenceQuotients, E>) -> Result<Option<Vec<f64>>, E> {
+    let far = at(MOVE)?;
+    let (far_apart, size) = far.apart();
+    if far_apart <= AGREE * size.max(1.0) {
+        return Ok(Some(far.mean));
+    }
+    let (middle, near) = (at(SHORTER * MOVE)?, at(SHORTER * SHORTER * MOVE)?);
+    let (middle_apart, size) = middle.apart();
+    let (near_apart, _) = near.apart();
+    if near_apart > GROWS * middle_apart {
+        // There is a discontinuity within the smallest increment; the difference quotient of the other side
+        // is constant.
+        let sides = [(near.before, &middle.before), (near.after, &middle.after)];
+        let [before, after] = sides.map(|(slope, outer)| (farthest(&slope, outer), slope));
+        let (moved, slope) = if before.0 < after.0 { before } else { after };
+        return Ok((moved < STAYS * near_apart).then_some(slope));
+    }
+    let is_kink = |inner: f64, outer: f64| (outer / GROWS..=outer * GROWS).contains(&inner);
+    let bends = (0.5 * SHORTER..2.0 * SHORTER).contains(&(middle_apart / far_apart));
+    Ok(Some(if bends || is_kink(middle_apart, far_apart) && is_kink(near_apart, middle_apart) {
+        // The largest increment has the least rounding.
+        far.mean
+    } else if middle_apart <= AGREE * size.max(1.0) {
+        middle.mean
+    } else {
+        near.mean
+    }))
+}
+
+/// The largest difference of two entries.
+fn farthest(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).fold(0.0, |most, (x, y)| (x - y).abs().max(most))
+}

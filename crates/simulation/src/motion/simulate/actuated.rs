@@ -1,0 +1,251 @@
+//! Explicit steps whose forces depend on the state within each step: actuators, tendons, gravity
+//! compensation.
+
+use robot_dynamics_core::clone_in_place::clone_in_place;
+use robot_dynamics_core::{Model, Workspace, dissipation, integrate};
+use robot_dynamics_integrators::{
+    DynamicsError, EnergyLedger, Integrator, IntegratorError, Stage, StepScheme,
+};
+
+use super::divergence::{add_actuation_gains, add_passive_gains};
+use super::ledger::end_energies;
+use super::{StepError, StepFault, Stepper};
+use crate::motion::drive::ActuatorLoad;
+use crate::motion::integrate::explicit::{Motion, StageMemory, advance, explicit_names};
+use crate::motion::integrate::{accelerate, check_step};
+use crate::{Actuation, ActuationWorkspace, StepForces, StepWorkspace};
+
+/// An error of a step with actuators.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ActuatedStepError {
+    /// The row has no explicit stages.
+    #[error(
+        "`{integrator}` holds its forces over a step, actuators follow the state; take one of {}",
+        explicit_names()
+    )]
+    NotExplicit {
+        /// The name of the row.
+        integrator: &'static str,
+    },
+    /// An error that any step can return.
+    #[error(transparent)]
+    Step(#[from] IntegratorError),
+}
+
+impl From<DynamicsError> for ActuatedStepError {
+    fn from(error: DynamicsError) -> Self {
+        Self::Step(error.into())
+    }
+}
+
+impl StepError for ActuatedStepError {
+    fn fault(self, model: &Model) -> StepFault<Self> {
+        match self {
+            Self::Step(error) => match error.fault(model) {
+                StepFault::NotFinite { quantity, index } => StepFault::NotFinite { quantity, index },
+                StepFault::SingularMass(source) => StepFault::SingularMass(source),
+                StepFault::Other(error) => StepFault::Other(Self::Step(error)),
+            },
+            other => StepFault::Other(other),
+        }
+    }
+}
+
+clone_in_place! {
+    /// The controls of a step, and the activations at its start.
+    #[derive(Debug)]
+    struct HeldControls {
+        controls: Vec<f64>,
+        activations: Vec<f64>,
+    }
+}
+
+impl HeldControls {
+    /// The activations at `time` \[s\] after the step's start, written to `memory`.
+    fn after<'m>(&self, actuation: &Actuation, time: f64, memory: &'m mut [f64]) -> &'m [f64] {
+        memory.copy_from_slice(&self.activations);
+        if time > 0.0 {
+            actuation.activate(&self.controls, time, memory);
+        }
+        memory
+    }
+}
+
+clone_in_place! {
+    /// Takes explicit steps with actuators, tendons and gravity compensation; every stage evaluates their
+    /// forces.
+    #[derive(Debug)]
+    pub struct ActuatedStepper {
+        actuation: Actuation,
+        integrator: Integrator,
+        memory: ActuationWorkspace,
+        held: HeldControls,
+        /// Scratch for the activations within a step.
+        activations: Vec<f64>,
+        of_step: ActuatorLoad,
+    }
+}
+
+impl ActuatedStepper {
+    pub fn new(actuation: Actuation, nv: usize, integrator: Integrator) -> Self {
+        let zeros = || vec![0.0; actuation.control_count()];
+        Self {
+            memory: actuation.workspace(),
+            held: HeldControls { controls: zeros(), activations: zeros() },
+            activations: zeros(),
+            of_step: ActuatorLoad::new(&actuation, nv),
+            actuation,
+            integrator,
+        }
+    }
+
+    /// Holds these controls over the next step, which starts with these activations.
+    pub(crate) fn set_controls(&mut self, controls: &[f64], activations: &[f64]) {
+        self.held.controls.copy_from_slice(controls);
+        self.held.activations.copy_from_slice(activations);
+    }
+}
+
+impl Stepper for ActuatedStepper {
+    type Error = ActuatedStepError;
+
+    fn order(&self) -> u32 {
+        self.integrator.order()
+    }
+
+    fn step(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+    ) -> Result<(), ActuatedStepError> {
+        check_step(h)?;
+        let StepScheme::Explicit(stages) = self.integrator.scheme() else {
+            return Err(ActuatedStepError::NotExplicit { integrator: self.integrator.name() });
+        };
+        let StepWorkspace { dynamics, force, held: driven, stages: memory, .. } = workspace;
+        let mut memory = StageMemory::new(model, stages.len(), memory);
+        let mut motion = ActuatedTree {
+            model,
+            workspace: dynamics,
+            actuation: (&self.actuation, &mut self.memory),
+            held: &self.held,
+            activations: &mut self.activations,
+            times: stages
+                .iter()
+                .enumerate()
+                .filter(|(at, _)| Stage::needs_acceleration(stages, *at))
+                .map(|(_, stage)| h * stage.v_row.iter().sum::<f64>()),
+            driven,
+            dissipation: forces.dissipation,
+            force,
+        };
+        Ok(advance(model, stages, &mut motion, h, &mut memory, (q, v))?)
+    }
+
+    fn stored_energy(&mut self, q: &[f64]) -> f64 {
+        self.actuation.stored_energy(&mut self.memory, q)
+    }
+
+    fn explicit_gains(&self, model: &Model, dissipation: bool, stiffness: &mut [f64], damping: &mut [f64]) {
+        add_passive_gains(model, dissipation, stiffness, damping);
+        add_actuation_gains(&self.actuation, model.nv, stiffness, damping);
+    }
+
+    fn actuator_forces(&self) -> &[f64] {
+        &self.of_step.forces
+    }
+
+    fn actuator_torques(&self) -> &[f64] {
+        &self.of_step.torques
+    }
+
+    /// Integrates work and losses by Simpson's rule over the step's ends and middle, of order 4. A bound that
+    /// is met inside a step lowers the order for that step.
+    fn record(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        ledger: &mut EnergyLedger,
+        from: (&[f64], &[f64]),
+        to: (&[f64], &[f64]),
+        forces: &StepForces<'_>,
+        h: f64,
+    ) {
+        let (kinetic, potential) = end_energies(model, workspace, from, to, h);
+        let stored = self.stored_energy(to.0);
+        let StepWorkspace { displacement, q: middle_q, v: middle_v, force, .. } = workspace;
+        // The middle of the cubic through the ends: half the displacement plus h/8 times the difference of
+        // the velocities.
+        for k in 0..displacement.len() {
+            displacement[k] = 0.5 * displacement[k] + h / 8.0 * (from.1[k] - to.1[k]);
+        }
+        integrate(model, from.0, displacement, middle_q);
+        let held = &self.held;
+        let ActuatorLoad { forces: mean_forces, torques: mean_torques } = &mut self.of_step;
+        mean_forces.fill(0.0);
+        mean_torques.fill(0.0);
+        let memory = &mut self.memory;
+        let (mut input, mut lost) = (0.0, 0.0);
+        let ends = [(1.0, 0.0, from), (4.0, 0.5 * h, (&**middle_q, &**middle_v)), (1.0, h, to)];
+        for (weight, time, (q, v)) in ends {
+            let weight = weight / 6.0;
+            let u = held.after(&self.actuation, time, &mut self.activations);
+            self.actuation.actuator_torques(model, memory, u, q, v, force);
+            add_scaled(mean_forces, weight, memory.actuator_forces());
+            add_scaled(mean_torques, weight, force);
+            self.actuation.add_unstored(memory, force);
+            input += weight * force.iter().zip(v).map(|(tau, v)| tau * v).sum::<f64>();
+            lost += weight * self.actuation.dissipated_power(q, v);
+            if forces.dissipation {
+                dissipation(model, v, force);
+                lost += weight * force.iter().zip(v).map(|(b, v)| b * v).sum::<f64>();
+            }
+        }
+        let work = ledger.work() + h * input;
+        let dissipated = ledger.dissipated() + h * lost;
+        ledger.enter(kinetic, potential + stored, work, dissipated);
+    }
+}
+
+/// y += a x.
+fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
+}
+
+/// A tree under forces that depend on its state.
+struct ActuatedTree<'a, T> {
+    model: &'a Model,
+    workspace: &'a mut Workspace,
+    actuation: (&'a Actuation, &'a mut ActuationWorkspace),
+    held: &'a HeldControls,
+    /// Scratch for the activations of a stage.
+    activations: &'a mut [f64],
+    /// The time of each acceleration stage after the step's start \[s\].
+    times: T,
+    /// Scratch for the driving forces, and for these minus b(v).
+    driven: &'a mut [f64],
+    force: &'a mut [f64],
+    /// Whether joint damping and friction act.
+    dissipation: bool,
+}
+
+impl<T: Iterator<Item = f64>> Motion<f64> for ActuatedTree<'_, T> {
+    type Error = DynamicsError;
+
+    fn move_along(&self, q: &[f64], displacement: &[f64], moved: &mut [f64]) {
+        integrate(self.model, q, displacement, moved);
+    }
+
+    fn accelerate(&mut self, q: &[f64], v: &[f64], acceleration: &mut [f64]) -> Result<(), DynamicsError> {
+        let (actuation, memory) = &mut self.actuation;
+        let u = self.held.after(actuation, self.times.next().unwrap_or(0.0), self.activations);
+        actuation.forces(self.model, memory, u, q, v, self.driven);
+        let forces = StepForces::new(self.driven, self.dissipation);
+        accelerate(self.model, self.workspace, &forces, self.force, (q, v), acceleration)
+    }
+}

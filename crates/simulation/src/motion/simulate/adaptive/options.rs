@@ -1,0 +1,99 @@
+//! Options of adaptive steps.
+
+use thiserror::Error;
+
+use super::AdaptiveMethod;
+
+/// The smallest and the largest tolerance. Below, rounding dominates the error of a step; above, the result
+/// is not meaningful.
+const TOLERANCES: (f64, f64) = (1e-13, 1e-2);
+
+/// Options of adaptive Runge–Kutta steps with error control, for accurate motions over short and medium
+/// times. The steps are explicit of order 9, or implicit of order 5 if damping is stiff ([`AdaptiveMethod`]).
+///
+/// One equation integrates the state (q, v), the work and the dissipation. The local error of each entry x
+/// stays below tolerance·(1 + |x|) \[rad, m, s, J\]. The steps do not preserve the geometric structure of the
+/// motion; for long runs use a variational row.
+///
+/// ```
+/// use robot_dynamics::simulation::{AdaptiveOptions, ControlTiming};
+/// let options = AdaptiveOptions { tolerance: 1e-12, ..AdaptiveOptions::default() };
+/// assert_eq!((options.control, options.max_steps), (ControlTiming::Continuous, 1_000_000));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdaptiveOptions {
+    /// The allowed local error, relative and absolute, from 1e-13 to 1e-2.
+    pub tolerance: f64,
+    /// The method of the steps.
+    pub method: AdaptiveMethod,
+    /// The times at which the controller is called.
+    pub control: ControlTiming,
+    /// The most attempted steps between two samples or control instants, rejected steps included; beyond it
+    /// the run fails.
+    pub max_steps: usize,
+}
+
+impl Default for AdaptiveOptions {
+    /// Tolerance 1e-9, automatic choice of the method, continuous control, and a million steps between
+    /// samples.
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-9,
+            method: AdaptiveMethod::Automatic,
+            control: ControlTiming::Continuous,
+            max_steps: 1_000_000,
+        }
+    }
+}
+
+/// The times at which a controller is called.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ControlTiming {
+    /// At every evaluation of the motion, as a continuous control law τ(t, q, v). Steps can be rejected, so
+    /// the torque must depend smoothly on (t, q, v) and on nothing else.
+    #[default]
+    Continuous,
+    /// At the start and then once a period, with the torque held in between, as a digital controller. Steps
+    /// end at these instants.
+    Held {
+        /// The control period \[s\].
+        period: f64,
+    },
+}
+
+/// An error of the options of adaptive steps.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum AdaptiveOptionsError {
+    /// The tolerance is outside its range.
+    #[error("the tolerance must lie between {least:e} and {most:e}, got {tolerance:e}")]
+    Tolerance {
+        /// The given tolerance.
+        tolerance: f64,
+        /// The smallest tolerance.
+        least: f64,
+        /// The largest tolerance.
+        most: f64,
+    },
+    /// The control period is invalid.
+    #[error("the control period must be positive and finite, got {period} s")]
+    Period {
+        /// The given period \[s\].
+        period: f64,
+    },
+}
+
+impl AdaptiveOptions {
+    pub fn check(&self) -> Result<(), AdaptiveOptionsError> {
+        if let ControlTiming::Held { period } = self.control
+            && !(period > 0.0 && period.is_finite())
+        {
+            return Err(AdaptiveOptionsError::Period { period });
+        }
+        let (least, most) = TOLERANCES;
+        if !(least..=most).contains(&self.tolerance) {
+            return Err(AdaptiveOptionsError::Tolerance { tolerance: self.tolerance, least, most });
+        }
+        Ok(())
+    }
+}

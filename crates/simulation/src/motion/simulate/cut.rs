@@ -1,0 +1,83 @@
+//! Steps that are shortened to end at a terminal event.
+
+use robot_dynamics_integrators::EnergyLedger;
+
+use super::between::{Between, Ends};
+use super::event::EventDetector;
+use super::{EventOccurrence, Run, RunError, RunLoop, Stepper};
+use crate::{StepForces, StepWorkspace};
+
+/// The least fraction of a step; implicit rows cannot solve a step of zero length.
+const SHORTEST: f64 = 1e-9;
+
+/// A step that can be repeated with another length.
+pub(super) struct RepeatableStep<'a, S> {
+    pub course: &'a RunLoop<'a>,
+    /// The run at the start of the step.
+    pub run: &'a Run,
+    /// The stepper at the start of the step.
+    pub stepper: &'a S,
+    pub forces: &'a StepForces<'a>,
+    pub ends: Ends<'a>,
+}
+
+/// The result of a shortened step.
+pub(super) struct ShortenedStep<S> {
+    pub stepper: S,
+    pub ledger: EnergyLedger,
+    pub time: f64,
+    pub q: Vec<f64>,
+    pub v: Vec<f64>,
+    /// The event's function at the end.
+    g: f64,
+}
+
+impl<S: Stepper + Clone> RepeatableStep<'_, S> {
+    /// Takes the step from the same start to an event inside it. The time of the event is a root between the
+    /// ends. One step of Newton's method on g at the end of the shortened step refines it, but not below the
+    /// time `after`.
+    ///
+    /// # Errors
+    /// The shorter step fails, or g has no value at its end.
+    pub(super) fn shorten(
+        &self,
+        occurrence: &EventOccurrence,
+        after: f64,
+        workspace: &mut StepWorkspace,
+        watch: &mut EventDetector<'_, '_>,
+        between: &mut Between<'_>,
+    ) -> Result<ShortenedStep<S>, RunError<S::Error>> {
+        let (event, h, (t0, t1)) = (occurrence.event, self.course.step, self.ends.times);
+        let cut = self.take(occurrence.time - t0, event, workspace, watch)?;
+        if cut.g == 0.0 {
+            return Ok(cut);
+        }
+        let around = (h / 64.0, t0, t1);
+        let slope =
+            watch.slope(event, cut.time, around, &mut |t, q, v| between.state(&self.ends, t, q, v))?;
+        let better = cut.time - cut.g / slope;
+        // The step's polynomial is accurate; if Newton's method moves far from its root, g is not smooth.
+        let is_close = (better - cut.time).abs() < h / 8.0;
+        if !is_close || better < after {
+            return Ok(cut);
+        }
+        let again = self.take(better - t0, event, workspace, watch)?;
+        Ok(if again.g.abs() < cut.g.abs() { again } else { cut })
+    }
+
+    /// Takes the step of length `s` \[s\].
+    fn take(
+        &self,
+        s: f64,
+        event: usize,
+        workspace: &mut StepWorkspace,
+        watch: &mut EventDetector<'_, '_>,
+    ) -> Result<ShortenedStep<S>, RunError<S::Error>> {
+        let s = s.clamp(SHORTEST * self.course.step, self.course.step);
+        let time = (self.ends.times.0 + s).min(self.ends.times.1);
+        let (mut stepper, mut q, mut v) = (self.stepper.clone(), self.run.q.clone(), self.run.v.clone());
+        let ledger = self.course.take(&mut stepper, workspace, self.run, self.forces, s, (&mut q, &mut v))?;
+        let g = watch.value(event, time, &q, &v)?;
+        Ok(ShortenedStep { stepper, ledger, time, q, v, g })
+    }
+}

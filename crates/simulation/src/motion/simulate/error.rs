@@ -1,0 +1,153 @@
+//! Errors of a run.
+
+use std::error::Error;
+
+use robot_dynamics_core::{ConfigurationError, SingularMass};
+use robot_dynamics_integrators::IntegratorError;
+
+use super::divergence::DivergenceCause;
+use super::event::{Cause, NoValue};
+use super::{CallbackError, ControllerError, Run};
+
+/// An error of a run.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError<E = IntegratorError> {
+    /// The step is not positive and finite.
+    #[error("the step must be positive and finite, got {step} s")]
+    BadStep {
+        /// The given step \[s\].
+        step: f64,
+    },
+    /// The initial configuration is invalid.
+    #[error("the run cannot start: {0}")]
+    Configuration(#[source] ConfigurationError),
+    /// A number is NaN or infinite.
+    #[error(
+        "{quantity} is not finite at coordinate `{coordinate}`, t = {time} s (step {step}); \
+         check the inputs, or take a smaller step"
+    )]
+    NotFinite {
+        /// The quantity: `q`, `v`, `the acceleration`, `the energy`, `the controller's torque`, ...
+        quantity: &'static str,
+        /// The first coordinate with such a number; for the energy, the fastest coordinate.
+        coordinate: String,
+        /// Completed steps.
+        step: usize,
+        /// The time of the detection \[s\].
+        time: f64,
+    },
+    /// The motion diverged, for example because a spring or servo is too stiff for the step.
+    #[error(
+        "the motion grows without bound: `{coordinate}` has v = {speed:.1e} at t = {time} s (step {step}); try a step of {suggested_step:.1e} s, \
+         {cause}"
+    )]
+    Diverged {
+        /// The fastest coordinate.
+        coordinate: String,
+        /// Its velocity \[rad/s or m/s\].
+        speed: f64,
+        /// Completed steps.
+        step: usize,
+        /// The time of the detection \[s\].
+        time: f64,
+        /// A step that should be stable \[s\]; see the cause.
+        suggested_step: f64,
+        /// The cause that determines the suggested step.
+        cause: DivergenceCause,
+    },
+    /// M is singular: some motion has no inertia in the current configuration, so the acceleration is
+    /// undefined.
+    #[error("t = {time} s (step {step}): {source}")]
+    SingularMass {
+        /// Completed steps.
+        step: usize,
+        /// The time \[s\].
+        time: f64,
+        /// The joints without inertia.
+        source: SingularMass,
+    },
+    /// The controller failed.
+    #[error("the controller gave no torque at t = {time} s (step {step}): {source}")]
+    Controller {
+        /// Completed steps.
+        step: usize,
+        /// The time \[s\].
+        time: f64,
+        /// The cause.
+        source: ControllerError,
+    },
+    /// The function of an event is NaN or infinite.
+    #[error("the function of event `{name}` is {value} at t = {time} s")]
+    EventNotFinite {
+        /// The name of the event.
+        name: String,
+        /// The time \[s\].
+        time: f64,
+        /// The value of the function.
+        value: f64,
+    },
+    /// The function of an event failed.
+    #[error("the function of event `{name}` failed at t = {time} s: {source}")]
+    Event {
+        /// The name of the event.
+        name: String,
+        /// The time \[s\].
+        time: f64,
+        /// The error of the function.
+        source: CallbackError,
+    },
+    /// A step failed.
+    #[error("t = {time} s (step {step}): {source}")]
+    Step {
+        /// Completed steps.
+        step: usize,
+        /// The time \[s\].
+        time: f64,
+        /// The cause.
+        source: E,
+    },
+}
+
+impl<E> RunError<E> {
+    /// Converts the error of a step.
+    #[cfg_attr(not(feature = "adaptive"), allow(dead_code))]
+    pub fn map<F>(self, of: impl FnOnce(E) -> F) -> RunError<F> {
+        match self {
+            Self::BadStep { step } => RunError::BadStep { step },
+            Self::Configuration(source) => RunError::Configuration(source),
+            Self::NotFinite { quantity, coordinate, step, time } => {
+                RunError::NotFinite { quantity, coordinate, step, time }
+            }
+            Self::Diverged { coordinate, speed, step, time, suggested_step, cause } => {
+                RunError::Diverged { coordinate, speed, step, time, suggested_step, cause }
+            }
+            Self::SingularMass { step, time, source } => RunError::SingularMass { step, time, source },
+            Self::Controller { step, time, source } => RunError::Controller { step, time, source },
+            Self::EventNotFinite { name, time, value } => RunError::EventNotFinite { name, time, value },
+            Self::Event { name, time, source } => RunError::Event { name, time, source },
+            Self::Step { step, time, source } => RunError::Step { step, time, source: of(source) },
+        }
+    }
+}
+
+impl<E> From<NoValue> for RunError<E> {
+    fn from(NoValue { name, time, cause }: NoValue) -> Self {
+        match cause {
+            Cause::NotFinite(value) => Self::EventNotFinite { name, time, value },
+            Cause::Failed(source) => Self::Event { name, time, source },
+        }
+    }
+}
+
+/// The error of a run, with the results up to it.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{error}")]
+#[non_exhaustive]
+pub struct RunFailure<E: Error + 'static = IntegratorError> {
+    /// The error.
+    #[source]
+    pub error: RunError<E>,
+    /// The run up to the last good state.
+    pub until: Run,
+}

@@ -1,0 +1,45 @@
+//! A simulation of one robot with every effect that its description states.
+//!
+//! Each step of fixed length h integrates
+//!
+//! ```text
+//! M(q) v̇ + C(q, v) v + g(q) + b(v) = τ + τ_actuators + τ_springs + Aᵀλ + Σ Jᵀw
+//! ```
+//!
+//! where b is damping and dry friction, λ are the multipliers of equalities, limits and contacts, and w are
+//! the wrenches on frames.
+//! [`SimulationBuilder`] selects the effects and the method; [`Simulation`] takes the steps.
+
+mod acting;
+#[cfg(feature = "adaptive")]
+mod adaptive;
+mod assembly;
+mod builder;
+mod effect;
+mod error;
+mod inputs;
+mod link_pairs;
+mod measurements;
+mod method;
+mod own_stepper;
+mod results;
+mod run_options;
+mod running;
+#[cfg(feature = "native")]
+pub mod side_by_side;
+mod state;
+mod step_inputs;
+mod stepping;
+mod unsupported;
+mod wrench;
+
+pub use crate::motion::simulate::Observer;
+pub use builder::SimulationBuilder;
+pub use effect::{Effect, UnknownEffect};
+pub use error::{MethodError, SimulationError, StepFailure};
+pub use method::{Method, SimulationStepper, UnknownMethod};
+pub use run_options::RunOptions;
+pub use state::{PoseError, Snapshot};
+pub use stepping::Simulation;
+pub use unsupported::UnsupportedFeatures;
+pub use wrench::{AppliedWrench, ReferenceFrame};

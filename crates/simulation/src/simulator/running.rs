@@ -1,0 +1,182 @@
+//! Runs: sequences of steps with samples, events and an observer.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use robot_dynamics_core::Model;
+
+use super::error::StepFailure;
+use super::step_inputs::record_acceleration;
+use super::stepping::Memory;
+use super::{MethodError, Observer, RunOptions, Simulation};
+use crate::motion::simulate::{Between, EventDetector, StepError};
+use crate::{Controller, Run, RunError, RunFailure, StepForces, Stepper, Trajectory};
+
+impl Simulation {
+    /// Takes `steps` steps from (q, v) at time 0 with the held inputs: a [`reset`](Self::reset) of the state
+    /// followed by a [`run`](Self::run).
+    ///
+    /// # Errors
+    /// As [`reset`](Self::reset) and [`run`](Self::run). If (q, v) is an invalid start, the run in the
+    /// failure has no samples.
+    ///
+    /// # Panics
+    /// Panics if `v` has the wrong length.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{Base, LinkDescription, RobotDescription};
+    /// use robot_dynamics::model::{Model, neutral};
+    /// use robot_dynamics::simulation::{RunOptions, SimulationBuilder};
+    /// let mut robot = RobotDescription::new("brick");
+    /// robot.base = Base::Floating;
+    /// let brick = robot_dynamics::description::MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
+    /// robot.links.push(LinkDescription::new("brick", brick));
+    /// let model = Model::new(robot)?;
+    /// let mut simulation = SimulationBuilder::new(&model).build()?;
+    /// let run = simulation.run_from(&neutral(&model), &[0.0; 6], 1000, RunOptions::new().sample_every(100))?;
+    /// // Free fall for one second.
+    /// assert_eq!(run.trajectory.len(), 11);
+    /// assert!((run.q[2] + 9.81 / 2.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[track_caller]
+    pub fn run_from(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        steps: usize,
+        options: RunOptions<'_, '_>,
+    ) -> Result<Run, Box<RunFailure<MethodError>>> {
+        self.restart((q, v), 0.0, steps)?;
+        self.activations.fill(0.0);
+        self.limited.fill(0);
+        self.run(steps, options)
+    }
+
+    /// Takes `steps` steps from the current state. Samples, events and peaks are those of this run only.
+    ///
+    /// # Errors
+    /// [`RunFailure`] for the reasons of [`step`](Self::step), or if the controller or the function of an
+    /// event fails. It holds the run up to the failure.
+    ///
+    /// ```
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::{Event, RunOptions, SimulationBuilder};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let mut simulation = SimulationBuilder::new(&model).conservative().build()?;
+    /// let mut events = [Event::new("vertical", |_, q: &[f64], _: &[f64]| q[0] - 1.5).terminal()];
+    /// let run = simulation.run(1000, RunOptions::new().events(&mut events))?;
+    /// assert!(run.ended_by_event && (simulation.q()[0] - 1.5).abs() < 1e-9);
+    /// assert!(run.ledger.drift() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn run(
+        &mut self,
+        steps: usize,
+        options: RunOptions<'_, '_>,
+    ) -> Result<Run, Box<RunFailure<MethodError>>> {
+        let RunOptions { controller, events, observer, sample_every } = options;
+        let model = Arc::clone(&self.model);
+        self.run.trajectory =
+            Trajectory::new(&model, self.course(&model, sample_every, self.base).samples_of(steps));
+        self.run.events.clear();
+        self.run.peak_torque.fill(0.0);
+        (self.run.interrupted, self.run.ended_by_event) = (false, false);
+        let done = EventDetector::start(events.unwrap_or(&mut []), self.run.time, &self.run.q, &self.run.v)
+            .map_err(RunError::from)
+            .and_then(|watch| {
+                let seen_by = (controller, watch, observer);
+                #[cfg(feature = "adaptive")]
+                if self.is_adaptive() {
+                    return self.follow(steps, sample_every, seen_by);
+                }
+                self.advance(&model, steps, sample_every, seen_by)
+            });
+        let empty = Trajectory::new(&model, 0);
+        let trajectory = core::mem::replace(&mut self.run.trajectory, empty);
+        let until = Run { trajectory, ..self.run.clone() };
+        match done {
+            Ok(()) => Ok(until),
+            Err(error) => Err(Box::new(RunFailure { error, until })),
+        }
+    }
+
+    fn advance(
+        &mut self,
+        model: &Model,
+        steps: usize,
+        sample_every: usize,
+        (mut controller, mut watch, mut observer): (
+            Option<&mut dyn Controller>,
+            EventDetector<'_, '_>,
+            Option<Observer<'_>>,
+        ),
+    ) -> Result<(), StepFailure> {
+        let mut between = Between::new(model, self.stepper.order());
+        let first = self.run.steps;
+        for done in 0..=steps {
+            let course = self.course(model, sample_every, self.base);
+            let (step, time) = (self.run.steps, self.run.time);
+            if let Some(controller) = &mut controller {
+                let Self { run, inputs, .. } = self;
+                controller
+                    .torque(time, &run.q, &run.v, &mut inputs.torques)
+                    .map_err(|source| RunError::Controller { step, time, source })?;
+            }
+            self.begin_step(&course)?;
+            let is_last = done == steps || self.run.ended_by_event;
+            let (flow, is_kept) = {
+                let info = self.run.step_info(step - first, &self.memory.tau, &self.stepper);
+                let flow = observer.as_mut().map_or(ControlFlow::Continue(()), |observer| observer(&info));
+                let is_kept = is_last || flow.is_break() || done == 0;
+                let is_kept = is_kept || (sample_every > 0 && done.is_multiple_of(sample_every));
+                if is_kept {
+                    self.run.keep_sample(&self.memory.tau, &self.stepper);
+                }
+                (flow, is_kept)
+            };
+            if is_last || flow.is_break() {
+                self.run.trajectory.add_to_last_tau(self.stepper.actuator_torques());
+                self.run.interrupted = !is_last;
+                return Ok(());
+            }
+            self.check_mass(&course)?;
+            let Self { stepper, workspace, run, memory, .. } = self;
+            let Memory { q, v, applied, before, .. } = &mut *memory;
+            before.copy_from_slice(&run.v);
+            let forces = StepForces::new(applied, self.dissipates);
+            let looks = (workspace, &mut watch, &mut between);
+            match course.advance_once(run, stepper, looks, &forces, (q, v)) {
+                Err(RunError::Step { source, .. }) if source.is_interruption() => {
+                    // The step was discarded, so this state is the last one. The observer may have skipped it
+                    // and is called again.
+                    if !is_kept {
+                        run.keep_sample(&memory.tau, stepper);
+                    }
+                    if let Some(observer) = &mut observer {
+                        let _ = observer(&run.step_info(step - first, &memory.tau, stepper));
+                    }
+                    run.interrupted = true;
+                    return Ok(());
+                }
+                taken => taken?,
+            }
+            let by_actuators = stepper.actuator_torques();
+            if is_kept {
+                run.trajectory.add_to_last_tau(by_actuators);
+            }
+            for (k, peak) in run.peak_torque.iter_mut().enumerate() {
+                *peak = peak.max((memory.tau[k] + by_actuators.get(k).unwrap_or(&0.0)).abs());
+            }
+            let length = if run.ended_by_event { run.time - time } else { self.step };
+            record_acceleration(memory, length);
+            if run.ended_by_event {
+                // Later steps are counted from the event.
+                self.base = (run.steps, run.time);
+            }
+            self.end_step(length);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,79 @@
+//! The start and the end of a step: checks and limits of inputs, activations, mean acceleration.
+
+use super::Simulation;
+use super::error::StepFailure;
+use super::stepping::Memory;
+use crate::motion::simulate::RunLoop;
+use crate::{CallbackError, ControllerError, Run, RunError};
+
+impl Simulation {
+    /// Checks the inputs, clips torques to their limits, and converts wrenches to generalized forces.
+    pub(super) fn begin_step(&mut self, course: &RunLoop<'_>) -> Result<(), StepFailure> {
+        let Self { model, inputs, run, memory, effort, workspace, .. } = self;
+        if let Some(index) = inputs.torques.iter().position(|tau| !tau.is_finite()) {
+            return Err(course.blow_up("the controller's torque", index, run.steps));
+        }
+        memory.tau.copy_from_slice(&inputs.torques);
+        if let Some(effort) = effort {
+            for (tau, limit) in memory.tau.iter_mut().zip(effort.iter()) {
+                *tau = tau.clamp(-limit.max(0.0), limit.max(0.0));
+            }
+        }
+        memory.applied.copy_from_slice(&memory.tau);
+        for wrench in &inputs.wrenches {
+            if !wrench.is_finite() {
+                let frame = &model.frame_of(wrench.frame).name;
+                return Err(bad_input(run, format!("the wrench on frame `{frame}` is not finite")));
+            }
+            let Memory { jacobian, applied, .. } = memory;
+            wrench.add_to(model, workspace.dynamics(), &run.q, jacobian, applied);
+        }
+        if let Some(actuation) = &self.actuation {
+            if let Some(index) = inputs.controls.iter().position(|control| !control.is_finite()) {
+                let name = actuation.control_names().nth(index).unwrap_or_default();
+                let control = inputs.controls[index];
+                return Err(bad_input(run, format!("the control of actuator `{name}` is {control}")));
+            }
+            let half = 0.5 * self.step;
+            actuation.activate(&inputs.controls, 0.0, &mut self.activations);
+            memory.middle.copy_from_slice(&self.activations);
+            actuation.activate(&inputs.controls, half, &mut memory.middle);
+            self.stepper.set_controls(&inputs.controls, &self.activations, &memory.middle);
+        }
+        Ok(())
+    }
+
+    /// The rank at the start of a run was checked when the state was set.
+    pub(super) fn check_mass(&mut self, course: &RunLoop<'_>) -> Result<(), StepFailure> {
+        let steps = self.run.steps;
+        if !core::mem::replace(&mut self.is_checked, false) {
+            let checked = course.check_mass(&mut self.stepper, &mut self.workspace, &self.run.q, steps);
+            checked.map_err(|error| course.named(&self.stepper, &self.run, error))?;
+        }
+        Ok(())
+    }
+
+    /// Counts the clipped torques, and advances the activations by the step's length \[s\].
+    pub(super) fn end_step(&mut self, length: f64) {
+        let Self { limited, inputs, memory, activations, .. } = self;
+        for (k, count) in limited.iter_mut().enumerate() {
+            *count += usize::from(memory.tau[k] != inputs.torques[k]);
+        }
+        if let Some(actuation) = &self.actuation {
+            actuation.activate(&inputs.controls, length, activations);
+        }
+    }
+}
+
+fn bad_input(run: &Run, message: String) -> StepFailure {
+    let source = ControllerError::Callback(CallbackError::new(message));
+    RunError::Controller { step: run.steps, time: run.time, source }
+}
+
+/// Records the mean acceleration of a step of length h.
+pub(super) fn record_acceleration(memory: &mut Memory, h: f64) {
+    let Memory { acceleration, before, v, .. } = memory;
+    for (k, acceleration) in acceleration.iter_mut().enumerate() {
+        *acceleration = (v[k] - before[k]) / h;
+    }
+}

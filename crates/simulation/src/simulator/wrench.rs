@@ -1,0 +1,76 @@
+//! Wrenches on frames as inputs of a step.
+
+use robot_dynamics_core::{
+    FrameId, Model, Workspace, frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
+};
+
+/// The axes and the reference point of a wrench on a frame or of a frame's velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ReferenceFrame {
+    /// The frame's own axes, at its origin.
+    Local,
+    /// The world's axes, at the world's origin.
+    World,
+    /// The world's axes, at the frame's origin.
+    #[default]
+    LocalWorldAligned,
+}
+
+/// A force and a moment on the link that carries a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AppliedWrench {
+    /// The frame.
+    pub frame: FrameId,
+    /// The axes of both vectors and the point of application of the force.
+    pub axes: ReferenceFrame,
+    /// Force \[N\].
+    pub force: [f64; 3],
+    /// The moment about that point \[N·m\].
+    pub moment: [f64; 3],
+}
+
+impl AppliedWrench {
+    /// A force at the frame's origin along the world's axes \[N\].
+    ///
+    /// ```
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::AppliedWrench;
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let push = AppliedWrench::force(model.frame_named("tip")?, [0.0, 0.0, 3.0]);
+    /// assert_eq!(push.moment, [0.0; 3]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub const fn force(frame: FrameId, force: [f64; 3]) -> Self {
+        Self { frame, axes: ReferenceFrame::LocalWorldAligned, force, moment: [0.0; 3] }
+    }
+
+    /// Whether all entries are finite.
+    pub(super) fn is_finite(&self) -> bool {
+        self.force.iter().chain(&self.moment).all(|x| x.is_finite())
+    }
+
+    /// Adds Jᵀw at q to `tau`; `jacobian` is scratch memory for 6 nv numbers.
+    pub(super) fn add_to(
+        &self,
+        model: &Model,
+        workspace: &mut Workspace,
+        q: &[f64],
+        jacobian: &mut [f64],
+        tau: &mut [f64],
+    ) {
+        match self.axes {
+            ReferenceFrame::Local => frame_jacobian_in_frame(model, workspace, q, self.frame, jacobian),
+            ReferenceFrame::World => frame_jacobian_in_world(model, workspace, q, self.frame, jacobian),
+            ReferenceFrame::LocalWorldAligned => {
+                frame_jacobian_world_aligned(model, workspace, q, self.frame, jacobian);
+            }
+        }
+        let nv = tau.len();
+        for (row, w) in self.force.iter().chain(&self.moment).enumerate().filter(|(_, w)| **w != 0.0) {
+            for (tau, j) in tau.iter_mut().zip(&jacobian[row * nv..(row + 1) * nv]) {
+                *tau += j * w;
+            }
+        }
+    }
+}

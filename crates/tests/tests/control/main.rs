@@ -1,0 +1,10 @@
+//! Control and planning.
+
+#[path = "../../../verification/tests/common/mod.rs"]
+mod common;
+
+mod actuated;
+mod inverse_kinematics;
+mod operational_space;
+mod owning_controllers;
+mod time_optimal;

@@ -1,0 +1,30 @@
+//! Steps, runs, events and their linearisation.
+
+#[path = "../../../verification/tests/common/mod.rs"]
+mod common;
+
+mod actuation;
+mod actuator_loads;
+#[cfg(feature = "adaptive")]
+mod adaptive;
+mod bad_input;
+mod ball_stops;
+mod closed_forms;
+mod components;
+mod contact;
+mod divergence;
+mod dropped;
+mod equalities;
+mod events;
+mod gimbal;
+mod height_field;
+mod implicit;
+mod linearize_by_differences;
+mod linearize_step;
+mod links;
+mod long_chains;
+mod pullback;
+mod simulation;
+mod soft_law;
+mod tendon_stops;
+mod tree_integrators;

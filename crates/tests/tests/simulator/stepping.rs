@@ -1,0 +1,148 @@
+//! Single steps, restored snapshots and copies give the same results as one run, bit for bit.
+
+use robot_dynamics::description::{
+    ActuatorDescription, Limits, PassiveForces, RandomRobotOptions, Transmission, pendulum, random_robot,
+};
+use robot_dynamics::model::{Model, neutral};
+use robot_dynamics::simulation::{
+    Event, Integrator, Method, RunError, RunOptions, Simulation, SimulationBuilder,
+};
+
+use crate::hopper::hopper;
+
+/// A random robot with damping, friction, limits and a servo.
+fn robot(seed: u64) -> Model {
+    let mut robot = random_robot(seed, &RandomRobotOptions::default());
+    for joint in &mut robot.joints {
+        joint.passive = PassiveForces::default().with_damping(0.05).with_friction(0.02);
+    }
+    let model = Model::new(robot.clone()).expect("a robot");
+    if let Some(joint) = model.joints().iter().find(|joint| joint.nv == 1) {
+        let servo = ActuatorDescription::new("servo", Transmission::joint(joint.name.clone(), 1.0));
+        robot.actuators.push(servo.servo(5.0, 0.5));
+    }
+    Model::new(robot).expect("a robot")
+}
+
+fn simulations(model: &Model) -> Vec<Simulation> {
+    let rows = [Integrator::RungeKutta4, Integrator::SemiImplicitEuler].map(Method::Fixed);
+    let methods = rows.into_iter().chain([Method::Implicit, Method::Mujoco]);
+    methods
+        .map(|method| SimulationBuilder::new(model).method(method).build().expect("a simulation"))
+        .collect()
+}
+
+fn start(simulation: &mut Simulation, model: &Model) {
+    let v: Vec<f64> = (0..model.nv()).map(|k| 0.3 * (k as f64).cos()).collect();
+    simulation.reset(&neutral(model), &v).expect("a start");
+    let torques: Vec<f64> = (0..model.nv()).map(|k| 0.1 * (k as f64 + 1.0).sin()).collect();
+    simulation.set_torques(&torques);
+    let controls = vec![0.4; simulation.control_names().count()];
+    simulation.set_controls(&controls);
+}
+
+#[test]
+fn single_steps_equal_run_bit_for_bit() {
+    for seed in 0..6 {
+        let model = robot(seed);
+        for mut one in simulations(&model) {
+            let mut other = one.clone();
+            start(&mut one, &model);
+            start(&mut other, &model);
+            let run = one.run(60, RunOptions::new()).expect("a run");
+            for k in 1..=60 {
+                other.step().expect("a step");
+                assert_eq!(run.trajectory.sample(k).q, other.q(), "robot {seed}, {}, step {k}", one.method());
+                assert_eq!(run.trajectory.sample(k).time, other.time());
+            }
+            assert_eq!((one.v(), one.ledger()), (other.v(), other.ledger()), "robot {seed}");
+            assert_eq!(one.acceleration(), other.acceleration());
+        }
+    }
+}
+
+#[test]
+fn two_runs_equal_one_bit_for_bit() {
+    for seed in 0..4 {
+        let model = robot(seed);
+        for mut one in simulations(&model) {
+            let mut other = one.clone();
+            start(&mut one, &model);
+            start(&mut other, &model);
+            one.run(60, RunOptions::new()).expect("a run");
+            other.run(23, RunOptions::new()).expect("a run");
+            let second = other.run(37, RunOptions::new()).expect("a run");
+            assert_eq!((one.q(), one.v(), one.time()), (other.q(), other.v(), other.time()));
+            assert_eq!(second.trajectory.sample(0).time, 0.023);
+        }
+    }
+}
+
+#[test]
+fn snapshots_and_copies_continue_bit_for_bit() {
+    for seed in 0..4 {
+        let model = robot(seed);
+        for mut simulation in simulations(&model) {
+            start(&mut simulation, &model);
+            simulation.run_for(0.03).expect("steps");
+            let (snapshot, mut copy) = (simulation.snapshot(), simulation.clone());
+            simulation.run_for(0.03).expect("steps");
+            let (q, v) = (simulation.q().to_vec(), simulation.v().to_vec());
+            copy.run_for(0.03).expect("steps");
+            assert_eq!((copy.q(), copy.v()), (&q[..], &v[..]));
+            simulation.set_torques(&vec![0.0; model.nv()]);
+            simulation.run_for(0.01).expect("steps");
+            simulation.restore(&snapshot);
+            simulation.run_for(0.03).expect("steps");
+            assert_eq!((simulation.q(), simulation.v()), (&q[..], &v[..]));
+            assert_eq!(simulation.ledger(), copy.ledger());
+        }
+    }
+}
+
+/// A robot that stands on the ground: its contacts also continue from a snapshot.
+#[test]
+fn contacts_continue_from_snapshot() {
+    let (mut simulation, _) = hopper();
+    simulation.run_for(0.3).expect("steps");
+    let snapshot = simulation.snapshot();
+    simulation.run_for(0.1).expect("steps");
+    let (q, contacts) = (simulation.q().to_vec(), simulation.contacts().len());
+    assert!(contacts > 0);
+    simulation.restore(&snapshot);
+    for _ in 0..100 {
+        simulation.step().expect("a step");
+    }
+    assert_eq!(simulation.q(), q);
+}
+
+/// After a terminal event the next steps count from its time.
+#[test]
+fn simulation_continues_after_terminal_event() {
+    let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
+    let mut simulation = SimulationBuilder::new(&model).conservative().build().expect("a simulation");
+    let mut events = [Event::new("low", |_, q: &[f64], _: &[f64]| q[0] - 0.7).rising().terminal()];
+    let run = simulation.run(10_000, RunOptions::new().events(&mut events)).expect("a run");
+    assert!(run.ended_by_event && (run.q[0] - 0.7).abs() < 1e-12);
+    let time = simulation.time();
+    simulation.run_for(0.1).expect("steps");
+    assert!((simulation.time() - time - 0.1).abs() < 1e-15);
+    assert!(simulation.ledger().drift() < 1e-9);
+}
+
+/// A failed step leaves the state unchanged.
+#[test]
+fn failed_step_leaves_state_unchanged() {
+    let mut robot = pendulum(2.0, 0.5);
+    robot.joints[0].limits = Limits::default().with_effort(5.0);
+    let model = Model::new(robot).expect("a robot");
+    let mut simulation = SimulationBuilder::new(&model).build().expect("a simulation");
+    simulation.run_for(0.1).expect("steps");
+    let before = (simulation.q().to_vec(), simulation.time());
+    simulation.set_torques(&[f64::INFINITY]);
+    let error = simulation.step().expect_err("no torque");
+    assert!(matches!(error, RunError::NotFinite { .. }), "{error}");
+    assert_eq!((simulation.q().to_vec(), simulation.time()), before);
+    simulation.set_torques(&[0.0]);
+    simulation.step().expect("a step");
+}

@@ -1,0 +1,13 @@
+//! Independent computations of the same quantities: the Lagrange recipe on trees, contact by ADMM, and the
+//! audit of a robot.
+
+// Each module uses only earlier modules (`cargo xtask tidy` checks this).
+
+// Rigid contact by the alternating direction method of multipliers.
+pub mod admm;
+
+// The equation of motion from K, V and their derivatives.
+pub mod lagrange;
+
+// Checks of the laws of mechanics on one robot.
+pub mod audit;

@@ -1,0 +1,13 @@
+//! Robots with closed loops.
+
+#[path = "../../../robot-dynamics/examples/01_closed_loop.rs"]
+mod closed_loop;
+#[path = "../common/mod.rs"]
+mod common;
+
+mod constrained_motion;
+mod constrained_variational;
+mod examples;
+mod inverse;
+mod rows;
+mod support;

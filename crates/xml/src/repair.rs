@@ -1,0 +1,95 @@
+//! Repairs faults of XML that occur in robot files and that other readers accept.
+//!
+//! - Undeclared prefixes, as in `<drake:joint>` without `xmlns:drake`. Other readers take the prefix as a
+//!   part of the name. The repair declares the prefix on the outermost element.
+//! - An XML declaration `<?xml … ?>` that is not at the start of the file. The repair replaces it by blanks.
+//!
+//! The line numbers stay the same.
+
+use roxmltree::{Document, Error, TextPos};
+
+/// The largest number of repairs in a file.
+const REPAIR_LIMIT: usize = 20;
+
+/// A repaired text.
+pub(crate) struct RepairedXml {
+    pub(crate) text: String,
+    /// The line of each fault, and a message.
+    pub(crate) faults: Vec<(usize, String)>,
+}
+
+/// Repairs this error of the parser, and those that follow; `None` if an error is of another kind.
+pub(crate) fn repair(original: &str, mut error: Error) -> Option<RepairedXml> {
+    let mut text = original.to_owned();
+    let mut faults = Vec::new();
+    while faults.len() < REPAIR_LIMIT {
+        match error {
+            Error::UnknownNamespace(prefix, position) => {
+                text.insert_str(
+                    end_of_first_name(&text)?,
+                    &format!(" xmlns:{prefix}=\"undeclared:{prefix}\""),
+                );
+                let prefix = crate::excerpt(&prefix);
+                let message = format!(
+                    "the prefix `{prefix}:` is not declared: taken as that of a foreign namespace; add \
+                     xmlns:{prefix}=\"…\" to the outermost element"
+                );
+                faults.push((position.row as usize, message));
+            }
+            Error::UnexpectedDeclaration(position) => {
+                let start = byte_of(&text, position)?;
+                let end = start + text[start..].find("?>")? + 2;
+                let blank: String =
+                    text[start..end].chars().map(|c| if c == '\n' { c } else { ' ' }).collect();
+                text.replace_range(start..end, &blank);
+                let message = "<?xml … ?> is not at the start of the file: ignored; move it to the first byte, or \
+                               delete it";
+                faults.push((position.row as usize, message.to_owned()));
+            }
+            _ => return None,
+        }
+        match Document::parse(&text) {
+            Ok(_) => return Some(RepairedXml { text, faults }),
+            Err(next) => error = next,
+        }
+    }
+    None
+}
+
+/// The byte of the first `<?xml` after the position of the error.
+fn byte_of(text: &str, position: TextPos) -> Option<usize> {
+    let line: usize = text.split_inclusive('\n').take(position.row as usize - 1).map(str::len).sum();
+    Some(line + text[line..].find("<?xml")?)
+}
+
+/// The name of the outermost element, without a prefix. The result for a text that is not XML is unspecified.
+///
+/// ```
+/// assert_eq!(robot_dynamics_xml::outermost("<?xml version='1.0'?><!-- <a> --><mujoco model='m'/>"), Some("mujoco"));
+/// assert_eq!(robot_dynamics_xml::outermost("no XML"), None);
+/// ```
+pub fn outermost(text: &str) -> Option<&str> {
+    let end = end_of_first_name(text)?;
+    let start = text[..end].rfind('<')? + 1;
+    let name = &text[start..end];
+    Some(name.rsplit_once(':').map_or(name, |(_, name)| name))
+}
+
+/// The byte after the name of the outermost element.
+fn end_of_first_name(text: &str) -> Option<usize> {
+    let mut at = 0;
+    loop {
+        at += text[at..].find('<')?;
+        let rest = &text[at..];
+        let length = if let Some(comment) = rest.strip_prefix("<!--") {
+            4 + comment.find("-->")? + 3
+        } else if rest.starts_with("<?") {
+            rest.find("?>")? + 2
+        } else {
+            let name =
+                rest[1..].find(|letter: char| letter.is_whitespace() || letter == '>' || letter == '/')?;
+            return Some(at + 1 + name);
+        };
+        at += length;
+    }
+}
