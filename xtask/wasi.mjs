@@ -1,4 +1,5 @@
-// Runs a program compiled for wasm32-wasip1 with the rights of a native one: node xtask/wasi.mjs PROGRAM.wasm [ARGUMENT…]
+// Runs a program compiled for wasm32-wasip1 with the rights of a native one: node xtask/wasi.mjs PROGRAM.wasm
+// [ARGUMENT…]
 import { readFile } from 'node:fs/promises';
 import { env, argv, exit } from 'node:process';
 import { WASI } from 'node:wasi';

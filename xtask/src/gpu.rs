@@ -1,4 +1,5 @@
-//! `cargo xtask test gpu`: batches on a device. Where there is no other it is Mesa's lavapipe, a Vulkan of the processor's.
+//! `cargo xtask test gpu`: batches on a device. Without a GPU the device is Mesa's lavapipe, Vulkan on the
+//! processor.
 
 use std::fs;
 use std::process::Command;
@@ -7,7 +8,7 @@ use crate::install::install_package;
 use crate::step::step;
 use crate::{example, workspace};
 
-/// Says to the tests that there is a device: without one they fail instead of passing over.
+/// Tells the tests that there is a device: without one they fail instead of skipping.
 const EXPECTED: &str = "ROBOT_DYNAMICS_DEVICE";
 
 /// Runs the tests on a device, and the example.
@@ -22,7 +23,7 @@ pub(crate) fn run() -> Result<(), String> {
     example("rollout")
 }
 
-/// A command that runs tests, which fail without a device where a driver of the processor's is installed.
+/// A command that runs tests, which fail without a device if lavapipe is installed.
 pub(crate) fn expecting_a_device(mut command: Command) -> Command {
     if is_driver_there() {
         command.env(EXPECTED, "1");
@@ -34,7 +35,7 @@ pub(crate) fn expecting_a_device(mut command: Command) -> Command {
 pub(crate) fn install_driver() -> Result<(), String> {
     if !cfg!(target_os = "linux") {
         println!(
-            "\n== gpu: a driver is installed on Debian alone; elsewhere the tests pass over where there is none"
+            "\n== gpu: a driver is installed on Debian alone; elsewhere the tests skip if there is none"
         );
         return Ok(());
     }

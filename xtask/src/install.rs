@@ -1,4 +1,4 @@
-//! What the checks need on a fresh machine, installed where it is missing.
+//! Installs the programs that the checks need, where they are missing.
 
 use std::process::Command;
 use std::sync::Mutex;
@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use crate::step::step;
 use crate::tidy;
 
-/// Rust's library for another kind of machine, where it is not installed.
+/// Installs Rust's standard library for another target, where it is missing.
 pub(crate) fn install_target(target: &str) -> Result<(), String> {
     if targets().is_ok_and(|list| list.lines().any(|line| line.trim() == target)) {
         return Ok(());
@@ -29,10 +29,10 @@ pub(crate) fn is_there(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok()
 }
 
-/// Debian's installer runs once at a time.
+/// Debian's installer runs one command at a time.
 static INSTALLER: Mutex<()> = Mutex::new(());
 
-/// A package of Debian's.
+/// Installs a Debian package.
 pub(crate) fn install_package(part: &str, package: &str) -> Result<(), String> {
     let _alone = INSTALLER.lock();
     let apt = |arguments: &[&str]| {

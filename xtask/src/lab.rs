@@ -9,14 +9,14 @@ use crate::{UNNOTED, cargo, target_folder, tidy};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
-/// What `cargo xtask lab` is asked for.
+/// The tasks of `cargo xtask lab`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Job {
     /// Build and serve; runs until it is stopped.
     Serve,
     /// Write the static site and the single file.
     Build,
-    /// Build, then what needs no browser: types, lint, unit tests, native against WebAssembly.
+    /// Build, then run the checks that need no browser: types, lint, unit tests, native against WebAssembly.
     Check,
     /// Every check, in browsers too.
     Test,
@@ -43,14 +43,14 @@ pub(crate) fn run(job: Job) -> Result<(), String> {
     }
 }
 
-/// What needs no browser.
+/// Runs the checks that need no browser.
 fn check() -> Result<(), String> {
     step("lab: types", npm(&["run", "check"]))?;
     step("lab: lint", npm(&["run", "lint"]))?;
     step("lab: unit tests, native against WebAssembly", npm(&["run", "test"]))
 }
 
-/// The page as it is built, in both browsers.
+/// Tests the built page in both browsers.
 pub(crate) fn in_browsers() -> Result<(), String> {
     step("lab: in Chromium", npm(&["run", "browser"]))?;
     step("lab: in Firefox", npm(&["run", "firefox"]))
@@ -64,8 +64,8 @@ struct Module {
     simd128: bool,
 }
 
-/// The page opens with the first, and fetches one of each other pair when someone comes to the map of flips or to a robot.
-/// The chapter's few numbers gain nothing by registers.
+/// The page opens with the first module. It fetches one of each pair when the user opens the map of flips or
+/// a robot. The chapter computes too little to gain from vector registers.
 const MODULES: [Module; 5] = [
     Module { name: "chapter", feature: "chapter", simd128: false },
     Module { name: "flips", feature: "flips", simd128: false },
@@ -74,13 +74,14 @@ const MODULES: [Module; 5] = [
     Module { name: "robots_simd128", feature: "robots", simd128: true },
 ];
 
-/// What the compiler is told to use vector registers of WebAssembly.
+/// The compiler flag for WebAssembly's vector registers.
 pub(crate) const SIMD128: &str = "-C target-feature=+simd128";
 
-/// crates/wasm to WebAssembly files, and those to modules with their types in lab/wasm; meanwhile what npm brings.
+/// Compiles crates/wasm to WebAssembly and writes modules with their types to lab/wasm. npm installs its
+/// packages at the same time.
 ///
-/// The last of each module's compilation, over all crates at once, keeps one processor busy: modules with registers and without are
-/// built side by side, in target folders of their own.
+/// Link-time optimisation of a module keeps one processor busy. Modules with and without vector registers are
+/// therefore built side by side, in separate target folders.
 fn build_modules() -> Result<(), String> {
     install_target(TARGET)?;
     let built = |simd128| MODULES.iter().filter(|one| one.simd128 == simd128).try_for_each(build_module);
@@ -96,7 +97,7 @@ fn build_module(&Module { name, feature, simd128 }: &Module) -> Result<(), Strin
     let mut build = cargo(&["build", "--locked", "--package", "wasm", "--lib", "--target", TARGET]);
     build.args(["--profile", "lab", "--no-default-features", "--features", feature]);
     let mut folder = target_folder();
-    // Single states, which are what the page computes, lose nothing by it: browsers compile the module once more.
+    // The page computes single states and loses no speed by this flag: browsers compile the module again.
     let mut flags = UNNOTED.to_string();
     if simd128 {
         folder.push("simd128");
@@ -109,7 +110,7 @@ fn build_module(&Module { name, feature, simd128 }: &Module) -> Result<(), Strin
     step(&format!("lab: bindings of the {name}"), bind)
 }
 
-/// `npm ci`, unless what is installed is what the lock file says.
+/// Runs `npm ci`, unless the installed packages are newer than the lock file.
 fn install_packages() -> Result<(), String> {
     let lab = tidy::root().join("lab");
     let written = |path: &str| lab.join(path).metadata().and_then(|data| data.modified()).ok();
@@ -119,9 +120,9 @@ fn install_packages() -> Result<(), String> {
     step("lab: packages", npm(&["ci", "--no-audit", "--no-fund"]))
 }
 
-/// Debian's browsers, where there are none.
+/// Installs Debian's browsers, where they are missing.
 pub(crate) fn install_browsers() -> Result<(), String> {
-    // Chromium's engine without its window: what draws and computes is the same, on a third less of the processor.
+    // Chromium's engine without a window draws and computes the same, with a third less processor time.
     let has = |program: &str| Path::new("/usr/bin").join(program).exists();
     let does_without = has("chromium") && !is_there("apt-get");
     for (package, is_wanted) in [("chromium-headless-shell", !does_without), ("firefox-esr", true)] {

@@ -1,8 +1,8 @@
-//! `cargo xtask test machines`: the same tests on machines that are not at hand, and `number` instruction by instruction.
+//! `cargo xtask test machines`: the same tests on emulated machines, and those of `number` in an interpreter.
 //!
-//! Old x86-64 machines show that no code meets an instruction it has not looked for; a 64-bit ARM shows that NEON
-//! computes what the portable code does, and Node.js that simd128 does; Miri, an interpreter, watches every access to memory in `number`. The
-//! emulator knows no AVX-512: that is tested where the machine has it.
+//! Old x86-64 machines show that no code executes an instruction that the machine lacks. 64-bit ARM and
+//! Node.js show that NEON and simd128 compute what the portable code does. Miri, an interpreter, checks every
+//! access to memory in `number`. The emulator has no AVX-512, so it is tested only where the machine has it.
 
 use std::process::Command;
 
@@ -17,20 +17,21 @@ const ARM: &str = "aarch64-unknown-linux-musl";
 /// WebAssembly with files, arguments and a clock; `wasi.mjs` runs it.
 const WASI: &str = "wasm32-wasip1";
 
-/// What runs everywhere: the numbers' own tests, and every number and instruction set against the Lagrange recipe; the latter on
-/// this kind of machine as the test run has compiled it, on another with nothing else compiled.
+/// The tests for every machine: those of `number`, and every number and instruction set against the Lagrange
+/// recipe. This machine reuses the binary of the test run; for another target nothing else is compiled.
 const NUMBERS: [&str; 3] = ["--package", "robot-dynamics-number", "--lib"];
 const RECURSIONS: [&str; 2] = ["--test", "any_machine"];
 
-/// Both on another kind of machine.
+/// Both tests for another target.
 const ELSEWHERE: [&[&str]; 2] =
-    [&NUMBERS, &["--package", "robot-dynamics-multibody-tests", RECURSIONS[0], RECURSIONS[1]]];
+    [&NUMBERS, &["--package", "robot-dynamics-tests", RECURSIONS[0], RECURSIONS[1]]];
 
-/// Machine code made in memory: the bits of random graphs, kernels as a caller sees them, and in a process that is a copy.
+/// Tests of machine code in memory: the bits of random graphs, kernels through their public interface, and
+/// kernels in a forked process.
 const NATIVE: [&str; 8] =
     ["--package", "robot-dynamics-native", "--test", "fuzz", "--test", "kernel", "--test", "fork"];
 
-/// Machine code of every function of a few random robots, by the test's names; and the variable that asks for few, with its value.
+/// Tests of machine code for every function of random robots, and the variable that limits them to a few.
 const BITS: [&str; 4] = ["--test", "bits", "--", "random_robots"];
 const FEW: (&str, &str) = ("NATIVE_BITS", "few");
 
@@ -95,14 +96,15 @@ fn encodings() -> Result<(), String> {
     step("machines: encodings of 64-bit ARM", test)
 }
 
-/// Tests for another kind of machine. What runs for seconds would be compiled for minutes otherwise.
+/// Unoptimised tests for another target: they run for seconds, and optimised they would compile for minutes.
 fn unoptimised(target: &str, tests: &[&str]) -> Command {
     let mut test = cargo(&["test", "--locked", "--target", target]);
     test.args(tests).env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
     test
 }
 
-/// Generated code without the standard library, compiled for a Cortex-M4 with its floating-point unit, and run on an emulated one.
+/// Generated code without the standard library, compiled for a Cortex-M4 with its floating-point unit, and
+/// run on an emulated one.
 fn microcontroller() -> Result<(), String> {
     install_target("thumbv7em-none-eabihf")?;
     if !is_there("qemu-system-arm") {
@@ -113,14 +115,15 @@ fn microcontroller() -> Result<(), String> {
     step("machines: microcontroller", test)
 }
 
-/// WebAssembly with vector registers, in Node.js: the lab's robots are computed so where the browser has them.
+/// Tests WebAssembly with vector registers in Node.js, as the lab's robots run in browsers that have them.
 fn in_node() -> Result<(), String> {
     install_target(WASI)?;
     // A module of 20 MB that runs for seconds: its optimisation would take Node.js a minute.
     let script = tidy::root().join("xtask/wasi.mjs");
     let runner = format!("node --no-warnings --liftoff-only {}", script.display());
-    // Unoptimised kernels keep every intermediate number on a stack that has one megabyte by default. Loops with two entrances, which
-    // nothing but optimisation brings into Rust's code, are not looked for: that takes LLVM the square of a function's length.
+    // Unoptimised kernels keep every intermediate number on the stack, which has one megabyte by default. The
+    // flag skips LLVM's search for irreducible loops, whose time grows with the square of a function's
+    // length; only optimisation would create such loops.
     let stack = format!("-C link-arg=-zstack-size={}", 64 << 20);
     let flags = format!("{SIMD128} {stack} -C llvm-args=-wasm-disable-fix-irreducible-control-flow-pass");
     for tests in ELSEWHERE {

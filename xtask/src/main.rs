@@ -1,24 +1,40 @@
-//! Project chores: `cargo xtask test` runs every check, `cargo xtask tidy` the checks on the tree's own rules.
+//! Project chores: `cargo xtask test` runs every check, `cargo xtask tidy` the checks on the tree's own
+//! rules.
 //!
-//! Standard library only, so that the first command of a fresh clone compiles in seconds.
+//! It uses the standard library alone, so that the first command of a fresh clone compiles in seconds.
 
+mod allowances;
 mod examples;
+mod files;
 mod gpu;
+mod graph;
 mod install;
 mod lab;
+mod layers;
+mod lexer;
 mod machines;
+mod manifest;
+mod measure;
+mod modules;
 mod packaged;
+mod prose;
 mod python;
-mod rooms;
+mod semver;
+mod sentences;
 mod site;
+mod spelling;
 mod step;
+mod text_blocks;
 mod tidy;
+mod tokens;
+mod wrap;
 
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use step::step;
+use tidy::Allowances;
 
 const USAGE: &str = "usage: cargo xtask <command>
 
@@ -28,8 +44,15 @@ const USAGE: &str = "usage: cargo xtask <command>
           gpu (batches on a device, Mesa's on the processor where there is no other; part of rust, too, where
           there is one), machines (emulated processors, and the numbers interpreted), python (the package, by
           pip), lab
-  tidy    only the checks on the tree's own rules (layering, rooms, file sizes, examples)
-  rooms   writes the graph of multibody's rooms into ARCHITECTURE.md
+  tidy    only the checks on the tree's own rules (layering, cycles, file sizes, examples, prose);
+          --write-allowances lowers the counts in xtask/allowances.txt, with --force it raises them too
+  graph   writes the graphs of crates and modules into ARCHITECTURE.md
+  measure prints sizes, names, cycles, prose and duplicates as a table; --json FILE writes them, too;
+          --tree FOLDER measures another checkout
+  prose PATH…  lists the places in these files and folders that break a rule of prose
+  wrap PATH…   wraps paragraphs of comments and Markdown in them that have a line wider than 110 columns
+  spell   checks the spelling of the tree; part of style, too
+  semver  compares the public API with the last release; installs cargo-semver-checks where it is missing
   lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser
   site    builds the lab, the guide and the references as one static site; --serve serves it";
 
@@ -38,8 +61,15 @@ fn main() -> ExitCode {
     let result = match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         ["test"] => everything(),
         ["test", parts @ ..] => test(parts),
-        ["tidy"] => tidy::check(),
-        ["rooms"] => rooms::write(),
+        ["tidy"] => tidy::check(Allowances::Compare),
+        ["tidy", "--write-allowances"] => tidy::check(Allowances::Lower),
+        ["tidy", "--write-allowances", "--force"] => tidy::check(Allowances::Replace),
+        ["graph"] => graph::write(),
+        ["measure", options @ ..] => measure::run(options),
+        ["prose", paths @ ..] if !paths.is_empty() => tidy::list_prose(paths),
+        ["wrap", paths @ ..] if !paths.is_empty() => wrap::run(paths),
+        ["spell"] => spelling::run(),
+        ["semver"] => semver::run(),
         ["lab"] => lab::run(lab::Job::Serve),
         ["lab", "--build"] => lab::run(lab::Job::Build),
         ["lab", "--test"] => lab::run(lab::Job::Test),
@@ -56,13 +86,14 @@ fn main() -> ExitCode {
     }
 }
 
-/// The parts of the test run, in the order of what fails fastest.
+/// The parts of the test run, those that fail fastest first.
 const PARTS: [&str; 8] = ["style", "rust", "docs", "guide", "gpu", "machines", "python", "lab"];
 
 /// A part of the checks, or some of one.
 type Check = fn() -> Result<(), String>;
 
-/// What runs beside the other parts: Python's tests, emulators; and all of the lab but browsers. Each keeps one core busy, or two now and then.
+/// The checks that run beside the other parts: Python's tests, emulators, and the lab without browsers. Each
+/// keeps one core busy, sometimes two.
 const BESIDE: [Check; 5] = [
     python::run,
     machines::emulate,
@@ -71,14 +102,14 @@ const BESIDE: [Check; 5] = [
     lab::install_browsers,
 ];
 
-/// How many of these have been begun.
+/// How many of these have started.
 static BEGUN: AtomicUsize = AtomicUsize::new(0);
 
-/// Runs all parts on two threads, of which whoever is done with its own takes what is left; the browsers alone, as what they show depends on how
-/// fast the machine is. The tests on a device are among the rest where there is one.
+/// Runs all parts on two threads. A thread that has finished its own checks takes the next of `BESIDE`. The
+/// browsers run alone, as their tests depend on the machine's speed. Tests on a device are part of `rust`.
 fn everything() -> Result<(), String> {
     let beside = step::beside(|| {
-        // First, as Python's package has most of what it depends on; whoever runs it afterwards need not wait.
+        // This build comes first, as the Python package shares most of its dependencies.
         step("the first command", cargo(&["build", "--release", "--locked"]))?;
         help()
     });
@@ -97,7 +128,7 @@ fn everything() -> Result<(), String> {
     Ok(())
 }
 
-/// Runs what no other thread has begun.
+/// Runs the checks of `BESIDE` that no thread has started.
 fn help() -> Result<(), String> {
     while let Some(check) = BESIDE.get(BEGUN.fetch_add(1, Ordering::Relaxed)) {
         check()?;
@@ -138,10 +169,11 @@ fn part(name: &str) -> Result<(), String> {
 fn style() -> Result<(), String> {
     step("format", cargo(&["fmt", "--all", "--check"]))?;
     step("format of a user's program", cargo(&["fmt", "--manifest-path", DOWNSTREAM, "--check"]))?;
-    // Cargo rewrites it without a word, wherever `--locked` is not given.
+    // Cargo rewrites it silently, wherever `--locked` is not given.
     step("lock file of a user's program", cargo(&["fetch", "--locked", "--manifest-path", DOWNSTREAM]))?;
     println!("\n== tidy");
-    tidy::check()?;
+    tidy::check(Allowances::Compare)?;
+    spelling::run()?;
     step(
         "lints",
         checked(&[
@@ -176,8 +208,8 @@ fn rust() -> Result<(), String> {
     step("a user's program", downstream)
 }
 
-/// A cargo command for all of our crates with all their features. Whatever is compiled so is compiled once: for a package alone
-/// what it depends on has fewer features, and is another. What builds the lab has no tests.
+/// A cargo command for all crates with all features, so that each dependency is compiled once: for a single
+/// package it would have fewer features and be compiled again. The lab's builder has no tests.
 fn workspace(command: &str) -> Command {
     checked(&[command, "--workspace", "--exclude", "lab-builder", "--all-features", "--locked"])
 }
@@ -188,7 +220,7 @@ fn example(name: &str) -> Result<(), String> {
     step(&format!("example {name}"), gpu::expecting_a_device(Command::new(target_folder().join(file))))
 }
 
-/// Generated C is compiled by Clang too, where it is; the tests pass over it elsewhere.
+/// Installs Clang, which also compiles generated C. Without it the tests skip that.
 fn install_clang() {
     if install::is_there("clang") || !install::is_there("apt-get") {
         return;
@@ -198,12 +230,12 @@ fn install_clang() {
     }
 }
 
-/// A program with a workspace of its own, as a stranger builds it.
+/// A user's program in a separate workspace.
 const DOWNSTREAM: &str = "testdata/downstream/Cargo.toml";
 
 fn docs() -> Result<(), String> {
     let mut docs = checked(&["doc", "--workspace", "--all-features", "--no-deps", "--locked"]);
-    // With the examples what is depended on has the features that tests ask for, and was checked for the lints.
+    // With examples, dependencies have the features that tests need and that the lints have already checked.
     docs.args(["--lib", "--bins", "--examples"]).env("RUSTDOCFLAGS", "-D warnings");
     step("documentation", docs)
 }
@@ -214,10 +246,12 @@ fn target_folder() -> PathBuf {
     tidy::root().join(folder)
 }
 
-/// Which references cannot meet is not noted wherever LLVM inlines a function: that takes a fifth of compiling the recursions.
+/// Keeps LLVM from recording which references do not alias at every inlined call, a fifth of the time that
+/// the recursions take to compile.
 const UNNOTED: &str = "-C llvm-args=-enable-noalias-to-md-conversion=false";
 
-/// A cargo command whose programs are tested, not timed. Lints and documentation share with the tests what runs in the compiler, and its flags.
+/// A cargo command whose programs are tested, not timed. Lints and documentation share flags, build scripts
+/// and procedural macros with the tests.
 fn checked(arguments: &[&str]) -> Command {
     let mut command = cargo(arguments);
     let theirs = std::env::var("RUSTFLAGS").unwrap_or_default();

@@ -1,11 +1,12 @@
-//! What a crate's sources read when they are compiled must be in its package.
+//! Files that a crate's sources read at compile time must be in its package.
 
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use super::tidy::root;
 
-/// Notes files that `include_bytes!` or `include_str!` name in a crate's `src` and that `include` of its manifest leaves out.
+/// Notes files that `include_bytes!` or `include_str!` name in a crate's `src` and that `include` of its
+/// manifest leaves out.
 pub(crate) fn check(broken: &mut Vec<String>) -> Result<(), String> {
     let crates = root().join("crates");
     let folders = fs::read_dir(&crates).map_err(|error| format!("{}: {error}", crates.display()))?;
@@ -13,7 +14,7 @@ pub(crate) fn check(broken: &mut Vec<String>) -> Result<(), String> {
         let Ok(manifest) = fs::read_to_string(folder.join("Cargo.toml")) else { continue };
         let Some(packaged) = manifest.lines().find(|line| line.starts_with("include = ")) else { continue };
         for (source, file) in read_by_sources(&folder) {
-            // What lies outside is for the tests of the documentation alone, which no package runs.
+            // A file outside the crate is read by tests of documentation alone, which no package runs.
             let Ok(inside) = file.strip_prefix(&folder) else { continue };
             let Some(first) = inside.components().next() else { continue };
             if !packaged.contains(&format!("\"/{}\"", first.as_os_str().display())) {

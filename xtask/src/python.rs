@@ -1,4 +1,4 @@
-//! The Python package: built by pip into an environment of its own, then its tests, its types, its stubs.
+//! The Python package: pip builds it into its own environment; then its tests, types and stubs are checked.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -10,7 +10,7 @@ use crate::{target_folder, tidy};
 /// Oldest Python that the package is for.
 const OLDEST: (u32, u32) = (3, 11);
 
-/// What the stubs may differ in, with reasons.
+/// The differences that stubs may have, with reasons.
 const ALLOWED: &str = "stubtest-allowlist.txt";
 
 /// Builds the package and checks it.
@@ -19,12 +19,12 @@ pub(crate) fn run() -> Result<(), String> {
     let python = environment(&target_folder().join("python"))?;
     let run = |arguments: &[&str]| {
         let mut command = Command::new(&python);
-        // `-P`: what is installed counts, not the sources in this folder.
+        // With `-P` Python imports the installed package, not the sources in this folder.
         command.arg("-P").args(arguments).current_dir(&folder).env("PYTHONDONTWRITEBYTECODE", "1");
         command
     };
     let mut install = run(&["-m", "pip", "install", "--quiet", "--disable-pip-version-check", ".[test]"]);
-    // The same for each time, so that the second is quick.
+    // A fixed target folder makes the second build quick.
     install.env("CARGO_TARGET_DIR", target_folder()).env("MATURIN_PEP517_ARGS", "--locked");
     step("python: the package by pip", install)?;
     step("python: tests", run(&["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]))?;
@@ -48,7 +48,7 @@ pub(crate) fn run() -> Result<(), String> {
     )
 }
 
-/// The interpreter of a virtual environment, made where it is missing.
+/// The interpreter of a virtual environment, which is created if it is missing.
 pub(crate) fn environment(folder: &Path) -> Result<PathBuf, String> {
     let inside = if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" };
     let python = folder.join("venv").join(inside);
@@ -61,7 +61,7 @@ pub(crate) fn environment(folder: &Path) -> Result<PathBuf, String> {
     Ok(python)
 }
 
-/// A Python that can make environments: the system's, or Debian's.
+/// A Python that can create environments: the system's, or else Debian's.
 fn system_python() -> Result<PathBuf, String> {
     let (major, minor) = OLDEST;
     let can = format!("import sys, venv, ensurepip; sys.exit(sys.version_info < ({major}, {minor}))");
@@ -76,7 +76,7 @@ fn system_python() -> Result<PathBuf, String> {
     })
 }
 
-/// Whether that interpreter runs those words without an error.
+/// Whether that interpreter runs a command without an error.
 fn works(python: &Path, words: &str) -> bool {
     let output = Command::new(python).args(["-c", words]).output();
     output.is_ok_and(|output| output.status.success())

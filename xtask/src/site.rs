@@ -7,11 +7,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::examples::LIBRARIES;
+use crate::layers::libraries;
+use crate::manifest::Manifest;
 use crate::step::step;
 use crate::{cargo, checked, lab, python, target_folder, tidy};
 
-/// What is asked for.
+/// The tasks of `cargo xtask site`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Job {
     /// Build the whole site.
@@ -22,10 +23,10 @@ pub(crate) enum Job {
     Guide,
 }
 
-/// Where it is served.
+/// The port on which it is served.
 const PORT: &str = "8080";
 
-/// Builds the site, or its guide alone, and looks at its links.
+/// Builds the site, or its guide alone, and checks its links.
 pub(crate) fn run(job: Job) -> Result<(), String> {
     let site = target_folder().join(if job == Job::Guide { "guide/site" } else { "site" });
     let python = guide(&site)?;
@@ -53,12 +54,13 @@ pub(crate) fn run(job: Job) -> Result<(), String> {
     }
 }
 
-/// The guide with the Python reference, by the generator in an environment of its own; that environment's Python.
+/// The guide with the Python reference, by the generator in an environment of its own; that environment's
+/// Python.
 fn guide(site: &Path) -> Result<PathBuf, String> {
     let (root, folder) = (tidy::root(), target_folder().join("guide"));
     let python = python::environment(&folder)?;
     let requirements = root.join("guide/requirements.txt");
-    // Quick where all of it is there.
+    // This is quick if everything is installed.
     let mut install = Command::new(&python);
     install
         .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"])
@@ -70,7 +72,7 @@ fn guide(site: &Path) -> Result<PathBuf, String> {
     copy_into(&root.join("guide/reference"), &built.join("pages"))
         .map_err(|error| format!("guide/reference: {error}"))?;
     let mut build = Command::new(&python);
-    // Every warning is an error: of words that lead nowhere, of pages that no contents list.
+    // Every warning is an error, such as a dead reference or a page that no table of contents lists.
     build.args([
         "-m",
         "sphinx",
@@ -91,23 +93,14 @@ fn guide(site: &Path) -> Result<PathBuf, String> {
 
 /// The documentation of the libraries.
 fn references() -> Result<(), String> {
-    // What other runs have left there would be in its search.
+    // Pages from earlier runs would appear in its search.
     step("site: earlier documentation", cargo(&["clean", "--doc"]))?;
     let mut docs = checked(&["doc", "--all-features", "--no-deps", "--locked"]);
-    for library in LIBRARIES {
-        docs.arg("--package").arg(package(library));
+    for library in libraries() {
+        docs.arg("--package").arg(Manifest::read(library)?.package()?);
     }
     docs.env("RUSTDOCFLAGS", "-D warnings");
     step("site: Rust reference", docs)
-}
-
-/// The package of a library's folder.
-fn package(library: &str) -> String {
-    match library {
-        "dynamics" => "robot-dynamics-core".into(),
-        "robot-dynamics" => library.into(),
-        _ => format!("robot-dynamics-{library}"),
-    }
 }
 
 /// A folder in another's place.

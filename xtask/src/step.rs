@@ -1,4 +1,4 @@
-//! One command of the checks: said, timed, and its failure an error.
+//! One command of the checks: printed, timed, and its failure an error.
 
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -11,14 +11,14 @@ use std::time::Instant;
 use crate::target_folder;
 
 thread_local! {
-    /// Whether this thread's steps run beside others: each keeps its output back until it has ended.
+    /// Whether this thread's steps run beside others: each holds its output until it has ended.
     static IS_BESIDE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Whether a step has failed while others ran beside it: then no other begins.
+/// Whether a step has failed while others ran beside it: then no further step begins.
 static HAS_FAILED: AtomicBool = AtomicBool::new(false);
 
-/// Runs a command and says how long it took.
+/// Runs a command and prints how long it took.
 pub(crate) fn step(name: &str, mut command: Command) -> Result<(), String> {
     if HAS_FAILED.load(Ordering::Relaxed) {
         return Err(format!("{name}: not begun, as what ran beside it failed"));
@@ -40,7 +40,7 @@ pub(crate) fn step(name: &str, mut command: Command) -> Result<(), String> {
     if status.success() { Ok(()) } else { Err(format!("{name} failed: {command:?}")) }
 }
 
-/// Runs it, and shows what it said when it has ended.
+/// Runs it, and prints its output when it has ended.
 fn kept_back(name: &str, command: &mut Command) -> std::io::Result<ExitStatus> {
     let folder = target_folder();
     fs::create_dir_all(&folder)?;
@@ -48,7 +48,7 @@ fn kept_back(name: &str, command: &mut Command) -> std::io::Result<ExitStatus> {
     let said = File::create(&path)?;
     let status = command.stdout(said.try_clone()?).stderr(said).status()?;
     let mut out = std::io::stdout().lock();
-    writeln!(out, "\n== {name}, beside the rest, said:")?;
+    writeln!(out, "\n== {name}, beside the rest, output:")?;
     out.write_all(&fs::read(&path)?)?;
     Ok(status)
 }

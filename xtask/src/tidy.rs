@@ -1,87 +1,81 @@
-//! Rules of the tree that the compiler does not know: which crate may use which, how long a file may be, what has
-//! an example.
+//! Rules of the tree that the compiler does not check: layering, cycles of files, the length of files,
+//! examples, prose.
 
+use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
-use crate::{examples, packaged, rooms};
-
-/// Who may depend on whom: crate folder, and the only dependencies (not dev-dependencies) it may name.
-const LAYERS: &[(&str, &[&str])] = &[
-    ("number", &[]),
-    ("dynamics", &["nalgebra", "number"]),
-    (
-        "multibody",
-        &[
-            "differential-equations",
-            "dynamics",
-            "expression",
-            "nalgebra",
-            "native",
-            "number",
-            "parry3d-f64",
-            "rayon",
-            "serde",
-            "strsim",
-            "thiserror",
-        ],
-    ),
-    (
-        "robot-dynamics",
-        &[
-            "dynamics",
-            "functions",
-            "mjcf",
-            "multibody",
-            "nalgebra",
-            "png",
-            "robot-mesh",
-            "robot-xml",
-            "serde",
-            "serde_json",
-            "thiserror",
-            "urdf",
-        ],
-    ),
-    ("mesh", &["nalgebra", "robust", "stl_io", "tobj"]),
-    ("gpu", &["bytemuck", "cudarc", "dynamics", "generate", "multibody", "number", "thiserror", "wgpu"]),
-    ("expression", &["number"]),
-    ("native", &["expression", "memmap2", "number", "thiserror"]),
-    ("functions", &["dynamics", "expression", "multibody", "number", "thiserror"]),
-    (
-        "generate",
-        &["dynamics", "expression", "functions", "multibody", "number", "robot-dynamics", "thiserror"],
-    ),
-    ("xml", &["roxmltree", "thiserror"]),
-    ("urdf", &["dynamics", "multibody", "nalgebra", "robot-xml", "serde", "thiserror"]),
-    ("mjcf", &["dynamics", "multibody", "nalgebra", "robot-mesh", "robot-xml", "thiserror"]),
-];
-
-/// Dependencies that belong to one crate alone.
-const OWNED: &[(&str, &str)] = &[
-    ("clap", "cli"),
-    ("cudarc", "gpu"),
-    ("plotters", "cli"),
-    ("roxmltree", "xml"),
-    ("wasm-bindgen", "wasm"),
-    ("wgpu", "gpu"),
-];
+use crate::allowances::{self, Counts};
+use crate::files::{self, Language, SourceFile};
+use crate::layers::libraries;
+use crate::prose::breaches;
+use crate::{examples, graph, packaged};
 
 /// Longest source file, tests not counted.
 const MOST_LINES: usize = 400;
 
+/// The rule against cycles, in `allowances.txt`. A file's count is the number of files in its cycle.
+const CYCLE: &str = "cycle";
+
+/// Folders whose Rust sources have a longest length and a first line that tells their purpose.
+const CHECKED: [&str; 4] = ["crates", "xtask", "bench", "guide"];
+
+/// How `xtask/allowances.txt` is treated.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Allowances {
+    /// It is compared.
+    Compare,
+    /// Its counts are lowered.
+    Lower,
+    /// Its counts become those of the tree.
+    Replace,
+}
+
+/// Another tree that is read instead of the repository.
+pub(crate) static OTHER_TREE: OnceLock<PathBuf> = OnceLock::new();
+
 /// The repository's root.
 pub(crate) fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the root").into()
+    let own = || Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the root").into();
+    OTHER_TREE.get().cloned().unwrap_or_else(own)
 }
 
 /// Runs every rule and reports all that is broken at once.
-pub(crate) fn check() -> Result<(), String> {
+pub(crate) fn check(treatment: Allowances) -> Result<(), String> {
+    let sources = files::all()?;
     let mut broken = Vec::new();
-    check_layers(&mut broken)?;
-    rooms::check(&mut broken)?;
+    let (crates, prose) = std::thread::scope(|scope| {
+        let crates = scope.spawn(|| graph::crates(&sources));
+        let prose = prose(&sources);
+        (crates.join().unwrap_or_else(|_| Err("reading the modules panicked".into())), prose)
+    });
+    let crates = crates?;
+    let (mut counts, mut shown) = prose;
+    for (paths, cycle) in graph::cycles(&crates) {
+        for (at, path) in paths.iter().enumerate() {
+            let key = (CYCLE.to_owned(), path.clone());
+            counts.insert(key.clone(), paths.len());
+            let text =
+                if at == 0 { format!(" files use each other: {cycle}") } else { format!(" as {}", paths[0]) };
+            shown.insert(key, text);
+        }
+    }
+    let allowed = allowances::read()?;
+    if treatment != Allowances::Compare {
+        return allowances::write(&counts, &allowed, treatment == Allowances::Replace);
+    }
+    graph::check(&crates, &mut broken)?;
     packaged::check(&mut broken)?;
-    check_sources(&mut broken)?;
+    for folder in CHECKED {
+        for file in files::below(&sources, folder).filter(|file| file.language == Language::Rust) {
+            check_source(file, &mut broken);
+        }
+    }
+    broken.extend(allowances::compare(&counts, &allowed, |rule, path| {
+        shown.get(&(rule.to_owned(), path.to_owned())).cloned().unwrap_or_default()
+    }));
     if broken.is_empty() {
         println!("tidy: ok");
         Ok(())
@@ -90,75 +84,76 @@ pub(crate) fn check() -> Result<(), String> {
     }
 }
 
-fn check_layers(broken: &mut Vec<String>) -> Result<(), String> {
-    let crates = root().join("crates");
-    let folders = fs::read_dir(&crates).map_err(|error| format!("{}: {error}", crates.display()))?;
-    for folder in folders.flatten() {
-        let name = folder.file_name().to_string_lossy().into_owned();
-        let manifest = folder.path().join("Cargo.toml");
-        let Ok(text) = fs::read_to_string(&manifest) else { continue };
-        let allowed = LAYERS.iter().find(|(layer, _)| *layer == name).map(|(_, allowed)| *allowed);
-        for dependency in dependencies(&text) {
-            if allowed.is_some_and(|allowed| !allowed.contains(&dependency)) {
-                broken.push(format!("crates/{name} must not depend on {dependency}"));
-            }
-            if let Some((_, owner)) = OWNED.iter().find(|(owned, _)| *owned == dependency)
-                && *owner != name
-            {
-                broken.push(format!("only crates/{owner} may know {dependency}; crates/{name} names it"));
+/// Prints every breach of a rule of prose in files whose paths begin so, those that only `measure` counts
+/// included.
+pub(crate) fn list_prose(prefixes: &[&str]) -> Result<(), String> {
+    let mut count = 0;
+    for file in files::all()? {
+        if prefixes.iter().any(|prefix| file.path.starts_with(prefix)) {
+            for breach in breaches(&file) {
+                println!("{}:{}: {}: {}", file.path, breach.line, breach.rule.name(), breach.what);
+                count += 1;
             }
         }
     }
+    println!("{count} breaches");
     Ok(())
 }
 
-/// The names under `[dependencies]` of a manifest.
-fn dependencies(manifest: &str) -> impl Iterator<Item = &str> {
-    let section = manifest.lines().skip_while(|line| line.trim() != "[dependencies]").skip(1);
-    section
-        .take_while(|line| !line.starts_with('['))
-        .filter_map(|line| line.split(['.', '=', ' ']).next())
-        .filter(|name| !name.is_empty() && !name.starts_with('#'))
-}
-
-fn check_sources(broken: &mut Vec<String>) -> Result<(), String> {
-    let mut pending = ["crates", "xtask", "bench", "guide"].map(|folder| root().join(folder)).to_vec();
-    while let Some(folder) = pending.pop() {
-        let Ok(entries) = fs::read_dir(&folder) else { continue };
-        for entry in entries.flatten() {
-            let path = entry.path();
-            if path.is_dir() {
-                if path.file_name().is_some_and(|name| name != "target") {
-                    pending.push(path);
-                }
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
-                check_source(&path, broken)?;
-            }
+/// How often each file breaks each rule of prose, and where.
+fn prose(sources: &[SourceFile]) -> (Counts, BTreeMap<(String, String), String>) {
+    let (mut counts, mut shown) = (Counts::new(), BTreeMap::new());
+    for file in sources {
+        for breach in breaches(file).iter().filter(|breach| breach.rule.is_checked()) {
+            let key = (breach.rule.name().to_owned(), file.path.clone());
+            *counts.entry(key.clone()).or_default() += 1;
+            let text = shown.entry(key).or_insert_with(|| format!(" {}", breach.rule.demand()));
+            let _ = write!(text, "\n    {}:{}: {}", file.path, breach.line, breach.what);
         }
     }
-    Ok(())
+    (counts, shown)
 }
 
-fn check_source(path: &Path, broken: &mut Vec<String>) -> Result<(), String> {
-    let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
-    let shown = path.strip_prefix(root()).unwrap_or(path).display().to_string();
-    let is_test = shown.contains("/tests/") || shown.contains("/benches/");
+fn check_source(file: &SourceFile, broken: &mut Vec<String>) {
+    let SourceFile { path, text, .. } = file;
+    let is_test = path.contains("/tests/") || path.contains("/benches/");
     let lines = text.lines().take_while(|line| line.trim() != "#[cfg(test)]").count();
     if !is_test && lines > MOST_LINES {
         broken.push(format!(
-            "{shown}: {lines} lines, at most {MOST_LINES} (tests not counted); split it by concept"
+            "{path}: {lines} lines, at most {MOST_LINES} (tests not counted); split it by concept"
         ));
     }
     if !text.starts_with("//!") && !is_test {
-        broken.push(format!("{shown}: say in a first line `//!` what this file is for"));
+        broken.push(format!("{path}: say in a first line `//!` what this file is for"));
     }
-    if examples::LIBRARIES
-        .iter()
-        .any(|library| path.starts_with(root().join("crates").join(library).join("src")))
-    {
-        for function in examples::without_example(&text) {
-            broken.push(format!("{shown}: give `{function}` an example in its documentation"));
+    let inside =
+        |library: &str| Some((library.to_owned(), path.strip_prefix(&format!("crates/{library}/src/"))?));
+    if let Some((library, file)) = libraries().find_map(inside) {
+        let library =
+            fs::read_to_string(root().join(format!("crates/{library}/src/lib.rs"))).unwrap_or_default();
+        let module = file.split(['/', '.']).next().unwrap_or_default();
+        for function in examples::without_example(text) {
+            if !examples::is_shown(&library, module, function) {
+                continue;
+            }
+            broken.push(format!("{path}: give `{function}` an example in its documentation"));
         }
     }
-    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::prose;
+    use crate::files::{Language, SourceFile};
+    use crate::prose::Rule;
+
+    #[test]
+    fn only_checked_rules_are_counted() {
+        let text = "What is this.\n".to_owned();
+        let (counts, shown) =
+            prose(&[SourceFile { path: "a.md".into(), language: Language::Markdown, text }]);
+        let key = (Rule::Opening.name().to_owned(), "a.md".to_owned());
+        assert_eq!(counts.get(&key), Some(&1));
+        assert!(shown[&key].contains("a.md:1: What is this."));
+    }
 }

@@ -1,11 +1,11 @@
-//! No link of the site is dead, and nothing is fetched from outside when a page is opened.
+//! Checks that no link of the site is dead and that pages fetch nothing from other sites.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Looks at every page of the site but those of `rust`, whose links rustdoc looks after. Links into parts that are not
-/// there are let pass: the tests build the guide alone.
+/// Checks every page of the site but those of `rust`, whose links rustdoc checks. Links into parts that were
+/// not built are accepted: the tests build the guide alone.
 pub(super) fn check(site: &Path, parts: &[&str]) -> Result<(), String> {
     let mut pages = Vec::new();
     gather(site, site, &mut pages)?;
@@ -53,7 +53,7 @@ fn gather(site: &Path, folder: &Path, pages: &mut Vec<PathBuf>) -> Result<(), St
     Ok(())
 }
 
-/// What an attribute of a page leads to, and whether the browser fetches it without being asked.
+/// The target of an attribute, and whether the browser fetches it when it opens the page.
 #[derive(Debug, PartialEq)]
 struct Reference {
     target: String,

@@ -1,9 +1,10 @@
 //! The guide's pages as the generator wants them.
 //!
-//! What lies in `guide/pages` and `docs` is plain Markdown, which a forge shows and the tests run as it is. Here code of several
-//! languages side by side becomes tabs, lines that rustdoc hides go, and links lead to where things are in the site.
+//! `guide/pages` and `docs` hold plain Markdown, which a forge shows and the tests run unchanged. This module
+//! turns adjacent code of several languages into tabs, removes lines that rustdoc hides, and adapts links to
+//! the site.
 
-// Pages are put together from pieces: of which is read more easily without `write!`.
+// Pages are assembled from pieces, which reads more easily without `write!`.
 #![allow(clippy::format_push_string)]
 
 use std::collections::BTreeMap;
@@ -12,15 +13,21 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::tidy;
 
-/// Folders whose Markdown files are pages under their own names.
-const FOLDERS: [&str; 2] = ["guide/pages", "docs"];
+/// Folders whose Markdown files are pages, and the beginning of the pages' names.
+const FOLDERS: [(&str, &str); 4] =
+    [("guide/pages", ""), ("docs", ""), ("docs/explanation", "explanation-"), ("docs/decisions", DECISION)];
+
+/// The beginning of the names of decisions. Their index links to them; the contents list the index only.
+const DECISION: &str = "decision-";
 
 /// Other documents, and their names as pages.
-const DOCUMENTS: [(&str, &str); 8] = [
+const DOCUMENTS: [(&str, &str); 10] = [
     ("NOTATION.md", "notation.md"),
     ("ARCHITECTURE.md", "architecture.md"),
     ("CONTRIBUTING.md", "contributing.md"),
     ("CHANGELOG.md", "changelog.md"),
+    ("RELEASE.md", "release.md"),
+    ("docs/decisions/README.md", "decisions.md"),
     ("python/README.md", "python-package.md"),
     ("lab/README.md", "lab-sources.md"),
     ("bench/README.md", "benchmarks.md"),
@@ -37,7 +44,7 @@ pub(super) const PARTS: [&str; 2] = ["lab", "rust"];
 /// Languages that become tabs where they stand side by side, and their titles.
 const LANGUAGES: [(&str, &str); 3] = [("sh", "Command"), ("rust", "Rust"), ("python", "Python")];
 
-/// What the generator colours.
+/// Languages that the generator highlights.
 const KNOWN: [&str; 5] = ["rust", "python", "sh", "toml", "json"];
 
 /// Writes all pages, and the files that they lead to, into a folder.
@@ -51,6 +58,8 @@ pub(super) fn write(folder: &Path) -> Result<(), String> {
         let mut page = staged(&text, &mut leads);
         if source == HOME {
             page += &read(&tidy::root().join(CONTENTS))?;
+        } else if name.starts_with(DECISION) {
+            page.insert_str(0, "---\norphan: true\n---\n\n");
         }
         write_file(&folder.join(name), page.as_bytes())?;
     }
@@ -66,24 +75,25 @@ pub(super) fn write(folder: &Path) -> Result<(), String> {
 fn pages() -> Result<BTreeMap<String, String>, String> {
     let mut pages: BTreeMap<String, String> =
         DOCUMENTS.iter().map(|(source, name)| ((*source).into(), (*name).into())).collect();
-    for folder in FOLDERS {
+    for (folder, beginning) in FOLDERS {
         let path = tidy::root().join(folder);
         let entries = fs::read_dir(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         for entry in entries.flatten() {
-            let name = entry.file_name().to_string_lossy().into_owned();
-            if Path::new(&name).extension().is_some_and(|end| end == "md") {
+            let file = entry.file_name().to_string_lossy().into_owned();
+            let (source, name) = (format!("{folder}/{file}"), format!("{beginning}{file}"));
+            if Path::new(&file).extension().is_some_and(|end| end == "md") && !pages.contains_key(&source) {
                 if pages.values().any(|taken| *taken == name) {
                     return Err(format!("two pages are called {name}"));
                 }
-                pages.insert(format!("{folder}/{name}"), name);
+                pages.insert(source, name);
             }
         }
     }
     Ok(pages)
 }
 
-/// Where a link of a page leads in the site; `None` where the site has nothing of it, a folder for one. `files` gathers
-/// what has to be there.
+/// The target of a page's link in the site; `None` if the site does not have it, as for folders. `files`
+/// collects the files that the site needs.
 fn link(
     source: &str,
     target: &str,
@@ -182,8 +192,8 @@ fn pieces(page: &str) -> Vec<Piece<'_>> {
     pieces
 }
 
-/// The blocks of code at the head of these pieces with nothing but empty lines between, by language; output belongs to
-/// what printed it.
+/// The blocks of code at the head of these pieces with nothing but empty lines between, by language; output
+/// belongs to what printed it.
 fn tabs<'a, 'b>(pieces: &'a [Piece<'b>]) -> Vec<(&'static str, Vec<&'a Piece<'b>>)> {
     let mut tabs: Vec<(&'static str, Vec<&Piece<'_>>)> = Vec::new();
     for (at, piece) in pieces.iter().enumerate() {
@@ -194,7 +204,7 @@ fn tabs<'a, 'b>(pieces: &'a [Piece<'b>]) -> Vec<(&'static str, Vec<&'a Piece<'b>
                 let title = LANGUAGES.iter().find(|(name, _)| first_word(language) == *name);
                 let is_new = |title: &str| tabs.iter().all(|(taken, _)| *taken != title);
                 match title {
-                    // A command that shows nothing prepares what follows; it is no other way to do the same.
+                    // A command without output prepares the next block; it is not an alternative to it.
                     Some(("sh", _)) if !shows_output(&pieces[at + 1..]) => break,
                     Some((_, title)) if is_new(title) => tabs.push((title, vec![piece])),
                     None if !tabs.is_empty() => tabs.last_mut().expect("not empty").1.push(piece),
