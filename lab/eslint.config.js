@@ -5,7 +5,7 @@ export default tseslint.config(
   ...tseslint.configs.strict,
   {
     rules: {
-      // The layouts of lists that cross from Rust are known.
+      // Lists from Rust have known layouts.
       '@typescript-eslint/no-non-null-assertion': 'off',
       'max-len': ['error', { code: 140, ignoreUrls: true }],
       'max-lines': ['error', { max: 300, skipComments: true }],

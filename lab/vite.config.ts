@@ -4,7 +4,7 @@ import { viteSingleFile } from 'vite-plugin-singlefile';
 import { equations } from './build/equations.ts';
 import { mathFont } from './build/math-font.ts';
 
-// Two builds: a site (relative addresses, so it can live in any folder) and one file that opens without a server.
+// Two builds: a site with relative addresses, for any folder, and one file that opens without a server.
 export default defineConfig(({ mode }) => {
   const single = mode === 'single';
   return {
@@ -16,7 +16,7 @@ export default defineConfig(({ mode }) => {
       assetsInlineLimit: single ? Number.MAX_SAFE_INTEGER : 0,
       modulePreload: false,
     },
-    // A module in a worker is refused where the page is a file.
+    // Browsers refuse module workers on pages opened as a file.
     worker: { format: 'iife' },
     test: { include: ['lib/**/*.test.ts', 'src/**/*.test.ts'] },
   };

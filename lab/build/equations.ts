@@ -1,4 +1,4 @@
-// A file `name: TeX` per line, imported as an object of MathML by name.
+// A file with lines `name: TeX`, imported as an object of MathML by name.
 import type { Plugin } from 'vite';
 
 import { formulas } from './mathml.ts';

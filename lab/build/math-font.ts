@@ -1,5 +1,5 @@
-// The letters of the page's formulas, cut out of STIX Two Math: a browser without a mathematical font draws formulas without
-// their dots and with short brackets.
+// A subset of STIX Two Math with the letters of the page's formulas. Browsers without a mathematical font
+// draw formulas without dots and with short brackets.
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 
@@ -9,7 +9,7 @@ import type { Plugin } from 'vite';
 import { formulas } from './mathml.ts';
 
 const EQUATIONS = new URL('../src/equations.tex', import.meta.url);
-/** Where the style sheet looks for it. */
+/** Address of the font for the style sheet. */
 const FOLDER = new URL('../generated/', import.meta.url);
 
 export function mathFont(): Plugin {
@@ -25,7 +25,7 @@ export function mathFont(): Plugin {
   };
 }
 
-/** What is drawn of a formula: its characters, and the slanted ones that browsers put for single letters. */
+/** The characters of a formula, and the italic ones that browsers substitute for single letters. */
 export function letters(mathml: string): string {
   const plain = mathml.replace(/<[^>]*>/g, '').replace(/&[a-z]+;/g, ' ');
   const all = new Set<string>();

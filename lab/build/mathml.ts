@@ -1,4 +1,4 @@
-// Formulas as MathML, rendered when the page is built: no scripts, nothing fetched.
+// Formulas as MathML, rendered at build time without scripts or downloads.
 import katex from 'katex';
 
 /** The lines `name: TeX` of a file, as MathML by name. */
@@ -14,11 +14,11 @@ export function formulas(source: string, id: string): Record<string, string> {
   return Object.fromEntries(entries) as Record<string, string>;
 }
 
-/** `\\term{name}{…}` marks a part of a formula that the page can light up: it carries data-term="name". */
+/** `\\term{name}{…}` marks a part of a formula that the page can highlight: it carries data-term="name". */
 const TERM = /\\term\{([a-z0-9-]+)\}/g;
 
 function mathml(source: string): string {
-  // Through KaTeX as a colour that nothing else has.
+  // KaTeX marks the term by a unique colour.
   const names: string[] = [];
   const tex = source.replace(TERM, (_, name: string) => {
     names.push(name);
@@ -27,7 +27,7 @@ function mathml(source: string): string {
   const html = katex.renderToString(tex, { output: 'mathml', throwOnError: true, displayMode: false });
   const math = /<math[\s\S]*<\/math>/.exec(html)?.[0];
   if (math === undefined) throw new Error(`no MathML for ${source}`);
-  // The TeX source, kept by KaTeX as an annotation, is not for the page.
+  // The page does not need the TeX source, which KaTeX keeps as an annotation.
   return math
     .replace(/<annotation[\s\S]*?<\/annotation>/g, '')
     .replace(/<\/?semantics>/g, '')

@@ -1,15 +1,16 @@
-// Real time into whole physics steps: the step is fixed, the remainder is kept, a long pause is forgotten.
+// Converts real time to whole steps of a fixed size. The remainder is kept, and long pauses are skipped.
 
-/** The most real time one frame may catch up on, in seconds: a tab that slept does not race afterwards. */
+/** Largest real time of one frame in seconds, so that a suspended tab does not race afterwards. */
 const LONGEST_FRAME = 0.1;
 
-/** The most steps one frame may ask for: a tiny step slows the motion down instead of freezing the page. */
+/** Largest number of steps of one frame: with a tiny step the motion slows down and the page stays
+ * responsive. */
 const MOST_STEPS = 4000;
 
 export class Accumulator {
   private owed = 0;
 
-  /** How many steps of `step` seconds are due after `elapsed` real seconds at a speed. */
+  /** The number of steps of `step` seconds that are due after `elapsed` real seconds at a speed. */
   steps(elapsed: number, speed: number, step: number): number {
     this.owed += Math.min(Math.max(elapsed, 0), LONGEST_FRAME) * speed;
     const due = Math.floor(this.owed / step + 1e-9);

@@ -1,4 +1,4 @@
-// Elements in one expression: tag, attributes, children.
+// Elements as expressions: tag, attributes, children.
 
 type Value = string | number | boolean | undefined | ((event: never) => void);
 export type Child = Node | string;
@@ -12,7 +12,7 @@ function dress(element: Element, attributes: Record<string, Value>, children: re
   element.append(...children);
 }
 
-/** An HTML element; functions among the attributes become listeners. */
+/** An HTML element. Functions among the attributes become listeners. */
 export function html<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   attributes: Record<string, Value> = {},
@@ -34,7 +34,7 @@ export function svg<K extends keyof SVGElementTagNameMap>(
   return element;
 }
 
-/** Changes attributes of an element that is there already. */
+/** Changes attributes of an existing element. */
 export function set(element: Element, attributes: Record<string, string | number>): void {
   for (const [name, value] of Object.entries(attributes)) {
     const text = typeof value === 'number' ? short(value) : value;
@@ -42,19 +42,19 @@ export function set(element: Element, attributes: Record<string, string | number
   }
 }
 
-/** Enough digits for a picture. */
+/** A number with enough digits for a picture. */
 export function short(x: number): string {
   return String(Math.round(x * 1e4) / 1e4);
 }
 
-/** A number for people: fixed digits, a true minus sign, no negative zero. */
+/** A number for display: fixed digits, a true minus sign, no negative zero. */
 export function show(x: number, digits = 3): string {
   if (!Number.isFinite(x)) return '–';
   const text = x.toFixed(digits);
   return (Number(text) === 0 ? text.replace('-', '') : text).replace('-', '−');
 }
 
-/** A product stays on one line: M q̈, C q̇, A q̇. */
+/** Keeps a product on one line: M q̈, C q̇, A q̇. */
 export function tied(text: string): string {
   return text.replace(/([MCA]) (?=q)/g, '$1\u00a0');
 }
@@ -65,7 +65,7 @@ export function powerOfTen(exponent: number): string {
   return `10${Array.from(String(exponent), (c) => (c === '-' ? '⁻' : digits[Number(c)]!)).join('')}`;
 }
 
-/** Two digits, in powers of ten where they are far from one: for errors. */
+/** Two digits, with a power of ten if far from one: for errors. */
 export function scientific(x: number): string {
   if (x === 0) return '0';
   if (!Number.isFinite(x)) return '–';

@@ -1,4 +1,4 @@
-// What makes each experiment, by the name that an address gives it.
+// The constructors of the experiments, by their names in addresses.
 export { selfCheckPanel } from './self-check-panel.ts';
 import type { Id } from './story/words.ts';
 import type { Widget } from './widgets/frame.ts';

@@ -1,4 +1,5 @@
-// The page: its words, then the physics, the experiments, and what the address says. With ?only=NAME one experiment stands alone.
+// The page: first its texts, then the physics, the experiments, and the state in the address. With ?only=NAME
+// it shows one experiment.
 import address from '../wasm/chapter_bg.wasm?url';
 import { load } from '../lib/dynamics/index.ts';
 import { aloneFrom, parseAddress } from './address.ts';
@@ -17,14 +18,14 @@ async function main(): Promise<void> {
   const complaint = html('p', { class: 'message', role: 'alert' });
   const chosen = only === undefined ? IDS : IDS.filter((id) => id === only);
   const none = html('p', { class: 'message', role: 'alert' }, `There is no experiment named “${only ?? ''}”; there are ${IDS.join(', ')}.`);
-  // All words stand in their places before the physics has come.
+  // All texts are in place before the physics is loaded.
   const experiments = html('main', {}, ...(chosen.length === 0 ? [none] : chosen.map(outline)));
   if (only === undefined) {
     page.replaceChildren(masthead(complaint), experiments);
   } else {
     document.documentElement.dataset['alone'] = only;
     document.documentElement.classList.add('alone');
-    document.title = `${chosen[0] === undefined ? 'Nothing here' : WORDS[chosen[0]].title} · Robot dynamics lab`;
+    document.title = `${chosen[0] === undefined ? 'Not found' : WORDS[chosen[0]].title} · Robot dynamics lab`;
     page.replaceChildren(complaint, experiments);
   }
   let makers: typeof import('./experiments.ts');
@@ -38,7 +39,7 @@ async function main(): Promise<void> {
   if (only === undefined) {
     experiments.append(makers.selfCheckPanel());
     page.append(html('footer', { tabindex: -1 }, html('p', {},
-      'Every number here is computed by the Rust library, compiled to WebAssembly. The page only draws and listens.')));
+      'Every number here is computed by the Rust library, compiled to WebAssembly. The page only draws and handles input.')));
   }
   const follow = (): void => {
     const { widget: id, values } = parseAddress(location.hash);
@@ -48,9 +49,9 @@ async function main(): Promise<void> {
       if ([...values].length > 0) widget.restore(values);
       complaint.textContent = '';
     } catch (error) {
-      // What an address says is not to be trusted: the experiment stays as it was.
+      // An address may be invalid; the experiment then keeps its state.
       const why = error instanceof Error ? error.message : String(error);
-      complaint.textContent = `The address could not be followed: ${why}.`;
+      complaint.textContent = `The address is invalid: ${why}.`;
     }
     if (only === undefined) goTo(widget.element);
   };
@@ -59,7 +60,8 @@ async function main(): Promise<void> {
   document.documentElement.dataset['ready'] = 'true';
 }
 
-/** What lies between is laid out on the way, and moves the place: until it stays. */
+/** Scrolls to an element. Elements on the way get their layout and move it, so this repeats until it stays.
+ */
 function goTo(place: HTMLElement, tries = 12): void {
   const before = place.getBoundingClientRect().top;
   place.scrollIntoView({ behavior: 'instant' });

@@ -1,4 +1,4 @@
-// The top of the page: what this is, where everything is, light or dark.
+// The head of the page: its title, links to the experiments, and the theme.
 import { html } from './element.ts';
 import { themeChanged } from './drawing/colours.ts';
 import { WORDS } from './story/words.ts';
@@ -8,7 +8,7 @@ type Theme = 'auto' | 'light' | 'dark';
 
 export function masthead(complaint: HTMLElement): HTMLElement {
   const links = [...Object.entries(WORDS).map(([id, { title }]) => [id, title] as const), ['self-checks', 'Self-checks'] as const];
-  const themes = [['auto', 'As the system'], ['light', 'Light'], ['dark', 'Dark']] as const;
+  const themes = [['auto', 'System'], ['light', 'Light'], ['dark', 'Dark']] as const;
   const theme = choice<Theme>('Theme', themes, 'auto', (name) => {
     document.documentElement.dataset['theme'] = name;
     themeChanged();
@@ -29,10 +29,10 @@ export function masthead(complaint: HTMLElement): HTMLElement {
       html('h1', {}, 'Robot dynamics lab'),
       html('p', {},
         'An arm’s dynamics is one matrix M(q) and one scalar V(q). ',
-        'Everything below follows from the two, and you can take hold of it.'),
+        'Everything below follows from these two, and you can try it.'),
     ),
     theme.element,
-    // One stop; arrow keys go along the list.
+    // One tab stop; arrow keys move along the list.
     roving(html('nav', { 'aria-label': 'Experiments' },
       html('ol', {}, ...links.map(([id, title]) => html('li', {}, html('a', { href: `#${id}` }, title)))))),
     complaint,

@@ -1,4 +1,4 @@
-// The chapter's numbers, computed on this machine by this page.
+// The chapter's numbers, computed by this page on this machine.
 import { html, powerOfTen } from './element.ts';
 import { selfChecks } from '../lib/dynamics/index.ts';
 
@@ -9,7 +9,7 @@ export function selfCheckPanel(): HTMLElement {
     'table',
     {},
     html('thead', {}, html('tr', {},
-      ...['What', 'The chapter says', 'Computed here'].map((text) => html('th', { scope: 'col' }, text)),
+      ...['Quantity', 'Chapter', 'Computed'].map((text) => html('th', { scope: 'col' }, text)),
       html('th', { scope: 'col' }, html('span', { class: 'visually-hidden' }, 'Result')))),
     body,
   );
@@ -37,7 +37,7 @@ export function selfCheckPanel(): HTMLElement {
       ),
     );
   };
-  // They take a fraction of a second: only for whoever comes here.
+  // They take a fraction of a second, and are computed when the panel becomes visible.
   new IntersectionObserver((entries, observer) => {
     if (!entries.some((entry) => entry.isIntersecting)) return;
     observer.disconnect();

@@ -1,4 +1,4 @@
-// equations.tex becomes MathML by name when the page is built; see build/equations.ts.
+// equations.tex becomes MathML by name at build time; see build/equations.ts.
 declare module '*.tex' {
   const mathml: Record<string, string>;
   export default mathml;

@@ -1,4 +1,4 @@
-// A served page in Chromium without its window, with everything recorded that should not happen.
+// A served page in headless Chromium; all errors and unexpected requests are recorded.
 import { existsSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
@@ -25,11 +25,11 @@ export async function serve() {
   };
 }
 
-/** Where only Chromium with its window is installed, that. */
+/** Chromium, which not every system has in a headless build. */
 const CHROMIUM = ['/usr/bin/chromium-headless-shell', '/usr/bin/chromium'].find((path) => existsSync(path));
 let browser;
 
-/** Run before the page: it is not told that the processor draws, and draws as on a graphics card. */
+/** Runs before the page: hides from it that the processor draws, so that it draws as on a graphics card. */
 export const asOnACard = () => {
   const get = WebGL2RenderingContext.prototype.getExtension;
   WebGL2RenderingContext.prototype.getExtension = function (name) {
@@ -38,14 +38,14 @@ export const asOnACard = () => {
 };
 
 export async function openPage(address, { hash = '', clock = false, before, ready = 'html[data-ready]', ...context } = {}) {
-  // WebGPU on the processor, which the page does not take for a graphics card.
+  // WebGPU on the processor, which the page would reject as a graphics card.
   const args = ['--no-sandbox', '--enable-unsafe-swiftshader', '--enable-unsafe-webgpu'];
   browser ??= chromium.launch({ executablePath: CHROMIUM, args });
   const session = await (await browser).newContext({ viewport: { width: 1280, height: 900 }, ...context });
   const page = await session.newPage();
   const faults = [];
   page.on('console', (message) => {
-    // Where no graphics card is, pictures of the page are read back from the processor's drawing, which says so.
+    // Without a graphics card Chromium warns about reading pictures back.
     if (/GPU stall due to ReadPixels/.test(message.text())) return;
     if (['error', 'warning'].includes(message.type())) faults.push(`console: ${message.text()}`);
   });

@@ -1,11 +1,13 @@
-// What the built page costs in Chromium, a benchmark: a frame, by the main thread's own processor time; the race and the map of flips.
+// A benchmark of the built page in Chromium: processor time of the main thread for a frame, the race, and the
+// map of flips.
 import { closeBrowser, serve } from './browser.js';
 import { at } from './person.js';
 import { layDown, passFrames, reader, RUNNING, setGoing } from './running.js';
 
-/** A phone's processor, as browsers' tools count it. */
+/** Slow-down to a phone's processor, as browsers' tools define it. */
 const PHONE = 4;
-/** Of the main thread a frame [ms]: four, so that a phone keeps 60 frames a second; a robot in three dimensions eight. */
+/** Limits of main-thread time for a frame [ms]: 4, so that a phone keeps 60 frames a second, and 8 for
+ * robots. */
 const BUDGET = 4;
 const BUDGETS = { 'your-robot': 8 };
 const FRAMES = 180;
@@ -33,8 +35,8 @@ async function report(person, id) {
     + `${rate} frames a second here`);
 }
 
-/** Of a frame at 60 a second: what drawing takes, and a sixtieth of what a second of motion takes. A slow machine has fewer frames,
- * with more motion in each, so that the two are told apart by running at two speeds. */
+/** The cost of a frame at 60 per second: drawing, and a sixtieth of a second of motion. A slow machine has
+ * fewer frames with more motion in each, so runs at two speeds separate the two. */
 async function reportHumanoid(person) {
   await layDown(person);
   const busy = await busyTime(person.page);
@@ -70,7 +72,7 @@ async function reportMap(person) {
   console.log(`the map of flips: coarse in ${(await data('coarse')).toFixed(2)} s, ${rate.toFixed(0)} million steps a second`);
 }
 
-/** Reads the milliseconds that the main thread was busy. */
+/** The milliseconds that the main thread was busy. */
 async function busyTime(page) {
   const read = await reader(page, 'TaskDuration');
   return async () => 1000 * (await read());

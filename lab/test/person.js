@@ -1,9 +1,10 @@
-// What a person does at the page: look at numbers, drag, press keys, type, flip switches.
+// The actions of a user: read numbers, drag, press keys, type, switch.
 import assert from 'node:assert/strict';
 
 import { openPage } from './browser.js';
 
-/** Opens the page for one experiment, at rest, runs the case, and asserts that nothing went wrong meanwhile. */
+/** Opens the page at one experiment with reduced motion, runs the case, and asserts that no error occurred.
+ */
 export async function at(address, id, run, options = {}) {
   const { page, faults, close } = await openPage(address, { reducedMotion: 'reduce', hash: `#${id}`, ...options });
   try {
@@ -16,7 +17,7 @@ export async function at(address, id, run, options = {}) {
   }
 }
 
-/** Opens the whole page, at rest, runs the case, and asserts that nothing went wrong meanwhile. */
+/** Opens the whole page with reduced motion, runs the case, and asserts that no error occurred. */
 export async function opened(address, options, run) {
   const { page, faults, close } = await openPage(address, { reducedMotion: 'reduce', ...options });
   try {
@@ -33,13 +34,13 @@ export class Person {
     this.section = section;
   }
 
-  /** The number beside a name, as shown. */
+  /** The displayed number with this key. */
   async reads(key) {
     const text = await this.section.locator(`[data-reading="${key}"]`).textContent();
     return asNumber(text);
   }
 
-  /** Waits until a reading has come to a value: how long that takes is the machine's affair. */
+  /** Waits until a reading has reached a value; the time depends on the machine. */
   async reaches(key, value, seconds = 60) {
     const end = Date.now() + 1000 * seconds;
     while (!((await this.reads(key)) >= value)) {
@@ -70,7 +71,7 @@ export class Person {
     return this.section.getByRole('slider', { name: label });
   }
 
-  /** Drags a handle by pixels of the screen. */
+  /** Drags a handle by this many pixels. */
   async drags(label, dx, dy) {
     const handle = this.handle(label);
     await handle.scrollIntoViewIfNeeded();
@@ -83,7 +84,7 @@ export class Person {
     await this.page.mouse.up();
   }
 
-  /** The same with a finger. */
+  /** Drags with a finger. */
   async touches(label, dx, dy) {
     const handle = this.handle(label);
     await handle.scrollIntoViewIfNeeded();
@@ -97,14 +98,14 @@ export class Person {
     await send('touchEnd');
   }
 
-  /** Swipes upwards by pixels with a finger that starts in the middle of an element; answers how far the page went. */
+  /** Swipes up by pixels with a finger from the middle of an element. Returns the scrolled distance. */
   async swipes(element, up) {
     await element.evaluate((one) => one.scrollIntoView({ block: 'center', behavior: 'instant' }));
     const box = await element.boundingBox();
     return this.swipesFrom({ x: box.x + box.width / 2, y: box.y + box.height / 2 }, up);
   }
 
-  /** The same from a point of the screen. */
+  /** Swipes up from a point of the screen. */
   async swipesFrom({ x, y }, up) {
     const scrolled = () => this.page.evaluate(() => scrollY);
     const before = await scrolled();
@@ -125,13 +126,13 @@ export class Person {
     for (let i = 0; i < times; i += 1) await handle.press(key);
   }
 
-  /** Lets real time pass. */
+  /** Waits in real time. */
   waits(seconds) {
     return this.page.waitForTimeout(1000 * seconds);
   }
 }
 
-/** Reads 1.2·10⁻⁸ and −3.4. */
+/** Parses 1.2·10⁻⁸ and −3.4. */
 export function asNumber(text) {
   const plain = text
     .replace(/−/g, '-')

@@ -1,8 +1,9 @@
-// Hands published robots to the page, folder by folder, as a person would, and looks whether each is drawn whole and runs.
+// Opens published robots on the page, folder by folder, and checks that each is drawn completely and runs.
 //
 //     node test/published.js [--floating] [--seconds 10] FOLDER...
 //
-// Each folder is one robot package: its URDF and MJCF files, and their meshes. Not part of the tests: it prints a table.
+// Each folder is a robot package with URDF and MJCF files and their meshes. This is not a test; it prints a
+// table.
 import { basename } from 'node:path';
 import { parseArgs } from 'node:util';
 
@@ -14,7 +15,7 @@ const { values, positionals } = parseArgs({
   options: { floating: { type: 'boolean', default: false }, seconds: { type: 'string', default: '10' } },
 });
 const seconds = Number(values.seconds);
-/** The longest that a robot may take to load, and to run [ms]. */
+/** Time limit for loading a robot, and for its run [ms]. */
 const PATIENCE = 120_000;
 
 const server = await serve();
@@ -28,7 +29,7 @@ for (const folder of positionals) {
   const message = () => section.locator('.message').allTextContents().then((all) => all.filter((text) => text !== '').join(' '));
   const shown = () => section.getAttribute('data-shown');
   const reads = async (key) => asNumber(await section.locator(`[data-reading="${key}"]`).textContent());
-  /** Opens a robot, and waits until it is there or refused. */
+  /** Opens a robot, and waits until it is shown or rejected. */
   const after = async (open) => {
     await page.evaluate(() => { delete document.querySelector('#your-robot').dataset.shown; });
     await open();
@@ -41,7 +42,7 @@ for (const folder of positionals) {
     await section.getByText('Method and gains').click();
     if (values.floating) await section.getByRole('switch', { name: 'Base floats' }).click();
     const opens = [['', () => section.getByLabel('A folder with a robot').setInputFiles(folder)]];
-    // The first brings the others.
+    // The first offers the others.
     for (let next = 0; next < opens.length; next += 1) {
       const ready = await after(opens[next][1]);
       if (next === 0) {

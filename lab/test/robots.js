@@ -1,4 +1,4 @@
-// What a person does with a robot on the page.
+// The actions of a user with a robot on the page.
 
 export const ID = 'your-robot';
 export const robots = new URL('../../robots/', import.meta.url);
@@ -7,7 +7,7 @@ export const loaded = (person, name) => person.section.getByText(`“${name}” 
 
 export const stage = (person) => person.section.locator('.stage');
 
-/** A robot of the gallery, shown. */
+/** Shows a robot of the gallery. */
 export const shows = async (person, title) => {
   await person.press(title);
   await person.section.locator(`button[aria-pressed="true"]`, { hasText: title }).first().waitFor();
@@ -19,7 +19,7 @@ export const values = (person) =>
 
 export const apart = (a, b) => Math.max(...a.map((x, i) => Math.abs(x - b[i])));
 
-/** Puts the mouse on the robot, where the page says that it can be held, and answers the place. */
+/** Moves the mouse to a point of the robot that can be held, according to the page, and returns it. */
 export const grip = async (person) => {
   await stage(person).evaluate((one) => one.scrollIntoView({ block: 'center', behavior: 'instant' }));
   await person.waits(0.3);
@@ -28,7 +28,7 @@ export const grip = async (person) => {
   for (let row = 0.15; row < 0.7; row += 0.05) {
     for (let column = 0.25; column < 0.8; column += 0.03) places.push([column, row]);
   }
-  // From a little above the middle outwards: below is the base, which does not move.
+  // From a little above the middle outwards, since the base below does not move.
   const off = ([column, row]) => Math.hypot(column - 0.5, row - 0.4);
   for (const [column, row] of places.sort((a, b) => off(a) - off(b))) {
     const at = { x: box.x + column * box.width, y: box.y + row * box.height };
@@ -46,12 +46,12 @@ export const give = (person, files) =>
     document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));
   }, files);
 
-/** Which module of the robots the page has fetched. */
+/** The modules for robots that the page has loaded. */
 export const fetched = async (person) => {
   const names = await person.page.evaluate(() => performance.getEntriesByType('resource').map((entry) => entry.name));
   const modules = names.filter((name) => name.endsWith('.wasm') && name.includes('robots'));
   return modules.map((name) => (name.includes('simd128') ? 'simd128' : 'portable'));
 };
 
-/** A browser that takes no vector registers, as far as the page can see. */
+/** A browser without vector registers, as far as the page can tell. */
 export const withoutRegisters = { before: () => { WebAssembly.validate = () => false; } };

@@ -1,4 +1,4 @@
-// Drives the built page as a person would and asserts the numbers it shows.
+// Runs the cases on the built page.
 import { readdirSync } from 'node:fs';
 
 import { closeBrowser, serve } from './browser.js';
@@ -13,7 +13,7 @@ for (const file of readdirSync(folder).filter((name) => only === undefined || na
   cases.push(...asked.map(([name, run]) => ({ name: `${file.replace('.js', '')}: ${name}`, run })));
 }
 
-/** Runs what no other has begun, until nothing is left. */
+/** Runs waiting cases until none is left. */
 async function work() {
   for (let one = cases.shift(); one !== undefined; one = cases.shift()) {
     const start = Date.now();
@@ -27,7 +27,7 @@ async function work() {
   }
 }
 
-// Much of a case is waiting, so three go side by side, each in a session of its own.
+// Cases mostly wait, so three run in parallel, each in its own session.
 let failures = 0;
 await Promise.all([work(), work(), work()]);
 await closeBrowser();

@@ -1,18 +1,18 @@
-// Experiments in motion, for what is asked of a frame.
+// Experiments in motion, for the frame limits.
 export const RUNNING = [
   'opening', 'replay', 'lagrangian-lab', 'tumbling-brick', 'knife-edge', 'workbench', 'integrator-race', 'flip-map', 'your-robot',
 ];
 
-/** Sets an experiment going, once it is there and drawn. */
+/** Starts an experiment once it is loaded and drawn. */
 export async function setGoing(person, id) {
   if (id === 'your-robot') await person.section.getByText('“panda” has').waitFor();
-  // While the map is computed it is drawn, too.
+  // While the map is computed it is also drawn.
   if (id === 'flip-map') await person.page.waitForSelector('.flips[data-share="1.0000"]');
   await person.press('Play');
   await person.waits(1);
 }
 
-/** Sets a humanoid going, and waits until it lies on the ground. */
+/** Starts a humanoid, and waits until it lies on the ground. */
 export async function layDown(person) {
   await person.section.getByText('“panda” has').waitFor();
   await person.press('Humanoid');
@@ -22,8 +22,8 @@ export async function layDown(person) {
   await person.reaches('t', 4);
 }
 
-/** Reads one of Chromium's counts of what a page has done; times are the main thread's own on its processor, so that other programs on
- * this machine count little. */
+/** Reads one of Chromium's performance counters. Times are processor times of the main thread, on which other
+ * programs have little effect. */
 export async function reader(page, name) {
   const tools = await page.context().newCDPSession(page);
   await tools.send('Performance.enable', { timeDomain: 'threadTicks' });
@@ -33,7 +33,7 @@ export async function reader(page, name) {
   };
 }
 
-/** Lets frames pass, and says how many seconds they took. */
+/** Waits for frames, and returns how many seconds they took. */
 export const passFrames = (page, count) =>
   page.evaluate(async (frames) => {
     const start = performance.now();

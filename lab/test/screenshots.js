@@ -1,4 +1,4 @@
-// Pictures of every experiment: light, dark, phone. For looking at, not for comparing bit by bit.
+// Pictures of every experiment in light, dark and phone layout, for inspection by eye.
 import { mkdirSync } from 'node:fs';
 
 import { asOnACard, closeBrowser, openPage, serve } from './browser.js';

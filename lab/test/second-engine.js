@@ -1,4 +1,4 @@
-// The page in a second browser engine: Firefox as Debian has it, driven over WebDriver BiDi.
+// The page in a second browser engine: Firefox from Debian, driven over WebDriver BiDi.
 import assert from 'node:assert/strict';
 
 import { launch } from 'puppeteer-core';
@@ -7,18 +7,18 @@ import { serve } from './browser.js';
 import { asNumber, near } from './person.js';
 
 const server = await serve();
-// The window's own size: not every Firefox can be told another.
+// The window's default size, which not every Firefox can change.
 const browser = await launch({
   browser: 'firefox', executablePath: '/usr/bin/firefox-esr', headless: true, defaultViewport: null, args: ['--width=1000', '--height=880'],
 });
 const faults = [];
 
-/** Opens the page, which must say nothing and fetch nothing from elsewhere. */
+/** Opens the page, and asserts that it logs nothing and requests nothing from elsewhere. */
 async function open(hash) {
   const page = await browser.newPage();
   page.on('pageerror', (error) => faults.push(error.message));
   page.on('console', (message) => {
-    // Without a graphics card there is no WebGL: the page draws flat.
+    // Without a graphics card there is no WebGL, and the page uses its flat drawing.
     if (message.type() === 'error' && !/WebGL/.test(message.text())) faults.push(message.text());
   });
   page.on('request', (request) => {
@@ -35,7 +35,7 @@ async function open(hash) {
   });
   return { page, inside };
 }
-/** Scrolls there until it is so: what lies between is laid out on the way, and moves the place. */
+/** Scrolls to an element until it stays, since elements on the way get their layout and move it. */
 async function scrollsTo(page, selector, isSo) {
   for (let tries = 0; tries < 300 && !(await page.$eval(selector, isSo)); tries += 1) {
     await page.$eval(selector, (one) => { one.scrollIntoView(); });
@@ -53,7 +53,7 @@ const cases = {
     assert.ok(rows.every((name) => !name.includes('failed')));
     await page.close();
   },
-  'the race of the methods ends as it should': async () => {
+  'the errors at the end of the race are in the expected ranges': async () => {
     const { page, inside } = await open('#integrator-race');
     await inside('integrator-race').press('Play');
     await page.waitForFunction(() => document.querySelector('#integrator-race [data-reading="time"]').textContent.startsWith('600.0 s'),
@@ -79,7 +79,7 @@ const cases = {
     assert.ok((await page.$eval('.flips', (map) => Number(map.dataset.rate))) > 1e6);
     await page.close();
   },
-  'a panda weighs as it should and falls with its books in order': async () => {
+  'the mass of the panda is correct, and its energy is balanced in a fall': async () => {
     const { page, inside } = await open('#your-robot');
     const robot = inside('your-robot');
     await page.waitForSelector('#your-robot[data-shown="panda"]', { timeout: 60_000 });

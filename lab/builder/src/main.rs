@@ -1,4 +1,5 @@
-//! Writes the JavaScript glue and the type declarations for a WebAssembly file: `lab-builder IN.wasm OUT_DIR NAME`.
+//! Writes the JavaScript bindings and the type declarations of a WebAssembly file: `lab-builder IN.wasm
+//! OUT_DIR NAME`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -14,7 +15,7 @@ fn main() -> ExitCode {
     let mut bindgen = Bindgen::new();
     bindgen.input_path(input).out_name(&name.to_string_lossy()).typescript(true);
     bindgen.remove_name_section(true).remove_producers_section(true);
-    // The page says where the module is, so that one build serves a site, a single file and Node.
+    // The page passes the module's address, so that one build works for a site, a single file and Node.
     let target = bindgen.web(true).map(|bindgen| bindgen.omit_default_module_path(true));
     match target.and_then(|bindgen| bindgen.generate(output)) {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,26 +1,26 @@
-// The one door to the WebAssembly build of the chapter.
+// Access to the WebAssembly build of the chapter.
 import init, { initSync } from '../../wasm/chapter.js';
 
 export * as engine from '../../wasm/chapter.js';
 
-/** Loads the module from an address. Call once, before anything else of this library. */
+/** Loads the module from an address. Must be called once, before everything else of this library. */
 export async function load(address: string | URL): Promise<void> {
   await init({ module_or_path: address });
 }
 
-/** Loads the module from its bytes: for Node, and for pages that carry it inside. */
+/** Loads the module from its bytes, for Node and for pages that contain it. */
 export function loadBytes(bytes: BufferSource): void {
   initSync({ module: bytes });
 }
 
-/** Numbers as the library gives them. */
+/** Numbers as the library returns them. */
 export type Vector = Float64Array | readonly number[];
 
 export function floats(vector: Vector): Float64Array {
   return vector instanceof Float64Array ? vector : Float64Array.from(vector);
 }
 
-/** Numbers of a known count: `tuple(arm.q, 2)` is a pair, and a list of another length is refused. */
+/** Numbers of a fixed count: `tuple(arm.q, 2)` is a pair. Throws for another length. */
 export type Tuple<N extends number, T extends number[] = []> = T['length'] extends N ? T : Tuple<N, [...T, number]>;
 
 export function tuple<N extends 2 | 3 | 4>(list: ArrayLike<number>, count: N): Tuple<N> {
@@ -28,7 +28,7 @@ export function tuple<N extends 2 | 3 | 4>(list: ArrayLike<number>, count: N): T
   return Array.from(list) as Tuple<N>;
 }
 
-/** The columns of a flat list of rows: what plots and trails are drawn from. */
+/** The columns of a flat list of rows, for plots and trails. */
 export function columns(flat: Float64Array, width: number): Float64Array[] {
   const count = Math.floor(flat.length / width);
   return Array.from({ length: width }, (_, k) => {
@@ -38,7 +38,7 @@ export function columns(flat: Float64Array, width: number): Float64Array[] {
   });
 }
 
-/** A flat list cut into rows of equal width. */
+/** Splits a flat list into rows of equal width. */
 export function rows(flat: Float64Array, width: number): number[][] {
   const count = Math.floor(flat.length / width);
   return Array.from({ length: count }, (_, row) => Array.from(flat.subarray(row * width, (row + 1) * width)));

@@ -1,4 +1,4 @@
-// Robot dynamics for TypeScript: a typed face over the WebAssembly build; nothing is computed here.
+// Robot dynamics for TypeScript: a typed interface to the WebAssembly build, without computations of its own.
 import { engine } from './engine.ts';
 
 export { columns, load, loadBytes, rows, tuple, type Tuple, type Vector } from './engine.ts';
@@ -7,7 +7,7 @@ export { energyDrift, rk4Step, System, type InertiaEllipse, type IntegratorName,
 export { loadRobots, type Robot, type RobotCoordinate, type Robots, type DrawnShape } from './robots.ts';
 export { selfChecks, type SelfCheck } from './self-checks.ts';
 
-// The simulations: a state, whole steps, and samples in physics time.
+// Simulations: a state, whole steps, and samples over simulated time.
 export const { Blade: KnifeEdge, Brick, FallingArm, Race, Replay, ThrownArm, Workbench, integratorNames } = engine;
 export type KnifeEdge = engine.Blade;
 export type Brick = engine.Brick;

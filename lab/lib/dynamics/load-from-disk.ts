@@ -1,4 +1,4 @@
-// For tests in Node: the modules beside this folder.
+// For tests in Node: loads the modules beside this folder.
 import { readFileSync } from 'node:fs';
 
 import * as robots from '../../wasm/robots.js';
@@ -10,13 +10,13 @@ export function loadFromDisk(): void {
   loadBytes(bytes('chapter'));
 }
 
-/** The module for any browser. */
+/** The module without vector registers. */
 export function loadRobotsFromDisk(): Robots {
   robots.initSync({ module: bytes('robots') });
   return robots;
 }
 
-/** The module for browsers with vector registers. */
+/** The module with vector registers. */
 export function loadRobotsInRegistersFromDisk(): Robots {
   robotsInRegisters.initSync({ module: bytes('robots_simd128') });
   return robotsInRegisters;

@@ -1,8 +1,8 @@
-// The closed-form models, by the names of the library.
+// The closed-form models, with the library's names.
 import { engine } from './engine.ts';
 import { System } from './system.ts';
 
-/** A planar arm of two uniform rods; gravity 0 lays it on a flat table. */
+/** A planar arm of two uniform rods; without gravity it moves in a horizontal plane. */
 export class Reach2R extends System {
   static uniform(l1: number, m1: number, l2: number, m2: number, gravity: number): Reach2R {
     return new Reach2R(engine.ClosedForm.reach2R(l1, m1, l2, m2, gravity), 2);
@@ -21,7 +21,7 @@ export class PlanarArm extends System {
   }
 }
 
-/** A turning and a sliding link. */
+/** A revolute and a prismatic link. */
 export class RpArm extends System {
   static of(r1: number, m1: number, i1: number, m2: number, i2: number, gravity: number): RpArm {
     return new RpArm(engine.ClosedForm.rpArm(r1, m1, i1, m2, i2, gravity), 2);

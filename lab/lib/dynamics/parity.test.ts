@@ -6,12 +6,12 @@ import { engine } from './engine.ts';
 import { loadFromDisk, loadRobotsFromDisk, loadRobotsInRegistersFromDisk } from './load-from-disk.ts';
 import type { Robots } from './robots.ts';
 
-/** Files, and whether the root link floats: as in `crates/wasm/tests/parity.rs`. */
+/** Files, and whether the root link floats, as in `crates/wasm/tests/parity.rs`. */
 const ROBOTS = [['two_r', false], ['panda', false], ['humanoid', true]] as const;
 
 /**
- * Of a line's largest number: the builds' sines differ by a last bit, and some have a multiply-add that rounds once;
- * half a second of falling, or the condition of a mass matrix, magnifies that.
+ * Relative to a line's largest number. The builds' sines differ in the last bit, and some have a fused
+ * multiply-add. Half a second of falling, or the condition of a mass matrix, magnifies that.
  */
 const TOLERANCE = 1e-12;
 

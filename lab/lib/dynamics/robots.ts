@@ -1,4 +1,4 @@
-// Robots from files: a second module of the library, larger than the chapter's, fetched when the first robot is asked for.
+// Robots from files: a second, larger module of the library, loaded with the first robot.
 import type * as module from '../../wasm/robots.js';
 import { hasSimd128 } from './simd128.ts';
 
@@ -7,7 +7,7 @@ export type Robot = module.Robot;
 export type RobotCoordinate = module.RobotCoordinate;
 export type DrawnShape = module.DrawnShape;
 
-/** Where the module is: built for any browser, and for one with vector registers. */
+/** Addresses of the module: without and with vector registers. */
 export interface Addresses {
   portable: string | URL;
   simd128: string | URL | undefined;
@@ -15,7 +15,7 @@ export interface Addresses {
 
 let loading: Promise<Robots> | undefined;
 
-/** The module, loaded once; where that failed, the next call tries again. */
+/** Loads the module once. After a failure the next call tries again. */
 export function loadRobots(addresses: Addresses): Promise<Robots> {
   loading ??= fetchFrom(addresses).catch((error: unknown) => {
     loading = undefined;

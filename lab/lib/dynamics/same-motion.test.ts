@@ -5,7 +5,7 @@ import { beforeAll, describe, expect, it } from 'vitest';
 import { loadRobotsFromDisk, loadRobotsInRegistersFromDisk } from './load-from-disk.ts';
 import type { Robot, Robots } from './robots.ts';
 
-/** A run of `testdata/same_motion`, whose README says what the fields mean. */
+/** A run of `testdata/same_motion`, whose README describes the fields. */
 interface Run {
   name: string;
   file: string;
@@ -22,10 +22,11 @@ interface Run {
   rounding?: number;
 }
 
-/** What `conservative` switches off. */
+/** The effects that `conservative` switches off. */
 const LOSSY = ['dissipation', 'limits', 'effort-limits', 'actuators', 'contacts'];
 
-/** WebAssembly has a sine of its own, and no fused products; a run may magnify that so far. */
+/** Tolerance: WebAssembly has its own sine and no fused multiply-add, and a run may magnify the differences.
+ */
 const ROUNDING = 1e-9;
 
 const text = (path: string): string => readFileSync(new URL(`../../../${path}`, import.meta.url), 'utf8');
@@ -67,7 +68,7 @@ function started(robots: Robots, run: Run): Robot {
   }
   const coordinates = robot.coordinates();
   for (const [joint, value] of Object.entries(typeof run.pose === 'object' ? run.pose : {})) {
-    // Several numbers are those of the base, which is first.
+    // A joint with several numbers is the base, which is first.
     if (typeof value === 'object') q.set(value);
     else q[coordinates.find(({ name }) => name === joint)!.place!] = value;
   }

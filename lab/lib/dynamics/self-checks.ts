@@ -1,13 +1,13 @@
-// Every number of the chapter, computed here and now by the module that draws the page.
+// The numbers of the chapter, computed by the module that the page uses.
 import { engine } from './engine.ts';
 import { PlanarArm, PolarMass, Reach2R, RpArm } from './models.ts';
 import { energyDrift, type System } from './system.ts';
 
 export interface SelfCheck {
   name: string;
-  /** What the chapter says, in words. */
+  /** The chapter's number as text. */
   expected: string;
-  /** What was computed. */
+  /** The computed number as text. */
   found: string;
   passed: boolean;
 }
@@ -16,7 +16,7 @@ const HALF_TURN = Math.PI;
 const POSE = [HALF_TURN / 4, HALF_TURN / 2];
 const REST = [0, 0];
 
-/** A number that must lie within `tolerance` of what the chapter prints. */
+/** A number that must equal the chapter's within `tolerance`. */
 function near(name: string, found: number, expected: number, tolerance: number, unit = ''): SelfCheck {
   return {
     name,
@@ -26,7 +26,7 @@ function near(name: string, found: number, expected: number, tolerance: number, 
   };
 }
 
-/** A number that must be smaller than a bound. */
+/** A number that must be below a bound. */
 function below(name: string, found: number, bound: number): SelfCheck {
   return { name, expected: `< ${digits(bound)}`, found: digits(found), passed: found < bound };
 }
@@ -142,7 +142,7 @@ function bricks(): SelfCheck[] {
     near('flips about the axis of greatest moment', short.flips, 0, 0),
     below('|L − L₀|/|L₀| after 20 000 steps', middle.drift.momentum, 1e-12),
     below('|K − K₀|/K₀', middle.drift.energy, 1e-12),
-    // Order 2 in steps of 1 ms over 20 s: about 1e-7 was measured; ten times the step gives a hundred times that.
+    // Order 2 in steps of 1 ms over 20 s gives about 1e-7; ten times the step gives a hundred times that.
     below('ω against Jacobi’s elliptic functions, rad/s', apart, 1e-5),
   ];
   [long, middle, short].forEach((brick) => { brick.free(); });
@@ -167,7 +167,7 @@ function positive(): SelfCheck[] {
   });
 }
 
-/** Park and Miller's generator: enough to scatter configurations, the same everywhere. */
+/** Park and Miller's generator, for configurations that are the same everywhere. */
 function seeded(seed: number): () => number {
   let state = seed;
   return () => {

@@ -1,4 +1,4 @@
-// Any closed-form model: M(q) q̈ + C q̇ + g + b = u.
+// The closed-form models M(q) q̈ + C q̇ + g + b = u.
 import { engine, floats, rows, type Vector } from './engine.ts';
 
 export type IntegratorName =
@@ -16,7 +16,7 @@ export interface InertiaEllipse {
   directions: number[][];
 }
 
-/** A model of the library, its state given with every call. */
+/** A model of the library. Every call takes the state. */
 export class System {
   protected constructor(
     protected readonly model: engine.ClosedForm,
@@ -95,7 +95,7 @@ export class System {
   }
 }
 
-/** One classical Runge–Kutta step, u held. */
+/** One classical Runge–Kutta step with constant u. */
 export function rk4Step(system: System, state: State, u: Vector, h: number): State {
   return system.step('rk4', state, u, h);
 }

@@ -1,4 +1,4 @@
-// Choosing one of a few words, and switching something on or off.
+// Choices among a few words, and switches.
 import { html } from '../element.ts';
 
 export interface Choice<W extends string> {
@@ -59,14 +59,14 @@ export function button(text: string, onClick: () => void, kind = ''): HTMLButton
   return html('button', { type: 'button', class: kind || undefined, click: onClick }, text);
 }
 
-/** Buttons that belong together, with a name for those who do not see them side by side. */
+/** A row of buttons with a name for screen readers. */
 export function buttonRow(label: string, ...buttons: HTMLElement[]): HTMLElement {
   return roving(html('div', { class: 'button-row', role: 'toolbar', 'aria-label': label }, ...buttons));
 }
 
 const STOPS = 'button, a[href], input[type="checkbox"]';
 
-/** One stop for the keyboard: Tab comes to the button last used, arrow keys go from one to the next. */
+/** One tab stop: Tab reaches the button last used, and arrow keys move between buttons. */
 export function roving(row: HTMLElement): HTMLElement {
   const stops = (): HTMLElement[] =>
     Array.from(row.querySelectorAll<HTMLElement>(STOPS)).filter((one) => one.closest('[hidden]') === null);

@@ -1,26 +1,28 @@
-// A prediction drawn by hand before the curve shows: by mouse or finger, or by arrow keys, point by point.
+// A prediction that the user draws before the curve shows: by mouse or finger, or point by point with arrow
+// keys.
 import { html, set, short, show, svg } from '../element.ts';
 import { linearTicks } from '../drawing/ticks.ts';
 import { button } from './choice.ts';
 
 export interface PredictionOptions {
-  /** What is drawn against what. */
+  /** The axes. */
   label: string;
   x: { name: string; from: number; to: number; unit: string };
   y: { name: string; from: number; to: number; unit: string };
-  /** The answer, at the places asked for. */
+  /** The true curve at the given places. */
   curve: (x: readonly number[]) => ArrayLike<number>;
-  /** It has been revealed; the mean distance of what was drawn, as a share of the height, if anything was. */
+  /** Called when the curve is shown, with the mean distance of the drawing as a fraction of the height, if
+   * there is one. */
   onReveal: (off: number | undefined) => void;
 }
 
 export interface Prediction {
   element: HTMLElement;
-  /** The curve again, after a number of it has changed. */
+  /** Draws the curve again after one of its numbers has changed. */
   redraw(): void;
 }
 
-/** Points that are drawn, and so many times as many of the answer. */
+/** Number of drawn points, and the ratio of computed to drawn points. */
 const PLACES = 33;
 const FINER = 6;
 const [WIDTH, HEIGHT] = [10, 6];
@@ -50,7 +52,7 @@ export function drawnPrediction(options: PredictionOptions): Prediction {
   const sheet = svg('rect', { class: 'sheet', width: WIDTH, height: HEIGHT });
   const picture = svg('svg', {
     class: 'prediction', viewBox: `-1.1 -0.75 ${String(WIDTH + 1.5)} ${String(HEIGHT + 1.9)}`, role: 'application', tabindex: 0,
-    'aria-label': `${label}. Left and right go along, up and down draw, Enter shows the curve`,
+    'aria-label': `${label}. Left and right select a point, up and down draw it, Enter shows the curve`,
   },
   sheet, ...zero, ...ticks,
   svg('text', { class: 'axis-name', x: WIDTH, y: HEIGHT + 1.02, 'text-anchor': 'end' }, `${x.name}, ${x.unit}`),
@@ -78,7 +80,7 @@ export function drawnPrediction(options: PredictionOptions): Prediction {
     const k = Math.round(Math.min(1, Math.max(0, at.x / WIDTH)) * (PLACES - 1));
     const value = y.from + (1 - at.y / HEIGHT) * (y.to - y.from);
     put(k, value);
-    // A quick hand skips places.
+    // A fast pointer skips places.
     if (last !== undefined) {
       const [from, to] = [last, { k, value }];
       const step = Math.sign(to.k - from.k);
@@ -98,7 +100,7 @@ export function drawnPrediction(options: PredictionOptions): Prediction {
     before = [...drawn];
     pointer(event);
   });
-  // A finger that goes up or down scrolls the page, and has drawn nothing.
+  // A vertical swipe scrolls the page and draws nothing.
   sheet.addEventListener('pointercancel', () => {
     drawn.splice(0, PLACES, ...before);
     drawGuess();
@@ -133,7 +135,7 @@ export function drawnPrediction(options: PredictionOptions): Prediction {
     set(answer, { d: clipped.map((value, k) => `${k === 0 ? 'M' : 'L'}${short(across(k / FINER))} ${short(down(value))}`).join('') });
   };
   const reveal = (): void => {
-    // The physics may still be on its way.
+    // The physics may still be loading.
     if (revealed || document.documentElement.dataset['ready'] === undefined) return;
     revealed = true;
     redraw();
@@ -144,11 +146,11 @@ export function drawnPrediction(options: PredictionOptions): Prediction {
     const off = pairs.length === 0 ? undefined : pairs.reduce((sum, one) => sum + one, 0) / pairs.length / (y.to - y.from);
     if (off !== undefined) {
       const share = `On average you were ${show(100 * off, 0)} % of the height away.`;
-      offBy.textContent = off < 0.06 ? `Just so. ${share}` : off < 0.15 ? `Close. ${share}` : share;
+      offBy.textContent = off < 0.06 ? `Very close. ${share}` : off < 0.15 ? `Close. ${share}` : share;
     }
     onReveal(off);
   };
-  // The keyboard's way is Enter in the picture.
+  // On the keyboard, Enter in the picture does this.
   const showing = button('Show the curve', reveal);
   showing.tabIndex = -1;
   return { element: html('div', { class: 'predicting' }, picture, showing, offBy, said), redraw };

@@ -1,24 +1,25 @@
-// A film of a picture, as the browser records it.
+// A video of a picture, recorded by the browser.
 import { button } from './choice.ts';
 import { download } from '../drawing/plot-group.ts';
 
-/** What browsers record: the first that this one can. */
+/** Video formats; the first supported one is used. */
 const KINDS = [['video/webm', 'webm'], ['video/mp4', 'mp4']] as const;
 const RATE = 60;
 
 export interface Film {
-  /** What is recorded, from now on; null while there is nothing. */
+  /** The canvas to record, from now on; null if there is none. */
   begin: () => HTMLCanvasElement | null;
-  /** It is recorded no more. */
+  /** Called when recording ends. */
   end?: () => void;
-  /** Of the file, without its ending. */
+  /** Base name of the file. */
   name: () => string;
-  /** On the button. */
+  /** Text of the button. */
   title: string;
   kind?: string;
 }
 
-/** A button that records a canvas until it is pressed again, then hands over the file; hidden where nothing can be recorded. */
+/** A button that records a canvas until it is pressed again and then saves the file. It is hidden if the
+ * browser cannot record. */
 export function filmButton({ begin, end, name, title, kind: style = '' }: Film): HTMLButtonElement {
   const kind = 'MediaRecorder' in globalThis ? KINDS.find(([type]) => MediaRecorder.isTypeSupported(type)) : undefined;
   let recorder: MediaRecorder | undefined;

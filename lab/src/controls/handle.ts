@@ -1,4 +1,4 @@
-// A point in a picture that can be dragged by mouse or touch, and moved by arrow keys.
+// A point in a picture that can be moved by mouse, touch or arrow keys.
 import { set, show, svg } from '../element.ts';
 
 export interface HandleOptions {
@@ -6,16 +6,16 @@ export interface HandleOptions {
   unit: string;
   min: number;
   max: number;
-  /** The pointer went here, in the picture's own units (y down). */
+  /** Called with the pointer's position in the picture's units (y down). */
   onDrag: (x: number, y: number) => void;
-  /** An arrow key asks for this much more, in the handle's unit. */
+  /** Called with the change that an arrow key asks for, in the handle's unit. */
   onNudge: (by: number, axis: 'x' | 'y') => void;
   nudge: number;
   onGrab?: () => void;
   onRelease?: () => void;
-  /** A slider beside the picture is the keyboard's way to the same number: the handle is for pointers. */
+  /** For pointers only, since a slider beside the picture gives keyboard access to the same number. */
   doubled?: boolean;
-  /** Radius of the part that is seen; the part that is felt is larger. */
+  /** Radius of the visible part; the sensitive part is larger. */
   radius: number;
 }
 
@@ -71,12 +71,12 @@ export function handle(options: HandleOptions): Handle {
   return {
     element,
     place(x, y, value) {
-      // Circles that are put elsewhere cost a frame less than a group that is moved.
+      // Moving circles costs less per frame than moving a group.
       for (const circle of circles) set(circle, { cx: x, cy: y });
       const isFirst = Number.isNaN(latest);
       latest = value;
       if (isFirst || document.activeElement === element) say();
-      // Nobody listens to what moves sixty times a second.
+      // Screen readers are not told of values that change sixty times a second.
       else if (timer === 0) timer = window.setTimeout(say, 250);
     },
   };

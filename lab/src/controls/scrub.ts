@@ -1,4 +1,4 @@
-// A number in a sentence that can be dragged sideways, or turned by arrow keys: the smallest slider there is.
+// A number in a sentence that is changed by dragging sideways or by arrow keys.
 import { html, show } from '../element.ts';
 
 export interface ScrubOptions {
@@ -8,7 +8,7 @@ export interface ScrubOptions {
   max: number;
   step: number;
   value: number;
-  /** The term of the formula beside it that this number moves. */
+  /** The term of the formula that this number affects. */
   term?: string;
   onInput: (value: number) => void;
 }
@@ -20,7 +20,7 @@ export interface Scrub {
   set(value: number): void;
 }
 
-/** Pixels of dragging for one step. */
+/** Drag distance in pixels for one step. */
 const PIXELS = 5;
 
 export function scrub(options: ScrubOptions): Scrub {

@@ -1,17 +1,17 @@
-// The ways out of an experiment: a link to its state, and the same as a frame for another page.
+// Sharing of an experiment: a link to its state, and HTML that embeds it in another page.
 import { aloneAddress, formatAddress, isAlone, type Shared } from '../address.ts';
 import { download, type PlotGroup } from '../drawing/plot-group.ts';
 import { html } from '../element.ts';
 import { button, roving } from './choice.ts';
 import { filmButton } from './film.ts';
 
-/** What the page of a frame is given: enough for the picture and its controls side by side. */
+/** Size of the frame: enough for the picture with its controls beside it. */
 const HEIGHT = 760;
 
 export interface Shares {
-  /** What the link cannot carry. */
+  /** The part of the state that the link does not contain. */
   unshared?: () => string;
-  /** Plots whose numbers and picture can be taken away. */
+  /** Plots whose numbers and picture can be saved. */
   plots?: PlotGroup;
 }
 
@@ -34,15 +34,15 @@ export function shareRow(id: string, title: string, shared: () => Shared, { unsh
   }, 'quiet');
   const embed = button('Embed', () => {
     const address = aloneAddress(location.href, id, shared());
-    // The browser escapes what it writes of an element.
+    // The browser escapes the attributes.
     code.value = html('iframe', {
       src: address, title, width: '100%', height: HEIGHT, loading: 'lazy', style: 'border: 0',
     }).outerHTML;
     code.hidden = false;
     code.select();
     navigator.clipboard.writeText(code.value).then(
-      () => { say('copied: HTML for a course’s page'); },
-      () => { say('HTML for a course’s page'); },
+      () => { say('copied: HTML for a web page'); },
+      () => { say('HTML for a web page'); },
     );
   }, 'quiet');
   const files = plots === undefined ? [] : [
@@ -56,7 +56,7 @@ export function shareRow(id: string, title: string, shared: () => Shared, { unsh
     }, 'quiet'),
     filmButton({
       begin: () => {
-        said.textContent = 'the plots are recorded while they move';
+        said.textContent = 'the plots are recorded while the experiment runs';
         return plots.film();
       },
       end: () => {
@@ -67,7 +67,7 @@ export function shareRow(id: string, title: string, shared: () => Shared, { unsh
     }),
   ];
   const row = roving(html('div', { class: 'share-buttons', role: 'toolbar', 'aria-label': `Share “${title}”` }, link, embed, ...files));
-  // Where it stands alone, the way back to the others.
+  // In an experiment shown alone, a link to the whole page.
   const home = isAlone()
     ? [html('a', { class: 'home', href: `${location.pathname}#${id}`, target: '_blank', rel: 'noopener' }, 'All of the lab')]
     : [];

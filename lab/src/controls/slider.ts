@@ -1,4 +1,4 @@
-// A slider with a number beside it: drag, arrow keys, or type the value.
+// A slider with a number beside it: drag it, use arrow keys, or type the value.
 import { html } from '../element.ts';
 
 export interface SliderOptions {
@@ -20,7 +20,7 @@ export interface Slider {
 
 let count = 0;
 
-/** One stop for the keyboard: the number, which takes digits and arrow keys. The range beside it is for pointers. */
+/** One tab stop: the number, which accepts digits and arrow keys. The slider beside it is for pointers. */
 export function slider(options: SliderOptions): Slider {
   const { label, unit = '', min, max, step, onInput } = options;
   const id = `slider-${String((count += 1))}`;
@@ -41,14 +41,14 @@ export function slider(options: SliderOptions): Slider {
     range.style.setProperty('--share', `${String(((value - min) / (max - min)) * 100)}%`);
   };
   range.addEventListener('input', () => {
-    // Whole steps while dragging; typing is free.
+    // Dragging gives whole steps, typing any value.
     value = clamp(Math.round(Number(range.value) / step) * step, min, max);
     write(range);
     onInput(value);
   });
   const byKeys = (event: KeyboardEvent): void => {
     const by: Record<string, number> = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
-    // In the number, left and right go along its digits.
+    // In the number, left and right move the text cursor.
     if (event.target === range) Object.assign(by, { ArrowRight: 1, ArrowLeft: -1 });
     const steps = by[event.key];
     if (steps === undefined) return;
@@ -88,7 +88,7 @@ export function slider(options: SliderOptions): Slider {
     },
     set(next) {
       value = next;
-      // What is being typed is not overwritten.
+      // A value that is being typed is not overwritten.
       write(typing ? number : undefined);
     },
   };

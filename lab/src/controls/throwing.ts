@@ -1,22 +1,22 @@
-// Taking hold of an arm in a picture: by mouse or finger anywhere on a link, by arrow keys at its tip.
+// Gripping an arm in a picture: by pointer anywhere on a link, by arrow keys at its tip.
 import { set, svg } from '../element.ts';
 import { polyline, type Point } from '../drawing/planar-arm.ts';
 
 export interface Throwing {
-  /** What is felt by pointers and reached by keys, for the plane of the picture. */
+  /** The sensitive elements, for the plane of the picture. */
   element: SVGGElement;
   place(points: readonly Point[]): void;
 }
 
 export interface Thrown {
   label: string;
-  /** How far from a link it is still felt [m]. */
+  /** Largest distance from a link at which a pointer grips it [m]. */
   reach: number;
-  /** A link was taken, so many metres from its joint. */
+  /** Called when a link is gripped, with the distance from its joint [m]. */
   grab: (link: number, along: number) => void;
   pull: (x: number, y: number) => void;
   letGo: () => void;
-  /** An arrow key strikes the tip in that direction. */
+  /** Called when an arrow key strikes the tip in that direction. */
   strike: (x: number, y: number) => void;
 }
 
@@ -64,7 +64,7 @@ export function throwing(options: Thrown): Throwing {
   };
 }
 
-/** The link nearest to a point, and how far along it. */
+/** The link nearest to a point, and the position along it. */
 function nearest(points: readonly Point[], [x, y]: Point): { link: number; along: number } {
   let best = { link: 0, along: 0, off: Infinity };
   for (let link = 0; link + 1 < points.length; link += 1) {

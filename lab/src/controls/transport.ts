@@ -1,4 +1,4 @@
-// Play, pause, single step, reset, speed; and what happens when a run fails.
+// Play, pause, single step, reset and speed, and messages of failed runs.
 import { numberFrom, type Shared } from '../address.ts';
 import { Accumulator, Frames } from '../clock.ts';
 import { html, show } from '../element.ts';
@@ -8,20 +8,21 @@ import { slider } from './slider.ts';
 export interface Run {
   /** The physics step in seconds. */
   step: () => number;
-  /** Whole steps forward; throws with a plain message when the motion fails. */
+  /** Advances by whole steps; throws with a message if the motion fails. */
   advance: (steps: number) => void;
-  /** Draws the state. `beat` counts frames while it plays: a picture moves with every one, numbers can be read at every sixth.
-   * It is 0 whenever all is to be drawn. */
+  /** Draws the state. `beat` counts frames while it plays: pictures change in every frame, numbers in every
+   * sixth. It is 0 if everything is to be drawn. */
   draw: (beat: number) => void;
   reset: () => void;
-  /** The state in a sentence, spoken when the run pauses. */
+  /** Describes the state in a sentence, announced when the run pauses. */
   describe: () => string;
-  /** Steps that the button "Step" takes. */
+  /** Number of steps of the button "Step". */
   single?: number;
-  /** The fastest that the speed slider goes, and where it starts; 4 and 1 unless said. */
+  /** The largest and the initial playback speed; 4 and 1 by default. */
   fastest?: number;
   usual?: number;
-  /** What must be in sight for it to run; unless said, anything of its picture, its controls and its plots. */
+  /** The elements of which one must be visible for the run to go on; by default its picture, controls and
+   * plots. */
   picture?: Element;
 }
 
@@ -32,10 +33,10 @@ export interface Transport {
   play(): void;
   pause(): void;
   setSpeed(speed: number): void;
-  /** Its part of the address: the playback speed, where it is not the usual one. */
+  /** Its part of the address: the playback speed if it is not the default. */
   shared(): Shared;
   restore(values: URLSearchParams): void;
-  /** Shows a message and pauses; an empty one clears it. */
+  /** Shows a message and pauses; an empty message clears it. */
   say(message: string): void;
 }
 
@@ -108,7 +109,7 @@ export function transport(run: Run, autoplay = false): Transport {
     status,
   );
 
-  // A run that nobody sees rests.
+  // A run without a visible element pauses.
   let wanted = autoplay && !calm();
   let seen = false;
   const sync = (): void => {
@@ -118,10 +119,11 @@ export function transport(run: Run, autoplay = false): Transport {
   };
   let watched = run.picture ?? element;
   const sight = new IntersectionObserver((entries) => {
-    // Several may come at once: the last is how things are.
+    // Several entries may arrive at once; the last is the current state.
     seen = entries.at(-1)?.isIntersecting ?? false;
     sync();
-    // The controls are made before what they stand in: on a phone the picture can be seen without them.
+    // The controls are created before their container, since on a phone the picture can be visible without
+    // them.
     const bench = element.closest('.bench');
     if (run.picture !== undefined || bench === null || bench === watched) return;
     sight.unobserve(watched);

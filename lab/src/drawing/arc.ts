@@ -1,9 +1,9 @@
-// Arcs of circles in a picture whose y points down, by angles that count upwards.
+// Arcs of circles in a picture with y down, by angles that increase counter-clockwise.
 import { short } from '../element.ts';
 
 const MOST = 1.9 * Math.PI;
 
-/** From an angle, so far round; more than nearly a turn is cut off. */
+/** An arc of a given length from an angle; limited to almost a full turn. */
 export function arc([x, y]: readonly [number, number], radius: number, from: number, by: number): string {
   const span = Math.max(-MOST, Math.min(MOST, by));
   const at = (angle: number): string => `${short(x + radius * Math.cos(angle))} ${short(-y - radius * Math.sin(angle))}`;
@@ -11,7 +11,7 @@ export function arc([x, y]: readonly [number, number], radius: number, from: num
   return `M${at(from)}A${short(radius)} ${short(radius)} 0 ${String(large)} ${span > 0 ? '0' : '1'} ${at(from + span)}`;
 }
 
-/** The same with an arrow's head at its end, where it is long enough for one. */
+/** The same with an arrowhead, if it is long enough. */
 export function turning(centre: readonly [number, number], radius: number, from: number, by: number, head: number): string {
   const span = Math.max(-MOST, Math.min(MOST, by));
   if (Math.abs(span) * radius < 0.02) return '';

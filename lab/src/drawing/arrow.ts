@@ -3,7 +3,7 @@ import { set, short, svg } from '../element.ts';
 
 export interface Arrow {
   element: SVGGElement;
-  /** From and to in the picture's own units (y down). */
+  /** From and to in the picture's units (y down). */
   draw(from: readonly [number, number], to: readonly [number, number]): void;
 }
 

@@ -34,7 +34,7 @@ export function bars(label: string, list: readonly Bar[], digits = 3): Bars {
     element,
     draw(values, extent, reference) {
       rows.forEach(({ fill, line, number }, i) => {
-        // Bars are stretched, not laid out anew.
+        // Bars are scaled by a transform, which needs no layout.
         const share = Math.max(-1, Math.min(1, (values[i] ?? 0) / extent));
         fill.style.transform = `scaleX(${(share / 2).toFixed(4)})`;
         fill.dataset['share'] = share.toFixed(3);

@@ -1,4 +1,4 @@
-// A box in space: convex, so the faces that look at the eye are all there is to draw.
+// A box in space. It is convex, so only the faces towards the viewer are drawn.
 import { set, short, svg } from '../element.ts';
 import { rotate, vector, type Vector3, type View } from './view.ts';
 

@@ -1,4 +1,5 @@
-// The page's few colours, read from the style sheet once a theme, so that canvases follow it and no frame asks for styles.
+// The page's colours, read from the style sheet once for each theme, so that canvases follow it and frames
+// need no style lookups.
 
 export type Tone = 'ink' | 'accent' | 'second' | 'muted' | 'line';
 
@@ -14,7 +15,7 @@ export function colour(name: Name): string {
   return text;
 }
 
-/** What light-dark() comes to here. */
+/** Resolves light-dark() for the current theme. */
 function resolved(text: string): string {
   const probe = document.createElement('span');
   probe.style.color = text;

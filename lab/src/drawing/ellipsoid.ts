@@ -1,8 +1,8 @@
-// The outline of an ellipsoid seen from afar: an ellipse.
+// The outline of a distant ellipsoid: an ellipse.
 import { set } from '../element.ts';
 import { rotate, type Vector3, type View } from './view.ts';
 
-/** Places an SVG ellipse where an ellipsoid is seen; semi-axes along the columns of a rotation. */
+/** Places an SVG ellipse at the projection of an ellipsoid with semi-axes along the columns of a rotation. */
 export function outline(
   ellipse: SVGEllipseElement,
   view: View,
@@ -11,7 +11,7 @@ export function outline(
   semiAxes: Vector3,
   least: number,
 ): void {
-  // Its shadow is {x : xᵀS⁻¹x ≤ 1} with S = Σ aₖ² pₖpₖᵀ, pₖ the axes as seen.
+  // The projection is {x : xᵀS⁻¹x ≤ 1} with S = Σ aₖ² pₖpₖᵀ, where pₖ are the projected axes.
   let [xx, xy, yy] = [0, 0, 0];
   columns.forEach((column, k) => {
     const [x, y] = view.look(column);
@@ -30,7 +30,7 @@ export function outline(
   });
 }
 
-/** The columns of R·Q, both row by row in flat lists. */
+/** The columns of R·Q, both in row-major order in flat lists. */
 export function axesInWorld(rotation: ArrayLike<number>, at: number, inner: ArrayLike<number>, innerAt: number): Vector3[] {
   return [0, 1, 2].map((k) => rotate(rotation, [inner[innerAt + k]!, inner[innerAt + 3 + k]!, inner[innerAt + 6 + k]!], at));
 }

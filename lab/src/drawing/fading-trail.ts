@@ -1,4 +1,4 @@
-// Where a point has been: a line that fades towards its past.
+// The past positions of a point, as a line that fades with age.
 import { set, short, svg } from '../element.ts';
 
 const PIECES = 6;
@@ -16,7 +16,7 @@ export function fadingTrail(): FadingTrail {
     draw(x, y) {
       const each = Math.ceil(x.length / PIECES);
       pieces.forEach((piece, k) => {
-        // The last piece ends at the point now; each begins where the one before it ended.
+        // The last piece ends at the current point; each starts where the previous one ended.
         const end = x.length - (PIECES - 1 - k) * each;
         let d = '';
         for (let i = Math.max(0, end - each - 1); i < end; i += 1) d += `${d === '' ? 'M' : 'L'}${short(x[i]!)} ${short(-y[i]!)}`;

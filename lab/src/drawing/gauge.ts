@@ -1,4 +1,5 @@
-// A torque gauge: the value on a half circle, the limit marked on both sides, red and pegged beyond it.
+// A torque gauge: the value on a half circle with the limit marked on both sides; beyond it the needle is red
+// and stops.
 import { html, set, show, svg } from '../element.ts';
 
 export interface Gauge {
@@ -8,7 +9,7 @@ export interface Gauge {
 
 const SWEEP = 0.75 * Math.PI;
 
-/** The dial runs to a quarter beyond the limit; beyond that the needle rests on its peg. The number stands below all of it. */
+/** The dial ends at 1.25 times the limit, where the needle stops. The number is below the dial. */
 export function gauge(name: string, unit: string, limit: number): Gauge {
   const needle = svg('line', { class: 'needle', x1: 0, y1: 0, x2: 0, y2: -0.82 });
   const text = svg('text', { class: 'value', y: 1, 'text-anchor': 'middle' });
@@ -39,13 +40,13 @@ export function gauge(name: string, unit: string, limit: number): Gauge {
       const over = peak > limit;
       element.classList.toggle('pegged', over);
       element.dataset['pegged'] = String(over);
-      const words = `peak ${show(peak, 1)} ${unit}, ${over ? 'over the limit' : 'inside'}`;
+      const words = `peak ${show(peak, 1)} ${unit}, ${over ? 'over the limit' : 'within the limit'}`;
       if (state.textContent !== words) state.textContent = words;
     },
   };
 }
 
-/** A piece of the dial, from and to as shares of full scale. */
+/** A section of the dial, between two fractions of full scale. */
 function arc(from: number, to: number): string {
   const at = (share: number): string => {
     const angle = share * SWEEP;

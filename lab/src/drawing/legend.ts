@@ -1,10 +1,10 @@
-// What is drawn on an arm, by name and colour; each can be switched off.
+// The legend of an arm's drawing, by name and colour; each layer can be switched off.
 import type { Shared } from '../address.ts';
 import { roving } from '../controls/choice.ts';
 import { html } from '../element.ts';
 import type { Layer, MechanismDrawing } from './mechanism.ts';
 
-/** `drive` is what the first three torques add up to. */
+/** `drive` names the sum of the first three torques. */
 const names = (drive: string): readonly (readonly [Layer, string, readonly (readonly [string, string])[]])[] => [
   ['angles', 'angles', [['ink', 'q']]],
   ['torques', 'torques', [['second', 'M q̈'], ['accent', 'C q̇'], ['muted', 'g'], ['ink', drive]]],
@@ -15,7 +15,7 @@ const names = (drive: string): readonly (readonly [Layer, string, readonly (read
 
 export interface Legend {
   element: HTMLElement;
-  /** Its part of the address: the layers that are off, where others are than at first. */
+  /** Its part of the address: the hidden layers, if they are not the default. */
   shared(): Shared;
   restore(values: URLSearchParams): void;
 }

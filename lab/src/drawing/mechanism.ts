@@ -1,4 +1,5 @@
-// What an arm feels, drawn on the arm: its angles, its weights, the torques of each joint, the mass of its tip, its trail.
+// Mechanical quantities drawn on an arm: angles, weights, joint torques, the effective mass at the tip, and
+// its trail.
 import { set, short, svg } from '../element.ts';
 import { turning, wedge } from './arc.ts';
 import { arrow } from './arrow.ts';
@@ -8,45 +9,46 @@ import type { Point } from './planar-arm.ts';
 export const LAYERS = ['angles', 'weights', 'torques', 'mass', 'trail'] as const;
 export type Layer = (typeof LAYERS)[number];
 
-/** What is drawn; what costs something is asked for only where it is shown. */
+/** The data of the drawing. Expensive quantities are functions, called only if they are shown. */
 export interface Felt {
   /** From the base outwards. */
   points: readonly Point[];
   q: ArrayLike<number>;
   /** Centre of mass and weight of each link: x, y, N. */
   weights: () => ArrayLike<number>;
-  /** M q̈ of every joint, then C q̇, then g, and what these add up to where anything drives or damps it. */
+  /** M q̈ of every joint, then C q̇, then g, and their sum if the arm is driven or damped. */
   stack: () => ArrayLike<number>;
-  /** J M⁻¹ Jᵀ of the tip: greater and smaller eigenvalue, direction of the greater. */
+  /** J M⁻¹ Jᵀ of the tip: larger and smaller eigenvalue, direction of the larger. */
   mobility: () => ArrayLike<number>;
 }
 
 export interface MechanismDrawing {
-  /** Below the links, and above them. */
+  /** Layers below and above the links. */
   under: SVGGElement;
   over: SVGGElement;
-  /** Letters follow at every third beat. */
+  /** Letters are redrawn every third frame. */
   draw(felt: Felt, beat: number): void;
-  /** The tip's past, oldest first. */
+  /** The tip's past positions, oldest first. */
   past(x: ArrayLike<number>, y: ArrayLike<number>): void;
   show(layer: Layer, on: boolean): void;
-  /** The torque of half a turn of arc [N·m]: it follows the largest there is, and comes down slowly after it. */
+  /** The torque of half a turn of arc [N·m]. It follows the largest torque and decreases slowly. */
   halfTurn(): number;
 }
 
 const PARTS = ['inertial', 'coriolis', 'gravity', 'drive'] as const;
 const DIGITS = '₁₂₃';
-/** The largest arc is for at least this torque [N·m], and this long [rad]. */
+/** The smallest torque that the longest arc stands for [N·m], and the length of that arc [rad]. */
 const TORQUE = 15;
 const LARGEST = 1.2 * Math.PI;
-/** Metres of arrow for a newton, of an arm of unit size. */
+/** Metres of arrow for a newton, for an arm of unit size. */
 const PER_NEWTON = 0.017;
-/** Metres of ellipse for √(1/kg), of an arm of unit size. */
+/** Metres of ellipse for √(1/kg), for an arm of unit size. */
 const PER_MOBILITY = 0.13;
 
-/** For an arm of so many joints, `size` metres about the length of a link. */
+/** For an arm of that many joints; `size` is about the length of a link in metres. */
 export function mechanism(count: number, size = 1): MechanismDrawing {
-  // One path for all joints' parts of a kind: each path that changes costs a frame its style and its layout.
+  // One path for each kind of part of all joints, since every changed path costs style and layout work per
+  // frame.
   const angles = svg('path', { class: 'angle' });
   const names = Array.from({ length: count }, (_, i) =>
     svg('text', { class: 'name', 'text-anchor': 'middle', 'dominant-baseline': 'central' }, `q${DIGITS[i]!}`));
@@ -86,7 +88,7 @@ export function mechanism(count: number, size = 1): MechanismDrawing {
   };
   const drawTorques = ({ points, q, stack: ask }: Felt): void => {
     const stack = ask();
-    // Head to tail: what the first three add up to is what drives the joint.
+    // Head to tail: the sum of the first three drives the joint.
     let direction = 0;
     widest = Math.max(TORQUE, 0.985 * widest);
     for (let i = 0; i < count; i += 1) {
@@ -144,14 +146,14 @@ export function mechanism(count: number, size = 1): MechanismDrawing {
       if (on) shown.add(layer);
       else shown.delete(layer);
       for (const one of layers[layer]) one.setAttribute('visibility', on ? 'visible' : 'hidden');
-      // A hidden group's arrows hide themselves: what is inside must follow the group.
+      // Arrows of a hidden group hide themselves, so contents must follow the group.
       if (layer === 'weights') over.classList.toggle('weightless', !on);
     },
     halfTurn: () => (widest * Math.PI) / LARGEST,
   };
 }
 
-/** The same angle in (−π, π]. */
+/** The angle in (−π, π]. */
 function within(angle: number): number {
   return angle - 2 * Math.PI * Math.ceil(angle / (2 * Math.PI) - 0.5);
 }

@@ -1,11 +1,11 @@
-// A planar arm in the plane: links, joints, trail. The picture's unit is the metre; y is flipped to point up.
+// A planar arm: links, joints, trail. The picture's unit is the metre, with y up.
 import { set, short, svg } from '../element.ts';
 
 export type Point = readonly [number, number];
 
 export interface PlanarPicture {
   element: SVGSVGElement;
-  /** Where things that belong to the plane are put. */
+  /** The group for elements in the plane. */
   plane: SVGGElement;
 }
 

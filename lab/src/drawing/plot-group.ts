@@ -1,35 +1,35 @@
-// Plots that belong together: one cursor over all of them, a timeline that moves it, their numbers as CSV, their picture as PNG.
+// Plots with a common cursor, a timeline that moves it, their numbers as CSV and their picture as PNG.
 import { html, show } from '../element.ts';
 import { colour } from './colours.ts';
 
-/** What a plot of a group shows now. */
+/** The current contents of a plot. */
 export interface Member {
   title: string;
   unit: string;
-  /** What it is drawn on, once it has been in sight. */
+  /** Its canvas, once it has been visible. */
   canvas: () => HTMLCanvasElement | undefined;
   names: readonly string[];
   data: () => { x: ArrayLike<number>; columns: readonly ArrayLike<number>[] };
-  /** Draws anew, with the cursor there or without. */
+  /** Draws the plot again, with or without the cursor. */
   cursor: (x: number | undefined) => void;
 }
 
 export interface PlotGroup {
-  /** The timeline: shown when there is something to go along. */
+  /** The timeline, shown once there are data. */
   element: HTMLElement;
   add(member: Member): void;
-  /** A plot's pointer is there; undefined where it has left. */
+  /** Called with the position of a plot's pointer, undefined when it has left. */
   point(x: number | undefined): void;
-  /** The data of a plot has changed. */
+  /** Called when the data of a plot has changed. */
   changed(): void;
   csv(): string;
   png(): Promise<Blob>;
-  /** The plots' picture, drawn anew whenever they change, until it is ended. */
+  /** The plots' picture, redrawn after every change until it is ended. */
   film(): HTMLCanvasElement;
   endFilm(): void;
 }
 
-/** `onScrub` is told where the cursor is, to draw what was then; undefined: as things are. */
+/** `onScrub` receives the time at the cursor, or undefined for the current state. */
 export function plotGroup(onScrub: (x: number | undefined) => void = () => undefined, xName = 't', xUnit = 's'): PlotGroup {
   const members: Member[] = [];
   const range = html('input', { type: 'range', min: 0, max: 1, step: 'any', 'aria-label': `Timeline, ${xUnit}` });
@@ -46,7 +46,7 @@ export function plotGroup(onScrub: (x: number | undefined) => void = () => undef
   };
   const write = (): void => {
     const share = at === undefined ? 1 : (at - span[0]) / (span[1] - span[0] || 1);
-    // No frame asks for a style that is there already.
+    // Styles are set only if they differ.
     if (share !== shown) {
       shown = share;
       range.value = String(share);
@@ -63,7 +63,7 @@ export function plotGroup(onScrub: (x: number | undefined) => void = () => undef
   });
   let film: HTMLCanvasElement | undefined;
   let filmed = 0;
-  /** All plots that have been in sight, one below the other, with their names. */
+  /** All plots that have been visible, one below the other, with their names. */
   const sheet = (onto: HTMLCanvasElement): HTMLCanvasElement => {
     const seen = members.flatMap(({ canvas, ...member }) => {
       const drawn = canvas();
@@ -111,7 +111,7 @@ export function plotGroup(onScrub: (x: number | undefined) => void = () => undef
       const x = members[0]?.data().x ?? [];
       const columns = members.flatMap(({ names, unit, data }) => {
         const now = data();
-        // A scale is no unit.
+        // A scale is not a unit.
         const plain = unit.replace(/(, )?log scale/, '');
         const named = (name = ''): string => (plain === '' ? name : `${name} [${plain}]`);
         return now.x.length === x.length ? now.columns.map((values, k) => ({ name: named(names[k]), values })) : [];
@@ -140,7 +140,7 @@ export function plotGroup(onScrub: (x: number | undefined) => void = () => undef
   };
 }
 
-/** Hands a file to the reader. */
+/** Saves a file. */
 export function download(name: string, content: Blob): void {
   const link = html('a', { href: URL.createObjectURL(content), download: name });
   link.click();

@@ -1,5 +1,5 @@
-// A plot: one or more lines against time, with units, legend and round ticks. uPlot draws it on a canvas; its names, the values at
-// the cursor and what it says to those who do not see it are the page's own.
+// A plot: one or more lines against time, with units, legend and round ticks. uPlot draws it on a canvas. The
+// page provides the names, the values at the cursor, and the text for screen readers.
 import type uPlot from 'uplot';
 
 import { html, powerOfTen, scientific, show } from '../element.ts';
@@ -15,18 +15,18 @@ export interface Line {
 
 export interface PlotOptions {
   title: string;
-  /** Of the vertical axis. */
+  /** Unit of the vertical axis. */
   unit: string;
   lines: Line[];
-  /** Powers of ten, from this smallest value up. */
+  /** Logarithmic axis from this smallest value. */
   logFrom?: number;
-  /** Never show less than this range. */
+  /** Smallest range of the axis. */
   atLeast?: [number, number];
-  /** Horizontal lines at these values, with their names. */
+  /** Horizontal lines at these values, with names. */
   marks?: { value: number; name: string }[];
   xUnit?: string;
   height?: number;
-  /** Plots with one cursor. */
+  /** Plots with a common cursor. */
   group?: PlotGroup;
 }
 
@@ -35,21 +35,21 @@ export type List = number[] | Float64Array;
 
 export interface Plot {
   element: HTMLElement;
-  /** x and one list of values per line; lists may be shorter than x. */
+  /** x and one list of values for each line; lists may be shorter than x. */
   draw(x: List, columns: readonly List[]): void;
 }
 
-/** Room for the axes' numbers, and above and beside the lines. */
+/** Margins for the axes' numbers, and above and beside the lines. */
 const [LEFT, BOTTOM, TOP, RIGHT] = [52, 22, 8, 22];
 const FONT = '11px ui-sans-serif, system-ui, sans-serif';
 
-/** Fetched when the first plot comes into sight. */
+/** Loaded when the first plot becomes visible. */
 let library: typeof uPlot | undefined;
 
 export function plot(options: PlotOptions): Plot {
   const { title, unit, lines, height = 150, logFrom } = options;
   const host = html('div', { class: 'chart', role: 'img', 'aria-label': title, style: `height: ${String(height)}px` });
-  // The values under the cursor stand beside the names.
+  // The values at the cursor are shown beside the names.
   const values = lines.map(() => html('span', { class: 'at' }));
   const legend = lines.map((line, k) =>
     html('span', { class: `key ${line.tone}${line.dashed ? ' dashed' : ''}` }, line.name, values[k]!),
@@ -65,7 +65,7 @@ export function plot(options: PlotOptions): Plot {
   let chart: uPlot | undefined;
   let cursor: number | undefined;
   let pointed = false;
-  // Size and sight are told by observers, so that a frame asks for no layout.
+  // Observers report size and visibility, so that frames need no layout.
   let width = 0;
   let seen = false;
   let said = 0;
@@ -81,7 +81,7 @@ export function plot(options: PlotOptions): Plot {
     said = now;
     host.setAttribute('aria-label', describe(options, columns));
   };
-  /** The line at the cursor, and what the lines are there. */
+  /** The vertical line at the cursor, and the values there. */
   const point = (): void => {
     if (chart === undefined) return;
     const [x] = last;
@@ -128,19 +128,19 @@ export function plot(options: PlotOptions): Plot {
       import('uplot').then(({ default: fetched }) => {
         library = fetched;
         draw(...last);
-      }, (error: unknown) => { host.textContent = `The plot was not fetched: ${String(error)}`; });
+      }, (error: unknown) => { host.textContent = `The plot did not load: ${String(error)}`; });
     }
   }, { rootMargin: '40px' }).observe(host);
   onTheme(() => chart?.redraw());
   return { element, draw };
 }
 
-/** What uPlot is told once. */
+/** The options of uPlot. */
 function drawn(options: PlotOptions): Omit<uPlot.Options, 'width' | 'height'> {
   const { lines, logFrom, xUnit = 's' } = options;
   const log = logFrom !== undefined;
   const axis = { stroke: () => colour('muted'), font: FONT, ticks: { show: false } };
-  // The page says where the cursor is: a group has one.
+  // The page manages the cursor of a group.
   const deaf = (): null => null;
   const plain = (_: uPlot, at: number[], __: number, ___: number, step: number): string[] =>
     at.map((value) => show(value, digitsOf(step)));
@@ -183,15 +183,15 @@ function drawn(options: PlotOptions): Omit<uPlot.Options, 'width' | 'height'> {
   };
 }
 
-/** Rows that belong together; without any, an empty plot from 0 to 1, and of one alone as much after it. What a plot of powers of ten
- * cannot show lies on its floor. */
+/** Rows of equal length. An empty plot goes from 0 to 1, and a single point gets an axis of length 1. Values
+ * below the range of a logarithmic plot are at its bottom. */
 function table({ lines, logFrom }: PlotOptions, x: List, columns: readonly List[]): uPlot.AlignedData {
   if (x.length === 0) return [[0, 1], ...lines.map(() => [null, null])];
   const raised = (column: List): List => (logFrom === undefined ? column : column.map((value) => Math.max(value, logFrom)));
   return [x.length === 1 ? [x[0]!, x[0]! + 1] : x, ...lines.map((_, k) => raised(columns[k] ?? []))];
 }
 
-/** From the least and the largest value, if there is any. */
+/** From the smallest and the largest value, if there are any. */
 function range({ atLeast, logFrom }: PlotOptions, least: number | null, most: number | null): [number, number] {
   let [low, high] = [Math.min(least ?? Infinity, atLeast?.[0] ?? Infinity), Math.max(most ?? -Infinity, atLeast?.[1] ?? -Infinity)];
   const some = Number.isFinite(low) && Number.isFinite(high);
@@ -204,7 +204,7 @@ function range({ atLeast, logFrom }: PlotOptions, least: number | null, most: nu
   return [10 ** low, 10 ** Math.max(high, low + 1)];
 }
 
-/** Dashed lines with names across the plot. */
+/** Dashed horizontal lines with names. */
 function marks({ ctx, bbox, valToPos }: uPlot, { marks: all = [] }: PlotOptions): void {
   const ratio = devicePixelRatio;
   ctx.save();
@@ -226,7 +226,7 @@ function marks({ ctx, bbox, valToPos }: uPlot, { marks: all = [] }: PlotOptions)
   ctx.restore();
 }
 
-/** The latest values in words, for those who do not see the canvas. */
+/** The latest values as text, for screen readers. */
 function describe({ title, unit, lines, logFrom }: PlotOptions, columns: readonly List[]): string {
   const latest = lines.map(({ name }, k) => {
     const value = columns[k]?.at(-1);

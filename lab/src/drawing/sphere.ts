@@ -1,4 +1,4 @@
-// Curves on the unit sphere, seen from one side: in front drawn full, behind drawn faint.
+// Curves on the unit sphere from one viewpoint: solid in front, faint behind.
 import { set, short, svg } from '../element.ts';
 import type { Vector3, View } from './view.ts';
 

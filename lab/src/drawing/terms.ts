@@ -1,7 +1,8 @@
-// Terms that light up together: in the formula, in the sentence, in the picture. What names a term has data-term; what moves or
-// explains one has data-lights.
+// Terms that are highlighted together in the formula, the sentence and the picture. An element with data-term
+// names a term; one with data-lights affects or explains it.
 
-/** Listens within an element: the term under the pointer or the focus is lit, and one that has just moved glows a moment. */
+/** Highlights the term under the pointer or the focus within an element, and for a moment a term that has
+ * changed. */
 export function lightTerms(root: HTMLElement): void {
   let timer = 0;
   const light = (name: string | undefined): void => {

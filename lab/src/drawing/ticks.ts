@@ -6,7 +6,7 @@ export interface Tick {
   text: string;
 }
 
-/** Digits after the point that multiples of a round step have. */
+/** Digits after the decimal point of multiples of a round step. */
 export function digitsOf(step: number): number {
   const isWhole = (x: number): boolean => Math.abs(x - Math.round(x)) < 1e-9 * x;
   let digits = 0;

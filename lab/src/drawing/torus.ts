@@ -1,4 +1,5 @@
-// The torus of two joint angles, cut open into a square; what leaves on one side enters on the other.
+// The torus of two joint angles, cut open to a square; a curve that leaves on one side enters on the opposite
+// one.
 import { set, short, svg } from '../element.ts';
 
 export interface Torus {

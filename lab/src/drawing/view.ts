@@ -1,4 +1,4 @@
-// A look at the world from some direction: orthographic, z up, turned by dragging or by arrow keys.
+// An orthographic view of the world, z up, turned by dragging or by arrow keys.
 import { numberFrom, type Shared } from '../address.ts';
 import { svg } from '../element.ts';
 
@@ -19,7 +19,7 @@ export class View {
 
   private readonly began: readonly [number, number];
 
-  /** Right, up and towards the eye. The picture's y points down, so the second is to be negated there. */
+  /** Right, up and towards the viewer. The picture's y points down, so the second is negated there. */
   look([x, y, z]: Vector3): [number, number, number] {
     const [sa, ca] = [Math.sin(this.azimuth), Math.cos(this.azimuth)];
     const [se, ce] = [Math.sin(this.elevation), Math.cos(this.elevation)];
@@ -35,7 +35,7 @@ export class View {
     return [[-sa, ca, 0], [-se * ca, -se * sa, ce]];
   }
 
-  /** Its part of an address, where it has been turned from where it began. */
+  /** Its part of the address, if the view was turned. */
   shared(name: string): Shared {
     const [azimuth, elevation] = this.began;
     if (this.azimuth === azimuth && this.elevation === elevation) return {};
@@ -53,7 +53,7 @@ export class View {
   }
 }
 
-/** A picture that is looked at from any side. */
+/** A picture that can be turned. */
 export function spatialPicture(label: string, view: View, reach: number, onTurn: () => void): SVGSVGElement {
   const element = svg('svg', {
     class: 'space',
@@ -72,7 +72,7 @@ export function spatialPicture(label: string, view: View, reach: number, onTurn:
     if (!element.hasPointerCapture(event.pointerId)) return;
     const [dx, dy] = [event.clientX - last[0], event.clientY - last[1]];
     last = [event.clientX, event.clientY];
-    // A finger that goes up or down scrolls the page.
+    // A vertical swipe scrolls the page.
     view.turn(dx * 0.01, event.pointerType === 'touch' ? 0 : dy * 0.01);
     onTurn();
   });
@@ -86,7 +86,7 @@ export function spatialPicture(label: string, view: View, reach: number, onTurn:
   return element;
 }
 
-/** R v, R row by row in a flat list from `at`. */
+/** R v, with R in row-major order in a flat list from `at`. */
 export function rotate(rotation: ArrayLike<number>, [x, y, z]: Vector3, at = 0): [number, number, number] {
   const row = (i: number): number =>
     rotation[at + 3 * i]! * x + rotation[at + 3 * i + 1]! * y + rotation[at + 3 * i + 2]! * z;

@@ -1,27 +1,27 @@
-// The map of flips on a graphics card, by WebGPU: the step of the arm is the shader that `dynamics generate` writes for
-// robots/two_r.urdf, the library's recursions in single precision.
+// The map of flips on a graphics card by WebGPU. The step of the arm is the shader that `dynamics generate`
+// writes for robots/two_r.urdf: the library's recursions in single precision.
 import step from './arm_rk4_step.wgsl?raw';
 import around from './first-flips.wgsl?raw';
 import { queue } from './queue.ts';
 import type { Done, Job, Setup } from './worker.ts';
 import type { Pool } from './workers.ts';
 
-/** The standard's flags, which the compiler's types leave out. */
+/** Flags of the standard, which the types lack. */
 const [COMPUTE, MAP_READ, COPY_SRC, COPY_DST, UNIFORM, STORAGE, READ] = [0x4, 0x1, 0x4, 0x8, 0x40, 0x80, 0x1] as const;
-/** Threads of a group, as in the shaders. */
+/** Threads in a workgroup, as in the shaders. */
 const GROUP = 64;
-/** Steps handed over at once: a card that also draws the page is not to be busy for long. */
+/** Number of steps submitted at once, limited since the card also draws the page. */
 const AT_ONCE = 250;
 
-/** A card that computes; none where the browser has no WebGPU, or only a processor that plays one. */
+/** A card for computing; none if the browser has no WebGPU, or only a software adapter. */
 export async function graphicsCard(): Promise<GPUDevice | undefined> {
-  // Not in every browser, whatever the types say.
+  // Not defined in every browser, despite the types.
   const gpu = (navigator as { gpu?: GPU }).gpu;
   const adapter = await gpu?.requestAdapter({ powerPreference: 'high-performance' }).catch(() => null);
   return !adapter || adapter.info.isFallbackAdapter ? undefined : adapter.requestDevice().catch(() => undefined);
 }
 
-/** The pool of one card, for the arm that the step was generated of. */
+/** The pool of one card, for the arm of the generated step. */
 export function flipCard(device: GPUDevice, [l1, m1, l2, m2, gravity, h]: Setup['arm']): Pool {
   const layout = (types: readonly GPUBufferBindingType[]): GPUBindGroupLayout => device.createBindGroupLayout({
     entries: types.map((type, binding) => ({ binding, visibility: COMPUTE, buffer: { type } })),

@@ -1,9 +1,9 @@
-// What goes round the generated step of the arm: where it starts, and when a rod of it first points straight up.
+// The loop around the generated step of the arm: the start, and the time when a rod first points straight up.
 //
-// Angles of the rods from where they hang: q1 + pi/2, and q2 more.
+// Angles of the rods from the hanging position: q1 + pi/2, and q2 in addition.
 
 struct Arm {
-    // Of k1 and k2 in the potential energy -k1 cos(t1) - k2 cos(t2); the step [s].
+    // The factors k1 and k2 in the potential energy -k1 cos(t1) - k2 cos(t2); the step [s].
     k1: f32,
     k2: f32,
     h: f32,
@@ -13,13 +13,13 @@ struct Arm {
 @group(0) @binding(1) var<storage, read_write> v: array<vec2<f32>>;
 @group(0) @binding(2) var<storage, read> q_next: array<vec2<f32>>;
 @group(0) @binding(3) var<storage, read> v_next: array<vec2<f32>>;
-// The time of the first flip, -1 while there is none, -2 where the energy for one is missing; and the steps taken.
+// The time of the first flip, -1 before one, -2 if the energy excludes one; and the number of steps.
 @group(0) @binding(4) var<storage, read_write> outcome: array<vec2<f32>>;
 @group(0) @binding(5) var<uniform> arm: Arm;
 
 const PI = 3.14159265358979;
 
-// The same angle from -pi to pi.
+// The angle modulo 2 pi, from -pi to pi.
 fn wrapped(angle: f32) -> f32 {
     return angle - 2.0 * PI * round(angle / (2.0 * PI));
 }

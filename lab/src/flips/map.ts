@@ -1,14 +1,15 @@
-// The map itself: each point an arm that starts at rest there, coloured by when a rod of it first points straight up.
+// The map: each point is an arm that starts at rest there, coloured by the time when a rod first points
+// straight up.
 import { onTheme } from '../drawing/colours.ts';
 import { html, show } from '../element.ts';
 import { fill, portions } from './refine.ts';
 import { LATEST, palette } from './palette.ts';
 import type { Pool } from './workers.ts';
 
-/** Points across and down. */
+/** Number of points in each direction. */
 export const SIZE = 512;
 
-/** What is seen: the middle, and half the width, in angles of the two rods from where they hang [rad]. */
+/** The view: its centre and half its width, in angles of the two rods from the hanging position [rad]. */
 export interface View {
   x: number;
   y: number;
@@ -17,16 +18,17 @@ export interface View {
 
 export interface FlipPicture {
   element: HTMLCanvasElement;
-  /** Computes the view anew, coarse first. */
+  /** Computes the view again, coarse first. */
   look(view: View): void;
-  /** The time of the first flip at a point of the picture, both counted from 0 to 1; NaN where it is not known yet. */
+  /** The time of the first flip at a point of the picture with coordinates from 0 to 1; NaN if not yet
+   * computed. */
   at(across: number, down: number): number;
 }
 
 export interface Progress {
-  /** Of all points. */
+  /** Number of computed points. */
   share: number;
-  /** Steps of one arm taken, seconds since the view was asked for, seconds until the coarse picture stood. */
+  /** Number of steps of an arm, seconds since the start of the view, seconds until the coarse picture. */
   steps: number;
   seconds: number;
   coarse: number;
@@ -43,7 +45,7 @@ export function flipPicture(pool: (view: View) => Pool | undefined, onProgress: 
   let used: Pool | undefined;
   let frame = 0;
   let news: Progress | undefined;
-  /** Both once a frame, however many portions came. */
+  /** Both at most once a frame, for any number of results. */
   const paint = (): void => {
     frame ||= requestAnimationFrame(() => {
       frame = 0;
@@ -71,7 +73,7 @@ export function flipPicture(pool: (view: View) => Pool | undefined, onProgress: 
       points.forEach((point, k) => {
         const inner = x + half * ((2 * ((point % SIZE) + 0.5)) / SIZE - 1);
         const outer = y - half * ((2 * (Math.floor(point / SIZE) + 0.5)) / SIZE - 1);
-        // From where a rod hangs, to the chapter's angles.
+        // From the hanging rod to the chapter's angles.
         starts[2 * k] = inner - Math.PI / 2;
         starts[2 * k + 1] = outer - inner;
       });
@@ -105,10 +107,10 @@ export function flipPicture(pool: (view: View) => Pool | undefined, onProgress: 
   };
 }
 
-/** A time in words. */
+/** A time as text. */
 export function flipWords(time: number): string {
   if (Number.isNaN(time)) return 'not computed yet';
-  if (time < -1.5) return 'never: it has not the energy';
+  if (time < -1.5) return 'never: not enough energy';
   if (time < 0) return `not within ${String(LATEST)} s`;
   return `${show(time, 2)} s`;
 }

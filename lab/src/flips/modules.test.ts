@@ -13,7 +13,7 @@ beforeAll(() => {
   inRegisters.initSync({ module: readFileSync(new URL('../../wasm/flips_simd128_bg.wasm', import.meta.url)) });
 });
 
-/** q₁, q₂ of a square of points over all angles. */
+/** q₁, q₂ of a square grid over all angles. */
 function starts(across: number): Float64Array {
   const angle = (k: number): number => Math.PI * ((2 * k + 1) / across - 1);
   return Float64Array.from({ length: 2 * across * across }, (_, i) => {
@@ -28,7 +28,7 @@ describe('the two modules of the flips', () => {
     expect([one.lanes, four.lanes]).toEqual([1, 4]);
     const all = starts(24);
     const [alone, together] = [one.firstFlips(all, 20), four.firstFlips(all, 20)];
-    // Neither has a multiply-add that rounds once, so that not even chaos can tell them apart.
+    // Neither has a fused multiply-add, so that even chaotic results are equal.
     expect(together).toEqual(alone);
     expect(four.steps).toBe(one.steps);
     const flipped = alone.filter((time) => time >= 0).length;

@@ -1,4 +1,5 @@
-// Colours of first flips: light for soon, dark for late, by the logarithm of the time; from the page's own tokens.
+// Colours of first flips: light for early, dark for late, by the logarithm of the time, from the page's
+// colours.
 import { colour } from '../drawing/colours.ts';
 
 /** The range of the scale [s]. */
@@ -7,7 +8,7 @@ export const LATEST = 20;
 const SHADES = 256;
 
 export interface Palette {
-  /** The pixel of a time: −1 not in time, −2 never. */
+  /** The pixel of a time: −1 for a flip after the end, −2 for never. */
   of(time: number): number;
 }
 

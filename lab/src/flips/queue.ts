@@ -1,12 +1,12 @@
-// Jobs in the order they come, for several runners that each do one at a time.
+// A queue of jobs for several runners, each with one job at a time.
 
 export interface Queue<Job, Done> {
   run(job: Job): Promise<Done>;
-  /** What has not been begun is not done. */
+  /** Drops the jobs that have not started. */
   forget(): void;
 }
 
-/** A runner that fails is not asked again. */
+/** A runner that has failed gets no more jobs. */
 export function queue<Job, Done>(runners: readonly ((job: Job) => Promise<Done>)[]): Queue<Job, Done> {
   interface Waiting { job: Job; resolve: (done: Done) => void; reject: (error: unknown) => void }
   const idle = [...runners];

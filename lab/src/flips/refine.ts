@@ -1,16 +1,16 @@
-// A square picture computed coarsely first: every eighth point, then every fourth, every second, all.
+// A square picture computed coarse to fine: every eighth point, then every fourth, every second, all.
 
 const STRIDES = [8, 4, 2, 1] as const;
 
 export interface Portion {
-  /** How large a block each point stands for until finer ones come. */
+  /** Size of the block that each point fills until finer ones are computed. */
   stride: number;
-  /** Indices of points, row by row. */
+  /** Indices of points in row-major order. */
   points: Uint32Array;
 }
 
-/** All points of a picture of `size` by `size`, each once, coarse ones first, in portions of so many: few enough that a new view does not
- * wait long. */
+/** All points of a picture of `size` by `size`, each once, coarse ones first. Portions are small enough that
+ * a new view does not wait long. */
 export function* portions(size: number, each: number): Generator<Portion> {
   for (const stride of STRIDES) {
     const fresh: number[] = [];
@@ -24,7 +24,8 @@ export function* portions(size: number, each: number): Generator<Portion> {
   }
 }
 
-/** Fills the block of a point with a colour, within a picture of 32-bit pixels: what is not `known` there, and the point. */
+/** Fills the block of a point in a picture of 32-bit pixels: the point itself, and pixels that are not
+ * `known`. */
 export function fill(
   pixels: Uint32Array, size: number, point: number, stride: number, colour: number, known: (pixel: number) => boolean,
 ): void {

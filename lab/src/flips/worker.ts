@@ -1,4 +1,4 @@
-// One of the workers of the map of flips: the module, then starts in and times out.
+// A worker of the map of flips: receives the module, then starts, and returns times.
 import * as portable from '../../wasm/flips.js';
 import * as inRegisters from '../../wasm/flips_simd128.js';
 
@@ -16,9 +16,9 @@ export interface Job {
 }
 
 export interface Done {
-  /** Of first flips, in the order of the starts. */
+  /** First flips, in the order of the starts. */
   times: Float32Array;
-  /** Steps of one arm that were taken. */
+  /** Number of steps of an arm. */
   steps: number;
 }
 
@@ -31,7 +31,7 @@ self.onmessage = ({ data }: MessageEvent<Setup | Job>): void => {
     map = new engine.FlipMap(...data.arm);
     return;
   }
-  if (map === undefined) throw new Error('a job came before the module');
+  if (map === undefined) throw new Error('a job arrived before the module was loaded');
   const before = map.steps;
   const times = map.firstFlips(data.starts, data.duration);
   const done: Done = { times, steps: map.steps - before };

@@ -1,5 +1,5 @@
-// The workers that compute the map of flips: as many as the machine has processors, each with the module's registers where the browser
-// has them. They share no memory, so that the page needs no headers of its server, and a single file can start them.
+// The workers that compute the map of flips, one for each processor, with vector registers if the browser
+// supports them. They share no memory, so the page needs no special headers and works as a single file.
 import portable from '../../wasm/flips_bg.wasm?url';
 import simd128 from '../../wasm/flips_simd128_bg.wasm?url';
 import { hasSimd128 } from '../../lib/dynamics/simd128.ts';
@@ -9,14 +9,14 @@ import type { Done, Job, Setup } from './worker.ts';
 
 const MOST = 8;
 
-/** What computes the map: these workers, or a graphics card. */
+/** The means of computing the map: these workers, or a graphics card. */
 export interface Pool {
-  /** How it computes, in words. */
+  /** A description for the page. */
   readonly says: string;
-  /** How many starts it is best given at once. */
+  /** Best number of starts in one call. */
   readonly each: number;
   flips(job: Job): Promise<Done>;
-  /** What has not been begun is not done. */
+  /** Drops the jobs that have not started. */
   forget(): void;
 }
 
@@ -36,11 +36,11 @@ export async function flipWorkers(arm: Setup['arm']): Promise<Pool> {
       worker.postMessage(job);
     });
   });
-  // Each has its next job before it is done with one, so that none waits for the page.
+  // Each worker has its next job early, so that none waits for the page.
   const { run, forget } = queue([...runners, ...runners]);
   return {
     says: `double precision; ${String(count)} ${count === 1 ? 'worker' : 'workers'}, `
-      + (registers ? 'four arms at once in WebAssembly’s registers (simd128)' : 'one arm at a time: no registers here'),
+      + (registers ? 'four arms at once in vector registers (simd128)' : 'one arm at a time, without vector registers'),
     each: 1024,
     flips: run,
     forget,

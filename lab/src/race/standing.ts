@@ -1,7 +1,7 @@
-// How a race stands, as it is drawn.
+// The state of a race, for drawing.
 import type { Race } from '../../wasm/chapter.js';
 
-/** How things stand; a list has an entry for each runner. */
+/** The state of a race; lists have an entry for each runner. */
 export interface Standing {
   time: number;
   times: Float64Array;

@@ -1,27 +1,27 @@
-// A race on a thread of its own, so that minutes of motion a second cost the page no frame.
+// A race in a worker, so that minutes of motion per second do not block the page.
 import address from '../../wasm/chapter_bg.wasm?url';
 import type { Standing } from './standing.ts';
 import RaceWorker from './worker.ts?worker&inline';
 import type { Setup, Start, Steps } from './worker.ts';
 
 export interface RaceThread {
-  /** Begins anew. */
+  /** Starts again. */
   start(race: Start): void;
-  /** Goes on, by so many steps of these as it takes on: while it is busy not more than it can catch up with. */
+  /** Asks for more steps. While the worker is busy, the number of waiting steps is limited. */
   advance(steps: number): number;
 }
 
-/** The most steps that wait. */
+/** Largest number of waiting steps. */
 const MOST = 20_000;
 
-/** `onStanding` is told after each start and after all steps that were asked for. */
+/** `onStanding` is called after each start and after the requested steps. */
 export async function raceThread(onStanding: (now: Standing) => void): Promise<RaceThread> {
   const response = await fetch(address);
   const module = await WebAssembly.compile(await response.arrayBuffer());
   const worker = new RaceWorker({ name: 'race' });
   const post = (message: Setup | Start | Steps): void => { worker.postMessage(message); };
   post({ module });
-  // Answers that are still to come, how many of them are of a race that is no more, and steps that wait for them.
+  // Outstanding answers, the number of them that belong to an older race, and waiting steps.
   let [open, stale, waiting] = [0, 0, 0];
   const go = (): void => {
     if (open > 0 || waiting === 0) return;

@@ -1,4 +1,4 @@
-// The race's own thread: the chapter's module, then whole steps in and how things stand out.
+// The worker of the race: receives the chapter's module, then numbers of steps, and returns the state.
 import { initSync, Race } from '../../wasm/chapter.js';
 import { standing } from './standing.ts';
 
@@ -8,7 +8,7 @@ export interface Setup {
 
 export interface Start {
   names: string[];
-  /** Angles and rates [rad, rad/s], the step and how long the race is [s]. */
+  /** Angles and rates [rad, rad/s], the step and the length of the race [s]. */
   q: Float64Array;
   qd: Float64Array;
   h: number;

@@ -7,9 +7,9 @@ import type { Robot } from '../../lib/dynamics/index.ts';
 
 export interface Actuators {
   element: HTMLElement;
-  /** For a robot that was just loaded: its poses in turn, where it has several with controls. */
+  /** For a newly loaded robot: its poses in turn, if several have controls. */
   suit(robot: Robot): void;
-  /** The controls of now. */
+  /** The current controls. */
   draw(robot: Robot): void;
   shared(robot: Robot | undefined): Shared;
   restoreOn(robot: Robot, values: URLSearchParams): void;
@@ -41,7 +41,7 @@ export function actuators(robot: () => Robot | undefined): Actuators {
     const now = robot();
     if (now !== undefined) draw(now);
   });
-  /** Holds these controls from now on. */
+  /** Sets constant controls. */
   const hold = (controls: ArrayLike<number>): void => {
     turning.set(false);
     sliders.forEach((one, i) => { one.set(controls[i]!); });

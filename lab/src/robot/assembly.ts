@@ -1,4 +1,5 @@
-// A robot's links as groups of solids: the file's shapes, its meshes, rods for what it does not show, masses.
+// A robot's links as groups of solids: the file's shapes, its meshes, rods for links without shapes, and
+// masses.
 import { Box3, Group, Matrix4, Mesh, type Object3D, Sphere, Vector3 } from 'three';
 
 import { vector } from '../drawing/view.ts';
@@ -9,15 +10,15 @@ import { POSE } from './stage.ts';
 
 export interface Assembly {
   links: Group[];
-  /** Whether a hand can move a link. */
+  /** Whether the hand can move a link. */
   movable: boolean[];
-  /** About how large the robot is [m]. */
+  /** Approximate size of the robot [m]. */
   reach: number;
-  /** Height of the ground that the file lays under it [m]. */
+  /** Height of the file's ground [m]. */
   ground: number | undefined;
-  /** Meshes whose files did not come with it. */
+  /** Meshes with missing files. */
   absent: string[];
-  /** Meshes that links hit things with. */
+  /** Meshes of collision shapes. */
   hulls: { shape: DrawnShape; body: Object3D }[];
 }
 
@@ -38,7 +39,7 @@ export async function assemble(robot: Robot, files: MeshFiles, materials: Materi
   const hulls: Assembly['hulls'] = [];
   await Promise.all(shapes.map(async (shape) => {
     if (shape.kind === 'plane' && roots.has(shape.link)) {
-      // The stage has a ground of its own to stand for it.
+      // The stage draws its own ground in its place.
       ground = shape.pose[11];
       return;
     }
@@ -54,7 +55,7 @@ export async function assemble(robot: Robot, files: MeshFiles, materials: Materi
     links[shape.link]!.add(body);
     if (shape.visual) dressed.add(shape.link);
   }));
-  // A link that shows nothing shows what it hits, and one that has nothing a rod.
+  // A link without visual shapes shows its collision shapes, and one without either a rod.
   links.forEach((group, link) => {
     if (dressed.has(link)) return;
     for (const body of group.children) {
@@ -74,7 +75,7 @@ export async function assemble(robot: Robot, files: MeshFiles, materials: Materi
   return { links, movable: canMove(robot), reach, ground, absent, hulls };
 }
 
-/** How far its joints, its masses and its shapes go. */
+/** The extent of its joints, masses and shapes. */
 function size(robot: Robot, shapes: readonly DrawnShape[]): number {
   const poses = robot.poses();
   const bodies = robot.bodies();
@@ -101,7 +102,7 @@ function form(shape: DrawnShape, reach: number, materials: Materials): Object3D 
 async function mesh(shape: DrawnShape, files: MeshFiles, materials: Materials): Promise<Object3D | undefined> {
   const found = await files.load(shape.file);
   if (found === undefined) return undefined;
-  // A mesh file's own colours stay, where the robot's file gives none.
+  // A mesh file's own colours are kept if the robot's file has none.
   const dress = !shape.visual || shape.color.length > 0 || /\.stl$/i.test(shape.file);
   found.traverse((part) => {
     if (dress && part instanceof Mesh) part.material = material(shape, materials);
@@ -111,7 +112,7 @@ async function mesh(shape: DrawnShape, files: MeshFiles, materials: Materials): 
   return body;
 }
 
-/** The points of a mesh in its shape's frame [m]: as its file has them, by the size that the robot's file gives. */
+/** The points of a mesh in its shape's frame [m]: those of the mesh file, scaled as in the robot's file. */
 export function points({ shape, body }: Assembly['hulls'][number]): Float64Array {
   body.updateWorldMatrix(true, true);
   const [x, y, z] = vector(shape.size);

@@ -1,16 +1,16 @@
-// Which of the files that a person handed over are robots, and which are their meshes.
+// Sorts the user's files into robots and meshes.
 import { MeshFiles } from './mesh-files.ts';
 
 export interface Given {
-  /** Robots' files by path. */
+  /** Robot files by path. */
   robots: Map<string, string>;
   meshes: MeshFiles;
 }
 
-/** Larger files than this are no robots' descriptions. */
+/** Size limit of robot descriptions. */
 const LARGEST = 8_000_000;
 
-/** Files by path, archives opened; which of them are robots, their outermost element says. */
+/** Files by path with archives extracted. The outermost element of a file tells whether it is a robot. */
 export async function sorted(files: ReadonlyMap<string, Blob>): Promise<Given> {
   const all = new Map<string, Blob>();
   for (const [path, file] of files) {

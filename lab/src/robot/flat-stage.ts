@@ -1,4 +1,5 @@
-// A robot as a flat drawing, for browsers without WebGL: a line from joint to joint, an ellipsoid of inertia for every link.
+// A flat drawing of a robot for browsers without WebGL: a line from joint to joint, and an inertia ellipsoid
+// for every link.
 import { set, svg } from '../element.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';
 import { axesInWorld, outline } from '../drawing/ellipsoid.ts';
@@ -38,7 +39,7 @@ export function flatStage(hand: Hand): Stage {
     });
     ellipse.addEventListener('pointermove', (event) => {
       if (!ellipse.hasPointerCapture(event.pointerId)) return;
-      // In the plane of the picture: as far right and up as the pointer went.
+      // In the plane of the picture, by the pointer's motion to the right and up.
       const perPixel = 1 / element.getScreenCTM()!.a;
       const [right, up] = view.plane();
       const [dx, dy] = [(event.clientX - from[0]) * perPixel, (from[1] - event.clientY) * perPixel];
@@ -66,7 +67,7 @@ export function flatStage(hand: Hand): Stage {
       outline(ellipse, view, place, axesInWorld(poses, POSE * link, axes, 0), semiaxes, 0.03 * scale);
       return { ellipse, depth: view.look(place)[2] };
     });
-    // The farthest first; an element in hand is not moved about.
+    // The farthest first; an element that the user holds keeps its place in the document.
     if (layer.querySelector(':active') !== null) return;
     const order = depths.sort((a, b) => a.depth - b.depth).map((entry) => entry.ellipse);
     if (order.some((ellipse, i) => layer.children[i] !== ellipse)) layer.append(...order);
@@ -96,7 +97,7 @@ export function flatStage(hand: Hand): Stage {
         const visibility = mass > 0 ? 'visible' : 'hidden';
         const ellipse = svg('ellipse', { class: 'link grip', 'data-link': name, visibility });
         grips(ellipse, link);
-        // The root mean square of the mass reads better than the whole ellipsoid, where links overlap.
+        // The root mean square of the mass distribution is clearer than the ellipsoid where links overlap.
         const spread = vector(semiaxes.map((a) => a / Math.sqrt(5)));
         return { center: vector(center), semiaxes: spread, axes, ellipse, heavy: mass > 0 };
       });

@@ -1,4 +1,4 @@
-// The robots that come with the page.
+// The robots that the page offers.
 
 const FILES = import.meta.glob<string>(['../../../robots/*.urdf', '../../../robots/*.xml'], { query: '?raw', import: 'default' });
 
@@ -9,14 +9,14 @@ const TITLES: Record<string, string> = {
   'gripper_and_box.xml': 'Gripper and box, MJCF',
 };
 
-/** A URDF file does not say that a robot walks. */
+/** A URDF file does not tell that a robot walks. */
 const LEGGED = new Set(['humanoid', 'quadruped']);
 
 export interface Bundled {
-  /** As in the address: a URDF file without its ending. */
+  /** As in the address: a URDF file without its extension. */
   name: string;
   title: string;
-  /** Whether it is shown free to fall, though its file fixes its base. */
+  /** Whether it floats on the page although its file fixes the base. */
   floats: boolean;
   read: () => Promise<string>;
 }

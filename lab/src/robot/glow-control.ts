@@ -1,4 +1,4 @@
-// Which term of the equation of motion the links glow by, and how much the brightest stands for.
+// The term of the equation of motion that sets the brightness of links, and the value of the brightest.
 import { wordFrom, type Shared } from '../address.ts';
 import { choice } from '../controls/choice.ts';
 import { html, show } from '../element.ts';
@@ -10,17 +10,17 @@ const WORDS: readonly (readonly [Word, string])[] = [['off', 'nothing'], ...TERM
 
 export interface GlowControl {
   element: HTMLElement;
-  /** For a robot that was just loaded. */
+  /** For a newly loaded robot. */
   suit(robot: Robot): void;
-  /** As the robot is now; undefined where nothing is to glow. */
+  /** The current brightnesses; undefined for none. */
   now(): Glow['links'] | undefined;
-  /** The brightest joint, in words. */
+  /** The joint with the largest load, as text. */
   write(): void;
   shared(): Shared;
   restore(values: URLSearchParams): void;
 }
 
-/** Three digits that count, in plain figures. */
+/** Three significant digits without an exponent. */
 const digits = (x: number): number => Math.max(0, Math.min(6, 2 - Math.floor(Math.log10(x))));
 
 export function glowControl(onChange: () => void): GlowControl {

@@ -1,4 +1,4 @@
-// Which layers of a robot are seen.
+// Switches for the layers of a robot.
 import { numberFrom, type Shared } from '../address.ts';
 import { roving, toggle } from '../controls/choice.ts';
 import { html } from '../element.ts';
@@ -11,11 +11,11 @@ const LAYERS = [['shapes', 'Shapes', 1], ['collision', 'Collision', 0], ['inerti
 export interface LayerToggles {
   element: HTMLElement;
   readonly value: Layers;
-  /** How brightly each link is to glow now; undefined: none glows. */
+  /** The current brightness of each link; undefined for none. */
   glow(): Float64Array | undefined;
-  /** What the brightest stands for. */
+  /** The value of the brightest link. */
   write(): void;
-  /** Leaves out what a robot has none of. */
+  /** Hides the switches of layers that a robot does not have. */
   suit(robot: Robot): void;
   shared(): Shared;
   restore(values: URLSearchParams): void;

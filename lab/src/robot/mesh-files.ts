@@ -1,15 +1,15 @@
-// Files that came with a robot, its meshes among them: found by the end of their path, read by three's own loaders.
+// The files of a robot, such as meshes: found by the end of their path, read by the loaders of three.js.
 import { Group, Mesh, type Object3D } from 'three';
 
 export class MeshFiles {
-  /** Files by path, as they came in a folder or an archive. */
+  /** Files by path, from a folder or an archive. */
   constructor(readonly files: ReadonlyMap<string, Blob> = new Map()) {}
 
   get count(): number {
     return this.files.size;
   }
 
-  /** The mesh that a robot's file names; `undefined` where there is none, or none that can be read. */
+  /** The mesh that a robot's file names; `undefined` if it is missing or cannot be read. */
   async load(name: string): Promise<Object3D | undefined> {
     const file = this.find(name);
     if (file === undefined) return undefined;
@@ -20,7 +20,7 @@ export class MeshFiles {
     }
   }
 
-  /** The file whose path has the longest end in common with the name. */
+  /** The file whose path shares the longest end with the name. */
   find(name: string): Blob | undefined {
     const asked = parts(name);
     let best: Blob | undefined;
@@ -53,7 +53,7 @@ async function read(name: string, file: Blob): Promise<Object3D | undefined> {
       const { ColladaLoader } = await import('three/addons/loaders/ColladaLoader.js');
       const scene = new ColladaLoader().parse(await file.text(), '')?.scene;
       if (scene === undefined) return undefined;
-      // Robot files mean the mesh's own axes, whichever of them its file calls up.
+      // Robot files use the mesh's own axes, whichever axis its file declares as up.
       scene.position.set(0, 0, 0);
       scene.quaternion.identity();
       return new Group().add(scene);

@@ -1,14 +1,14 @@
-// Pointers on the picture of a robot: on a link they hold it, beside it they turn the view.
+// Pointers on the picture of a robot: on a link they hold it, elsewhere they turn the view.
 import { type Object3D, Plane, Raycaster, Vector2, Vector3 } from 'three';
 
 import type { Scenery } from './scenery.ts';
 import type { Hand } from './stage.ts';
 
 export interface Touched {
-  /** What a pointer can meet. */
+  /** The objects that a pointer can hit. */
   solids: () => Object3D[];
   isMovable: (link: number) => boolean;
-  /** Where the hand is, in the world. */
+  /** The position of the hand in the world. */
   target: Vector3;
   hand: Hand;
   draw: () => void;
@@ -19,7 +19,7 @@ export function pointers(element: HTMLElement, scenery: Scenery, touchedBy: Touc
   const { solids, isMovable, target, hand, draw, render } = touchedBy;
   const { camera, renderer } = scenery;
 
-  // The hand: in the plane through the held point that the picture shows face to face.
+  // The hand moves in the plane through the held point that is parallel to the picture.
   const raycaster = new Raycaster();
   const plane = new Plane();
   const aim = (event: { clientX: number; clientY: number }): void => {
@@ -41,7 +41,7 @@ export function pointers(element: HTMLElement, scenery: Scenery, touchedBy: Touc
   const fingers = new Map<number, { x: number; y: number }>();
   let holding: number | undefined;
   element.addEventListener('touchstart', (event) => {
-    // A finger on the robot holds it; one beside it may scroll the page.
+    // A finger on the robot holds it; elsewhere it may scroll the page.
     const [finger] = event.touches;
     if (finger !== undefined && (event.touches.length > 1 || touched(finger) !== undefined)) event.preventDefault();
   }, { passive: false });
@@ -88,7 +88,7 @@ export function pointers(element: HTMLElement, scenery: Scenery, touchedBy: Touc
     });
   }
   element.addEventListener('wheel', (event) => {
-    // With Ctrl, and by pinching a touchpad, it comes nearer; alone it scrolls the page.
+    // With Ctrl, or by pinching, the wheel zooms; alone it scrolls the page.
     if (!event.ctrlKey) return;
     event.preventDefault();
     scenery.zoom(Math.exp(event.deltaY * 0.004));

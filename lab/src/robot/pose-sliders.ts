@@ -9,7 +9,7 @@ export interface PoseSliders {
   draw(q: ArrayLike<number>): void;
 }
 
-/** One slider a coordinate that has a number of its own. */
+/** One slider for each coordinate with a number in q. */
 export function poseSliders(onMove: (place: number, value: number) => void, onOpen: () => void): PoseSliders {
   let rows: { coordinate: RobotCoordinate; slider: Slider }[] = [];
   const list = html('div', { class: 'coordinates' });
@@ -17,7 +17,7 @@ export function poseSliders(onMove: (place: number, value: number) => void, onOp
   const set = (q: ArrayLike<number>): void => {
     for (const { coordinate, slider: one } of rows) one.set(q[coordinate.place!]!);
   };
-  // Closed, they are not kept up to date.
+  // They are not updated while closed.
   element.addEventListener('toggle', onOpen);
   return {
     element,

@@ -1,40 +1,40 @@
-// How a robot moves: its method, its motors, its pose. Controls and their part of the address.
+// Controls of a robot's motion: method, motors, pose, and their part of the address.
 import { numberFrom, numbered, numbersFrom, wordFrom, type Shared } from '../address.ts';
 import { choice, toggle } from '../controls/choice.ts';
 import { slider } from '../controls/slider.ts';
 import { html } from '../element.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';
 import { INTEGRATORS } from '../widgets/integrators.ts';
-import type { Acting } from './acting.ts';
+import type { EffectSwitches } from './effect-switches.ts';
 import type { Actuators } from './actuators.ts';
 
-/** The library's choice, and its methods by their names. */
+/** The library's choice, and its methods by name. */
 const METHODS: readonly (readonly [string, string])[] = [
-  ['auto', 'As the library chooses'], ['implicit', 'Implicit'], ['mujoco', 'MuJoCo’s law'], ...INTEGRATORS,
+  ['auto', 'Automatic'], ['implicit', 'Implicit'], ['mujoco', 'MuJoCo'], ...INTEGRATORS,
 ];
 
 export interface RunControls {
   elements: HTMLElement[];
   readonly h: number;
-  /** Fetches the switches of what acts and the actuators, before the first robot is shown. */
+  /** Loads the switches of effects and the actuators, before the first robot is shown. */
   ready(): Promise<void>;
-  /** For a robot that was just loaded: the longest step that it bears, its motors at rest. */
+  /** For a newly loaded robot: the longest stable step, with motors off. */
   suit(robot: Robot): void;
-  /** What is said of the simulation, which was set up anew. */
+  /** Shows the texts of a rebuilt simulation. */
   show(robot: Robot): void;
-  /** The motors hold the pose that the robot is in now, if they are on. */
+  /** Makes the motors, if on, hold the robot's current pose. */
   grip(robot: Robot): void;
-  /** What moves with the robot. */
+  /** Updates the controls that follow the robot. */
   draw(robot: Robot): void;
   shared(robot: Robot | undefined): Shared;
   restore(values: URLSearchParams): void;
-  /** What of an address belongs to a loaded robot. */
+  /** The part of an address that belongs to a loaded robot. */
   restoreOn(values: URLSearchParams): void;
 }
 
-/** `say` tells a person why what was asked for cannot be. */
+/** `say` shows the user why a choice is not possible. */
 export function runControls(robot: () => Robot | undefined, say: (text: string) => void): RunControls {
-  /** What the robot took last. */
+  /** The last valid choice for the robot. */
   let taken = { method: 'auto', h: 1e-3, off: [] as string[] };
   const withRobot = (act: (robot: Robot) => void): void => {
     const now = robot();
@@ -69,9 +69,9 @@ export function runControls(robot: () => Robot | undefined, say: (text: string) 
       if (holding.on) of.holdAt(of.held, frequency.value, ratio.value);
     });
   };
-  let effects: Acting | undefined;
+  let effects: EffectSwitches | undefined;
   let servos: Actuators | undefined;
-  /** What an address switched off before the switches had come. */
+  /** The effects that an address switched off before the switches were loaded. */
   let off: string[] = [];
   const panels = html('div');
   const holding = toggle('Motors hold the pose', false, () => { withRobot(hold); });
@@ -86,8 +86,8 @@ export function runControls(robot: () => Robot | undefined, say: (text: string) 
     get h() { return stepLength.value / 1000; },
     async ready() {
       if (effects !== undefined) return;
-      const { acting, actuators } = await import('./panels.ts');
-      [effects, servos] = [acting(changed), actuators(robot)];
+      const { effectSwitches, actuators } = await import('./panels.ts');
+      [effects, servos] = [effectSwitches(changed), actuators(robot)];
       effects.set(off);
       panels.replaceChildren(effects.element, servos.element);
     },
@@ -95,7 +95,7 @@ export function runControls(robot: () => Robot | undefined, say: (text: string) 
       try {
         choose(of);
       } catch {
-        // The choices for the robot before do not suit this one.
+        // The choices of the previous robot do not apply to this one.
         method.set('auto');
         effects?.set([]);
         choose(of);
@@ -119,7 +119,7 @@ export function runControls(robot: () => Robot | undefined, say: (text: string) 
       };
     },
     restore(values) {
-      // Older links say that friction is off by a number.
+      // Older links switch friction off by a number.
       const friction = numberFrom(values, 'friction', 1) === 0 ? ['dissipation'] : [];
       off = [...(values.get('off') ?? '').split('.').filter((name) => name !== ''), ...friction];
       effects?.set(off);

@@ -1,4 +1,4 @@
-// Where a robot stands: a camera, soft light, a ground that takes its shadow.
+// The scene of a robot: a camera, soft light, and a ground with shadows.
 import {
   CircleGeometry, Color, DirectionalLight, Fog, GridHelper, HemisphereLight, Mesh, PCFShadowMap, PerspectiveCamera, Scene,
   ShadowMaterial, Sphere, Vector3, WebGLRenderer,
@@ -6,14 +6,14 @@ import {
 
 import { colour, onTheme } from '../drawing/colours.ts';
 
-/** Of the camera, upwards [degrees]. */
+/** The camera's vertical field of view [degrees]. */
 const FIELD = 32;
 
-/** Whether there is no graphics card: smooth edges and shadows, half of the work, are left out then. */
+/** Whether there is no graphics card. Smooth edges and shadows, half of the work, are then left out. */
 function drawsByProcessor(): boolean {
   const gl = document.createElement('canvas').getContext('webgl2');
   if (gl === null) return false;
-  // Chromium says what draws by an extension, which Firefox calls out of date.
+  // Chromium names the renderer by an extension that Firefox calls deprecated.
   const short = String(gl.getParameter(gl.RENDERER));
   const long = short.startsWith('WebKit') ? gl.getExtension('WEBGL_debug_renderer_info') : null;
   const renderer = long === null ? short : String(gl.getParameter(long.UNMASKED_RENDERER_WEBGL));
@@ -24,12 +24,12 @@ export class Scenery {
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera(FIELD, 1, 0.01, 100);
   readonly renderer: WebGLRenderer;
-  /** What the camera looks at, from where, and from how far. */
+  /** The camera's target, direction and distance. */
   readonly target = new Vector3();
   azimuth = -0.7;
   elevation = 0.32;
   distance = 3;
-  /** Whether the distance is what a person chose. */
+  /** Whether the user chose the distance. */
   chosen = false;
   private readonly sun = new DirectionalLight(0xffffff, 2.3);
   private readonly ground: Mesh<CircleGeometry, ShadowMaterial>;
@@ -37,7 +37,7 @@ export class Scenery {
   private grid: GridHelper | undefined;
   private reach = 1;
 
-  /** Throws where the browser has no WebGL. */
+  /** Throws if the browser has no WebGL. */
   constructor(private readonly onChange: () => void) {
     const simple = drawsByProcessor();
     this.renderer = new WebGLRenderer({ antialias: !simple, alpha: true });
@@ -64,7 +64,8 @@ export class Scenery {
     this.fog.color.set(colour('panel'));
   }
 
-  /** Sets light, ground and far plane for something that reaches this far around the target, standing at this height. */
+  /** Sets light, ground and far plane for an object of this extent around the target, standing at this
+   * height. */
   prepare(reach: number, floor: number): void {
     this.reach = reach;
     this.ground.scale.setScalar(12 * reach);
@@ -80,7 +81,7 @@ export class Scenery {
     this.ground.position.z = floor;
   }
 
-  /** Brings a ball into the picture. */
+  /** Moves the camera so that a ball is in view. */
   fit(ball: Sphere): void {
     this.chosen = false;
     this.target.copy(ball.center);
@@ -116,7 +117,7 @@ export class Scenery {
     [this.fog.near, this.fog.far] = [this.distance + this.reach, this.distance + 7 * this.reach];
     this.sun.target.position.copy(this.target);
     this.sun.position.copy(this.target).add(new Vector3(2.2, -1.6, 4).multiplyScalar(this.reach));
-    // From below, the ground is not in the way.
+    // From below, the ground is hidden.
     this.ground.visible = this.elevation > 0;
     this.ground.position.x = this.target.x;
     this.ground.position.y = this.target.y;

@@ -1,4 +1,4 @@
-// A robot in three dimensions, that a hand can take hold of.
+// A robot in three dimensions that the user can pull.
 import {
   AmbientLight, Box3, BufferGeometry, Color, Group, Line, LineBasicMaterial, Mesh, Sphere, SphereGeometry, Vector3,
 } from 'three';
@@ -8,27 +8,27 @@ import { colour, onTheme } from '../drawing/colours.ts';
 import { html } from '../element.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';
 import { assemble, type Assembly, points } from './assembly.ts';
-import { Lamps } from './lamps.ts';
+import { LinkBrightness } from './link-brightness.ts';
 import type { MeshFiles } from './mesh-files.ts';
 import { pointers } from './pointers.ts';
-import { pushes } from './pushes.ts';
+import { contactArrows } from './contact-arrows.ts';
 import { Scenery } from './scenery.ts';
 import { Materials, placed } from './solids.ts';
 import { POSE, type Hand, type Layers, type Stage } from './stage.ts';
 
-/** How much of the picture a robot that was fitted into it takes. */
+/** The fraction of the picture that a fitted robot fills. */
 const FILL = 0.9;
-/** How far out a link's origin may go before the camera steps back: the link goes on beyond it. */
+/** Distance of a link's origin from the centre at which the camera moves back; the link extends beyond it. */
 const EDGE = 0.8;
 const START = { azimuth: -0.7, elevation: 0.32 };
 
-/** Throws where the browser has no WebGL. Calls back when the robot was given meshes to touch with. */
+/** Throws if the browser has no WebGL. Calls back when the robot has received meshes for contact. */
 export function solidStage(hand: Hand, onMeshes: () => void): Stage {
   const scenery = new Scenery(() => { dress(); });
   const { scene, camera, renderer } = scenery;
   const element = html('div', {
     class: 'stage', tabindex: 0, role: 'group',
-    'aria-label': 'The robot. Drag a link to pull it, the ground or the arrow keys to look from another side, + and − to come nearer.',
+    'aria-label': 'The robot. Drag a link to pull it, the ground or the arrow keys to look from another side, + and − to zoom.',
   }, renderer.domElement);
   renderer.domElement.setAttribute('aria-hidden', 'true');
 
@@ -37,15 +37,15 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
   let movable: boolean[] = [];
   let shown: Layers = { shapes: true, collision: false, inertia: false, forces: true };
   let reach = 1;
-  /** Where the picture's ground is while the robot meets none. */
+  /** Height of the drawn ground if the robot has none. */
   let backdrop = 0;
-  /** Where the robot meets it, if it does. */
+  /** Height of the robot's ground, if it has contact. */
   let level = 0;
   let began = new Vector3();
   let materials = palette();
-  const lamps = new Lamps();
+  const lamps = new LinkBrightness();
   let brightness: Float64Array | undefined;
-  /** Whether an address has said where to look from. */
+  /** Whether the address sets the viewpoint. */
   let restored = false;
   let rebuild: () => Promise<unknown> = () => Promise.resolve();
 
@@ -53,7 +53,7 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
   felt.matrixAutoUpdate = false;
   const string = new Line(new BufferGeometry(), new LineBasicMaterial({ color: colour('accent') }));
   string.frustumCulled = false;
-  const arrows = pushes(new Color(colour('accent')));
+  const arrows = contactArrows(new Color(colour('accent')));
   scene.add(felt, string, arrows.group, new AmbientLight(0xffffff, 0.25));
   const target = new Vector3();
 
@@ -82,7 +82,7 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
 
   const build = async (of: Robot, files: MeshFiles): Promise<Assembly> => {
     const made = await assemble(of, files, materials);
-    // Another robot may have been asked for meanwhile.
+    // Another robot may have been requested meanwhile.
     if (of !== robot) return made;
     lamps.out();
     for (const link of links) scene.remove(link);
@@ -91,7 +91,7 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
     layers(shown);
     draw();
     const ball = extent();
-    // A robot that floats begins on the ground, not in it.
+    // A floating robot starts on the ground.
     const ground = made.ground ?? 0;
     level = of.groundHeight;
     backdrop = of.floats ? Math.min(ground, new Box3().setFromObject(tangible()).min.z) : ground;
@@ -118,16 +118,16 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
     render();
   };
 
-  /** The links that can move; the world of a scene is none of them. */
+  /** The links that can move, without the world of a scene. */
   const movers = (): Group[] => links.filter((_, link) => movable[link] === true);
-  /** The mean place of the links: what the camera goes with. */
+  /** The mean position of the links, which the camera follows. */
   const middle = (): Vector3 => {
     const sum = new Vector3();
     const moving = movers();
     for (const link of moving) sum.add(new Vector3().setFromMatrixPosition(link.matrix));
     return sum.divideScalar(Math.max(1, moving.length));
   };
-  /** All but planes without end. */
+  /** All solids except unbounded planes. */
   const tangible = (): Group => {
     const all = new Group();
     for (const link of links) {
@@ -151,14 +151,14 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
     scenery.fit(extent());
     began = middle();
     render();
-    // The ball around it is roomier than what is seen of it.
+    // The bounding ball is larger than the projection.
     for (let again = 0; again < 3; again += 1) {
       scenery.distance *= Math.max(0.4, Math.min(2, spread() / FILL));
       render();
     }
     element.dataset['spread'] = spread().toFixed(4);
   };
-  /** How far the robot reaches in the picture: 1 is its edge. */
+  /** The extent of the robot in the picture: 1 is its edge. */
   const spread = (): number => {
     const { min, max } = new Box3().setFromObject(tangible(), true);
     const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((k) =>
@@ -167,7 +167,7 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
   };
 
   const at = new Vector3();
-  /** Steps back from what leaves the picture, unless a person chose how near to be. */
+  /** Moves the camera back if the robot leaves the picture, unless the user chose the distance. */
   const keepInSight = (): void => {
     let far = 0;
     for (const link of movers()) {
@@ -206,7 +206,7 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
     element.dataset['contacts'] = String(contacts.length / 6);
     if (arrows.group.visible) arrows.draw(contacts, 9.81 * robot.totalMass, reach);
     keepInSight();
-    // A robot that falls is followed.
+    // The camera follows a falling robot.
     if (robot.floats) {
       const now = middle();
       scenery.target.add(now).sub(began);

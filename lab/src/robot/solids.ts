@@ -1,4 +1,4 @@
-// The solids that stand for a robot's links: the file's shapes, its masses, or a skeleton of rods and pins.
+// The solids of a robot's links: the file's shapes, its masses, or a skeleton of rods and pins.
 import {
   BoxGeometry, type BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, type Material, Matrix4, Mesh, MeshStandardMaterial,
   type Object3D, PlaneGeometry, Quaternion, SphereGeometry, Vector3,
@@ -9,7 +9,7 @@ import { POSE } from './stage.ts';
 
 const UP = new Vector3(0, 1, 0);
 
-/** What solids are made of, by the theme. */
+/** The materials, by theme. */
 export interface Palette {
   part: Color;
   pin: Color;
@@ -25,7 +25,7 @@ export class Materials {
     return this.of(this.palette[name], opacity);
   }
 
-  /** Of a file's colour. */
+  /** The material of a file's colour. */
   of(color: Color, opacity = 1): MeshStandardMaterial {
     const key = `${color.getHexString()} ${opacity.toFixed(2)}`;
     let material = this.made.get(key);
@@ -42,14 +42,15 @@ export class Materials {
   }
 }
 
-/** A shape of the file in its link's frame; `undefined` for a mesh, whose file must be found first, and what has no form. */
+/** A shape of the file in its link's frame; `undefined` for a mesh, whose file must be loaded, and for
+ * unknown shapes. */
 export function solid(shape: DrawnShape, reach: number): BufferGeometry | undefined {
   const [a = 0, b = 0, c = 0] = shape.size;
   switch (shape.kind) {
     case 'box': return new BoxGeometry(a, b, c);
     case 'sphere': return new SphereGeometry(a, 32, 20);
     case 'ellipsoid': return new SphereGeometry(1, 32, 20).scale(a, b, c);
-    // Three's stand along y, robots' along z.
+    // Cylinders of three.js are along y, those of robots along z.
     case 'cylinder': return new CylinderGeometry(a, a, b, 32).rotateX(Math.PI / 2);
     case 'capsule': return new CapsuleGeometry(a, b, 8, 24).rotateX(Math.PI / 2);
     case 'plane': return new PlaneGeometry(2 * (a || 4 * reach), 2 * (b || 4 * reach));
@@ -57,19 +58,19 @@ export function solid(shape: DrawnShape, reach: number): BufferGeometry | undefi
   }
 }
 
-/** A rotation row by row and an origin, from `at` in a list. */
+/** A rotation in row-major order and an origin, from `at` in a list. */
 export function placed(list: ArrayLike<number>, at = 0): Matrix4 {
   const n = (k: number): number => list[at + k]!;
   return new Matrix4().set(n(0), n(1), n(2), n(9), n(3), n(4), n(5), n(10), n(6), n(7), n(8), n(11), 0, 0, 0, 1);
 }
 
-/** The color that a file gives, in the space that files mean. */
+/** The colour of the file, in sRGB. */
 export function colorOf(shape: DrawnShape): Color | undefined {
   const [r, g, b] = shape.color;
   return r === undefined ? undefined : new Color().setRGB(r, g!, b!, 'srgb');
 }
 
-/** Ellipsoids of inertia, one a link; a tiny one is drawn large enough to be found. */
+/** Inertia ellipsoids, one for each link; a tiny one is enlarged to be visible. */
 export function masses(robot: Robot, reach: number, materials: Materials): (Object3D | undefined)[] {
   return robot.bodies().map(({ mass, center, semiaxes, axes }) => {
     if (!(mass > 0)) return undefined;
@@ -81,7 +82,7 @@ export function masses(robot: Robot, reach: number, materials: Materials): (Obje
   });
 }
 
-/** Rods from joint to joint and pins along the axes, for links of which the file shows nothing. */
+/** Rods from joint to joint and pins along the axes, for links without shapes. */
 export function skeleton(robot: Robot, bare: (link: number) => boolean, reach: number, materials: Materials): Mesh[][] {
   const poses = robot.poses();
   const bodies = robot.bodies();
@@ -93,7 +94,7 @@ export function skeleton(robot: Robot, bare: (link: number) => boolean, reach: n
     const [small, middle] = Array.from(semiaxes).sort((p, q) => p - q) as [number, number];
     return Math.min(0.055 * reach, Math.max(0.022 * reach, 0.45 * (small + middle)));
   });
-  // A link without mass is as thick as what it carries.
+  // A link without mass is as thick as its children.
   for (const { parent, child } of [...joints].reverse()) {
     if (!(bodies[parent]!.mass > 0)) radii[parent] = Math.max(radii[parent]!, radii[child]!);
   }
@@ -114,7 +115,7 @@ export function skeleton(robot: Robot, bare: (link: number) => boolean, reach: n
   const parents = new Set(joints.map(({ parent }) => parent));
   bodies.forEach(({ mass, center }, link) => {
     if (!bare(link)) return;
-    // The end of a chain reaches as far beyond its centre of mass as that is from its joint: a uniform rod.
+    // The last link extends as far beyond its centre of mass as that is from its joint, like a uniform rod.
     if (mass > 0 && !parents.has(link)) {
       const end = new Vector3(...center).multiplyScalar(2);
       parts[link]!.push(...rod(end, radii[link]!, materials.named('part')));

@@ -1,14 +1,14 @@
-// A robot's file with those that lie beside it: what it includes, and meshes that inertia comes from.
+// A robot's file with the files that it includes or takes inertia from.
 import type { Robot, Robots } from '../../lib/dynamics/index.ts';
 import type { MeshFiles } from './mesh-files.ts';
 
-/** A robot's file, and what came with it. */
+/** A robot's file and its companions. */
 export interface Source {
-  /** Of a bundled robot; empty for one that was given. */
+  /** Name of a bundled robot; empty for the user's. */
   name: string;
   text: string;
   meshes: MeshFiles;
-  /** Its place among the files; undefined for a text alone. */
+  /** Its path among the files; undefined for a text alone. */
   path?: string | undefined;
 }
 
@@ -16,7 +16,7 @@ export async function read(robots: Robots, { text, path, meshes }: Source, float
   return path === undefined ? robots.Robot.load(text, floating, true) : readAmong(robots, meshes.files, path, floating);
 }
 
-/** Meshes are handed over only where the robot does not do without. */
+/** Meshes are passed only if the robot needs them. */
 async function readAmong(robots: Robots, files: ReadonlyMap<string, Blob>, path: string, floating: boolean): Promise<Robot> {
   const given = new robots.RobotFiles();
   const add = async (kind: RegExp): Promise<number> => {
@@ -37,5 +37,5 @@ async function readAmong(robots: Robots, files: ReadonlyMap<string, Blob>, path:
   }
 }
 
-/** Whether a file says nothing of a robot without others. */
+/** Whether a file depends on other files. */
 export const includes = (text: string): boolean => /<include\s/.test(text);

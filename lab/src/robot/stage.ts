@@ -1,21 +1,21 @@
-// What shows a robot: in three dimensions where the browser can, as a flat drawing elsewhere.
+// The view of a robot: three-dimensional with WebGL, otherwise a flat drawing.
 import type { Shared } from '../address.ts';
 import type { Vector3 } from '../drawing/view.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';
 import type { MeshFiles } from './mesh-files.ts';
 
 export interface Layers {
-  /** What the file gives to be seen; a skeleton where it gives nothing. */
+  /** The file's visual shapes, or a skeleton without any. */
   shapes: boolean;
-  /** What the links hit. */
+  /** The collision shapes. */
   collision: boolean;
   /** The uniform ellipsoid of each link's mass and inertia. */
   inertia: boolean;
-  /** What each contact pushes with. */
+  /** The contact forces. */
   forces: boolean;
 }
 
-/** Takes hold of a point of a link, moves it, lets go; places in the world [m]. */
+/** Grips a point of a link, moves it, releases it; positions in the world [m]. */
 export interface Hand {
   grab(link: number, point: Vector3): void;
   move(point: Vector3): void;
@@ -24,23 +24,23 @@ export interface Hand {
 
 export interface Stage {
   element: Element;
-  /** Builds what is drawn of a robot; answers with the meshes that were not to be had. */
+  /** Builds the drawing of a robot, and returns its missing meshes. */
   show(robot: Robot, files: MeshFiles): Promise<readonly string[]>;
-  /** The robot's present pose. */
+  /** The robot's current pose. */
   draw(): void;
-  /** Brings all of it into the picture. */
+  /** Moves the camera so that the whole robot is in view. */
   fit(): void;
   look(azimuth: number, elevation: number): void;
   layers(layers: Layers): void;
-  /** How brightly each link glows from the next picture on, 0 to 1; undefined: none does. */
+  /** The brightness of each link from the next picture on, 0 to 1; undefined for none. */
   glow(brightness: Float64Array | undefined): void;
-  /** Where it is seen from, for the address. */
+  /** The viewpoint, for the address. */
   shared(): Shared;
   restore(values: URLSearchParams): void;
 }
 
-/** Numbers a link in `robot.poses()`: a rotation row by row, then the origin. */
+/** The numbers of a link in `robot.poses()`: a rotation in row-major order, then the origin. */
 export const POSE = 12;
 
-/** Where to look from: a name, azimuth, elevation [rad]. */
+/** A viewpoint: a name, azimuth, elevation [rad]. */
 export const VIEWS = [['Front', 0, 0.05], ['Side', -Math.PI / 2, 0.05], ['Above', -Math.PI / 2, 1.5]] as const;

@@ -1,17 +1,17 @@
-// The terms of the equation of motion, M q̈ + C q̇ + g = τ + the rest, of a robot's joints and of the links that they move.
+// The terms of the equation of motion M q̈ + C q̇ + g = τ + others, for a robot's joints and their links.
 import type { Robot } from '../../lib/dynamics/index.ts';
 
 export type Term = 'inertial' | 'coriolis' | 'gravity' | 'applied' | 'rest';
 
-/** Each with its symbol or name. */
+/** The terms, each with its symbol or name. */
 export const TERMS: readonly (readonly [Term, string])[] = [
-  ['inertial', 'M q̈'], ['coriolis', 'C q̇'], ['gravity', 'g(q)'], ['applied', 'motors, hand'], ['rest', 'the rest'],
+  ['inertial', 'M q̈'], ['coriolis', 'C q̇'], ['gravity', 'g(q)'], ['applied', 'motors, hand'], ['rest', 'other forces'],
 ];
 
-/** How brightly each link glows, 0 to 1: as its joint is loaded beside the one that is loaded most. */
+/** The brightness of each link, 0 to 1: its joint's load relative to the largest. */
 export interface Glow {
   links: Float64Array;
-  /** That joint and its load; undefined where no joint is loaded. */
+  /** That joint and its load; undefined without a load. */
   most: Load | undefined;
 }
 
@@ -21,14 +21,14 @@ export interface Load {
   unit: 'N' | 'N·m';
 }
 
-/** What the scale keeps from one picture to the next, so that after an impact links come back to their brightness by and by. */
+/** State of the scale between pictures, so that links regain their brightness gradually after an impact. */
 const KEPT = 0.8;
-/** Below this nothing is loaded [N·m or N]. */
+/** Smallest load [N·m or N]. */
 const NOTHING = 1e-6;
 
 /**
- * A robot's loads by any term, as they are now. Of a joint with several coordinates it is the length of the vector; a floating base
- * has no motor, and does not glow; what is fixed to a link glows as it does.
+ * A robot's current loads by any term. A joint with several coordinates has the norm of its vector. A
+ * floating base has no motor and no brightness. A link fixed to another has the same brightness.
  */
 export function loadsOf(robot: Robot): (term: Term) => Glow {
   const coordinates = robot.coordinates();
@@ -62,7 +62,7 @@ export function loadsOf(robot: Robot): (term: Term) => Glow {
   };
 }
 
-/** For each link the place, among the joints' children, of the nearest one on its way to the root. */
+/** For each link the nearest link on its way to the root that is a joint's child. */
 function driversOf(joints: ReturnType<Robot['joints']>, links: number, children: readonly number[]): (number | undefined)[] {
   const above = new Map(joints.map(({ parent, child, coordinates }) => [child, coordinates.length > 0 ? undefined : parent]));
   return Array.from({ length: links }, (_, link) => {

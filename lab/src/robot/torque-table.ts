@@ -1,4 +1,4 @@
-// The equation of motion, joint by joint: what each term asks, who gives it.
+// The equation of motion for each joint: the terms, and the torques that balance them.
 import { html, show } from '../element.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';
 import { TERMS } from './terms.ts';
@@ -24,10 +24,10 @@ export function torqueTable(): TorqueTable {
     const columns = TERMS.map(([term]) => torques[term]);
     rows.forEach(({ values, over, effort }, i) => {
       columns.forEach((column, k) => { write(values[k]!, column.length > 0 ? show(column[i]!, 2) : '–'); });
-      write(over, Math.abs(torques.gravity[i]!) > effort ? `g is over ${show(effort, 0)}` : '');
+      write(over, Math.abs(torques.gravity[i]!) > effort ? `g exceeds ${show(effort, 0)}` : '');
     });
   };
-  // Out of sight it is not kept up to date.
+  // It is not updated while invisible.
   new IntersectionObserver((entries) => {
     seen = entries.at(-1)?.isIntersecting ?? false;
     if (shown !== undefined) draw(shown);
@@ -35,8 +35,8 @@ export function torqueTable(): TorqueTable {
   return {
     draw,
     element: html('div', {}, html('h3', {}, label),
-      html('p', { class: 'cost' }, 'M q̈ + C q̇ + g(q) = what motors, actuators and hand give + what damping, stops, contacts and '
-        + 'loops give, over the last step. At rest motors must give g(q) to hold the pose.'),
+      html('p', { class: 'cost' }, 'M q̈ + C q̇ + g(q) = forces of motors, actuators and hand + forces of damping, stops, contacts and '
+        + 'loops, over the last step. At rest motors must provide g(q) to hold the pose.'),
       html('div', { class: 'table scroll', tabindex: 0, role: 'region', 'aria-label': label }, table)),
     show(robot) {
       rows = [];

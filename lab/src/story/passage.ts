@@ -1,4 +1,4 @@
-// A passage of the story: a sentence or two that ask, a prediction drawn beside them, and what comes of it.
+// A passage of the story: a question, a prediction to draw, and the answer.
 import type { Child } from '../element.ts';
 import { html, tied } from '../element.ts';
 import { drawnPrediction, type Prediction, type PredictionOptions } from '../controls/drawn-prediction.ts';
@@ -6,16 +6,16 @@ import { lightTerms } from '../drawing/terms.ts';
 import { formula } from '../widgets/equations.ts';
 
 export interface PassageOptions {
-  /** What is known and what is asked. */
+  /** The question. */
   ask: readonly Child[];
   prediction: Omit<PredictionOptions, 'onReveal'>;
-  /** What the curve says, with numbers that can be dragged. Made when it is shown. */
+  /** The answer with numbers that can be dragged. Created when it is shown. */
   tell: (redraw: () => void) => readonly (readonly Child[])[];
-  /** The name of the formula that explains it, in equations.tex. */
+  /** The name of its formula in equations.tex. */
   formula: string;
 }
 
-/** The text on one side, the picture on the other; the answer's words come with its curve. */
+/** The text on one side, the picture on the other. The answer appears with the curve. */
 export function passage(options: PassageOptions): HTMLElement {
   const answer = html('div', { class: 'passage-text tells', hidden: true });
   const drawing: Prediction = drawnPrediction({

@@ -1,4 +1,4 @@
-// The story's passages, one before each experiment of the chapter: what is asked, what is drawn, what comes of it.
+// The story's passages, one before each experiment of the chapter: question, prediction, answer.
 import { type Scrub, scrub } from '../controls/scrub.ts';
 import { html, show } from '../element.ts';
 import { Brick, KnifeEdge, Reach2R, Replay } from '../../lib/dynamics/index.ts';
@@ -11,7 +11,7 @@ function outerRod(onInput: (mass: number) => void): Scrub {
   return scrub({ label: 'Mass of the outer rod', unit: 'kg', min: 0.2, max: 5, step: 0.1, value: 1, term: 'inertial', onInput });
 }
 
-/** Before the inertia ellipse: what M does. */
+/** Before the inertia ellipse: the effect of M. */
 export function onMass(): HTMLElement {
   let outer = 1;
   const fastest = (q2: number): number => Reach2R.uniform(1, 2, 1, outer, 9.81).inertiaEllipse([0, q2]).semiAxes[0]!;
@@ -44,12 +44,12 @@ export function onMass(): HTMLElement {
   });
 }
 
-/** Before the Lagrangian lab: what a changing M does to what moves. */
+/** Before the Lagrangian lab: the effect of a changing M. */
 export function onCoriolis(): HTMLElement {
   let bend = Math.PI / 2;
   const push = (rate: number): number => Reach2R.workedExample().velocityProduct([0, bend], [rate, 0])[1]!;
   return passage({
-    ask: ['M changes as the arm bends, and a motion through a changing M needs forces of its own: C q̇. Let the inner joint turn at ',
+    ask: ['M changes as the arm bends, and motion with a changing M needs additional forces: C q̇. Let the inner joint turn at ',
       'q̇₁ with the elbow at a right angle and still. Gravity aside, what torque does joint 2 need to keep the elbow so? Draw it for both ',
       'directions of turning.'],
     prediction: {
@@ -75,15 +75,15 @@ export function onCoriolis(): HTMLElement {
       });
       draw();
       return [
-        ['Turning at ', rate.element, ' takes ', at, '. Either way round it has the same sign, for the speed is squared: the outer rod ',
-          'wants to fly outwards, and it does not matter which way.'],
+        ['Turning at ', rate.element, ' takes ', at, '. Either way round it has the same sign, since the speed is squared: the outer rod ',
+          'tends outwards in both cases.'],
         ['With the elbow at ', elbow.element, ' the parabola is steeper or flatter. Straight, at 0° or 180°, there is no elbow to open.'],
       ];
     },
   });
 }
 
-/** Before the replay: what a clock adds to a path. */
+/** Before the replay: the effect of the speed along a path. */
 export function onClock(): HTMLElement {
   let motion: Replay | undefined;
   const peak = (times: number): number => (motion ??= new Replay()).peakTorque(times)[0]!;
@@ -107,18 +107,18 @@ export function onClock(): HTMLElement {
       return [
         ['Played ', times.element, ' as fast the peak is ', at, '. Creeping along, only gravity is left. ',
           'A little faster the peak may even fall, where the motion helps. ',
-          'What the motion adds grows with the square of k: accelerations grow so, and C q̇ is made of two speeds.'],
+          'The part of the motion grows with the square of k: so do accelerations, and C q̇ is quadratic in the speeds.'],
       ];
     },
   });
 }
 
-/** Before the workbench: what the motor of a joint has to turn. */
+/** Before the workbench: the inertia at a joint's motor. */
 export function onHolding(): HTMLElement {
   let outer = 1;
   const inertia = (q2: number): number => Reach2R.uniform(1, 2, 1, outer, 9.81).mass([0, q2])[0]![0]!;
   return passage({
-    ask: ['To hold the arm somewhere, joint 1 gets a spring and a damper. How they feel depends on what they have to turn, and that is ',
+    ask: ['To hold the arm somewhere, joint 1 gets a spring and a damper. How they act depends on the inertia at the joint, and that is ',
       'M₁₁. You know it stretched, bent at a right angle and folded. Draw all of it.'],
     prediction: {
       label: 'M₁₁ against the elbow’s angle', x: TURN, y: { name: 'M₁₁', from: 0, to: 8, unit: 'kg·m²' }, curve: (x) => x.map(inertia),
@@ -137,13 +137,13 @@ export function onHolding(): HTMLElement {
       draw();
       return [
         ['A cosine, and the outer rod makes all of it: with ', mass.element, ' out there it is ', at, '. ',
-          'The same damper that stops a folded arm crisply is too weak for a stretched one.'],
+          'The damper that stops a folded arm without overshoot is too weak for a stretched one.'],
       ];
     },
   });
 }
 
-/** Before the knife-edge: a force that is as large as it must be. */
+/** Before the knife-edge: the constraint force. */
 export function onConstraint(): HTMLElement {
   let mass = 2;
   let turning = 1;
@@ -155,7 +155,7 @@ export function onConstraint(): HTMLElement {
     return lambda;
   };
   return passage({
-    ask: ['Motors push as we tell them. The floor does not ask: it pushes a wheel sideways exactly as hard as it takes to keep it from ',
+    ask: ['Motors push as we command. The floor pushes a wheel sideways exactly as hard as it takes to keep it from ',
       'slipping. A chassis of 2 kg turns left at 1 rad/s while it rolls at speed v. Draw the sideways force λ on it, counted to the ',
       'right, for driving backwards, standing, and driving forwards.'],
     prediction: {
@@ -176,12 +176,12 @@ export function onConstraint(): HTMLElement {
           turning = value;
           redraw();
         },
-      }).element, ', and pushes to the left, hence the sign. It does no work, for the wheel does not move that way.'],
+      }).element, ', and pushes to the left, hence the sign. It does no work, since the wheel does not move that way.'],
     ],
   });
 }
 
-/** Before the brick: a motion that needs no force and no permission. */
+/** Before the brick: motion without torque. */
 export function onTurning(): HTMLElement {
   let nudge = 0.05;
   const spun = (times: readonly number[]): number[] => {
@@ -198,7 +198,7 @@ export function onTurning(): HTMLElement {
     return rates;
   };
   return passage({
-    ask: ['Last, no joints and no floor: a brick afloat, spun about its middle axis at 6 rad/s with a small nudge about the other two. ',
+    ask: ['Last, a free brick without joints and floor, spun about its middle axis at 6 rad/s with a small nudge about the other two. ',
       'No torque acts. Draw its rate of turning about that axis over ten seconds.'],
     prediction: {
       label: 'The spin about the middle axis against time', x: { name: 't', from: 0, to: 10, unit: 's' },
@@ -212,8 +212,8 @@ export function onTurning(): HTMLElement {
           nudge = value;
           redraw();
         },
-      }).element, '. The product of the two small rates feeds the large one; a smaller nudge only makes it wait longer. ',
-      'The brick’s own axes wander, while its angular momentum stays where it is in space.'],
+      }).element, '. The product of the two small rates drives the large one; a smaller nudge only delays the flips. ',
+      'The brick’s own axes move, while its angular momentum is constant in space.'],
     ],
   });
 }

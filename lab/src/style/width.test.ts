@@ -1,4 +1,4 @@
-// The linter reads TypeScript alone; style sheets keep to the same width.
+// The linter checks TypeScript only; this test checks the width of style sheets.
 import { readdirSync, readFileSync } from 'node:fs';
 
 import { expect, it } from 'vitest';

@@ -1,6 +1,6 @@
 // Angles for display and for handles.
 
-/** The same direction in (−π, π]. */
+/** The angle in (−π, π]. */
 export function wrap(angle: number): number {
   const turns = angle / (2 * Math.PI);
   return angle - 2 * Math.PI * Math.ceil(turns - 0.5);

@@ -1,4 +1,5 @@
-// Formulas on the page: each rendered to MathML when the page was built, with the Rust function that computes it.
+// Formulas on the page: each rendered to MathML at build time, with the name of the Rust function that
+// computes it.
 import { html } from '../element.ts';
 import mathml from '../equations.tex';
 
@@ -10,7 +11,7 @@ export interface Equation {
   says: string;
 }
 
-/** A formula by its name. A long one on a narrow screen scrolls, and then the keyboard must reach it. */
+/** A formula by its name. On a narrow screen a long one scrolls, and is then reachable by keyboard. */
 export function formula(name: string): HTMLElement {
   const math = html('span', { class: 'math' });
   const source = mathml[name];

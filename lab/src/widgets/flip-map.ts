@@ -1,4 +1,5 @@
-// The map of flips: every point a double pendulum let go, coloured by when it first flips; a click drops that one on the stage.
+// The map of flips: every point is a double pendulum released from rest, coloured by its first flip. A click
+// simulates that pendulum beside the map.
 import { numberFrom } from '../address.ts';
 import { button, buttonRow } from '../controls/choice.ts';
 import { transport } from '../controls/transport.ts';
@@ -19,9 +20,9 @@ const ID = 'flip-map';
 /** The chapter's rods, gravity, and the map's step [s]. */
 const ARM = [1, 2, 1, 1, 9.81, 0.01] as const;
 const WHOLE: View = { x: 0, y: 0, half: Math.PI };
-/** Where the view is narrower, its points are less than sixteen roundings of a single apart. */
+/** Width of a view below which its points are less than sixteen roundings of single precision apart. */
 const SINGLE = 1e-3;
-/** Points of the plot. */
+/** Number of points of the plot. */
 const KEPT = 3000;
 
 export function flipMap(): Widget {
@@ -39,7 +40,7 @@ export function flipMap(): Widget {
     map.element.dataset['coarse'] = coarse.toFixed(3);
     map.element.dataset['share'] = share.toFixed(4);
     says.textContent = `${show(100 * share, 0)} % of the points; ${show(steps / 1e6, 1)} million steps of an arm in ${show(seconds, 1)} s, `
-      + `${show(rate / 1e6, 0)} million a second.`;
+      + `${show(rate / 1e6, 0)} million per second.`;
     if (share === 1) draw();
   };
   const map = flipPicture(({ half }) => {
@@ -51,28 +52,28 @@ export function flipMap(): Widget {
   const cross = svg('path', { class: 'cross', d: 'M-0.035 0H-0.012M0.012 0H0.035M0 -0.035V-0.012M0 0.012V0.035' });
   const over = svg('svg', {
     class: 'flip-over', viewBox: '0 0 1 1', role: 'application', tabindex: 0,
-    'aria-label': 'Map of first flips. Arrow keys move the cross, Enter drops the pendulum there, plus and minus zoom, 0 shows all',
+    'aria-label': 'Map of first flips. Arrow keys move the cross, Enter releases the pendulum there, plus and minus zoom, 0 shows all',
   }, cross);
   const heard = html('p', { class: 'visually-hidden', 'aria-live': 'polite' });
 
   const arm = new FallingArm(...(ARM.slice(0, 5) as Tuple<5>));
   const twin = new FallingArm(...(ARM.slice(0, 5) as Tuple<5>));
-  const stage = planarPicture('The pendulum that was dropped, and its twin', 2.25);
+  const stage = planarPicture('The released pendulum and its twin', 2.25);
   const [body, ghost, trail] = [armDrawing(), armDrawing('thin second'), fadingTrail()];
   stage.plane.append(trail.element, ghost.element, body.element);
   const plots = plotGroup();
   const apart = plot({
     group: plots,
-    title: 'Between the two tips', unit: 'm, log scale', lines: [{ name: 'distance', tone: 'second' }],
+    title: 'Distance of the tips', unit: 'm, log scale', lines: [{ name: 'distance', tone: 'second' }],
     logFrom: 1e-9, atLeast: [1e-5, 4], height: 150,
   });
   let times: number[] = [];
   let distances: number[] = [];
   const numbers = readings('Start and flip', [
-    ['t1', 'inner rod', '°'], ['t2', 'outer rod', '°'], ['flip', 'first flip', ''], ['t', 't', 's'], ['apart', 'apart', 'm'],
+    ['t1', 'inner rod', '°'], ['t2', 'outer rod', '°'], ['flip', 'first flip', ''], ['t', 't', 's'], ['apart', 'distance', 'm'],
   ]);
 
-  /** Where the cross is, from 0 to 1. */
+  /** The position of the cross, from 0 to 1. */
   const place = (): [number, number] =>
     [(dropped[0] - view.x) / (2 * view.half) + 0.5, 0.5 - (dropped[1] - view.y) / (2 * view.half)];
   const inside = ([x, y]: [number, number]): boolean => x >= 0 && x <= 1 && y >= 0 && y <= 1;
@@ -130,7 +131,7 @@ export function flipMap(): Widget {
     draw();
     over.dispatchEvent(new Event('settled', { bubbles: true }));
   };
-  /** About the cross where it is in sight, or the middle. */
+  /** About the cross if it is in view, otherwise about the centre. */
   const zoom = (by: number): void => {
     const [x, y] = inside(place()) ? dropped : [view.x, view.y];
     look({ x: x + (view.x - x) * by, y: y + (view.y - y) * by, half: view.half * by });
@@ -158,7 +159,7 @@ export function flipMap(): Widget {
   });
   const zooms = buttonRow('Zoom', button('Zoom in', () => { zoom(0.5); }), button('Zoom out', () => { zoom(2); }),
     button('Whole map', () => { look(WHOLE); }));
-  const lab = button('Take it to the Lagrangian lab', () => {
+  const lab = button('Open in the Lagrangian lab', () => {
     const [q1, q2] = [dropped[0] - Math.PI / 2, dropped[1] - dropped[0]];
     location.hash = `#lagrangian-lab?q1=${q1.toPrecision(9)}&q2=${q2.toPrecision(9)}`;
   }, 'quiet');
@@ -184,7 +185,7 @@ export function flipMap(): Widget {
     html('span', { class: 'flip-ends' }, ...['0.4 s', 'first flip', `${String(LATEST)} s`].map((text) => html('span', {}, text))),
     html('span', { class: 'flip-never' }, 'never'));
   const axes = html('figcaption', {}, 'Across: the inner rod’s angle from hanging; up: the outer rod’s. In the middle both hang, '
-    + 'at the edge one points up. Click to drop that pendulum.');
+    + 'at the edge one points up. Click to release that pendulum.');
   const alone = document.documentElement.dataset['alone'] !== undefined;
 
   const element = frame({

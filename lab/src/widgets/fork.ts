@@ -1,5 +1,5 @@
-// A fork: at any instant a second arm goes on with one law changed, drawn as a ghost, with plots of how far they come apart and of what
-// energy each has, on the timeline of the arm's own.
+// A fork: at any time a second arm goes on with one law changed, drawn as a ghost. Plots show the distance of
+// the arms and their energies, on the timeline of the first.
 import { numbered, numbersFrom, wordFrom, type Shared } from '../address.ts';
 import { button, choice } from '../controls/choice.ts';
 import { armDrawing, armPoints } from '../drawing/planar-arm.ts';
@@ -14,17 +14,17 @@ const LAWS = [
 ] as const;
 type Law = (typeof LAWS)[number][0];
 const NAMES = LAWS.map(([law]) => law);
-/** Points of the plot. */
+/** Number of points of the plot. */
 const KEPT = 2000;
 
 export interface Fork {
-  /** The ghost, for the plane of the picture. */
+  /** The drawing of the second arm, for the plane of the picture. */
   ghost: SVGGElement;
   controls: HTMLElement;
   plots: HTMLElement[];
   advance(steps: number): void;
   draw(beat: number): void;
-  /** There is one arm again. */
+  /** Ends the fork. */
   end(): void;
   shared(): Shared;
   restore(values: URLSearchParams): void;
@@ -42,7 +42,7 @@ export function fork(
   drawing.element.setAttribute('visibility', 'hidden');
   const distance = plot({
     group,
-    title: 'Between the two tips', unit: 'm, log scale', lines: [{ name: 'distance', tone: 'second' }],
+    title: 'Distance of the tips', unit: 'm, log scale', lines: [{ name: 'distance', tone: 'second' }],
     logFrom: 1e-9, atLeast: [1e-6, 1], height: 140,
   });
   const both = plot({
@@ -99,7 +99,7 @@ export function fork(
     plots,
     advance(steps) {
       if (other === undefined) return;
-      // Long steps are taken when ten short ones are due.
+      // One long step is due after ten short ones.
       owed += steps;
       const each = law.value === 'step' ? 10 : 1;
       const due = Math.floor(owed / each);

@@ -1,4 +1,4 @@
-// The frame that every experiment sits in: title, question, picture, controls, plots, equations.
+// The layout of an experiment: title, question, picture, controls, plots, equations.
 import { formatAddress, isAlone, type Shared } from '../address.ts';
 import { shareRow } from '../controls/share.ts';
 import type { PlotGroup } from '../drawing/plot-group.ts';
@@ -12,18 +12,18 @@ export interface FrameOptions {
   controls: Element[];
   below?: HTMLElement[];
   equations: Equation[];
-  /** Its plots, to go along and to take away. */
+  /** Its plots, with timeline and downloads. */
   plots?: PlotGroup;
   /** State and parameters, for the address. */
   share: () => Shared;
-  /** What the link cannot carry, in a sentence; empty where it carries all. */
+  /** The state that the link does not contain, in a sentence; empty if it contains all. */
   unshared?: () => string;
 }
 
 export interface Widget {
   id: string;
   element: HTMLElement;
-  /** Takes state and parameters from an address. */
+  /** Sets state and parameters from an address. */
   restore(values: URLSearchParams): void;
 }
 
@@ -35,7 +35,7 @@ export function frame(options: FrameOptions): HTMLElement {
       { class: 'bench' },
       html('div', { class: 'picture' }, ...picture),
       html('div', { class: 'controls' }, ...controls, shareRow(id, WORDS[id].title, options.share, options)),
-      // The timeline stands below the plots, which come first.
+      // The timeline is below the plots, which come first.
       ...below.slice(0, 1),
       ...(options.plots === undefined ? [] : [options.plots.element]),
       ...below.slice(1),
@@ -46,7 +46,7 @@ export function frame(options: FrameOptions): HTMLElement {
   return element;
 }
 
-/** The address follows whatever was last touched here, once the hand rests. */
+/** The address follows the last change here, after a pause. */
 export function remembered(element: Element, id: string, shared: () => Shared): void {
   let timer = 0;
   const remember = (): void => {
@@ -56,10 +56,10 @@ export function remembered(element: Element, id: string, shared: () => Shared): 
   for (const event of ['change', 'pointerup', 'keyup', 'settled', 'moved']) element.addEventListener(event, remember);
 }
 
-/** Sections that stand on the page before their experiments. */
+/** Sections that are on the page before their experiments. */
 const outlines = new Map<Id, HTMLElement>();
 
-/** An experiment's section while the physics is on its way: all of its words, and room for the rest. */
+/** An experiment's section while the physics is loading: all its texts, and space for the rest. */
 export function outline(id: Id): HTMLElement {
   const element = worded(id);
   element.append(html('p', { class: 'outline' }, 'The experiment is on its way.'));
@@ -67,7 +67,7 @@ export function outline(id: Id): HTMLElement {
   return element;
 }
 
-/** An experiment's section: what stands on the page already, or a new one. */
+/** An experiment's section: the existing one, or a new one. */
 export function section(id: Id, ...content: HTMLElement[]): HTMLElement {
   const element = outlines.get(id) ?? worded(id);
   outlines.delete(id);
@@ -76,7 +76,7 @@ export function section(id: Id, ...content: HTMLElement[]): HTMLElement {
   return element;
 }
 
-/** Title, story and lede, with a way past it all for those who go by keys. */
+/** Title, story and lede, with a link past them for keyboard users. */
 function worded(id: Id): HTMLElement {
   const { title, lede, passage }: Words = WORDS[id];
   const past = html('a', { class: 'skip', href: '#', click: (event: MouseEvent) => {
@@ -89,7 +89,7 @@ function worded(id: Id): HTMLElement {
   const said = html('p', { class: 'lede' }, tied(lede));
   const header = html('header', {}, html('h2', { id: `${id}-title`, tabindex: -1 }, title));
   const element = html('section', { id, class: `widget ${id}`, 'aria-labelledby': `${id}-title` }, past, header);
-  // First the story, then what the experiment is.
+  // First the story, then the description of the experiment.
   if (passage !== undefined && !isAlone()) element.append(passage(), said);
   else header.append(said);
   return element;

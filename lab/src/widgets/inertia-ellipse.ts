@@ -1,9 +1,9 @@
-// The inertia ellipse: the joint velocities of one energy. Predict first, then look.
+// The inertia ellipse: the joint velocities of a given energy. The user predicts before the ellipse shows.
 import { numberFrom } from '../address.ts';
 import { button, buttonRow } from '../controls/choice.ts';
 import { handle } from '../controls/handle.ts';
 import { slider } from '../controls/slider.ts';
-import { veil } from '../controls/veil.ts';
+import { hiddenAnswer } from '../controls/hidden-answer.ts';
 import { armDrawing, planarPicture } from '../drawing/planar-arm.ts';
 import { readings } from '../drawing/readings.ts';
 import { html, set, show, svg } from '../element.ts';
@@ -13,7 +13,7 @@ import { frame, type Widget } from './frame.ts';
 import { question } from './question.ts';
 
 const START: Tuple<2> = [Math.PI / 4, Math.PI / 2];
-/** Of the window of velocities [rad/s]: the longest semi-axis, at q₂ = 0, is 3.25. */
+/** Half-width of the window of velocities [rad/s]: the longest semi-axis, at q₂ = 0, is 3.25. */
 const REACH = 3.7;
 const TICKS = [-3, -2, -1, 1, 2, 3];
 
@@ -99,11 +99,11 @@ export function inertiaEllipse(): Widget {
     });
   };
 
-  const answer = veil('The explanation comes with your answer.', html('p', {},
-    'Nothing at all. M depends on the shape of the arm, and q₁ turns the arm without changing its shape. Only q₂ counts.'));
-  const hint = 'Say first what you expect: the ellipse appears with your answer.';
-  const pictureVeil = veil(hint, velocities);
-  const numbersVeil = veil('The numbers appear with your answer.', numbers.element);
+  const answer = hiddenAnswer('The explanation appears with your answer.', html('p', {},
+    'Nothing at all. M depends on the shape of the arm, and q₁ turns the arm without changing its shape. Only q₂ matters.'));
+  const hint = 'First say what you expect: the ellipse appears with your answer.';
+  const pictureVeil = hiddenAnswer(hint, velocities);
+  const numbersVeil = hiddenAnswer('The numbers appear with your answer.', numbers.element);
   const equationVeil = (): void => { element.querySelector('.equations')?.removeAttribute('hidden'); };
   const reveal = (): void => {
     for (const one of [answer, pictureVeil, numbersVeil]) one.lift();
@@ -128,7 +128,7 @@ export function inertiaEllipse(): Widget {
     ],
     share: () => ({ q1, q2 }),
   });
-  // M₁₁ with no q₁ in it is the answer as well.
+  // M₁₁ without q₁ would also give the answer.
   element.querySelector('.equations')?.setAttribute('hidden', '');
   draw();
   return {

@@ -15,7 +15,7 @@ import type { Start } from '../race/worker.ts';
 import { frame, type Widget } from './frame.ts';
 
 const RUNNERS: readonly { name: string; label: string; tone: Tone; dashed: boolean; says: string }[] = [
-  { name: 'explicit-euler', label: 'Explicit Euler', tone: 'muted', dashed: true, says: 'feeds energy in' },
+  { name: 'explicit-euler', label: 'Explicit Euler', tone: 'muted', dashed: true, says: 'adds energy' },
   {
     name: 'semi-implicit-euler', label: 'Semi-implicit Euler', tone: 'ink', dashed: true,
     says: 'symplectic only where M is constant; here it is not',
@@ -31,7 +31,7 @@ export function integratorRace(): Widget {
   let duration = 600;
   let now: Standing;
   let thread: RaceThread | undefined;
-  /** Steps that were asked for, be it before there was a thread to take them. */
+  /** Steps that were requested, possibly before the worker was loaded. */
   let asked = 0;
   let began = 0;
   let spent = 0;
@@ -42,7 +42,7 @@ export function integratorRace(): Widget {
   const plots = plotGroup();
   const errors = plot({
     group: plots,
-    title: 'Energy error, the worst of each moment', unit: '|E − E₀|/|E₀|, log scale',
+    title: 'Largest energy error in each interval', unit: '|E − E₀|/|E₀|, log scale',
     lines: RUNNERS.map(({ label, tone, dashed }) => ({ name: label, tone, dashed })),
     logFrom: 1e-12, atLeast: [1e-10, 1], height: 320,
   });
@@ -126,14 +126,14 @@ export function integratorRace(): Widget {
     ],
     plots,
     equations: [
-      { name: 'drift', code: 'dynamics::energy_drift', says: 'what is plotted' },
+      { name: 'drift', code: 'dynamics::energy_drift', says: 'the plotted quantity' },
       { name: 'rk4', code: 'dynamics::rk4_step', says: 'order 4' },
       { name: 'midpoint', code: 'dynamics::variational_midpoint_step', says: 'a discrete action: order 2, symplectic, reversible' },
     ],
     share: () => ({ h, duration, ...clock.shared() }),
   });
   start();
-  // Its thread is fetched when someone comes here.
+  // The worker is loaded when the experiment becomes visible.
   new IntersectionObserver((entries, observer) => {
     if (!entries.some((entry) => entry.isIntersecting)) return;
     observer.disconnect();
@@ -155,7 +155,7 @@ export function integratorRace(): Widget {
   };
 }
 
-/** Only what is new. */
+/** Updates an element only if its text differs. */
 function write(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }

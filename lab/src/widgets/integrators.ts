@@ -1,4 +1,4 @@
-// The library's integrators and what the page calls them.
+// The library's integrators with their names on the page.
 import type { IntegratorName } from '../../lib/dynamics/index.ts';
 
 export const INTEGRATORS: readonly (readonly [IntegratorName, string])[] = [

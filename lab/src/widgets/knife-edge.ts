@@ -1,4 +1,4 @@
-// The knife-edge: a chassis on two wheels that cannot slip sideways, and the force that sees to it.
+// The knife-edge: a chassis on two wheels that cannot slip sideways, and the constraint force.
 import { numberFrom } from '../address.ts';
 import { button, buttonRow } from '../controls/choice.ts';
 import { handle } from '../controls/handle.ts';
@@ -17,7 +17,7 @@ const HALF_TRACK = 0.25;
 /** Metres of arrow per newton. */
 const PER_NEWTON = 0.25;
 const MOST = 6;
-/** Points of the trail: ten seconds. */
+/** Number of points of the trail: ten seconds. */
 const TRAIL = 500;
 
 export function knifeEdge(): Widget {
@@ -39,7 +39,7 @@ export function knifeEdge(): Widget {
   const picture = svg('svg', { class: 'plane', viewBox: '-2 -2 4 4', role: 'img', 'aria-label': seen },
     grid, trail, chassis, left.element, right.element, side.element);
 
-  // The drive pad: up is both wheels forwards, right is one forwards and one back.
+  // The drive pad: up drives both wheels forward, right drives one forward and one back.
   const grip = handle({
     label: 'Drive pad', unit: 'N forwards', min: -MOST, max: MOST, nudge: 0.5, radius: 0.22, doubled: true,
     onDrag: (x, y) => { drive(-y * MOST, -x * MOST); },
@@ -74,7 +74,7 @@ export function knifeEdge(): Widget {
   const numbers = readings('State', [
     ['t', 't', 's'], ['v', 'forward speed', 'm/s'], ['turn', 'turning', 'rad/s'],
     ['lambda', 'λ', 'N'], ['slip', 'A q̇', 'm/s'], ['mv', '−m v θ̇', 'N'],
-    ['K', 'K', 'J'], ['work', 'work done', 'J'], ['off', 'unaccounted', 'J'],
+    ['K', 'K', 'J'], ['work', 'work done', 'J'], ['off', 'residual', 'J'],
   ]);
   const plots = plotGroup();
   const lambdaPlot = plot({
@@ -181,7 +181,8 @@ export function knifeEdge(): Widget {
   };
 }
 
-/** Half-metre lines about the origin, drawn once and moved by whole lines, so that motion can be seen. */
+/** Grid lines of half a metre around the origin, drawn once and shifted by whole cells, to make motion
+ * visible. */
 function gridLines(): string {
   const places = Array.from({ length: 12 }, (_, k) => (k - 6) * 0.5 + 0.25);
   return places.map((at) => `M${String(at)} -2.75V2.75M-2.75 ${String(at)}H2.75`).join('');

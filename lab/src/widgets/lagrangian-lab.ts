@@ -1,4 +1,4 @@
-// The Lagrangian lab: hang the arm, drag it to a pose, let go, and watch the energy keep its line.
+// The Lagrangian lab: drag an arm to a pose, release it, and compare its energy with a constant.
 import { numberFrom, wordFrom } from '../address.ts';
 import { button, buttonRow, choice, toggle } from '../controls/choice.ts';
 import { handle } from '../controls/handle.ts';
@@ -22,12 +22,12 @@ import { wrap } from './angle.ts';
 
 const START: Tuple<2> = [Math.PI / 4, Math.PI / 2];
 const METHODS = INTEGRATORS.map(([name]) => name);
-/** Newton metres at the full width of a bar, unless more has been seen. */
+/** Torque at the full width of a bar [N·m], unless a larger one occurs. */
 const TORQUE = 60;
 
 export function lagrangianLab(): Widget {
   const arm = new FallingArm(1, 2, 1, 1, 9.81);
-  /** Where the arm was let go, and how fast it moved there. */
+  /** The state in which the arm was released. */
   let pose: Tuple<2> = [...START];
   let speeds: Tuple<2> = [0, 0];
   let method: IntegratorName = 'rk4';
@@ -41,7 +41,7 @@ export function lagrangianLab(): Widget {
   const then = armDrawing('thin muted');
   then.element.setAttribute('visibility', 'hidden');
   picture.plane.prepend(then.element);
-  /** The arm as it was at a time of the plots. */
+  /** The arm at a time of the plots. */
   const plots = plotGroup((t) => {
     then.element.setAttribute('visibility', t === undefined ? 'hidden' : 'visible');
     if (t === undefined) return;
@@ -145,7 +145,7 @@ export function lagrangianLab(): Widget {
       error: scientific(arm.relativeError), drift: scientific(arm.drift),
     });
   };
-  /** What the first three terms add up to: the motors' torques less friction. */
+  /** The sum of the first three terms: the motors' torques minus friction. */
   const driving = (stack: Float64Array): number[] => rods.torque.map((u, joint) => u - stack[6 + joint]!);
   const drawEnergies = (stack: Float64Array): void => {
     const { kinetic, potential, total, start, most } = arm.energies;
@@ -210,9 +210,9 @@ export function lagrangianLab(): Widget {
     ],
     below: [html('div', { class: 'plots' }, energyPlot.element, errorPlot.element, ...forked.plots)],
     equations: [
-      { name: 'motion-damped', code: 'Dynamics::try_forward', says: 'let go, u = 0; without damping, b = 0' },
-      { name: 'energy', code: 'Dynamics::energy', says: 'the line to keep' },
-      { name: 'christoffel', code: 'dynamics::christoffel', says: 'C q̇ is made of derivatives of M' },
+      { name: 'motion-damped', code: 'Dynamics::try_forward', says: 'released, u = 0; without damping, b = 0' },
+      { name: 'energy', code: 'Dynamics::energy', says: 'constant without torque and damping' },
+      { name: 'christoffel', code: 'dynamics::christoffel', says: 'C q̇ consists of derivatives of M' },
     ],
     plots,
     share: () => {

@@ -1,10 +1,10 @@
-// The opening: an arm across the page that one throws, with what it feels drawn on it.
+// The opening: an arm that the user throws, with mechanical quantities drawn on it.
 import { numbered, numberFrom, numbersFrom, type Shared } from '../address.ts';
 import { scrub } from '../controls/scrub.ts';
 import { shareRow } from '../controls/share.ts';
 import { throwing } from '../controls/throwing.ts';
 import { transport } from '../controls/transport.ts';
-import { energyBooks } from '../drawing/books.ts';
+import { energyBars } from '../drawing/energy-bars.ts';
 import { legend } from '../drawing/legend.ts';
 import { mechanism } from '../drawing/mechanism.ts';
 import { armDrawing, type Point } from '../drawing/planar-arm.ts';
@@ -19,9 +19,9 @@ const LENGTHS = Float64Array.of(0.6, 0.5, 0.4);
 const MASSES = [1.2, 1, 0.8];
 const POSE = [0.4, 0.8, 0.6];
 const ID = 'opening';
-/** Half the height of the window [m]: the arm reaches 1.5 m. */
+/** Half the height of the window [m]; the arm's length is 1.5 m. */
 const REACH = 1.72;
-/** What an arrow key strikes with [N·s]. */
+/** The impulse of an arrow key [N·s]. */
 const IMPULSE = 0.6;
 
 export function opening(): Widget {
@@ -54,7 +54,7 @@ export function opening(): Widget {
   },
   svg('line', { class: 'horizon', x1: -12, x2: 12, y1: 0, y2: 0 }), svg('circle', { class: 'reach', r: 1.5 }), plane);
   plane.append(felt.under, body.element, felt.over, spring, grip.element);
-  const books = energyBooks();
+  const books = energyBars();
   const halfTurn = html('span', { class: 'number', 'data-reading': 'half-turn' });
 
   const points = (): Point[] => {
@@ -77,7 +77,7 @@ export function opening(): Widget {
       books.draw(arm.books, beat);
     }
   };
-  /** Another arm, or the same with other numbers, in the state it is in. */
+  /** Replaces the arm by one with other parameters in the same state. */
   const rebuild = (q: ArrayLike<number>, qd: ArrayLike<number>): void => {
     arm.free();
     arm = new ThrownArm(LENGTHS, Float64Array.from(masses), gravity);
@@ -126,7 +126,7 @@ export function opening(): Widget {
       picture,
       html('div', { class: 'hero-text' },
         html('p', { class: 'hero-formula' }, formula('motion')),
-        html('p', {}, 'Each joint carries an arc for each of the three terms, head to tail. Flying free, they end where they began: ',
+        html('p', {}, 'Each joint shows an arc for each of the three terms, head to tail. In free motion they end where they began: ',
           'u is zero. While you hold the arm, the gap is your hand’s torque. Half a turn of arc is ', halfTurn, ' N·m now.'),
         html('p', {}, 'The links weigh ', weights[0]!.element, ', ', weights[1]!.element, ' and ', weights[2]!.element,
           '; gravity is ', pull.element, '. Drag the numbers.')),

@@ -1,4 +1,4 @@
-// Predict first: the chapter's short questions, answered at once with the number computed.
+// Predict first: the chapter's short questions, each answered by a computed number.
 import { html, scientific, show } from '../element.ts';
 import { energyDrift, FallingArm, PolarMass, Reach2R } from '../../lib/dynamics/index.ts';
 import { section, type Widget } from './frame.ts';
@@ -14,7 +14,7 @@ interface Card {
 
 const cards: readonly Card[] = [
   {
-    text: 'Two rods of a metre, the inner of 2 kg, the outer of 1 kg, make an arm. Its M₁₁, what joint 1 has to turn, is 2 kg·m² '
+    text: 'Two rods of a metre, the inner of 2 kg, the outer of 1 kg, make an arm. Its M₁₁, the inertia at joint 1, is 2 kg·m² '
       + 'bent at a right angle. And stretched, q₂ = 0?',
     answers: ['1', '2', '3', '4'],
     right: 2,
@@ -24,7 +24,7 @@ const cards: readonly Card[] = [
     text: 'And folded back on itself, q₂ = π?',
     answers: ['0', '1', '1.5', '2'],
     right: 1,
-    because: () => `M₁₁(q₂ = π) = ${show(m11(Math.PI), 4)} kg·m²: three times less to turn than stretched.`,
+    because: () => `M₁₁(q₂ = π) = ${show(m11(Math.PI), 4)} kg·m²: a third of the stretched arm’s.`,
   },
   {
     text: 'A point mass of 2 kg in polar coordinates, 1.5 m out. Γ²₁₂ is …',
@@ -32,7 +32,7 @@ const cards: readonly Card[] = [
     right: 2,
     because: () => {
       const symbol = PolarMass.of(2).christoffel([1.5, 0.7])[1]![0]![1]!;
-      return `Γ²₁₂ = m r = ${show(symbol, 4)} kg·m: no mechanism in sight, and still C q̇ ≠ 0. The coordinates bend.`;
+      return `Γ²₁₂ = m r = ${show(symbol, 4)} kg·m: even a point mass has C q̇ ≠ 0, since the coordinates are curved.`;
     },
   },
   {
@@ -46,7 +46,7 @@ const cards: readonly Card[] = [
   },
   {
     text: 'Leave C q̇ out and let the arm fall. Its energy …',
-    answers: ['stays', 'wanders far off', 'only ever falls'],
+    answers: ['stays', 'drifts far away', 'only decreases'],
     right: 1,
     because: () => {
       const arm = new FallingArm(1, 2, 1, 1, 9.81);

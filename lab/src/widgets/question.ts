@@ -1,4 +1,4 @@
-// A question with a few answers; one is right, and choosing any shows which.
+// A question with a few answers, of which one is right; choosing any shows the right one.
 import { roving } from '../controls/choice.ts';
 import { html } from '../element.ts';
 

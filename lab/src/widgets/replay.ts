@@ -1,4 +1,4 @@
-// Replay: one path, two clocks. A path has no torques; a trajectory has.
+// Replay: one path at variable speed. A path has no torques; a trajectory has.
 import { numberFrom } from '../address.ts';
 import { button, buttonRow } from '../controls/choice.ts';
 import { slider } from '../controls/slider.ts';
@@ -13,7 +13,7 @@ import { html, set, show, svg } from '../element.ts';
 import { columns, Replay, rows, tuple } from '../../lib/dynamics/index.ts';
 import { frame, type Widget } from './frame.ts';
 
-/** The picture moves in steps of this many seconds; the path knows its torque at any point. */
+/** Time step of the picture in seconds; torques are computed at any point of the path. */
 const STEP = 1 / 480;
 
 export function replay(): Widget {
@@ -41,7 +41,7 @@ export function replay(): Widget {
     height: 190,
   });
   const numbers = readings('Speed and torque', [
-    ['peak1', 'peak |τ₁|', 'N·m'], ['peak2', 'peak |τ₂|', 'N·m'], ['loop', 'one loop', 's'], ['fastest', 'fastest inside', '×'],
+    ['peak1', 'peak |τ₁|', 'N·m'], ['peak2', 'peak |τ₂|', 'N·m'], ['loop', 'one loop', 's'], ['fastest', 'largest within limits', '×'],
   ]);
   const path2: Point[] = rows(motion.loopSamples(1, 240), 7).map((row) => [row[3]!, row[4]!]);
   set(path, { d: polyline(path2, true) });
@@ -91,7 +91,7 @@ export function replay(): Widget {
     below: [html('div', { class: 'plots' }, torquePlot.element)],
     plots,
     equations: [
-      { name: 'path', code: 'PathDynamics::torque', says: 'the arm bound to its path' },
+      { name: 'path', code: 'PathDynamics::torque', says: 'the arm constrained to its path' },
       { name: 'faster', code: 'PathDynamics::motion_torque', says: 'k times faster, k² the torque' },
     ],
     share: () => ({ times, turn, ...clock.shared() }),

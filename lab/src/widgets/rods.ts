@@ -1,10 +1,10 @@
-// The numbers of the two-link arm that can be other than the chapter's: its rods, gravity, its joints' friction, its motors.
+// The parameters of the two-link arm that the user can change: rods, gravity, joint friction, motors.
 import { numberFrom, type Shared } from '../address.ts';
 import { slider } from '../controls/slider.ts';
 import { html } from '../element.ts';
 import type { Tuple } from '../../lib/dynamics/index.ts';
 
-/** Name, label, unit, least, most, step, the chapter's. */
+/** Name, label, unit, minimum, maximum, step, the chapter's value. */
 const NUMBERS = [
   ['l1', 'Length 1', 'm', 0.3, 1.2, 0.05, 1], ['m1', 'Mass 1', 'kg', 0.2, 5, 0.1, 2],
   ['l2', 'Length 2', 'm', 0.3, 1.2, 0.05, 1], ['m2', 'Mass 2', 'kg', 0.2, 5, 0.1, 1],
@@ -12,21 +12,21 @@ const NUMBERS = [
   ['u1', 'Motor 1', 'N·m', -60, 60, 0.5, 0], ['u2', 'Motor 2', 'N·m', -30, 30, 0.5, 0],
 ] as const;
 export type RodNumber = (typeof NUMBERS)[number][0];
-/** What acts on the arm, which stays the same one. */
+/** The parameters that do not change the arm itself. */
 const FORCES: ReadonlySet<RodNumber> = new Set(['damping', 'u1', 'u2'] as const);
 
 export interface Rods {
   element: HTMLElement;
   readonly rods: Tuple<5>;
   readonly torque: Tuple<2>;
-  /** Of both joints [N·m·s]. */
+  /** Damping of both joints [N·m·s]. */
   readonly damping: number;
-  /** Its part of the address: what is not the chapter's. */
+  /** Its part of the address: values that differ from the chapter's. */
   shared(): Shared;
   restore(values: URLSearchParams): void;
 }
 
-/** Sliders behind a word, for those who want another arm than the chapter's. */
+/** Sliders in a collapsed section. */
 export function rodSliders(onRods: () => void, onForce: () => void): Rods {
   const sliders = new Map(NUMBERS.map(([name, label, unit, min, max, step, value]) =>
     [name, slider({ label, unit, min, max, step, value, onInput: FORCES.has(name) ? onForce : onRods })] as const));

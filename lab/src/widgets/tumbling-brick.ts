@@ -1,4 +1,4 @@
-// The tumbling brick: spun about its middle axis it turns over and over, with L fixed in space.
+// The tumbling brick: spun about its middle axis it flips repeatedly, with L fixed in space.
 import { numberFrom, wordFrom } from '../address.ts';
 import { button, buttonRow, choice } from '../controls/choice.ts';
 import { slider } from '../controls/slider.ts';
@@ -14,7 +14,7 @@ import { html, scientific, set, show, svg } from '../element.ts';
 import { Brick, columns, rows, tuple } from '../../lib/dynamics/index.ts';
 import { frame, type Widget } from './frame.ts';
 
-const METHODS = [['cayley', 'Keeps L and K (Cayley)'], ['rk4', 'Runge–Kutta 4']] as const;
+const METHODS = [['cayley', 'Cayley (conserves L and K)'], ['rk4', 'Runge–Kutta 4']] as const;
 const AXES = ['the long axis', 'the middle axis', 'the short axis'] as const;
 
 export function tumblingBrick(): Widget {
@@ -44,7 +44,7 @@ export function tumblingBrick(): Widget {
   const numbers = readings('Spin', [
     ['t', 't', 's'], ['flips', 'flips', ''],
     ['wx', 'ω x', 'rad/s'], ['wy', 'ω y', 'rad/s'], ['wz', 'ω z', 'rad/s'], ['K', 'K', 'J'],
-    ['L', '|L|', 'kg·m²/s'], ['period', 'exact period', 's'], ['driftL', 'L off by', ''], ['driftK', 'K off by', ''],
+    ['L', '|L|', 'kg·m²/s'], ['period', 'exact period', 's'], ['driftL', 'drift of L', ''], ['driftK', 'drift of K', ''],
   ]);
   const plots = plotGroup();
   const spinPlot = plot({
@@ -62,7 +62,7 @@ export function tumblingBrick(): Widget {
     drawPath();
     draw();
   };
-  /** What changes with the spin or the view only. */
+  /** The elements that depend on the spin or the view only. */
   const drawPath = (): void => {
     path = rows(brick.polhode(240), 3).map((row) => vector(row));
     drawMap();
@@ -124,7 +124,7 @@ export function tumblingBrick(): Widget {
     picture: [html('div', { class: 'pair' },
       html('figure', { class: 'captioned' }, space, html('figcaption', {}, 'In space. L is fixed; ω and the brick are not.')),
       html('figure', { class: 'captioned' }, sphere, html('figcaption', {},
-        'In the body: L wanders along its polhode. Around x and z the curves are small loops; near y they lead to the other side.')),
+        'In the body: L moves along its polhode. Around x and z the curves are small loops; near y they lead to the other side.')),
     ), spinPlot.element],
     controls: [
       clock.element,
@@ -135,8 +135,8 @@ export function tumblingBrick(): Widget {
     plots,
     equations: [
       { name: 'euler', code: 'dynamics::euler_in_body', says: 'Euler’s equation without torque' },
-      { name: 'momentum', code: 'RotationalInertia::momentum_in_world', says: 'what must stay' },
-      { name: 'cayley', code: 'dynamics::cayley_body_step', says: 'the step that keeps both to round-off' },
+      { name: 'momentum', code: 'RotationalInertia::momentum_in_world', says: 'constant' },
+      { name: 'cayley', code: 'dynamics::cayley_body_step', says: 'conserves both to rounding' },
     ],
     share: () => {
       const [x, y, z, w] = tuple(brick.quaternionXyzw, 4);
@@ -166,7 +166,7 @@ export function tumblingBrick(): Widget {
       const orientation = list('x y z w');
       if (!values.has('w')) return;
       if (Math.hypot(...orientation) < 1e-6) {
-        clock.say('The address gives an orientation of all zeros, which is no rotation: the brick starts along the axes.');
+        clock.say('The orientation in the address is zero, which is not a rotation: the brick starts along the axes.');
         orientation[3] = 1;
       }
       brick.place(orientation, list('wx wy wz'));
@@ -181,7 +181,7 @@ function toScreen(view: View, vector: Vector3, scale: number): [number, number] 
   return [x * scale, -y * scale];
 }
 
-/** Polhodes all over the sphere: through points on the great circles from y to x and from y to z. */
+/** Polhodes over the whole sphere: through points on the great circles from y to x and from y to z. */
 function polhodeMap(brick: Brick): Vector3[][] {
   const curves: Vector3[][] = [];
   for (const towards of [0, 2]) {

@@ -1,4 +1,5 @@
-// The workbench: hold a waypoint. Gains that are crisp folded ring stretched, for M has changed.
+// The workbench: hold a waypoint. Gains that are well damped for the folded arm oscillate for the stretched
+// one, since M changes.
 import { numberFrom } from '../address.ts';
 import { button, buttonRow, toggle } from '../controls/choice.ts';
 import { handle } from '../controls/handle.ts';
@@ -23,7 +24,7 @@ type Gain = (typeof GAINS)[number][0];
 export function workbench(): Widget {
   let bench = new Workbench(true);
   let target: Tuple<2> = [Math.PI / 2, 0];
-  /** Where it starts from, and how fast. */
+  /** Its initial state. */
   let from: Tuple<2> = [Math.PI / 2 - 0.3, 0];
   let speeds: Tuple<2> = [0, 0];
 
@@ -49,7 +50,7 @@ export function workbench(): Widget {
   const plots = plotGroup();
   const angles = plot({
     group: plots,
-    title: 'Off the waypoint', unit: 'rad',
+    title: 'Distance from the waypoint', unit: 'rad',
     lines: [{ name: 'q₁ − q₁*', tone: 'accent' }, { name: 'q₂ − q₂*', tone: 'second' }],
     atLeast: [-0.05, 0.05], height: 170,
   });
@@ -89,7 +90,7 @@ export function workbench(): Widget {
     bench.placeMoving(Float64Array.from(from), Float64Array.from(speeds));
     control();
   };
-  /** A new waypoint; the arm goes there from where it is. */
+  /** Sets a new waypoint; the arm moves there from its state. */
   const aim = (q1: number, q2: number): void => {
     target = [wrap(q1), wrap(q2)];
     control();
@@ -138,7 +139,7 @@ export function workbench(): Widget {
     advance: (steps) => { bench.advance(steps); },
     draw,
     reset: start,
-    describe: () => `Paused at ${show(bench.time, 2)} seconds, ${show(bench.q[0]! - target[0], 3)} radians off in joint 1.`,
+    describe: () => `Paused at ${show(bench.time, 2)} seconds, ${show(bench.q[0]! - target[0], 3)} radians from the waypoint in joint 1.`,
     single: 10,
   }, true);
 
@@ -157,8 +158,8 @@ export function workbench(): Widget {
     below: [html('div', { class: 'plots' }, angles.element, torques.element)],
     plots,
     equations: [
-      { name: 'pd', code: 'PdHold::torque', says: 'cut off at ± the limit' },
-      { name: 'zeta', code: 'PdHold::damping_ratio', says: 'below 1 it rings; M₁₁ is in it' },
+      { name: 'pd', code: 'PdHold::torque', says: 'limited to ± the limit' },
+      { name: 'zeta', code: 'PdHold::damping_ratio', says: 'below 1 the arm oscillates; depends on M₁₁' },
     ],
     share: () => ({
       q1: bench.q[0]!, q2: bench.q[1]!, v1: bench.qd[0]!, v2: bench.qd[1]!, to1: target[0], to2: target[1], gravity: gravity.on ? 1 : 0,

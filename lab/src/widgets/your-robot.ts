@@ -1,4 +1,4 @@
-// Your robot: any URDF or MJCF file, shown in three dimensions, pulled, posed, held, or let fall.
+// Your robot: any URDF or MJCF file, shown in three dimensions, pulled, posed, held, or falling.
 import portable from '../../wasm/robots_bg.wasm?url';
 import simd128 from '../../wasm/robots_simd128_bg.wasm?url';
 import { LONGEST_PACKED, numberFrom, numbered, numbersFrom, pack, unpack, type Shared } from '../address.ts';
@@ -10,22 +10,22 @@ import { plotGroup } from '../drawing/plot-group.ts';
 import { html, scientific, show } from '../element.ts';
 import { columns, loadRobots, type Robot, type Robots } from '../../lib/dynamics/index.ts';
 import { GALLERY } from '../robot/gallery.ts';
-import { dropped, fileInput } from '../robot/handed.ts';
+import { droppedFiles, fileInput } from '../robot/dropped-files.ts';
 import { layerToggles } from '../robot/layer-toggles.ts';
 import type { MeshFiles } from '../robot/mesh-files.ts';
-import { goOn } from '../robot/pace.ts';
+import { advanceWithinBudget } from '../robot/time-budget.ts';
 import { runControls } from '../robot/run-controls.ts';
 import type { PoseSliders } from '../robot/pose-sliders.ts';
 import { type Hand, type Stage, VIEWS } from '../robot/stage.ts';
-import type { RobotReadings } from '../robot/robot-books.ts';
+import type { RobotReadings } from '../robot/energy-table.ts';
 import { includes, read, type Source } from '../robot/source.ts';
 import type { TorqueTable } from '../robot/torque-table.ts';
 import { frame, type Widget } from './frame.ts';
 
-// The one file that opens without a server carries one module, which every browser takes.
+// The single-file build contains one module, for all browsers.
 const MODULES = { portable, simd128: import.meta.env.MODE === 'single' ? undefined : simd128 };
 const FIRST = 'panda';
-/** In an address: a robot that came from a file, which the address carries or is too short for. */
+/** In an address: a robot from a file, whose text the address contains unless it is too long. */
 const OWN = 'own';
 
 export function yourRobot(): Widget {
@@ -33,9 +33,9 @@ export function yourRobot(): Widget {
   let stage: Stage | undefined;
   let robot: Robot | undefined;
   let source: Source | undefined;
-  /** The file as letters, for the address; empty for a bundled robot. */
+  /** The file's text packed for the address; empty for a bundled robot. */
   let packed = '';
-  /** Where the robot was let go, and how fast. */
+  /** The state in which the robot was released. */
   let released: { q: Float64Array; v: Float64Array } | undefined;
   let bundled = FIRST;
 
@@ -55,7 +55,7 @@ export function yourRobot(): Widget {
     put(robot.q.map((x, i) => (i === place ? value : x)));
   };
 
-  /** The robot at rest in a pose, from where Reset begins again. */
+  /** The robot at rest in a pose, to which Reset returns. */
   const put = (q: Float64Array, v?: Float64Array): void => {
     if (robot === undefined) return;
     robot.placeMoving(q, v ?? new Float64Array(robot.v.length));
@@ -83,7 +83,7 @@ export function yourRobot(): Widget {
     },
   };
 
-  /** One after the other: what is being shown is not taken away. */
+  /** One after the other, so that a robot that is being shown is not freed. */
   const load = (next: Source): Promise<void> => (loading = loading.then(() => loadNow(next)));
   let loading = Promise.resolve();
   const shown = (name: string): string => robots?.oneLine(name) ?? name;
@@ -91,7 +91,7 @@ export function yourRobot(): Widget {
     if (robots === undefined) return;
     clock.pause();
     let loaded: Robot;
-    const { poseSliders, reportTable, robotBooks, torqueTable } = await import('../robot/panels.ts');
+    const { poseSliders, reportTable, energyTable, torqueTable } = await import('../robot/panels.ts');
     try {
       await controls.ready();
       loaded = await read(robots, next, floating.on);
@@ -106,7 +106,7 @@ export function yourRobot(): Widget {
     for (const one of gallery) one.element.setAttribute('aria-pressed', String(one.name === next.name));
     loaded.setGround(ground.on);
     for (const one of [controls, layers]) one.suit(loaded);
-    [torques, numbers, pose] = [torques ?? torqueTable(), numbers ?? robotBooks(), pose ?? poseSliders(turn, () => { draw(); })];
+    [torques, numbers, pose] = [torques ?? torqueTable(), numbers ?? energyTable(), pose ?? poseSliders(turn, () => { draw(); })];
     [table, energies, posed].forEach((place, i) => { place.replaceChildren([torques!, numbers!, pose!][i]!.element); });
     torques.show(loaded);
     ground.element.hidden = !loaded.floats || loaded.ownGround;
@@ -148,25 +148,25 @@ export function yourRobot(): Widget {
   };
   const clock = transport({
     step: () => controls.h,
-    advance: (steps) => { if (robot !== undefined) goOn(robot, steps); },
+    advance: (steps) => { if (robot !== undefined) advanceWithinBudget(robot, steps); },
     draw,
     reset: () => { if (released !== undefined) put(released.q, released.v); },
     describe: () => {
       if (robot === undefined) return '';
       const off = scientific(robot.books.unaccounted);
-      return `${robot.name}, paused at ${show(robot.time, 2)} seconds, ${off} joules unaccounted for.`;
+      return `${robot.name}, paused at ${show(robot.time, 2)} seconds, energy residual ${off} joules.`;
     },
     single: 10,
   });
 
   const open = async (read: () => Promise<Source>): Promise<void> => {
-    // What was said of the one before is not said of this.
+    // Messages about the previous robot are cleared.
     clock.say('');
     let next: Source;
     try {
       [robots, next] = await Promise.all([loadRobots(MODULES), read()]);
     } catch (error) {
-      clock.say(`The robot was not fetched: ${String(error)}. Choose it again to try once more.`);
+      clock.say(`The robot did not load: ${String(error)}. Choose it again to retry.`);
       return;
     }
     await load(next);
@@ -181,7 +181,7 @@ export function yourRobot(): Widget {
     bundled = OWN;
     return open(async () => ({ name: '', text, meshes: meshes ?? await none(), path }));
   };
-  /** Files that a person gave: the first robot among them, the others offered. */
+  /** Files of the user: shows the first robot and offers the others. */
   const openFiles = async (files: ReadonlyMap<string, Blob>): Promise<void> => {
     try {
       const { sorted } = await import('../robot/files.ts');
@@ -193,7 +193,7 @@ export function yourRobot(): Widget {
           button(shown(path.replace(/^.*\//, '')), () => { openOne(path, text); })))]
         : []));
       if (first !== undefined) openOne(...first);
-      else clock.say('There is no robot in what was given: no file that begins with <robot> (URDF) or <mujoco> (MJCF).');
+      else clock.say('The files contain no robot: none begins with <robot> (URDF) or <mujoco> (MJCF).');
     } catch (error) {
       clock.say(`The files could not be read: ${error instanceof Error ? error.message : String(error)}`);
     }
@@ -205,7 +205,7 @@ export function yourRobot(): Widget {
   }) }));
   const others = html('div');
   const floating = toggle('Base floats freely', false, () => { if (source !== undefined) void load(source); });
-  /** Lays the ground or takes it away; a robot that would be in it, or that began anew, starts above it. */
+  /** Adds or removes the ground. A robot that would be in it, or that restarts, starts above it. */
   const stand = (anew: boolean): void => {
     if (robot === undefined) return;
     robot.setGround(ground.on);
@@ -239,12 +239,12 @@ export function yourRobot(): Widget {
     ],
     below: [html('div', { class: 'plots' }, energyPlot.element), table, report],
     equations: [
-      { name: 'hold', code: 'multibody::gravity', says: 'by Newton–Euler recursion' },
-      { name: 'forward', code: 'multibody::forward_dynamics', says: 'by articulated bodies, O(n)' },
-      { name: 'pull', code: 'multibody::frame_jacobian_world_aligned', says: 'a spring and a damper at your hand' },
-      { name: 'felt', code: 'multibody::inverse_mass_matrix', says: 'the mass that you feel' },
-      { name: 'contact', code: 'multibody::ContactSet', says: 'ground and links push, never pull, and hold as friction lets them' },
-      { name: 'ledger', code: 'multibody::EnergyLedger', says: 'every joule has a name' },
+      { name: 'hold', code: 'algorithms::gravity', says: 'by Newton–Euler recursion' },
+      { name: 'forward', code: 'algorithms::forward_dynamics', says: 'by articulated bodies, O(n)' },
+      { name: 'pull', code: 'algorithms::frame_jacobian_world_aligned', says: 'a spring and a damper at your hand' },
+      { name: 'felt', code: 'algorithms::inverse_mass_matrix', says: 'the effective mass at your hand' },
+      { name: 'contact', code: 'contact::ContactSet', says: 'unilateral contact with Coulomb friction' },
+      { name: 'ledger', code: 'simulation::EnergyLedger', says: 'the energy balance' },
     ],
     plots,
     share: () => {
@@ -256,11 +256,11 @@ export function yourRobot(): Widget {
       };
     },
     unshared: () => {
-      if (source !== undefined && includes(source.text)) return 'It includes other files: send them along, to be dropped on the page.';
+      if (source !== undefined && includes(source.text)) return 'It includes other files: send them too, to be dropped on the page.';
       if (packed.length > LONGEST_PACKED) {
-        return 'The file is too large for a link, even compressed: send it along, to be dropped on the page.';
+        return 'The file is too large for a link, even compressed: send it with the link, to be dropped on the page.';
       }
-      return (source?.meshes.count ?? 0) > 1 ? 'Meshes do not fit into it: the link shows the robot without them.' : '';
+      return (source?.meshes.count ?? 0) > 1 ? 'The link does not contain meshes, and shows the robot without them.' : '';
     },
   });
   addEventListener('dragover', (event) => { event.preventDefault(); });
@@ -268,16 +268,16 @@ export function yourRobot(): Widget {
     event.preventDefault();
     if (event.dataTransfer === null) return;
     element.scrollIntoView();
-    void dropped(event.dataTransfer).then(openFiles);
+    void droppedFiles(event.dataTransfer).then(openFiles);
   });
-  // The robots are fetched from this same page when someone comes here.
+  // Robots are loaded when the experiment becomes visible.
   new IntersectionObserver((entries, observer) => {
     if (!entries.some((entry) => entry.isIntersecting)) return;
     observer.disconnect();
     if (robot === undefined && !restoring) void openBundled(bundled);
   }, { rootMargin: '200px' }).observe(element);
   let restoring = false;
-  /** The robot that an address names, or carries. */
+  /** The robot that an address names or contains. */
   const named = async (values: URLSearchParams): Promise<void> => {
     const carried = values.get('file');
     if (carried !== null) {
@@ -286,7 +286,7 @@ export function yourRobot(): Widget {
     }
     const name = values.get('robot') ?? FIRST;
     await openBundled(GALLERY.some((one) => one.name === name) ? name : FIRST);
-    if (name === OWN) clock.say('This link was made with a file that it could not carry. Drop that file here to see what was meant.');
+    if (name === OWN) clock.say('This link refers to a file that it does not contain. Drop that file here to see the robot.');
   };
   return {
     id: 'your-robot', element,

@@ -29,7 +29,7 @@ export default {
         assert.deepEqual(await page.$$eval('section', (all) => all.map((one) => one.id)), [id]);
         assert.equal(await page.locator('.masthead, footer').count(), 0);
         assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 700);
-        // A page's own heading is the page's that embeds it.
+        // The embedding page has its own heading.
         const { violations } = await new AxeBuilder({ page }).disableRules(['page-has-heading-one']).analyze();
         assert.deepEqual(violations.map((one) => one.id), [], id);
       }, { viewport: { width: 700, height: 760 } });
@@ -45,7 +45,7 @@ export default {
       assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), 'dark');
     }, { query: '&theme=dark', state: '?q1=0.5&q2=-1&h=0.002' }),
 
-  'an experiment that is not there says which are': (address) =>
+  'an unknown experiment gives a list of the known ones': (address) =>
     alone(address, 'nothing', async (page) => {
       assert.match(await page.getByRole('alert').last().textContent(), /no experiment named “nothing”.*lagrangian-lab/);
     }),

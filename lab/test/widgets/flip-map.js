@@ -8,7 +8,7 @@ const finished = (person) =>
 
 const data = (person, name) => person.section.locator('.flips').evaluate((one, key) => Number(one.dataset[key]), name);
 
-/** The colours of each eighth point across and down, which are the first to be known. */
+/** The colours of every eighth point in each direction, which are computed first. */
 const coarsePixels = ({ page }) =>
   page.evaluate(() => {
     const { data, width } = document.querySelector('.flips').getContext('2d').getImageData(0, 0, 512, 512);
@@ -16,7 +16,7 @@ const coarsePixels = ({ page }) =>
     return Array.from({ length: 64 * 64 }, (_, k) => Array.from(data.slice(at(k), at(k) + 3)));
   });
 
-/** Clicks at shares of the map's width and height. */
+/** Clicks at fractions of the map's width and height. */
 const clicks = async (person, across, down) => {
   const map = person.section.getByRole('application');
   await map.evaluate((one) => one.scrollIntoView({ block: 'center', behavior: 'instant' }));
@@ -37,14 +37,15 @@ export default {
     at(address, ID, async (person) => {
       await finished(person);
       const expected = await coarsePixels(person);
-      // Here the processor plays the card; the page is told that it is one.
+      // The processor emulates the card, and the page is told that it is one.
       const before = () => Object.defineProperty(GPUAdapterInfo.prototype, 'isFallbackAdapter', { get: () => false });
       const { page, faults, close } = await openPage(address, { before, reducedMotion: 'reduce', hash: `?only=${ID}` });
       try {
         await page.waitForFunction(() => Number(document.querySelector('.flips')?.dataset.coarse) > 0, null, { timeout: 120_000 });
         const found = await coarsePixels({ page });
         assert.match(await page.locator(`#${ID}`).textContent(), /in single precision, on the graphics card by WebGPU/);
-        // Where neighbours part ways roundings do, too; elsewhere the colours are the same but for a step of 10 ms.
+        // Neighbouring arms diverge in places, and so does rounding; elsewhere colours agree up to a step of
+        // 10 ms.
         const alike = found.filter((colour, k) => colour.every((x, i) => Math.abs(x - expected[k][i]) <= 8)).length / found.length;
         const rate = Number(await page.locator('.flips').getAttribute('data-rate'));
         console.log(`        ${(100 * alike).toFixed(1)} % of the points alike; ${(rate / 1e6).toFixed(1)} million steps a second`);
@@ -55,7 +56,7 @@ export default {
       }
     }),
 
-  'a click drops that pendulum, which flips when the map says': (address) =>
+  'a click releases that pendulum, which flips at the time of the map': (address) =>
     at(address, ID, async (person) => {
       await finished(person);
       await clicks(person, 0.97, 0.7);
@@ -66,19 +67,19 @@ export default {
       const flip = await person.reads('flip');
       assert.ok(flip > 0 && flip < 20, `${flip} s`);
       assert.ok((await person.reads('t')) > 0.1, 'it falls');
-      await person.press('Take it to the Lagrangian lab');
+      await person.press('Open in the Lagrangian lab');
       await person.waits(0.5);
       near(Number(await person.page.locator('#lagrangian-lab [data-reading="q1"]').textContent()), 1.38, 0.03, 'q₁ there');
     }),
 
-  'in the middle none flips, for want of energy': (address) =>
+  'in the middle none flips, for lack of energy': (address) =>
     at(address, ID, async (person) => {
       await finished(person);
       await clicks(person, 0.5, 0.5);
       assert.match(await person.section.locator('[data-reading="flip"]').textContent(), /never/);
     }),
 
-  'keys move, zoom and drop, and the link keeps the view': (address) =>
+  'keys move, zoom and release, and the link keeps the view': (address) =>
     at(address, ID, async (person) => {
       await finished(person);
       const map = person.section.getByRole('application');
@@ -96,7 +97,7 @@ export default {
       assert.ok((await person.reads('t')) > 0.05);
     }),
 
-  'twins that start a ten-thousandth apart part ways': (address) =>
+  'pendulums that start 1e-4 rad apart diverge': (address) =>
     at(address, ID, async (person) => {
       await person.types('Speed', 4);
       await clicks(person, 0.9, 0.12);

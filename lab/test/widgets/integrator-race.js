@@ -8,7 +8,7 @@ const drifts = async (person) => {
 };
 
 export default {
-  'ten simulated minutes run to their end, where each method has drifted as it should': (address) =>
+  'after ten simulated minutes the drift of each method is in its expected range': (address) =>
     at(address, ID, async (person) => {
       await person.press('Play');
       await person.section.getByRole('button', { name: 'Play', exact: true }).waitFor({ timeout: 60_000 });
@@ -18,7 +18,7 @@ export default {
       assert.ok(rk4 < 1e-5 && midpoint < 1e-2, 'the others are not');
     }),
 
-  'a step too long drops a runner out in plain words': (address) =>
+  'with a long step a runner drops out with a message': (address) =>
     at(address, ID, async (person) => {
       await person.types('Step h', 50);
       await person.press('Play');

@@ -3,7 +3,7 @@ import { assert, at, near } from '../person.js';
 const ID = 'knife-edge';
 
 export default {
-  'A q̇ stays zero while it is driven about': (address) =>
+  'A q̇ stays zero while it drives': (address) =>
     at(address, ID, async (person) => {
       await person.press('Play');
       await person.drags('Drive pad', 30, -40);

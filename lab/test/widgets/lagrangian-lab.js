@@ -3,7 +3,7 @@ import { assert, at, near } from '../person.js';
 const ID = 'lagrangian-lab';
 
 export default {
-  'E keeps its line to 1e-6 in a fall': (address) =>
+  'E is constant to 1e-6 in a fall': (address) =>
     at(address, ID, async (person) => {
       near(await person.reads('E'), 17.3418, 1e-4, 'E at the start');
       await person.press('Play');
@@ -14,7 +14,7 @@ export default {
       near(await person.reads('E'), 17.3418, 1e-4, 'E at the end');
     }),
 
-  'with C q̇ off, E leaves its line by more than 20 %': (address) =>
+  'with C q̇ off, E changes by more than 20 %': (address) =>
     at(address, ID, async (person) => {
       await person.flips('Coriolis');
       await person.types('Speed', 4);
@@ -24,7 +24,7 @@ export default {
       assert.ok((await person.reads('drift')) > 0.2, `drift ${await person.reads('drift')}`);
     }),
 
-  'the tip is dragged, the arm falls when let go': (address) =>
+  'the tip is dragged, and the released arm falls': (address) =>
     at(address, ID, async (person) => {
       await person.drags('q2, the second joint', 120, 60);
       await person.waits(0.5);
@@ -58,7 +58,7 @@ export default {
       { viewport: { width: 390, height: 844 }, hasTouch: true },
     ),
 
-  'a step too long blows up with a plain message': (address) =>
+  'a long step diverges with a message': (address) =>
     at(address, ID, async (person) => {
       await person.chooses('Integrator', 'explicit-euler');
       await person.types('Step h', 50);
@@ -70,7 +70,7 @@ export default {
       assert.ok(text !== '' || (await person.reads('drift')) > 0.1, 'it fails or is far off');
     }),
 
-  'Reset goes back to the pose that was let go': (address) =>
+  'Reset returns to the pose of the release': (address) =>
     at(address, ID, async (person) => {
       await person.drags('q2, the second joint', 90, 50);
       await person.waits(0.4);
@@ -125,7 +125,7 @@ export default {
     );
   },
 
-  'a fork goes its own way by the law that was changed, and travels in the link': (address) =>
+  'a fork follows the changed law, and the link contains it': (address) =>
     at(address, ID, async (person) => {
       const said = async () => (await person.section.locator('.fork .says').textContent()).match(/[\d.]+/g).map(Number);
       await person.press('Play');
@@ -141,7 +141,7 @@ export default {
       assert.ok(distance > 0.05, `${distance} m apart`);
       assert.ok(Math.abs(energy - 17.3418) > 0.1, `without C q̇ its energy is ${energy} J`);
       near(await person.reads('E'), 17.3418, 1e-4, 'while the arm keeps its own');
-      // On the timeline of both, in one plot: what the arm had half way, and what its fork had.
+      // In one plot, at a common time: the energies of the arm and of its fork.
       await person.section.locator('.plots').evaluate((one) => one.scrollIntoView({ block: 'end', behavior: 'instant' }));
       const chart = person.section.locator('.plot', { hasText: 'Energy since the fork' });
       await chart.locator('canvas').waitFor();
@@ -150,7 +150,7 @@ export default {
       const books = (await chart.locator('.legend .at').allTextContents()).map(Number);
       near(books[0], 17.342, 2e-3, 'the arm’s energy');
       assert.ok(Math.abs(books[1] - 17.342) > 0.05, `the fork’s energy is ${books[1]} J`);
-      const apart = person.section.locator('.plot', { hasText: 'Between the two tips' }).locator('.legend .at');
+      const apart = person.section.locator('.plot', { hasText: 'Distance of the tips' }).locator('.legend .at');
       assert.match(await apart.textContent(), /\d/, 'the other plot is read as well');
       await person.press('Copy link to this state');
       await person.page.reload();
@@ -163,7 +163,7 @@ export default {
       assert.ok(Math.abs((await said())[0]) > 0.1, 'a heavier rod has an energy of its own');
     }),
 
-  'damping takes energy out and leaves the books closed; a fork without it keeps what there is': (address) =>
+  'damping removes energy and the energy balance closes; a fork without it conserves energy': (address) =>
     at(address, ID, async (person) => {
       const sentence = () => person.section.locator('.fork .says').textContent();
       await person.chooses('One law changed', 'damping');

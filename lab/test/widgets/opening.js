@@ -2,7 +2,7 @@ import { assert, at, near } from '../person.js';
 
 const ID = 'opening';
 
-/** A point of the arm on the screen: so far along its links as they are drawn, 0 to 1. */
+/** A point of the arm on the screen, at this fraction of the length of its drawn links. */
 const along = (person, share) =>
   person.section.locator('.throw-felt').evaluate((path, part) => {
     path.scrollIntoView({ block: 'center', behavior: 'instant' });
@@ -16,7 +16,7 @@ const books = async (person) => {
 };
 
 export default {
-  'a link is dragged and thrown, and the books have what the hand put in': (address) =>
+  'a link is dragged and thrown, and the energy balance contains the work of the hand': (address) =>
     at(address, ID, async (person) => {
       const { x, y } = await along(person, 0.9);
       await person.page.mouse.move(x, y);
@@ -84,7 +84,7 @@ export default {
       near(Number(await person.handle('Mass of link 3').getAttribute('aria-valuenow')), 1.8, 1e-9, 'ten steps of a tenth');
     }),
 
-  'each thing that is drawn can be switched off, and the link keeps it': (address) =>
+  'each drawn quantity can be switched off, and the link keeps that': (address) =>
     at(address, ID, async (person) => {
       const groups = person.section.locator('.felt-by > g');
       const lit = () => groups.evaluateAll((all) => all.map((one) => one.getAttribute('visibility') ?? 'visible'));
@@ -97,12 +97,12 @@ export default {
       assert.equal((await lit()).filter((one) => one === 'hidden').length, 1);
     }),
 
-  'the arcs of each joint come back to where they began, for nothing drives it': (address) =>
+  'the arcs of each joint return to their start without a driving torque': (address) =>
     at(address, ID, async (person) => {
       await person.press('Play');
       await person.waits(0.6);
       await person.press('Pause');
-      // The direction in which each part's arc begins and ends, from its path about the joint.
+      // The direction in which each arc begins and ends, from its path about the joint.
       const gaps = await person.section.evaluate((section) => {
         const joints = [...section.querySelectorAll('.joints circle')].map((one) => [one.cx.baseVal.value, one.cy.baseVal.value]);
         const turned = joints.map(() => []);

@@ -1,17 +1,19 @@
-// What the page owes to everyone: formulas drawn whole, frames in time, ways for those who go by keys, links that hold.
+// Properties of the whole page: formulas drawn completely, cost of frames, keyboard access, stable links.
 import { gzipSync } from 'node:zlib';
 
 import { openPage } from '../browser.js';
 import { assert, at, opened } from '../person.js';
 import { layDown, passFrames, reader, RUNNING, setGoing } from '../running.js';
 
-// The browser lays a page out once a frame at most of its own accord; more is asked for by reading what was just written.
+// The browser computes layout at most once a frame by itself; reading a changed element forces more.
 const LAYOUTS = 1.1;
-/** How many are watched: pictures move with every one, plots with every third or fourth, numbers with every sixth. */
+/** Number of observed frames: pictures change in each, plots in every third or fourth, numbers in every
+ * sixth. */
 const FRAMES = 120;
-/** What a frame may draw, in calls of a canvas and changes of the document, the mean of many: half as much again as it does, twice where
- * other threads say what there is to draw. The race's thread delivers for a quarter to three quarters of the frames, by how fast the
- * machine is; a delivery changes 12 things and is drawn once, so that a frame changes 12 at the most. */
+/** Limits of the mean drawing work of a frame, in canvas calls and changes of the document. They are 1.5
+ * times the measured work, or twice if workers determine it. The race's worker delivers for a quarter to
+ * three quarters of the frames, depending on the machine. A delivery changes 12 things once, so a frame
+ * changes at most 12. */
 const DRAWN = {
   opening: { calls: 0, changes: 60 },
   replay: { calls: 0, changes: 15 },
@@ -25,7 +27,7 @@ const DRAWN = {
 };
 
 const cases = {
-  'all of its words can be read, laid out in their places, before its physics has come, within 150 kB': async (address) => {
+  'all texts are in place before the physics is loaded, within 150 kB': async (address) => {
     const { page, close } = await openPage(address, { ready: 'nav', before: () => { window.fetch = () => new Promise(() => undefined); } });
     let bytes = 0;
     page.on('response', (response) => {
@@ -53,7 +55,7 @@ const cases = {
     await close();
   },
 
-  'nothing that is read moves when the physics comes': async (address) => {
+  'no text moves when the physics is loaded': async (address) => {
     for (const viewport of [{ width: 1280, height: 900 }, { width: 390, height: 844 }]) {
       const before = () => {
         const fetched = window.fetch.bind(window);
@@ -70,19 +72,19 @@ const cases = {
       await page.waitForTimeout(700);
       const moved = await page.evaluate(() => window.moved ?? 0);
       console.log(`        ${viewport.width} px: ${moved.toFixed(3)} of the window`);
-      // What browsers call good is a tenth.
+      // Browsers call a shift below a tenth good.
       assert.ok(moved < 0.1, `${moved}`);
       await close();
     }
   },
 
-  'every formula is drawn with the font that came with the page, dots and all': (address) =>
+  'every formula is drawn with the page’s font, including dots': (address) =>
     opened(address, {}, async (page) => {
       await page.evaluate(() => document.fonts.ready);
       const tools = await page.context().newCDPSession(page);
       await tools.send('DOM.enable');
       await tools.send('CSS.enable');
-      // All of them at once, seen or not.
+      // All of them, visible or not.
       await page.addStyleTag({ content: '.widget { content-visibility: visible } .equations[hidden] { display: block }' });
       const { root } = await tools.send('DOM.getDocument', { depth: 0 });
       const { nodeIds } = await tools.send('DOM.querySelectorAll', { nodeId: root.nodeId, selector: '.equations :is(mi, mo, mn, mtext)' });
@@ -96,7 +98,7 @@ const cases = {
         }
       }
       assert.ok(glyphs > 400, `${glyphs} glyphs`);
-      // q̈ stands higher than q.
+      // q̈ is taller than q.
       const [dotted, plain] = await page.evaluate(() => {
         const over = document.querySelector('.equations mover');
         return [over.getBoundingClientRect().height, over.firstElementChild.getBoundingClientRect().height];
@@ -112,7 +114,7 @@ const cases = {
       const ids = await page.$$eval('main > section', (sections) => sections.map(({ id }) => id));
       assert.equal(await heading(), ids[0]);
       for (const [i, id] of ids.slice(0, -1).entries()) {
-        // From a heading back to the way past its experiment.
+        // From a heading back to the link past its experiment.
         await page.keyboard.press('Shift+Tab');
         assert.match(await page.evaluate(() => document.activeElement.textContent), /^Skip/, id);
         await page.keyboard.press('Enter');
@@ -162,7 +164,7 @@ const cases = {
     }
   },
 
-  'an address that means nothing harms nothing': async (address) => {
+  'an invalid address has no effect': async (address) => {
     for (const hash of [
       '#tumbling-brick?w=0&x=0&y=0&z=0', '#lagrangian-lab?q1=1e400&h=-5&method=none', '#knife-edge?v=NaN&drag=-3',
       '#workbench?kp1=-1&to1=abc', '#replay?turn=-7.25&times=99', '#integrator-race?h=0&duration=-1', '#your-robot?file=%25&q0=x',
@@ -175,7 +177,8 @@ const cases = {
   },
 };
 
-/** Counts what pictures are made of: calls of a canvas, of its paths or of WebGL, and changes of the document. Runs in the page. */
+/** Counts drawing operations: calls of a canvas, of its paths or of WebGL, and changes of the document. Runs
+ * in the page. */
 const countDrawing = () => {
   const drawn = { calls: 0, changes: 0 };
   for (const kind of [CanvasRenderingContext2D, Path2D, WebGL2RenderingContext]) {
@@ -192,7 +195,7 @@ const countDrawing = () => {
   globalThis.drawn = drawn;
 };
 
-/** What has been drawn so far, and how often the page was laid out. */
+/** The drawing operations so far, and the number of layouts. */
 const drawing = async (page) => {
   const layouts = await reader(page, 'LayoutCount');
   return async () => [await layouts(), ...(await page.evaluate(() => [drawn.calls, drawn.changes]))];

@@ -25,9 +25,9 @@ const cases = {
     const [start, physics] = [await fetched(), /\.wasm$/];
     const words = weigh(['index.html', ...[...start].filter((name) => !physics.test(name))]);
     const module = weigh([...start].filter((name) => physics.test(name)));
-    assert.ok(![...start].some((name) => name.includes('robots')), 'the module for robots waits until someone comes to one');
+    assert.ok(![...start].some((name) => name.includes('robots')), 'the module for robots is not loaded yet');
     const robot = page.getByText('“panda” has');
-    // What lies between is laid out on the way, and moves the place.
+    // Elements on the way get their layout and move the target.
     for (let tries = 0; tries < 100 && !(await robot.isVisible()); tries += 1) {
       await page.locator('#your-robot').evaluate((one) => one.scrollIntoView({ block: 'end', behavior: 'instant' }));
       await page.waitForTimeout(300);

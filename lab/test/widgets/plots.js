@@ -1,4 +1,4 @@
-// What plots have in common: a cursor over all of a group, a timeline, files to take away.
+// Common properties of plots: a cursor for a group, a timeline, downloads.
 import { readFile } from 'node:fs/promises';
 
 import { assert, at, near } from '../person.js';
@@ -96,7 +96,7 @@ export default {
       const video = await saved(person, 'End the video');
       assert.match(video.name, /^lagrangian-lab\.(webm|mp4)$/);
       assert.ok(video.content.length > 5000, `${video.content.length} bytes`);
-      // As a person would: it plays, and has the sheet's shape.
+      // It plays, and has the shape of the picture.
       const shape = await person.page.evaluate(async (bytes) => {
         const player = document.createElement('video');
         player.src = URL.createObjectURL(new Blob([Uint8Array.from(bytes)]));

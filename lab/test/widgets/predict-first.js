@@ -4,7 +4,7 @@ export default {
   'every answer comes with its number': (address) =>
     at(address, 'predict-first', async (person) => {
       const cards = person.section.locator('.cards > li');
-      const rights = ['3', '1', '3', 'long along q̇₂', 'wanders far off', 'grows', 'fourfold'];
+      const rights = ['3', '1', '3', 'long along q̇₂', 'drifts far away', 'grows', 'fourfold'];
       assert.equal(await cards.count(), rights.length);
       for (const [i, right] of rights.entries()) {
         await cards.nth(i).getByRole('button', { name: right, exact: true }).click();

@@ -4,7 +4,7 @@ const pegged = (person) =>
   person.section.locator('.gauge').evaluateAll((gauges) => gauges.map((gauge) => gauge.dataset.pegged === 'true'));
 
 export default {
-  'at 1× both gauges stay inside, at 2× both are pegged': (address) =>
+  'at 1× both gauges stay within their limits, at 2× both are at their stops': (address) =>
     at(address, 'replay', async (person) => {
       assert.deepEqual(await pegged(person), [false, false]);
       near(await person.reads('peak1'), 8.5, 0.1, 'peak of joint 1 at 1×');
@@ -30,7 +30,8 @@ export default {
     at(address, 'replay', async (person) => {
       await person.press('2×');
       const gap = () => person.section.locator('.gauge svg').evaluateAll((dials) => Math.min(...dials.map((dial) => {
-        // The needle's end at full scale on either side, against the top of the number, in the dial's units.
+        // The needle's end at full scale on either side, relative to the top of the number, in the dial's
+        // units.
         const reach = 0.82 * Math.cos(0.25 * Math.PI);
         return dial.querySelector('.value').getBBox().y - reach;
       })));

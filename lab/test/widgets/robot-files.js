@@ -20,7 +20,7 @@ export default {
       assert.ok((await person.reads('t')) > 0);
     }, withoutRegisters),
 
-  'the link carries motion, motors, camera and layers': (address) =>
+  'the link contains motion, motors, camera and layers': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       await shows(person, 'UR5');
@@ -49,7 +49,7 @@ export default {
       }
     }),
 
-  'a scene brings the robot that it includes, with the inertia of its meshes': (address) =>
+  'a scene shows the robot that it includes, with the inertia of its meshes': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       const robot = '<mujoco model="rod"><asset><mesh name="rock" file="rock.obj"/></asset><worldbody>'
@@ -65,7 +65,7 @@ export default {
       await loaded(person, 'rod');
     }),
 
-  'a dropped mesh meets the ground, and another theme leaves the robot where it is': (address) =>
+  'a dropped mesh makes contact with the ground, and a change of theme does not move the robot': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       // A tetrahedron a tenth of a metre deep, in millimetres and upside down in its file.
@@ -80,7 +80,7 @@ export default {
       await give(person, { 'cone.urdf': `<robot name="cone">${link}</robot>`, 'cone.stl': `solid cone ${facets.join(' ')} endsolid` });
       await loaded(person, 'cone');
       await person.waits(0.5);
-      // Its tip is 0.2 m above the link's frame: the start needs no lifting.
+      // Its tip is 0.2 m above the link's frame, so the start is not lifted.
       near(await person.reads('V'), 0, 1e-6, 'where it starts');
       await person.press('Play');
       await person.waits(1);
@@ -92,7 +92,7 @@ export default {
       assert.equal(await person.reads('t'), before);
     }, { viewport: { width: 520, height: 640 } }),
 
-  'a dropped file travels in the link, and one too large is said to be': (address) =>
+  'the link contains a dropped file, and a message tells if it is too large': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       const text = readFileSync(new URL('three_r.urdf', robots), 'utf8').replace('name="three_r"', 'name="parcel"');
@@ -104,7 +104,7 @@ export default {
       await person.page.goto('about:blank');
       await person.page.goto(link);
       await loaded(person, 'parcel');
-      // What does not compress: as many links as it takes, named at random.
+      // Many links with random names, which do not compress.
       const names = Array.from({ length: 3000 }, (_, i) => `${i}${Math.random().toString(36)}`);
       const links = names.map((name) => `<link name="l${name}"/>`).join('');
       const ends = (name) => `<parent link="base"/><child link="l${name}"/>`;
@@ -116,7 +116,7 @@ export default {
       await loaded(person, 'large');
       await person.press('Copy link to this state');
       const said = person.section.locator('.copied');
-      // Once the clipboard has answered.
+      // After the clipboard has answered.
       await said.filter({ hasText: /./ }).waitFor();
       assert.match(await said.textContent(), /too large for a link/);
       assert.equal(new URLSearchParams(person.page.url().split('?')[1]).get('file'), null);
@@ -155,7 +155,7 @@ export default {
       assert.match(film.suggestedFilename(), /^_cmd_x__script[A-Za-z0-9_]*\.(webm|mp4)$/);
     }, { viewport: { width: 520, height: 640 } }),
 
-  'an MJCF file is opened as a URDF is, and a folder brings its meshes': (address) =>
+  'an MJCF file is opened like a URDF file, and a folder with its meshes': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       const cube = (s) => {
@@ -171,13 +171,13 @@ export default {
         <joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint></robot>`;
       await give(person, { 'boxed.urdf': urdf, 'meshes/cube.stl': cube(0.3) });
       await loaded(person, 'boxed');
-      await person.section.getByText('1 mesh did not come with the file (absent.stl)').waitFor();
+      await person.section.getByText('1 mesh is missing (absent.stl)').waitFor();
       const mjcf = readFileSync(new URL('arm.xml', robots), 'utf8').replace(/model="[^"]*"/, 'model="mine"');
       await give(person, { 'mine.xml': mjcf });
       await loaded(person, 'mine');
     }),
 
-  'what draws in three dimensions comes when a robot does, and is under 400 kB': (address) =>
+  'the code for three dimensions is loaded with the first robot, and is under 400 kB': (address) =>
     at(address, 'replay', async (person) => {
       const scripts = () => person.page.evaluate(() =>
         performance.getEntriesByType('resource').map(({ name }) => name).filter((name) => name.endsWith('.js')));
@@ -191,7 +191,7 @@ export default {
       assert.ok(later.some((name) => name.includes('solid-stage')) && total > 50_000 && total < 400_000, `${total}`);
     }),
 
-  'a file is opened, and a broken one is explained': (address) =>
+  'a file is opened, and an invalid one gives a message': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       const input = person.section.getByLabel('A robot file', { exact: true });

@@ -1,4 +1,5 @@
-// The passages between the experiments: a prediction drawn by hand, then the curve, then numbers in the text.
+// The passages between the experiments: a prediction drawn by the user, then the curve, then numbers in the
+// text.
 import { assert, at, near } from '../person.js';
 
 const PASSAGES = ['inertia-ellipse', 'lagrangian-lab', 'replay', 'workbench', 'knife-edge', 'tumbling-brick'];
@@ -18,7 +19,7 @@ const draws = async (person, heights) => {
   await person.page.mouse.up();
 };
 
-/** The curve's height at a share of its width, from 0 to 1. */
+/** The curve's height at a fraction of its width, from 0 to 1. */
 const curveAt = (person, share) =>
   passage(person).locator('.answer-curve').evaluate((path, part) => {
     const points = [...path.getAttribute('d').matchAll(/[ML](\S+) ([^ML\s]+)/g)].map((match) => match.slice(1).map(Number));
@@ -26,7 +27,7 @@ const curveAt = (person, share) =>
   }, share);
 
 export default {
-  'every passage asks first: no curve, no words of the answer before': async (address) => {
+  'every passage asks first, without curve or answer': async (address) => {
     for (const id of PASSAGES) {
       await at(address, id, async (person) => {
         assert.equal(await passage(person).locator('.tells').isVisible(), false, id);
@@ -41,16 +42,16 @@ export default {
 
   'what was drawn is compared with the curve': (address) =>
     at(address, 'lagrangian-lab', async (person) => {
-      // A parabola from 8 to 0 to 8 N·m on a sheet from −10 to 10, which is the answer, and then nobody is far off.
+      // The answer is a parabola from 8 to 0 to 8 N·m, so the drawing is close to it.
       const rates = Array.from({ length: 33 }, (_, k) => -4 + k / 4);
       await draws(person, rates.map((rate) => (0.5 * rate * rate + 10) / 20));
       await passage(person).getByRole('button', { name: 'Show the curve' }).click();
-      assert.match(await passage(person).locator('.off-by').textContent(), /^Just so/);
+      assert.match(await passage(person).locator('.off-by').textContent(), /^Very close/);
       near(await curveAt(person, 0), 0.9, 1e-3, '8 N·m at −4 rad/s');
       near(await curveAt(person, 0.5), 0.5, 1e-3, 'nothing at rest');
     }),
 
-  'a number in the text moves the curve and lights its term': (address) =>
+  'a number in the text changes the curve and highlights its term': (address) =>
     at(address, 'lagrangian-lab', async (person) => {
       await passage(person).getByRole('button', { name: 'Show the curve' }).click();
       const elbow = passage(person).getByRole('slider', { name: 'Angle of the elbow' });
@@ -84,7 +85,7 @@ export default {
       await passage(person).locator('.off-by', { hasText: '% of the height' }).waitFor();
     }, { viewport: { width: 390, height: 844 }, hasTouch: true }),
 
-  'the keyboard draws and shows the curve, and says what is where': (address) =>
+  'the keyboard draws and shows the curve, with values for screen readers': (address) =>
     at(address, 'workbench', async (person) => {
       const sheet = passage(person).getByRole('application');
       await sheet.focus();
@@ -99,7 +100,7 @@ export default {
       near((await curveAt(person, 0)) * 8, 1, 1e-2, 'M₁₁ folded');
     }),
 
-  'the side force is a line through nothing, the brick turns over': async (address) => {
+  'the side force is a line through zero, and the brick flips': async (address) => {
     await at(address, 'knife-edge', async (person) => {
       await passage(person).getByRole('button', { name: 'Show the curve' }).click();
       for (const [share, newtons] of [[0, 6], [0.5, 0], [1, -6]]) {

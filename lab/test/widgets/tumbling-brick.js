@@ -20,7 +20,7 @@ export default {
       assert.ok((await person.reads('driftK')) < 1e-11, 'K stays');
     }),
 
-  'a long Runge–Kutta step loses the energy that the other keeps': (address) =>
+  'a long Runge–Kutta step loses energy that the other method conserves': (address) =>
     at(address, ID, async (person) => {
       await person.types('Step h', 60);
       await person.types('Speed', 4);
@@ -31,15 +31,15 @@ export default {
       }
     }),
 
-  'an address of zeros is no rotation, and is said to be none': (address) =>
+  'an orientation of zeros in the address gives a message': (address) =>
     at(address, ID, async (person) => {
-      assert.match(await person.section.locator('.message').textContent(), /all zeros/);
+      assert.match(await person.section.locator('.message').textContent(), /orientation/);
       assert.ok(Math.abs((await person.reads('wy')) - 4) < 1e-3, 'the spin is taken all the same');
       await person.press('Step');
       assert.ok((await person.reads('t')) > 0, 'and the brick turns');
     }, { hash: `#${ID}?w=0&x=0&y=0&z=0&wx=0&wy=4&wz=0.1` }),
 
-  'the link carries the views and the speed of playing': (address) =>
+  'the link contains the views and the playback speed': (address) =>
     at(address, ID, async (person) => {
       await person.section.locator('.space').first().focus();
       await person.page.keyboard.press('ArrowRight');

@@ -10,14 +10,14 @@ async function overshoot(person, pose) {
 }
 
 export default {
-  'gains that are crisp folded ring stretched': (address) =>
+  'gains without overshoot for the folded arm oscillate for the stretched one': (address) =>
     at(address, ID, async (person) => {
       const folded = await overshoot(person, 'Folded');
       const stretched = await overshoot(person, 'Stretched');
       near(folded.m11, 1, 1e-3, 'M11 folded');
       near(stretched.m11, 3, 1e-3, 'M11 stretched');
       near(folded.zeta / stretched.zeta, Math.sqrt(3), 0.03, 'ζ falls with the root of M11');
-      // Both start 0.3 rad off.
+      // Both start 0.3 rad from the waypoint.
       assert.ok(folded.over < 0.05 * 0.3, `crisp: ${folded.over} rad`);
       assert.ok(stretched.over > 0.12 * 0.3, `rings: ${stretched.over} rad`);
     }),
@@ -32,7 +32,7 @@ export default {
       assert.ok((await person.reads('settles')) < 3);
     }),
 
-  'a limit below the weight is said in words': (address) =>
+  'a limit below the weight gives a message': (address) =>
     at(address, ID, async (person) => {
       await person.press('Sideways');
       await person.press('Pause');

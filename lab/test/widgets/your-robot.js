@@ -11,7 +11,7 @@ const sum = async (person, names) => {
 };
 
 export default {
-  'every bundled robot loads, is drawn and falls with its books in order': (address) =>
+  'every bundled robot loads, is drawn and falls with its energy balanced': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       const names = await person.section.getByRole('toolbar', { name: 'Robots' }).getByRole('button').allTextContents();
@@ -29,15 +29,15 @@ export default {
         await person.press('Pause');
         const t = await person.reads('t');
         assert.ok(t > 0.02, `${name} runs`);
-        // How far it gets is the machine's affair: the humanoid falls, and lands with 400 J, on a fast one. The method is of order 2,
-        // and takes a step again whose books are off by a thousandth.
+        // The distance depends on the machine: on a fast one the humanoid falls and lands with 400 J. The
+        // method is of order 2, and repeats a step whose energy error is above a thousandth.
         const through = await sum(person, ['K', 'lost', 'friction', 'stops', 'sliding', 'impacts']);
         const off = Math.abs(await person.reads('off'));
         assert.ok(off < 1e-3 * through + 1e-3, `${name}: ${off} J of ${through} J`);
       }
     }, { viewport: { width: 520, height: 640 } }),
 
-  'the panda weighs on its motors as it should': (address) =>
+  'the motors carry the weight of the panda': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       assert.equal(await person.reads('dof'), 7);
@@ -91,7 +91,7 @@ export default {
       assert.ok(!(await person.section.locator('.glow-key').isVisible()));
     }),
 
-  'motors that hold keep the pose': (address) =>
+  'motors hold the pose': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       await person.flips('Motors hold');
@@ -122,7 +122,7 @@ export default {
       assert.ok(apart(after, await values(person)) < 0.011, 'Reset goes back to where it was let go');
     }),
 
-  'while it runs, a link is pulled by a spring, whose work is in the books': (address) =>
+  'while the robot runs, a spring pulls a link, and the energy balance contains its work': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       await person.flips('Motors hold');
@@ -130,7 +130,7 @@ export default {
       const link = await grip(person);
       await person.page.mouse.down();
       await person.page.mouse.move(link.x + 60, link.y - 40, { steps: 8 });
-      // Read while it is held: when it is let go, the motors take back what they gave.
+      // Read while the link is held: when it is released, the motors return the energy.
       await person.reaches('work', 1);
       await person.page.mouse.up();
       await person.press('Pause');
@@ -149,7 +149,7 @@ export default {
       assert.ok(went > 100, `the page goes, ${went} px`);
     }, { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true }),
 
-  'joints stop at their stops, and what they take is named': (address) =>
+  'joints stop at their limits, and the losses are shown': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       await person.section.getByText('Pose, joint by joint').click();
@@ -164,7 +164,7 @@ export default {
       assert.ok((await person.reads('stops')) > 0.1, `${await person.reads('stops')} J`);
     }),
 
-  'a robot that floats falls on the ground and stays, and goes on falling without': (address) =>
+  'a floating robot falls on the ground and stays, and falls on without ground': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       await shows(person, 'Quadruped');
@@ -189,7 +189,7 @@ export default {
       assert.equal(await contacts(), 0);
     }, { viewport: { width: 520, height: 640 } }),
 
-  'an arm that swings out of the picture is followed, unless a person chose how near to be': (address) =>
+  'the camera follows an arm that leaves the picture, unless the user chose the distance': (address) =>
     at(address, ID, async (person) => {
       await person.section.getByText('“panda” has').waitFor();
       const distance = async () => {
@@ -200,7 +200,7 @@ export default {
       const begun = await distance();
       await person.types('Speed', 4);
       await person.press('Play');
-      // Frames are few where the processor draws, and it steps back a little with each.
+      // Without a graphics card frames are few, and the camera moves a little in each.
       await person.reaches('t', 12);
       await person.press('Pause');
       assert.ok((await outermost()) <= 0.9, `a link is at ${await outermost()} of the picture's half`);
@@ -216,7 +216,7 @@ export default {
       assert.ok(Math.abs((await distance()) - chosen) < 1e-9, 'and stays as near as it was put');
     }),
 
-  'a video is recorded and handed over': (address) =>
+  'a video is recorded and saved': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       await person.press('Play');
@@ -246,7 +246,7 @@ export default {
     assert.ok(card.triangles > 1.5 * processor.triangles, `${card.triangles}, of which ${processor.triangles} are seen`);
   },
 
-  'a browser without WebGL gets a flat drawing that a hand can take hold of': (address) =>
+  'a browser without WebGL gets a flat drawing that the user can drag': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
       await shows(person, 'Two rods');

@@ -1,32 +1,32 @@
-// The effects that act on a robot: a switch for each effect that its file states, and a list of those that the simulation leaves out.
+// Switches for the effects of a robot's file, and a list of those that the simulation leaves out.
 import { toggle, type Toggle } from '../controls/choice.ts';
 import { html } from '../element.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';
 
-/** The library's names are set off by backticks. */
+/** Backticks mark the library's names. */
 const quoted = (line: string): string => line.replace(/`([^`]*)`/g, '“$1”');
 
-/** By the library's names. */
+/** Labels by the library's names. */
 const EFFECTS: readonly (readonly [string, string])[] = [
   ['dissipation', 'Damping and friction'], ['limits', 'Position limits'], ['effort-limits', 'Effort limits of torques'],
   ['springs', 'Springs and tendons'], ['actuators', 'Actuators of the file'], ['equalities', 'Closed loops, couplings'],
   ['contacts', 'Contacts'], ['link-contacts', 'Contacts between links'],
 ];
 
-export interface Acting {
+export interface EffectSwitches {
   element: HTMLElement;
   /** The effects that are switched off. */
   readonly off: string[];
   set(off: readonly string[]): void;
-  /** Switches for what the robot's file states, and what is said of the simulation. */
+  /** Shows switches for the effects of the robot's file, and the simulation's texts. */
   show(robot: Robot): void;
 }
 
-export function acting(onChange: () => void): Acting {
+export function effectSwitches(onChange: () => void): EffectSwitches {
   const switches = new Map<string, Toggle>(EFFECTS.map(([name, label]) => [name, toggle(label, true, onChange)]));
   const method = html('p', { class: 'says', 'data-reading': 'method' });
   const absent = html('ul', { class: 'left-out', 'aria-label': 'Left out of the simulation' });
-  const element = html('details', { class: 'acting' }, html('summary', {}, 'What acts'),
+  const element = html('details', { class: 'acting' }, html('summary', {}, 'Effects'),
     html('div', { class: 'folded' }, ...Array.from(switches.values(), (one) => one.element)));
   const off = (): string[] => EFFECTS.map(([name]) => name).filter((name) => switches.get(name)?.on === false);
   return {
@@ -40,7 +40,7 @@ export function acting(onChange: () => void): Acting {
       const now = new Set(robot.acting());
       for (const [name, one] of switches) {
         one.element.hidden = !stated.includes(name);
-        // Links touch nothing while contacts are switched off.
+        // Without contacts there are no contacts of links.
         one.element.classList.toggle('idle', one.on && !now.has(name));
       }
       element.hidden = stated.length === 0;

@@ -1,7 +1,7 @@
-// Links that glow: each in clones of what its shapes are made of, tinted by how bright it is.
+// Brightness of links: each uses copies of its materials, tinted by its brightness.
 import { Color, type Group, type Material, Mesh } from 'three';
 
-/** A shape that glows, what it is made of otherwise, and the colours of that. */
+/** A shape with variable brightness, its own material, and the colours of that. */
 interface Lamp {
   shape: Mesh;
   plain: Material | Material[];
@@ -13,10 +13,10 @@ interface Tinted extends Material {
   emissive: Color;
 }
 
-export class Lamps {
+export class LinkBrightness {
   private lamps: Lamp[][] | undefined;
 
-  /** Brightness 0 to 1, link by link; undefined puts them out. */
+  /** Brightness from 0 to 1 for each link; undefined restores the materials. */
   paint(links: readonly Group[], brightness: Float64Array | undefined, tone: Color): void {
     if (brightness === undefined) {
       this.out();
@@ -32,7 +32,7 @@ export class Lamps {
     });
   }
 
-  /** As they were. */
+  /** Restores the materials. */
   out(): void {
     for (const { shape, plain, lit } of this.lamps?.flat() ?? []) {
       shape.material = plain;

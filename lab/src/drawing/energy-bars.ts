@@ -1,12 +1,12 @@
-// The books of an arm's energy as two lines of equal length: what it has, and where that came from.
+// The energy balance of an arm as two bars of equal length: its energy, and the sources of that energy.
 import { html, scientific, show } from '../element.ts';
 
-export interface Books {
+export interface EnergyBars {
   element: HTMLElement;
   draw(books: { kinetic: number; potential: number; start: number; work: number; unaccounted: number }, beat: number): void;
 }
 
-export function energyBooks(): Books {
+export function energyBars(): EnergyBars {
   const bit = (tone: string): HTMLElement => html('span', { class: `fill ${tone}` });
   const [kinetic, potential, start, gain, loss] = ['second', 'muted', 'ink', 'accent', 'accent striped'].map(bit) as
     [HTMLElement, HTMLElement, HTMLElement, HTMLElement, HTMLElement];
@@ -19,15 +19,15 @@ export function energyBooks(): Books {
       html('span', { class: 'book-track', 'aria-hidden': 'true' }, ...bits),
       html('span', { class: 'book-text' }, ...text));
   let most = 0;
-  /** From a share of the width to another: bits are moved and stretched, not laid out anew. */
+  /** Places a segment between two fractions of the width by a transform, which needs no layout. */
   const put = (one: HTMLElement, from: number, to: number): void => {
     one.style.transform = `translateX(${(100 * from).toFixed(3)}%) scaleX(${Math.max(0, to - from).toFixed(5)})`;
   };
   return {
     element: html('div', { class: 'books', role: 'group', 'aria-label': 'Energy' },
-      line('It has', [kinetic, potential],
+      line('Energy', [kinetic, potential],
         html('span', { class: 'key second' }, 'K '), k, ' J + ', html('span', { class: 'key muted' }, 'V '), v, ' J'),
-      line('It was given', [start, gain, loss],
+      line('Sources', [start, gain, loss],
         html('span', { class: 'key ink' }, 'at the start '), e, ' J + ', html('span', { class: 'key accent' }, 'by hand '), w, ' J'),
       html('p', { class: 'book-off' }, 'The two differ by ', off, ' J, the error of the steps.')),
     draw(books, beat) {
@@ -38,7 +38,7 @@ export function energyBooks(): Books {
       const given = books.start + books.work;
       put(start, 0, Math.min(books.start, given) / most);
       put(gain, books.start / most, given / most);
-      // What the hand took out again is struck from what was there.
+      // Energy that the hand removed is marked as a loss.
       put(loss, given / most, books.start / most);
       if (beat % 6 !== 0) return;
       const write = (one: HTMLElement, text: string): void => { if (one.textContent !== text) one.textContent = text; };

@@ -1,12 +1,12 @@
-// What is not to be known yet: nothing of it is on the page, for eyes or for screen readers, until it is lifted.
+// Hides content until it is revealed: before that, it is not on the page, not even for screen readers.
 import { html } from '../element.ts';
 
-export interface Veil {
+export interface HiddenAnswer {
   element: HTMLElement;
   lift(): void;
 }
 
-export function veil(hint: string, ...hidden: Element[]): Veil {
+export function hiddenAnswer(hint: string, ...hidden: Element[]): HiddenAnswer {
   const inside = html('div', { class: 'unveiled', hidden: true }, ...(hidden as HTMLElement[]));
   const cover = html('p', { class: 'veil' }, hint);
   return {

@@ -1,4 +1,4 @@
-// A robot's energy, cause by cause, in numbers.
+// A robot's energy balance, as numbers for each cause.
 import { readings } from '../drawing/readings.ts';
 import { html, scientific, show } from '../element.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';
@@ -8,12 +8,12 @@ export interface RobotReadings {
   draw(robot: Robot): void;
 }
 
-export function robotBooks(): RobotReadings {
-  const numbers = readings('Energy books', [
+export function energyTable(): RobotReadings {
+  const numbers = readings('Energy balance', [
     ['t', 't', 's'], ['mass', 'mass', 'kg'], ['dof', 'freedoms', ''], ['K', 'K', 'J'], ['V', 'V', 'J'], ['E', 'E', 'J'],
-    ['work', 'work put in', 'J'], ['lost', 'lost to damping', 'J'], ['friction', 'to friction', 'J'],
+    ['work', 'work', 'J'], ['lost', 'lost to damping', 'J'], ['friction', 'to friction', 'J'],
     ['stops', 'to stops', 'J'], ['corrections', 'to corrections', 'J'], ['sliding', 'to sliding', 'J'], ['impacts', 'to impacts', 'J'],
-    ['off', 'unaccounted', 'J'],
+    ['off', 'residual', 'J'],
   ]);
   const limited = html('p', { class: 'cost', hidden: true });
   return {
@@ -21,7 +21,7 @@ export function robotBooks(): RobotReadings {
     draw(robot) {
       const cut = robot.stepsAtLimit;
       limited.hidden = cut === 0;
-      if (cut > 0) limited.textContent = `In ${String(cut)} steps a torque was cut off at its effort limit.`;
+      if (cut > 0) limited.textContent = `In ${String(cut)} steps a torque was limited to its effort limit.`;
       const { kinetic, potential, energy, work, damping, friction, stops, corrections, sliding, impacts, unaccounted } =
         robot.books;
       numbers.draw({

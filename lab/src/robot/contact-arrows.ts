@@ -1,24 +1,24 @@
-// Arrows where the robot touches: what pushes it there.
+// Arrows of the contact forces on a robot.
 import { type Color, ConeGeometry, CylinderGeometry, Group, Mesh, MeshBasicMaterial, Vector3 } from 'three';
 
 const UP = new Vector3(0, 1, 0);
-/** A contact: a point, and the force there. */
+/** A contact: a point and its force. */
 const CONTACT = 6;
-/** The length of an arrow as heavy as the robot, and of the longest there is, as parts of its reach. */
+/** The length of an arrow for the robot's weight, and the largest length, as fractions of its extent. */
 const WEIGHT = 1.6;
 const LONGEST = 1.2;
 
-export interface Pushes {
+export interface ContactArrows {
   group: Group;
   /** The contacts of a step; `weight` in newtons, `reach` in metres. */
   draw(contacts: Float64Array, weight: number, reach: number): void;
-  /** The theme's colour. */
+  /** Sets the theme's colour. */
   paint(colour: Color): void;
 }
 
-export function pushes(colour: Color): Pushes {
+export function contactArrows(colour: Color): ContactArrows {
   const group = new Group();
-  // Seen through the robot, which hides where it touches.
+  // Visible through the robot, which hides its contact points.
   const material = new MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.85, depthTest: false });
   group.renderOrder = 1;
   const [shaft, head] = [new CylinderGeometry(1, 1, 1, 12).translate(0, 0.5, 0), new ConeGeometry(1, 1, 16).translate(0, 0.5, 0)];

@@ -1,8 +1,8 @@
-// What a person hands over, by dropping or choosing: files by path.
+// Files that the user drops or chooses, by path.
 import { html } from '../element.ts';
 
-/** All files of what was dropped, folders walked through. */
-export async function dropped(transfer: DataTransfer): Promise<Map<string, Blob>> {
+/** All files of a drop, with the contents of folders. */
+export async function droppedFiles(transfer: DataTransfer): Promise<Map<string, Blob>> {
   const files = new Map<string, Blob>();
   const entries = Array.from(transfer.items, (item) => item.webkitGetAsEntry());
   const loose = Array.from(transfer.files);
@@ -17,7 +17,7 @@ export async function dropped(transfer: DataTransfer): Promise<Map<string, Blob>
       return;
     }
     const reader = (entry as FileSystemDirectoryEntry).createReader();
-    // A folder is read in pieces; an empty one is the end.
+    // A folder is read in parts; an empty one is the end.
     for (;;) {
       const piece = await new Promise<FileSystemEntry[]>((resolve, reject) => { reader.readEntries(resolve, reject); });
       if (piece.length === 0) return;
@@ -28,7 +28,7 @@ export async function dropped(transfer: DataTransfer): Promise<Map<string, Blob>
   return files;
 }
 
-/** What a button opens: asks for files, or for a folder, and hands them over. */
+/** Asks for files or a folder, and passes them on. */
 export function fileInput(label: string, folder: boolean, open: (files: Map<string, Blob>) => Promise<void>): HTMLInputElement {
   const input = html('input', {
     type: 'file', class: 'visually-hidden', tabindex: -1, 'aria-label': label, webkitdirectory: folder || undefined,
