@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Measures how long one waits for the compiler: the rows of the table in docs/performance.md.
+"""Measures compile times: the rows of the table in docs/performance.md.
 
     python3 bench/compile_times.py
 
-Everything is built in a folder of its own, from nothing but downloaded packages.
+Everything is built in a separate folder, from downloaded packages only.
 """
 
 import os
@@ -15,17 +15,18 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# What a user of the libraries writes who moves a batch of states.
+# A user's program that moves a batch of states.
 PROGRAM = """
 use std::ops::ControlFlow;
 
 use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques, rollout};
-use robot_dynamics::{Model, RandomRobotOptions, neutral, random_robot};
+use robot_dynamics::description::{RandomRobotOptions, random_robot};
+use robot_dynamics::model::{Model, neutral};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
     let (mut q, mut v) = (neutral(&model).repeat(20), vec![0.0; 20 * model.nv()]);
-    let integrator = robot_dynamics::dynamics::Integrator::RungeKutta4;
+    let integrator = robot_dynamics::simulation::Integrator::RungeKutta4;
     let how = Rollout::new(integrator, 1e-3, 100);
     let mut workspace = BatchWorkspace::new(&model);
     let go_on = |_| ControlFlow::Continue(());
@@ -37,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 
 def seconds(folder, target, *arguments):
-    """How long a cargo command takes."""
+    """The duration of a cargo command."""
     flags = ("RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_RUSTFLAGS", "CARGO_PROFILE_", "CARGO_INCREMENTAL")
     environment = {key: value for key, value in os.environ.items() if not key.startswith(flags)}
     environment["CARGO_TARGET_DIR"] = str(target)
@@ -62,16 +63,18 @@ def main():
         row("the command, from nothing", seconds(ROOT, target, *build, "--locked"))
         (ROOT / "crates/cli/src/main.rs").touch()
         row("the command, after a change to its `main.rs`", seconds(ROOT, target, *build, "--locked"))
-        (ROOT / "crates/multibody/src/algorithms/mass_matrix.rs").touch()
+        (ROOT / "crates/core/src/algorithms/mass_matrix.rs").touch()
         row("the command, after a change to an algorithm", seconds(ROOT, target, *build, "--locked"))
+        (ROOT / "crates/simulation/src/contact/cone_problem/solution.rs").touch()
+        row("the command, after a change to the contact solver", seconds(ROOT, target, *build, "--locked"))
         copy = folder / "copy"
         for file in subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines():
             (copy / file).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / file, copy / file)
         quick = ("build", "--profile", "incremental", "--locked")
         row("the command by the profile `incremental`, from nothing", seconds(copy, target, *quick))
-        # A change that is one: what all columns of a mass matrix are written by.
-        algorithm = copy / "crates/multibody/src/algorithms/mass_matrix.rs"
+        # A change of arithmetic: the function that writes all columns of a mass matrix.
+        algorithm = copy / "crates/core/src/algorithms/mass_matrix.rs"
         text = algorithm.read_text()
         changed = text.replace("rows[5 * width] = nz;", "rows[5 * width] = nz + nz - nz;")
         assert changed != text

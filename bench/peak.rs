@@ -1,15 +1,16 @@
-//! How many fused multiply-adds this machine does a second, by the width of its registers.
+//! The rate of fused multiply-adds of this machine, by the width of its registers.
 //!
-//! Compiled by itself for this very machine (`rustc -O -C target-cpu=native bench/peak.rs`): independent chains of
-//! a·x + b in registers, enough of them to hide their latency. Prints nanoseconds per instruction as JSON.
+//! Compiled alone for this machine (`rustc -O -C target-cpu=native bench/peak.rs`). It runs independent
+//! chains of a·x + b in registers, enough to hide their latency, and prints nanoseconds per instruction as
+//! JSON.
 
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Chains at once: more than latency times instructions a cycle.
+/// Parallel chains: more than latency times instructions per cycle.
 const CHAINS: usize = 10;
 
-/// Least nanoseconds per fused multiply-add of `L` lanes.
+/// Smallest nanoseconds per fused multiply-add of `L` lanes.
 fn measure<const L: usize>() -> f64 {
     const TURNS: usize = 20_000;
     let (a, b) = (black_box([0.999_f64; L]), black_box([0.001; L]));

@@ -6,15 +6,15 @@ import pinocchio as pin
 from reference import Robot
 
 EARTH_GRAVITY = [0.0, 0.0, -9.81]
-# Pinocchio's word for "no limit".
+# Pinocchio's value for "no limit".
 UNLIMITED = np.finfo(float).max
 
 
 def describe(robot, name):
     """The description of a robot: a link per moving joint, named after it, and a root link.
 
-    A root that is fixed to the world has no mass properties here: it takes no part in the motion, and
-    Pinocchio leaves it out of the centre of mass and the energies.
+    A root that is fixed to the world has no mass properties here. It does not move, and Pinocchio leaves it
+    out of the centre of mass and the energies.
     """
     model, data = robot.model, robot.model.createData()
     if not np.array_equal(model.gravity.linear, EARTH_GRAVITY):
@@ -62,7 +62,7 @@ def mass_properties(inertia):
 
 
 def pose(placement):
-    """Rotation by rows and translation."""
+    """Rotation in row-major order and translation."""
     return {"rotation": placement.rotation.copy(), "translation": placement.translation.copy()}
 
 
@@ -80,7 +80,7 @@ def limits(model, joint, kind):
 
 
 def rebuilt(description):
-    """The robot that the description's numbers alone give; each continuous joint is a plain turn by its angle."""
+    """The robot from the description's numbers alone; each continuous joint has its angle as coordinate."""
     model, ids = pin.Model(), {}
     properties = {link["name"]: link["mass_properties"] for link in description["links"]}
 

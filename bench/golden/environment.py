@@ -1,4 +1,4 @@
-"""The Python environment of the reference values: pinned packages in a virtual environment of their own."""
+"""The Python environment of the reference values: pinned packages in a virtual environment."""
 
 import hashlib
 import importlib.metadata
@@ -13,7 +13,7 @@ REQUIREMENTS = HERE / "requirements.txt"
 
 
 def pinned(requirements=REQUIREMENTS):
-    """{package: version} as the file states them, with those of the files that it names by `-r FILE`."""
+    """{package: version} as in the file and in files that it includes by `-r FILE`."""
     lines = [line.split("#")[0].strip() for line in requirements.read_text().splitlines()]
     found = dict(line.split("==") for line in lines if line and not line.startswith("-r"))
     for line in lines:
@@ -31,7 +31,7 @@ def is_complete(requirements=REQUIREMENTS):
 
 
 def enter(requirements=REQUIREMENTS):
-    """Returns in an interpreter that has the pinned packages; starts the script anew in one where needed."""
+    """Returns in an interpreter that has the pinned packages; restarts the script in one if needed."""
     if is_complete(requirements):
         return
     digest = hashlib.sha256(repr(sorted(pinned(requirements).items())).encode()).hexdigest()[:12]

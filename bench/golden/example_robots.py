@@ -3,9 +3,10 @@
 
     python3 bench/golden/example_robots.py OUT [--command target/release/dynamics] [--states 5] [--only TEXT]
 
-Each robot is tried twice, its root fixed to the world and floating. OUT/ROBOT/ gets states.jsonl (a state a line,
-as `dynamics compute` reads it) and golden.jsonl (what it should print), joints in the order of OUT/manifest.json;
-the command itself is fed its own order, by name. Ends with 1 if a compared number is off by more than its bound.
+Each robot is tried twice, with its root fixed to the world and floating. OUT/ROBOT/ gets states.jsonl (one
+state per line, as `dynamics compute` reads it) and golden.jsonl (the expected output), with joints in the
+order of OUT/manifest.json. The command gets its own order, matched by name. The exit code is 1 if a number
+differs by more than its bound.
 """
 
 import argparse
@@ -39,11 +40,11 @@ QUANTITIES = {
 
 
 class NotCompared(Exception):
-    """Why a robot's numbers were not compared."""
+    """The reason why a robot's numbers were not compared."""
 
 
 def reference(urdf, floating, count):
-    """The robot, its states and its golden values; the forward dynamics is None where M is singular."""
+    """The robot, its states and its golden values; without forward dynamics if M is singular."""
     robot = Robot.from_urdf(urdf, floating)
     if robot.nv == 0:
         raise Unsupported("nothing moves")
@@ -57,7 +58,7 @@ def reference(urdf, floating, count):
 
 
 def spoken(command, *arguments, given=None):
-    """What the command prints; its first line of complaint is the reason where it fails."""
+    """The command's output; if it fails, the first error line is the reason."""
     try:
         run = subprocess.run(
             [command, *arguments], input=given, capture_output=True, text=True, timeout=120, check=False
@@ -71,7 +72,7 @@ def spoken(command, *arguments, given=None):
 
 
 def orders(robot, inspected):
-    """For each number of the command's q and of its v, the place of the same number in the reference's."""
+    """For each entry of the command's q and v, the index of the same number in the reference's."""
     ours = {joint["name"]: joint for joint in inspected["joints"] if joint["nv"] > 0}
     theirs = {joint["name"]: joint for joint in robot.layout()}
     if set(ours) != set(theirs):
@@ -97,7 +98,7 @@ def compare(command, urdf, robot, states, values, extra=()):
     by_q, by_v = orders(robot, inspected)
     lines = []
     for state, value in zip(states, values):
-        # Where M is singular the forward dynamics is not asked for.
+        # If M is singular, the forward dynamics is not requested.
         keys = ("q", "v", "a") if value["forward_dynamics"] is None else ("q", "v", "a", "tau")
         lines.append(json.dumps({key: plain(state[key][by_q if key == "q" else by_v]) for key in keys}))
     printed = spoken(command, "compute", str(urdf), *base, given="\n".join(lines) + "\n").splitlines()
@@ -111,7 +112,7 @@ def compare(command, urdf, robot, states, values, extra=()):
     whole = robot.moving_mass() + (fixed["mass"] if fixed else 0.0)
     height = 0.0
     if fixed:
-        # Whether links that are fixed to the world count in V is a choice of its zero, one for all states.
+        # Whether links fixed to the world count in V is a choice of its zero, the same for all states.
         offset = got[0]["potential_energy"] - values[0]["potential_energy"]
         height = min(0.0, 9.81 * fixed["mass"] * fixed["center_of_mass"][2], key=lambda h: abs(offset - h))
     mass = min(whole, robot.moving_mass(), key=lambda m: abs(m - inspected["mass"]))
@@ -120,7 +121,7 @@ def compare(command, urdf, robot, states, values, extra=()):
         worst[short] = (difference(key, robot, states, values, got, by_v, height), ROUNDING)
     solved = [i for i, value in enumerate(values) if value["forward_dynamics"] is not None]
     if solved:
-        # The state that comes closest to, or goes furthest past, 10 cond(M) eps.
+        # The state with the largest ratio to 10 cond(M) eps.
         key = "forward_dynamics"
         pairs = [(relative(got[i][key], values[i][key][by_v]), bound(values[i])) for i in solved]
         worst["a"] = max(pairs, key=lambda pair: pair[0] / pair[1])
@@ -140,7 +141,7 @@ def difference(key, robot, states, values, got, by_v, height):
         if key == "potential_energy":
             want = want + height
         elif key == "coriolis_matrix" and robot.floating:
-            # A floating base's C is not the only one: C v is.
+            # A floating base's C is not unique, but C v is.
             want, have = (want @ state["v"])[by_v], have @ state["v"][by_v]
         elif np.ndim(want) == 2:
             want = want[np.ix_(by_v, by_v)]
@@ -151,21 +152,21 @@ def difference(key, robot, states, values, got, by_v, height):
         differences.append(np.max(np.abs(have - want), initial=0))
         scale = max(scale, np.max(np.abs(want), initial=0))
         if key in ("gravity", "coriolis_matrix", "bias", "potential_energy"):
-            # These may vanish (an arm in a level plane): 1e-3 of the whole torque still counts as their size.
+            # These may vanish (an arm in a horizontal plane); the scale is then 1e-3 of the whole torque.
             scale = max(scale, 1e-3 * np.max(np.abs(value["inverse_dynamics"]), initial=0))
     worst = max(differences) if np.all(np.isfinite(differences)) else np.inf
     return worst / scale if scale else worst
 
 
 def relative(have, want):
-    """The largest difference relative to the largest number; infinite where the command has no number."""
+    """The largest difference relative to the largest number; infinite if the command has no number."""
     if have is None or np.shape(have) != np.shape(want):
         return np.inf
     return np.max(np.abs(np.array(have, dtype=float) - want)) / np.max(np.abs(want))
 
 
 def cell(pair):
-    """A difference for the table, marked where it is over its bound."""
+    """A difference for the table, marked if it exceeds its bound."""
     return "M singular" if pair is None else f"{pair[0]:.0e}" + ("" if pair[0] <= pair[1] else "!")
 
 
@@ -177,7 +178,7 @@ def write(folder, states, values):
 
 
 def main():
-    """Goes through the robots and prints the table."""
+    """Compares all robots and prints the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out", type=Path, help="folder for states, reference values and manifest.json")
     parser.add_argument("--command", type=Path, default=environment.ROOT / "target" / "release" / "dynamics")

@@ -1,16 +1,16 @@
-"""Golden files: JSON with one state, link or joint a line, numbers that read back as the same binary64."""
+"""Golden files: JSON with one state, link or joint per line, and numbers that parse to the same binary64."""
 
 import json
 import math
 
 import numpy as np
 
-# Sums may be done in another order by another processor's instructions.
+# Another processor's instructions may add in another order.
 ROUNDING = 1e-12
 
 
 def plain(x):
-    """Numbers, lists and words only; 0 for zeros, words for infinities."""
+    """Numbers, lists and words only; zeros without sign, infinities as words."""
     if isinstance(x, dict):
         return {key: plain(value) for key, value in x.items()}
     if isinstance(x, (list, tuple, np.ndarray)):
@@ -26,7 +26,8 @@ def plain(x):
 
 
 def text(x, lines=2):
-    """JSON text; entries of the outer `lines` levels of dictionaries, and lists of dictionaries, have a line each."""
+    """JSON text; entries of the outer `lines` levels of dictionaries, and lists of dictionaries, have a line
+    each."""
     compact = json.dumps(x, separators=(",", ":"), ensure_ascii=False)
     if isinstance(x, dict) and lines > 0:
         rows = (f"{json.dumps(key)}:{text(value, lines - 1)}" for key, value in x.items())
@@ -42,7 +43,8 @@ def write(path, record):
 
 
 def compare(path, record):
-    """How the committed file differs from the record: a line that starts with 'same' where it does not."""
+    """The difference of the committed file from the record: a line that starts with 'same' if there is none.
+    """
     if not path.exists():
         return "missing"
     old, new = json.loads(path.read_text()), plain(record)
@@ -53,7 +55,7 @@ def compare(path, record):
     for state, condition in zip(range(len(new["states"])), conditions):
         if state >= len(old["states"]):
             break
-        # What is solved for with M may lose its condition number.
+        # Results that need M⁻¹ lose accuracy by its condition number.
         allowed = max(ROUNDING, 10 * condition * np.finfo(float).eps)
         gap = difference(old["states"][state], new["states"][state], allowed)
         if isinstance(gap, str):
@@ -69,7 +71,7 @@ def compare(path, record):
 
 
 def difference(old, new, solved):
-    """The largest relative difference, or where and how the two differ."""
+    """The largest relative difference, or the place and kind of a mismatch."""
     if isinstance(new, dict):
         if not isinstance(old, dict) or list(old) != list(new):
             return ": other fields"

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Writes testdata/mjcf/contacts/golden.json: states before and after single steps of `mj_step`, its solver run until nothing changes.
+"""Writes testdata/mjcf/contacts/golden.json: states before and after single steps of `mj_step`, with a
+converged solver.
 
     python3 bench/golden/make_contact_golden.py
 
-Each file of testdata/mjcf/contacts is simulated as it stands, by MuJoCo's Euler method, from its own pose with small random velocities. Every few steps the
-state before the step, the one after it, and the number of contacts that act are kept. Numbers are in MuJoCo's convention.
+Each file of testdata/mjcf/contacts is simulated by MuJoCo's Euler method, from its own pose with small random
+velocities. Every few steps the record gets the state before the step, the one after it, and the number of
+active contacts. Numbers are in MuJoCo's convention.
 """
 
 import datetime
@@ -22,14 +24,14 @@ import numpy as np  # noqa: E402
 import golden_file  # noqa: E402
 
 FOLDER = environment.ROOT / "testdata" / "mjcf" / "contacts"
-# How long a file is simulated, and how often a step is kept.
+# Duration of a simulation, and the number of steps between records.
 STEPS, EVERY = 150, 10
 # Standard deviation of the velocities at the start [m/s and rad/s].
 SPEED = 0.1
 
 
 def precise(model):
-    """Runs the solver at full precision."""
+    """Makes the solver run at full precision."""
     option = model.opt
     option.solver, option.jacobian = mujoco.mjtSolver.mjSOL_NEWTON, mujoco.mjtJacobian.mjJAC_DENSE
     option.tolerance, option.iterations, option.ls_tolerance, option.ls_iterations = 0, 400, 1e-6, 200
@@ -38,7 +40,7 @@ def precise(model):
 
 
 def record(path):
-    """The steps of one file that are kept, and the weights of its bodies."""
+    """The recorded steps of one file, and the weights of its bodies."""
     model = precise(mujoco.MjModel.from_xml_path(str(path)))
     data = mujoco.MjData(model)
     data.qvel = np.random.default_rng(zlib.crc32(path.name.encode())).normal(0, SPEED, model.nv)

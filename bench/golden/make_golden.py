@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes testdata/golden: robots as numbers, random states, and what Pinocchio computes for them.
+"""Writes testdata/golden: robots as numbers, random states, and Pinocchio's results.
 
     python3 bench/golden/make_golden.py            writes every file
     python3 bench/golden/make_golden.py --check    compares with the committed files instead
@@ -32,7 +32,7 @@ OUT = environment.ROOT / "testdata" / "golden"
 EXAMPLES = {
     "double_pendulum": ("double_pendulum_description/urdf/double_pendulum_continuous.urdf", "BSD", False, None),
     "ur5_example": ("ur_description/urdf/ur5_robot.urdf", "BSD", False, None),
-    # The same arm with rotor inertias of our choice, for the sum M + diag(I_rotor ratio^2).
+    # The same arm with chosen rotor inertias, for the sum M + diag(I_rotor ratio^2).
     "ur5_with_rotors": ("ur_description/urdf/ur5_robot.urdf", "BSD", False, [0.6, 0.6, 0.4, 0.15, 0.1, 0.05]),
     "panda_example": ("panda_description/urdf/panda.urdf", "Apache-2.0", False, None),
     "kinova": ("kinova_description/robots/kinova.urdf", "BSD", False, None),
@@ -48,17 +48,17 @@ EXAMPLES = {
     "talos": ("talos_data/robots/talos_reduced.urdf", "Apache-2.0", True, None),
 }
 
-# The robots of this repository whose root link floats; the others stand on the world.
+# The robots of this repository with a floating root; the others are fixed to the world.
 FLOATING = {"quadruped", "humanoid"}
 
-# More than this many degrees of freedom: four states instead of eight.
+# Above this many degrees of freedom: four states instead of eight.
 LARGE = 24
-# At most this many: the regressor too.
+# Up to this many degrees of freedom: with the regressor.
 SMALL = 9
 
 
 def provenance(source, licence, mimic, armature):
-    """Where the numbers come from."""
+    """The origin of the numbers."""
     versions = {name: importlib.metadata.version(name) for name in ("pin", "example-robot-data", "numpy")}
     record = {
         "tool": "Pinocchio",
@@ -98,7 +98,7 @@ def states(robot, seed):
 
 
 def check_laws(robot, state):
-    """What must hold among the numbers before they may be called a reference."""
+    """Laws that the numbers must satisfy to be a reference."""
     mass, v, a = state["mass_matrix"], state["v"], state["a"]
     condition = np.linalg.cond(mass)
     eps = np.finfo(float).eps
@@ -115,7 +115,7 @@ def check_laws(robot, state):
 
 
 def check_derivatives(robot, state):
-    """The derivatives along one direction, and the rates of the Jacobians, against central differences."""
+    """Compares derivatives along one direction, and the rates of the Jacobians, with central differences."""
     q, v, a, tau = (state[key] for key in ("q", "v", "a", "tau"))
     step = 1e-5
     direction = np.cos(np.arange(robot.nv))
@@ -126,7 +126,8 @@ def check_derivatives(robot, state):
     for name in ("inverse_dynamics", "forward_dynamics"):
         by_q = slope(lambda h, name=name: robot.dynamics(robot.integrate(q, h * direction), v, a, tau)[name])
         by_v = slope(lambda h, name=name: robot.dynamics(q, v + h * direction, a, tau)[name])
-        # The differences' error is step^2 times third derivatives, amplified by M^-1 in the forward dynamics.
+        # The error of the differences is step^2 times third derivatives, amplified by M^-1 in the forward
+        # dynamics.
         close(f"{name} by q", state[f"{name}_by_q"] @ direction, by_q, 1e-5)
         close(f"{name} by v", state[f"{name}_by_v"] @ direction, by_v, 1e-5)
     for frame, rate in state["tip_jacobian_rate"].items():
@@ -143,11 +144,11 @@ def close(what, x, y, tolerance):
 
 
 def check_description(robot, description, state):
-    """A model built from the description's numbers alone moves as the robot does."""
+    """A model from the description's numbers alone moves like the robot."""
     again = rebuilt(description)
     q, v, a, tau = (state[key] for key in ("q", "v", "a", "tau"))
     values, momentum = again.dynamics(q, v, a, tau), again.momentum(q, v)
-    # Pinocchio 4.1.0's kinetic energy leaves the rotors of revolute joints about an oblique axis out.
+    # Pinocchio 4.1.0's kinetic energy omits the rotors of revolute joints about an oblique axis.
     energies = ("potential_energy",) if robot.model.armature.any() else ("kinetic_energy", "potential_energy")
     for key in ("mass_matrix", "bias", "gravity", "inverse_dynamics", *energies):
         close(f"description: {key}", values[key], state[key], 1e-12)

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Writes testdata/mjcf/golden.json: what MuJoCo makes of the MJCF files of testdata/mjcf and robots.
+"""Writes testdata/mjcf/golden.json: MuJoCo's results for the MJCF files of testdata/mjcf and robots.
 
     python3 bench/golden/make_mjcf_golden.py            # writes the file
     python3 bench/golden/make_mjcf_golden.py --check    # compares with the committed file, writes nothing
 
-Numbers are in MuJoCo's convention: quaternions w x y z, free joints' linear velocity along the world's axes. The states are random,
-their seed the CRC-32 of the file's name. Contacts, limits and friction take no part in what is written. The motion is by MuJoCo's RK4, also without
-equalities, from a pose near the file's own, its controls held.
+Numbers are in MuJoCo's convention: quaternions w x y z, free joints' linear velocity in world axes. The
+states are random with the CRC-32 of the file's name as seed. Contacts, limits and friction are switched off.
+The motion is by MuJoCo's RK4, also without equalities, from a pose near the file's own with constant
+controls.
 """
 
 import argparse
@@ -29,18 +30,19 @@ import golden_file  # noqa: E402
 
 OUT = environment.ROOT / "testdata" / "mjcf" / "golden.json"
 STATES = 3
-# Of the motion: its duration and step, and the step where a body is free [s]: its coordinates differ from this library's, and so do errors.
+# Duration and step of the motion, and the step with a free body [s], whose coordinates and errors differ from
+# this library's.
 DURATION, STEP, STEP_FREE = 1.0, 0.001, 0.0002
 
 
 def motors(model, target, kind, values):
-    """What the actuators of a joint or tendon add to it, seen through their gears; MuJoCo keeps it apart."""
+    """The armature of a joint or tendon from its actuators, by their gears; MuJoCo stores it separately."""
     own = [i for i in range(model.nu) if model.actuator_trntype[i] == int(kind) and model.actuator_trnid[i][0] == target]
     return sum(float(values[i] * model.actuator_gear[i][0] ** 2) for i in own)
 
 
 def joints(model):
-    """What MuJoCo knows of each joint."""
+    """MuJoCo's data of each joint."""
     rows = []
     for i in range(model.njnt):
         dof = model.jnt_dofadr[i]
@@ -63,7 +65,7 @@ def joints(model):
 
 
 def actuators(model):
-    """What MuJoCo knows of each actuator."""
+    """MuJoCo's data of each actuator."""
     return [
         {
             "name": model.actuator(i).name,
@@ -77,7 +79,7 @@ def actuators(model):
 
 
 def tendons(model):
-    """What MuJoCo knows of each tendon."""
+    """MuJoCo's data of each tendon."""
     return [
         {
             "name": model.tendon(i).name,
@@ -94,7 +96,7 @@ def tendons(model):
 
 
 def equalities(model):
-    """How far each equality is from holding, at the first state."""
+    """The residual of each equality at the first state."""
     return [
         {
             "name": model.equality(i).name,
@@ -107,13 +109,13 @@ def equalities(model):
 
 
 def normalized(model, qpos):
-    """Quaternions of length one."""
+    """Unit quaternions."""
     mujoco.mj_normalizeQuat(model, qpos)
     return qpos
 
 
 def state(model, random):
-    """One random state and what MuJoCo computes for it."""
+    """One random state and MuJoCo's results."""
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
     model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
     data = mujoco.MjData(model)
@@ -147,12 +149,12 @@ def state(model, random):
 
 
 def motion(path, random):
-    """A state near the file's own pose, and what MuJoCo's RK4 makes of it."""
+    """A state near the file's own pose, and the end of MuJoCo's RK4 motion from it."""
     model = mujoco.MjModel.from_xml_path(str(path))
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     step = STEP_FREE if (model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any() else STEP
     model.opt.integrator, model.opt.timestep = mujoco.mjtIntegrator.mjINT_RK4, step
-    # The exact filter is exact in Euler's steps; in those of RK4 it adds an error of first order.
+    # The exact filter is exact in Euler's steps; in RK4 steps it adds an error of first order.
     exact, filtered = int(mujoco.mjtDyn.mjDYN_FILTEREXACT), int(mujoco.mjtDyn.mjDYN_FILTER)
     model.actuator_dyntype[model.actuator_dyntype == exact] = filtered
     data = mujoco.MjData(model)
@@ -165,7 +167,7 @@ def motion(path, random):
 
 
 def record(path):
-    """All of one file."""
+    """All results of one file."""
     model = mujoco.MjModel.from_xml_path(str(path))
     random = np.random.default_rng(zlib.crc32(path.name.encode()))
     return {

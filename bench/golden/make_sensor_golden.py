@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Writes testdata/mjcf/sensors/golden.json: the values of MuJoCo's sensors at random states, with all that they are computed from.
+"""Writes testdata/mjcf/sensors/golden.json: the values of MuJoCo's sensors at random states, with their
+inputs.
 
     python3 bench/golden/make_sensor_golden.py
 
-Accelerations, forces of actuators and limits, and contact forces are MuJoCo's own. Numbers are in MuJoCo's convention.
+Accelerations, forces of actuators and limits, and contact forces are MuJoCo's own. Numbers are in MuJoCo's
+convention.
 """
 
 import datetime
@@ -27,7 +29,7 @@ FREE, HINGE, SLIDE = (int(kind) for kind in (mujoco.mjtJoint.mjJNT_FREE, mujoco.
 
 
 def contact_wrenches(model, data):
-    """Force and moment of each contact on each of its moving bodies, along the world's axes at the contact's point."""
+    """Force and moment of each contact on each of its moving bodies, in world axes at the contact's point."""
     wrenches = []
     for index, contact in enumerate(data.contact):
         local = np.zeros(6)
@@ -49,7 +51,7 @@ def contact_wrenches(model, data):
 
 
 def limit_forces(model, data):
-    """The generalized forces of joints' limits, and the force of each tendon's along its length."""
+    """The generalised forces of joint limits, and the force of each tendon's limit along its length."""
     joints, tendons = np.zeros(model.nv), np.zeros(model.ntendon)
     rows = np.zeros((data.nefc, model.nv))
     if mujoco.mj_isSparse(model):
@@ -77,13 +79,13 @@ def state(model, random):
             data.qpos[at] = random.uniform(low - beyond, high + beyond)
         else:
             orientation = at + (3 if kind == FREE else 0)
-            # Far from no turn on a ball joint, near it on a trunk that is to stand.
+            # Away from zero rotation on a ball joint, and near it on a standing trunk.
             near = random.normal(0, 0.05 if kind == FREE else 1, 4) + ([1, 0, 0, 0] if kind == FREE else 0)
             data.qpos[orientation : orientation + 4] = near / np.linalg.norm(near)
     data.qvel = random.normal(0, 0.7, model.nv)
     data.ctrl = random.normal(0, 0.8, model.nu)
     if model.jnt_type[0] == FREE:
-        # Until its lowest geom is 1 cm deep in the plane.
+        # Lowers the robot until its lowest geom is 1 cm deep in the plane.
         data.qpos[2] = 3
         mujoco.mj_kinematics(model, data)
         others = range(1, model.ngeom)
@@ -104,7 +106,7 @@ def state(model, random):
 
 
 def record(path):
-    """All of one file."""
+    """All results of one file."""
     model = mujoco.MjModel.from_xml_path(str(path))
     random = np.random.default_rng(zlib.crc32(path.name.encode()))
     names = [model.sensor(index).name for index in range(model.nsensor)]

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Writes testdata/mjcf/soft/golden.json: accelerations under MuJoCo's constraints, its solver run until nothing changes.
+"""Writes testdata/mjcf/soft/golden.json: accelerations under MuJoCo's constraints, with a converged solver.
 
     python3 bench/golden/make_soft_golden.py                              # writes the file
     python3 bench/golden/make_soft_golden.py --states 1000 --out FILE     # as many states, elsewhere
-    python3 bench/golden/make_soft_golden.py --robot MJCF --out FILE      # of that robot, which falls as well
+    python3 bench/golden/make_soft_golden.py --robot MJCF --out FILE      # of that robot, with a fall
 
-Random states near the ground, many beyond their limits; forces instead of motors, of tendons limits, dry friction and armature alone, no carried weight. Contacts are MuJoCo's
-own, written with all that the law reads of them; `on_ground` says whether they are those of one plane with points of primitives
-alone. Numbers are in MuJoCo's convention.
+Random states near the ground, many beyond their limits. Forces replace motors; tendons have only limits, dry
+friction and armature; there is no gravity compensation. Contacts are MuJoCo's, written with all inputs of the
+law. `on_ground` tells whether all contacts are between one plane and points of primitives. Numbers are in
+MuJoCo's convention.
 """
 
 import argparse
@@ -27,22 +28,23 @@ import numpy as np  # noqa: E402
 import golden_file  # noqa: E402
 
 FILES = ["testdata/mjcf/soft/walker.xml", "testdata/mjcf/soft/press.xml", "testdata/mjcf/soft/cables.xml", "robots/arm.xml", "robots/quadruped.xml", "robots/hand.xml"]
-# How deep the lowest point is below the ground at most [m].
+# Largest depth of the lowest point below the ground [m].
 DEEPEST = 0.05
-# Robots that are dropped, how high [m], and for how long: to compare the motion, and the contacts [s].
+# Dropped robots with height [m] and duration [s], to compare motion and contacts.
 DROPPED, HEIGHT, MOTION, COUNTED = ["testdata/mjcf/soft/walker.xml", "robots/quadruped.xml"], 0.01, 0.2, 1.0
 
 FREE, HINGE, SLIDE = (int(kind) for kind in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE))
 PLANE = int(mujoco.mjtGeom.mjGEOM_PLANE)
-# Shapes that touch a plane in the same points on both sides.
+# Shapes whose contact points with a plane are the same in both programs.
 PRIMITIVES = [int(form) for form in (mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_CAPSULE, mujoco.mjtGeom.mjGEOM_ELLIPSOID)]
 
 
 def scene(path):
-    """The file's model with a plane under it and its solver at full precision; motors, tendons' springs and dampers and carried weight do nothing."""
+    """The file's model above a plane, with a solver at full precision, without motors, tendon springs and
+    dampers, and gravity compensation."""
     spec = mujoco.MjSpec.from_file(str(path))
     if not any(geom.type == mujoco.mjtGeom.mjGEOM_PLANE for geom in spec.worldbody.geoms):
-        # Of the format's own surface, not of the file's defaults.
+        # The format's default surface, not the file's.
         surface = {"contype": 1, "conaffinity": 1, "friction": [1, 0.005, 0.0001], "condim": 3, "solref": [0.02, 1], "solimp": [0.9, 0.95, 0.001, 0.5, 2]}
         spec.worldbody.add_geom(name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[10, 10, 1], margin=0, **surface)
     model = spec.compile()
@@ -58,7 +60,7 @@ def scene(path):
 
 
 def lower(model, data, depth):
-    """Moves a robot that is free until it is so deep in the ground."""
+    """Moves a free robot to a given depth in the ground."""
     if model.jnt_type[0] != FREE:
         return
     plane = next(i for i in range(model.ngeom) if model.geom_type[i] == PLANE)
@@ -113,7 +115,8 @@ def state(model, random):
 
 
 def drop(model, random):
-    """A fall from near the file's own pose by MuJoCo's Euler steps: where it leads, and how many contacts each step has."""
+    """A fall from near the file's own pose by MuJoCo's Euler steps: its end, and the number of contacts in
+    each step."""
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
     data = mujoco.MjData(model)
     hinges = np.isin(model.jnt_type, [HINGE, SLIDE])
@@ -129,7 +132,8 @@ def drop(model, random):
 
 
 def record(path, states, is_own=True):
-    """All of one file; a robot that is not the project's own is dropped, its links touching the ground alone."""
+    """All results of one file. A robot from elsewhere is dropped, with contact between links and ground only.
+    """
     model = scene(path)
     if not is_own:
         model.geom_conaffinity[model.geom_type != PLANE] = 0

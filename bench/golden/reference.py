@@ -1,12 +1,12 @@
-"""A robot as Pinocchio sees it, spoken to in this project's conventions.
+"""Pinocchio's model of a robot, accessed in this project's conventions.
 
-q holds one number per joint that moves by itself, also for a joint without limits (Pinocchio: cos, sin), and
-starts with x y z, qx qy qz qw for a floating base; v starts with the base's linear and angular velocity along
-the base's own axes. A joint that follows another has no place in q and v. Its motion is put in by the linear
-map of the robot's independent velocities y to all joints' velocities, v = G y (G constant): M_y = G^T M G,
-tau_y = G^T tau.
+q has one number per independent joint, also for a joint without limits (Pinocchio: cos, sin). For a floating
+base q starts with x y z, qx qy qz qw, and v with the linear and angular velocity in base axes. A mimic joint
+has no entry in q and v. A constant linear map v = G y from the independent velocities y to all velocities
+includes its motion: M_y = G^T M G, tau_y = G^T tau.
 
-Pinocchio's functions return views into `data`: every result is copied, or multiplied by G, while `data` lives.
+Pinocchio's functions return views into `data`: every result is copied, or multiplied by G, before `data` is
+freed.
 """
 
 import re
@@ -21,11 +21,11 @@ PRISMATIC = re.compile(r"JointModelP(X|Y|Z|rismaticUnaligned)$")
 
 
 class Unsupported(Exception):
-    """The robot has something the reference does not cover; the message says what."""
+    """The robot has a feature that the reference does not cover; the message names it."""
 
 
 def kind_of(joint):
-    """The joint's kind, by the name that this project gives it."""
+    """The joint's kind, by this project's name."""
     name = joint.shortname()
     for kind, pattern in (("Revolute", REVOLUTE), ("Continuous", CONTINUOUS), ("Prismatic", PRISMATIC)):
         if pattern.match(name):
@@ -36,7 +36,7 @@ def kind_of(joint):
 
 
 def mimics_in(urdf):
-    """{follower: (joint, ratio, offset)} of the robot file; a fixed joint follows nobody."""
+    """{mimic joint: (joint, ratio, offset)} of the robot file; a fixed joint mimics no joint."""
     found = {}
     for joint in ElementTree.parse(urdf).getroot().iter("joint"):
         mimic = joint.find("mimic")
@@ -47,7 +47,7 @@ def mimics_in(urdf):
 
 
 class Robot:
-    """A Pinocchio model, with the joints that follow others taken out of q and v."""
+    """A Pinocchio model without mimic joints in q and v."""
 
     def __init__(self, model, mimics, armature=None):
         self.model = model
@@ -91,7 +91,7 @@ class Robot:
         base = self.base_nv
         self.g = np.zeros((self.model.nv, self.nv))
         self.g[:base, :base] = np.eye(base)
-        # Pinocchio's v has its joints in the order of the names, one number each.
+        # Pinocchio's v has its joints in the order of their names, with one number each.
         self.g[base:, base:] = joints
 
     def pinocchio_q(self, q):
@@ -102,14 +102,14 @@ class Robot:
         return np.array(numbers, dtype=float)
 
     def layout(self):
-        """Where each independent joint sits in q and v."""
+        """The index of each independent joint in q and v."""
         rows = [{"name": "floating_base", "q_index": 0, "nq": 7, "v_index": 0, "nv": 6}] if self.floating else []
         for i, name in enumerate(self.independent):
             rows.append({"name": name, "q_index": self.base_nq + i, "nq": 1, "v_index": self.base_nv + i, "nv": 1})
         return rows
 
     def random_state(self, rng):
-        """q, v, a, tau: angles within 2.5 rad, slides within 0.5 m, any turn of the base."""
+        """q, v, a, tau: angles within 2.5 rad, translations within 0.5 m, any rotation of the base."""
         q = [*rng.uniform(-1, 1, 3), *unit(rng.normal(size=4))] if self.floating else []
         slides = {name for name, kind in zip(self.names, self.kinds) if kind == "Prismatic"}
         q += [rng.uniform(-0.5, 0.5) if name in slides else rng.uniform(-2.5, 2.5) for name in self.independent]
@@ -117,7 +117,8 @@ class Robot:
         return {"q": np.array(q, dtype=float), "v": v, "a": a, "tau": tau}
 
     def integrate(self, q, step):
-        """The configuration that the displacement `step` (in the order of v) leads to; the base moves by a screw."""
+        """The configuration after the displacement `step` (in the order of v); the base moves by a screw
+        motion."""
         after = q.copy()
         if self.floating:
             moved = pin.XYZQUATToSE3(q[:7]) * pin.exp6(step[:6])
@@ -126,7 +127,7 @@ class Robot:
         return after
 
     def tip(self):
-        """The joint with the most joints between it and the root; the last of those."""
+        """The joint with the most joints between it and the root; the last of several."""
         depth = [0] * self.model.njoints
         for i in range(1, self.model.njoints):
             depth[i] = depth[self.model.parents[i]] + 1
@@ -157,7 +158,7 @@ class Robot:
         return out
 
     def momentum(self, q, v):
-        """Centre of mass, its velocity, and the momentum about it, [linear, angular] along the world's axes."""
+        """Centre of mass, its velocity, and the momentum about it, [linear, angular] in world axes."""
         model, full_q, full_v = self.model, self.pinocchio_q(q), self.g @ v
         data = model.createData()
         momentum = pin.computeCentroidalMomentum(model, data, full_q, full_v)
@@ -187,7 +188,8 @@ class Robot:
         }
 
     def derivatives(self, q, v, a, tau):
-        """M^-1 and the derivatives of the inverse and forward dynamics by q (base: by its own axes' motion) and v."""
+        """M^-1 and the derivatives of the inverse and forward dynamics by q (base: by its own axes' motion)
+        and v."""
         model, g, full_q, full_v = self.model, self.g, self.pinocchio_q(q), self.g @ v
 
         def inverse(acceleration):
@@ -210,17 +212,18 @@ class Robot:
         return out
 
     def regressor(self, q, v, a):
-        """Y of tau = Y pi, ten columns per moving link: m, m c, then xx xy yy xz yz zz about the link's origin."""
+        """Y of tau = Y pi, ten columns per moving link: m, m c, then xx xy yy xz yz zz about the link's
+        origin."""
         full_q, full_v, full_a = self.pinocchio_q(q), self.g @ v, self.g @ a
         data = self.model.createData()
         return self.g.T @ pin.computeJointTorqueRegressor(self.model, data, full_q, full_v, full_a)
 
     def moving_mass(self):
-        """Mass of the links that can move; a fixed root and what is fixed to it do not count."""
+        """Mass of the links that can move, without a fixed root and links fixed to it."""
         return pin.computeTotalMass(self.model) if self.model.njoints > 1 else 0.0
 
     def fixed_body(self):
-        """Mass and centre of mass of the links that are fixed to the world; None where there are none."""
+        """Mass and centre of mass of the links that are fixed to the world; None if there are none."""
         body = self.model.inertias[0]
         return None if self.floating or body.mass <= 0 else {"mass": body.mass, "center_of_mass": body.lever.copy()}
 
@@ -231,5 +234,5 @@ def unit(x):
 
 
 def symmetric(m):
-    """The matrix whose upper triangle is m's: Pinocchio may leave the lower one unset."""
+    """The symmetric matrix with m's upper triangle; Pinocchio may leave the lower one unset."""
     return np.triu(m) + np.triu(m, 1).T

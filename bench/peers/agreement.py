@@ -1,17 +1,17 @@
-"""That all sides compute the same numbers, before any of them is timed."""
+"""Checks that all programs compute the same numbers, before any of them is timed."""
 
 import sys
 
 import numpy as np
 
-# Sums in another order differ by some n eps of the largest number.
+# Sums in another order differ by several n eps of the largest number.
 ROUNDING = 1e-12
-# A rounding of f32, in roundings of f64: a batch of f32 is allowed as many of its own.
+# A rounding of f32 in roundings of f64; a batch of f32 may have as many of its own.
 OF_SINGLES = 2.0**29
 
 
 def results(side, robot, algorithm, robot_file=None):
-    """One row a state, in the states' convention."""
+    """One row per state, in the states' convention."""
     path = robot.folder / "out.bin"
     side.call(robot, algorithm, "write", path, robot_file)
     rows = np.fromfile(path, dtype="<f8").reshape(len(robot.states), -1)
@@ -23,7 +23,7 @@ def results(side, robot, algorithm, robot_file=None):
 
 
 def comparable(robot, algorithm, rows):
-    """A floating base's C is one of many: C v and C + C^T = dM/dt are compared."""
+    """A floating base's C is not unique, so C v and C + C^T = dM/dt are compared."""
     if algorithm != "coriolis_matrix" or not robot.floating:
         return rows
     n = robot.nv
@@ -33,7 +33,8 @@ def comparable(robot, algorithm, rows):
 
 
 def check(robot, sides, algorithm, condition):
-    """Exits unless every side that has the algorithm agrees with the first; {side: worst relative difference}."""
+    """Exits unless every program that has the algorithm agrees with the first; {side: worst relative
+    difference}."""
     having = [side for side in sides if algorithm in side.algorithms]
     references, worst = {}, {}
     for side in having[1:]:
@@ -45,7 +46,7 @@ def check(robot, sides, algorithm, condition):
         if found.shape != first.shape:
             sys.exit(f"{side.name}: {robot.name}: {algorithm}: {found.shape[1]} numbers, not {first.shape[1]}")
         gap = np.max(np.abs(found - first), axis=1) / scale
-        # What is solved for with M may lose its condition number.
+        # Results that need M⁻¹ lose accuracy by its condition number.
         solved = algorithm.startswith("forward_dynamics")
         allowed = np.maximum(ROUNDING, 10 * condition * np.finfo(float).eps if solved else 0 * condition)
         if "_batch_f32" in algorithm:

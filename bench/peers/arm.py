@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Instructions per state on a 64-bit ARM, emulated: NEON against the portable code, which the compiler vectorises too.
+"""Instructions per state on a 64-bit ARM, emulated: NEON against the portable code, which the compiler
+vectorises too.
 
     python3 bench/peers/arm.py [--robot panda talos] [--algorithm mass_matrix]
 
-Two runs of different length are counted; what they differ by is the calls alone.
+Two runs of different length are counted; their difference is that of the calls.
 """
 
 import argparse
@@ -19,7 +20,7 @@ if __name__ == "__main__":
 from robots import ROBOTS, Robot
 
 TARGET = "aarch64-unknown-linux-musl"
-# A batch is of 1024 states, and a run of so many calls.
+# A batch has 1024 states; the numbers of calls of the two runs.
 STATES = 1024
 
 
@@ -34,7 +35,7 @@ def build():
 
 
 def count(program, side, robot, algorithm, calls, portable):
-    """Instructions of a whole run: the emulator names each, one at a time."""
+    """Instructions of a whole run; the emulator logs each."""
     files = [str(robot.folder / side.robot_file), str(robot.folder / f"states.{side.convention}.bin")]
     command = ["qemu-aarch64", "-singlestep", "-d", "exec,nochain", "-D", "/dev/stdout", program, *files]
     command += [algorithm, "calls", str(calls)] + ["portable"] * portable

@@ -1,11 +1,12 @@
-"""Libraries for arrays beside this package: jaxsim, adam and frax under `jax.jit` and `vmap`, pytorch_kinematics.
+"""Libraries for arrays beside this package: jaxsim, adam and frax under `jax.jit` and `vmap`,
+pytorch_kinematics.
 
     pip install ./python jaxsim adam-robotics frax pytorch_kinematics      # those that are missing are left out
     python bench/peers/array_libraries.py [ROBOT] [--states N] [--rounds N] [--only NAME]
 
-All in float64 on one core of this processor (Linux: the process is bound to it), the same states. What compiling takes
-is the first call less a later one. Agreement is the largest difference to this package over the largest number of its
-result. Rounds run this package and the peer in turns; ratios are of one round.
+All use float64 on one core (on Linux the process is bound to it) and the same states. The compile time is the
+first call minus a later one. Agreement is the largest difference from this package over the largest number of
+its result. Rounds run this package and the peer in turns; ratios are within a round.
 """
 
 import argparse
@@ -30,7 +31,7 @@ from sdf import sdf_of
 
 ROBOTS = Path(__file__).parents[2] / "robots"
 Calls = dict[str, tuple[Callable[..., Any], tuple[str, ...]]]
-"""Of each quantity a function of arrays, and the arrays that it takes; for one state."""
+"""For each quantity a function of arrays, and the arrays that it takes; for one state."""
 
 
 def main() -> None:
@@ -59,7 +60,7 @@ def main() -> None:
 def row(
     name: str, ours: Callable[[], Any], single: Callable[[], Any], many: Callable[[], Any], count: int, rounds: int
 ) -> None:
-    """A line of the table; `single` and `many` compute to the end."""
+    """A line of the table; `single` and `many` wait for the result."""
     expected = ours()
     begun = time.perf_counter()
     found = many()
@@ -90,7 +91,7 @@ def row(
 
 
 def with_jax(name: str, robot: rd.Robot, state: dict[str, Any], calls: Calls, rounds: int, vmap: Any = None) -> None:
-    """The lines of a library of JAX; `vmap` where it has a way of its own to many states."""
+    """The lines of a library of JAX; `vmap` if it has its own function for many states."""
     import jax
 
     for quantity, (function, reads) in calls.items():
@@ -110,7 +111,7 @@ def with_jax(name: str, robot: rd.Robot, state: dict[str, Any], calls: Calls, ro
 
 
 def jaxsim(robot: rd.Robot, path: Path, state: dict[str, Any], rounds: int) -> None:
-    """JaxSim, which asks Gazebo's `gz` for URDF's meaning: it is given SDF."""
+    """JaxSim reads URDF through Gazebo's `gz`, so it gets SDF."""
     import jax
 
     jax.config.update("jax_enable_x64", True)
@@ -143,7 +144,7 @@ def jaxsim(robot: rd.Robot, path: Path, state: dict[str, Any], rounds: int) -> N
 
 
 def adam(robot: rd.Robot, path: Path, state: dict[str, Any], rounds: int) -> None:
-    """ADAM: bases float there, too; torques are M a + h of the joints' rows. It takes batches without `vmap`."""
+    """ADAM: all bases float; torques are M a + h of the joints' rows. It takes batches without `vmap`."""
     import jax
 
     jax.config.update("jax_enable_x64", True)
@@ -174,7 +175,7 @@ def frax(robot: rd.Robot, path: Path, state: dict[str, Any], rounds: int) -> Non
     jax.config.update("jax_enable_x64", True)
     from frax import Robot
 
-    # It asks each link for an inertia, and the base for one, too, where it does not matter.
+    # It needs an inertia of each link, including the base, where it has no effect.
     description = ElementTree.parse(path)
     for link in description.iter("link"):
         if link.find("inertial") is None:
@@ -204,7 +205,7 @@ def frax(robot: rd.Robot, path: Path, state: dict[str, Any], rounds: int) -> Non
 
 
 def pytorch_kinematics(robot: rd.Robot, path: Path, state: dict[str, Any], rounds: int) -> None:
-    """pytorch_kinematics: where the last frame is, and its Jacobian."""
+    """pytorch_kinematics: the pose of the last frame, and its Jacobian."""
     import torch
     from pytorch_kinematics import build_serial_chain_from_urdf
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures this library beside itself as of an earlier commit, and beside an equal build of today.
+"""Measures this library beside an earlier commit, and beside an equal build of the current one.
 
     python3 bench/peers/before.py 1ece70f
 

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Measures generated code beside other generators' and beside Pinocchio: the same robots, the same random states, in turns.
+"""Measures generated code beside other generators' and beside Pinocchio: the same robots, the same random
+states, in turns.
 
     python3 bench/peers/generated.py                 Panda and Talos; some minutes once built
     python3 bench/peers/generated.py --robot panda   one of them
 
-One state: C and Rust of `dynamics generate`, the library's call, C that CppADCodeGen and CasADi write of Pinocchio's algorithms, and
-Pinocchio's best build. Many states on one thread: the library's batch and generated Rust over lanes, beside Pinocchio's best build
-in a loop. C is compiled by gcc and by clang with -O3 -march=native, Rust for the same processor; clang and rustc also without
-putting scalars into vectors (SLP). Of Pinocchio's two conventions each is tried. The fastest of each side counts. What is measured,
-and how noise is dealt with: bench/README.md.
+One state: C and Rust of `dynamics generate`, the library's call, C that CppADCodeGen and CasADi write from
+Pinocchio's algorithms, and Pinocchio's best build. Many states on one thread: the library's batch and
+generated Rust over lanes, beside Pinocchio's best build in a loop. C is compiled by gcc and by clang with -O3
+-march=native, Rust for the same processor, and by clang and rustc also without SLP vectorisation. Both of
+Pinocchio's conventions are tried. The fastest program of each side counts. bench/README.md describes
+measurements and noise.
 """
 
 import argparse
@@ -34,7 +36,7 @@ WORLD = [f"{name}@world" for name in ("forward_dynamics", "mass_matrix")]
 
 
 class Variants(sides.Side):
-    """A side of several programs for each robot and algorithm, of which the fastest counts."""
+    """A side with several programs for each robot and algorithm, of which the fastest counts."""
 
     def __init__(self, name, algorithms, note):
         super().__init__(name, None, None, "body", algorithms, note)
@@ -52,7 +54,7 @@ class Variants(sides.Side):
             check(robot, [mine, self], algorithm, condition)
 
     def choose(self, robot, algorithm, milliseconds):
-        """Tries all a few times in turn and keeps the fastest; its name."""
+        """Tries all a few times in turn and keeps the fastest. Returns its name."""
         programs = self.programs[robot.name, algorithm]
 
         def time(name):
@@ -65,7 +67,7 @@ class Variants(sides.Side):
 
 
 def run(*command, **options):
-    """What a program prints; exits with what it says if it fails."""
+    """A program's output; exits with its errors if it fails."""
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, **options)
     if done.returncode:
         raise SystemExit(f"{' '.join(map(str, command))}\n{done.stdout[-2000:]}{done.stderr[-4000:]}")
@@ -85,7 +87,8 @@ def spelled(label):
 
 
 def linked(folder, name, code, results, flags):
-    """{compiler: (results, program)} of generated C with its driver, by gcc and by clang, with SLP vectorisation and without."""
+    """{compiler: (results, program)} of generated C with its driver, by gcc and by clang, with SLP
+    vectorisation and without."""
     described = folder / f"{name}.results"
     described.write_text(" ".join(map(str, results)))
     programs = {}
@@ -116,7 +119,7 @@ def writer(kind):
 
 
 def add_recorded(side, kind, robot):
-    """C of Pinocchio's algorithms by a recording number, in both conventions."""
+    """C from Pinocchio's algorithms by a recording number type, in both conventions."""
     program = writer(kind)
     for algorithm in sides.CORE:
         found = side.programs.setdefault((robot.name, algorithm), {})
@@ -138,7 +141,7 @@ def add_recorded(side, kind, robot):
 
 
 def add_ours(c, rust, lanes, dynamics, robot):
-    """C and Rust of `dynamics generate`; M by its related entries."""
+    """C and Rust of `dynamics generate`; M without entries that are always zero."""
     functions = {"inverse_dynamics": 3, "forward_dynamics": 3, "mass_matrix_related": 1}
     base = ["--floating-base"] if robot.floating else []
     generate = [dynamics, "generate", robot.folder / "robot.urdf", *base, "--name", "robot"]
@@ -177,7 +180,7 @@ def add_ours(c, rust, lanes, dynamics, robot):
 
 
 def records(rows):
-    """One record for each side of each row; the first side is what the others' ratios are to."""
+    """One record for each side of each row; ratios are relative to the first side."""
     for (robot, algorithm), times in rows.items():
         first = "generated lanes" if "_batch_" in algorithm else "generated C"
         for side, own in times.items():
@@ -195,7 +198,7 @@ def records(rows):
 
 
 def table(title, found, algorithms, names):
-    """Nanoseconds of each side, and of the peers how many times the first side goes into it."""
+    """Nanoseconds of the first side, and the peers' ratios to it."""
     print(f"\n{title}\n\n| robot | algorithm | " + " | ".join(names) + " |")
     print("|" + " --- |" * (2 + len(names)))
     rows = {}

@@ -1,6 +1,7 @@
-// The driver of a robot's generated C, linked with it: this project's, CppADCodeGen's (-DCPPAD) or CasADi's (-DCASADI). SIDE is
-// called as the others are; in place of a robot it reads how many results there are and, where they are some of the upper
-// triangle of M, which. The algorithm is that of the linked code: of ours with -DFUNCTION its name, -DARGUMENTS 1 or 3.
+// The driver of a robot's generated C, linked with it: this project's, CppADCodeGen's (-DCPPAD) or CasADi's
+// (-DCASADI). SIDE has the arguments of the other programs. In place of a robot it reads the number of results and, if
+// they are a part of the upper triangle of M, their indices. The algorithm is that of the linked code; for this
+// project's code -DFUNCTION is its name and -DARGUMENTS 1 or 3.
 #include "side.hpp"
 
 #if defined(CPPAD)
@@ -21,7 +22,7 @@ extern "C" void FUNCTION(const double* q, double* out);
 extern "C" void FUNCTION(const double* q, const double* v, const double* x, double* out);
 #endif
 
-// The results: how many, and their places in the upper triangle of M by rows where they are less than all of it.
+// The number of results, and their indices in the upper triangle of M (row-major) if they are a part of it.
 std::vector<std::size_t> read_results(const char* path) {
   std::vector<std::size_t> found;
   std::ifstream file(path);
@@ -37,7 +38,7 @@ int main(int argc, char** argv) {
   const std::string algorithm = argv[3];
   const bool mass = algorithm.rfind("mass_matrix", 0) == 0, forward = algorithm.rfind("forward_dynamics", 0) == 0;
   const std::size_t nq = states.nq, nv = states.nv, width = nq + 2 * nv, results = described[0];
-  // q, v and a or tau of each state in a row, as the generators' single argument is.
+  // q, v and a or tau of each state in one row, the single argument of the generators' code.
   std::vector<double> x(states.count * width), out(results);
   for (std::size_t i = 0; i < states.count; ++i) {
     double* row = x.data() + i * width;

@@ -1,12 +1,12 @@
-//! The driver of a robot's generated Rust, one state at a time or over lanes; `generated.py` puts it into the crate that is measured.
-//! Called as the other sides are, with anything in place of the robot.
+//! The driver of a robot's generated Rust code, for one state at a time or lanes; `generated.py` copies it
+//! into the measured crate. It has the arguments of the other programs, and ignores the robot's.
 
 use std::time::Instant;
 
 use robot::robot::lanes::{self, InstructionSet};
 use robot::robot::{self as code, MASS_MATRIX_RELATED_ENTRIES as ENTRIES, NQ, NV};
 
-/// Calls between two looks at the clock, as in `side.hpp`.
+/// Calls between two clock readings, as in `side.hpp`.
 const BLOCK: usize = 128;
 
 #[derive(Default)]
@@ -39,7 +39,7 @@ impl States {
         self.q.len() / NQ
     }
 
-    /// One state's results, or of a batch all.
+    /// The results of one state, or all results of a batch.
     fn call(&self, algorithm: &str, i: usize, out: &mut [f64]) {
         let Self { q, v, a, tau } = self;
         let best = InstructionSet::best();
@@ -82,7 +82,7 @@ fn main() {
     }
 }
 
-/// A pass to warm up, then for that long; prints median and least nanoseconds per state of a block.
+/// Runs one pass to warm up, then for that long; prints median and smallest nanoseconds per state of a block.
 fn time(states: &States, algorithm: &str, at_once: usize, width: usize, milliseconds: f64) {
     let mut out = vec![0.0; width * at_once];
     let calls = if at_once == 1 { BLOCK } else { 1 };

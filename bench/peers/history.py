@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Measures what each step towards speed has brought: commits of this repository side by side, on today's machine.
+"""Measures the gain of each optimisation: commits of this repository side by side on one machine.
 
     python3 bench/peers/history.py --json docs/performance/steps.jsonl
 
-Each commit is built as a user gets it, and takes its turn on the robots and states of run.py.
+Each commit is built with the default profile. Commits run in turns on the robots and states of run.py.
 """
 
 import argparse
@@ -21,7 +21,7 @@ if __name__ == "__main__":
 from robots import Robot
 from run import machine
 
-# Commit, and what it did for speed.
+# Commits and their descriptions.
 STEPS = [
     ("f0839eb", "plain recursions"),
     ("08a1b17", "vector registers, own sine and cosine"),
@@ -40,7 +40,7 @@ def commit_of(name):
 
 
 def built(name):
-    """This project's side as of a commit."""
+    """This project's program at a commit."""
     commit = commit_of(name)
     if name == "HEAD":
         return sides.Ours(commit[:7], sides.ours().program, MEASURED, "", 1)
@@ -51,7 +51,7 @@ def built(name):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         archive = subprocess.run(["git", "archive", commit], cwd=sides.ROOT, capture_output=True, check=True)
-        # With today's times (-m), or the build takes an older commit's files for these.
+        # With current file times (-m); otherwise the build would reuse an older commit's results.
         subprocess.run(["tar", "-xm"], cwd=folder, input=archive.stdout, check=True)
         arguments = ["-p", "bench", "--bin", "peer_side", "--locked"]
         release = sides.cargo(folder, arguments, sides.CACHE / "history" / "target")

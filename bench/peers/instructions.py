@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Instructions per call under valgrind: figures that no load on the machine disturbs.
+"""Instructions per call under valgrind, which are independent of the machine's load.
 
     python3 bench/peers/instructions.py [--robot panda talos] [--algorithm mass_matrix] [--peers]
 
-Two runs of different length are counted; what they differ by is the calls alone.
+Two runs of different length are counted; their difference is that of the calls.
 """
 
 import argparse
@@ -20,7 +20,8 @@ if __name__ == "__main__":
 from robots import ROBOTS, Robot
 
 FEW, MANY = 1024, 3072
-# Valgrind counts a `rep stosb` once for each byte: let the C library fill and copy by vector instructions.
+# Valgrind counts a `rep stosb` once for each byte, so the C library is told to fill and copy by vector
+# instructions.
 NO_REP = "glibc.cpu.x86_rep_stosb_threshold=1000000000:glibc.cpu.x86_rep_movsb_threshold=1000000000"
 
 

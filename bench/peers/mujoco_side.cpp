@@ -1,5 +1,5 @@
-// MuJoCo's side: its C API, contacts off, the shortest chain of calls that yields each quantity.
-// The linear part of a free joint's velocity is along the world's axes here; run.py converts.
+// The program for MuJoCo: its C API, contacts off, the shortest chain of calls for each quantity.
+// The linear part of a free joint's velocity is in world axes here; run.py converts.
 #include <mujoco/mujoco.h>
 
 #include <cstring>

@@ -1,4 +1,4 @@
-// The robot file that Pinocchio's sides share, as `robots.py` writes it.
+// The robot file of Pinocchio's programs, written by `robots.py`.
 #pragma once
 
 #include <pinocchio/multibody.hpp>
@@ -38,7 +38,7 @@ struct Reader {
   }
 };
 
-// The joint type that Pinocchio's own URDF reader picks: a special one where the axis is x, y or z.
+// The joint type that Pinocchio's URDF reader chooses: a special one if the axis is x, y or z.
 inline pin::JointModel joint_model(bool slides, const Vector3d& axis) {
   if (axis == Vector3d::UnitX()) return slides ? pin::JointModel(pin::JointModelPX()) : pin::JointModelRX();
   if (axis == Vector3d::UnitY()) return slides ? pin::JointModel(pin::JointModelPY()) : pin::JointModelRY();

@@ -1,5 +1,5 @@
-// Pinocchio's side. Built twice from this text: against the shipped library, and header-only for this machine.
-// Inputs are plain VectorXd and results stay in Data, as its users have them.
+// The program for Pinocchio, built twice: with the shipped library, and header-only for this machine.
+// Inputs are plain VectorXd and results stay in Data, as in users' programs.
 #include <pinocchio/algorithm/aba-derivatives.hpp>
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/crba.hpp>
@@ -88,14 +88,14 @@ int main(int argc, char** argv) {
         },
         [&](std::size_t, std::vector<double>& out) { append(out, jacobian); });
   } else if (algorithm == "inverse_dynamics_derivatives") {
-    // dtau/dq and dtau/dv; dtau/da = M comes along in the upper triangle of data.M.
+    // dtau/dq and dtau/dv; dtau/da = M is in the upper triangle of data.M.
     run([&](std::size_t i) { pin::computeRNEADerivatives(model, data, q[i], v[i], a[i]); },
         [&](std::size_t, std::vector<double>& out) {
           append(out, data.dtau_dq);
           append(out, data.dtau_dv);
         });
   } else if (algorithm == "forward_dynamics_derivatives") {
-    // da/dq and da/dv; da/dtau = inverse of M comes along in the upper triangle of data.Minv.
+    // da/dq and da/dv; da/dtau = inverse of M is in the upper triangle of data.Minv.
     run([&](std::size_t i) { pin::computeABADerivatives(model, data, q[i], v[i], tau[i]); },
         [&](std::size_t, std::vector<double>& out) {
           append(out, data.ddq_dq);

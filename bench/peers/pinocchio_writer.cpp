@@ -1,5 +1,5 @@
-// Writes C for one robot from Pinocchio's algorithms over a number that records them: CppADCodeGen's, or with -DCASADI CasADi's.
-// WRITER ROBOT ALGORITHM FOLDER leaves the C in FOLDER; inputs and results as `generated_side.cpp` calls them.
+// Writes C for one robot from Pinocchio's algorithms over a recording number type: CppADCodeGen's, or with -DCASADI
+// CasADi's. WRITER ROBOT ALGORITHM FOLDER writes to FOLDER; `generated_side.cpp` has the inputs and results.
 #ifdef CASADI
 #include <pinocchio/autodiff/casadi.hpp>
 #else
@@ -14,8 +14,8 @@
 
 namespace pin = pinocchio;
 
-// A quarter turn of a robot file leaves 2e-16 where a zero is meant, which no rule of a generator takes away: cleared, so that
-// the code is as short as it can be.
+// A quarter turn of a robot file leaves 2e-16 instead of zero, which no generator removes. It is cleared, so that the
+// code is as short as possible.
 void clear_rounding(pin::Model& model) {
   for (auto& place : model.jointPlacements)
     for (int k = 0; k < 9; ++k) {
@@ -24,7 +24,7 @@ void clear_rounding(pin::Model& model) {
     }
 }
 
-// tau, a, or the upper triangle of M by rows: what a caller reads. x = (q), (q, v, a) or (q, v, tau).
+// The results: tau, a, or the upper triangle of M in row-major order. x = (q), (q, v, a) or (q, v, tau).
 template <class Scalar, class Vector>
 Vector evaluate(const pin::ModelTpl<Scalar>& model, const std::string& algorithm, const Vector& x) {
   pin::DataTpl<Scalar> data(model);
@@ -62,12 +62,12 @@ int main(int argc, char** argv) {
   const Vector y = evaluate<Scalar, Vector>(model, algorithm, x);
   Scalar output = Scalar::zeros(static_cast<casadi_int>(y.size()));
   for (Eigen::Index i = 0; i < y.size(); ++i) output(static_cast<casadi_int>(i)) = y[i];
-  // What is always zero is not stored; the generator removes common parts.
+  // Results that are always zero are not stored; the generator removes common subexpressions.
   const casadi::Function function("robot", {input}, casadi::SX::cse(std::vector<Scalar>{casadi::SX::sparsify(output)}));
   casadi::CodeGenerator generator("robot.c");
   generator.add(function);
   generator.generate(folder + "/");
-  // Which of the results are stored.
+  // The stored results.
   std::ofstream entries(folder + "/entries.txt");
   for (const auto row : function.sparsity_out(0).get_row()) entries << row << "\n";
 #else

@@ -1,11 +1,12 @@
-"""Many states from Python: this package's batches and rollouts beside Pinocchio's pools and MuJoCo's batch and rollout.
+"""Many states from Python: this package's batches and rollouts beside Pinocchio's pools and MuJoCo's batch
+and rollout.
 
     pip install ./python pin mujoco
     python bench/peers/python_batches.py [ROBOT] [--states N] [--rounds N]
 
-Each round runs every way once, in turns: what else the machine does falls on all of them, and ratios are of one round.
-Numbers are compared before anything is timed. Printed are medians, and the range of the ratios to this package with the
-same number of threads; after that, what a second thread gains.
+Each round runs every program once, so that other load affects all of them; ratios are within a round. Numbers
+are compared before anything is timed. The output has medians, and the range of the ratios to this package
+with the same number of threads. The speed-up by a second thread follows.
 """
 
 import argparse
@@ -66,7 +67,8 @@ def main() -> None:
 
 
 def two_threads(robot: rd.Robot, q: Any, v: Any, tau: Any, rounds: int) -> None:
-    """Two threads over one, beside what the machine gives two calls of one thread on half of the states each."""
+    """Two threads over one, beside two parallel calls of one thread on half of the states each, the machine's
+    limit."""
     count = 4 * len(q)
     q, v, tau = (np.tile(x, (4, 1)) for x in (q, v, tau))
     out, few = np.zeros_like(v), count // 50
@@ -110,7 +112,7 @@ def at_once(call: Callable[[], Any], other: Callable[[], Any]) -> None:
 
 
 def inverse(robot: rd.Robot, path: str, q: Any, v: Any, a: Any, threads: int) -> Ways:
-    """Inverse dynamics by each way."""
+    """Inverse dynamics by each program."""
     out = np.zeros_like(v)
     ours = robot.inverse_dynamics(q, v, a)
     ways: Ways = {"this package": lambda: robot.inverse_dynamics(q, v, a, out=out, threads=threads)}
@@ -139,7 +141,7 @@ def inverse(robot: rd.Robot, path: str, q: Any, v: Any, a: Any, threads: int) ->
 
 
 def forward(robot: rd.Robot, path: str, q: Any, v: Any, tau: Any, threads: int) -> Ways:
-    """Forward dynamics by each way."""
+    """Forward dynamics by each program."""
     out = np.zeros_like(v)
     ours = robot.forward_dynamics(q, v, tau)
     ways: Ways = {"this package": lambda: robot.forward_dynamics(q, v, tau, out=out, threads=threads)}
@@ -179,7 +181,7 @@ def forward(robot: rd.Robot, path: str, q: Any, v: Any, tau: Any, threads: int) 
 
 
 def rollouts(robot: rd.Robot, path: str, q: Any, v: Any, threads: int) -> Ways:
-    """Motions without torques by each way, semi-implicit Euler."""
+    """Motions without torques by each program, with semi-implicit Euler."""
     options: dict[str, Any] = {"steps": STEPS, "step": STEP, "integrator": "semi-implicit-euler", "threads": threads}
     ours = robot.rollout(q, v, **options)
     ways: Ways = {"this package": lambda: robot.rollout(q, v, **options)}
@@ -191,7 +193,7 @@ def rollouts(robot: rd.Robot, path: str, q: Any, v: Any, threads: int) -> Ways:
     from mujoco.batch import Batch
 
     model.opt.timestep = STEP
-    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_DAMPER)  # what this package does not ask for either
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_DAMPER)  # not requested from this package either
     start = np.hstack([np.zeros((len(q), 1)), q, v])
     data = [mujoco.MjData(model) for _ in range(threads)]
     nothing = np.zeros((len(q), STEPS, 0))
@@ -221,7 +223,7 @@ def rollouts(robot: rd.Robot, path: str, q: Any, v: Any, threads: int) -> Ways:
 
 
 def mujoco_model(path: str) -> Any:
-    """MuJoCo's model without contacts and limits; None where it does not read the file."""
+    """MuJoCo's model without contacts and limits; None if it cannot read the file."""
     try:
         import mujoco
 

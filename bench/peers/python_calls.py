@@ -1,11 +1,12 @@
-"""What one call costs from Python: this package beside the same call from Rust, and beside Pinocchio and MuJoCo.
+"""The cost of one call from Python: this package beside the same call from Rust, and beside Pinocchio and
+MuJoCo.
 
     pip install ./python pin mujoco
     python bench/peers/python_calls.py [ROBOT] [--rounds N]
 
-One state, one thread, `out=` given where there is such a thing; the least over rounds of a hundred calls each, as a
-machine that does something else too can only be slower. Batches: the least of five calls. Peers that are not installed
-are left out; their numbers must agree with this package's before they are timed.
+One state, one thread, with `out=` if supported. A number is the minimum over rounds of a hundred calls, since
+other load only adds time. For batches it is the minimum of five calls. Peers that are not installed are left
+out. Their numbers must agree with this package's before they are timed.
 """
 
 import argparse
@@ -25,7 +26,7 @@ BATCH = 100_000
 
 
 def least(call: Callable[..., Any], *arguments: Any, rounds: int, **options: Any) -> float:
-    """Nanoseconds of one call, written out as a program writes it."""
+    """Nanoseconds of one call, as a statement of a program."""
     names = [f"x{k}" for k in range(len(arguments))]
     given = ", ".join(names + [f"{name}={name}" for name in options])
     scope = {"call": call, **dict(zip(names, arguments, strict=True)), **options}
@@ -84,7 +85,7 @@ def single(robot: rd.Robot, q: Any, v: Any, a: Any, tau: Any, rounds: int) -> No
 
 
 def peer_calls(robot: rd.Robot, q: Any, v: Any, a: Any, tau: Any) -> dict[str, dict[str, tuple[Any, ...]]]:
-    """What peers are called with, each first compared."""
+    """The peers' calls, each compared first."""
     found: dict[str, dict[str, tuple[Any, ...]]] = {}
     path = str(ROBOTS / f"{robot.name}.urdf")
     try:

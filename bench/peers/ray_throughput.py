@@ -1,11 +1,12 @@
-"""What a cluster costs: a robot's quantity by Ray, with one and two workers, beside the plain batch.
+"""The overhead of a cluster: a robot's quantity by Ray, with one and two workers, beside the plain batch.
 
     pip install ./python[ray]
     python bench/peers/ray_throughput.py [--states 10000000] [--rounds 5] [--robot panda] [--quantity inverse_dynamics]
 
-All ways compute the same states, in blocks of 250 000, and their results are compared bit for bit first. Each round
-runs every way once, in turns, so that what else the machine does falls on all of them; ratios are of one round. Printed
-are medians, and the range of the ratios. That a worker reads the states where they lie is asserted.
+All methods compute the same states, in blocks of 250 000, and their results are compared bit for bit first.
+Each round runs every method once, so that other load affects all of them; ratios are within a round. The
+output has medians, and the range of the ratios. The script asserts that workers read the states without a
+copy.
 """
 
 import argparse
@@ -66,7 +67,7 @@ def main() -> None:
     )
     ray.data.DataContext.get_current().enable_progress_bars = False
     references = [ray.put(table) for table in tables]
-    # From here on the blocks are those of the shared memory; the plain batch reads the very same.
+    # From here on the blocks are those in shared memory, which the plain batch also reads.
     tables = ray.get(references)
     check(robot, options.quantity, computation, tables[0])
 
@@ -143,7 +144,7 @@ def main() -> None:
 
 
 def _stored(robot: rd.Robot, kept: Any, table: Any) -> int:
-    """Computes a block that lies in shared memory, asserts that it was not copied, and puts the result there."""
+    """Computes a block in shared memory, asserts that it was not copied, and puts the result there."""
     import ray
 
     for name in table.column_names:
@@ -154,7 +155,7 @@ def _stored(robot: rd.Robot, kept: Any, table: Any) -> int:
 
 
 def arrow_array(table: Any, name: str, wide: int) -> Any:
-    """A column as the array that it is."""
+    """A column as an array without a copy."""
     from robot_dynamics.columns import array_of
 
     (batch,) = table.to_batches()
@@ -166,7 +167,7 @@ def width(robot: rd.Robot, name: str) -> int:
 
 
 def check(robot: rd.Robot, quantity: str, computation: arrow.Computation, table: Any) -> None:
-    """The bits of all ways on one block."""
+    """The results of all methods on one block, as bytes."""
     from robot_dynamics.ray import Workers
 
     workers = Workers(robot, 2)
@@ -177,7 +178,7 @@ def check(robot: rd.Robot, quantity: str, computation: arrow.Computation, table:
 
 
 def overhead(one: Any, two: Any) -> None:
-    """What a call of a worker that does nothing costs."""
+    """The cost of a call of a worker that does nothing."""
     for pool in (one, two):
         rounds = []
         for _ in range(5):

@@ -1,7 +1,7 @@
-"""The robots and states that all sides get, each side in its own file format and its own velocities of the base.
+"""The robots and states of all programs, each in its own file format and convention of base velocities.
 
-Every side sees the same tree: the moving joints of Pinocchio's model of the robot file, links that fixed joints
-hold together as one link.
+All programs get the same tree: the moving joints of Pinocchio's model of the robot file, with links that
+fixed joints connect merged.
 """
 
 import json
@@ -29,17 +29,17 @@ ROBOTS = {
     "anymal_c": ("anymal_c_simple_description/urdf/anymal.urdf", True),
 }
 STATES = 1024
-# dynibo's, for comparing its numbers.
+# dynibo's gravity, for the comparison of its numbers.
 STANDARD_GRAVITY = 9.80665
 
 
 def numbers(*parts):
-    """The numbers as decimals that read back the same."""
+    """The numbers as decimals that parse to the same value."""
     return " ".join(repr(float(x)) for part in parts for x in np.ravel(part))
 
 
 class Robot:
-    """One robot: its description, its states, its files for every side."""
+    """One robot: its description, its states, and its files for every program."""
 
     def __init__(self, name, cache, count=STATES):
         self.name = name
@@ -79,16 +79,17 @@ class Robot:
             (self.folder / f"states.{convention}.bin").write_bytes(data)
 
     def base_from_body(self, i, convention):
-        """T with v = T v_body for the base's six numbers; orthogonal, so that forces go by the same T."""
+        """T with v = T v_body for the base's six numbers; it is orthogonal, so forces transform by the same
+        T."""
         r, zero, one = self.rotations[i], np.zeros((3, 3)), np.eye(3)
         return {
             "body": np.eye(6),
-            "mixed": np.block([[r, zero], [zero, one]]),  # linear along the world's axes, angular along the base's
-            "world": np.block([[zero, r], [r, zero]]),  # angular, linear, along the world's axes
+            "mixed": np.block([[r, zero], [zero, one]]),  # linear in world axes, angular in base axes
+            "world": np.block([[zero, r], [r, zero]]),  # angular, linear, in world axes
         }[convention]
 
     def in_convention(self, i, convention):
-        """q v a tau of a state in a side's convention."""
+        """q v a tau of a state in a program's convention."""
         q, v, a, tau = (self.states[i][key].copy() for key in ("q", "v", "a", "tau"))
         if self.floating and convention != "body":
             turn = self.base_from_body(i, convention)
@@ -101,7 +102,7 @@ class Robot:
         return np.concatenate([q, v, a, tau])
 
     def back(self, i, convention, algorithm, result):
-        """A side's result in the convention of the states: base velocities along the base's axes."""
+        """A program's result in the convention of the states: base velocities in base axes."""
         if not self.floating or convention == "body" or algorithm == "frame_poses":
             return result
         turn = np.eye(self.nv)

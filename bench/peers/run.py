@@ -5,7 +5,7 @@
     python3 bench/peers/run.py --quick               under 3 minutes once built
     python3 bench/peers/run.py --robot panda talos   only these
 
-What is measured, and how noise is dealt with: bench/README.md.
+bench/README.md describes measurements and noise.
 """
 
 import argparse
@@ -26,7 +26,7 @@ from robots import ROBOTS, STATES, Robot
 
 
 def measure(robot, having, algorithm, rounds, milliseconds):
-    """{side: [(median_ns, min_ns) of each round]}; the order of the sides turns from round to round."""
+    """{side: [(median_ns, min_ns) of each round]}; the order of the programs rotates from round to round."""
     times = {side.name: [] for side in having}
     for index in range(rounds):
         shift = index % len(having)
@@ -57,7 +57,7 @@ def records(robot, algorithm, times, peer_sides):
 
 
 def table(found, peer_sides):
-    """The records as a table: ns of each side; how many times ours goes into it, and that ratio's range."""
+    """The records as a table: ns of each program, and its ratio to this project's with the range."""
     print("\nns per call, median over the rounds; in brackets peer / ours, its median and its range over the rounds\n")
     print("| robot | algorithm | ours | " + " | ".join(side.name for side in peer_sides) + " |")
     print("|" + " --- |" * (3 + len(peer_sides)))
@@ -80,7 +80,7 @@ def table(found, peer_sides):
 
 
 def machine():
-    """What the figures belong to."""
+    """The machine and versions of the figures."""
     info = Path("/proc/cpuinfo").read_text().splitlines()
     processor = next((line.split(":")[1].strip() for line in info if line.startswith("model name")), "?")
     rustc = subprocess.run(["rustc", "--version"], capture_output=True, text=True, check=True).stdout.strip()

@@ -1,4 +1,4 @@
-"""A URDF as SDF, for programs that read that alone: moved joints, masses and limits, no shapes."""
+"""A URDF as SDF, for programs that read only SDF: moving joints, masses and limits, without shapes."""
 
 from pathlib import Path
 from xml.etree import ElementTree
@@ -9,7 +9,8 @@ NO_AXIS = "<axis><xyz>0 0 1</xyz><limit/></axis>"
 
 
 def sdf_of(path: Path) -> str:
-    """The robot of a URDF as SDF's text, its first link fixed to the world; links without mass get 1e-9 kg and kg·m²."""
+    """The robot of a URDF as SDF text, with its first link fixed to the world; links without mass get 1e-9 kg
+    and kg·m²."""
     urdf = ElementTree.parse(path).getroot()
     joints = {child(joint): joint.get("name", "") for joint in urdf.findall("joint")}
     parts = []
@@ -30,7 +31,7 @@ def sdf_of(path: Path) -> str:
 
 
 def attribute(element: ElementTree.Element, tag: str, key: str, default: str = "") -> str:
-    """Of an element's part, where it is there."""
+    """An attribute of an element's part, if present."""
     part = element.find(tag)
     return default if part is None else part.get(key, default)
 
@@ -40,7 +41,7 @@ def child(joint: ElementTree.Element) -> str:
 
 
 def pose(element: ElementTree.Element) -> str:
-    """Place and fixed-axis angles of its origin: SDF writes them as URDF does."""
+    """Position and fixed-axis angles of its origin; SDF writes them like URDF."""
     return " ".join(attribute(element, "origin", key, "0 0 0") for key in ("xyz", "rpy"))
 
 

@@ -1,5 +1,5 @@
-// What the C++ sides share: the file of states, the clock, and the output file.
-// A side is called as: SIDE ROBOT STATES ALGORITHM (time MILLISECONDS | calls N | write FILE)
+// Common parts of the C++ programs: the file of states, timing, and the output file.
+// A program is called as: SIDE ROBOT STATES ALGORITHM (time MILLISECONDS | calls N | write FILE)
 #pragma once
 
 #include <algorithm>
@@ -39,10 +39,10 @@ inline States read_states(const char* path) {
   return states;
 }
 
-// Calls between two looks at the clock: short beside the time slices of a busy machine, long beside the clock.
+// Calls between two clock readings: short relative to time slices, long relative to the clock's resolution.
 constexpr std::size_t BLOCK = 128;
 
-// Goes through all states, block by block, for that long; prints median and least nanoseconds per call of a block.
+// Runs through all states block by block for that long; prints median and smallest nanoseconds per call of a block.
 template <class Call>
 void time_blocks(std::size_t count, double milliseconds, Call call) {
   using clock = std::chrono::steady_clock;
@@ -61,7 +61,7 @@ void time_blocks(std::size_t count, double milliseconds, Call call) {
               blocks.size());
 }
 
-// Runs what the command line asks for. `call(i)` computes state i; `result(i, out)` appends its numbers.
+// Runs the task of the command line. `call(i)` computes state i; `result(i, out)` appends its numbers.
 template <class Call, class Result>
 void run(const States& states, char** how, Call call, Result result) {
   const std::string mode = how[0];

@@ -1,6 +1,6 @@
-"""The programs that are compared: how each is built, and how each is called.
+"""The compared programs: building and calling each.
 
-Everything lies in a cache folder, built once for each state of sources, versions and compiler.
+A cache folder has all programs, built once for each state of sources, versions and compiler.
 """
 
 import hashlib
@@ -29,7 +29,7 @@ KINEMATICS = ["frame_poses", "jacobian"]
 CORE = ["inverse_dynamics", "forward_dynamics", "mass_matrix"]
 DERIVATIVES = ["inverse_dynamics_derivatives", "forward_dynamics_derivatives"]
 SINGLE = [*CORE, "coriolis_matrix", *KINEMATICS, "jacobian_in_frame", *DERIVATIVES]
-# Many states at once on one thread; a peer without batches calls its function for each state.
+# Many states on one thread; a peer without batches calls its function for each state.
 BATCHES = [
     *(f"{name}_batch_{number}" for name in CORE for number in ("f64", "f32")),
     *(f"{name}_batch_f64" for name in DERIVATIVES),
@@ -40,7 +40,7 @@ ALGORITHMS = [*SINGLE, *BATCHES, *THREADS]
 
 
 def enter():
-    """Returns in an interpreter with the pinned packages; starts the script anew in one where needed."""
+    """Returns in an interpreter with the pinned packages; restarts the script in one if needed."""
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in REQUIREMENTS)).hexdigest()[:12]
     home = CACHE / f"venv-{digest}"
     python = home / "bin" / "python"
@@ -62,12 +62,12 @@ def of_one_state(algorithm):
 
 
 def say(what):
-    """A word on what takes time."""
+    """Prints what takes time."""
     print(what, file=sys.stderr, flush=True)
 
 
 def fastest(variants, time):
-    """The variant of the least time, each tried a few times in turn."""
+    """The variant with the least time, each tried a few times in turn."""
     least = {}
     for _ in range(3):
         for variant in variants:
@@ -76,9 +76,9 @@ def fastest(variants, time):
 
 
 class Side:
-    """One program: its name, the robot's file and states it reads, the algorithms it has."""
+    """One program: its name, the robot's file and states that it reads, and its algorithms."""
 
-    # Where it cannot be given the robot's gravity: what this project's side is to read for the comparison of numbers.
+    # If it cannot use the robot's gravity: the file for this project's program in the comparison of numbers.
     reference_file = "robot.json"
 
     def __init__(self, name, program, robot_file, convention, algorithms, note):
@@ -86,7 +86,7 @@ class Side:
         self.robot_file, self.convention, self.algorithms = robot_file, convention, algorithms
 
     def call(self, robot, algorithm, mode, value, robot_file=None):
-        """Runs it on a prepared robot; its standard output."""
+        """Runs it on a prepared robot. Returns its standard output."""
         files = [
             str(robot.folder / (robot_file or self.robot_file)),
             str(robot.folder / f"states.{self.convention}.bin"),
@@ -107,7 +107,7 @@ class Side:
 
 
 class Ours(Side):
-    """This project, with a number of threads where that is what is compared."""
+    """This project, with a given number of threads."""
 
     def __init__(self, name, program, algorithms, note, threads):
         super().__init__(name, program, "robot.json", "body", algorithms, note)
@@ -124,9 +124,9 @@ class Dynibo(Side):
 
 
 class Pinocchio(Side):
-    """Pinocchio computes two of its algorithms in either of two conventions: the faster one is measured.
+    """Pinocchio has two of its algorithms in two conventions, of which the faster is measured.
 
-    It has no lanes: what a batch costs one core is its single call in a loop.
+    It has no lanes: its batch on one core is its single call in a loop.
     """
 
     def __init__(self, *arguments):
@@ -138,12 +138,12 @@ class Pinocchio(Side):
         return self.faster.get((robot.name, algorithm), algorithm)
 
     def has_choice(self, robot, algorithm):
-        """Whether both conventions are still to be tried."""
+        """Whether both conventions still have to be tried."""
         algorithm = of_one_state(algorithm)
         return algorithm in ("forward_dynamics", "mass_matrix") and (robot.name, algorithm) not in self.faster
 
     def choose(self, robot, algorithm, milliseconds):
-        """Tries both conventions, a few times in turn, and keeps the faster; says which."""
+        """Tries both conventions, a few times in turn, and keeps the faster. Returns its name."""
         algorithm = of_one_state(algorithm)
 
         def time(spelling):
@@ -155,7 +155,7 @@ class Pinocchio(Side):
 
 
 def clang():
-    """The newest clang++ there is."""
+    """The newest installed clang++."""
     for name in [f"clang++-{version}" for version in range(30, 13, -1)] + ["clang++"]:
         if path := shutil.which(name):
             return path
@@ -163,12 +163,12 @@ def clang():
 
 
 def site_packages():
-    """Where this interpreter's packages lie."""
+    """The folder of this interpreter's packages."""
     return Path(next(path for path in sys.path if path.endswith("site-packages")))
 
 
 def compiled(name, source, flags):
-    """Compiles a C++ side once, with one job at low priority; the program."""
+    """Compiles a C++ program once, with one job at low priority. Returns its path."""
     compiler = clang()
     version = subprocess.run([compiler, "--version"], capture_output=True, text=True, check=True).stdout
     processor = next((x for x in Path("/proc/cpuinfo").read_text().splitlines() if x.startswith("flags")), "")
@@ -191,7 +191,8 @@ def compiled(name, source, flags):
 
 
 def cargo(folder, arguments, target, rustflags=None):
-    """Builds a Rust side with the default release profile, plus `rustflags`; the folder of programs."""
+    """Builds a Rust program with the default release profile and `rustflags`. Returns the folder of programs.
+    """
     flags = ("RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_RUSTFLAGS", "CARGO_PROFILE_")
     environment = {key: value for key, value in os.environ.items() if not key.startswith(flags)}
     environment["CARGO_TARGET_DIR"] = str(target)
@@ -203,19 +204,19 @@ def cargo(folder, arguments, target, rustflags=None):
 
 
 def ours():
-    """This project's side, built as a user gets it: cargo build --release, no flags."""
+    """This project's program with the default build: cargo build --release, no flags."""
     target = os.environ.get("CARGO_TARGET_DIR", ROOT / "target")
     program = cargo(ROOT, ["-p", "bench", "--bin", "peer_side", "--locked"], target) / "peer_side"
     return Ours("ours", program, ALGORITHMS, "cargo build --release, no flags", 2)
 
 
 def one_thread(side):
-    """This project beside itself: what a second thread brings."""
+    """This project with two threads beside one."""
     return Ours("ours, one thread", side.program, THREADS, "the same program", 1)
 
 
 def pinocchio_flags():
-    """What a program that includes Pinocchio's headers is compiled with."""
+    """Compiler flags of programs that include Pinocchio's headers."""
     prefix = site_packages() / "cmeel.prefix"
     return [*LONG_LISTS, "-isystem", str(prefix / "include"), "-isystem", str(prefix / "include" / "eigen3")]
 
@@ -231,7 +232,7 @@ def pinocchio_native():
 
 
 def peers():
-    """All peers, built where needed."""
+    """All peers, built if needed."""
     prefix, mujoco = site_packages() / "cmeel.prefix", site_packages() / "mujoco"
     library = [f"-L{prefix / 'lib'}", "-lpinocchio_default", f"-Wl,-rpath,{prefix / 'lib'}"]
     shipped = [*CXX, *pinocchio_flags(), "-DPINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION", *library]

@@ -3,8 +3,8 @@
 
     python3 bench/peers/wasm.py [--rounds 9] [--robot panda humanoid]
 
-The modules have their turns, one after the other, each first in every other round; a ratio is of one round, and the
-table has its median and its range, and the least times of all rounds. `rustup target add wasm32-wasip1` first.
+The modules run in turns, each first in every other round. Ratios are within a round. The table has their
+median and range, and the smallest times of all rounds. `rustup target add wasm32-wasip1` is needed first.
 """
 
 import argparse
@@ -22,7 +22,7 @@ BUILDS = {"plain": "", "simd128": "-C target-feature=+simd128"}
 
 
 def build(folder):
-    """Each build's module; cargo writes both to one place."""
+    """Each build's module; cargo writes both to one path."""
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
     for name, flags in BUILDS.items():
         command = ["cargo", "build", "--release", "--locked", "--target", TARGET, "-p", "bench", "--bin", "measure_scaling"]
@@ -31,7 +31,8 @@ def build(folder):
 
 
 def measured(folder, name, robots):
-    """Nanoseconds per state of each robot, algorithm, form and number, on the best registers of the module."""
+    """Nanoseconds per state of each robot, algorithm, form and number, on the best registers of the
+    module."""
     found = folder / "found.jsonl"
     command = ["node", "--no-warnings", str(ROOT / "xtask" / "wasi.mjs"), str(folder / f"{name}.wasm"), str(found)]
     subprocess.run([*command, *robots], check=True, stderr=subprocess.DEVNULL)

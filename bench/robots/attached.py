@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""Compares the command `dynamics` with MuJoCo on random MJCF files that attach and replicate parts of one another.
+"""Compares the command `dynamics` with MuJoCo on random MJCF files that attach and replicate parts of one
+another.
 
     python3 bench/robots/attached.py [--files 300] [--seed 1] [--command target/release/dynamics]
 
-Each file attaches parts of one or two others, and of itself: worlds, bodies, frames, some inside replicates, with default classes, tendons,
-actuators, equalities and poses. Both programs are to refuse it, or to have the same joints with the same damping, bodies of the same mass, actuators,
-tendons and equalities, in the same order, and the same poses.
+Each file attaches parts of one or two others, and of itself: worlds, bodies and frames, some inside
+replicates. They have default classes, tendons, actuators, equalities and poses. Both programs must reject the
+file, or have the same joints with the same damping, and bodies of the same mass. Actuators, tendons,
+equalities and poses must also agree, in the same order.
 
-MuJoCo 4.0.0 keeps the numbers of a pose in the joints of the model that it attaches, so that an attachment under another prefix
-has a share in the first one's pose; poses are therefore compared by name alone where a model is attached twice.
+MuJoCo 4.0.0 stores the numbers of a pose in the joints of the attached model. A second attachment under
+another prefix therefore shares the first one's pose. If a model is attached twice, poses are compared by name
+only.
 """
 
 import argparse
@@ -31,7 +34,7 @@ import mujoco  # noqa: E402
 
 
 class Part:
-    """A random tree of bodies with what names them."""
+    """A random tree of bodies with the elements that refer to them."""
 
     def __init__(self, rng, prefix, depth):
         self.rng, self.prefix = rng, prefix
@@ -39,13 +42,13 @@ class Part:
         self.bodies = self.tree(depth)
 
     def named(self, sort):
-        """The next name of a sort."""
+        """The next name of a kind."""
         names = self.names[sort]
         names.append(f"{self.prefix}{sort}{len(names)}")
         return names[-1]
 
     def tree(self, depth):
-        """One or two bodies, with more in them."""
+        """One or two bodies with children."""
         rng, text = self.rng, ""
         for _ in range(rng.randint(1, 2)):
             body, joint = self.named("body"), self.named("joint")
@@ -62,11 +65,11 @@ class Part:
         return text
 
     def childclass(self):
-        """Now and then one of the classes."""
+        """One of the classes, sometimes."""
         return f' childclass="{self.rng.choice("AB")}"' if self.rng.random() < 0.4 else ""
 
     def outside(self):
-        """Tendons, actuators and equalities over it, and how many actuators there are."""
+        """Tendons, actuators and equalities of the tree, and the number of actuators."""
         rng, joints, tendons, text = self.rng, self.names["joint"], [], ""
         for index in range(rng.randint(0, 2)):
             tendons.append(f"{self.prefix}tendon{index}")
@@ -97,7 +100,7 @@ def classes(damping):
 
 
 def write(folder, rng, name):
-    """A file and those that it attaches; its path."""
+    """A file and those that it attaches. Returns its path."""
     models = []
     for index in range(rng.randint(1, 2)):
         part = Part(rng, "", 2)
@@ -141,7 +144,7 @@ def write(folder, rng, name):
 
 
 def theirs(path):
-    """What MuJoCo makes of it; None if it refuses it."""
+    """MuJoCo's model as data; None if it rejects the file."""
     try:
         model = mujoco.MjModel.from_xml_path(str(path))
     except ValueError:
@@ -162,7 +165,7 @@ def theirs(path):
 
 
 def ours(command, path):
-    """The same of the command."""
+    """The command's model as the same data."""
     run = subprocess.run([command, "inspect", str(path), "--json"], capture_output=True, timeout=100, check=False)
     if run.returncode != 0:
         return None
@@ -185,7 +188,7 @@ def ours(command, path):
 
 
 def difference(path, own, other):
-    """In words; None where there is none."""
+    """The difference in words; None without one."""
     if own is None or other is None:
         return None if own is other else f"refused by {'dynamics' if own is None else 'MuJoCo'} alone"
     for key in ("joints", "damping", "actuators", "tendons", "equalities"):
@@ -200,7 +203,7 @@ def difference(path, own, other):
 
 
 def main():
-    """Counts what is the same and names what is not."""
+    """Counts equal files and lists differences."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--files", type=int, default=300)
     parser.add_argument("--seed", type=int, default=1)

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Steps a second with the ground under the robot, beside MuJoCo's mj_step, in one run on the same robots from the same starts.
+"""Steps per second on the ground, beside MuJoCo's mj_step, in one run on the same robots from the same
+starts.
 
     cargo build --release --locked -p robot-dynamics-cli
     python3 bench/robots/contact_speed.py [--rounds 5]
 
-Both sides take steps of 1 ms on one core: a fall of 10 cm to rest, and a second at rest, MuJoCo the last one of the fall and the command one from where its
-fall ended. Elliptic cones, contacts of the robot's shapes with the ground and not with one another, no motors. MuJoCo steps in one call of mj_step; the
-command writes nothing but its summary, its books kept.
+Both programs take steps of 1 ms on one core: a fall of 10 cm to rest, and a second at rest. For MuJoCo that
+second is the last of the fall; the command starts it from the end of its fall. Cones are elliptic, the
+robot's shapes make contact with the ground only, and there are no motors. MuJoCo steps in one call of
+mj_step. The command writes only its summary, with the energy balance.
 """
 
 import argparse
@@ -44,7 +46,7 @@ def lift(model, data):
 
 
 def scene(file):
-    """The robot above a plane, its shapes touching that alone."""
+    """The robot above a plane, with contact between its shapes and the plane only."""
     spec = mujoco.MjSpec.from_file(str(file))
     spec.worldbody.add_geom(name="the ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[10, 10, 1])
     model = spec.compile()
@@ -59,7 +61,7 @@ def scene(file):
 
 
 def theirs(model, start):
-    """MuJoCo's steps a second, over all and over the last second."""
+    """MuJoCo's steps per second, over all and over the last second."""
     data = mujoco.MjData(model)
     data.qpos[:] = start
     times = []
@@ -80,12 +82,12 @@ def command(robot, integrator, start, seconds, *more):
 
 
 def ours(robot, integrator, start, rest):
-    """The command's steps a second, over all and from where that ends."""
+    """The command's steps per second, over the fall and from its end."""
     return command(robot, integrator, start, SECONDS), command(robot, integrator, rest, 1)
 
 
 def ending(robot, integrator, start):
-    """Where a run ends, by joint names."""
+    """The end of a run, by joint names."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "run.csv"
         command(robot, integrator, start, SECONDS, "--csv", str(file))

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Converts every robot file of folders to the other format with the command `dynamics`, and writes the table of docs/convert.md.
+"""Converts every robot file of folders to the other format with the command `dynamics`, and writes the table
+of docs/convert.md.
 
     python3 bench/robots/converted.py FOLDER [FOLDER ...] [--every 10] [--command target/release/dynamics] --records RECORDS.jsonl
     python3 bench/robots/converted.py --page docs/convert.md --records RECORDS.jsonl
 
-Of URDF files each EVERYth is taken, of MJCF files all that stand alone (with bodies). The command reads back what it writes and compares M
-with the robot's at 3 poses; that error is recorded. Each MJCF file so made is loaded by MuJoCo, and M and the bias are compared as
-`menagerie.py` compares them. The way back, to the format that the file had, is taken too.
+It takes every EVERYth URDF file, and all MJCF files that are complete (with bodies). The command reads its
+output back and compares M with the robot's at 3 poses; that error is recorded. MuJoCo loads each resulting
+MJCF file, and M and the bias are compared as in `menagerie.py`. Each file is then converted back to its
+original format.
 """
 
 import argparse
@@ -57,14 +59,14 @@ def by_mujoco(command, path):
 
 
 def converted(command, source, target):
-    """The error of M that the command itself found; raises Differs."""
+    """The error of M that the command reports; raises Differs."""
     said = menagerie.spoken(command, "convert", str(source), str(target))
-    found = re.search(r"M the same to (\S+)", said)
+    found = re.search(r"M agrees to (\S+)", said)
     return float(found[1]) if found else 0.0
 
 
 def record(command, path, name):
-    """What became of a file; None for one that the command does not read, or without bodies."""
+    """The result for a file; None if the command cannot read it, or it has no bodies."""
     is_urdf = path.suffix == ".urdf"
     try:
         menagerie.spoken(command, "inspect", str(path))
@@ -116,13 +118,14 @@ def table(records):
     return lines
 
 
-HEAD = """# Robots converted
+HEAD = """# Converted robots
 
-Written by `bench/robots/converted.py`; nothing here is edited by hand. Published robot files, which are not part of this
-repository, are converted by `dynamics convert` to the other format and back. The command reads back what it writes and compares
-M at 3 poses; MuJoCo VERSION loads the MJCF file, and its M and bias are compared with this program's on that file, the inertias
-written into MuJoCo's model as [docs/mjcf.md](mjcf.md) says. MuJoCo refuses robots that move a link without mass or with moments
-that no body has; files with such links are converted all the same.
+`bench/robots/converted.py` writes this page; do not edit it by hand. Published robot files, which are not
+part of this repository, are converted by `dynamics convert` to the other format and back. The command reads
+its output again and compares M at 3 poses. MuJoCo VERSION loads the MJCF file, and its M and bias are
+compared with this program's on that file, with the inertias written into MuJoCo's model as
+[docs/mjcf.md](mjcf.md) explains. MuJoCo refuses robots that move a link without mass or with impossible
+moments; files with such links are converted nevertheless.
 
 """
 

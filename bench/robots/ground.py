@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Drops published robots onto the ground, free to fall over, and looks how they end.
+"""Drops published robots with floating bases onto the ground, and checks the ends of the runs.
 
     python3 bench/robots/ground.py FOLDER... [--robots 40] [--duration 10]
 
-Files that are no robot, or that have no collision shape whose points are known, are left out; the files are drawn with a fixed seed.
-Of every tenth step it is looked whether what damping, friction, stops, sliding and impacts took out has become less.
+Invalid files and robots without usable collision shapes are left out; the files are chosen with a fixed seed.
+Every tenth step is checked for a decrease of the losses by damping, friction, stops, sliding and impacts.
 """
 
 import argparse
@@ -19,7 +19,7 @@ COMMAND = Path(__file__).resolve().parents[2] / "target/release/dynamics"
 
 
 def most_fall(table: Path) -> float:
-    """By how much a column of what was taken out falls most from one row to the next [J]; 0 where none does."""
+    """The largest decrease of a loss between two rows [J]; 0 without a decrease."""
     with table.open(newline="") as rows:
         reader = csv.reader(rows)
         columns = [k for k, name in enumerate(next(reader)) if name.endswith("took out [J]")]
@@ -40,7 +40,7 @@ def main() -> None:
     parser.add_argument("--command", type=Path, default=COMMAND)
     arguments = parser.parse_args()
     files = sorted(file for folder in arguments.folders for kind in ("*.urdf", "*.xml") for file in folder.rglob(kind))
-    # A thousand bodies of one collection that have no joint.
+    # One collection has a thousand bodies without a joint.
     files = [file for file in files if "random_urdfs" not in file.parts]
     random.Random(1).shuffle(files)
     whole, failed, falls, rested = [], [], [], 0
@@ -57,10 +57,10 @@ def main() -> None:
                 done = subprocess.run(run, capture_output=True, text=True, timeout=900)
         except subprocess.TimeoutExpired:
             failed.append(file)
-            print(f"{file}: not done after 15 minutes", flush=True)
+            print(f"{file}: not complete after 15 minutes", flush=True)
             continue
-        books = re.search(r"unaccounted for.*: ([-+.e0-9]+)", done.stdout)
-        depth = re.search(r"deepest point after any step: ([-+.e0-9]+) m", done.stdout)
+        books = re.search(r"residual, max.*: ([-+.e0-9]+)", done.stdout)
+        depth = re.search(r"largest penetration after a step: ([-+.e0-9]+) m", done.stdout)
         gap = re.search(r"the lowest point is ([-+.e0-9]+) m (above|below)", done.stdout)
         speed = re.search(r"(at rest|fastest coordinate).* ([-+.e0-9]+) rad/s or m/s", done.stdout)
         rate = re.search(r"([0-9]+) steps/s", done.stdout)
@@ -70,15 +70,15 @@ def main() -> None:
             whole.append((float(books[1]), float(depth[1])))
             rested += bool(speed and speed[1] == "at rest")
             ends = f"{speed[1]} {speed[2]}" if speed else "in the air"
-            print(f"{file}: books {books[1]}, lowest point {gap[1]} m {gap[2]}, deepest of the run {depth[1]} m, {ends}, {rate[1]} steps/s, losses fall by {fall:.0e} J", flush=True)
-        elif "blew up" in done.stderr or "no step from" in done.stderr:
+            print(f"{file}: energy residual {books[1]}, lowest point {gap[1]} m {gap[2]}, largest penetration {depth[1]} m, {ends}, {rate[1]} steps/s, losses fall by {fall:.0e} J", flush=True)
+        elif "diverged" in done.stderr or "step failed" in done.stderr:
             failed.append(file)
             print(f"{file}: {done.stderr.strip().splitlines()[-1]}", flush=True)
     books = sorted(part for part, _ in whole)
     deepest = max(depth for _, depth in whole)
-    print(f"{len(whole)} whole, {len(failed)} not; {rested} at rest; deepest of all steps {deepest:.1e} m below the ground")
-    print(f"what was taken out falls by {max(falls):.0e} J at most")
-    print(f"energy missing from the books: median {books[len(books) // 2]:.1e}, most {books[-1]:.1e}")
+    print(f"{len(whole)} complete, {len(failed)} failed; {rested} at rest; largest penetration {deepest:.1e} m")
+    print(f"losses fall by {max(falls):.0e} J at most")
+    print(f"energy residual: median {books[len(books) // 2]:.1e}, largest {books[-1]:.1e}")
 
 
 if __name__ == "__main__":

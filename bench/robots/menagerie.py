@@ -1,24 +1,29 @@
 #!/usr/bin/env python3
-"""Compares the command `dynamics` with MuJoCo on every MJCF file of folders, and writes the table of docs/mjcf.md.
+"""Compares the command `dynamics` with MuJoCo on every MJCF file of folders, and writes the table of
+docs/mjcf.md.
 
     python3 bench/robots/menagerie.py FOLDER [FOLDER ...] [--command target/release/dynamics]
         [--peer target/release/mujoco_peer] --records RECORDS.jsonl
     python3 bench/robots/menagerie.py --page docs/mjcf.md --records RECORDS.jsonl
 
-A file counts if MuJoCo loads it and it has bodies; of several copies of one file (robot's folder and file's name) the first does. A
-mesh or texture that the copy of a collection lacks is replaced by a tetrahedron or a pixel, for both programs. At STATES random states (seed: CRC-32 of the file's name) these are
-compared, each against its largest entry: M (`mj_fullM`), the bias at v and at rest, the masses of bodies; names and order of the
-joints, their limits, armature, damping, friction and springs, and the actuators that are read, are to be equal. MuJoCo's free joints have their linear velocity in world axes: with the blocks G = diag(R, 1),
-v_mujoco = G v, so M = Gᵀ M_mujoco G, bias = Gᵀ (M_mujoco Ġ v + bias_mujoco), Ġ v = (R (ω × u), 0).
+A file counts if MuJoCo loads it and it has bodies; of several copies (same robot folder and file name) the
+first counts. A mesh or texture missing from the collection is replaced by a tetrahedron or a pixel for both
+programs. M (`mj_fullM`), the bias at v and at rest, and the masses of bodies are compared relative to their
+largest entries. There are STATES random states with the CRC-32 of the file's name as seed. Names and order of
+the joints, their limits, armature, damping, friction and springs, and the supported actuators must be equal.
+MuJoCo's free joints have their linear velocity in world axes. With the blocks G = diag(R, 1), v_mujoco = G v.
+So M = Gᵀ M_mujoco G and bias = Gᵀ (M_mujoco Ġ v + bias_mujoco), with Ġ v = (R (ω × u), 0).
 
-The forces beside the tree are those of the library, by `bench/src/bin/mujoco_peer.rs`: `qfrc_passive` and `qfrc_gravcomp` of MuJoCo without fluids, at
-the same states; and a motion of 1 s by RK4 from near the file's own pose, the controls held in their ranges, both without constraints (contacts,
-limits, equalities, friction) and without the armature of tendons, MuJoCo's with this program's inertias; the step is 1 ms, 0.2 ms where a body is
-free, or what explicit steps need with the file's servos. It is not compared where an actuator is not read, or where that is below LEAST.
+The library's passive forces, from `bench/src/bin/mujoco_peer.rs`, are compared with `qfrc_passive` and
+`qfrc_gravcomp` of MuJoCo without fluids at the same states. A motion of 1 s by RK4 starts near the file's own
+pose, with constant controls in their ranges. It has no constraints (contacts, limits, equalities, friction)
+and no armature of tendons; MuJoCo's uses this program's inertias. The step is 1 ms, 0.2 ms with a free body,
+or as small as explicit steps need with the file's servos. The motion is not compared if an actuator is not
+supported, or if the step would be below LEAST.
 
-MuJoCo keeps an inertia as principal moments and axes, and finds them by an iteration that ends where an entry off the
-diagonal is below 1e-12 or a turn below 1.4e-6 rad: what is left of these entries is lost. So M is compared twice: as MuJoCo has
-it, and after writing this program's inertias into MuJoCo's model, where both are to be the same.
+MuJoCo stores an inertia as principal moments and axes. Its iteration ends when an off-diagonal entry is below
+1e-12 or a rotation below 1.4e-6 rad, and the rest of these entries is lost. So M is compared twice: with
+MuJoCo's own inertias, and with this program's inertias in MuJoCo's model, for which both must agree.
 """
 
 import argparse
@@ -41,20 +46,20 @@ import mujoco  # noqa: E402
 import numpy as np  # noqa: E402
 
 STATES = 3
-# Of the motion: its duration, its longest step, that where a body is free [s] (its coordinates differ from the library's, and so do errors),
-# and the least for which a motion is compared.
+# The motion's duration, its largest step, that with a free body, and the smallest step for which a motion is
+# compared [s]. The coordinates of a free body differ from the library's, and so do errors.
 DURATION, STEP, STEP_FREE, LEAST = 1.0, 0.001, 0.0002, 5e-6
-# Of the run by this program alone [s].
+# Duration of the run by this program alone [s].
 RUN = 2
 FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
 
 
 class Differs(Exception):
-    """What is not the same."""
+    """A difference between the programs."""
 
 
 def spoken(command, *arguments, given=None):
-    """What the command prints; raises Differs with what it complains of."""
+    """The command's output; raises Differs with its error."""
     run = subprocess.run([command, *arguments], input=given, capture_output=True, timeout=300, check=False)
     if run.returncode != 0:
         raise Differs(run.stderr.decode("utf-8", "replace").strip() or f"exit code {run.returncode}")
@@ -85,14 +90,14 @@ def random_state(model, random):
 
 
 def rotation(quaternion):
-    """Of x y z w."""
+    """The rotation of x y z w."""
     matrix = np.empty(9)
     mujoco.mju_quat2Mat(matrix, np.roll(quaternion, 1))
     return matrix.reshape(3, 3)
 
 
 def evaluated(model, q, v):
-    """M and bias of MuJoCo in this project's convention, without tendons, whose forces stand beside the tree here."""
+    """M and bias of MuJoCo in this project's convention, without tendons, whose forces are separate here."""
     model.tendon_armature[:], model.tendon_stiffness[:] = 0, 0
     model.actuator_armature[model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_TENDON)] = 0
     data = mujoco.MjData(model)
@@ -115,10 +120,10 @@ def evaluated(model, q, v):
 
 
 def with_inertias(model, links):
-    """MuJoCo's model with the masses and inertias of this program's links, exactly diagonalised."""
+    """MuJoCo's model with the masses and inertias of this program's links, diagonalised exactly."""
     for i in range(1, model.nbody):
         link = links.get(model.body(i).name)
-        # A simple body's frame is its inertia's, and M's sparsity was made for that.
+        # The frame of a simple body is its inertia's, and M's sparsity was computed for that.
         if link is None or link["inertia"] is None or model.body_simple[i]:
             continue
         xx, xy, xz, yy, yz, zz = link["inertia"]
@@ -134,15 +139,15 @@ def with_inertias(model, links):
 
 
 def relative(mine, theirs, least=0.0):
-    """The largest difference against the largest entry, or against `least` where that is more."""
+    """The largest difference relative to the largest entry, or to `least` if that is larger."""
     largest = max(np.max(np.abs(theirs), initial=0.0), least)
     return float(np.max(np.abs(mine - theirs), initial=0.0) / largest) if largest > 0 else 0.0
 
 
 def check_joints(model, joints):
-    """Limits, armature, damping, friction and springs of all joints; raises Differs."""
+    """Compares limits, armature, damping, friction and springs of all joints; raises Differs."""
     def motors(target, values):
-        """What the actuators of a joint add to it, seen through their gears."""
+        """The armature of a joint from its actuators, by their gears."""
         of_joint = int(mujoco.mjtTrn.mjTRN_JOINT)
         own = [i for i in range(model.nu) if model.actuator_trntype[i] == of_joint and model.actuator_trnid[i][0] == target]
         return sum(values[i] * model.actuator_gear[i][0] ** 2 for i in own)
@@ -169,7 +174,7 @@ def check_joints(model, joints):
 
 
 def check_actuators(model, actuators):
-    """Gain, bias, gear and ranges of the actuators that are read; raises Differs."""
+    """Compares gain, bias, gear and ranges of the supported actuators; raises Differs."""
     place = {model.actuator(i).name: i for i in range(model.nu)}
     affine = int(mujoco.mjtGain.mjGAIN_AFFINE)
     for position, own in enumerate(actuators):
@@ -204,7 +209,7 @@ def in_mujoco(model, q, v):
 
 
 def longest_step(model, data):
-    """What explicit steps need to be stable with the dampers, springs and servos of the file."""
+    """The step that explicit integration needs for the dampers, springs and servos of the file."""
     mass, damping, stiffness = np.zeros((model.nv, model.nv)), np.diag(model.dof_damping), np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)
     for i in range(model.njnt):
@@ -221,13 +226,13 @@ def longest_step(model, data):
 
 
 def beside(peer, path, model, actuators, states, random):
-    """The errors of forces beside the tree, and of a motion with them."""
+    """The errors of passive forces, and of a motion with them."""
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     model.opt.density, model.opt.viscosity, model.opt.wind[:] = 0, 0, 0
     model.tendon_armature[:] = 0
     model.actuator_armature[model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_TENDON)] = 0
     exact, filtered = int(mujoco.mjtDyn.mjDYN_FILTEREXACT), int(mujoco.mjtDyn.mjDYN_FILTER)
-    # The exact filter is exact in Euler's steps; in those of RK4 it adds an error of first order.
+    # The exact filter is exact in Euler's steps; in RK4 steps it adds an error of first order.
     model.actuator_dyntype[model.actuator_dyntype == exact] = filtered
     asked, expected = [], []
     for q, v in states:
@@ -258,7 +263,7 @@ def beside(peer, path, model, actuators, states, random):
         for key, other in theirs.items():
             name = "motion" if key.startswith("q") else key
             mine = np.array(json.loads(own)[key])
-            # Forces of nothing are nothing; a motion is compared with 1.
+            # Zero forces have no scale; a motion has the scale 1.
             error = relative(mine, other, 1.0 if name == "motion" else 1e-9)
             errors[name] = max(errors.get(name, 0.0), error)
     return errors
@@ -276,7 +281,7 @@ def compared(command, peer, path, model):
             raise Differs(f"joint {joint['name']!r} stands where {name!r} does")
     check_joints(model, joints)
     check_actuators(model, mine["actuators"])
-    # Bodies without a name are compared by M alone.
+    # Bodies without a name are compared by M only.
     links = {link["name"]: link for link in mine["links"]}
     bodies = {model.body(i).name: float(model.body_mass[i]) for i in range(1, model.nbody) if model.body(i).name}
     missing = sorted(set(bodies) - set(links))
@@ -296,7 +301,8 @@ def compared(command, peer, path, model):
         mass, bias = np.array(own["mass_matrix"]).reshape(model.nv, model.nv), np.array(own["bias"])
         for suffix, other in (("", model), (", our inertias", exact)):
             theirs = evaluated(other, q, v)
-            # Without gravity and centrifugal forces the bias is rounding alone: what 0.001 rad/s² costs is its least scale.
+            # Without gravity and centrifugal forces the bias is rounding only: its smallest scale is the
+            # torque for 0.001 rad/s².
             least = 1e-3 * np.max(np.abs(mass))
             for key, error in (("M", relative(mass, theirs[0])), ("bias", relative(bias, theirs[1], least))):
                 errors[key + suffix] = max(errors.get(key + suffix, 0.0), error)
@@ -305,9 +311,10 @@ def compared(command, peer, path, model):
 
 
 def run_alone(command, path):
-    """The checks of the audit that fall short, and the energy's drift over a run by RK4 without damping, or why it ends early."""
+    """The failed checks of the audit, and the energy drift of a run by RK4 without damping, or the cause of
+    its early end."""
     audit = subprocess.run([command, "audit", str(path)], capture_output=True, timeout=300, check=False).stdout.decode()
-    short = [line.split("  ")[1].strip() for line in audit.splitlines() if "FALLS SHORT" in line]
+    short = [line.split("  ")[1].strip() for line in audit.splitlines() if "FAILED" in line]
     try:
         printed = spoken(command, "simulate", str(path), "--integrator", "rk4", "--duration", str(RUN))
         drift = re.search(r"energy drift.*: (\S+)", printed)
@@ -327,7 +334,7 @@ def png():
 
 
 def stand_in(path):
-    """Writes a file that MuJoCo takes for a missing one: a tetrahedron or a pixel."""
+    """Writes a placeholder that MuJoCo loads for a missing file: a tetrahedron or a pixel."""
     corners = [(0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)]
     faces = [(0, 2, 1), (0, 3, 2), (0, 1, 3), (1, 2, 3)]
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -346,7 +353,7 @@ def stand_in(path):
 
 
 def loaded(path, missing):
-    """MuJoCo's model; files that are not there are made up and listed in `missing`."""
+    """MuJoCo's model; missing files are replaced by placeholders and listed in `missing`."""
     while True:
         try:
             return mujoco.MjModel.from_xml_path(str(path))
@@ -361,7 +368,7 @@ def loaded(path, missing):
 
 
 def record(command, peer, path, root):
-    """What became of a file; None for one without bodies."""
+    """The result for a file; None for one without bodies."""
     missing = []
     try:
         model = loaded(path, missing)
@@ -381,29 +388,35 @@ def record(command, peer, path, root):
 
 HEAD = """# MJCF files against MuJoCo
 
-Written by `bench/robots/menagerie.py`; nothing here is edited by hand. The files are those of MuJoCo Menagerie, as copies of it on
-GitHub have them, with what the copies add; they keep their owners' licences and are not part of this repository. Each is read by the command `dynamics`
-and by MuJoCo VERSION, and compared at STATES random states: the largest error of M, of the bias (Coriolis, gravity, springs of joints;
-without tendons, which stand beside the tree here), and of the bodies' masses, each relative to the largest entry. Names and order of the joints, their limits,
-armature, damping, friction and springs are the same (1e-12), and so are gain, bias, gear and ranges of the actuators that are read (1e-9: a servo's damping
-may follow from M), or the file would be listed as different.
+`bench/robots/menagerie.py` writes this page; do not edit it by hand. The files are those of MuJoCo Menagerie
+in copies on GitHub, with the additions of these copies. They keep their owners' licenses and are not part of
+this repository.
 
-MuJoCo keeps an inertia as principal moments and axes. Its iteration for them ends where an entry off the diagonal is below
-1e-12 kg·m² or a turn below 1.4e-6 rad, and what is left is lost; this shows where inertias come from small meshes or full matrices. The
-columns *same inertias* are M and bias after this program's inertias were written into MuJoCo's model: what is left there is this
-program's own.
+The command `dynamics` and MuJoCo VERSION read each file, and STATES random states are compared. The table
+gives the largest error of M, of the bias, and of the masses of the bodies, each relative to the largest
+entry. The bias includes Coriolis forces, gravity and joint springs, but no tendons, which are separate from
+the tree here. Names and order of the joints, their limits, armature, damping, friction and springs agree to
+1e-12. Gain, bias, gear and ranges of the supported actuators agree to 1e-9, as a servo's damping may follow
+from M. Otherwise the file is listed as different.
 
-The columns *passive* and *gravcomp* are `qfrc_passive` and `qfrc_gravcomp`, fluids left out; *motion* is the end of 1 s by RK4 with the actuators, controls held,
-without contacts, limits, equalities, friction and the armature of tendons, on both sides with this program's inertias: the largest difference in q
-and v relative to the largest entry, or to 1. The step is 1 ms, 0.2 ms where a body is free, or what explicit steps need beside the file's servos; the motion is left out where an
-actuator is not read. *drift alone* is that of the energy, relative to it, in `dynamics simulate --integrator rk4 --duration 2`: this program by itself, without
-damping, the file's equalities held.
+MuJoCo stores an inertia as principal moments and axes. Its iteration for them ends if an entry off the
+diagonal is below 1e-12 kg·m² or a rotation below 1.4e-6 rad, and drops the rest. This matters for inertias
+from small meshes or full matrices. For the columns *same inertias* this program's inertias were written into
+MuJoCo's model, so they show the error of this program alone.
+
+The columns *passive* and *gravcomp* are `qfrc_passive` and `qfrc_gravcomp`, without fluids. *motion* is the
+state after 1 s by RK4 with the actuators at constant controls. Contacts, limits, equalities, friction and the
+armature of tendons are left out, and both sides use this program's inertias. It is the largest difference in
+q and v relative to the largest entry, or to 1. The step is 1 ms, 0.2 ms if a body is free, or shorter if the
+file's servos require it for explicit steps. *motion* is omitted if an actuator is not supported. *drift
+alone* is the relative drift of the energy in `dynamics simulate --integrator rk4 --duration 2`: this program
+alone, without damping, with the file's equalities.
 
 """
 
 
 def shown(error):
-    """An error in one digit."""
+    """An error with one digit."""
     return "0" if error == 0 else f"{error:.0e}".replace("e-0", "e-")
 
 
@@ -425,20 +438,20 @@ def page(records):
     robots = {one["name"].split("/")[0] for one in compared}
     within = lambda key, most: sum(one["errors"].get(key, np.inf) <= most for one in compared)  # noqa: E731
     lines = [
-        f"- {len(kept)} files; MuJoCo refuses {len(refused)} of them, listed at the end.",
-        f"- Of the other {len(kept) - len(refused)}, of {len(robots)} folders, {len(compared)} load and have the same joints.",
-        f"- M, bias and masses agree to 1e-12 in {sum(e <= 1e-12 for e in as_is)}, to 1e-9 in {sum(e <= 1e-9 for e in as_is)} files; "
+        f"- {len(kept)} files; MuJoCo refuses {len(refused)} of them (see the end of the page).",
+        f"- {len(compared)} of the other {len(kept) - len(refused)}, in {len(robots)} folders, load and have the same joints.",
+        f"- M, bias and masses agree to 1e-12 in {sum(e <= 1e-12 for e in as_is)} files and to 1e-9 in {sum(e <= 1e-9 for e in as_is)}; "
         f"with the same inertias to 1e-12 in {sum(e <= 1e-12 for e in own)}.",
-        f"- qfrc_passive agrees to 1e-12 in {within('passive', 1e-12)}, qfrc_gravcomp in {within('gravcomp', 1e-12)}; the motion's end to 1e-9 in "
+        f"- qfrc_passive agrees to 1e-12 in {within('passive', 1e-12)}, qfrc_gravcomp in {within('gravcomp', 1e-12)}; the motion to 1e-9 in "
         f"{within('motion', 1e-9)} of {sum('motion' in one['errors'] for one in compared)}.",
-        f"- `dynamics audit` finds nothing in {sum(one.get('audit') == [] for one in compared)} of {sum('audit' in one for one in compared)}; "
-        f"`dynamics simulate --integrator rk4 --duration {RUN}` comes to its end in {sum(isinstance(one.get('run'), float) for one in compared)}, "
-        f"with a drift of the energy below 1e-6 of it in {sum(isinstance(one.get('run'), float) and one['run'] < 1e-6 for one in compared)}.",
+        f"- `dynamics audit` passes in {sum(one.get('audit') == [] for one in compared)} of {sum('audit' in one for one in compared)}.",
+        f"- `dynamics simulate --integrator rk4 --duration {RUN}` completes in {sum(isinstance(one.get('run'), float) for one in compared)}, "
+        f"with an energy drift below 1e-6 in {sum(isinstance(one.get('run'), float) and one['run'] < 1e-6 for one in compared)}.",
         f"- The largest error is {shown(max(as_is))}, with the same inertias {shown(max(own))}.",
         "",
         "## File by file",
         "",
-        "| file | freedoms | masses | M | bias | M, same inertias | bias, same inertias | passive | gravcomp | motion | drift alone | made up | not read |",
+        "| file | DoFs | masses | M | bias | M, same inertias | bias, same inertias | passive | gravcomp | motion | drift alone | made up | not supported |",
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |",
     ]
     for one in compared:
@@ -453,10 +466,10 @@ def page(records):
     findings = [(one["name"], "audit", "; ".join(one["audit"])) for one in compared if one.get("audit")]
     findings += [(one["name"], "run", one["run"]) for one in compared if isinstance(one.get("run"), str)]
     if findings:
-        lines += ["", "## Audits that find something, and runs that end early", "", "| file | which | what |", "| --- | --- | --- |"]
+        lines += ["", "## Failed audits and incomplete runs", "", "| file | which | what |", "| --- | --- | --- |"]
         lines += [f"| {name} | {which} | {plain(what)} |" for name, which, what in findings]
     if different:
-        lines += ["", "## Not the same", "", "| file | what |", "| --- | --- |"]
+        lines += ["", "## Files that differ", "", "| file | difference |", "| --- | --- |"]
         lines += [f"| {one['name']} | {one['differs']} |" for one in different]
     lines += ["", "## Files that MuJoCo refuses", "", "| file | why |", "| --- | --- |"]
     lines += [f"| {one['name']} | {plain(one['mujoco refuses'])} |" for one in refused]
@@ -465,7 +478,7 @@ def page(records):
 
 
 def plain(message):
-    """A message without folders of the machine it comes from."""
+    """A message without this machine's folders."""
     return re.sub(r"'[^']*/", "'", message).replace("|", "/")
 
 

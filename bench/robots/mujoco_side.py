@@ -1,4 +1,4 @@
-"""Whether MuJoCo loads a file, and as what."""
+"""MuJoCo's result of loading a file."""
 
 import re
 
@@ -11,9 +11,9 @@ SHAPES = re.compile(rb"<(visual|collision)\b(?:[^>]*/>|.*?</\1\s*>)", re.DOTALL)
 
 
 def answer(request):
-    """Degrees of freedom, mass and M at qpos0; {"refused": why} where it does not load.
+    """Degrees of freedom, mass and M at qpos0; {"refused": why} if loading fails.
 
-    Visual and collision shapes are taken out first: their meshes are elsewhere.
+    Visual and collision shapes are removed first, as their meshes are missing.
     """
     try:
         with open(request["file"], "rb") as file:

@@ -1,8 +1,8 @@
 """Pinocchio's M, bias and gravity of a file at random states, in this project's coordinates.
 
-One number for a joint without limits (Pinocchio: cos, sin); a planar joint has x, y, theta and their rates
-(Pinocchio: the velocity along the moving axes); joints that follow others have no number of their own. All of it
-is one linear map of velocities, v_pin = G(q) v, so that
+A joint without limits has one number (Pinocchio: cos, sin). A planar joint has x, y, theta and their rates
+(Pinocchio: the velocity in the moving axes). Mimic joints have no number. One linear map of velocities,
+v_pin = G(q) v, expresses all of this, so that
 
     M = G^T M_pin G,    bias = G^T rnea(q, G v, dG/dt v),    gravity = G^T g_pin.
 """
@@ -29,7 +29,7 @@ BASE = "the floating base"
 
 
 class Robot:
-    """A model, and for each moving joint its place in q and v."""
+    """A model, and the index of each moving joint in q and v."""
 
     def __init__(self, model, mimics):
         self.model, self.joints, self.mimics = model, [], {}
@@ -51,7 +51,7 @@ class Robot:
         self.by_name = {joint["name"]: joint for joint in self.joints}
 
     def leader(self, name):
-        """The joint that is followed in the end, and q = ratio q_leader + offset."""
+        """The independent joint at the end of a mimic chain, and q = ratio q_leader + offset."""
         ratio, offset, seen = 1.0, 0.0, {name}
         while name in self.mimics:
             name, k, c = self.mimics[name]
@@ -62,7 +62,8 @@ class Robot:
         return self.by_name[name], ratio, offset
 
     def random_state(self, rng):
-        """Angles within 2.5 rad, slides within 0.5 m, any turn of a floating joint, velocities within 2."""
+        """Angles within 2.5 rad, translations within 0.5 m, any rotation of a floating joint, velocities
+        within 2."""
         q = []
         for joint in (joint for joint in self.joints if joint["nq"]):
             if joint["kind"] == "floating":
@@ -106,7 +107,7 @@ class Robot:
         full, g, rate = self.pinocchio(q, v)
         upper = np.triu(pin.crba(model, data, full, pin.Convention.LOCAL))
         mass = g.T @ (upper + np.triu(upper, 1).T) @ g
-        # What each number moves at least: followers add to their leader.
+        # The joint of each number; mimic joints add to their leader's.
         size = np.abs(g).T ** 2 @ self.sizes(data)
         bias = g.T @ pin.rnea(model, data, full, g @ v, rate)
         gravity = g.T @ pin.computeGeneralizedGravity(model, data, full)
@@ -115,8 +116,8 @@ class Robot:
         return {key: value.tolist() for key, value in values.items()}
 
     def sizes(self, data):
-        """For each of Pinocchio's velocities the largest inertia of all that it moves: its mass, or its moment about
-        any axis through the joint's origin."""
+        """For each of Pinocchio's velocities the largest inertia of the bodies that it moves: mass, or moment
+        about any axis through the joint's origin."""
         sizes = np.zeros(self.model.nv)
         for joint in self.joints:
             own, body = self.model.joints[joint["id"]], data.Ycrb[joint["id"]]
@@ -141,13 +142,13 @@ class Robot:
 
 
 def answer(request):
-    """The robot's joints, states and values; {"refused": why} where Pinocchio does not load the file."""
+    """The robot's joints, states and values; {"refused": why} if Pinocchio does not load the file."""
     path = request["file"]
     try:
         with open(path, "rb") as file:
             mimics = followers(file.read())
         base = (pin.JointModelFreeFlyer(), BASE) if request["floating"] else ()
-        # A fault's row tells what Pinocchio's own mimic joints do; the comparisons put them in by G.
+        # The row of a fault uses Pinocchio's own mimic joints; the comparisons use G.
         own = {"mimic": True} if request.get("own mimics") else {}
         model = pin.buildModelFromUrdf(path, *base, **own)
         for name, value in request.get("armature", {}).items():

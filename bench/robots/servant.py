@@ -1,4 +1,5 @@
-"""A program that answers one request a line in a process of its own, so that its crash or its silence is an answer too."""
+"""A program in a separate process that answers one request per line, so that a crash or a timeout is also an
+answer."""
 
 import json
 import os
@@ -13,13 +14,13 @@ HERE = Path(__file__).resolve().parent
 
 
 class Servant:
-    """Starts a script of this folder when it is first asked, and again after it died."""
+    """Starts a script of this folder at its first request, and again after it ended."""
 
     def __init__(self, script, timeout=120.0):
         self.script, self.timeout, self.process = script, timeout, None
 
     def ask(self, request):
-        """The answer; {"died": why} where the process ended or said nothing in time."""
+        """The answer; {"died": why} if the process ended or did not answer in time."""
         if self.process is None:
             self.process = subprocess.Popen(
                 [sys.executable, str(HERE / self.script)],
@@ -43,7 +44,7 @@ class Servant:
         return json.loads(line)
 
     def line(self):
-        """The next line; less where the process ends first, None where the time does."""
+        """The next line; less if the process ends first, None after the time limit."""
         end, text, out = time.monotonic() + self.timeout, b"", self.process.stdout.fileno()
         while not text.endswith(b"\n"):
             ready, _, _ = select.select([out], [], [], max(0.0, end - time.monotonic()))
@@ -66,9 +67,9 @@ class Servant:
 
 
 def serve(answer):
-    """Answers every line of standard input by `answer(request)`, a dictionary.
+    """Answers every line of standard input with `answer(request)`, a dictionary.
 
-    What the libraries print meanwhile, from C++ too, goes to a file and comes back as the answer's "said".
+    Output of the libraries, also from C++, goes to a file and becomes the field "said" of the answer.
     """
     channel = os.fdopen(os.dup(1), "w")
     with tempfile.TemporaryFile() as said:

@@ -1,4 +1,4 @@
-"""docs/robots.md from the records of the survey."""
+"""Writes docs/robots.md from the records of the survey."""
 
 import json
 import re
@@ -11,13 +11,13 @@ PEERS = ("pinocchio", "drake", "mujoco")
 
 
 def refuses(record, program):
-    """Whether the program does not load the record's file."""
+    """Whether the program fails to load the record's file."""
     said = record.get(program, {})
     return "refused" in said or "died" in said
 
 
 def cause(text):
-    """A refusal without the file's own names and numbers."""
+    """An error message without the file's own names and numbers."""
     lines = [line.strip() for line in text.strip().splitlines()]
     text = next((line for line in lines if not re.search(r": \d+ errors$", line)), "")
     text = text.removeprefix("error: ").replace("FILE: ", "")
@@ -29,7 +29,7 @@ def cause(text):
 
 
 def verdict(record):
-    """What the survey found for a file and base."""
+    """The survey's verdict for a file and base."""
     if "survey failed" in record or "died" in record["ours"]:
         return "the survey failed"
     if "refused" in record["ours"]:
@@ -48,7 +48,7 @@ def verdict(record):
 
 
 def reason(record):
-    """Why a file was not compared."""
+    """The reason why a file was not compared."""
     text = record.get("written", {}).get("why") or record.get("why") or record.get("survey failed") or str(record["ours"])
     text = re.sub(r"\s+at line \d+ in \S+", ". ", text.replace("\n", " "))
     text = re.sub(r"ValueError: The file \S+ does not contain a valid URDF model\.\s*", "", text)
@@ -56,7 +56,7 @@ def reason(record):
 
 
 def worst_of(record):
-    """The largest errors that count."""
+    """The largest relevant errors."""
     return record["worst"] if record.get("agrees") else record["written"]["worst"]
 
 
@@ -65,11 +65,11 @@ def write_summary(records_path, page, manifest):
     records = [json.loads(line) for line in records_path.read_text(encoding="utf-8").splitlines()]
     records.sort(key=lambda record: (record["file"], record["base"]))
     fixed = [record for record in records if record["base"] == "fixed"]
-    out = ["# Robot files tried", ""]
+    out = ["# Tested robot files", ""]
     out += [
-        f"{len(fixed)} URDF files of different content, from the packages and repositories below, each with its root fixed",
-        "and floating: `python3 bench/robots/survey.py`, explained in [bench/robots](../bench/robots/README.md), which",
-        "writes this page. No file is copied here.",
+        f"{len(fixed)} URDF files with different content, from the packages and repositories below, each with fixed and floating",
+        "root. `python3 bench/robots/survey.py` writes this page; [bench/robots](../bench/robots/README.md) explains it. No file",
+        "is copied into this repository.",
         "",
         *verdicts(records),
         *loaded(fixed),
@@ -84,11 +84,11 @@ def write_summary(records_path, page, manifest):
 
 
 def verdicts(records):
-    """How many files of each verdict, and the largest errors."""
+    """The number of files with each verdict, and the largest errors."""
     counts = Counter((verdict(record), record["base"]) for record in records)
     kinds = ["agrees on the very file", "agrees with the defaults written out", "DIFFERS", "nothing moves"]
     kinds += ["not loaded", "not compared", "the survey failed"]
-    out = ["## M, bias and gravity against Pinocchio's", "", "| | root fixed | root floating |", "| --- | ---: | ---: |"]
+    out = ["## M, bias and gravity compared with Pinocchio", "", "| | root fixed | root floating |", "| --- | ---: | ---: |"]
     for kind in kinds:
         row = [counts[kind, "fixed"], counts[kind, "floating"]]
         if any(row) or kind == "DIFFERS":
@@ -106,7 +106,8 @@ def verdicts(records):
     out += ["| --- " + "| ---: " * 7 + "|", "| tries | " + " | ".join(map(str, counts)) + " |", ""]
     beyond = [entry for entry in reversed(largest) if entry[0] > 1e-12]
     if beyond:
-        out += [f"Beyond 1e-12, the first of {len(beyond)}: " + "; ".join(f"{f}, {b} ({e:.0e})" for e, f, b in beyond[:12]) + "."]
+        out += [f"Largest errors, {len(beyond)} of which exceed 1e-12:", ""]
+        out += [f"- {f}, {b} ({e:.0e})" for e, f, b in beyond[:12]]
     differing = [record for record in records if verdict(record) == "DIFFERS"]
     for record in differing:
         numbers = (record.get("written") or {}).get("worst") or record.get("worst")
@@ -115,7 +116,7 @@ def verdicts(records):
 
 
 def loaded(fixed):
-    """How many files each program loads, and what loads elsewhere but not here."""
+    """The number of files that each program loads, and files that load elsewhere but not here."""
     out = ["## Loaded, root fixed", "", "| program | loads | of these not loaded here |", "| --- | ---: | ---: |"]
     for program in ("ours", *PEERS):
         files = [record for record in fixed if not refuses(record, program)]
@@ -128,7 +129,7 @@ def loaded(fixed):
 
 
 def written(records):
-    """What Pinocchio drops or refuses and is written out for the comparison."""
+    """Features that Pinocchio drops or rejects and that are written out for the comparison."""
     groups = defaultdict(set)
     for record in records:
         if verdict(record) == "agrees with the defaults written out":
@@ -137,7 +138,7 @@ def written(records):
             dropped = f"refuses: {cause(told.removeprefix('Error:').strip()).split('. ')[0]}" if theirs else "takes less of the file"
             groups[dropped, "; ".join(record["written"]["changes"])].add(record["file"])
     out = ["## Where Pinocchio refuses or drops an element", ""]
-    out += ["Compared with the same file and the default written out.", "", "| Pinocchio | written out | files |"]
+    out += ["These files are compared with the default values written out.", "", "| Pinocchio | written out | files |"]
     out.append("| --- | --- | --- |")
     for (what, changes), files in sorted(groups.items(), key=lambda item: (-len(item[1]), item[0])):
         out.append(f"| {what} | {changes} | {listing(files)} |")
@@ -145,7 +146,7 @@ def written(records):
 
 
 def listing(files, most=6):
-    """A few names and how many more."""
+    """A few names and the number of others."""
     names = sorted(files)
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
@@ -162,8 +163,8 @@ def refused(records):
             key = cause(record["ours"]["refused"]) + (" (root floating only)" if freed else "")
             if freed or record["base"] == "fixed":
                 groups[key][record["file"]] = other[record["file"]]
-    out = ["## Files that do not load here, and why", ""]
-    out += ["The first error of each; in brackets who loads it: P, D, M for Pinocchio, Drake, MuJoCo.", ""]
+    out = ["## Files that do not load here", ""]
+    out += ["The first error of each file. Brackets name the programs that load it: P, D, M for Pinocchio, Drake, MuJoCo.", ""]
     for key, files in sorted(groups.items(), key=lambda item: (-len(item[1]), item[0])):
         out += [f"### {len(files)}: {key}", ""]
         for name, record in sorted(files.items())[:60]:
@@ -176,7 +177,7 @@ def refused(records):
 
 
 def peers_refuse(fixed):
-    """What loads here and is refused elsewhere."""
+    """Files that load here and are rejected elsewhere."""
     out = ["## Files that load here and not there", "", "| program | files |", "| --- | ---: |"]
     for program in PEERS:
         count = sum(refuses(record, program) and not refuses(record, "ours") for record in fixed)
@@ -185,7 +186,7 @@ def peers_refuse(fixed):
 
 
 def uncompared(records):
-    """What loads and could not be compared."""
+    """Files that load and could not be compared."""
     left = [record for record in records if verdict(record) in ("not compared", "the survey failed")]
     if not left:
         return []
@@ -200,6 +201,6 @@ def sources(manifest):
         _, source, version, _, kept = line.split("\t")
         counts[source] += kept == "kept"
         versions[source] = version
-    out = ["## Sources", "", "Files kept: each content once, under the first source that has it.", ""]
+    out = ["## Sources", "", "Each content is counted once, under the first source that has it.", ""]
     out += ["| source | version or commit | files kept |", "| --- | --- | ---: |"]
     return [*out, *(f"| {source} | {versions[source]} | {counts[source]} |" for source in sorted(versions)), ""]

@@ -4,8 +4,8 @@
     python3 bench/robots/survey.py FOLDER RECORDS.jsonl [--command target/release/dynamics] [--states 3] [--jobs 2]
     python3 bench/robots/survey.py --summary RECORDS.jsonl docs/robots.md [--manifest MANIFEST.tsv]
 
-Each file is tried with its root fixed to the world and floating; one record a line. Ends with 1 if a compared
-number is off by more than BOUND. What is compared, and how, is in bench/robots/README.md.
+Each file is tried with its root fixed to the world and floating, with one record per line. The exit code is 1
+if a number differs by more than BOUND. bench/robots/README.md describes the comparison.
 """
 
 import argparse
@@ -31,22 +31,23 @@ from servant import Servant  # noqa: E402
 from summary import write_summary  # noqa: E402
 from written_out import armatures, written_out  # noqa: E402
 
-# Of what is compared, relative to its row's size (see `errors`). A robot read differently is off by 1e-6 or more;
-# the page tells how many are beyond 1e-12, the bound of this project's own tests.
+# Bound of the errors relative to the row's size (see `errors`). A robot that is read differently differs by
+# 1e-6 or more.
+# The page counts files beyond 1e-12, the bound of this project's own tests.
 BOUND = 1e-9
 GRAVITY = 9.81
 
 
 class NotCompared(Exception):
-    """Why a file's numbers were not compared."""
+    """The reason why a file's numbers were not compared."""
 
 
 class Refused(Exception):
-    """What the command says to a file that it does not load."""
+    """The command's error for a file that it does not load."""
 
 
 def spoken(command, *arguments, given=None):
-    """What the command prints."""
+    """The command's output."""
     try:
         run = subprocess.run([command, *arguments], input=given, capture_output=True, timeout=120, check=False)
     except subprocess.TimeoutExpired:
@@ -58,7 +59,7 @@ def spoken(command, *arguments, given=None):
 
 
 def inspected(command, path, floating):
-    """What `inspect --json` says of the file; raises Refused."""
+    """The output of `inspect --json`; raises Refused."""
     try:
         return json.loads(spoken(command, "inspect", str(path), "--json", *base(floating)))
     except json.JSONDecodeError as error:
@@ -66,16 +67,16 @@ def inspected(command, path, floating):
 
 
 def base(floating):
-    """The option that frees the root."""
+    """The option that adds a floating base."""
     return ["--floating-base"] if floating else []
 
 
 def orders(ours, theirs, floating):
-    """For each number of the command's q and of its v, the place of the same number in the reference's."""
+    """For each entry of the command's q and v, the index of the same number in the reference's."""
     mine = {joint["name"]: joint for joint in ours if joint["nv"] > 0}
     other = {joint["name"]: joint for joint in theirs if joint["nv"] > 0}
     if floating:
-        # The bases have names of the programs' own; they come first.
+        # The bases have names of the programs' own, and come first.
         for table in (mine, other):
             name = next((n for n, joint in table.items() if joint["q_index"] == 0 and joint["nq"] == 7), None)
             if name is None:
@@ -96,7 +97,7 @@ def orders(ours, theirs, floating):
 
 
 def computed(command, path, floating, states, by_q, by_v):
-    """What `compute` prints for the states."""
+    """The output of `compute` for the states."""
     lines = [json.dumps({"q": np.array(s["q"])[by_q].tolist(), "v": np.array(s["v"])[by_v].tolist()}) for s in states]
     printed = spoken(command, "compute", str(path), *base(floating), given="\n".join(lines).encode() + b"\n")
     got = [json.loads(line) for line in printed.splitlines()]
@@ -111,11 +112,11 @@ def computed(command, path, floating, states, by_q, by_v):
 def errors(want, got, moved, by_v):
     """The largest errors of M, bias and gravity.
 
-    With s_i^2 the largest inertia of what row i moves (see Robot.sizes of pinocchio_side.py): of M_ij relative to
-    s_i s_j; of gravity relative to 9.81 s_i sqrt(m_i), which bounds it (m_i the mass that the row moves); of the bias
-    relative to that, to s_i times the largest |C v|_j / s_j, and to what inertia costs at 1 rad/s, s_i max s_j. A row that moves nothing,
-    with s_i below 1e-7 of the largest, holds the rounding of the other rows' numbers and none of its own: it
-    counts as the largest.
+    Let s_i^2 be the largest inertia of the bodies that row i moves (see Robot.sizes of pinocchio_side.py),
+    and m_i their mass. The error of M_ij is relative to s_i s_j. That of gravity is relative to its bound
+    9.81 s_i sqrt(m_i). The scale of the bias is this bound plus s_i times the largest |C v|_j / s_j. It is at
+    least s_i max s_j, the inertial force at 1 rad/s. A row with s_i below 1e-7 of the largest moves nothing.
+    It contains the rounding of the other rows, so it counts as the largest.
     """
     mass, bias, gravity, size = (np.array(want[key], dtype=float) for key in (*KEYS, "size"))
     n = len(bias)
@@ -127,7 +128,7 @@ def errors(want, got, moved, by_v):
     size = np.where(size < 1e-7 * np.max(size), np.max(size), size)
     weight = GRAVITY * size * np.sqrt(np.maximum(moved, 1e-16 * np.max(moved)))
     motion = weight + size * np.max(np.abs(bias - gravity) / size)
-    # Where only rotors have mass, nothing has weight; where a body is alike about all axes, C v is zero.
+    # If only rotors have mass, nothing has weight; if a body is alike about all axes, C v is zero.
     motion, weight = np.maximum(motion, size * np.max(size)), np.maximum(weight, 1e-8 * size)
     scales = (np.outer(size, size), motion, weight)
     return [float(np.max(np.abs(a - b) / scale)) for a, b, scale in zip(mine, (mass, bias, gravity), scales)]
@@ -151,13 +152,13 @@ def compare(command, path, floating, reference, mine):
 
 
 def floats_already(mine, reference):
-    """Whether the base of the command is a joint of the file's own, so that freeing the root changed nothing."""
+    """Whether the base of the command is a joint of the file, so that freeing the root changed nothing."""
     own = {joint["name"] for joint in reference.get("joints", [])}
     return any(joint["q_index"] == 0 and joint["nq"] == 7 and joint["name"] in own for joint in mine["joints"])
 
 
 def attempt(command, path, floating, reference, mine):
-    """What comparing gives, as a part of the record."""
+    """The result of the comparison, as a part of the record."""
     if "refused" in reference or "died" in reference:
         return {}
     try:
@@ -183,7 +184,7 @@ def record(command, servants, folder, path, floating, states):
     result = {"file": name, "base": "floating" if floating else "fixed"}
     for word in ("refused", "died"):
         if word in reference:
-            # The first complaint is the cause; what follows it says where it led.
+            # The first error is the cause; later ones are its consequences.
             said = next((line.strip() for line in reference.get("said", "").splitlines() if line.strip()), "")
             result["pinocchio"] = {word: reference[word].replace(str(path), "FILE")[:300], "said": said}
     if not floating:
@@ -228,7 +229,7 @@ def record(command, servants, folder, path, floating, states):
 
 
 def work(tasks, done, arguments, folder):
-    """One thread with servants of its own."""
+    """One thread with its own helper processes."""
     servants = {name: Servant(f"{name}_side.py") for name in ("pinocchio", "drake", "mujoco")}
     while True:
         try:
@@ -245,7 +246,7 @@ def work(tasks, done, arguments, folder):
 
 
 def survey(arguments):
-    """Goes through the files; returns the number of files that differ."""
+    """Compares all files. Returns the number of files that differ."""
     folder = arguments.folder.resolve()
     tasks = queue.Queue()
     for path in sorted(path for path in folder.rglob("*") if path.suffix.lower() == ".urdf" and path.is_file()):

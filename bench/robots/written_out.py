@@ -1,4 +1,5 @@
-"""A robot file with what it leaves out written down, for programs that insist on it; nothing that moves changes."""
+"""A robot file with its defaults written out, for programs that need them; the robot's motion does not
+change."""
 
 import re
 from xml.etree import ElementTree
@@ -8,7 +9,7 @@ LIMITED = ("revolute", "prismatic")
 
 
 def tree(data):
-    """The file's root element and the prefixes that had to be declared."""
+    """The file's root element and the prefixes that were declared."""
     text = data.decode("utf-8-sig", "replace")
     text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
     text = re.sub(r"<\?xml\b.*?\?>", "", text, flags=re.DOTALL)
@@ -21,7 +22,7 @@ def tree(data):
 
 
 def followers(data):
-    """{follower: (joint, ratio, offset)}; a fixed joint follows nobody."""
+    """{mimic joint: (joint, ratio, offset)}; a fixed joint mimics no joint."""
     try:
         root, _ = tree(data)
     except ElementTree.ParseError:
@@ -36,7 +37,7 @@ def followers(data):
 
 
 def armatures(data):
-    """{joint: rotor inertia that MuJoCo's attribute `armature` gives it}; a URDF has no word for it."""
+    """{joint: rotor inertia of MuJoCo's attribute `armature`}, which URDF lacks."""
     root, _ = tree(data)
     found = {}
     for joint in root.findall("joint"):
@@ -47,7 +48,7 @@ def armatures(data):
 
 
 def written_out(data):
-    """The file's text anew, and what was written or left out; raises ElementTree.ParseError."""
+    """The file's new text, and the changes; raises ElementTree.ParseError."""
     root, missing = tree(data)
     changes = [f"the prefix {prefix}: is declared" for prefix in missing]
     if not (root.get("name") or "").strip():
@@ -67,7 +68,7 @@ def written_out(data):
 
 
 def first(element, name, changes):
-    """The first element of a name; the others go."""
+    """The first element of a name; the others are removed."""
     found = element.findall(name)
     if len(found) > 1:
         changes.append(f"of several <{name}> the first is kept")
@@ -107,7 +108,7 @@ def written_origin(origin):
 
 
 def written_joint(joint, changes):
-    """A joint without what only motors need."""
+    """Removes from a joint what only motors need."""
     kind = joint.get("type", "")
     kept = ElementTree.Element("joint", {"name": joint.get("name", ""), "type": kind})
     origin = first(joint, "origin", changes)

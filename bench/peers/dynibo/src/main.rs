@@ -1,6 +1,6 @@
-//! The side of the crate dynibo: the states, the clock and the output as in `side.hpp`.
+//! The program for the crate dynibo: states, timing and output as in `side.hpp`.
 //!
-//! Its base velocities are [angular, linear] along the world's axes, its accelerations classical; run.py converts.
+//! Its base velocities are [angular, linear] in world axes, its accelerations classical; run.py converts.
 //! Joints are named j0, j1, ... in the order of the states.
 
 use std::hint::black_box;
@@ -23,7 +23,7 @@ enum Algorithm {
     Jacobian,
 }
 
-/// Calls between two looks at the clock.
+/// Calls between two clock readings.
 const BLOCK: usize = 128;
 
 /// One state in dynibo's order of joints.
@@ -58,7 +58,7 @@ fn main() {
         AnyRobot::Fixed(robot) => robot.link_id(name).expect("a link"),
         AnyRobot::Floating(robot) => robot.link_id(name).expect("a link"),
     };
-    // places[i]: where dynibo's joint i sits among the joints of the states.
+    // places[i]: the index of dynibo's joint i among the joints of the states.
     let places: Vec<usize> = (0..nv - base_nv)
         .map(|i| match &robot {
             AnyRobot::Fixed(robot) => place_of(robot.joint_name(i).unwrap()),
@@ -66,7 +66,7 @@ fn main() {
         })
         .collect();
     let tip = link(&format!("l{tip}"));
-    // Its own enumeration of links: where link k of the states is.
+    // Its own order of links: the index of link k in the states.
     let root = if floating { vec!["root".to_owned()] } else { vec![] };
     let links: Vec<LinkId> =
         root.into_iter().chain((0..nv - base_nv).map(|k| format!("l{k}"))).map(|name| link(&name)).collect();
@@ -134,7 +134,7 @@ fn main() {
         if mode != "write" {
             return Vec::new();
         }
-        // Back to the order of the states, matrices by rows.
+        // Back to the order of the states, with matrices in row-major order.
         let mut place: Vec<usize> = (0..base_nv).collect();
         place.extend(places.iter().map(|&k| base_nv + k));
         let mut out = Vec::new();
