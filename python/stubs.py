@@ -3,8 +3,8 @@
     python stubs.py           writes it
     python stubs.py --check   fails where it is stale
 
-Which arguments a method has is what the module says of itself; of which type they and the result are follows from their
-names and from the shapes that the docstrings state.
+Which arguments a method has is what the module says of itself; of which type they and the result are follows
+from their names and from the shapes that the docstrings state.
 """
 
 import inspect

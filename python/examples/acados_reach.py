@@ -1,11 +1,13 @@
-"""Do fast solvers take the library's dynamics? acados moves an arm by torques, and brings it back when it is struck.
+"""Do fast solvers take the library's dynamics? acados moves an arm by torques, and brings it back when it is
+struck.
 
     python python/examples/acados_reach.py [--short] [--figure acados_reach.png]
 
-A Panda goes from rest to rest in 0.4 s with the least ∫ Σ (v/limit)² + (τ/limit)² dt, torques and joint speeds within their
-limits: acados' SQP finds it, with forward dynamics and their Jacobian as generated code. IPOPT solves the same problem; the
-library's own simulation, of order nine, runs the torques. Then a controller looks 0.4 s ahead and does one iteration (SQP_RTI)
-each 20 ms, on a simulated arm that is struck while it stands at its goal.
+A Panda goes from rest to rest in 0.4 s with the least ∫ Σ (v/limit)² + (τ/limit)² dt, torques and joint
+speeds within their limits: acados' SQP finds it, with forward dynamics and their Jacobian as generated code.
+IPOPT solves the same problem; the library's own simulation, of order nine, runs the torques. Then a
+controller looks 0.4 s ahead and does one iteration (SQP_RTI) each 20 ms, on a simulated arm that is struck
+while it stands at its goal.
 
 Needs acados (0.6) with its Python interface and ACADOS_SOURCE_DIR, CasADi, make and a C compiler.
 """
@@ -153,7 +155,8 @@ def controller(robot: rd.Robot, dynamics: Any, folder: Path) -> Any:
 
 
 def follow(robot: rd.Robot, solver: Any, duration: float) -> tuple[Array, Array, Array]:
-    """Distances from the goal [rad], torques and times of computation [s], once a period; the blow falls at half the time."""
+    """Distances from the goal [rad], torques and times of computation [s], once a period; the blow falls at
+    half the time."""
     period = TIME / PIECES
     q, v = START.copy(), REST.copy()
     for k in range(PIECES + 1):

@@ -2,11 +2,11 @@
 
     python python/examples/energy_audit_on_ray.py [--short] [--figure energy_audit.png] [--folder RECORDINGS]
 
-A data set in the layout of LeRobot: Parquet files of episodes with lists `observation.state`, ... in float32, a
-`timestamp` and an `episode_index`. It is made here, a Panda that moves its arm, so that it is known what is wrong with
-it: in four episodes the arm carries what the file does not know, a torque sensor is off by 15 %, an encoder by 2
-degrees, or the clock is slow by 5 %. The audit is told nothing of this. It computes the quantity `audit` of every row
-on Ray, and closes the books of every episode: E − E₀ = work of the motors.
+A data set in the layout of LeRobot: Parquet files of episodes with lists `observation.state`, ... in float32,
+a `timestamp` and an `episode_index`. It is made here, a Panda that moves its arm, so that it is known what is
+wrong with it: in four episodes the arm carries what the file does not know, a torque sensor is off by 15 %,
+an encoder by 2 degrees, or the clock is slow by 5 %. The audit is told nothing of this. It computes the
+quantity `audit` of every row on Ray, and closes the books of every episode: E − E₀ = work of the motors.
 """
 
 import argparse

@@ -1,11 +1,13 @@
-"""Which robot made this recording? An arm carries what its file does not know; its motion tells its parameters.
+"""Which robot made this recording? An arm carries what its file does not know; its motion tells its
+parameters.
 
     python python/examples/identify.py [--short] [--figure identify.png]
 
-A Panda with an unknown tool moves every joint by a periodic motion of three harmonics. Its encoders have a noise of
-2e-5 rad, its torque sensors of 0.2 N·m. Velocities and accelerations come, as is usual, from the harmonics fitted to
-the angles: q(t) = c + Σ aₖ sin kωt + bₖ cos kωt, which is differentiated exactly. From τ = Y(q, v, a) π the combinations
-β of inertial parameters are found that torques show, and then judged on another motion that was not fitted.
+A Panda with an unknown tool moves every joint by a periodic motion of three harmonics. Its encoders have a
+noise of 2e-5 rad, its torque sensors of 0.2 N·m. Velocities and accelerations come, as is usual, from the
+harmonics fitted to the angles: q(t) = c + Σ aₖ sin kωt + bₖ cos kωt, which is differentiated exactly. From
+τ = Y(q, v, a) π the combinations β of inertial parameters are found that torques show, and then judged on
+another motion that was not fitted.
 """
 
 import argparse
@@ -24,7 +26,8 @@ MIDDLE = np.array([0.0, 0.0, 0.0, -1.6, 0.0, 1.9, 0.0])
 
 
 def waves(t: Array) -> tuple[Array, Array, Array]:
-    """The columns 1, sin kωt, cos kωt, and their first two derivatives by t: (samples, 1 + 2 harmonics) each."""
+    """The columns 1, sin kωt, cos kωt, and their first two derivatives by t: (samples, 1 + 2 harmonics)
+    each."""
     k = 2.0 * np.pi / PERIOD * np.arange(1, HARMONICS + 1)
     angle, one = np.multiply.outer(t, k), np.ones((len(t), 1))
     s, c = np.sin(angle), np.cos(angle)

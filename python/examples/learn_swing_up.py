@@ -1,8 +1,10 @@
-"""Learns to swing up a pendulum whose motor is too weak to lift it, by an evolution strategy, in half a minute on a CPU.
+"""Learns to swing up a pendulum whose motor is too weak to lift it, by an evolution strategy, in half a
+minute on a CPU.
 
-A policy is a small network. In each generation 128 policies, pairs of opposite changes of the present one, are tried at once, four
-episodes each: 512 environments that step together. The policies' ranks say in which direction to go (Salimans and others,
-*Evolution Strategies as a Scalable Alternative to Reinforcement Learning*, 2017).
+A policy is a small network. In each generation 128 policies, pairs of opposite changes of the present one,
+are tried at once, four episodes each: 512 environments that step together. The policies' ranks say in which
+direction to go (Salimans and others, *Evolution Strategies as a Scalable Alternative to Reinforcement
+Learning*, 2017).
 
     python examples/learn_swing_up.py [--generations 60] [--seed 1]
 """
@@ -22,10 +24,11 @@ MIRRORED = np.array([1.0, -1.0, -1.0])
 
 
 def act(policies: NDArray[np.float64], seen: NDArray[np.float64]) -> NDArray[np.float64]:
-    """u = tanh(f(x) − f(x')) with f = w·tanh(W x + b) of each policy (n, SIZE) for its observations x (n, episodes, SEES).
+    """u = tanh(f(x) − f(x')) with f = w·tanh(W x + b) of each policy (n, SIZE) for its observations x (n,
+    episodes, SEES).
 
-    Seen in a mirror, cos, −sin, −v, the task is the same with the opposite torque, and so is the policy: it cannot lean to one
-    side for good, which is better than hanging and where a search would stay.
+    Seen in a mirror, cos, −sin, −v, the task is the same with the opposite torque, and so is the policy: it
+    cannot lean to one side for good, which is better than hanging and where a search would stay.
     """
     w, b, out = np.split(policies, [HIDDEN * SEES, HIDDEN * (SEES + 1)], axis=1)
     both = np.stack([seen, seen * MIRRORED])

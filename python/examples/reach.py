@@ -1,12 +1,14 @@
-"""How does an arm reach a point with the least effort? CasADi asks the library for torques and slopes, IPOPT finds the motion.
+"""How does an arm reach a point with the least effort? CasADi asks the library for torques and slopes, IPOPT
+finds the motion.
 
     python python/examples/reach.py [--short] [--figure reach.png]
 
-A Panda goes from rest to rest in one second, its flange to a point: inverse kinematics says how it stands there. The least
-∫ Σ (τ/limit)² + (a/150)² dt is found over accelerations a held over pieces of the time, with the torques τ(q, v, a) and the
-joints within their limits, by IPOPT with Gauss and Newton's Hessian. `robot_dynamics.casadi` generates, compiles and loads the
-torques with their Jacobian. Beside it the plain way, a polynomial of degree five in time. The motion found is then followed by a
-simulated arm with computed torques, in small steps.
+A Panda goes from rest to rest in one second, its flange to a point: inverse kinematics says how it stands
+there. The least ∫ Σ (τ/limit)² + (a/150)² dt is found over accelerations a held over pieces of the time, with
+the torques τ(q, v, a) and the joints within their limits, by IPOPT with Gauss and Newton's Hessian.
+`robot_dynamics.casadi` generates, compiles and loads the torques with their Jacobian. Beside it the plain
+way, a polynomial of degree five in time. The motion found is then followed by a simulated arm with computed
+torques, in small steps.
 
 Needs CasADi (pip install casadi) and a C compiler.
 """

@@ -1,11 +1,12 @@
-"""How does an arm get up whose motors cannot lift it? Its rollout is differentiated, and torques follow the gradient.
+"""How does an arm get up whose motors cannot lift it? Its rollout is differentiated, and torques follow the
+gradient.
 
     python python/examples/swing_up.py [--short] [--figure swing_up.png]
 
-Two rods of 1 m hang down. Holding them out would take 24.5 N·m at the shoulder, the motors give 8 and 4. Torques
-τ = limit · tanh u of 2.4 s are found from many random starts at once: one call rolls all of them out, one call brings
-the gradient of their losses back through time, by adjoints in O(n) a step, and Adam moves u. At the top the arm is held
-by a linear-quadratic regulator, of the slopes of one step, within the same limits.
+Two rods of 1 m hang down. Holding them out would take 24.5 N·m at the shoulder, the motors give 8 and 4.
+Torques τ = limit · tanh u of 2.4 s are found from many random starts at once: one call rolls all of them out,
+one call brings the gradient of their losses back through time, by adjoints in O(n) a step, and Adam moves u.
+At the top the arm is held by a linear-quadratic regulator, of the slopes of one step, within the same limits.
 """
 
 import argparse

@@ -1,4 +1,5 @@
-"""The command ``python -m robot_dynamics``: quantities of Parquet files; ``dynamics``, of Rust, does the rest.
+"""The command ``python -m robot_dynamics``: quantities of Parquet files; ``dynamics``, of Rust, does the
+rest.
 
     python -m robot_dynamics compute STATES.parquet --robot panda.urdf -o TORQUES.parquet --workers 8
     python -m robot_dynamics compute RECORDING/ --robot panda.urdf -o AUDIT.parquet --quantity audit \\

@@ -1,11 +1,14 @@
-"""Arrow tables: states in columns, any quantity of the package in columns, without a copy where the layout allows it.
+"""Arrow tables: states in columns, any quantity of the package in columns, without a copy where the layout
+allows it.
 
-Needs pyarrow (``pip install robot-dynamics[arrow]``). Whatever speaks the Arrow PyCapsule interface comes in: tables of
-pyarrow, Polars, DuckDB, Daft, DataFusion; what comes out are tables of pyarrow, which these read as they are.
+Needs pyarrow (``pip install robot-dynamics[arrow]``). Whatever speaks the Arrow PyCapsule interface comes in:
+tables of pyarrow, Polars, DuckDB, Daft, DataFusion; what comes out are tables of pyarrow, which these read as
+they are.
 
-A state is a row: `q` (nq numbers), `v`, `a`, `tau` (nv numbers) are columns of lists of float64 or float32, of fixed
-size or not. A result of shape (..., nv) is a column of lists of fixed size, (..., nv, nv) one of lists of lists, (...,)
-one of numbers. Computing is by rows: results do not depend on how a table is cut into batches.
+A state is a row: `q` (nq numbers), `v`, `a`, `tau` (nv numbers) are columns of lists of float64 or float32,
+of fixed size or not. A result of shape (..., nv) is a column of lists of fixed size, (..., nv, nv) one of
+lists of lists, (...,) one of numbers. Computing is by rows: results do not depend on how a table is cut into
+batches.
 
 >>> import pyarrow as pa
 >>> from robot_dynamics import arrow
@@ -50,11 +53,12 @@ class Computation:
 
     - `quantities` are names of `Robot`'s methods; a frame follows a colon (``frame_pose:panda_link8``).
       ``audit`` is the audit of recorded motion, see `robot_dynamics.quantities.AUDIT`.
-    - `columns` gives the column of q, v, a, tau where it has another name; ``state[0:7]`` is a part of its lists.
+    - `columns` gives the column of q, v, a, tau where it has another name; ``state[0:7]`` is a part of its
+      lists.
     - `keep` names the columns that go along.
     - `dtype` computes in that type; without it all columns have to be of one, and it is theirs.
-    - `bad_states`: a row that has no result (a NaN, a null, a quaternion that is none) raises `BadStatesError`, whose
-      `result` has all others; or it is null.
+    - `bad_states`: a row that has no result (a NaN, a null, a quaternion that is none) raises
+      `BadStatesError`, whose `result` has all others; or it is null.
     - `threads` as everywhere.
 
     >>> import pyarrow as pa
@@ -107,7 +111,8 @@ class Computation:
         return {name: self.columns.get(name, name) for name in self.sources}
 
     def __call__(self, data: Any) -> Any:
-        """The quantities of a table's rows: a `pyarrow.RecordBatch` of such a batch, else a `pyarrow.Table`."""
+        """The quantities of a table's rows: a `pyarrow.RecordBatch` of such a batch, else a
+        `pyarrow.Table`."""
         if isinstance(data, pa.RecordBatch):
             batches, schema = [data], data.schema
         else:
@@ -132,7 +137,8 @@ class Computation:
         return self.rows(_empty(schema))[0].schema
 
     def rows(self, batch: Any, first: int = 0) -> tuple[Any, list[tuple[str, int, str]]]:
-        """The quantities of a batch, null where a row has none; of these rows the quantity, the row, and the reason.
+        """The quantities of a batch, null where a row has none; of these rows the quantity, the row, and the
+        reason.
 
         Rows are counted from `first`. The reason is given for the first bad row of each quantity.
         """

@@ -1,8 +1,9 @@
 """CasADi: a robot's functions as external ones, with Jacobians, for optimal control.
 
-The code of `Robot.generate` is compiled by the system's C compiler (``CC``, else cc, gcc or clang). A function knows its sparsity and
-its Jacobian: of inverse and forward dynamics by the recursions for slopes. Hessians CasADi does not get: use Gauss and
-Newton's, or IPOPT's limited memory. Slopes by q are by its numbers; of a quaternion the functions depend on the direction alone.
+The code of `Robot.generate` is compiled by the system's C compiler (``CC``, else cc, gcc or clang). A
+function knows its sparsity and its Jacobian: of inverse and forward dynamics by the recursions for slopes.
+Hessians CasADi does not get: use Gauss and Newton's, or IPOPT's limited memory. Slopes by q are by its
+numbers; of a quaternion the functions depend on the direction alone.
 
     import casadi as ca
     import robot_dynamics as rd
@@ -37,11 +38,13 @@ if TYPE_CHECKING:
 
 
 def external(robot: Robot, function: str, *, folder: str | PathLike[str] | None = None) -> casadi.Function:
-    """A function of the robot, one of those of `Robot.generate`: inverse_dynamics, mass_matrix, frame_pose:NAME, ...
+    """A function of the robot, one of those of `Robot.generate`: inverse_dynamics, mass_matrix,
+    frame_pose:NAME, ...
 
-    Arguments and results are columns, or matrices, of the shapes that the method of that name has for one state. `folder` keeps the
-    code and what is compiled of it, and is looked into first, as long functions take long to compile; else both are gone with the
-    process. GenerateError where there is no compiler, or no such function.
+    Arguments and results are columns, or matrices, of the shapes that the method of that name has for one
+    state. `folder` keeps the code and what is compiled of it, and is looked into first, as long functions
+    take long to compile; else both are gone with the process. GenerateError where there is no compiler, or no
+    such function.
     """
     try:
         import casadi

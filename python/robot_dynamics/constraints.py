@@ -256,8 +256,9 @@ class Constraining(_native.Robot):
     ) -> ConstrainedTorque:
         """The torques of driven coordinates and the λ of a motion that keeps the constraints; the least ones.
 
-        `actuated` (nv,) says which coordinates are driven, `robot.actuated_dofs` where it is not given. Coordinates that are not driven fix
-        part of λ by least squares; the rest of λ makes |τ| least. Rows may depend on each other: λ is then the shortest.
+        `actuated` (nv,) says which coordinates are driven, `robot.actuated_dofs` where it is not given.
+        Coordinates that are not driven fix part of λ by least squares; the rest of λ makes |τ| least. Rows
+        may depend on each other: λ is then the shortest.
 
         >>> robot, rest = rd.example("panda"), np.zeros(7)
         >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
@@ -279,10 +280,12 @@ class Constraining(_native.Robot):
         constraints: Constraints | None = None,
         force_weight: float = 1e-3,
     ) -> SupportedTorque:
-        """The torques of a motion of a robot that stands, with forces in their cones of friction that carry it.
+        """The torques of a motion of a robot that stands, with forces in their cones of friction that carry
+        it.
 
-        The result has the least |τ|² + `force_weight` · |λ|² of all such. `actuated` (nv,) says which coordinates are driven,
-        `robot.actuated_dofs` where it is not given. `constraints` are closed loops, which may pull as well.
+        The result has the least |τ|² + `force_weight` · |λ|² of all such. `actuated` (nv,) says which
+        coordinates are driven, `robot.actuated_dofs` where it is not given. `constraints` are closed loops,
+        which may pull as well.
 
         >>> dog = rd.example("quadruped", floating_base=True)
         >>> q, rest = np.array([0, 0, 0.3, 0, 0, 0, 1, *[0, 0.7, -1.4] * 4]), np.zeros(18)

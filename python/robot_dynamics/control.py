@@ -72,7 +72,8 @@ class Dlqr:
 def dlqr(A: Numbers, B: Numbers, Q: Numbers, R: Numbers) -> Dlqr:
     """The gain of u = −K x that minimises Σ xᵀQ x + uᵀR u along xₖ₊₁ = A xₖ + B uₖ.
 
-    A (n, n), B (n, m), Q (n, n) symmetric and positive semidefinite, R (m, m) symmetric and positive definite.
+    A (n, n), B (n, m), Q (n, n) symmetric and positive semidefinite, R (m, m) symmetric and positive
+    definite.
 
     >>> law = rd.dlqr([[1.0, 0.1], [0.0, 1.0]], [[0.005], [0.1]], np.eye(2), [[1.0]])
     >>> law.spectral_radius < 1.0
@@ -96,9 +97,11 @@ class Controlling(_native.Robot):
         max_restarts: int = 20,
         seed: int = 1,
     ) -> InverseKinematicsSolution:
-        """A configuration within the joint limits that brings a frame to a pose (4, 4) or its origin to a position (3,).
+        """A configuration within the joint limits that brings a frame to a pose (4, 4) or its origin to a
+        position (3,).
 
-        The search begins at `start`, (nq,) or the neutral configuration, and again at random ones where it is stuck.
+        The search begins at `start`, (nq,) or the neutral configuration, and again at random ones where it is
+        stuck.
 
         >>> robot = rd.example("panda")
         >>> wanted = robot.frame_pose(robot.random_configuration(seed=3), "panda_link8")

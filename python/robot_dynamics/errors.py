@@ -25,7 +25,8 @@ class DTypeError(RobotDynamicsError, TypeError):
 
 
 class StateError(RobotDynamicsError, ValueError):
-    """A state is none: a number is not finite, a quaternion has not unit length, or the result is too large."""
+    """A state is none: a number is not finite, a quaternion has not unit length, or the result is too
+    large."""
 
 
 class BadStatesError(StateError):
@@ -41,7 +42,8 @@ class BadStatesError(StateError):
     """
 
     indices: NDArray[np.intp]
-    """The bad states, ascending, counted along the batch (`np.unravel_index` where it has several dimensions)."""
+    """The bad states, ascending, counted along the batch (`np.unravel_index` where it has several
+    dimensions)."""
     result: Any
     """What the call would have returned, with NaN for the bad states."""
 
@@ -141,4 +143,5 @@ class QuantityError(RobotDynamicsError, LookupError):
 
 
 class LoadWarning(UserWarning):
-    """Something in a robot file is suspicious and was taken as written, or is physics that the model leaves out."""
+    """Something in a robot file is suspicious and was taken as written, or is physics that the model leaves
+    out."""

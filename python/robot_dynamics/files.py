@@ -58,8 +58,8 @@ class Written(_native.Robot):
     def write(self, path: str | PathLike[str]) -> tuple[LeftOut, ...]:
         """Writes the robot's file, ``.urdf``, or ``.xml`` and ``.mjcf`` for MJCF; gives what is not in it.
 
-        The file is there as a whole or not at all. ValueError where it is one that the robot was read from, by whatever path
-        or link: its own, an included one, a mesh.
+        The file is there as a whole or not at all. ValueError where it is one that the robot was read from,
+        by whatever path or link: its own, an included one, a mesh.
 
         >>> import tempfile, pathlib
         >>> path = pathlib.Path(tempfile.mkdtemp()) / "arm.xml"
@@ -89,12 +89,14 @@ class Written(_native.Robot):
         name: str | None = None,
         states: int = 5,
     ) -> dict[str, str]:
-        """A program for this robot alone, straight-line code without allocation: its files by name, with a test that holds it to
-        this library's values; written into `folder`, too, where one is given: all of them or none, and over none that the robot was read from.
+        """A program for this robot alone, straight-line code without allocation: its files by name, with a
+        test that holds it to this library's values; written into `folder`, too, where one is given: all of
+        them or none, and over none that the robot was read from.
 
-        `functions` are those of ``dynamics generate``: inverse_dynamics, mass_matrix, gravity, ..., frame_pose:NAME. In `single`
-        precision, with multiply-adds `fused`, with the platform's sine; Rust also over the processor's vector `lanes`, many states at
-        once. Files and functions are called after `name`, the robot's where not given; the test compares random `states`.
+        `functions` are those of ``dynamics generate``: inverse_dynamics, mass_matrix, gravity, ...,
+        frame_pose:NAME. In `single` precision, with multiply-adds `fused`, with the platform's sine; Rust
+        also over the processor's vector `lanes`, many states at once. Files and functions are called after
+        `name`, the robot's where not given; the test compares random `states`.
 
         >>> files = rd.example("two_r").generate("c", ["gravity"])
         >>> sorted(files)

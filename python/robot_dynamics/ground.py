@@ -30,10 +30,12 @@ class Ground(NamedTuple):
 
 
 class HeightField(NamedTuple):
-    """Ground with hills: `heights[row, column]` [m] on a grid over a rectangle, rows along y, columns along x, upwards both.
+    """Ground with hills: `heights[row, column]` [m] on a grid over a rectangle, rows along y, columns along
+    x, upwards both.
 
-    A cell is divided along the diagonal from its corner of least x and y. Outside the rectangle there is nothing. Balls, ellipsoids and capsules'
-    ends touch faces, edges and corners; boxes and meshes touch with their corners, cylinders with their rims.
+    A cell is divided along the diagonal from its corner of least x and y. Outside the rectangle there is
+    nothing. Balls, ellipsoids and capsules' ends touch faces, edges and corners; boxes and meshes touch with
+    their corners, cylinders with their rims.
 
     >>> valley = rd.HeightField([[1.0, 0.0, 1.0]] * 2, half_size=(1.0, 1.0))  # along y, 45 degrees on both sides
     >>> ball = rd.loads(

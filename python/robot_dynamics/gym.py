@@ -9,8 +9,8 @@ It needs the extra ``robot-dynamics[gym]``.
     observations, _ = envs.reset(seed=1)
     observations, rewards, terminated, truncated, _ = envs.step(envs.action_space.sample())
 
-Environments are reset in the step after their end, as Gymnasium's own vectors (``AutoresetMode.NEXT_STEP``). The same seed
-and actions give the same bits, for any number of threads.
+Environments are reset in the step after their end, as Gymnasium's own vectors (``AutoresetMode.NEXT_STEP``).
+The same seed and actions give the same bits, for any number of threads.
 """
 
 from __future__ import annotations
@@ -34,7 +34,8 @@ PENDULUM = """<robot name="pendulum"><link name="stand"/><link name="rod"><inert
 <inertia ixx="0.0833" iyy="0.0833" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="hinge" type="continuous"><parent link="stand"/><child link="rod"/><axis xyz="0 1 0"/>
 <limit effort="2" velocity="20"/></joint></robot>"""
-"""A rod of 1 kg and 1 m that hangs at q = 0 and stands at π, and a motor of 2 N·m: gravity pulls with up to 4.9."""
+"""A rod of 1 kg and 1 m that hangs at q = 0 and stands at π, and a motor of 2 N·m: gravity pulls with up to
+4.9."""
 
 
 RUNAWAY = 1e4
@@ -44,14 +45,15 @@ RUNAWAY = 1e4
 class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
     """Copies of a `Simulation` of one robot; tasks say where they start, what is seen, and what is good.
 
-    Everything that the robot's file states acts, as in `Simulation`: contact, position limits, equalities, damping, actuators.
-    `integrator`, `conservative`, `without`, `ground` and other `options` are passed to it; `simulations` is the `SimulationBatch` of its
-    copies.
+    Everything that the robot's file states acts, as in `Simulation`: contact, position limits, equalities,
+    damping, actuators. `integrator`, `conservative`, `without`, `ground` and other `options` are passed to
+    it; `simulations` is the `SimulationBatch` of its copies.
 
-    Actions are numbers in [−1, 1], held over a control step of `substeps` steps of `step` seconds. If actuators of the file act, an
-    action (num_envs, actuators) says where in its range each control is; the middle is 0. Otherwise it (num_envs, actuated degrees of
-    freedom) is the share of the effort limits, or of `effort` [N·m or N], see `Robot.actuated_dofs`. After `horizon` control steps an
-    episode is truncated. A state that runs away, or cannot be computed any more, ends its own episode and no other, where it was and
+    Actions are numbers in [−1, 1], held over a control step of `substeps` steps of `step` seconds. If
+    actuators of the file act, an action (num_envs, actuators) says where in its range each control is; the
+    middle is 0. Otherwise it (num_envs, actuated degrees of freedom) is the share of the effort limits, or of
+    `effort` [N·m or N], see `Robot.actuated_dofs`. After `horizon` control steps an episode is truncated. A
+    state that runs away, or cannot be computed any more, ends its own episode and no other, where it was and
     at rest.
     """
 
@@ -77,7 +79,8 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         self.robot, self.num_envs, self.horizon = robot, num_envs, horizon
         how: dict[str, Any] = {"integrator": integrator, "conservative": conservative, "without": without, "ground": ground}
         self.simulations = SimulationBatch(robot, num_envs, step=step, threads=threads, **how, **options)
-        """One for each environment; `simulations[k]` is a copy of one, for what else a task wants to see: contacts, sensors, forces."""
+        """One for each environment; `simulations[k]` is a copy of one, for what else a task wants to see:
+        contacts, sensors, forces."""
         self.effort: NDArray[np.float64] = np.where(robot.actuated_dofs, robot.limits.effort if effort is None else effort, 0.0)
         """Torque of a full action (nv,) [N·m or N]; 0 where no motor is."""
         self.control_range = _control_range(robot, self.simulations.control_names)
@@ -112,7 +115,8 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         raise NotImplementedError
 
     def torques(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The torques of the motors for actions within [−1, 1], (num_envs, nv); zero if actuators of the file act."""
+        """The torques of the motors for actions within [−1, 1], (num_envs, nv); zero if actuators of the file
+        act."""
         torques = np.zeros_like(self.v)
         if len(self.control_range) == 0:
             torques[:, self.robot.actuated_dofs] = actions * self.effort[self.robot.actuated_dofs]
@@ -203,9 +207,9 @@ def _control_range(robot: Robot, names: Sequence[str]) -> NDArray[np.float64]:
 class SwingUp(RobotEnv):
     """A pendulum that is to be swung up and held there by a motor too weak to lift it.
 
-    Observation: cos and sin of the angle from upright, and v/8 s. Reward of a step: −(angle² + 0.1 v² + 0.001 τ²), the classic
-    one, at most 0. `robot` is any with one joint that hangs at q = 0. Episodes start at angles up to `within` from hanging, at
-    up to 1 rad/s: anywhere, or with a small one at the bottom.
+    Observation: cos and sin of the angle from upright, and v/8 s. Reward of a step: −(angle² + 0.1 v² + 0.001
+    τ²), the classic one, at most 0. `robot` is any with one joint that hangs at q = 0. Episodes start at
+    angles up to `within` from hanging, at up to 1 rad/s: anywhere, or with a small one at the bottom.
     """
 
     def __init__(
@@ -236,10 +240,12 @@ class SwingUp(RobotEnv):
 
 
 class Reach(RobotEnv):
-    """An arm whose frame is to come to a target and stay there; the motors carry the arm's weight beside the action.
+    """An arm whose frame is to come to a target and stay there; the motors carry the arm's weight beside the
+    action.
 
-    Observation: q, v/5, and from the frame to the target [m]. Reward of a step: −distance [m] − 0.01 |action|²/nv. Targets are
-    where the frame is in random configurations, so that each can be reached. Robots without quaternions.
+    Observation: q, v/5, and from the frame to the target [m]. Reward of a step: −distance [m] −
+    0.01 |action|²/nv. Targets are where the frame is in random configurations, so that each can be reached.
+    Robots without quaternions.
     """
 
     def __init__(

@@ -1,4 +1,5 @@
-"""Inertial parameters from recorded motion: τ = Y(q, v, a) π, of which only combinations β show in torques."""
+"""Inertial parameters from recorded motion: τ = Y(q, v, a) π, of which only combinations β show in
+torques."""
 
 from __future__ import annotations
 
@@ -67,8 +68,9 @@ class Identifying(_native.Robot):
     ) -> Identified:
         """β from recorded motion: q (n, nq), v (n, nv), a (n, nv), tau (n, nv), by least squares.
 
-        The torques contain the joints' damping and friction as described, as those of `simulate` do; without `dissipation` they
-        do not, as those of `inverse_dynamics`. Without `base` the combinations are those that this motion shows.
+        The torques contain the joints' damping and friction as described, as those of `simulate` do; without
+        `dissipation` they do not, as those of `inverse_dynamics`. Without `base` the combinations are those
+        that this motion shows.
 
         >>> robot, random = rd.example("two_r"), np.random.default_rng(1)
         >>> q, v, a = random.uniform(-1, 1, (3, 100, 2))

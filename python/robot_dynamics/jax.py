@@ -1,12 +1,13 @@
 """JAX: the dynamics as functions of arrays, under `jit`, `vmap`, `grad`, `jvp`, `vjp`, `scan`; on the CPU.
 
-XLA calls the library itself, without Python. Arrays are float64 (``jax_enable_x64``) or float32 and may have any leading
-dimensions, which broadcast as everywhere in this package. Reverse mode is vector-Jacobian products in O(n), without a
-Jacobian or M; forward mode multiplies with the slopes. A gradient by q is by its nq numbers; of a quaternion it is that
-of a function that depends on its direction alone, so an optimiser's step has to be normalised (`Robot.normalize`).
-Second derivatives are refused. Results of an invalid state (not finite, a quaternion not of unit length, a singular M) are
-NaN, and those of the other states are right; so it is for parameters that are not finite. A mistake in a whole program
-raises an error of this package. A robot that was called stays in memory; Ctrl-C is heard when a call has ended.
+XLA calls the library itself, without Python. Arrays are float64 (``jax_enable_x64``) or float32 and may have
+any leading dimensions, which broadcast as everywhere in this package. Reverse mode is vector-Jacobian
+products in O(n), without a Jacobian or M; forward mode multiplies with the slopes. A gradient by q is by its
+nq numbers; of a quaternion it is that of a function that depends on its direction alone, so an optimiser's
+step has to be normalised (`Robot.normalize`). Second derivatives are refused. Results of an invalid state
+(not finite, a quaternion not of unit length, a singular M) are NaN, and those of the other states are right;
+so it is for parameters that are not finite. A mistake in a whole program raises an error of this package. A
+robot that was called stays in memory; Ctrl-C is heard when a call has ended.
 
     import jax, jax.numpy as jnp
     import robot_dynamics as rd
@@ -41,8 +42,8 @@ def inverse_dynamics(
 ) -> jax.Array:
     """τ = M(q) a + C(q, v) v + g(q), (..., nv) [N·m or N], differentiable by q, v, a and parameters.
 
-    q (..., nq), v (..., nv), a (..., nv), `parameters` (n,) or (..., n): those of the robot that is computed, as
-    `Robot.parameters()` lists them; `robot` gives the geometry.
+    q (..., nq), v (..., nv), a (..., nv), `parameters` (n,) or (..., n): those of the robot that is computed,
+    as `Robot.parameters()` lists them; `robot` gives the geometry.
     """
     return _first(robot, "inverse_dynamics", ("q", "v", "a"), (q, v, a), parameters)
 
@@ -102,10 +103,11 @@ def rollout(
 ) -> Rollout:
     """`Robot.rollout` of arrays, differentiable by q, v, tau and parameters: one call of XLA's for all steps.
 
-    q (..., nq), v (..., nv) or none for 0, tau (..., nv) held over all steps or (..., steps, nv), with one dimension more
-    than the states. `parameters` (n,) or (..., n) are those of the robot that moves, as `Robot.parameters()` lists them:
-    inertias, damping, friction, springs, gravity; friction's sign is held. Reverse mode computes the states again from
-    √steps checkpoints. Effects act as in `Robot.rollout_pullback`; those without gradients are left out or refused.
+    q (..., nq), v (..., nv) or none for 0, tau (..., nv) held over all steps or (..., steps, nv), with one
+    dimension more than the states. `parameters` (n,) or (..., n) are those of the robot that moves, as
+    `Robot.parameters()` lists them: inertias, damping, friction, springs, gravity; friction's sign is held.
+    Reverse mode computes the states again from √steps checkpoints. Effects act as in
+    `Robot.rollout_pullback`; those without gradients are left out or refused.
     """
     import jax.numpy as jnp
 
@@ -157,7 +159,8 @@ def step(
     dissipation: bool = True,
     parameters: jax.Array | None = None,
 ) -> tuple[jax.Array, jax.Array]:
-    """q and v after one step of `step` seconds, differentiable by q, v, tau and parameters; as `rollout` of one step.
+    """q and v after one step of `step` seconds, differentiable by q, v, tau and parameters; as `rollout` of
+    one step.
 
     q (..., nq), v (..., nv), tau (..., nv).
     """

@@ -16,11 +16,11 @@ from robot_dynamics.quantities import AUDIT
 def ledger(audited: Any, *, time: str = "timestamp", episode: str = "episode_index") -> Any:
     """The energy's books of each episode of recorded motion, from its audit and the time of each row [s].
 
-    `audited` is a table with the columns of the quantity ``audit``, `time` and `episode`; the rows of an episode are in
-    the order of time, and need not lie side by side. Of each episode: `rows`, `duration` [s], `energy_start`,
-    `energy_end`, `work` of the motors, what was `dissipated`, the largest `imbalance` |E − E₀ − work + dissipated|
-    [J], all by the trapezoidal rule, `energy_moved`, max K + max V − min V, to compare it with, and `torque_residual`
-    (nv), its root mean square.
+    `audited` is a table with the columns of the quantity ``audit``, `time` and `episode`; the rows of an
+    episode are in the order of time, and need not lie side by side. Of each episode: `rows`, `duration` [s],
+    `energy_start`, `energy_end`, `work` of the motors, what was `dissipated`, the largest `imbalance` |E − E₀
+    − work + dissipated| [J], all by the trapezoidal rule, `energy_moved`, max K + max V − min V, to compare
+    it with, and `torque_residual` (nv), its root mean square.
 
     >>> import pyarrow as pa
     >>> from robot_dynamics import arrow

@@ -19,9 +19,9 @@ def load(
 ) -> Robot:
     """The robot of a file, of any format that the library reads.
 
-    The library takes suspicious values in a file as written, with a `LoadWarning` that says by how much they are off. There is one
-    warning for each kind, with the number of places and the first of them. Content without a meaning raises a `LoadError`
-    that lists all of it, by line. `robot.report` has every finding.
+    The library takes suspicious values in a file as written, with a `LoadWarning` that says by how much they
+    are off. There is one warning for each kind, with the number of places and the first of them. Content
+    without a meaning raises a `LoadError` that lists all of it, by line. `robot.report` has every finding.
 
     - `floating_base` frees the root link: six more degrees of freedom, seven more numbers in q.
     - `strict` refuses what would be a warning.
@@ -65,7 +65,8 @@ def example(name: str = "panda", *, floating_base: bool = False) -> Robot:
 
 
 def random_robot(seed: int, *, joints: int = 10, floating_base: bool = False) -> Robot:
-    """A robot made up for tests: a tree of joints of all kinds, springs, damping and friction; the same for the same seed.
+    """A robot made up for tests: a tree of joints of all kinds, springs, damping and friction; the same for
+    the same seed.
 
     >>> robot = rd.random_robot(3, joints=5)
     >>> bool(robot.audit()), robot == rd.random_robot(3, joints=5)

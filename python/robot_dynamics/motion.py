@@ -47,7 +47,8 @@ class Occurrence(NamedTuple):
 
 @dataclass(frozen=True)
 class EnergyLedger:
-    """The books of the energy, at the end of a motion [J]: start + work − dissipated = kinetic + potential."""
+    """The books of the energy, at the end of a motion [J]: start + work − dissipated = kinetic +
+    potential."""
 
     start: float
     """E when it began."""
@@ -66,7 +67,8 @@ class EnergyLedger:
     relative_imbalance: float
     """max_imbalance over energy_moved: the relative error of any motion."""
     drift: float
-    """max |E − E₀| over |E₀| (max K where E₀ is 0) of a conservative motion; NaN where motors or damping acted, as E then changes."""
+    """max |E − E₀| over |E₀| (max K where E₀ is 0) of a conservative motion; NaN where motors or damping
+    acted, as E then changes."""
 
 
 class Losses(TypedDict):
@@ -114,7 +116,8 @@ class Motion:
     v: Array = field(repr=False)
     """(samples, nv)"""
     tau: Array = field(repr=False)
-    """(samples, nv): the torques from each sample on, within the effort limits, with those of actuators [N·m or N]"""
+    """(samples, nv): the torques from each sample on, within the effort limits, with those of actuators [N·m
+    or N]"""
     kinetic: Array = field(repr=False)
     """(samples,) [J]"""
     potential: Array = field(repr=False)
@@ -135,8 +138,8 @@ class Motion:
     losses: Losses | None = None
     """What damping, friction, stops, sliding and impacts took, where the integrator tells them apart."""
     contact_forces: Array | None = field(default=None, repr=False)
-    """On ground: its force on each link that can touch it, along the world's axes, the mean of the step before each sample,
-    (samples, links, 3) [N]."""
+    """On ground: its force on each link that can touch it, along the world's axes, the mean of the step
+    before each sample, (samples, links, 3) [N]."""
     contact_links: tuple[str, ...] = field(default=(), repr=False)
     """Their names."""
     statistics: StepStatistics | None = field(default=None, repr=False)
@@ -154,7 +157,8 @@ class Motion:
     steps_at_effort_limits: Array | None = field(default=None, repr=False)
     """(nv,): in how many steps the torque that was asked for was cut off at the effort limit."""
     actuator_forces: Array | None = field(default=None, repr=False)
-    """The force of each actuator before its gear, the mean of the step before each sample, (samples, actuators) [N·m or N]."""
+    """The force of each actuator before its gear, the mean of the step before each sample, (samples,
+    actuators) [N·m or N]."""
     actuator_names: tuple[str, ...] = field(default=(), repr=False)
     """Their names."""
 
@@ -165,9 +169,11 @@ class Motion:
         return total
 
     def plot(self, axes: Any = None) -> Any:
-        """Positions with their limits, velocities, torques and energies over time; needs matplotlib. Returns the axes, one for each.
+        """Positions with their limits, velocities, torques and energies over time; needs matplotlib. Returns
+        the axes, one for each.
 
-        Limits are dotted lines of the colours of their curves, where they are near; `axes` takes four axes to draw into.
+        Limits are dotted lines of the colours of their curves, where they are near; `axes` takes four axes to
+        draw into.
         """
         from robot_dynamics import plots
 
@@ -287,30 +293,37 @@ class Moving(_native.Robot):
         tolerance: float | None = None,
         control_period: float | None = None,
     ) -> Motion:
-        """The motion from q (nq,) and v (nv,), zeros where not given, for `duration` seconds in steps of `step`.
+        """The motion from q (nq,) and v (nv,), zeros where not given, for `duration` seconds in steps of
+        `step`.
 
-        Everything that the robot's file states acts: damping, friction, limits, springs, actuators at their `controls` (0 where not
-        named), equalities, and contact with the world's geometry and between links. `without` switches effects off by name
-        (``dissipation``, ``limits``, ``effort-limits``, ``springs``, ``actuators``, ``equalities``, ``contacts``, ``link-contacts``);
-        `dissipation` and `stops` are the first two of them. `conservative` is the textbook's free motion: no damping, friction, limits,
-        actuators or contact. Effects that the method does not support are left out; `Motion.left_out` lists them.
+        Everything that the robot's file states acts: damping, friction, limits, springs, actuators at their
+        `controls` (0 where not named), equalities, and contact with the world's geometry and between links.
+        `without` switches effects off by name (``dissipation``, ``limits``, ``effort-limits``, ``springs``,
+        ``actuators``, ``equalities``, ``contacts``, ``link-contacts``); `dissipation` and `stops` are the
+        first two of them. `conservative` is the textbook's free motion: no damping, friction, limits,
+        actuators or contact. Effects that the method does not support are left out; `Motion.left_out` lists
+        them.
 
-        `tau` is held over each step, within the joints' effort limits: none, (nv,) for all steps, (steps, nv) for each, or a function of
-        (t, q, v) that gives (nv,). Every `sample_every`-th step is a sample; so are the first and the last.
+        `tau` is held over each step, within the joints' effort limits: none, (nv,) for all steps, (steps, nv)
+        for each, or a function of (t, q, v) that gives (nv,). Every `sample_every`-th step is a sample; so
+        are the first and the last.
 
-        `integrator` is ``rk4`` where everything that acts is smooth and not stiff, and ``implicit`` elsewhere, unless it is given: a row of the
-        library's table (``rk4``, ``variational-midpoint``, ...), ``implicit``, ``mujoco`` or ``adaptive``. ``implicit`` stays
-        stable however stiff joints are, of order 2; joints stick by their friction, limits are stops, and contacts are rigid with
-        Coulomb's friction. ``mujoco`` takes MuJoCo's semi-implicit Euler steps under its law of constraints that yield. ``adaptive``
-        takes steps of order 9, or implicit ones of order 5 where damping is stiff, as long as `tolerance` (1e-9) allows; `step` is the
-        time between samples alone. Damping acts, unless a joint has dry friction: then both are left out. A function of (t, q, v) is
-        asked all along and must be smooth, unless its torques are held for `control_period` [s]; rows of torques are held for a `step`.
+        `integrator` is ``rk4`` where everything that acts is smooth and not stiff, and ``implicit``
+        elsewhere, unless it is given: a row of the library's table (``rk4``, ``variational-midpoint``, ...),
+        ``implicit``, ``mujoco`` or ``adaptive``. ``implicit`` stays stable however stiff joints are, of order
+        2; joints stick by their friction, limits are stops, and contacts are rigid with Coulomb's friction.
+        ``mujoco`` takes MuJoCo's semi-implicit Euler steps under its law of constraints that yield.
+        ``adaptive`` takes steps of order 9, or implicit ones of order 5 where damping is stiff, as long as
+        `tolerance` (1e-9) allows; `step` is the time between samples alone. Damping acts, unless a joint has
+        dry friction: then both are left out. A function of (t, q, v) is asked all along and must be smooth,
+        unless its torques are held for `control_period` [s]; rows of torques are held for a `step`.
 
-        `ground` is a `Ground`, a `HeightField` or ``"file"``, which asks for the planes and height fields of the robot's file and refuses a file
-        without. `constraints` take the place of the file's equalities; `stabilization` [1/s] is Baumgarte's, `correction` says what an
-        explicit row projects after each step.
+        `ground` is a `Ground`, a `HeightField` or ``"file"``, which asks for the planes and height fields of
+        the robot's file and refuses a file without. `constraints` take the place of the file's equalities;
+        `stabilization` [1/s] is Baumgarte's, `correction` says what an explicit row projects after each step.
 
-        A motion that cannot be computed to its end raises `SimulationError`, whose `until` is the motion so far.
+        A motion that cannot be computed to its end raises `SimulationError`, whose `until` is the motion so
+        far.
 
         >>> robot = rd.example("panda")
         >>> hold = lambda t, q, v: robot.gravity(q) - 0.1 * v
@@ -399,11 +412,12 @@ class Moving(_native.Robot):
     ) -> Rollout:
         """Moves states q (..., nq) and v (..., nv) over so many steps, each on its own, by all threads.
 
-        `tau` is (..., nv), held over all steps, or (..., steps, nv), one for each; with one dimension more than the
-        states it is the latter. Every `stride`-th state is kept, none for 0. The effects and the method are as in `simulate`. Explicit
-        methods without actuators and springs (``integrator="rk4"``, ``"semi-implicit-euler"``, ...) move many states at once, float32 in
-        float32; they know no limits and no contact. Others move one state after the other on each thread. The results are the
-        same bits for any number of threads.
+        `tau` is (..., nv), held over all steps, or (..., steps, nv), one for each; with one dimension more
+        than the states it is the latter. Every `stride`-th state is kept, none for 0. The effects and the
+        method are as in `simulate`. Explicit methods without actuators and springs (``integrator="rk4"``,
+        ``"semi-implicit-euler"``, ...) move many states at once, float32 in float32; they know no limits and
+        no contact. Others move one state after the other on each thread. The results are the same bits for
+        any number of threads.
 
         >>> robot = rd.example("panda")
         >>> q = robot.random_configuration(1000, seed=1)
@@ -459,7 +473,8 @@ class Moving(_native.Robot):
         controls: Mapping[str, float] | None = None,
         ground: AnyGround | None = None,
     ) -> tuple[Array, Array]:
-        """q and v of one state after one step, as `simulate` takes it; `rollout` moves many, and a `Simulation` goes on.
+        """q and v of one state after one step, as `simulate` takes it; `rollout` moves many, and a
+        `Simulation` goes on.
 
         >>> robot = rd.example("two_r")
         >>> q, v = robot.step([0.0, 0.0], [1.0, 0.0], step=1e-3)
@@ -494,9 +509,11 @@ class Moving(_native.Robot):
         controls: Mapping[str, float] | None = None,
         ground: AnyGround | None = None,
     ) -> LinearizedStep:
-        """The slopes A and B of one step of one state, as `simulate` takes it: exact ones of an explicit method without actuators and springs.
+        """The slopes A and B of one step of one state, as `simulate` takes it: exact ones of an explicit
+        method without actuators and springs.
 
-        Those of other methods are central differences of steps in which those contacts go on that a step from q and v finds.
+        Those of other methods are central differences of steps in which those contacts go on that a step from
+        q and v finds.
 
         >>> robot = rd.example("two_r")
         >>> A, B = robot.linearize_step([0.0, 0.0], [0.0, 0.0], step=1e-3)

@@ -1,10 +1,12 @@
-"""Quantities of Parquet files of any size: part by part, each kept as soon as it is finished, by any number of workers.
+"""Quantities of Parquet files of any size: part by part, each kept as soon as it is finished, by any number
+of workers.
 
-A part is a row group of the input. Its result is a file of its own in the folder ``OUT.parts``, written under another
-name and then renamed, so that it is there entirely or not at all. It carries the fingerprint of its job: of robot,
-quantities, options, version and input. Who is interrupted, or killed, starts the same job again and it goes on with the
-parts that are missing. What a part contains depends on nothing else, so results are the same bytes for any number of
-workers. When all are there they become one file, or the folder itself is the result.
+A part is a row group of the input. Its result is a file of its own in the folder ``OUT.parts``, written under
+another name and then renamed, so that it is there entirely or not at all. It carries the fingerprint of its
+job: of robot, quantities, options, version and input. Who is interrupted, or killed, starts the same job
+again and it goes on with the parts that are missing. What a part contains depends on nothing else, so results
+are the same bytes for any number of workers. When all are there they become one file, or the folder itself is
+the result.
 """
 
 from __future__ import annotations
@@ -128,8 +130,8 @@ class Job:
     def fingerprint(self) -> str:
         """What the results depend on, as a hash: where this is equal, finished parts are kept.
 
-        Of each file of the input it knows place, size, time of the last change, and the footer with the extremes of the
-        columns; so a file that was only copied or touched is computed again, too.
+        Of each file of the input it knows place, size, time of the last change, and the footer with the
+        extremes of the columns; so a file that was only copied or touched is computed again, too.
         """
         own = self.computation
         options = [own.quantities, own.columns, own.keep, own.dtype, own.bad_states]
@@ -137,7 +139,8 @@ class Job:
         return hashlib.blake2b(json.dumps(known).encode(), digest_size=16).hexdigest()
 
     def for_worker(self) -> Job:
-        """What another process needs to write parts: all but the list of files, of which there may be many."""
+        """What another process needs to write parts: all but the list of files, of which there may be
+        many."""
         lean = Job(self.computation, (), self.output)
         vars(lean)["schema"] = self.schema
         return lean
@@ -166,7 +169,8 @@ class Job:
             return False
 
     def write(self, part: Part, count: Counter | None = None, is_stopped: Callable[[], bool] = lambda: False) -> Part:
-        """Computes a part and keeps its result. A result is there entirely or not at all, whatever happens."""
+        """Computes a part and keeps its result. A result is there entirely or not at all, whatever
+        happens."""
         own, path = self.computation, self.file(part)
         unfinished = path.with_name(f".{path.name}.{uuid.uuid4().hex}")  # workers of other machines write here, too
         read = list(dict.fromkeys([*own.keep, *(column for column, _ in own.sources.values())]))
@@ -244,7 +248,8 @@ Runner: TypeAlias = Callable[[Job, list[Part]], Generator[Part, None, None]]
 
 
 def run(job: Job, runner: Runner, on_start: Callable[[int], None] = lambda _: None) -> None:
-    """Computes what is not yet there of a job, and finishes it. `on_start` is told how many rows were there before."""
+    """Computes what is not yet there of a job, and finishes it. `on_start` is told how many rows were there
+    before."""
     # What is wrong with the input is said before anything is made of it.
     known = {job.file(part).name for part in job.parts if job.schema is not None}
     if job.output.suffix != ".parquet" and job.output.exists() and (job.output.is_file() or any(job.output.iterdir())):
@@ -287,7 +292,8 @@ def _alone(folder: Path) -> Iterator[None]:
 
 
 def by_threads(workers: int, count: Counter | None = None) -> Runner:
-    """A runner with so many threads in this process, as reading, computing and writing do not hold Python's lock."""
+    """A runner with so many threads in this process, as reading, computing and writing do not hold Python's
+    lock."""
 
     def runner(job: Job, parts: list[Part]) -> Generator[Part, None, None]:
         stop = Event()

@@ -37,7 +37,8 @@ class TimedPath:
     saturated: float
     """The share of the grid where some limit is reached."""
     largest_use: float
-    """The largest |τ|/limit or |v|/limit, between the grid's points, too: at most 1.001 or so with `both_ends`."""
+    """The largest |τ|/limit or |v|/limit, between the grid's points, too: at most 1.001 or so with
+    `both_ends`."""
     coordinates: tuple[str, ...] = field(default=(), repr=False)
     """The names of v's coordinates."""
 
@@ -65,14 +66,16 @@ class Planning(_native.Robot):
         both_ends: bool = True,
         samples: int = 501,
     ) -> TimedPath:
-        """The fastest motion on the cubic spline through waypoints (n, nq) within limits of torque, velocity and position.
+        """The fastest motion on the cubic spline through waypoints (n, nq) within limits of torque, velocity
+        and position.
 
-        Limits (nv,) of |τ|, |v| and of q, `lower` and `upper`, are the robot's where not given. a(s) s̈ + b(s) ṡ² + c(s) = τ is kept within
-        them at the ends of each piece of the path, or at the start of each alone (`both_ends=False`). Pieces end at every waypoint, are not
-        longer in s than 1/`intervals`, and are halved where a limit would be passed in between by more than 1e-3 of it.
+        Limits (nv,) of |τ|, |v| and of q, `lower` and `upper`, are the robot's where not given. a(s) s̈ + b(s)
+        ṡ² + c(s) = τ is kept within them at the ends of each piece of the path, or at the start of each alone
+        (`both_ends=False`). Pieces end at every waypoint, are not longer in s than 1/`intervals`, and are
+        halved where a limit would be passed in between by more than 1e-3 of it.
 
-        Raises PlanningError where a waypoint, or the spline between two, is beyond the limits of position, or where a joint cannot hold the
-        robot on the path.
+        Raises PlanningError where a waypoint, or the spline between two, is beyond the limits of position, or
+        where a joint cannot hold the robot on the path.
 
         >>> robot = rd.example("ur5")
         >>> path = robot.time_optimal([[0.0] * 6, [0.5, -0.5, 0.5, 0.0, 0.3, 0.0], [1.0, -1.0, 0.2, 0.0, 0.0, 0.0]])

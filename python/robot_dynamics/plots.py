@@ -12,7 +12,8 @@ if TYPE_CHECKING:
 
 
 LEGENDS = 12
-"""Most names in the legend of a picture; of more curves the first are named, with the number of the others."""
+"""Most names in the legend of a picture; of more curves the first are named, with the number of the
+others."""
 
 
 def _axes(axes: Any, count: int) -> Any:
@@ -42,7 +43,8 @@ def _curves(axis: Any, times: Any, table: Any, names: tuple[str, ...], label: st
 
 
 def _limits(axis: Any, lines: list[Any], limits: Any) -> None:
-    """The position limits of each curve as thin lines of its colour, where they lie within twice the range of the curves."""
+    """The position limits of each curve as thin lines of its colour, where they lie within twice the range of
+    the curves."""
     low, high = axis.get_ylim()
     reach = max(high - low, 1e-9)
     for line, ends in zip(lines, limits, strict=True):

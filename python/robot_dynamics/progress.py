@@ -9,7 +9,8 @@ from typing import TextIO
 
 
 class Progress:
-    """Counts rows, from any thread, and writes a bar, the rate and the time that is left; nothing but to a terminal.
+    """Counts rows, from any thread, and writes a bar, the rate and the time that is left; nothing but to a
+    terminal.
 
     >>> from robot_dynamics.progress import Progress
     >>> print(Progress(2_000_000).line(500_000, 0, 0.05))

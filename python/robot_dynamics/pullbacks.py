@@ -1,4 +1,5 @@
-"""Gradients through time: what a change of a motion's end is worth, as what changes of its start and of its forces are."""
+"""Gradients through time: what a change of a motion's end is worth, as what changes of its start and of its
+forces are."""
 
 from __future__ import annotations
 
@@ -69,20 +70,24 @@ class Pulling(_native.Robot):
         parameters: bool = False,
         threads: int | None = None,
     ) -> RolloutPullback:
-        """The gradient of a loss of `rollout`, from its gradients by where the states come: reverse through time, O(n) a step.
+        """The gradient of a loss of `rollout`, from its gradients by where the states come: reverse through
+        time, O(n) a step.
 
-        q (..., nq), v (..., nv), `tau` (..., nv) held or (..., steps, nv), and what follows `steps`: as given to `rollout`.
-        `by_position` and `by_velocity` (..., nv) are the loss's gradients by the states at the end,
-        `by_position_trajectory` and `by_velocity_trajectory` (..., samples, nv) those by the states after each `stride`
-        steps; what is not given is 0. Those by positions are along displacements q ⊕ δq, see `cotangent_from_coordinates`.
-        The states on the way are computed again from a checkpoint at every `spacing`-th step: 0 for √steps, the least
-        memory, `steps` for keeping all. `parameters` asks for the gradient by `parameters()`, too.
+        q (..., nq), v (..., nv), `tau` (..., nv) held or (..., steps, nv), and what follows `steps`: as given
+        to `rollout`. `by_position` and `by_velocity` (..., nv) are the loss's gradients by the states at the
+        end, `by_position_trajectory` and `by_velocity_trajectory` (..., samples, nv) those by the states
+        after each `stride` steps; what is not given is 0. Those by positions are along displacements q ⊕ δq,
+        see `cotangent_from_coordinates`. The states on the way are computed again from a checkpoint at every
+        `spacing`-th step: 0 for √steps, the least memory, `steps` for keeping all. `parameters` asks for the
+        gradient by `parameters()`, too.
 
-        The motion is that of `rollout` with the same arguments. The effects of the file act, as everywhere. Two things differ as they have
-        no gradients here, in `step_pullback` and in `robot_dynamics.jax` and `robot_dynamics.torch`: `integrator` is an explicit
-        method, ``"rk4"`` unless given, and so position limits and contact are left out (``rd.Simulation(robot, integrator="rk4").left_out``
-        lists them); actuators, equalities and the springs of tendons and ball joints are refused by name, unless `without` leaves them out.
-        Damping acts, friction's sign is held, and torques beyond the effort limits have the gradient 0.
+        The motion is that of `rollout` with the same arguments. The effects of the file act, as everywhere.
+        Two things differ as they have no gradients here, in `step_pullback` and in `robot_dynamics.jax` and
+        `robot_dynamics.torch`: `integrator` is an explicit method, ``"rk4"`` unless given, and so position
+        limits and contact are left out (``rd.Simulation(robot, integrator="rk4").left_out`` lists them);
+        actuators, equalities and the springs of tendons and ball joints are refused by name, unless `without`
+        leaves them out. Damping acts, friction's sign is held, and torques beyond the effort limits have the
+        gradient 0.
 
         One state is computed in float64; SingularMassError where its M is singular.
 
@@ -157,10 +162,11 @@ class Pulling(_native.Robot):
         parameters: bool = False,
         threads: int | None = None,
     ) -> RolloutPullback:
-        """The gradient of a loss of one `step`, from its gradients by q and v after it: Aᵀ and Bᵀ of `linearize_step`
-        times these, without the matrices, of one state or of many.
+        """The gradient of a loss of one `step`, from its gradients by q and v after it: Aᵀ and Bᵀ of
+        `linearize_step` times these, without the matrices, of one state or of many.
 
-        q (..., nq), v (..., nv), tau (..., nv), `by_position` and `by_velocity` (..., nv); see `rollout_pullback`.
+        q (..., nq), v (..., nv), tau (..., nv), `by_position` and `by_velocity` (..., nv); see
+        `rollout_pullback`.
 
         >>> robot = rd.example("two_r")
         >>> q, v, tau = [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]

@@ -17,11 +17,12 @@ from robot_dynamics.results import BY_ALGORITHM
 from robot_dynamics.robot import Robot
 
 AUDIT = ("kinetic_energy", "potential_energy", "power", "dissipated_power", "torque_residual")
-"""The audit of recorded motion q, v, a, tau, row by row: K and V [J], the power vᵀτ of the motors [W], the power vᵀb
-that damping and friction take, and the residual τ − M a − C v − g [N·m or N], which is 0 where robot and record agree.
+"""The audit of recorded motion q, v, a, tau, row by row: K and V [J], the power vᵀτ of the motors [W], the
+power vᵀb that damping and friction take, and the residual τ − M a − C v − g [N·m or N], which is 0 where
+robot and record agree.
 
-Dissipation counts with ``audit:dissipation`` alone: then the residual is τ − M a − C v − g − b. By `arrow.ledger` the
-energy of whole episodes is booked from these."""
+Dissipation counts with ``audit:dissipation`` alone: then the residual is τ − M a − C v − g − b. By
+`arrow.ledger` the energy of whole episodes is booked from these."""
 
 
 @dataclass(frozen=True)
@@ -150,7 +151,8 @@ class _Audit:
 
 
 def _dot(x: NDArray[Any], y: NDArray[Any]) -> NDArray[Any]:
-    """xᵀy of each row, added up in the order of the coordinates: the same bits however many rows there are."""
+    """xᵀy of each row, added up in the order of the coordinates: the same bits however many rows there
+    are."""
     total = np.zeros(np.broadcast_shapes(x.shape, y.shape)[:-1], x.dtype)
     for k in range(x.shape[-1]):
         total += x[..., k] * y[..., k]

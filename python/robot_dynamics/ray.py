@@ -1,9 +1,10 @@
 """Ray: a robot's quantities, rollouts and control by sampling, on all machines of a cluster.
 
-Needs Ray (``pip install robot-dynamics[ray]``), which starts, feeds and restarts the workers. Each is a process of one
-thread that keeps the robot; it was sent once. What is computed depends on the states alone, so results have the same
-bits for any number of workers, on processors with the same instructions. A worker that dies is started again and its
-work done once more, by others where there is no machine for it: nothing is lost.
+Needs Ray (``pip install robot-dynamics[ray]``), which starts, feeds and restarts the workers. Each is a
+process of one thread that keeps the robot; it was sent once. What is computed depends on the states alone, so
+results have the same bits for any number of workers, on processors with the same instructions. A worker that
+dies is started again and its work done once more, by others where there is no machine for it: nothing is
+lost.
 
     import ray
     from robot_dynamics.ray import Workers, compute
@@ -53,7 +54,8 @@ _PATIENCE = 10.0
 
 
 class Compute:
-    """What `compute` maps over the batches of a data set: a `Computation` by one thread, of which Ray keeps copies.
+    """What `compute` maps over the batches of a data set: a `Computation` by one thread, of which Ray keeps
+    copies.
 
     For pipelines of your own: ``dataset.map_batches(Compute, fn_constructor_args=[computation],
     batch_format="pyarrow", ...)``.
@@ -69,10 +71,12 @@ class Compute:
 
 
 def compute(dataset: Any, robot: Robot, *quantities: str, workers: int | None = None, **options: Any) -> Any:
-    """Quantities of the rows of a `ray.data.Dataset`, as one; `options` as in `robot_dynamics.arrow.Computation`.
+    """Quantities of the rows of a `ray.data.Dataset`, as one; `options` as in
+    `robot_dynamics.arrow.Computation`.
 
-    Lazy, as pipelines of Ray are. By `workers` processes, as many as there are cores where not given. The order of the
-    rows is Ray's; `keep` a column that tells them apart, or set `preserve_order` in Ray's execution options.
+    Lazy, as pipelines of Ray are. By `workers` processes, as many as there are cores where not given. The
+    order of the rows is Ray's; `keep` a column that tells them apart, or set `preserve_order` in Ray's
+    execution options.
     """
     computation = Computation(robot, quantities, **{"threads": 1, **options})
     pool = (
@@ -94,7 +98,8 @@ def compute(dataset: Any, robot: Robot, *quantities: str, workers: int | None = 
 class Workers:
     """Processes of a cluster that keep a robot, for rollouts and for functions of your own.
 
-    As many as there are cores where `workers` is not given. A worker that dies is started again, its work done again.
+    As many as there are cores where `workers` is not given. A worker that dies is started again, its work
+    done again.
     """
 
     def __init__(self, robot: Robot, workers: int | None = None) -> None:
@@ -123,7 +128,8 @@ class Workers:
     def rollout(
         self, q: Numbers, v: Numbers | None = None, tau: Numbers | None = None, *, group: int = 4096, **options: Any
     ) -> Rollout:
-        """`Robot.rollout` of many states q (n, nq), v (n, nv), by all workers, a `group` at a time: the same bits.
+        """`Robot.rollout` of many states q (n, nq), v (n, nv), by all workers, a `group` at a time: the same
+        bits.
 
         tau is (nv,) or (n, nv), held over all steps, or (n, steps, nv), one for each; `options` as there.
         """
@@ -183,7 +189,8 @@ class _PartWorker:
 
 
 def by_actors(workers: int | None, address: str, count: Counter | None = None) -> Runner:
-    """A runner for `robot_dynamics.parquet.run` on the Ray cluster at an address; ``local`` starts one on this machine.
+    """A runner for `robot_dynamics.parquet.run` on the Ray cluster at an address; ``local`` starts one on
+    this machine.
 
     The files have to be where every machine of the cluster finds them, under the same path.
     """
@@ -220,10 +227,11 @@ def _started(kind: type, kept: Any, count: int) -> list[Any]:
 
 
 def _served(workers: Sequence[Any], calls: Iterable[tuple[str, tuple[Any, ...]]]) -> Iterator[tuple[int, Any]]:
-    """Calls methods of the workers, and gives number and result of each call as it is done; two wait at each worker.
+    """Calls methods of the workers, and gives number and result of each call as it is done; two wait at each
+    worker.
 
-    A worker whose machine is gone, or that never found one, answers when there is another. Meanwhile what it was given
-    is given to others that have nothing to do: whoever is first counts, the results are the same.
+    A worker whose machine is gone, or that never found one, answers when there is another. Meanwhile what it
+    was given is given to others that have nothing to do: whoever is first counts, the results are the same.
     """
     every = list(calls)
     waiting, left = deque(range(len(every))), dict.fromkeys(range(len(every)))

@@ -47,10 +47,12 @@ class LoadReport:
     text: str = field(repr=False, compare=False)
     """The same in words."""
     files: tuple[str, ...] = field(default=(), repr=False, compare=False)
-    """The files that the robot comes from: its own, included ones, attached models, meshes, height fields. None is written over."""
+    """The files that the robot comes from: its own, included ones, attached models, meshes, height fields.
+    None is written over."""
 
     grouped_warnings: tuple[str, ...] = field(default=(), repr=False, compare=False)
-    """The warnings in words, those of one kind in one text, with their number and the first places; a `LoadWarning` each."""
+    """The warnings in words, those of one kind in one text, with their number and the first places; a
+    `LoadWarning` each."""
     _left_out: Callable[[], Sequence[str]] | None = field(default=None, repr=False, compare=False)
     _sensors: tuple[tuple[str, str], ...] = field(default=(), repr=False, compare=False)
 
@@ -65,7 +67,8 @@ class LoadReport:
 
     @cached_property
     def left_out(self) -> tuple[str, ...]:
-        """The features that the file states and the default simulation leaves out, one line for each reason. This sets up a simulation.
+        """The features that the file states and the default simulation leaves out, one line for each reason.
+        This sets up a simulation.
 
         >>> rd.example("quadruped").report.left_out
         ()

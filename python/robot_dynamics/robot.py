@@ -91,12 +91,12 @@ class CoordinateLimits:
 class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Identifying, Checking, Written):
     """A robot: immutable, to be used by any number of threads at once.
 
-    `load` makes one of a file. Robots are equal where every name and every digit of their descriptions is; they can be
-    pickled and copied.
+    `load` makes one of a file. Robots are equal where every name and every digit of their descriptions is;
+    they can be pickled and copied.
 
-    Every method that computes takes states with any leading dimensions, q (..., nq) and v (..., nv), and gives results
-    with the same. `out=` takes an array to write into, or a tuple of them, `threads=` the number of threads for a
-    batch: the results are the same bits for any.
+    Every method that computes takes states with any leading dimensions, q (..., nq) and v (..., nv), and
+    gives results with the same. `out=` takes an array to write into, or a tuple of them, `threads=` the
+    number of threads for a batch: the results are the same bits for any.
 
     >>> robot = rd.example("two_r")
     >>> robot
@@ -160,10 +160,11 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
 
     @cached_property
     def actuated_dofs(self) -> NDArray[np.bool_]:
-        """The degrees of freedom that motors drive (nv,): all but those of floating joints, unless set by `with_actuated_joints`.
+        """The degrees of freedom that motors drive (nv,): all but those of floating joints, unless set by
+        `with_actuated_joints`.
 
-        `GravityCompensatedPd`, `ComputedTorque` and `TaskControl` give no torque to the others, and inverse dynamics under constraints or on
-        supports leaves them free.
+        `GravityCompensatedPd`, `ComputedTorque` and `TaskControl` give no torque to the others, and inverse
+        dynamics under constraints or on supports leaves them free.
 
         >>> rd.example("quadruped", floating_base=True).actuated_dofs[:8]
         array([False, False, False, False, False, False,  True,  True])
@@ -215,7 +216,8 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
     def with_payload(
         self, link: str, mass: float, center_of_mass: Numbers = (0.0, 0.0, 0.0), inertia: Numbers | None = None
     ) -> Robot:
-        """The robot with a body on a link: mass [kg], centre of mass [m] in the link's frame, inertia about it [kg·m²].
+        """The robot with a body on a link: mass [kg], centre of mass [m] in the link's frame, inertia about
+        it [kg·m²].
 
         >>> robot = rd.example("panda")
         >>> loaded = robot.with_payload("panda_link8", 2.0, [0.0, 0.0, 0.1])
@@ -236,11 +238,12 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         return self._edited(self._with_actuated_joints(list(joints)))
 
     def with_sensors(self, sensors: Mapping[str, tuple[str | None, ...]]) -> Robot:
-        """The robot with more sensors, by name: the kind and what it is on, and for relative values a reference frame.
+        """The robot with more sensors, by name: the kind and what it is on, and for relative values a
+        reference frame.
 
-        Kinds have MJCF's names. Most are on a frame or link; `jointpos`, `tendonpos`, `actuatorfrc` and similar kinds on
-        a joint, tendon or actuator; `subtreecom` and similar kinds on a link; `clock`, `e_kinetic` and `e_potential` on
-        nothing.
+        Kinds have MJCF's names. Most are on a frame or link; `jointpos`, `tendonpos`, `actuatorfrc` and
+        similar kinds on a joint, tendon or actuator; `subtreecom` and similar kinds on a link; `clock`,
+        `e_kinetic` and `e_potential` on nothing.
 
         >>> robot = rd.example("two_r").with_sensors({"encoder": ("jointpos", "shoulder"), "time": ("clock",)})
         >>> robot.sensor_values([0.3, 1.2], [0.0, 0.0], [0.0, 0.0], time=2.0)["encoder"]
@@ -258,11 +261,13 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         return self._edited(self._with_gravity_scaled(factor))
 
     def with_parameters(self, parameters: Numbers, *, as_written: bool = False) -> Robot:
-        """The robot with other `parameters()`: inertias, passive forces of the joints, gravity; geometry and limits stay.
+        """The robot with other `parameters()`: inertias, passive forces of the joints, gravity; geometry and
+        limits stay.
 
-        What is fixed to a moving link counts with the link, so that the links fixed to it have no mass in the result.
-        Raises DescriptionError where a number cannot be, a negative mass for one, and where a link's parameters are changed
-        to what `physical_consistency` rejects. `as_written` takes these, as `load` does from a file.
+        What is fixed to a moving link counts with the link, so that the links fixed to it have no mass in the
+        result. Raises DescriptionError where a number cannot be, a negative mass for one, and where a link's
+        parameters are changed to what `physical_consistency` rejects. `as_written` takes these, as `load`
+        does from a file.
 
         >>> robot = rd.example("two_r")
         >>> values = robot.parameters()
@@ -292,10 +297,11 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         return normal
 
     def show(self, trajectory: Any = None, *, step: float | None = None, open_browser: bool = True) -> Any:
-        """Opens a viewer (meshcat, ``pip install robot-dynamics[view]``) with the robot's visual shapes and meshes.
+        """Opens a viewer (meshcat, ``pip install robot-dynamics[view]``) with the robot's visual shapes and
+        meshes.
 
-        Links without visual shapes show their collision shapes. Boxes of the same inertia stand for links whose meshes cannot be
-        drawn, and for a robot whose file has no shapes.
+        Links without visual shapes show their collision shapes. Boxes of the same inertia stand for links
+        whose meshes cannot be drawn, and for a robot whose file has no shapes.
 
         `trajectory` is a `Motion`, a `TimedPath`, configurations (n, nq) every `step` seconds, or one (nq,).
         Returns the viewer.
@@ -324,7 +330,8 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
 
 
 def _name_methods_after(cls: type) -> None:
-    """Gives the methods of a class's bases its name, so that error messages, `help` and pickles show the public class."""
+    """Gives the methods of a class's bases its name, so that error messages, `help` and pickles show the
+    public class."""
     for base in cls.__mro__[1:]:
         for member in vars(base).values():
             inner = (getattr(member, name, None) for name in ("__func__", "fget", "func"))

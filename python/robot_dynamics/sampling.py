@@ -22,19 +22,23 @@ Map: TypeAlias = Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], list[
 class Mppi:
     """Torques that bring a robot where a cost is small, by weighing random ones (MPPI).
 
-    Around planned torques u (horizon, nv) so many `samples` are drawn, uₖ = u + εₖ with the standard deviations `noise`
-    (nv,), cut off at `limits` (nv,), those of the robot where not given; each is rolled out from the robot's state, and
-    u becomes Σ wₖ uₖ / Σ wₖ with wₖ = exp(−(cost − least cost) / `temperature`).
+    Around planned torques u (horizon, nv) so many `samples` are drawn, uₖ = u + εₖ with the standard
+    deviations `noise` (nv,), cut off at `limits` (nv,), those of the robot where not given; each is rolled
+    out from the robot's state, and u becomes Σ wₖ uₖ / Σ wₖ with wₖ = exp(−(cost − least cost) /
+    `temperature`).
 
-    `cost` is a function of q (n, horizon, nq), v and tau (n, horizon, nv), the states being those after each step; a
-    motion whose cost is not finite weighs nothing. Samples are drawn, rolled out and added up in groups of `group`,
-    each with random numbers of its own: the plan has the same bits whoever computes a group. `run` computes them, all
-    cores of this process where it is not given; `robot_dynamics.ray.Workers.map` is a cluster.
+    `cost` is a function of q (n, horizon, nq), v and tau (n, horizon, nv), the states being those after each
+    step; a motion whose cost is not finite weighs nothing. Samples are drawn, rolled out and added up in
+    groups of `group`, each with random numbers of its own: the plan has the same bits whoever computes a
+    group. `run` computes them, all cores of this process where it is not given;
+    `robot_dynamics.ray.Workers.map` is a cluster.
 
     The effects and the method are as in `Robot.rollout`. Where everything that matters is smooth,
-    ``integrator="semi-implicit-euler"`` is the quickest: it moves many samples at once, without position limits and contact.
+    ``integrator="semi-implicit-euler"`` is the quickest: it moves many samples at once, without position
+    limits and contact.
 
-    Williams, Aldrich, Theodorou, *Model Predictive Path Integral Control*, 2017, without its price on the noise.
+    Williams, Aldrich, Theodorou, *Model Predictive Path Integral Control*, 2017, without its price on the
+    noise.
 
     >>> from robot_dynamics.sampling import Mppi
     >>> robot = rd.example("two_r")
@@ -86,7 +90,8 @@ class Mppi:
         self._run = self._here if run is None else run
 
     def plan(self, q: Numbers, v: Numbers) -> Array:
-        """Improves the plan for a robot at q (nq,), v (nv,) by one round of samples; gives it, (horizon, nv)."""
+        """Improves the plan for a robot at q (nq,), v (nv,) by one round of samples; gives it, (horizon,
+        nv)."""
         start = (np.asarray(q, np.float64), np.asarray(v, np.float64), self.torques)
         groups = [(*start, (self._seed, self._round, k), size) for k, size in enumerate(self._sizes)]
         results = self._run(self._sampled, groups)
@@ -106,7 +111,8 @@ class Mppi:
         return self.torques.copy()
 
     def act(self, q: Numbers, v: Numbers) -> Array:
-        """The torques (nv,) for the next step: plans, and shifts the plan by a step, whose last torques stay."""
+        """The torques (nv,) for the next step: plans, and shifts the plan by a step, whose last torques
+        stay."""
         first: Array = self.plan(q, v)[0]
         self.torques = np.concatenate([self.torques[1:], self.torques[-1:]])
         return first

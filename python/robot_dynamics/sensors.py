@@ -65,11 +65,13 @@ class Sensing(Pushed):
         tendon_limit_forces: Numbers | None = None,
         wrenches: Iterable[PointForce] = (),
     ) -> dict[str, NDArray[np.float64]]:
-        """The values of all sensors in a state, by name: q (nq,), v (nv,), and the acceleration a (nv,) that all forces give.
+        """The values of all sensors in a state, by name: q (nq,), v (nv,), and the acceleration a (nv,) that
+        all forces give.
 
-        `actuator_forces` has the force of each actuator before its gear [N·m or N], `joint_limit_forces` (nv,) and `tendon_limit_forces`
-        what position limits give; without them these are zero. `wrenches` has all that acts on links from outside: contacts, pushes.
-        Accelerometers show p̈ − g; force and torque sensors what the link receives from its parent. Noise is not added.
+        `actuator_forces` has the force of each actuator before its gear [N·m or N], `joint_limit_forces`
+        (nv,) and `tendon_limit_forces` what position limits give; without them these are zero. `wrenches` has
+        all that acts on links from outside: contacts, pushes. Accelerometers show p̈ − g; force and torque
+        sensors what the link receives from its parent. Noise is not added.
 
         >>> robot = rd.example("two_r").with_sensors({"imu": ("accelerometer", "tip"), "load": ("force", "tip")})
         >>> q, v = [np.pi / 2, 0.0], [0.0, 0.0]  # upright
@@ -103,12 +105,13 @@ class Sensing(Pushed):
         out: NDArray[Any] | None = None,
         threads: int | None = None,
     ) -> NDArray[Any]:
-        """The force and moment that each joint transmits from its parent link to its child, fixed joints included.
+        """The force and moment that each joint transmits from its parent link to its child, fixed joints
+        included.
 
-        q (..., nq), v (..., nv), a (..., nv) → (..., joints, 6) in the order of `joints`: force [N] then moment [N·m]
-        about the origin of the child's frame, along its axes, as a force-torque sensor in the joint reads them. They
-        act on the child. `wrenches` has for each frame (..., 6) what acts from outside, as in
-        `inverse_dynamics_with_wrenches`.
+        q (..., nq), v (..., nv), a (..., nv) → (..., joints, 6) in the order of `joints`: force [N] then
+        moment [N·m] about the origin of the child's frame, along its axes, as a force-torque sensor in the
+        joint reads them. They act on the child. `wrenches` has for each frame (..., 6) what acts from
+        outside, as in `inverse_dynamics_with_wrenches`.
 
         >>> robot, rest = rd.example("two_r"), [0.0, 0.0]
         >>> force = robot.joint_reactions(rest, rest, rest)[0, :3]  # of the first joint: it carries all that moves

@@ -53,9 +53,10 @@ class ContactPoint(NamedTuple):
 class Simulation(_native.Simulation):
     """A robot in time, step by step.
 
-    Everything that the robot's file states acts, as in `Robot.simulate`; `without` and `conservative` switch it off, `integrator` is chosen
-    unless it is given. Inputs (`torques`, `controls`, wrenches) are held until they are set again. Stepped from outside it
-    gives the bits of one run; ``integrator="adaptive"`` gives the same to its tolerance.
+    Everything that the robot's file states acts, as in `Robot.simulate`; `without` and `conservative` switch
+    it off, `integrator` is chosen unless it is given. Inputs (`torques`, `controls`, wrenches) are held until
+    they are set again. Stepped from outside it gives the bits of one run; ``integrator="adaptive"`` gives the
+    same to its tolerance.
 
     >>> robot = rd.example("panda")
     >>> sim = rd.Simulation(robot, without=["limits"])
@@ -85,10 +86,12 @@ class Simulation(_native.Simulation):
         ignore_contacts: Sequence[tuple[str, str]] | str | PathLike[str] = (),
         only_contacts: Sequence[tuple[str, str]] | None = None,
     ) -> Self:
-        """The simulation of a robot at rest in the configuration in which its file places it (`qpos0` of MJCF, else neutral).
+        """The simulation of a robot at rest in the configuration in which its file places it (`qpos0` of
+        MJCF, else neutral).
 
-        Links of the pairs in `ignore_contacts` never touch; it may be an SRDF file, whose ``<disable_collisions>`` are taken. With `only_contacts`
-        these pairs of links alone may touch, beside grounds. `tolerance` (1e-9) is that of ``integrator="adaptive"``.
+        Links of the pairs in `ignore_contacts` never touch; it may be an SRDF file, whose
+        ``<disable_collisions>`` are taken. With `only_contacts` these pairs of links alone may touch, beside
+        grounds. `tolerance` (1e-9) is that of ``integrator="adaptive"``.
 
         >>> arm = rd.example("panda")
         >>> sim = rd.Simulation(arm, ignore_contacts=[("panda_link1", "panda_link3")])
@@ -121,7 +124,8 @@ class Simulation(_native.Simulation):
         pose: str | None = None,
         controls: Mapping[str, float] | Numbers | None = None,
     ) -> None:
-        """Starts anew at time 0 from q and v, as the file places the robot and at rest where not given, or from a `pose` of the file with its velocity and controls.
+        """Starts anew at time 0 from q and v, as the file places the robot and at rest where not given, or
+        from a `pose` of the file with its velocity and controls.
 
         Torques, controls and wrenches are zero afterwards, but for those given.
         """
@@ -140,8 +144,8 @@ class Simulation(_native.Simulation):
     ) -> None:
         """Adds a force [N] and a moment [N·m] on the link that carries a frame, held until `clear_wrenches`.
 
-        `axes` says along which axes and about which point: the frame's own at its origin, the world's at the world's origin, or, by
-        default, the world's axes at the frame's origin.
+        `axes` says along which axes and about which point: the frame's own at its origin, the world's at the
+        world's origin, or, by default, the world's axes at the frame's origin.
         """
         self._apply_wrench(frame, tuple(map(float, force)), tuple(map(float, moment)), axes)
 
@@ -166,10 +170,12 @@ class Simulation(_native.Simulation):
 class SimulationBatch(_native.SimulationBatch):
     """Many simulations of one robot, stepped together by all threads.
 
-    Each has its own state, inputs and contacts and is set up once, so that a call of one step costs no more than a step of a long run. The results are
-    those of `Simulation`, to the bit. Arguments are those of `Simulation`, and how many there are. `torques` and `controls` are held until they are
-    set again: one row for each simulation, or one for all. `where` says which simulations are meant: their numbers, or a truth value for each. A
-    simulation that fails stays where it was, the others go on, and the error afterwards has the messages of all that failed (`BadSimulationsError`).
+    Each has its own state, inputs and contacts and is set up once, so that a call of one step costs no more
+    than a step of a long run. The results are those of `Simulation`, to the bit. Arguments are those of
+    `Simulation`, and how many there are. `torques` and `controls` are held until they are set again: one row
+    for each simulation, or one for all. `where` says which simulations are meant: their numbers, or a truth
+    value for each. A simulation that fails stays where it was, the others go on, and the error afterwards has
+    the messages of all that failed (`BadSimulationsError`).
 
     >>> dog = rd.example("quadruped", floating_base=True)
     >>> batch = rd.SimulationBatch(dog, 8, ground=rd.Ground())
@@ -229,14 +235,17 @@ class SimulationBatch(_native.SimulationBatch):
         self._step(count, None if where is None else self._numbers(where))
 
     def reset(self, q: Numbers | None = None, v: Numbers | None = None, *, where: Where | None = None) -> None:
-        """Starts anew at time 0 from q and v, as the file places the robot and at rest where not given, all simulations or those of `where`.
+        """Starts anew at time 0 from q and v, as the file places the robot and at rest where not given, all
+        simulations or those of `where`.
 
-        q is (count, nq), or (nq,) for all of them; v as well. Torques, controls and wrenches of these are zero afterwards.
+        q is (count, nq), or (nq,) for all of them; v as well. Torques, controls and wrenches of these are
+        zero afterwards.
         """
         self._reset(q, v, None if where is None else self._numbers(where))
 
     def set_state(self, q: Numbers, v: Numbers, *, where: Where | None = None) -> None:
-        """Goes on from q and v, rows as of `reset`, at the same times with the same inputs: all simulations, or those of `where`.
+        """Goes on from q and v, rows as of `reset`, at the same times with the same inputs: all simulations,
+        or those of `where`.
 
         The energy accounts begin anew.
 

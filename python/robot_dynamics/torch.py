@@ -1,11 +1,11 @@
 """PyTorch: the dynamics as differentiable functions of tensors.
 
-Tensors are on the CPU, float64 or float32, and may have any leading dimensions, which broadcast as everywhere in this
-package. Gradients are vector-Jacobian products in O(n), without a Jacobian or M; `torch.func.vmap` and `torch.func.grad`
-work. A gradient by q is by its nq numbers; of a quaternion it is that of a function that depends on its direction alone,
-so an optimiser's step has to be normalised (`Robot.normalize`). Second derivatives are refused. Results of an invalid state
-(not finite, a quaternion not of unit length, a singular M) are NaN, and those of the other states are right; so it is for
-parameters that are not finite.
+Tensors are on the CPU, float64 or float32, and may have any leading dimensions, which broadcast as everywhere
+in this package. Gradients are vector-Jacobian products in O(n), without a Jacobian or M; `torch.func.vmap`
+and `torch.func.grad` work. A gradient by q is by its nq numbers; of a quaternion it is that of a function
+that depends on its direction alone, so an optimiser's step has to be normalised (`Robot.normalize`). Second
+derivatives are refused. Results of an invalid state (not finite, a quaternion not of unit length, a singular
+M) are NaN, and those of the other states are right; so it is for parameters that are not finite.
 
     import torch
     import robot_dynamics as rd
@@ -17,8 +17,9 @@ parameters that are not finite.
     effort = inverse_dynamics(robot, q, rest, rest).square().sum()
     effort.backward()                       # q.grad (1000, 7): where to bend to hold less
 
-`step` and `rollout` move states, with gradients by the start and by the torques. All four take `parameters`, with gradients:
-`Robot.parameters()`, the robot's inertias, armatures, damping, friction, springs and gravity. Friction's sign is held.
+`step` and `rollout` move states, with gradients by the start and by the torques. All four take `parameters`,
+with gradients: `Robot.parameters()`, the robot's inertias, armatures, damping, friction, springs and gravity.
+Friction's sign is held.
 """
 
 from __future__ import annotations
@@ -48,8 +49,8 @@ def inverse_dynamics(
 ) -> torch.Tensor:
     """τ = M(q) a + C(q, v) v + g(q), (..., nv) [N·m or N], differentiable by q, v, a and parameters.
 
-    q (..., nq), v (..., nv), a (..., nv). `parameters` (n,) are those of the robot that is computed, as `Robot.parameters()`
-    lists them: `robot` gives the geometry.
+    q (..., nq), v (..., nv), a (..., nv). `parameters` (n,) are those of the robot that is computed, as
+    `Robot.parameters()` lists them: `robot` gives the geometry.
     """
     forces: torch.Tensor = _functions()[0].apply(robot, q, v, a, parameters)
     return forces
@@ -101,10 +102,10 @@ def rollout(
 ) -> Rollout:
     """`Robot.rollout` of tensors, differentiable by q, v, tau and parameters.
 
-    q (..., nq), v (..., nv) or none for 0, tau (..., nv) held over all steps or (..., steps, nv), with one dimension more
-    than the states. `parameters` (n,) are those of the robot to move, as `Robot.parameters()` lists them: `robot` gives the
-    geometry. The way back computes the states again from √steps checkpoints, in O(n) a step. Effects act as in
-    `Robot.rollout_pullback`; those without gradients are left out or refused.
+    q (..., nq), v (..., nv) or none for 0, tau (..., nv) held over all steps or (..., steps, nv), with one
+    dimension more than the states. `parameters` (n,) are those of the robot to move, as `Robot.parameters()`
+    lists them: `robot` gives the geometry. The way back computes the states again from √steps checkpoints, in
+    O(n) a step. Effects act as in `Robot.rollout_pullback`; those without gradients are left out or refused.
     """
     _check_torch()
     import torch
@@ -139,7 +140,8 @@ def step(
     dissipation: bool = True,
     parameters: torch.Tensor | None = None,
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """q and v after one step of `step` seconds, differentiable by q, v, tau and parameters; as `rollout` of one step.
+    """q and v after one step of `step` seconds, differentiable by q, v, tau and parameters; as `rollout` of
+    one step.
 
     q (..., nq), v (..., nv), tau (..., nv).
     """
@@ -182,7 +184,8 @@ Arrays: TypeAlias = tuple[Any, ...]
 
 
 def _computed(robot: Robot, name: str, own: Any, /, *given: Any, **options: Any) -> Arrays:
-    """The results of a method of the robot, or of one with `own` parameters; NaN in the rows of invalid states."""
+    """The results of a method of the robot, or of one with `own` parameters; NaN in the rows of invalid
+    states."""
     if own is not None and not np.isfinite(_array(own)).all():
         return tuple(x if x is None else np.full_like(x, np.nan) for x in _computed(robot, name, None, *given, **options))
     method = getattr(_of(robot, own), name)
@@ -220,7 +223,8 @@ def _motions() -> tuple[Any, Any]:
 
 
     class Pullback(torch.autograd.Function):
-        """Gradients by the start, the torques and the parameters, those of each state; empty for what is not there."""
+        """Gradients by the start, the torques and the parameters, those of each state; empty for what is not
+        there."""
 
         @staticmethod
         def forward(
@@ -388,7 +392,8 @@ def _array(tensor: Any) -> np.ndarray[Any, Any]:
 
 
 def _aligned(state: Any, dims: Any, size: int) -> list[tuple[Any, tuple[int, ...]]]:
-    """Each tensor with the mapped axis first and as many others as the rest have, and its shape without these."""
+    """Each tensor with the mapped axis first and as many others as the rest have, and its shape without
+    these."""
     moved = [
         tensor.unsqueeze(0).expand(size, *tensor.shape) if axis is None else tensor.movedim(axis, 0)
         for tensor, axis in zip(state, dims, strict=True)

@@ -67,9 +67,9 @@ def show(robot: Robot, trajectory: Any, *, step: float | None, open_browser: boo
 def drawn(robot: Robot) -> list[Drawn]:
     """The drawn shapes: the visual shapes of each link, or its collision shapes where it has none.
 
-    The box of a link's inertia is drawn for a link with nothing but meshes that cannot be drawn, and for all links of a robot
-    without shapes. A mesh cannot be drawn if its file was not found or has a format that meshcat does not read; a warning
-    names it.
+    The box of a link's inertia is drawn for a link with nothing but meshes that cannot be drawn, and for all
+    links of a robot without shapes. A mesh cannot be drawn if its file was not found or has a format that
+    meshcat does not read; a warning names it.
     """
     description = robot.describe()
     of_links: dict[str, dict[str, list[Drawn]]] = {}
@@ -154,7 +154,8 @@ def _material(thing: Drawn) -> Any:
 
 
 def _look(viewer: Any, robot: Robot, things: list[Drawn], configurations: NDArray[np.float64]) -> None:
-    """Moves the camera, which looks at the world's origin, as near as shows all links in the first and the last configuration."""
+    """Moves the camera, which looks at the world's origin, as near as shows all links in the first and the
+    last configuration."""
     links = sorted({thing.link for thing in things})
     if not links:
         return
@@ -178,10 +179,11 @@ def _turned_about_x(angle: float) -> NDArray[np.float64]:
 
 
 def boxes(robot: Robot) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """For each link with inertia the homogeneous box of the same mass and moments: link_from_box (4, 4), edges (3,) [m].
+    """For each link with inertia the homogeneous box of the same mass and moments: link_from_box (4, 4),
+    edges (3,) [m].
 
-    m (b² + c²)/12 = I₁ and its like, solved for the edges; of moments that no body has, the edge is as short as a
-    picture needs.
+    m (b² + c²)/12 = I₁ and its like, solved for the edges; of moments that no body has, the edge is as short
+    as a picture needs.
     """
     found = {}
     for link in robot.describe()["links"]:

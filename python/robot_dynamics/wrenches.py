@@ -36,8 +36,8 @@ class Pushed(_native.Robot):
     ) -> NDArray[Any]:
         """τ = M a + C v + g − Σ Jᵀ f: what the joints give when wrenches from outside act on frames.
 
-        q (..., nq), v (..., nv), a (..., nv) → (..., nv). `wrenches` has for each frame (..., 6), force [N] then moment
-        [N·m] at the frame's origin along its axes.
+        q (..., nq), v (..., nv), a (..., nv) → (..., nv). `wrenches` has for each frame (..., 6), force [N]
+        then moment [N·m] at the frame's origin along its axes.
 
         >>> robot, rest = rd.example("two_r"), [0.0, 0.0]
         >>> held = robot.inverse_dynamics_with_wrenches(rest, rest, rest, {"tip": [0.0, 0.0, 9.81, 0.0, 0.0, 0.0]})
@@ -79,7 +79,8 @@ class Pushed(_native.Robot):
         out: tuple[NDArray[Any], NDArray[Any]] | None = None,
         threads: int | None = None,
     ) -> InverseDynamicsDerivatives[Any]:
-        """∂τ/∂q and ∂τ/∂v of `inverse_dynamics_with_wrenches`; the wrenches keep their components in their frames.
+        """∂τ/∂q and ∂τ/∂v of `inverse_dynamics_with_wrenches`; the wrenches keep their components in their
+        frames.
 
         q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., nv, nv).
 
@@ -107,9 +108,11 @@ class Pushed(_native.Robot):
         out: tuple[NDArray[Any], NDArray[Any], NDArray[Any]] | None = None,
         threads: int | None = None,
     ) -> ForwardDynamicsDerivatives[Any]:
-        """∂a/∂q, ∂a/∂v and ∂a/∂τ of `forward_dynamics_with_wrenches`; the wrenches keep their components in their frames.
+        """∂a/∂q, ∂a/∂v and ∂a/∂τ of `forward_dynamics_with_wrenches`; the wrenches keep their components in
+        their frames.
 
-        q (..., nq), v (..., nv), tau (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv, nv).
+        q (..., nq), v (..., nv), tau (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv,
+        nv).
 
         >>> robot, q, rest, push = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0], {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]}
         >>> slopes = robot.forward_dynamics_derivatives_with_wrenches(q, rest, rest, push)

@@ -58,7 +58,8 @@ def states(robot: rd.Robot, count: int = 37, seed: int = 1) -> States:
 
 
 def interrupted(program: str) -> tuple[str, float]:
-    """What a program that says `ready` writes to its errors when it is interrupted then, and how long it takes [s]."""
+    """What a program that says `ready` writes to its errors when it is interrupted then, and how long it
+    takes [s]."""
     # The package that is tested, and not the folder that the tests are started in.
     environment = {**os.environ, "PYTHONPATH": str(Path(rd.__file__).parents[1])}
     command = [sys.executable, "-P", "-c", program]

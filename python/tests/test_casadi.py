@@ -1,4 +1,5 @@
-"""A robot's functions in CasADi: values and Jacobians are the library's, and programs are solved with them."""
+"""A robot's functions in CasADi: values and Jacobians are the library's, and programs are solved with
+them."""
 
 from pathlib import Path
 from typing import Any

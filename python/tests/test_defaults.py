@@ -1,4 +1,5 @@
-"""One rule for what acts: every function that moves a robot has the same defaults, and moves it as a `Simulation` does."""
+"""One rule for what acts: every function that moves a robot has the same defaults, and moves it as a
+`Simulation` does."""
 
 import importlib
 import inspect

@@ -1,4 +1,5 @@
-"""The Python code of the guide's pages, and its commands `python -m robot_dynamics`, print what stands there."""
+"""The Python code of the guide's pages, and its commands `python -m robot_dynamics`, print what stands
+there."""
 
 import contextlib
 import doctest

@@ -13,7 +13,8 @@ import pytest
 import robot_dynamics as rd
 
 LONGEST = 750
-"""The limit of a signature as `inspect.signature` prints it [characters]; that of `Robot.simulate` is the longest."""
+"""The limit of a signature as `inspect.signature` prints it [characters]; that of `Robot.simulate` is the
+longest."""
 
 LONGEST_TYPE = 90
 """The limit of the type of one argument or result [characters]: an alias is shown by its name."""

@@ -1,4 +1,5 @@
-"""Functions of JAX: their values and gradients against the methods and pullbacks of numpy, forward mode against reverse."""
+"""Functions of JAX: their values and gradients against the methods and pullbacks of numpy, forward mode
+against reverse."""
 
 from typing import Any
 

@@ -21,5 +21,6 @@ def example(name: str) -> Any:
 
 def test_an_evolution_strategy_swings_up() -> None:
     _, learned = example("learn_swing_up").learn(40, seed=4)
-    # Hanging is worth −π², leaning −7.5; the swing itself, of some three seconds, costs about −3 over these six.
+    # Hanging is worth −π², leaning −7.5; the swing itself, of some three seconds, costs about −3 over these
+    # six.
     assert learned[-1] > -4.0 and learned[-1] > learned[0] + 3.0

@@ -354,7 +354,8 @@ def test_steps_on_the_ground_are_linearised() -> None:
     on_ground: dict[str, Any] = {"step": 1e-3, "ground": rd.Ground(), "dissipation": True}
     a, b = robot.linearize_step(rest.q, rest.v, **on_ground)
     assert a.shape == (36, 36) and b.shape == (36, 18)
-    # What lies still does not begin to move: the friction takes any small push along the ground, and its weight one upwards.
+    # What lies still does not begin to move: the friction takes any small push along the ground, and its
+    # weight one upwards.
     free: dict[str, Any] = {"step": 1e-3, "integrator": "implicit", "stops": False}
     free_b = robot.linearize_step(rest.q, rest.v, **free)[1]
     base = slice(18, 24)

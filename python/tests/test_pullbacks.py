@@ -1,4 +1,5 @@
-"""Gradients through time: against the slopes of each step, differences of rollouts, and robots with other parameters."""
+"""Gradients through time: against the slopes of each step, differences of rollouts, and robots with other
+parameters."""
 
 from typing import Any
 
@@ -22,7 +23,8 @@ def cotangents(robot: rd.Robot, *lead: int, seed: int = 5) -> tuple[Any, Any]:
 
 
 def close(found: Any, expected: Any, robot: rd.Robot, q: Any, digits: float = 1e-12) -> None:
-    """As close as rounding lets it be: what M is solved with has κ(M) of it, and there are some hundred products."""
+    """As close as rounding lets it be: what M is solved with has κ(M) of it, and there are some hundred
+    products."""
     condition = np.linalg.cond(robot.mass_matrix(q)).max()
     scale = max(1.0, np.abs(expected).max())
     assert_allclose(found, expected, rtol=0, atol=digits * max(1.0, condition * 1e-2) * scale)
@@ -74,7 +76,8 @@ def test_a_rollout_is_its_steps_one_after_the_other(name: str, integrator: str) 
 
 
 def test_a_rollout_is_differences_of_rollouts(panda: rd.Robot) -> None:
-    # Central differences: of 1e-5 the truncation is some 1e-10 and rounding 1e-16/1e-5, both times the slopes' size.
+    # Central differences: of 1e-5 the truncation is some 1e-10 and rounding 1e-16/1e-5, both times the
+    # slopes' size.
     options: dict[str, Any] = {"steps": 20, "step": H, "conservative": True}
     s, (by_q, by_v), d = states(panda, 3), cotangents(panda, 3), 1e-5
 
@@ -114,7 +117,8 @@ def test_parameters_have_gradients_through_time() -> None:
             changed = values.copy()
             changed[k] += side * d
             sides.append(robot.with_parameters(changed, as_written=True).rollout(q, v, tau, **options).v @ [1.0, 2.0])
-        # Truncation is d² times a third derivative, which an inertia of 0.01 makes a hundred times the first or so.
+        # Truncation is d² times a third derivative, which an inertia of 0.01 makes a hundred times the first
+        # or so.
         assert_allclose(found.by_parameters[k], np.dot(weights, sides) / d, rtol=1e-4, atol=1e-5, err_msg=name)
         seen += found.by_parameters[k] != 0.0
     assert seen >= 12
@@ -270,7 +274,8 @@ def test_gradients_by_each_parameter_are_differences(name: str, solution: str) -
             solved = getattr(robot.with_parameters(changed, as_written=True), solution)(*state)
             sides.append((solved * s.cotangent).sum(axis=-1))
         difference = (sides[0] - sides[1]) / (2 * d)
-        # Rounding is 1e-16/1e-5 of the values; truncation d² times a third derivative, large where an inertia is small.
+        # Rounding is 1e-16/1e-5 of the values; truncation d² times a third derivative, large where an inertia
+        # is small.
         assert_allclose(found[:, k], difference, rtol=1e-5, atol=1e-5 * max(1.0, np.abs(found).max()), err_msg=each)
         seen += bool(found[:, k].any())
     assert seen > len(names) // 3

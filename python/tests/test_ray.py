@@ -29,7 +29,8 @@ PANDA = rd.example("panda")
 @pytest.fixture(scope="module", autouse=True)
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Two workers' worth of processes; they import the package that is tested."""
-    # Ray's workers look first where the driver stands: beside the sources they would find these, not what is installed.
+    # Ray's workers look first where the driver stands: beside the sources they would find these, not what is
+    # installed.
     started = Path.cwd()
     os.chdir(tmp_path_factory.mktemp("elsewhere"))
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"

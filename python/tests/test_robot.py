@@ -189,7 +189,8 @@ def test_no_file_that_was_read_is_written_over(panda: rd.Robot, tmp_path: Path) 
 
 
 def test_each_character_of_unicode_is_seen_or_escaped() -> None:
-    """By Python's own table of general categories; what only one of the two versions of Unicode knows is left out."""
+    """By Python's own table of general categories; what only one of the two versions of Unicode knows is left
+    out."""
     hidden = {"Cc", "Cf", "Zl", "Zp", "Co", "Zs"}
     for code in range(0x110000):
         if 0xD800 <= code < 0xE000 or (category := unicodedata.category(chr(code))) == "Cn":

@@ -1,4 +1,5 @@
-"""The runs of `testdata/same_motion`, stepped and in one run, against the table that every front end is compared with."""
+"""The runs of `testdata/same_motion`, stepped and in one run, against the table that every front end is
+compared with."""
 
 import json
 from typing import Any

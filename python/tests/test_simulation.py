@@ -1,4 +1,5 @@
-"""`Simulation`: stepped from outside against one run, its inputs, contacts and results against closed forms."""
+"""`Simulation`: stepped from outside against one run, its inputs, contacts and results against closed
+forms."""
 
 import pickle
 from typing import Any
@@ -105,7 +106,8 @@ def test_wrenches_are_the_transposed_jacobian(axes: Any) -> None:
         spin = (ahead - behind)[:3, :3] @ pose[:3, :3].T / (2 * d)
         jacobian[3:, j] = spin[2, 1], spin[0, 2], spin[1, 0]
     expected = robot.forward_dynamics(q, np.zeros(7), jacobian.T @ np.concatenate([force, moment]))
-    # Differences err by d² and by rounding over d, some 1e-10, times 1/M of 100 or so; the step moves nothing by more than h.
+    # Differences err by d² and by rounding over d, some 1e-10, times 1/M of 100 or so; the step moves nothing
+    # by more than h.
     assert_allclose(sim.v / h, expected, rtol=1e-6, atol=1e-6)
     sim.reset(q)
     sim.step()
@@ -369,7 +371,8 @@ def test_adaptive_steps_from_outside_are_those_of_a_run_to_their_tolerance() -> 
     sim.reset(q)
     sim.step(10)
     run = robot.simulate(q, duration=0.5, step=0.05, integrator="adaptive", tolerance=1e-12)
-    # Some ten steps, each with an error of 1e-12 at most, in a motion that magnifies them by less than a hundred.
+    # Some ten steps, each with an error of 1e-12 at most, in a motion that magnifies them by less than a
+    # hundred.
     assert sim.method == "adaptive" and np.abs(sim.q - run.q[-1]).max() < 1e-9
     assert sim.ledger.drift < 1e-10
     kept = sim.snapshot()

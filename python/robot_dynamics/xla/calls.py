@@ -1,7 +1,7 @@
 """The calls and their tangents.
 
-With λ the cotangent of a result: forward mode is J δ, from the slopes; reverse mode is Jᵀλ by the pullbacks, which form
-no J.
+With λ the cotangent of a result: forward mode is J δ, from the slopes; reverse mode is Jᵀλ by the pullbacks,
+which form no J.
 """
 
 from __future__ import annotations

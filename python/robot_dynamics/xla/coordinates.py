@@ -1,7 +1,8 @@
-"""Changes of a configuration by its nq numbers and by displacements q ⊕ δ, nv numbers: linear in the change, so that JAX
-transposes them.
+"""Changes of a configuration by its nq numbers and by displacements q ⊕ δ, nv numbers: linear in the change,
+so that JAX transposes them.
 
-A function of q is taken to depend on the direction of each quaternion alone, F(q/|q|), as everywhere in this package.
+A function of q is taken to depend on the direction of each quaternion alone, F(q/|q|), as everywhere in this
+package.
 """
 
 from __future__ import annotations
@@ -39,7 +40,8 @@ def stretches(robot: Robot) -> tuple[Stretch, ...]:
 
 
 def displacement(robot: Robot, q: Any, change: Any) -> Any:
-    """δ (..., nv) of a change of q's numbers (..., nq): u = Rᵀẋ of a floating joint, w = 2 (q* ⊗ q̇)/|q|² of a quaternion."""
+    """δ (..., nv) of a change of q's numbers (..., nq): u = Rᵀẋ of a floating joint, w = 2 (q* ⊗ q̇)/|q|² of a
+    quaternion."""
     if robot.nq == robot.nv:
         return change
     parts = []
@@ -58,7 +60,8 @@ def displacement(robot: Robot, q: Any, change: Any) -> Any:
 
 
 def coordinates(robot: Robot, q: Any, displaced: Any) -> Any:
-    """The change of q's numbers (..., nq) along δ (..., nv): ẋ = R u of a floating joint, q̇ = ½ q ⊗ (w, 0) of a quaternion."""
+    """The change of q's numbers (..., nq) along δ (..., nv): ẋ = R u of a floating joint, q̇ = ½ q ⊗ (w, 0) of
+    a quaternion."""
     if robot.nq == robot.nv:
         return displaced
     parts = []

@@ -1,8 +1,10 @@
 """Two primitives of JAX: a foreign call, and a linear map that knows its transpose.
 
-All operands of one bind have the leading dimensions of the whole batch, so that `vmap` adds one in front; the robot's
-parameters, which are the last operand of a call that has them, have none while all states share them. A call has a tangent where a rule says so: a linear map of the changes, which depends on the operands. Reverse mode is its transpose. The
-maps are calls themselves, without rules: that is why second derivatives are refused.
+All operands of one bind have the leading dimensions of the whole batch, so that `vmap` adds one in front; the
+robot's parameters, which are the last operand of a call that has them, have none while all states share them.
+A call has a tangent where a rule says so: a linear map of the changes, which depends on the operands. Reverse
+mode is its transpose. The maps are calls themselves, without rules: that is why second derivatives are
+refused.
 """
 
 from __future__ import annotations
@@ -54,13 +56,15 @@ class Linear:
     forward: Callable[[Call, Sequence[Any], Sequence[Any]], Sequence[Any]]
     """Of the call, the residuals and the changes."""
     transpose: Callable[[Call, Sequence[Any], Sequence[Any]], Sequence[Any]]
-    """Of the call, the residuals and the cotangents: those of the changes, with the leading dimensions of the whole batch."""
+    """Of the call, the residuals and the cotangents: those of the changes, with the leading dimensions of the
+    whole batch."""
     of_parameters: bool = False
     """Whether the last change is that of the robot's parameters."""
 
 
 RULES: dict[str, Callable[[Call, Sequence[Any], Sequence[Any], Sequence[Any]], Sequence[Any]]] = {}
-"""The tangents of calls by name: of the call, the operands, their changes and the results, the changes of these."""
+"""The tangents of calls by name: of the call, the operands, their changes and the results, the changes of
+these."""
 
 call_p = Primitive("robot_dynamics")
 linear_p = Primitive("robot_dynamics_linear")
