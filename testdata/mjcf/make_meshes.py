@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Writes the small meshes of this folder: a wedge (STL), a star prism whose faces are polygons (OBJ), a bent bar (MSH).
+"""Writes the small meshes of this folder.
+
+They are a wedge (STL), a star prism with polygons as faces (OBJ), and a bent bar (MSH).
 
     python3 testdata/mjcf/make_meshes.py
 """
@@ -30,7 +32,7 @@ def main():
     points, faces = prism([(0.0, 0.0), (0.3, 0.0), (0.1, 0.2)], 0.15)
     triangles = fans(faces)
     body = b"".join(struct.pack("<12fH", 0, 0, 0, *(x for i in face for x in points[i]), 0) for face in triangles)
-    # Many binary files begin like a text.
+    # Many binary files begin like text files.
     (FOLDER / "wedge.stl").write_bytes(b"solid wedge".ljust(80, b" ") + struct.pack("<I", len(triangles)) + body)
     lines = ["solid wedge"]
     for face in triangles:
@@ -45,7 +47,7 @@ def main():
     lines += ["f " + " ".join(str(i + 1) for i in face) for face in faces]
     (FOLDER / "star.obj").write_text("\n".join(lines) + "\n")
     points, faces = prism([(0.0, 0.0), (0.2, 0.0), (0.2, 0.05), (0.05, 0.05), (0.05, 0.3), (0.0, 0.3)], 0.04)
-    # An L in convex pieces, top and bottom.
+    # An L from convex pieces, top and bottom.
     faces = [(1, 0, 3, 2), (3, 0, 5, 4), (6, 7, 8, 9), (6, 9, 10, 11), *faces[2:]]
     triangles = fans(faces)
     data = struct.pack("<4i", len(points), 0, 0, len(triangles))
