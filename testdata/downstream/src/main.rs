@@ -8,7 +8,7 @@ use robot_dynamics::batch::{
     BatchOptions, BatchWorkspace, Rollout, Torques, forward_dynamics_derivatives, rollout,
 };
 use robot_dynamics::constraints::{
-    FrameConstraint, SpatialAxis, Constraint, ConstraintOptions, ConstraintSet, constrained_forward_dynamics,
+    Constraint, ConstraintOptions, ConstraintSet, FrameConstraint, SpatialAxis, constrained_forward_dynamics,
 };
 use robot_dynamics::control::{InverseKinematicsOptions, TaskControl, TaskGains, TaskReference, dlqr};
 use robot_dynamics::derivatives::{LinearizeStepWorkspace, linearize_step};
@@ -130,7 +130,10 @@ fn two_feet() -> Outcome {
     for name in ["left_foot", "right_foot"] {
         let foot = model.frame_named(name)?;
         let pose = frame_pose(&model, &mut workspace, &q, foot);
-        contacts.push((name, Constraint::FrameConstraint(FrameConstraint::contact(foot, pose.into(), &FrameConstraint::WELD))));
+        contacts.push((
+            name,
+            Constraint::FrameConstraint(FrameConstraint::contact(foot, pose.into(), &FrameConstraint::WELD)),
+        ));
     }
     let set = ConstraintSet::new(&model, contacts)?;
     let options = ConstraintOptions::default();
