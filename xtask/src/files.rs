@@ -1,7 +1,9 @@
 //! The text files of the tree that the checks read, without what tools generate or install.
 
+use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use crate::tidy::root;
 
@@ -37,6 +39,9 @@ const SKIPPED: [&str; 7] = ["node_modules", "dist", "out", "__pycache__", "venv"
 pub(crate) fn all() -> Result<Vec<SourceFile>, String> {
     let mut paths = Vec::new();
     walk(&root(), &mut paths)?;
+    if let Some(own) = listed() {
+        paths.retain(|path| own.contains(&shown(path)));
+    }
     paths.sort();
     let mut files = Vec::new();
     for path in paths {
@@ -45,6 +50,15 @@ pub(crate) fn all() -> Result<Vec<SourceFile>, String> {
         files.push(SourceFile { path: shown(&path), language, text });
     }
     Ok(files)
+}
+
+/// The paths that git tracks or would add; `None` outside a git checkout.
+fn listed() -> Option<HashSet<String>> {
+    let mut git = Command::new("git");
+    git.args(["ls-files", "--cached", "--others", "--exclude-standard", "-z"]).current_dir(root());
+    let output = git.output().ok().filter(|output| output.status.success())?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    Some(text.split('\0').filter(|path| !path.is_empty()).map(str::to_owned).collect())
 }
 
 /// The files below a folder of the tree, by path.
