@@ -179,21 +179,21 @@ impl Memory {
         match (function, arguments, results) {
             (Function::InverseDynamics, [q, v, a], [x]) => algorithms::inverse_dynamics(model, w, q, v, a, x),
             (Function::ForwardDynamics, [q, v, tau], [x]) => {
-                algorithms::forward_dynamics(model, w, q, v, tau, x)
+                algorithms::forward_dynamics(model, w, q, v, tau, x);
             }
             (Function::MassMatrix, [q], [x]) => algorithms::mass_matrix(model, w, q, x),
             (Function::MassMatrixFactor, [q], [x]) => algorithms::mass_matrix_factor(model, w, q, x),
             (Function::InverseDynamicsDerivatives, [q, v, a], [x, y]) => {
-                derivatives::inverse_dynamics_derivatives(model, w, q, v, a, x, y)
+                derivatives::inverse_dynamics_derivatives(model, w, q, v, a, x, y);
             }
             (Function::ForwardDynamicsDerivatives, [q, v, tau], [x, y, z]) => {
-                derivatives::forward_dynamics_derivatives(model, w, q, v, tau, x, y, z)
+                derivatives::forward_dynamics_derivatives(model, w, q, v, tau, x, y, z);
             }
             (Function::InverseDynamicsPullback, [q, v, a, l], [x, y, z]) => {
-                derivatives::inverse_dynamics_pullback(model, w, q, v, a, l, x, y, z)
+                derivatives::inverse_dynamics_pullback(model, w, q, v, a, l, x, y, z);
             }
             (Function::ForwardDynamicsPullback, [q, v, tau, l], [r, x, y, z]) => {
-                derivatives::forward_dynamics_pullback(model, w, q, v, tau, l, r, x, y, z)
+                derivatives::forward_dynamics_pullback(model, w, q, v, tau, l, r, x, y, z);
             }
             _ => unreachable!("a function has its arguments and results"),
         }

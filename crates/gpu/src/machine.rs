@@ -219,7 +219,9 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
         let bad: Vec<usize> = marked_states(&is_bad, 0).collect();
         for (rows, table) in outputs.iter_mut().zip(&compiled.writes) {
             let width = table.width();
-            bad.iter().for_each(|state| rows[state * width..][..width].fill(T::NAN));
+            for state in &bad {
+                rows[state * width..][..width].fill(T::NAN);
+            }
         }
         Ok(bad)
     }

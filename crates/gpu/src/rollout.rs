@@ -64,7 +64,7 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
         buffers: RolloutBuffers<'_, T>,
         progress: Progress<'_>,
     ) -> Result<(), DeviceError> {
-        let (h, function) = self.check_rollout(rollout)?;
+        let (h, function) = Self::check_rollout(rollout)?;
         let at = self.find(&function)?;
         if !rollout.dissipation && self.robot.dissipates {
             return Err(DeviceError::Dissipation { robot: self.robot.name.clone() });
@@ -87,7 +87,7 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
     }
 
     /// The step in the device's precision, and the function that computes it.
-    fn check_rollout(&self, rollout: &Rollout) -> Result<(T, Function), DeviceError> {
+    fn check_rollout(rollout: &Rollout) -> Result<(T, Function), DeviceError> {
         let h = T::from_f64(rollout.step);
         if !(h.is_finite() && h > T::zero()) {
             return Err(RolloutError::BadStep { step: rollout.step }.into());

@@ -97,7 +97,7 @@ fn inverse_mass_matrix(table: &ElementTable, robot: &RobotDescription) -> Option
 
 /// The degrees of freedom that an actuator acts on, each with its gear.
 fn moment(robot: &RobotDescription, table: &ElementTable, first: &[usize], at: usize) -> Vec<(usize, f64)> {
-    use robot_dynamics_description::Transmission::{Joint, Tendon};
+    use robot_dynamics_description::Transmission::{Frame, Joint, Tendon};
     let index = |name: &str| table.joints.iter().position(|joint| joint.name == name);
     match &robot.actuators[at].transmission {
         Joint { joint, gear } => index(joint)
@@ -108,6 +108,6 @@ fn moment(robot: &RobotDescription, table: &ElementTable, first: &[usize], at: u
             let terms = tendon.map(|tendon| &tendon.terms[..]).unwrap_or_default();
             terms.iter().filter_map(|(joint, c)| Some((first[index(joint)?], c * gear))).collect()
         }
-        _ => Vec::new(),
+        Frame { .. } => Vec::new(),
     }
 }

@@ -33,7 +33,7 @@ impl Reader<'_> {
                 let own = tendons.get(tendon).map(|&index| &mut robot.tendons[index]);
                 (own.map(|own| (&mut own.passive, &mut own.higher_terms)), *gear)
             }
-            _ => {
+            Transmission::Frame { .. } => {
                 self.refuse(
                     element,
                     "armature and damping are only supported for actuators of joints and tendons",

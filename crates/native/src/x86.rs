@@ -157,7 +157,7 @@ impl Encoder {
                 self.emit(opcode, from, 0, Self::place(Source::Memory(to)));
             }
             Instruction::Copy { to, from } => {
-                self.emit(self.packed(0x28), to, 0, LastOperand::Register(from))
+                self.emit(self.packed(0x28), to, 0, LastOperand::Register(from));
             }
             Instruction::Binary { kind: Binary::EqualOrUnordered, to, a, b } => self.compare(to, a, b),
             Instruction::Binary { kind: Binary::EvenBlocks, to, a, b } => self.blocks(to, a, b, [0x20, 0x88]),

@@ -35,7 +35,9 @@ fn refusals() {
         measure(&model, &gravity(Target::Wgsl).with_arithmetic(single), &std::env::temp_dir()).unwrap_err();
     let _ = writeln!(text, "measure: {error}");
     let mut still: RobotDescription = pendulum(2.0, 0.5);
-    (still.joints.clear(), still.frames.clear(), still.links.truncate(1));
+    still.joints.clear();
+    still.frames.clear();
+    still.links.truncate(1);
     let error = generate(&Model::new(still).unwrap(), &gravity(Target::C)).unwrap_err();
     let _ = writeln!(text, "without joints: {error}");
     let error = Builder::new("robots/panda.urdf").write_module("panda.rs").unwrap_err();

@@ -27,9 +27,9 @@ pub struct ConstrainedMotion {
 
 /// Returns a and λ of M a + C v + g = τ + Aᵀλ with A a = −Ȧv (− 2γ A v − γ² φ). **(PRM 10.16–10.17)**
 ///
-/// The free acceleration is a₀ = M⁻¹(τ − C v − g). With A = T E and E M⁻¹Eᵀ = 1: w = T⁻¹(−Ȧv) − E a₀, a = a₀
-/// + M⁻¹Eᵀ w, Tᵀλ = w. One step of refinement follows. M has a sparse factor LᵀDL, so the rows cost O(K² nv +
-/// K nv depth). Damping and friction are not included, as in
+/// The free acceleration is a₀ = M⁻¹(τ − C v − g). With A = T E and E M⁻¹Eᵀ = 1: w = T⁻¹(−Ȧv) − E a₀,
+/// a = a₀ + M⁻¹Eᵀ w, Tᵀλ = w. One step of refinement follows. M has a sparse factor LᵀDL, so the rows cost
+/// O(K² nv + K nv depth). Damping and friction are not included, as in
 /// [`forward_dynamics`](robot_dynamics_core::forward_dynamics). The function allocates.
 ///
 /// ```

@@ -8,6 +8,7 @@ use robot_dynamics::model::{JointMap, Model, neutral};
 use crate::Section;
 use crate::robots::{Z, arm, floating_arm, joint};
 
+#[allow(clippy::unnecessary_wraps)] // as the field takes it
 fn following(joint: &str) -> Option<Mimic> {
     Some(Mimic::new(joint, 1.0, 0.0))
 }

@@ -16,7 +16,7 @@ mod panics;
 mod robots;
 mod runs;
 
-use std::fmt::Display;
+use std::fmt::{Display, Write as _};
 
 /// The messages of one error type.
 struct Section(String);
@@ -28,7 +28,7 @@ impl Section {
 
     #[allow(clippy::needless_pass_by_value)] // errors are passed as calls return them
     fn row(&mut self, input: &str, message: impl Display) {
-        self.0 += &format!("{input}\n    {message}\n");
+        writeln!(self.0, "{input}\n    {message}").expect("writes to a string succeed");
     }
 }
 

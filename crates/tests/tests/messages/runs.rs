@@ -128,7 +128,7 @@ pub(crate) fn left_out() -> Section {
     let build = |robot, method: Option<Method>| {
         let model = Model::new(robot).expect("a robot");
         let builder = SimulationBuilder::new(&model);
-        let builder = method.into_iter().fold(builder, |builder, method| builder.method(method));
+        let builder = method.into_iter().fold(builder, SimulationBuilder::method);
         builder.build().expect("a simulation")
     };
     section.row("smooth forces", build(pendulum(2.0, 0.5), None).reason());

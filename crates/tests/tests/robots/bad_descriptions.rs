@@ -123,7 +123,7 @@ fn invalid_joints_are_errors() {
 #[test]
 fn invalid_poses_and_gravity_are_errors() {
     let rotation = |entry: usize, value: f64| match error(|r| {
-        r.joints[0].parent_from_joint.rotation[entry][entry] = value
+        r.joints[0].parent_from_joint.rotation[entry][entry] = value;
     }) {
         ModelError::NotARotation { owner, defect } if owner.contains("shoulder") => defect,
         other => panic!("{other}"),

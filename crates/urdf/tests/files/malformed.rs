@@ -29,6 +29,7 @@ fn in_inertial(text: &str) -> String {
 
 /// The frame around the text, the text, and the line and variant of each error.
 #[rustfmt::skip]
+#[allow(clippy::type_complexity)] // a table of tests
 pub(crate) const CASES: &[(Frame, &str, &[(Option<usize>, &str)])] = &[
     // empty
     (whole, "", &[(None, "Empty")]),

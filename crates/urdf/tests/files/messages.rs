@@ -3,6 +3,8 @@
 //! After a change of wording, run the tests with `INSTA_UPDATE=always` and review the difference of the
 //! snapshots.
 
+#![allow(clippy::format_collect)] // short inputs, made once
+
 use std::fmt::Write as _;
 
 use insta::assert_snapshot;

@@ -33,7 +33,7 @@ impl ContactSet {
         let body = self.shapes[point.shape].body;
         match point.against {
             ContactPartner::Ground(_) | ContactPartner::Field(_) => {
-                placement.each_motion(model, body, point.at, look)
+                placement.each_motion(model, body, point.at, look);
             }
             ContactPartner::Pair(pair) => {
                 let pair = &self.pairs[pair];
