@@ -35,25 +35,31 @@ def _xla_handlers() -> dict[str, Any]:
     """The functions that programs of XLA call, by the names of their targets."""
 
 def dlqr(a: Numbers, b: Numbers, q: Numbers, r: Numbers) -> dict[str, Any]:
-    """The gain K of u = −K x that minimises Σ xᵀQ x + uᵀR u along xₖ₊₁ = A xₖ + B uₖ, and its cost; see `robot_dynamics.dlqr`."""
+    """The gain K of u = −K x that minimises Σ xᵀQ x + uᵀR u along xₖ₊₁ = A xₖ + B uₖ, and its cost; see
+    `robot_dynamics.dlqr`.
+    """
 
 def example_text(name: str) -> str:
     """The file of a robot that comes with the package, as text."""
 
 def num_threads() -> int:
-    """How many threads a batch is computed by where a call does not say: one a core, or what `set_num_threads` chose.
+    """How many threads a batch is computed by where a call does not say: one a core, or what `set_num_threads`
+    chose.
 
     >>> rd.num_threads() >= 1
     True
     """
 
 def quantities() -> list[tuple[str, list[str], int]]:
-    """The library's table of algorithms: of each its name and what it reads. For the tests, which ask for a method of each."""
+    """The library's table of algorithms: of each its name and what it reads. For the tests, which ask for a
+    method of each.
+    """
 
 def set_num_threads(threads: int | None, /) -> None:
     """Chooses how many threads a batch is computed by where a call does not say; `None` for one a core.
 
-    Results are the same bits for any number of threads. Workers of a cluster, which are processes side by side, want one.
+    Results are the same bits for any number of threads. Workers of a cluster, which are processes side by
+    side, want one.
 
     >>> rd.set_num_threads(1)
     >>> rd.num_threads()
@@ -63,7 +69,9 @@ def set_num_threads(threads: int | None, /) -> None:
 
 @final
 class BaseParameters:
-    """The combinations β of inertial parameters that torques show; `robot_dynamics.Robot.base_parameters` finds them."""
+    """The combinations β of inertial parameters that torques show; `robot_dynamics.Robot.base_parameters` finds
+    them.
+    """
     def __len__(self, /) -> int: ...
     @property
     def combinations(self) -> NDArray[np.float64]:
@@ -81,13 +89,15 @@ class BaseParameters:
 
 @final
 class ComputedTorque:
-    """τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains: follows a motion, the error of plain coordinates obeying
-    ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Where no motor is (`robot.actuated_dofs`), as on a floating base, the torque is 0: those
-    coordinates move as they must, and the others follow in spite of it while nothing else touches the robot.
+    """τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains: follows a motion, the error of
+    plain coordinates obeying ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Where no motor is
+    (`robot.actuated_dofs`), as on a floating base, the torque is 0: those coordinates move as they must, and
+    the others follow in spite of it while nothing else touches the robot.
 
-    `reference` is the motion (q*, v*, a*), or q* alone to stand there, or a function of t that gives one of these. `stiffness` Kp
-    [1/s²] and `damping` Kd [1/s] are (nv,); Kd = 2 √Kp is critically damped. `dissipation` compensates the joints' damping and
-    friction, too. It is a function of (t, q, v); in `simulate` it runs in the library.
+    `reference` is the motion (q*, v*, a*), or q* alone to stand there, or a function of t that gives one of
+    these. `stiffness` Kp [1/s²] and `damping` Kd [1/s] are (nv,); Kd = 2 √Kp is critically damped.
+    `dissipation` compensates the joints' damping and friction, too. It is a function of (t, q, v); in
+    `simulate` it runs in the library.
 
     >>> robot = rd.example("two_r")
     >>> swing = lambda t: ([np.sin(t), np.cos(t)], [np.cos(t), -np.sin(t)], [-np.sin(t), -np.cos(t)])
@@ -110,12 +120,12 @@ class Constraints:
 
 @final
 class GravityCompensatedPd:
-    """τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose. Where no motor is
-    (`robot.actuated_dofs`), as on a floating base, the torque is 0.
+    """τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose.
+    Where no motor is (`robot.actuated_dofs`), as on a floating base, the torque is 0.
 
-    `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N], the robot's where not given.
-    g is taken at the `target`, or with `gravity_at="state"` where the robot is. It is a function of (t, q, v); in `simulate` it
-    runs without Python.
+    `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N],
+    the robot's where not given. g is taken at the `target`, or with `gravity_at="state"` where the robot is.
+    It is a function of (t, q, v); in `simulate` it runs without Python.
 
     >>> robot = rd.example("panda")
     >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
@@ -181,7 +191,9 @@ class Robot:
     def _contact_impulse(self, constraints: Any, q: Any, v: Any, restitution: Any) -> Any:
         """See `contact_impulse`."""
     def _differentiable_row(self, **options: Any) -> Any:
-        """The explicit method of a simulation with these options whose gradients are known, and whether damping and friction act."""
+        """The explicit method of a simulation with these options whose gradients are known, and whether damping
+        and friction act.
+        """
     def _disabled_collisions(self, path: Any) -> list[tuple[str, str]]:
         """The pairs of links that an SRDF file keeps from touching."""
     def _effort_limits(self) -> Any:
@@ -197,7 +209,9 @@ class Robot:
     def _joints(self) -> list[Any]:
         """Joints in the order of their coordinates, as the fields of `robot_dynamics.Joint`."""
     def _left_out(self) -> list[str]:
-        """The features that the default simulation leaves out, one line for each reason, or why there is no such simulation."""
+        """The features that the default simulation leaves out, one line for each reason, or why there is no such
+        simulation.
+        """
     def _linearize_step(self, q: Any, v: Any, tau: Any, controls: Any, **options: Any) -> Any:
         """See `linearize_step`."""
     def _lock(self, joints: Any) -> Any:
@@ -249,8 +263,8 @@ class Robot:
     def _with_sensors(self, sensors: Any) -> Any:
         """See `with_sensors`."""
     def _with_wrenches(self, row: Any, q: Any, v: Any, x: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
-        """The results of `row` for states under wrenches: `inverse_dynamics`, `forward_dynamics`, `joint_reactions`,
-        `inverse_dynamics_derivatives` or `forward_dynamics_derivatives`; `x` is a or τ.
+        """The results of `row` for states under wrenches: `inverse_dynamics`, `forward_dynamics`,
+        `joint_reactions`, `inverse_dynamics_derivatives` or `forward_dynamics_derivatives`; `x` is a or τ.
         """
     def _xla_handle(self) -> int:
         """The number by which programs of XLA call this robot. It stays in memory from now on."""
@@ -407,8 +421,8 @@ class Robot:
     def cotangent_from_coordinates(self, q: NDArray[_F], coordinates: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
     def cotangent_from_coordinates(self, q: Numbers, coordinates: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """A gradient by the numbers of q as the gradient by displacements q ⊕ δ; right for any function, whatever it does with
-        quaternions that are not of length 1.
+        """A gradient by the numbers of q as the gradient by displacements q ⊕ δ; right for any function,
+        whatever it does with quaternions that are not of length 1.
 
         q (..., nq), coordinates (..., nq) → (..., nv).
 
@@ -420,8 +434,9 @@ class Robot:
     def cotangent_to_coordinates(self, q: NDArray[_F], cotangent: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
     def cotangent_to_coordinates(self, q: Numbers, cotangent: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """A gradient by displacements q ⊕ δ as the gradient by the numbers of q, of a function that depends on the direction
-        of each quaternion alone, as those of this package: x̄ = R ū, q̄ = 2 q ⊗ (w̄, 0)/|q|²; elsewhere the same numbers.
+        """A gradient by displacements q ⊕ δ as the gradient by the numbers of q, of a function that depends on
+        the direction of each quaternion alone, as those of this package: x̄ = R ū, q̄ = 2 q ⊗ (w̄, 0)/|q|²;
+        elsewhere the same numbers.
 
         q (..., nq), cotangent (..., nv) → (..., nq).
 
@@ -458,8 +473,8 @@ class Robot:
     def dissipation_pullback(self, v: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> DissipationPullback[_F]: ...
     @overload
     def dissipation_pullback(self, v: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> DissipationPullback[np.float64]:
-        """λᵀ ∂b/∂v and λᵀ ∂b/∂p of `dissipation` b(v) for a cotangent λ of b and the `parameters()` p: of each joint λ v by its damping,
-        λ sign v by its friction, whose sign is held.
+        """λᵀ ∂b/∂v and λᵀ ∂b/∂p of `dissipation` b(v) for a cotangent λ of b and the `parameters()` p: of each
+        joint λ v by its damping, λ sign v by its friction, whose sign is held.
 
         v (..., nv), cotangent (..., nv) → `by_velocity` (..., nv), `by_parameters` (..., parameters).
 
@@ -491,8 +506,8 @@ class Robot:
     def forward_dynamics_derivatives(self, q: Numbers, v: Numbers, tau: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> ForwardDynamicsDerivatives[np.float64]:
         """∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹ of a(q, v, τ).
 
-        q (..., nq), v (..., nv), tau (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv, nv); by q as in
-        `inverse_dynamics_derivatives`.
+        q (..., nq), v (..., nv), tau (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv,
+        nv); by q as in `inverse_dynamics_derivatives`.
 
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0]
         >>> slopes = robot.forward_dynamics_derivatives(q, v, v)
@@ -503,10 +518,12 @@ class Robot:
     def forward_dynamics_pullback(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> ForwardDynamicsPullback[_F]: ...
     @overload
     def forward_dynamics_pullback(self, q: Numbers, v: Numbers, tau: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> ForwardDynamicsPullback[np.float64]:
-        """λᵀ ∂a/∂q, λᵀ ∂a/∂v and λᵀ ∂a/∂τ of a(q, v, τ) for a cotangent λ of a: O(n), neither M nor a Jacobian is formed.
+        """λᵀ ∂a/∂q, λᵀ ∂a/∂v and λᵀ ∂a/∂τ of a(q, v, τ) for a cotangent λ of a: O(n), neither M nor a Jacobian
+        is formed.
 
-        q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`, `by_force`, each
-        (..., nv); by q as in `inverse_dynamics_pullback`. Raises SingularMassError where joints move no inertia.
+        q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
+        `by_force`, each (..., nv); by q as in `inverse_dynamics_pullback`. Raises SingularMassError where
+        joints move no inertia.
 
         >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> gradient = robot.forward_dynamics_pullback(q, v, tau, [1.0, 0.0])
@@ -517,12 +534,12 @@ class Robot:
     def forward_dynamics_pullback_with_parameters(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> ForwardDynamicsPullbackWithParameters[_F]: ...
     @overload
     def forward_dynamics_pullback_with_parameters(self, q: Numbers, v: Numbers, tau: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> ForwardDynamicsPullbackWithParameters[np.float64]:
-        """`forward_dynamics_pullback` with λᵀ ∂a/∂p for the `parameters()` p, too: of the inertial ones −(M⁻¹λ)ᵀY of the
-        `joint_torque_regressor`, which is not formed.
+        """`forward_dynamics_pullback` with λᵀ ∂a/∂p for the `parameters()` p, too: of the inertial ones
+        −(M⁻¹λ)ᵀY of the `joint_torque_regressor`, which is not formed.
 
-        q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv),
-        and `by_parameters` (..., parameters), a row a state, named by `parameter_names`. Raises SingularMassError where joints
-        move no inertia.
+        q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
+        `by_force`, each (..., nv), and `by_parameters` (..., parameters), a row a state, named by
+        `parameter_names`. Raises SingularMassError where joints move no inertia.
 
         >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> gradient = robot.forward_dynamics_pullback_with_parameters(q, v, tau, [1.0, 0.0])
@@ -593,7 +610,8 @@ class Robot:
     def frame_classical_acceleration_world_aligned(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """A frame's acceleration as an observer in the world sees it, p̈ and ω̇ along the world's axes.
 
-        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not in it.
+        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not
+        in it.
 
         >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
         >>> robot.frame_classical_acceleration_world_aligned(zero, [1.0, 0.0], zero, "tip").round(12)[:2]  # −ω² r
@@ -617,7 +635,8 @@ class Robot:
     def frame_jacobian_in_world(self, q: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
     def frame_jacobian_in_world(self, q: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """The Jacobian of the point of a frame's body that passes the world's origin, along the world's axes (WORLD).
+        """The Jacobian of the point of a frame's body that passes the world's origin, along the world's axes
+        (WORLD).
 
         q (..., nq) → (..., 6, nv), rows linear then angular.
 
@@ -639,7 +658,9 @@ class Robot:
         """
     @property
     def frame_names(self) -> list[str]:
-        """The names of all frames: links, and what the file adds to them; an index into this list is a frame, too."""
+        """The names of all frames: links, and what the file adds to them; an index into this list is a frame,
+        too.
+        """
     @overload
     def frame_pose(self, q: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
@@ -657,8 +678,8 @@ class Robot:
     def frame_poses(self, q: Numbers, frames: Sequence[str | int] | None = None, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """`world_from_frame` of frames, as homogeneous matrices [R p; 0 1]: x_world = R x_frame + p.
 
-        q (..., nq) → (..., frames, 4, 4). `frames` lists names or indices; without it all frames, in the order of
-        `frame_names`.
+        q (..., nq) → (..., frames, 4, 4). `frames` lists names or indices; without it all frames, in the
+        order of `frame_names`.
 
         >>> robot = rd.example("two_r")
         >>> robot.frame_poses([0.0, np.pi / 2], ["tip"])[0, :3, 3].round(12)  # 1 m along x, then 1 m up
@@ -670,7 +691,8 @@ class Robot:
     def frame_spatial_acceleration_in_frame(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """A frame's spatial acceleration along its own axes: the rate of its velocity there (LOCAL).
 
-        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not in it.
+        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not
+        in it.
 
         >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
         >>> robot.frame_spatial_acceleration_in_frame(zero, zero, [1.0, 0.0], "tip").round(12)
@@ -682,7 +704,8 @@ class Robot:
     def frame_spatial_acceleration_in_world(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """A frame's spatial acceleration about the world's origin, along the world's axes (WORLD).
 
-        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not in it.
+        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not
+        in it.
 
         >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
         >>> robot.frame_spatial_acceleration_in_world(zero, zero, [1.0, 0.0], "tip").round(12)
@@ -725,7 +748,8 @@ class Robot:
     def frame_velocity_in_world(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
     def frame_velocity_in_world(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """The velocity of the point of a frame's body that passes the world's origin, along the world's axes (WORLD).
+        """The velocity of the point of a frame's body that passes the world's origin, along the world's axes
+        (WORLD).
 
         q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s].
 
@@ -749,8 +773,8 @@ class Robot:
     def gravity(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
     def gravity(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """g(q) = ∂V/∂q: the forces that hold it still, springs of the joints included. `gravity_vector` is the field's
-        acceleration.
+        """g(q) = ∂V/∂q: the forces that hold it still, springs of the joints included. `gravity_vector` is the
+        field's acceleration.
 
         q (..., nq) → (..., nv) [N·m or N].
 
@@ -797,7 +821,8 @@ class Robot:
     def integrate(self, q: Numbers, d: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """q ⊕ d: the configuration reached by moving along d, a velocity times a time.
 
-        q (..., nq), d (..., nv) → (..., nq). For angles and lengths q + d; quaternions turn about d in the body's axes.
+        q (..., nq), d (..., nv) → (..., nq). For angles and lengths q + d; quaternions turn about d in the
+        body's axes.
 
         >>> rd.example("two_r").integrate([0.3, 1.2], [0.1, -0.2]).round(12)
         array([0.4, 1. ])
@@ -819,7 +844,8 @@ class Robot:
     def inverse_dynamics(self, q: Numbers, v: Numbers, a: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """τ = M(q) a + C(q, v) v + g(q): the generalized forces of a motion (recursive Newton–Euler).
 
-        q (..., nq), v (..., nv), a (..., nv) → (..., nv) [N·m or N]. Damping and friction are not in it: see `dissipation`.
+        q (..., nq), v (..., nv), a (..., nv) → (..., nv) [N·m or N]. Damping and friction are not in it: see
+        `dissipation`.
 
         >>> robot, q, v = rd.example("panda"), np.zeros((1000, 7)), np.zeros(7)
         >>> robot.inverse_dynamics(q, v, v).shape
@@ -831,8 +857,8 @@ class Robot:
     def inverse_dynamics_derivatives(self, q: Numbers, v: Numbers, a: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> InverseDynamicsDerivatives[np.float64]:
         """∂τ/∂q and ∂τ/∂v of τ(q, v, a); ∂τ/∂a is M.
 
-        q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., nv, nv). By q means by displacements,
-        q ⊕ δq: the same for joints of one coordinate, in nv numbers for quaternions.
+        q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., nv, nv). By q means
+        by displacements, q ⊕ δq: the same for joints of one coordinate, in nv numbers for quaternions.
 
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0]
         >>> slopes = robot.inverse_dynamics_derivatives(q, v, v)
@@ -843,11 +869,12 @@ class Robot:
     def inverse_dynamics_pullback(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> InverseDynamicsPullback[_F]: ...
     @overload
     def inverse_dynamics_pullback(self, q: Numbers, v: Numbers, a: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> InverseDynamicsPullback[np.float64]:
-        """λᵀ ∂τ/∂q, λᵀ ∂τ/∂v and λᵀ ∂τ/∂a of τ(q, v, a) for a cotangent λ of τ, as reverse differentiation needs them: O(n), no
-        Jacobian is formed.
+        """λᵀ ∂τ/∂q, λᵀ ∂τ/∂v and λᵀ ∂τ/∂a of τ(q, v, a) for a cotangent λ of τ, as reverse differentiation needs
+        them: O(n), no Jacobian is formed.
 
-        q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`, `by_acceleration`, each
-        (..., nv). By q means by displacements q ⊕ δq; `cotangent_to_coordinates` gives them by the numbers of q.
+        q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
+        `by_acceleration`, each (..., nv). By q means by displacements q ⊕ δq; `cotangent_to_coordinates`
+        gives them by the numbers of q.
 
         >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> gradient = robot.inverse_dynamics_pullback(q, v, a, [1.0, 0.0])  # of the first joint's torque
@@ -858,12 +885,13 @@ class Robot:
     def inverse_dynamics_pullback_with_parameters(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> InverseDynamicsPullbackWithParameters[_F]: ...
     @overload
     def inverse_dynamics_pullback_with_parameters(self, q: Numbers, v: Numbers, a: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> InverseDynamicsPullbackWithParameters[np.float64]:
-        """`inverse_dynamics_pullback` with λᵀ ∂τ/∂p for the `parameters()` p, too: of the inertial ones λᵀY of the
-        `joint_torque_regressor`, which is not formed.
+        """`inverse_dynamics_pullback` with λᵀ ∂τ/∂p for the `parameters()` p, too: of the inertial ones λᵀY of
+        the `joint_torque_regressor`, which is not formed.
 
-        q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`, `by_acceleration`, each
-        (..., nv), and `by_parameters` (..., parameters), a row a state, named by `parameter_names`. Damping and friction are not
-        in τ: theirs are 0; of `dissipation` the gradients are λ v and λ sign v.
+        q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
+        `by_acceleration`, each (..., nv), and `by_parameters` (..., parameters), a row a state, named by
+        `parameter_names`. Damping and friction are not in τ: theirs are 0; of `dissipation` the gradients are
+        λ v and λ sign v.
 
         >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> gradient = robot.inverse_dynamics_pullback_with_parameters(q, v, a, [1.0, 0.0])
@@ -934,7 +962,9 @@ class Robot:
         """
     @property
     def mass(self) -> float:
-        """The mass [kg] of the links that `center_of_mass` counts: those that move, or all of a robot whose moving links have no mass."""
+        """The mass [kg] of the links that `center_of_mass` counts: those that move, or all of a robot whose
+        moving links have no mass.
+        """
     @overload
     def mass_matrix(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
@@ -952,10 +982,12 @@ class Robot:
     def mass_matrix_factor(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
     def mass_matrix_factor(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """The factor of M(q) = LᵀDL: below the diagonal L, whose own diagonal is 1, on the diagonal D, above it zeros.
+        """The factor of M(q) = LᵀDL: below the diagonal L, whose own diagonal is 1, on the diagonal D, above it
+        zeros.
 
-        q (..., nq) → (..., nv, nv). L is zero where M is because two freedoms do not carry one another: solving costs no more than
-        the tree is deep. The product of the diagonal is det M. Raises SingularMassError where joints move no inertia.
+        q (..., nq) → (..., nv, nv). L is zero where M is because two freedoms do not carry one another:
+        solving costs no more than the tree is deep. The product of the diagonal is det M. Raises
+        SingularMassError where joints move no inertia.
 
         >>> factor = rd.example("two_r").mass_matrix_factor([0.3, 1.2])
         >>> l, d = np.tril(factor, -1) + np.eye(2), np.diag(factor.diagonal())
@@ -995,11 +1027,11 @@ class Robot:
         """The robot's name."""
     @property
     def native(self) -> str:
-        """Which code computes the functions that were called, a line each: machine code, which is made when a function is first
-        called, or its recursion, and why.
+        """Which code computes the functions that were called, a line each: machine code, which is made when a
+        function is first called, or its recursion, and why.
 
-        The environment variable `ROBOT_DYNAMICS_NATIVE=0`, set before the start, leaves all functions to the recursions; results
-        then differ by rounding.
+        The environment variable `ROBOT_DYNAMICS_NATIVE=0`, set before the start, leaves all functions to the
+        recursions; results then differ by rounding.
 
         >>> robot = rd.example("panda")
         >>> tau = robot.gravity(robot.neutral())
@@ -1022,9 +1054,9 @@ class Robot:
     def parameter_names(self) -> list[str]:
         """The names of the parameters, for example `upper.m`, `shoulder.damping` or `gravity.z`."""
     def parameters(self) -> NDArray[np.float64]:
-        """The parameters of the dynamics: for each moving link m, m c (3) and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about its origin,
-        what is fixed to it included; for each joint that is not fixed armature, damping, friction, stiffness and rest, all 0 for
-        a floating base; gravity (3).
+        """The parameters of the dynamics: for each moving link m, m c (3) and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about
+        its origin, what is fixed to it included; for each joint that is not fixed armature, damping,
+        friction, stiffness and rest, all 0 for a floating base; gravity (3).
 
         → (parameters,), named by `parameter_names`; `with_parameters` makes a robot with others.
 
@@ -1036,7 +1068,8 @@ class Robot:
     def potential_energy(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> Any: ...
     @overload
     def potential_energy(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> Any:
-        """V(q), the potential energy of gravity and of the joints' springs; 0 where all masses are at the world's origin.
+        """V(q), the potential energy of gravity and of the joints' springs; 0 where all masses are at the
+        world's origin.
 
         q (..., nq) → (...) [J].
 
@@ -1057,8 +1090,8 @@ class Robot:
         True
         """
     def random_configuration(self, size: int | Sequence[int] | None = None, *, seed: int) -> NDArray[np.float64]:
-        """Random configurations within the joint limits, (*size, nq); without limits from −π to π, or −1 m to 1 m; rotations
-        evenly. The same seed gives the same ones.
+        """Random configurations within the joint limits, (*size, nq); without limits from −π to π, or −1 m to 1
+        m; rotations evenly. The same seed gives the same ones.
 
         >>> robot = rd.example("panda")
         >>> q = robot.random_configuration(1000, seed=1)
@@ -1110,7 +1143,9 @@ class Simulation:
         """The torques that acted in the last step, within the effort limits (nv,) [N·m or N]."""
     @property
     def center_of_pressure(self) -> NDArray[np.float64] | None:
-        """The point about which the normal forces of the grounds have no moment (3,) [m]; `None` where nothing presses on a ground."""
+        """The point about which the normal forces of the grounds have no moment (3,) [m]; `None` where nothing
+        presses on a ground.
+        """
     def clear_wrenches(self) -> None:
         """Takes all wrenches away."""
     @property
@@ -1126,15 +1161,18 @@ class Simulation:
     def controls(self, value: Numbers | Mapping[str, float]) -> None: ...
     @property
     def joint_reactions(self) -> dict[str, NDArray[np.float64]]:
-        """The force [N] and moment [N·m] that each joint transmits to its child, by its name, fixed joints included: (6,) along the axes of the
-        child's frame and about its origin, as a force-torque sensor there reads. Forces of equalities are not counted.
+        """The force [N] and moment [N·m] that each joint transmits to its child, by its name, fixed joints
+        included: (6,) along the axes of the child's frame and about its origin, as a force-torque sensor
+        there reads. Forces of equalities are not counted.
         """
     @property
     def left_out(self) -> tuple[str, ...]:
         """The features that the robot's file states and this simulation leaves out, each with the reason."""
     @property
     def losses(self) -> Any:
-        """The energy that damping, friction, stops, sliding and impacts took, where the method tells them apart [J]."""
+        """The energy that damping, friction, stops, sliding and impacts took, where the method tells them apart
+        [J].
+        """
     @property
     def method(self) -> str:
         """The method by which steps are taken."""
@@ -1199,7 +1237,9 @@ class SimulationBatch:
         """The names of the actuators that act, in the order of `controls`."""
     @property
     def controls(self) -> NDArray[np.float64]:
-        """The controls of the actuators that act (count, controls), held until they are set again; (controls,) sets those of all."""
+        """The controls of the actuators that act (count, controls), held until they are set again; (controls,)
+        sets those of all.
+        """
     @controls.setter
     def controls(self, value: Numbers) -> None: ...
     @property
@@ -1216,7 +1256,9 @@ class SimulationBatch:
         """The times (count,) [s]."""
     @property
     def torques(self) -> NDArray[np.float64]:
-        """The torques of the next steps (count, nv), held until they are set again; (nv,) sets those of all [N·m or N]."""
+        """The torques of the next steps (count, nv), held until they are set again; (nv,) sets those of all [N·m
+        or N].
+        """
     @torques.setter
     def torques(self, value: Numbers) -> None: ...
     @property
@@ -1229,15 +1271,19 @@ class Snapshot:
 
 @final
 class TaskControl:
-    """τ = Jᵀ(Λ (ẍ* + kp e + kd (ẋ* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀, τ₀ = C v + g + M (kr (q* ⊖ q) − kn v): leads a frame.
+    """τ = Jᵀ(Λ (ẍ* + kp e + kd (ẋ* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀, τ₀ = C v + g + M (kr (q* ⊖ q) − kn v): leads
+    a frame.
 
-    `reference` is where the frame should be in the world: its origin (3,), orientation free, or its pose (4, 4); with velocity and
-    acceleration along the world's axes as (x*, ẋ*, ẍ*), of a pose six numbers each; or a function of t that gives one of these, asked
-    once at t = 0 to see which. `rows` are those of x, y, z, rx, ry, rz along the world's axes that follow, all of the reference's where not
-    given: ("x", "z") of an arm that moves in that plane. kp `stiffness` [1/s²], kd `damping` [1/s], 2 √kp being critically damped; kn `null_damping` [1/s]
-    of what the frame does not feel, which kr `posture_stiffness` [1/s²] pulls to the `posture` q* (nq,). Where the frame cannot
-    accelerate in every direction there is no torque. Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, get
-    none: the base recoils, and the frame follows in spite of it while nothing else touches the robot. It is a function of (t, q, v); in `simulate` it runs in the library.
+    `reference` is where the frame should be in the world: its origin (3,), orientation free, or its pose (4,
+    4); with velocity and acceleration along the world's axes as (x*, ẋ*, ẍ*), of a pose six numbers each; or
+    a function of t that gives one of these, asked once at t = 0 to see which. `rows` are those of x, y, z,
+    rx, ry, rz along the world's axes that follow, all of the reference's where not given: ("x", "z") of an
+    arm that moves in that plane. kp `stiffness` [1/s²], kd `damping` [1/s], 2 √kp being critically damped; kn
+    `null_damping` [1/s] of what the frame does not feel, which kr `posture_stiffness` [1/s²] pulls to the
+    `posture` q* (nq,). Where the frame cannot accelerate in every direction there is no torque. Coordinates
+    without a motor (`robot.actuated_dofs`), as those of a floating base, get none: the base recoils, and the
+    frame follows in spite of it while nothing else touches the robot. It is a function of (t, q, v); in
+    `simulate` it runs in the library.
 
     >>> robot, q = rd.example("panda"), np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
     >>> goal = robot.frame_pose(q, "panda_link8") @ np.block([[np.eye(3), np.full((3, 1), 0.05)], [0.0, 0.0, 0.0, 1.0]])
