@@ -2,8 +2,7 @@
 
 use std::hint::black_box;
 
-use robot_dynamics::batch::BatchQuantity;
-use robot_dynamics::batch::{BatchFloat, BatchOptions, BatchWorkspace};
+use robot_dynamics::batch::{BatchFloat, BatchOptions, BatchQuantity, BatchWorkspace};
 use robot_dynamics::model::Model;
 use robot_dynamics::quantity::{Inputs, Quantity};
 use robot_dynamics_number::Scalar;

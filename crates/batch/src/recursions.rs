@@ -8,9 +8,8 @@ use robot_dynamics_core::workspace::buffers::Dense;
 use robot_dynamics_core::workspace::compiled_once::{OverNumber, compiled_once};
 use robot_dynamics_core::workspace::tree::TreeMemory;
 use robot_dynamics_core::{Model, NativeFunction, Workspace};
-use robot_dynamics_number::Scalar;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
-use robot_dynamics_number::{StateLanes, View};
+use robot_dynamics_number::{Scalar, StateLanes, View};
 
 use super::block::Operation;
 use super::within::call;

@@ -32,19 +32,21 @@ mod pullback;
 mod solve_rows;
 
 pub use center_of_mass::center_of_mass_velocity_derivative;
-pub use forward_dynamics::ForwardDynamicsSlopes;
-pub use forward_dynamics::{forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches};
+pub use forward_dynamics::{
+    ForwardDynamicsSlopes, forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches,
+};
 pub use frames::{
     frame_acceleration_derivatives_in_frame, frame_acceleration_derivatives_world_aligned,
     frame_velocity_derivative_in_frame, frame_velocity_derivative_world_aligned,
 };
 pub use gravity::gravity_derivative;
-pub use inverse_dynamics::InverseDynamicsSlopes;
-pub use inverse_dynamics::{inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches};
-pub use pullback::{ArticulatedBodiesPullback, NewtonEulerPullback, negate, solve_negative};
-pub use pullback::{
-    PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError, dissipation_pullback,
-    forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
-    inverse_dynamics_pullback_with_parameters, parameter_count, parameter_values, with_parameters,
+pub use inverse_dynamics::{
+    InverseDynamicsSlopes, inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches,
 };
-pub use pullback::{check_parameters, pull_dissipation};
+pub use pullback::{
+    ArticulatedBodiesPullback, NewtonEulerPullback, PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents,
+    ParameterError, check_parameters, dissipation_pullback, forward_dynamics_pullback,
+    forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
+    inverse_dynamics_pullback_with_parameters, negate, parameter_count, parameter_values, pull_dissipation,
+    solve_negative, with_parameters,
+};

@@ -16,5 +16,4 @@ pub mod rotor;
 pub mod segment;
 
 pub use frame::{Frame, FrameId};
-pub use robot::{Body, Dof, WORLD};
-pub use robot::{Joint, Model};
+pub use robot::{Body, Dof, Joint, Model, WORLD};

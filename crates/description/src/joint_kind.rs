@@ -1,12 +1,12 @@
 //! Kinds of joints, with the names and units of their coordinates.
 
-use nalgebra::Vector3;
-
-use crate::Pose;
 use core::fmt;
 
+use nalgebra::Vector3;
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
+
+use crate::Pose;
 
 /// The motion of a joint, in the joint's frame. Axes need not be normalized.
 #[derive(Clone, Copy, Debug, PartialEq)]

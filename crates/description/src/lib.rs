@@ -41,11 +41,9 @@ mod written_file;
 
 pub use actuator::{Activation, ActuatorDescription, Affine, Transmission};
 pub use contact_pair::ContactPairDescription;
-pub use edit::EditError;
-pub use edit::moved_by;
+pub use edit::{EditError, moved_by};
 pub use equality::{Equality, EqualityDescription};
-pub use error::similar;
-pub use error::{ModelError, NoSuchFrame};
+pub use error::{ModelError, NoSuchFrame, similar};
 pub use finding_group::FindingGroup;
 pub use fingerprint::fingerprint;
 pub use higher_terms::HigherTerms;
@@ -54,18 +52,15 @@ pub use inertia::{
     six_digits,
 };
 pub use joint::{JointDescription, Limits, Mimic, PassiveForces};
-pub use joint_kind::z_onto;
-pub use joint_kind::{Coordinate, JointKind, Measure};
+pub use joint_kind::{Coordinate, JointKind, Measure, z_onto};
 pub use length::check_length;
 pub use named_pose::NamedPose;
 pub use pendulum::pendulum;
 pub use placement_spring::PlacementSpring;
 pub use pose::Pose;
 pub use pose::exponential::{exp_motion, log_motion};
-pub use quaternion::Quaternion;
-pub use quaternion::rotation_of;
-pub use random_robot::random_quaternion;
-pub use random_robot::{JointKinds, RandomRobotOptions, random_robot};
+pub use quaternion::{Quaternion, rotation_of};
+pub use random_robot::{JointKinds, RandomRobotOptions, random_quaternion, random_robot};
 pub use refused_file::RefusedFile;
 pub use report::{Counts, Disposition, Finding, LoadReport, Severity};
 pub use robot::{Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, LinkDescription, RobotDescription};

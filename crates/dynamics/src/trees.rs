@@ -2,12 +2,13 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::{Dynamics, FromLagrangian, Lagrangian};
 use nalgebra::{SMatrix, SVector};
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_number::Scalar;
 use robot_dynamics_verification::lagrange;
 use thiserror::Error;
+
+use crate::{Dynamics, FromLagrangian, Lagrangian};
 
 /// The reason why a model is not a system of `N` coordinates.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

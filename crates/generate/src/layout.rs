@@ -275,8 +275,9 @@ fn assign_places(parts: &[Vec<usize>], last_read: &[usize]) -> (Vec<Option<usize
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use robot_dynamics_expression::{Operation, Precision};
+
+    use super::*;
 
     #[test]
     fn indices_are_written_in_their_shortest_form() {

@@ -27,12 +27,11 @@ mod tests;
 
 use robot_dynamics_expression::{Graph, Operand, Operation, as_traced, most_live};
 
+use self::memory::{Memory, StridedRow};
+use self::repetition::{Repetition, Sequence};
 use crate::layout::{
     AffineIndex, CarriedVariable, Layout, Loop, LoopOperand, MAX_STEPS, Region, ResultStore, Step,
 };
-
-use self::memory::{Memory, StridedRow};
-use self::repetition::{Repetition, Sequence};
 
 /// The layout with loops, or `None` if these would save less than a third of the operations.
 pub(crate) fn reroll(

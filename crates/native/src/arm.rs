@@ -8,10 +8,11 @@
 
 mod writer;
 
+use writer::{ADDRESS, General, Shape, Unit, Writer};
+
 use crate::instruction::{FusedForm, Instruction, Register, Source};
 use crate::list::{Address, Base, Binary, Extent};
 use crate::target::{Target, Width};
-use writer::{ADDRESS, General, Shape, Unit, Writer};
 
 /// Bytes of scratch memory for the preserved registers.
 pub(crate) const PRESERVED_BYTES: i32 = 64;

@@ -4,7 +4,6 @@ use robot_dynamics_expression::{Graph, Operand, Operation as Node, Sine, as_trac
 use robot_dynamics_number::InstructionSet;
 
 use crate::allocate::allocate;
-use crate::arm;
 use crate::error::CompileError;
 use crate::instruction::Instruction;
 use crate::list::{Address, Base, Extent, List};
@@ -14,7 +13,7 @@ use crate::pool::Pool;
 use crate::prelude::Prelude;
 use crate::rows::{Finiteness, Inputs, Outputs, Rows};
 use crate::target::{Target, Width, has_encoder};
-use crate::x86;
+use crate::{arm, x86};
 
 /// The largest number of arguments and results together.
 pub(crate) const MAX_TABLES: usize = 16;

@@ -9,12 +9,12 @@ mod prefix;
 
 pub(crate) use listing::assembly;
 
+use prefix::{LastOperand, Opcode};
 use robot_dynamics_number::InstructionSet;
 
 use crate::instruction::{FusedForm, Instruction, Register, Source};
 use crate::list::{Address, Base, Binary, Extent};
 use crate::target::{Target, Width};
-use prefix::{LastOperand, Opcode};
 
 /// The offset of the pointers to constants and scratch memory, so that more of both is within the reach of a
 /// one-byte displacement.

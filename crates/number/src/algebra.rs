@@ -7,9 +7,7 @@
 
 use core::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
-use crate::{Symmetric, Triple};
-
-use crate::Scalar;
+use crate::{Scalar, Symmetric, Triple};
 
 /// A vector of R³.
 #[derive(Clone, Copy, Debug)]

@@ -4,8 +4,9 @@
 
 use crate::fused::FmaFloat;
 use crate::registers::four as lanes;
-pub(crate) use crate::registers::four::Quad;
 use crate::{Symmetric, Triple};
+
+pub(crate) use crate::registers::four::Quad;
 
 impl Triple<FmaFloat<f64>> for Quad {
     const COLUMNS: bool = true;

@@ -1,12 +1,11 @@
 //! An algorithm on many states: in chunks, between which Python may interrupt, without the interpreter's
 //! lock.
 
-use robot_dynamics::batch::BatchQuantity;
 use std::time::Instant;
 
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use robot_dynamics::batch::{BadStates, BatchWorkspace};
+use robot_dynamics::batch::{BadStates, BatchQuantity, BatchWorkspace};
 use robot_dynamics::model::FrameId;
 use robot_dynamics::quantity::{Inputs, Quantity};
 

@@ -84,9 +84,7 @@ mod native {
     #[pymodule_export]
     use super::identification::BaseParameters;
     #[pymodule_export]
-    use super::robot::Robot;
-    #[pymodule_export]
-    use super::robot::example_text;
+    use super::robot::{Robot, example_text};
     #[pymodule_export]
     use super::rows::quantities;
     #[pymodule_export]

@@ -40,10 +40,11 @@ pub mod output;
 mod write;
 
 pub use nalgebra;
-pub use robot_dynamics_core::conventions;
-pub use robot_dynamics_description::{plausibility, text};
 pub use robot_dynamics_mjcf as mjcf;
 pub use robot_dynamics_urdf as urdf;
+
+pub use robot_dynamics_core::conventions;
+pub use robot_dynamics_description::{plausibility, text};
 
 pub use height_field::height_field;
 pub use load::{

@@ -21,8 +21,7 @@ use robot_dynamics::derivatives::{
 use robot_dynamics::description::{
     Base, FrameDescription, JointKinds, Pose, RandomRobotOptions, random_robot,
 };
-use robot_dynamics::model::InstructionSet;
-use robot_dynamics::model::{FrameId, Model, RandomState, Workspace, random_state};
+use robot_dynamics::model::{FrameId, InstructionSet, Model, RandomState, Workspace, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{Integrator, StepForces};
 use robot_dynamics::{load, with_native_code};

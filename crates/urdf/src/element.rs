@@ -4,11 +4,11 @@
 //! pass finds all errors of a file. NaN suppresses errors that would only follow from the first one. A file
 //! with an error is refused, so no replacement value reaches a robot.
 
+use robot_dynamics_xml::excerpt;
 use robot_dynamics_xml::roxmltree::Node;
 
 use crate::UrdfError;
 use crate::reader::Reader;
-use robot_dynamics_xml::excerpt;
 
 /// Larger numbers are refused: they cannot be lengths, masses, inertias or forces in SI units, and their
 /// products overflow.

@@ -1,11 +1,11 @@
 //! Reports the elements and attributes that are not read, and whether they affect the motion.
 
+use robot_dynamics_xml::excerpt;
 use robot_dynamics_xml::roxmltree::Node;
 
 use crate::element::Element;
 use crate::reader::Reader;
 use crate::xacro::is_instruction;
-use robot_dynamics_xml::excerpt;
 
 /// Elements that describe appearance.
 const APPEARANCE_ELEMENTS: [&str; 3] = ["visual", "collision", "material"];

@@ -329,9 +329,10 @@ fn within(angle: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use dynamics::{Dynamics, rk4_step};
     use nalgebra::{Vector2, vector};
+
+    use super::*;
 
     const H: f64 = 0.01;
 

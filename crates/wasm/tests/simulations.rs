@@ -1,8 +1,6 @@
 //! The page's simulations against whole runs of the library.
 
-use dynamics::SystemEnergy;
-use dynamics::SystemStep;
-use dynamics::{EnergyLedger, Integrator, Reach2R};
+use dynamics::{EnergyLedger, Integrator, Reach2R, SystemEnergy, SystemStep};
 use nalgebra::{Vector2, vector};
 use wasm::{Brick, FallingArm, LabError, Race, Robot, RobotFiles};
 

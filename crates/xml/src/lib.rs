@@ -11,10 +11,11 @@ mod scan;
 mod text;
 mod writer;
 
+pub use roxmltree;
+
 pub use error::{XmlError, excerpt};
 pub use lines::Lines;
 pub use options::Options;
 pub use repair::outermost;
-pub use roxmltree;
 pub use text::{SIZE_LIMIT, parse, read_file, text_of};
 pub use writer::{Writer, is_name, way_from};

@@ -7,9 +7,8 @@ use robot_dynamics_core::algorithms::dissipation::dissipate;
 use robot_dynamics_core::configuration::retraction::move_along;
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_integrators::Stage;
-use robot_dynamics_number::Scalar;
 use robot_dynamics_number::dispatch::{Hardware, LaneKernel};
-use robot_dynamics_number::{Float, StateLanes};
+use robot_dynamics_number::{Float, Scalar, StateLanes};
 use robot_dynamics_simulation::Rollout;
 use robot_dynamics_simulation::motion::integrate::explicit::{Motion, StageMemory, explicit_step};
 

@@ -1,11 +1,10 @@
 //! Batches of states, in lanes and over threads.
 
-use robot_dynamics::batch::BatchQuantity;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
 use robot_dynamics::batch;
-use robot_dynamics::batch::{BatchFloat, BatchOptions, BatchWorkspace, Rollout, Torques};
+use robot_dynamics::batch::{BatchFloat, BatchOptions, BatchQuantity, BatchWorkspace, Rollout, Torques};
 use robot_dynamics::model::{FrameId, InstructionSet, Model};
 use robot_dynamics::quantity::{Input, Inputs, Quantity};
 use robot_dynamics::simulation::Integrator;

@@ -1,9 +1,11 @@
 //! Robots with a singular mass matrix: results that need no inverse, and clear errors for the others.
 
+use std::fmt::Write;
+
+use serde_json::{Value, json};
+
 use crate::command::Folder;
 use crate::messages::Transcript;
-use serde_json::{Value, json};
-use std::fmt::Write;
 
 const LINK: &str = r#"<inertial><origin xyz="0.1 0.02 0.2"/><mass value="1"/>
     <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>"#;

@@ -16,10 +16,9 @@
 mod by_blocks;
 
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::algebra::{M3, Sym3, V3};
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
+use robot_dynamics_number::{Scalar, View};
 
 use crate::kinematics::screws::{
     add_composite, inertia_in_world, momentum_of, move_screws, place_screws, turn_screws,

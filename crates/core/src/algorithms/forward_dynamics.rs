@@ -19,10 +19,9 @@ mod pivots;
 pub use pivots::inverse_pivots;
 
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::algebra::{M3, Sym3, V3};
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
+use robot_dynamics_number::{Scalar, View};
 
 use crate::algorithms::forward_dynamics_by_cholesky::accelerate_by_cholesky;
 use crate::algorithms::mass_matrix::force_in_parent;

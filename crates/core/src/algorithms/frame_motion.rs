@@ -6,8 +6,7 @@
 //! - *in world*: ω, and the velocity of the point of the moving body that coincides with the world's origin
 //!   (the spatial twist, MR §3.3.2).
 
-use robot_dynamics_description::Pose;
-use robot_dynamics_description::check_length;
+use robot_dynamics_description::{Pose, check_length};
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::{M3, V3};
 

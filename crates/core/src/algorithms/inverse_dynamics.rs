@@ -11,12 +11,10 @@
 mod along_world_axes;
 mod in_body_frames;
 
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
-use robot_dynamics_number::dispatch::{Hardware, Kernel};
-
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::algebra::M3;
+use robot_dynamics_number::dispatch::{Hardware, Kernel};
+use robot_dynamics_number::{Scalar, View};
 
 use crate::kinematics::place::{evaluate_angles, gather, spread};
 use crate::kinematics::wrench::{FrameWrench, subtract_wrenches};

@@ -4,9 +4,8 @@
 //! [`Twist`]: world aligned, in the frame, in the world. **(MR §5.1)**
 
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
+use robot_dynamics_number::{Scalar, View};
 
 use crate::algorithms::frame_motion::{Moving, Twist};
 use crate::algorithms::kinematics::constant;

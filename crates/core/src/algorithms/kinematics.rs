@@ -4,10 +4,9 @@
 //! frame, O(n) for all. **(MR §3.3)**
 
 use robot_dynamics_description::Pose;
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::algebra::{M3, V3};
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
+use robot_dynamics_number::{Scalar, View};
 
 use crate::kinematics::place::{place_all_in_world, place_chain};
 use crate::model::Frame;

@@ -11,10 +11,9 @@
 mod in_body_frames;
 
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::algebra::M3;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
+use robot_dynamics_number::{Scalar, View};
 
 use crate::kinematics::screws::{composites_in_world, momentum_of, place_screws};
 use crate::kinematics::shifts::pass_inward;

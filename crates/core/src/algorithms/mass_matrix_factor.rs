@@ -4,9 +4,8 @@
 //! §6.5)**
 
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
+use robot_dynamics_number::{Scalar, View};
 
 use crate::Model;
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};

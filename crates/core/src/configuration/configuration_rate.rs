@@ -1,7 +1,6 @@
 //! From velocities v to the rate of the configuration q.
 
-use robot_dynamics_description::check_length;
-use robot_dynamics_description::rotation_of;
+use robot_dynamics_description::{check_length, rotation_of};
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::V3;
 

@@ -11,8 +11,7 @@
 //! "World" is the parent frame of the floating joint. Joints must have the same order on both sides. In
 //! MuJoCo a universal joint is two hinges, and a planar joint two slides and a hinge, with the same numbers.
 
-use robot_dynamics_description::Quaternion;
-use robot_dynamics_description::check_length;
+use robot_dynamics_description::{Quaternion, check_length};
 
 use crate::Model;
 use crate::configuration::manifold::{CoordinateRange, coordinate_ranges, quaternion_at, vector_at};

@@ -1,7 +1,6 @@
 //! Conversion of gradients by q between displacements (nv numbers) and coordinates (nq numbers).
 
-use robot_dynamics_description::check_length;
-use robot_dynamics_description::rotation_of;
+use robot_dynamics_description::{check_length, rotation_of};
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::V3;
 

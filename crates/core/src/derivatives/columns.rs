@@ -1,8 +1,7 @@
 //! Per-DoF terms of the derivatives: an outward sweep and an inward sweep.
 
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::algebra::V3;
+use robot_dynamics_number::{Scalar, View};
 
 use crate::Model;
 use crate::algorithms::coriolis::Branch;

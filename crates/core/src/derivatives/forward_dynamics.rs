@@ -1,9 +1,8 @@
 //! The derivatives of forward dynamics.
 
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
+use robot_dynamics_number::{Scalar, View};
 
 use super::columns::{accelerate, bend, subtract_carried, sweep_in, sweep_out};
 use super::entries::{Slopes, write_mass, write_slopes};

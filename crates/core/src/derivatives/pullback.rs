@@ -44,12 +44,13 @@ mod parameter_values;
 mod parameters;
 mod sweeps;
 
-pub use dissipation::dissipation_pullback;
-pub use dissipation::pull_dissipation;
-pub use forward_dynamics::{ArticulatedBodiesPullback, negate, solve_negative};
-pub use forward_dynamics::{forward_dynamics_pullback, forward_dynamics_pullback_with_parameters};
-pub use inverse_dynamics::NewtonEulerPullback;
-pub use inverse_dynamics::{inverse_dynamics_pullback, inverse_dynamics_pullback_with_parameters};
+pub use dissipation::{dissipation_pullback, pull_dissipation};
+pub use forward_dynamics::{
+    ArticulatedBodiesPullback, forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, negate,
+    solve_negative,
+};
+pub use inverse_dynamics::{
+    NewtonEulerPullback, inverse_dynamics_pullback, inverse_dynamics_pullback_with_parameters,
+};
 pub use parameter_values::{ParameterError, parameter_values, with_parameters};
-pub use parameters::check_parameters;
-pub use parameters::{PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, parameter_count};
+pub use parameters::{PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, check_parameters, parameter_count};

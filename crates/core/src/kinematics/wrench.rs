@@ -1,8 +1,7 @@
 //! External wrenches on frames.
 
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::algebra::{M3, V3};
+use robot_dynamics_number::{Scalar, View};
 
 use crate::spatial::screw::Force;
 use crate::{FrameId, Model};

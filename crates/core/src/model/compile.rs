@@ -4,9 +4,9 @@ use std::collections::HashMap;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use robot_dynamics_description::validate::{Tree, validate};
-use robot_dynamics_description::z_onto;
 use robot_dynamics_description::{
     Base, JointDescription, JointKind, MassProperties, ModelError, PassiveForces, Pose, RobotDescription,
+    z_onto,
 };
 use robot_dynamics_number::algebra::{padded, padded_columns};
 

@@ -1,15 +1,14 @@
 //! Products of three-vectors and matrices compared with nalgebra, for each scalar type.
 
+use nalgebra::{Matrix3, Vector3};
+use robot_dynamics_description::{RandomRobotOptions, random_robot};
+use robot_dynamics_number::algebra::{M3, Sym3, V3, padded};
+use robot_dynamics_number::dispatch::{Hardware, Kernel};
+use robot_dynamics_number::{Scalar, SplitMix64, View};
+
 use crate::workspace::compiled_once::{OverNumber, run_on_machine};
 use crate::workspace::tree::TreeMemory;
 use crate::{Model, Workspace};
-use nalgebra::{Matrix3, Vector3};
-use robot_dynamics_description::{RandomRobotOptions, random_robot};
-use robot_dynamics_number::View;
-use robot_dynamics_number::dispatch::{Hardware, Kernel};
-
-use robot_dynamics_number::algebra::{M3, Sym3, V3, padded};
-use robot_dynamics_number::{Scalar, SplitMix64};
 
 /// Every product equals nalgebra's at random points without symmetry. Entries are below 1 and sums have at
 /// most nine terms: 1e-15 is four rounding errors.

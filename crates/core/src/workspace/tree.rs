@@ -2,10 +2,9 @@
 
 use core::marker::PhantomData;
 
-use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::{M3, Sym3, V3};
 use robot_dynamics_number::dispatch::{Make, OneState};
-use robot_dynamics_number::{AsFloat, Float, Form};
+use robot_dynamics_number::{AsFloat, Float, Form, Scalar};
 
 use crate::spatial::screw::{
     ArticulatedInertia, AxisMotion, BodyMotion, DofElimination, Force, MassFlux, Screw, SpatialInertia,

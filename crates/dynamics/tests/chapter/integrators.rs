@@ -1,11 +1,10 @@
 //! Every fixed-step integrator: its order, symmetry, structure and energy.
 
-use dynamics::SystemStep;
 use std::f64::consts::PI;
 
 use dynamics::{
-    Dynamics, FromLagrangian, Lagrangian, PlanarArm, Reach2R, State, energy_drift, energy_run, rk4_step,
-    solve_mass, variational_midpoint_step,
+    Dynamics, FromLagrangian, Lagrangian, PlanarArm, Reach2R, State, SystemStep, energy_drift, energy_run,
+    rk4_step, solve_mass, variational_midpoint_step,
 };
 use nalgebra::{Matrix2, Matrix4, SVector, Vector2, Vector4, vector};
 use robot_dynamics_integrators::{Integrator, IntegratorError, Symplectic};

@@ -16,7 +16,8 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::thread;
 
-use dynamics::{Dynamics, Reach2R, laws::States, rk4_step};
+use dynamics::laws::States;
+use dynamics::{Dynamics, Reach2R, rk4_step};
 use nalgebra::{Vector2, vector};
 use rapier2d_f64::prelude::*;
 

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use super::c::{comment, table};
 use robot_dynamics_expression::{Precision, Sine};
 
+use super::c::{comment, table};
 use super::{Context, Language, Syntax, sine_statements};
 use crate::body::{Body, every_number};
 use crate::heading::{about, first_line, lines};

@@ -18,9 +18,10 @@ const WIDE: usize = 16;
 
 /// The code that all functions share.
 const PRELUDE: &str = r#"
-    pub use robot_dynamics_number::InstructionSet;
     use robot_dynamics_number::dispatch::{Call, Hardware, LaneKernel, LaneMemory, Make};
     use robot_dynamics_number::{Form, Scalar, StateLanes};
+
+    pub use robot_dynamics_number::InstructionSet;
 
     /// Nothing is kept between calls.
     struct Nothing;

@@ -1,8 +1,10 @@
 //! `iced-x86` decodes the bytes of every instruction to the text of the listing and encodes them to the same
 //! bytes.
 
-use iced_x86::{Decoder, DecoderOptions, Encoder as Iced, Formatter, Instruction as Read, IntelFormatter};
-use iced_x86::{MemorySizeOptions, NumberBase};
+use iced_x86::{
+    Decoder, DecoderOptions, Encoder as Iced, Formatter, Instruction as Read, IntelFormatter,
+    MemorySizeOptions, NumberBase,
+};
 use robot_dynamics_expression::{Arithmetic, Precision};
 use robot_dynamics_number::InstructionSet;
 

@@ -249,8 +249,10 @@ pub(crate) mod four {
     use core::arch::wasm32::*;
     use core::fmt;
 
-    use super::{Pair, add_f64, load_f64, mul_add_f64, mul_f64, mul_sub_f64, neg_mul_add_f64};
-    use super::{splat_f64, store_f64, sub_f64};
+    use super::{
+        Pair, add_f64, load_f64, mul_add_f64, mul_f64, mul_sub_f64, neg_mul_add_f64, splat_f64, store_f64,
+        sub_f64,
+    };
 
     /// Four doubles: (x, y) and (z, w).
     #[derive(Clone, Copy)]

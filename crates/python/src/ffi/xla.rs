@@ -15,8 +15,9 @@ use self::layout::{
     API_MAJOR, API_MINOR, BUFFER, Buffers, ByteSpan, EXECUTE, ErrorArguments, F32, F64, INTERNAL,
     INVALID_ARGUMENT, METADATA, MetadataExtension, PRED, RawBuffer, S64, SCALAR, STRING, ScalarValue, U64,
 };
-pub(crate) use self::layout::{CallFrame, Failure};
 use super::{Kind, Number};
+
+pub(crate) use self::layout::{CallFrame, Failure};
 
 /// What a call gives to read and to write.
 #[derive(Debug)]

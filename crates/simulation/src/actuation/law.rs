@@ -2,8 +2,7 @@
 
 use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::{Model, Workspace, gravity, potential_energy};
-use robot_dynamics_description::Activation;
-use robot_dynamics_description::check_length;
+use robot_dynamics_description::{Activation, check_length};
 
 use super::placement_spring::PlacementSpring;
 use super::tendon::Tendon;

@@ -3,8 +3,7 @@
 use nalgebra::{DMatrix, DVector, RowDVector};
 use robot_dynamics_core::model::identity::Identity;
 use robot_dynamics_core::{FrameId, Model, Workspace};
-use robot_dynamics_description::check_length;
-use robot_dynamics_description::{Equality, EqualityDescription};
+use robot_dynamics_description::{Equality, EqualityDescription, check_length};
 
 use super::{
     Anchor, ConstrainedMotionError, Constraint, ConstraintSetError, FrameConstraint, LoopClosure,

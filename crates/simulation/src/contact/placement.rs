@@ -8,10 +8,9 @@ use robot_dynamics_core::spatial::screw::Transform;
 use robot_dynamics_core::workspace::compiled_once::{OverNumber, compiled_once, run};
 use robot_dynamics_core::workspace::tree::TreeMemory;
 use robot_dynamics_core::{Frame, FrameId, Model, Workspace};
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::algebra::V3;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
+use robot_dynamics_number::{Scalar, View};
 
 use super::coordinates_of;
 

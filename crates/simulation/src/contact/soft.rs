@@ -19,14 +19,13 @@ mod point;
 mod rows;
 mod weights;
 
-use robot_dynamics_integrators::DynamicsError;
-
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::configuration::conventions::add_transport;
 use robot_dynamics_core::factorization::sparse::coordinate_carriers;
 use robot_dynamics_core::model::identity::Identity;
 use robot_dynamics_core::{FrameId, Model, Workspace, bias, mass_matrix};
 use robot_dynamics_description::check_length;
+use robot_dynamics_integrators::DynamicsError;
 
 use self::rows::JointRows;
 use self::weights::InverseWeights;

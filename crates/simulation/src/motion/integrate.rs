@@ -28,8 +28,7 @@ pub use workspace::StepWorkspace;
 
 use robot_dynamics_core::{Model, Workspace, dissipation, forward_dynamics};
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::check_finite;
-use robot_dynamics_integrators::{DynamicsError, Integrator, IntegratorError, StepScheme};
+use robot_dynamics_integrators::{DynamicsError, Integrator, IntegratorError, StepScheme, check_finite};
 use robot_dynamics_number::Scalar;
 
 /// The forces on the joints during one step.

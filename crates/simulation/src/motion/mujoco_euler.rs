@@ -13,8 +13,7 @@ use robot_dynamics_core::conventions::{acceleration_to_mujoco, velocity_from_muj
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_core::{Model, dissipation_derivative, integrate};
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::check_finite;
-use robot_dynamics_integrators::{EnergyLedger, IntegratorError};
+use robot_dynamics_integrators::{EnergyLedger, IntegratorError, check_finite};
 
 use crate::contact::Interrupt;
 use crate::motion::drive::{Drive, record};

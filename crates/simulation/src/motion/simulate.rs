@@ -20,30 +20,22 @@ mod run;
 mod stepper;
 mod trajectory;
 
-pub use actuated::ActuatedStepError;
-pub use actuated::ActuatedStepper;
+pub use actuated::{ActuatedStepError, ActuatedStepper};
 #[cfg(feature = "adaptive")]
 pub use adaptive::{
-    AdaptiveMethod, AdaptiveOptions, AdaptiveOptionsError, AdaptiveRecord, AdaptiveStepError, ControlTiming,
-    StepStatistics,
+    AdaptiveMethod, AdaptiveOptions, AdaptiveOptionsError, AdaptiveRecord, AdaptiveRun, AdaptiveStepError,
+    AdaptiveStepper, ControlTiming, ExternalInputs, StepStatistics,
 };
-#[cfg(feature = "adaptive")]
-pub use adaptive::{AdaptiveRun, AdaptiveStepper, ExternalInputs};
 pub use between::Between;
 pub use callback::{CallbackError, IntoCallbackResult};
 pub use control::{ConstantTorque, Controller, ZeroTorque};
-pub use control_error::ControllerError;
-pub use control_error::{check_controller_input, check_finite, check_number, check_torque};
-pub use divergence::DivergenceCause;
-pub use divergence::add_passive_gains;
+pub use control_error::{ControllerError, check_controller_input, check_finite, check_number, check_torque};
+pub use divergence::{DivergenceCause, add_passive_gains};
 pub use error::{RunError, RunFailure};
-pub use event::EventDetector;
-pub use event::{Event, EventOccurrence};
-pub use ledger::end_energies;
-pub use ledger::{energy_ledger, record_step};
+pub use event::{Event, EventDetector, EventOccurrence};
+pub use ledger::{end_energies, energy_ledger, record_step};
 pub use losses::Losses;
 pub use pd::{GravityAt, GravityCompensatedPd};
-pub use run::RunLoop;
-pub use run::{Observer, Run, StepInfo};
+pub use run::{Observer, Run, RunLoop, StepInfo};
 pub use stepper::{StepError, StepFault, Stepper};
 pub use trajectory::{Sample, Trajectory};

@@ -6,8 +6,7 @@ use robot_dynamics_core::algorithms::frame_motion::Moving;
 use robot_dynamics_core::algorithms::joint_reactions::{NUMBERS, collect, inertial_forces};
 use robot_dynamics_core::kinematics::screws::{accelerate_screws, move_screws, place_screws, turn_screws};
 use robot_dynamics_core::workspace::tree::TreeMemory;
-use robot_dynamics_description::check_length;
-use robot_dynamics_description::{Quaternion, SensorKind};
+use robot_dynamics_description::{Quaternion, SensorKind, check_length};
 use robot_dynamics_number::algebra::V3;
 
 use super::reading::{Reading, Sensed, Sensor};

@@ -5,10 +5,11 @@ use core::ops::Range;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::configuration::manifold::{CoordinateRange, coordinate_ranges};
 use robot_dynamics_core::{Frame, Model};
-pub(crate) use robot_dynamics_description::sensor::ObjectSort;
 use robot_dynamics_description::{Pose, SensorDescription, SensorKind, SensorObject};
 
 use super::zone::Zone;
+
+pub(crate) use robot_dynamics_description::sensor::ObjectSort;
 
 /// A sensor of a compiled robot.
 #[derive(Clone, Debug)]

@@ -1,8 +1,7 @@
 //! The two energies K(q,v) and V(q), and the mass matrix.
 
 use robot_dynamics_core::{Joint, Model};
-use robot_dynamics_description::check_length;
-use robot_dynamics_description::{JointDescription, MassProperties};
+use robot_dynamics_description::{JointDescription, MassProperties, check_length};
 use robot_dynamics_number::Scalar;
 
 use super::kinematics::{LinkKinematics, driven, link_kinematics};

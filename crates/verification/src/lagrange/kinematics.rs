@@ -1,8 +1,7 @@
 //! Forward kinematics and the Jacobians of every link, in the world's axes.
 
 use robot_dynamics_core::Model;
-use robot_dynamics_description::check_length;
-use robot_dynamics_description::{Base, JointDescription, JointKind, Pose};
+use robot_dynamics_description::{Base, JointDescription, JointKind, Pose, check_length};
 use robot_dynamics_number::Scalar;
 
 use crate::lagrange::algebra::{M3, V3};

@@ -1,10 +1,9 @@
 //! The library's closed-form models, by name.
 
-use dynamics::SystemStep;
 use dynamics::{
     Christoffel, Dynamics, InertiaEllipse, PlanarArm, PlanarBody, PlanarKinematics, PolarMass, Reach2R,
-    RpArm, christoffel, christoffel_by_differences, energy_drift, mass_rate, skew_symmetry_defect,
-    solve_mass,
+    RpArm, SystemStep, christoffel, christoffel_by_differences, energy_drift, mass_rate,
+    skew_symmetry_defect, solve_mass,
 };
 use nalgebra::{SMatrix, SVector};
 use wasm_bindgen::prelude::wasm_bindgen;

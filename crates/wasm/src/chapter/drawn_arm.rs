@@ -51,8 +51,9 @@ pub(crate) fn tip_mobility<const N: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use nalgebra::vector;
+
+    use super::*;
 
     /// The arm of the worked example, bent at a right angle, with M⁻¹ and J of the tip by hand.
     #[test]

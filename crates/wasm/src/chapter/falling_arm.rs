@@ -1,8 +1,6 @@
 //! The Lagrangian lab: a two-link arm, passive or under constant torques, with its energy and its forces.
 
-use dynamics::SystemEnergy;
-use dynamics::SystemStep;
-use dynamics::{Dynamics, EnergyLedger, Integrator, PlanarArm};
+use dynamics::{Dynamics, EnergyLedger, Integrator, PlanarArm, SystemEnergy, SystemStep};
 use nalgebra::{Vector2, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
 

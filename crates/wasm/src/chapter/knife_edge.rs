@@ -1,7 +1,8 @@
 //! The knife-edge: a chassis that cannot slip sideways, driven by two wheels.
 
-use dynamics::SystemEnergy;
-use dynamics::{Dynamics, EnergyLedger, KnifeEdge, Pfaffian, constrained_rk4_step, generalized_force};
+use dynamics::{
+    Dynamics, EnergyLedger, KnifeEdge, Pfaffian, SystemEnergy, constrained_rk4_step, generalized_force,
+};
 use nalgebra::{Vector3, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
 

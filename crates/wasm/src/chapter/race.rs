@@ -1,8 +1,6 @@
 //! The integrator race: one fall by several integrators of the table.
 
-use dynamics::SystemEnergy;
-use dynamics::SystemStep;
-use dynamics::{Dynamics, EnergyLedger, Integrator, Reach2R};
+use dynamics::{Dynamics, EnergyLedger, Integrator, Reach2R, SystemEnergy, SystemStep};
 use nalgebra::Vector2;
 use wasm_bindgen::prelude::wasm_bindgen;
 

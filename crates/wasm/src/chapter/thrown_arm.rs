@@ -1,8 +1,9 @@
 //! The opening: a planar arm of three links that the user drags and throws.
 
-use dynamics::SystemEnergy;
-use dynamics::SystemStep;
-use dynamics::{Dynamics, EnergyLedger, Integrator, Link, PlanarArm, PlanarKinematics, solve_mass};
+use dynamics::{
+    Dynamics, EnergyLedger, Integrator, Link, PlanarArm, PlanarKinematics, SystemEnergy, SystemStep,
+    solve_mass,
+};
 use nalgebra::{SMatrix, Vector2, Vector3, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
 

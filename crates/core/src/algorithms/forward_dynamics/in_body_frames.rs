@@ -10,9 +10,8 @@
 
 #![allow(non_snake_case)] // the book's U and Iᴬ
 
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::algebra::{M3, Sym3, V3};
+use robot_dynamics_number::{Scalar, View};
 
 use super::less_spring;
 use crate::Model;

@@ -12,9 +12,8 @@
 //!
 //! Source: RBDA §5.3; Luh, Walker, Paul 1980.
 
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::algebra::{M3, V3};
+use robot_dynamics_number::{Scalar, View};
 
 use crate::Model;
 use crate::kinematics::place::place_body;

@@ -1,8 +1,7 @@
 //! Bodies along the world's axes, each about its own origin.
 
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::algebra::{M3, Sym3, V3};
+use robot_dynamics_number::{Scalar, View};
 
 use crate::Model;
 use crate::kinematics::place::{evaluate_angles, place_body};

@@ -1,9 +1,8 @@
 //! The acceleration and the pullback of forward dynamics.
 
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
+use robot_dynamics_number::{Scalar, View};
 
 use super::inverse_dynamics::NewtonEulerPullback;
 use super::parameters::check_parameters;

@@ -1,9 +1,8 @@
 //! The pullback of inverse dynamics.
 
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::View;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
+use robot_dynamics_number::{Scalar, View};
 
 use super::parameters::check_parameters;
 use super::sweeps::{Results, sweep_in, sweep_out, weigh_bodies};

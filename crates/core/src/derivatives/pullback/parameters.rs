@@ -9,8 +9,7 @@
 //! This is the row λᵀY of the [`joint_torque_regressor`](crate::joint_torque_regressor), with ten numbers per
 //! link in its order.
 
-use robot_dynamics_description::JointKind;
-use robot_dynamics_description::check_length;
+use robot_dynamics_description::{JointKind, check_length};
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::M3;
 

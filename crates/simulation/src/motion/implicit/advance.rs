@@ -1,8 +1,7 @@
 //! One step: the smooth part, then the impulses of friction and constraints, then the positions.
 
 use robot_dynamics_core::{Model, Workspace, integrate};
-use robot_dynamics_integrators::check_finite;
-use robot_dynamics_integrators::{DynamicsError, IntegratorError};
+use robot_dynamics_integrators::{DynamicsError, IntegratorError, check_finite};
 
 use super::kept::copy_active;
 use super::{Implicit, Memory};

@@ -3,8 +3,7 @@
 use robot_dynamics_core::configuration::displacement_rate::displacement_rate;
 use robot_dynamics_core::workspace::native::computed_natively;
 use robot_dynamics_core::{Model, NativeFunction, Workspace, integrate};
-use robot_dynamics_integrators::check_finite;
-use robot_dynamics_integrators::{DynamicsError, Integrator, Stage, StepScheme};
+use robot_dynamics_integrators::{DynamicsError, Integrator, Stage, StepScheme, check_finite};
 use robot_dynamics_number::Scalar;
 
 use super::{StepForces, StepWorkspace, accelerate};

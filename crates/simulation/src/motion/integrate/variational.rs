@@ -21,8 +21,7 @@ use robot_dynamics_core::configuration::manifold::{
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_core::model::Body;
 use robot_dynamics_core::{Model, dissipation, gravity};
-use robot_dynamics_integrators::check_finite;
-use robot_dynamics_integrators::{DynamicsError, IntegratorError};
+use robot_dynamics_integrators::{DynamicsError, IntegratorError, check_finite};
 use robot_dynamics_number::algebra::V3;
 
 use super::explicit::add_scaled;

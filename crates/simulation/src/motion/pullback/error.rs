@@ -4,8 +4,7 @@ use core::fmt;
 
 use robot_dynamics_core::{Model, SingularMass, Workspace, check_rank};
 use robot_dynamics_integrators::{DynamicsError, Integrator, IntegratorError};
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::{AsFloat, Float, Form};
+use robot_dynamics_number::{AsFloat, Float, Form, Scalar};
 
 use crate::motion::integrate::explicit::explicit_names;
 
