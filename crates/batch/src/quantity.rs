@@ -43,52 +43,46 @@ pub trait BatchQuantity {
     ) -> Option<Result<(), BadStates>>;
 }
 
-impl BatchQuantity for Quantity {
-    fn has_batch(self) -> bool {
-        matches!(
-            self,
-            Self::MassMatrix
-                | Self::Bias
-                | Self::Gravity
-                | Self::InverseDynamics
-                | Self::ForwardDynamics
-                | Self::InverseMassMatrix
-                | Self::FramePoses
-                | Self::FrameJacobianWorldAligned
-                | Self::FrameJacobianInFrame
-                | Self::InverseDynamicsDerivatives
-                | Self::ForwardDynamicsDerivatives
-        )
-    }
+/// Implements [`BatchQuantity`] from one list: the quantities with batches, and the call of each.
+macro_rules! batches {
+    (
+        ($model:ident, $workspace:ident, $inputs:pat_param, $results:pat_param)
+        $($variant:ident => $call:expr,)*
+    ) => {
+        impl BatchQuantity for Quantity {
+            fn has_batch(self) -> bool {
+                matches!(self, $(Self::$variant)|*)
+            }
 
-    fn compute_batch<T: BatchFloat>(
-        self,
-        model: &Model,
-        workspace: &mut BatchWorkspace<T>,
-        inputs: &Inputs<'_, T>,
-        results: [&mut [T]; 3],
-    ) -> Option<Result<(), BadStates>> {
-        let &Inputs { q, v, a, tau, frames } = inputs;
-        let [x, y, z] = results;
-        Some(match self {
-            Self::MassMatrix => crate::mass_matrix(model, workspace, q, x),
-            Self::Bias => crate::bias(model, workspace, q, v, x),
-            Self::Gravity => crate::gravity(model, workspace, q, x),
-            Self::InverseDynamics => crate::inverse_dynamics(model, workspace, q, v, a, x),
-            Self::ForwardDynamics => crate::forward_dynamics(model, workspace, q, v, tau, x),
-            Self::InverseMassMatrix => crate::inverse_mass_matrix(model, workspace, q, x),
-            Self::FramePoses => crate::frame_poses(model, workspace, q, frames, x),
-            Self::FrameJacobianWorldAligned => {
-                crate::frame_jacobian_world_aligned(model, workspace, q, frames[0], x)
+            fn compute_batch<T: BatchFloat>(
+                self,
+                $model: &Model,
+                $workspace: &mut BatchWorkspace<T>,
+                $inputs: &Inputs<'_, T>,
+                $results: [&mut [T]; 3],
+            ) -> Option<Result<(), BadStates>> {
+                match self {
+                    $(Self::$variant => Some($call),)*
+                    _ => None,
+                }
             }
-            Self::FrameJacobianInFrame => crate::frame_jacobian_in_frame(model, workspace, q, frames[0], x),
-            Self::InverseDynamicsDerivatives => {
-                crate::inverse_dynamics_derivatives(model, workspace, q, v, a, x, y)
-            }
-            Self::ForwardDynamicsDerivatives => {
-                crate::forward_dynamics_derivatives(model, workspace, q, v, tau, x, y, z)
-            }
-            _ => return None,
-        })
-    }
+        }
+    };
+}
+
+batches! {
+    (model, workspace, &Inputs { q, v, a, tau, frames }, [x, y, z])
+    MassMatrix => crate::mass_matrix(model, workspace, q, x),
+    Bias => crate::bias(model, workspace, q, v, x),
+    Gravity => crate::gravity(model, workspace, q, x),
+    InverseDynamics => crate::inverse_dynamics(model, workspace, q, v, a, x),
+    ForwardDynamics => crate::forward_dynamics(model, workspace, q, v, tau, x),
+    InverseMassMatrix => crate::inverse_mass_matrix(model, workspace, q, x),
+    FramePoses => crate::frame_poses(model, workspace, q, frames, x),
+    FrameJacobianWorldAligned => crate::frame_jacobian_world_aligned(model, workspace, q, frames[0], x),
+    FrameJacobianInFrame => crate::frame_jacobian_in_frame(model, workspace, q, frames[0], x),
+    InverseDynamicsDerivatives => crate::inverse_dynamics_derivatives(model, workspace, q, v, a, x, y),
+    ForwardDynamicsDerivatives => {
+        crate::forward_dynamics_derivatives(model, workspace, q, v, tau, x, y, z)
+    },
 }
