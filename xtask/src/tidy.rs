@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -73,6 +72,9 @@ pub(crate) fn check(treatment: Allowances) -> Result<(), String> {
             check_source(file, &mut broken);
         }
     }
+    for library in libraries() {
+        check_examples(library, &sources, &mut broken);
+    }
     broken.extend(allowances::compare(&counts, &allowed, |rule, path| {
         shown.get(&(rule.to_owned(), path.to_owned())).cloned().unwrap_or_default()
     }));
@@ -126,16 +128,17 @@ fn check_source(file: &SourceFile, broken: &mut Vec<String>) {
     if !text.starts_with("//!") && !is_test {
         broken.push(format!("{path}: say in a first line `//!` what this file is for"));
     }
-    let inside =
-        |library: &str| Some((library.to_owned(), path.strip_prefix(&format!("crates/{library}/src/"))?));
-    if let Some((library, file)) = libraries().find_map(inside) {
-        let library =
-            fs::read_to_string(root().join(format!("crates/{library}/src/lib.rs"))).unwrap_or_default();
-        let module = file.split(['/', '.']).next().unwrap_or_default();
-        for function in examples::without_example(text) {
-            if !examples::is_shown(&library, module, function) {
-                continue;
-            }
+}
+
+/// Reports the public functions of a library whose documentation has no example.
+fn check_examples(library: &str, sources: &[SourceFile], broken: &mut Vec<String>) {
+    let folder = format!("crates/{library}/src");
+    let exports = files::below(sources, &folder).find(|file| file.path == format!("{folder}/lib.rs"));
+    let exports = exports.map_or("", |file| &file.text);
+    for SourceFile { path, text, .. } in files::below(sources, &folder) {
+        let module = path[folder.len() + 1..].split(['/', '.']).next().unwrap_or_default();
+        let missing = examples::without_example(text).into_iter();
+        for function in missing.filter(|function| examples::is_shown(exports, module, function)) {
             broken.push(format!("{path}: give `{function}` an example in its documentation"));
         }
     }
