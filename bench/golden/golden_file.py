@@ -43,8 +43,7 @@ def write(path, record):
 
 
 def compare(path, record):
-    """The difference of the committed file from the record: a line that starts with 'same' if there is none.
-    """
+    """The difference of the committed file from the record: a line that starts with 'same' for equal ones."""
     if not path.exists():
         return "missing"
     old, new = json.loads(path.read_text()), plain(record)

@@ -223,7 +223,7 @@ class Robot:
         return pin.computeTotalMass(self.model) if self.model.njoints > 1 else 0.0
 
     def fixed_body(self):
-        """Mass and centre of mass of the links that are fixed to the world; None if there are none."""
+        """Mass and centre of mass of the links that are fixed to the world, or None."""
         body = self.model.inertias[0]
         return None if self.floating or body.mass <= 0 else {"mass": body.mass, "center_of_mass": body.lever.copy()}
 

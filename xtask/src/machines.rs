@@ -134,7 +134,7 @@ fn in_node() -> Result<(), String> {
     Ok(())
 }
 
-/// Debian's emulator of processors, where there is none.
+/// Installs Debian's emulator of processors if it is missing.
 fn install_emulator() -> Result<(), String> {
     if is_there("qemu-x86_64") && is_there("qemu-aarch64") {
         return Ok(());

@@ -23,7 +23,7 @@ pub(crate) fn run(prefixes: &[&str]) -> Result<(), String> {
     Ok(())
 }
 
-/// The text of a file with its wide paragraphs wrapped; nothing if there is none.
+/// The text of a file with its wide paragraphs wrapped; `None` without wide paragraphs.
 fn wrapped(file: &SourceFile) -> Option<String> {
     let source: Vec<&str> = file.text.lines().collect();
     let mut replaced: Vec<(usize, usize, Vec<String>)> = Vec::new();

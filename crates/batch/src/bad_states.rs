@@ -22,7 +22,7 @@ pub struct BadStates {
 }
 
 impl BadStates {
-    /// An error that lists these states, given in any order, without duplicates; no error if there are none.
+    /// Returns an error that lists these states in order, without duplicates, or `Ok` for an empty list.
     /// For batches that are computed outside this crate.
     ///
     /// ```

@@ -169,7 +169,7 @@ pub(super) fn compute<T: BatchFloat + Number, const FORWARD: bool>(
 }
 
 /// Computes the pullbacks by machine code, without cotangents of parameters. Returns the result tables if
-/// there is no code.
+/// the model has no code for them.
 fn pull_natively<'a, T: BatchFloat + Number, const FORWARD: bool>(
     model: &Model,
     workspace: &BatchWorkspace<T>,

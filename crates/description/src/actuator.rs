@@ -21,10 +21,10 @@ pub struct ActuatorDescription {
     pub bias: Affine,
     /// The dynamics from the control to u.
     pub activation: Activation,
-    /// Bounds of the control; infinite if there are none.
+    /// Bounds of the control; infinite for an unlimited one.
     #[cfg_attr(feature = "serde", serde(with = "crate::joint::numbers_or_infinity"))]
     pub control_range: [f64; 2],
-    /// Bounds of f \[N·m or N\]; infinite if there are none.
+    /// Bounds of f \[N·m or N\]; infinite for an unlimited force.
     #[cfg_attr(feature = "serde", serde(with = "crate::joint::numbers_or_infinity"))]
     pub force_range: [f64; 2],
 }

@@ -259,7 +259,8 @@ fn turned(translation: [f64; 3], xyzw: &[f64]) -> Option<Pose> {
 
 fn about(axis: [f64; 3], angle: f64) -> Option<Pose> {
     let turn = Quaternion::exp(unit(axis)?.map(|component| component * angle));
-    // The square of an angle beyond 1e154 overflows, so there is no quaternion.
+    // The square of an angle beyond 1e154 overflows; the quaternion is then not finite, and the result
+    // `None`.
     turned([0.0; 3], &turn.to_xyzw())
 }
 

@@ -122,7 +122,7 @@ fn quoted_length(text: &str) -> usize {
     text.len()
 }
 
-/// The length in bytes of the number at the beginning; 0 if there is none.
+/// The length in bytes of the number at the beginning, or 0.
 fn number_length(text: &str) -> usize {
     let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
     let sign = usize::from(text.starts_with(['-', '+']));

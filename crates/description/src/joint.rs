@@ -34,7 +34,7 @@ pub struct JointDescription {
     pub higher_terms: HigherTerms,
     /// Present if it is a mimic joint.
     pub mimic: Option<Mimic>,
-    /// Bounds on the total force of its actuators \[N·m or N\]; infinite if there are none. See
+    /// Bounds on the total force of its actuators \[N·m or N\]; infinite without bounds. See
     /// [`ActuatorDescription`](crate::ActuatorDescription).
     #[cfg_attr(feature = "serde", serde(with = "numbers_or_infinity", default = "unbounded"))]
     pub actuator_force_range: [f64; 2],

@@ -49,7 +49,7 @@ pub trait Dynamics<const N: usize> {
         }
     }
 
-    /// The acceleration q̈ = M⁻¹(u − Cq̇ − g − b), or the reason why there is none.
+    /// The acceleration q̈ = M⁻¹(u − Cq̇ − g − b), or the reason for its absence.
     ///
     /// # Errors
     /// [`DynamicsError::NonFinite`] names the first quantity with a NaN or an infinity;

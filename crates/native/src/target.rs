@@ -24,7 +24,7 @@ pub struct Target {
 }
 
 /// The newest instructions of this processor that this crate has an encoder for; [`InstructionSet::Portable`]
-/// if there are none.
+/// without such instructions.
 ///
 /// ```
 /// let best = robot_dynamics_native::best_instructions();

@@ -184,7 +184,7 @@ impl<'a> Job<'a> {
         bad
     }
 
-    /// States with a quaternion that is none, which a batch would normalise.
+    /// States with an invalid quaternion, which a batch would normalise.
     fn without_unit_quaternions<T: Number>(&self, x: &[&[T]; 4]) -> Vec<usize> {
         if self.robot.quaternions.is_empty() {
             return Vec::new();

@@ -92,7 +92,7 @@ pub struct ContactSet {
     ground_surfaces: Vec<Option<Vec<Option<Surface>>>>,
     /// The names of the grounds in the file; empty if a ground has none.
     ground_names: Vec<String>,
-    /// The links that the grounds are on; empty if there is none.
+    /// The links that the grounds are on; an empty name for a ground that no shape describes.
     ground_links: Vec<String>,
     fields: Vec<PlacedField>,
     shapes: Vec<Touching>,

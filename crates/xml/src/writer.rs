@@ -165,8 +165,8 @@ pub fn is_name(text: &str) -> bool {
     !text.trim().is_empty() && text.chars().all(is_letter)
 }
 
-/// The relative path from a folder to a file, with `/` as separator on every system; the full path if there
-/// is none.
+/// The relative path from a folder to a file, with `/` as separator on every system; the full path
+/// without a relative one.
 ///
 /// ```
 /// use std::path::Path;

@@ -7,7 +7,7 @@ const KINDS = [['video/webm', 'webm'], ['video/mp4', 'mp4']] as const;
 const RATE = 60;
 
 export interface Film {
-  /** The canvas to record, from now on; null if there is none. */
+  /** The canvas to record, from now on, or null. */
   begin: () => HTMLCanvasElement | null;
   /** Called when recording ends. */
   end?: () => void;

@@ -18,7 +18,7 @@ describe('ticks', () => {
     expect(logTicks(-16, 0).length).toBeLessThanOrEqual(6);
   });
 
-  it('of an empty or broken range are none', () => {
+  it('are missing for an empty or invalid range', () => {
     expect(linearTicks(1, 1, 4)).toEqual([]);
     expect(linearTicks(NaN, 1, 4)).toEqual([]);
   });

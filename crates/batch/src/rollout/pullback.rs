@@ -35,7 +35,7 @@ use crate::{BatchFloat, BatchWorkspace, block};
 /// - `trajectory` holds the gradients by the recorded states, \[batch\]\[samples\]\[nv\] each; empty without
 ///   a stride.
 /// - `by_force` is overwritten. It has the shape of the torques: \[batch\]\[nv\] if they are held,
-///   \[batch\]\[steps\]\[nv\] if each step has its own, empty if there are none.
+///   \[batch\]\[steps\]\[nv\] if each step has its own, and empty without torques.
 /// - `parameters` is empty or \[batch\]\[[`parameter_count`]\], one row per state, and overwritten.
 ///
 /// Cotangents of configurations have nv numbers, along the displacements of [`integrate`](robot_dynamics_core::integrate())

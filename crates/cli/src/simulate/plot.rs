@@ -160,7 +160,7 @@ impl Plot<'_> {
         panels
     }
 
-    /// The joints' plain coordinates, or all of q if there are none.
+    /// The joints' plain coordinates, or all of q for a robot without them.
     ///
     /// A floating base in free fall moves hundreds of metres in ten seconds, and angles would not show beside
     /// it.

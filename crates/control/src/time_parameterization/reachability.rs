@@ -78,7 +78,7 @@ impl TimeOptimal {
 /// - no limit bounds the speed, or the path is not finite.
 ///
 /// # Panics
-/// Panics if the limits have the wrong length, or there is no interval.
+/// Panics if the limits have the wrong length, or the grid has no interval.
 #[track_caller]
 pub fn time_optimal(
     model: &Model,

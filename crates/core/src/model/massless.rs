@@ -5,8 +5,8 @@ use robot_dynamics_description::{Base, EditError, RobotDescription};
 use crate::Model;
 
 /// Locks the joints that move no inertia in any pose ([`Model::massless_joints`]), each at its
-/// [`resting_position`](RobotDescription::resting_position). Repeats until there are none left, because
-/// locking a joint can leave its parent joint without inertia to move.
+/// [`resting_position`](RobotDescription::resting_position). Repeats until every joint moves
+/// inertia, because locking a joint can leave its parent joint without inertia to move.
 ///
 /// A floating base that moves no inertia becomes fixed. Returns the names of the locked joints.
 ///

@@ -263,7 +263,7 @@ pub struct NativeTrace {
     pub lengths: Vec<usize>,
 }
 
-/// Returns the expression of a model's function, or the reason why there is none. The name is that of the
+/// Returns the expression of a model's function, or the reason for a missing one. The name is that of the
 /// frame, for [`NativeFunction::OF_FRAMES`].
 #[cfg(feature = "native")]
 pub type Tracer = fn(&Model, NativeFunction, Option<&str>, Arithmetic) -> Result<NativeTrace, String>;

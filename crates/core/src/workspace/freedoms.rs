@@ -34,7 +34,7 @@ pub struct DofBlock<S> {
     /// I S, then the moment of 2Bᵀ S, whose force is zero; DoF by DoF.
     pub inertial: [[S; 9]; LANES],
     pub tile: Tile,
-    /// The last ancestor outside the block; [`NONE`] if there is none.
+    /// The last ancestor outside the block, or [`NONE`].
     pub before: usize,
     /// The body, if these are DoFs of one body with several.
     pub(crate) joint_body: Option<usize>,

@@ -35,8 +35,8 @@ pub struct LinkStatistics {
     /// Density of the solid ellipsoid with this mass and these moments \[kg/m³\]; `None` for a point, a rod
     /// or a sheet.
     pub ellipsoid_density: Option<f64>,
-    /// m over the volume of the collision shapes, or of the visual ones if there are none \[kg/m³\]. `None`
-    /// without shapes, or with meshes among them.
+    /// m over the volume of the collision shapes, or else of the visual ones \[kg/m³\]. `None` without
+    /// shapes, or with meshes among them.
     pub shape_density: Option<f64>,
     /// Whether a joint moves it relative to its parent; sensors and covers are fixed to theirs.
     pub is_moved: bool,

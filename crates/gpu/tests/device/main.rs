@@ -38,7 +38,7 @@ fn open_with(limits: Limits) -> Result<Device, DeviceError> {
     panic!("these tests were compiled without the feature `cuda`");
 }
 
-/// The first device; `None` if there is none and none is expected.
+/// The first device; `None` on a machine without one, unless the tests expect one.
 fn device() -> Option<Device> {
     static DEVICE: OnceLock<Option<Device>> = OnceLock::new();
     let open = || match open_with(Limits::default()) {

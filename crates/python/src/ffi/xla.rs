@@ -139,7 +139,7 @@ unsafe fn listed<'a, T>(start: *const T, count: i64) -> &'a [T] {
     }
 }
 
-/// The buffers of a list; an error where one is none.
+/// The buffers of a list; an error if one is missing.
 ///
 /// # Safety
 /// The list is XLA's and lives for 'a.

@@ -13,7 +13,7 @@ pub(crate) struct BoxMinimum {
     pub(crate) x: DVector<f64>,
     /// The coordinates that are not fixed at a bound.
     pub(crate) free: Vec<usize>,
-    /// The Cholesky factor of H over the free coordinates; `None` if there are none.
+    /// The Cholesky factor of H over the free coordinates; `None` if every coordinate is at a bound.
     pub(crate) factor: Option<Cholesky<f64, Dyn>>,
 }
 

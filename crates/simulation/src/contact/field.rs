@@ -24,7 +24,7 @@ use super::{ContactSet, Ground, described};
 /// x = X (2c/(columns − 1) − 1), y = Y (2r/(rows − 1) − 1), z = `heights[r * columns + c]`,
 ///
 /// A cell is divided along the diagonal from its corner of least x and y to that of the largest, as in
-/// MuJoCo. Outside the rectangle there is no ground. Triangles in one plane count as one face, so a flat
+/// MuJoCo. The ground ends at the rectangle. Triangles in one plane count as one face, so a flat
 /// field equals the plane.
 ///
 /// | shape | how it touches |

@@ -210,7 +210,7 @@ impl Stepper for Jump {
 }
 
 /// Next to a jump the derivative is that of the other side. At a distance it is that of both sides. With
-/// jumps on both sides there is none.
+/// jumps on both sides it does not exist.
 #[test]
 fn jumps_have_no_derivative() {
     let model = Model::new(pendulum(2.0, 0.5)).unwrap();

@@ -18,7 +18,7 @@ pub enum ConfigurationError {
         found: usize,
         /// Numbers needed.
         expected: usize,
-        /// A hint at a common mistake; empty if there is none.
+        /// A hint at a common mistake, or an empty text.
         hint: &'static str,
     },
     /// A number is NaN or infinite.

@@ -176,7 +176,7 @@ fn cell(at: f64, count: usize) -> Option<(usize, f64)> {
 }
 
 /// The cells from one position to another, out of `count`.
-#[allow(clippy::reversed_empty_ranges)] // there is none
+#[allow(clippy::reversed_empty_ranges)] // an empty range
 fn range(from: f64, to: f64, count: usize) -> RangeInclusive<usize> {
     if !(to >= 0.0 && from <= count as f64) {
         return 1..=0;

@@ -83,7 +83,7 @@ impl<T> OfFrames<T> {
         Self { kernels, compiled: AtomicUsize::new(0), most }
     }
 
-    /// The kernel, or the reason why there is none: too many kernels of frames.
+    /// The kernel, or the reason for its absence: too many kernels of frames.
     fn limited(&self, compile: impl FnOnce() -> Slot<T>) -> Box<Slot<T>> {
         if self.compiled.fetch_add(1, Ordering::Relaxed) >= self.most {
             return Box::new(Err(format!("as {} functions of frames have machine code already", self.most)));
