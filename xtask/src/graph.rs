@@ -78,7 +78,7 @@ pub(crate) fn cycles(crates: &[Crate]) -> Vec<(Vec<String>, String)> {
             let ring = shortest_cycle(&component, &edges);
             let shown = ring.iter().map(|&(from, to)| {
                 let used = uses.iter().find(|used| (used.from, used.to) == (from, to));
-                let path = used.map_or("", |used| used.path.as_str());
+                let path = used.and_then(|used| used.paths.first()).map_or("", String::as_str);
                 format!("{} uses `{path}`", below_source(&one.files[from].path))
             });
             let shown = shown.collect::<Vec<_>>().join(", ");
@@ -87,6 +87,27 @@ pub(crate) fn cycles(crates: &[Crate]) -> Vec<(Vec<String>, String)> {
         }
     }
     found
+}
+
+/// Prints each cycle whose files are below that path: every use inside it, with all the names used.
+pub(crate) fn list_cycles(below: &str) -> Result<(), String> {
+    for one in &crates(&files::all()?)? {
+        let uses = one.uses();
+        let edges: Vec<(usize, usize)> = uses.iter().map(|used| (used.from, used.to)).collect();
+        for component in components(one.files.len(), &edges) {
+            if !component.iter().any(|&file| one.files[file].path.starts_with(below)) {
+                continue;
+            }
+            println!("crates/{}: {} files use each other", one.folder, component.len());
+            let inside = |file: usize| component.contains(&file);
+            for used in uses.iter().filter(|used| inside(used.from) && inside(used.to)) {
+                let (from, to) = (&one.files[used.from].path, &one.files[used.to].path);
+                let names = used.paths.join(", ");
+                println!("  {} uses {}: {names}", below_source(from), below_source(to));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn below_source(path: &str) -> &str {

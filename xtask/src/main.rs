@@ -49,6 +49,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   graph   writes the graphs of crates and modules into ARCHITECTURE.md
   measure prints sizes, names, cycles, prose and duplicates as a table; --json FILE writes them, too;
           --tree FOLDER measures another checkout
+  cycles [PATH] lists the cycles between files below a path, with every name that they use of each other
   prose PATH…  lists the places in these files and folders that break a rule of prose
   wrap PATH…   wraps paragraphs of comments and Markdown in them that have a line wider than 110 columns
   spell   checks the spelling of the tree; part of style, too
@@ -66,6 +67,8 @@ fn main() -> ExitCode {
         ["tidy", "--write-allowances", "--force"] => tidy::check(Allowances::Replace),
         ["graph"] => graph::write(),
         ["measure", options @ ..] => measure::run(options),
+        ["cycles"] => graph::list_cycles(""),
+        ["cycles", below] => graph::list_cycles(below),
         ["prose", paths @ ..] if !paths.is_empty() => tidy::list_prose(paths),
         ["wrap", paths @ ..] if !paths.is_empty() => wrap::run(paths),
         ["spell"] => spelling::run(),

@@ -107,9 +107,9 @@ pub(crate) struct Use {
     pub(crate) from: usize,
     /// The file that is used.
     pub(crate) to: usize,
-    /// The path or name.
-    pub(crate) path: String,
-    /// The first byte of it.
+    /// The paths or names, the first one first.
+    pub(crate) paths: Vec<String>,
+    /// The first byte of the first path.
     pub(crate) at: usize,
 }
 

@@ -101,7 +101,7 @@ fn root(this: &Crate, mut module: usize) -> usize {
     module
 }
 
-/// The uses between files: the first of each pair.
+/// The uses between files: one for each pair, with all its paths.
 pub(super) fn uses(this: &Crate) -> Vec<Use> {
     let mut found: BTreeMap<(usize, usize), Use> = BTreeMap::new();
     for (index, module) in this.modules.iter().enumerate() {
@@ -112,7 +112,10 @@ pub(super) fn uses(this: &Crate) -> Vec<Use> {
                 Some(Target::Module(_)) | None => return,
             };
             if to != from {
-                found.entry((from, to)).or_insert(Use { from, to, path, at });
+                let used = found.entry((from, to)).or_insert(Use { from, to, paths: Vec::new(), at });
+                if !used.paths.contains(&path) {
+                    used.paths.push(path);
+                }
             }
         };
         for import in &module.imports {
