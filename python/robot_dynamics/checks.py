@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from robot_dynamics import _native
 from robot_dynamics._native import _html as escape
+
+if TYPE_CHECKING:
+    from robot_dynamics.robot import Robot
 
 
 @dataclass(frozen=True)
@@ -73,21 +77,19 @@ class Audit:
         return f"<table style=\"white-space: nowrap; text-align: left\"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
 
 
-class Checking(_native.Robot):
-    """A robot that is looked at."""
+def audit(robot: Robot, *, states: int = 20, seed: int = 1) -> Audit:
+    """Each law of mechanics on this robot, in so many random states: each number by a second route.
 
-    def audit(self, *, states: int = 20, seed: int = 1) -> Audit:
-        """Each law of mechanics on this robot, in so many random states: each number by a second route.
+    >>> [check.name for check in rd.example("two_r").audit().checks][:2]
+    ['inertia_triangle', 'mass_matrix']
+    """
+    return Audit(tuple(Check(*check) for check in robot._audit(states, seed)))
 
-        >>> [check.name for check in rd.example("two_r").audit().checks][:2]
-        ['inertia_triangle', 'mass_matrix']
-        """
-        return Audit(tuple(Check(*check) for check in self._audit(states, seed)))
 
-    def suspicions(self) -> tuple[str, ...]:
-        """Numbers that look like a wrong unit, in words; angles in degrees only right after a file was read.
+def suspicions(robot: Robot) -> tuple[str, ...]:
+    """Numbers that look like a wrong unit, in words; angles in degrees only right after a file was read.
 
-        >>> rd.example("panda").suspicions()
-        ()
-        """
-        return tuple(self._suspicions())
+    >>> rd.example("panda").suspicions()
+    ()
+    """
+    return tuple(robot._suspicions())

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robot_dynamics import _native
 from robot_dynamics._native import Constraints
 from robot_dynamics.numbers import Numbers
+
+if TYPE_CHECKING:
+    from robot_dynamics.robot import Robot
 
 Array: TypeAlias = NDArray[np.float64]
 _Fields: TypeAlias = tuple[str, list[str], list[float], list[str]]
@@ -196,149 +198,153 @@ class Projections(NamedTuple):
     """P_u = Pᵀ (nv, nv): P_u Aᵀ = 0."""
 
 
-class Constraining(_native.Robot):
-    """A robot under constraints."""
+def constraints(robot: Robot, constraints: Mapping[str, Constraint]) -> Constraints:
+    """Constraints of this robot, by name.
 
-    def constraints(self, constraints: Mapping[str, Constraint]) -> Constraints:
-        """Constraints of this robot, by name.
+    >>> robot = rd.example("two_r")
+    >>> tip = robot.frame_pose([0.3, 0.4], "tip")[:3, 3]
+    >>> robot.constraints({"pin": rd.PointContact("tip", tip)})
+    <Constraints of 'two_r': pin.x, pin.y, pin.z>
+    """
+    fields = [(name, *constraint._fields()) for name, constraint in constraints.items()]
+    return Constraints(robot, fields)
 
-        >>> robot = rd.example("two_r")
-        >>> tip = robot.frame_pose([0.3, 0.4], "tip")[:3, 3]
-        >>> robot.constraints({"pin": rd.PointContact("tip", tip)})
-        <Constraints of 'two_r': pin.x, pin.y, pin.z>
-        """
-        fields = [(name, *constraint._fields()) for name, constraint in constraints.items()]
-        return Constraints(self, fields)
 
-    def constraint_rows(
-        self, constraints: Constraints, q: Numbers, v: Numbers | None = None
-    ) -> ConstraintRows:
-        """A(q), Ȧ v and φ(q) of q (nq,) and v (nv,).
+def constraint_rows(
+    robot: Robot, constraints: Constraints, q: Numbers, v: Numbers | None = None
+) -> ConstraintRows:
+    """A(q), Ȧ v and φ(q) of q (nq,) and v (nv,).
 
-        >>> robot = rd.example("panda")
-        >>> lock = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
-        >>> robot.constraint_rows(lock, np.zeros(7)).matrix[0, :3]
-        array([ 1., -2.,  0.])
-        """
-        return ConstraintRows(**self._constraint_rows(constraints, q, v))
+    >>> robot = rd.example("panda")
+    >>> lock = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
+    >>> robot.constraint_rows(lock, np.zeros(7)).matrix[0, :3]
+    array([ 1., -2.,  0.])
+    """
+    return ConstraintRows(**robot._constraint_rows(constraints, q, v))
 
-    def constrained_forward_dynamics(
-        self,
-        constraints: Constraints,
-        q: Numbers,
-        v: Numbers,
-        tau: Numbers | None = None,
-        *,
-        stabilization: float | None = None,
-    ) -> ConstrainedMotion:
-        """a and λ of M a + C v + g = τ + Aᵀλ, A a = −Ȧ v, of q (nq,), v (nv,), tau (nv,).
 
-        `stabilization` is Baumgarte's rate γ [1/s]: A a = −Ȧ v − 2γ A v − γ² φ.
+def constrained_forward_dynamics(
+    robot: Robot,
+    constraints: Constraints,
+    q: Numbers,
+    v: Numbers,
+    tau: Numbers | None = None,
+    *,
+    stabilization: float | None = None,
+) -> ConstrainedMotion:
+    """a and λ of M a + C v + g = τ + Aᵀλ, A a = −Ȧ v, of q (nq,), v (nv,), tau (nv,).
 
-        >>> robot, q, rest = rd.example("panda"), np.zeros(7), np.zeros(7)
-        >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
-        >>> a = robot.constrained_forward_dynamics(gear, q, rest).acceleration
-        >>> bool(abs(a[0] - 2.0 * a[1]) < 1e-9)
-        True
-        """
-        record = self._constrained_forward_dynamics(constraints, q, v, tau, stabilization)
-        record["dependent"] = tuple(record["dependent"])
-        return ConstrainedMotion(**record)
+    `stabilization` is Baumgarte's rate γ [1/s]: A a = −Ȧ v − 2γ A v − γ² φ.
 
-    def constrained_inverse_dynamics(
-        self,
-        constraints: Constraints,
-        q: Numbers,
-        v: Numbers,
-        a: Numbers,
-        *,
-        actuated: Sequence[bool] | None = None,
-    ) -> ConstrainedTorque:
-        """The torques of driven coordinates and the λ of a motion that keeps the constraints; the least ones.
+    >>> robot, q, rest = rd.example("panda"), np.zeros(7), np.zeros(7)
+    >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
+    >>> a = robot.constrained_forward_dynamics(gear, q, rest).acceleration
+    >>> bool(abs(a[0] - 2.0 * a[1]) < 1e-9)
+    True
+    """
+    record = robot._constrained_forward_dynamics(constraints, q, v, tau, stabilization)
+    record["dependent"] = tuple(record["dependent"])
+    return ConstrainedMotion(**record)
 
-        `actuated` (nv,) says which coordinates are driven, `robot.actuated_dofs` where it is not given.
-        Coordinates that are not driven fix part of λ by least squares; the rest of λ makes |τ| least. Rows
-        may depend on each other: λ is then the shortest.
 
-        >>> robot, rest = rd.example("panda"), np.zeros(7)
-        >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
-        >>> drives = [joint != 1 for joint in range(7)]  # not the second joint
-        >>> float(robot.constrained_inverse_dynamics(gear, rest, rest, rest, actuated=drives).tau[1])
-        0.0
-        """
-        driven = None if actuated is None else [bool(entry) for entry in actuated]
-        return ConstrainedTorque(**self._constrained_inverse_dynamics(constraints, q, v, a, driven))
+def constrained_inverse_dynamics(
+    robot: Robot,
+    constraints: Constraints,
+    q: Numbers,
+    v: Numbers,
+    a: Numbers,
+    *,
+    actuated: Sequence[bool] | None = None,
+) -> ConstrainedTorque:
+    """The torques of driven coordinates and the λ of a motion that keeps the constraints; the least ones.
 
-    def supported_inverse_dynamics(
-        self,
-        supports: Sequence[Support],
-        q: Numbers,
-        v: Numbers,
-        a: Numbers,
-        *,
-        actuated: Sequence[bool] | None = None,
-        constraints: Constraints | None = None,
-        force_weight: float = 1e-3,
-    ) -> SupportedTorque:
-        """The torques of a motion of a robot that stands, with forces in their cones of friction that carry
-        it.
+    `actuated` (nv,) says which coordinates are driven, `robot.actuated_dofs` where it is not given.
+    Coordinates that are not driven fix part of λ by least squares; the rest of λ makes |τ| least. Rows
+    may depend on each other: λ is then the shortest.
 
-        The result has the least |τ|² + `force_weight` · |λ|² of all such. `actuated` (nv,) says which
-        coordinates are driven, `robot.actuated_dofs` where it is not given. `constraints` are closed loops,
-        which may pull as well.
+    >>> robot, rest = rd.example("panda"), np.zeros(7)
+    >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
+    >>> drives = [joint != 1 for joint in range(7)]  # not the second joint
+    >>> float(robot.constrained_inverse_dynamics(gear, rest, rest, rest, actuated=drives).tau[1])
+    0.0
+    """
+    driven = None if actuated is None else [bool(entry) for entry in actuated]
+    return ConstrainedTorque(**robot._constrained_inverse_dynamics(constraints, q, v, a, driven))
 
-        >>> dog = rd.example("quadruped", floating_base=True)
-        >>> q, rest = np.array([0, 0, 0.3, 0, 0, 0, 1, *[0, 0.7, -1.4] * 4]), np.zeros(18)
-        >>> legs = ["front_left", "front_right", "hind_left", "hind_right"]
-        >>> feet = [rd.Support(leg + "_foot", friction=0.7) for leg in legs]
-        >>> stands = dog.supported_inverse_dynamics(feet, q, rest, rest)
-        >>> round(float(stands.forces[:, 2].sum() / dog.mass), 6), bool(np.abs(stands.missing).max() < 1e-6)
-        (9.81, True)
-        """
-        driven = None if actuated is None else [bool(entry) for entry in actuated]
-        fields = [support._fields() for support in supports]
-        return SupportedTorque(
-            **self._supported_inverse_dynamics(fields, constraints, q, v, a, driven, force_weight)
-        )
 
-    def contact_impulse(
-        self, constraints: Constraints, q: Numbers, v: Numbers, *, restitution: float = 0.0
-    ) -> ContactImpulse:
-        """The impulse that makes A v⁺ = −restitution · A v.
+def supported_inverse_dynamics(
+    robot: Robot,
+    supports: Sequence[Support],
+    q: Numbers,
+    v: Numbers,
+    a: Numbers,
+    *,
+    actuated: Sequence[bool] | None = None,
+    constraints: Constraints | None = None,
+    force_weight: float = 1e-3,
+) -> SupportedTorque:
+    """The torques of a motion of a robot that stands, with forces in their cones of friction that carry
+    it.
 
-        >>> robot, q = rd.example("two_r"), [0.3, 0.4]
-        >>> wall = robot.constraints({"wall": rd.PointContact("tip", robot.frame_pose(q, "tip")[:3, 3])})
-        >>> bool(np.abs(robot.contact_impulse(wall, q, [1.0, 2.0]).velocity).max() < 1e-12)
-        True
-        """
-        return ContactImpulse(**self._contact_impulse(constraints, q, v, restitution))
+    The result has the least |τ|² + `force_weight` · |λ|² of all such. `actuated` (nv,) says which
+    coordinates are driven, `robot.actuated_dofs` where it is not given. `constraints` are closed loops,
+    which may pull as well.
 
-    def project(
-        self,
-        constraints: Constraints,
-        q: Numbers,
-        v: Numbers | None = None,
-        *,
-        tolerance: float = 1e-12,
-    ) -> tuple[Array, Array]:
-        """The nearest q with |φ(q)| ≤ tolerance, and v with A v = 0, near in the measure of M.
+    >>> dog = rd.example("quadruped", floating_base=True)
+    >>> q, rest = np.array([0, 0, 0.3, 0, 0, 0, 1, *[0, 0.7, -1.4] * 4]), np.zeros(18)
+    >>> legs = ["front_left", "front_right", "hind_left", "hind_right"]
+    >>> feet = [rd.Support(leg + "_foot", friction=0.7) for leg in legs]
+    >>> stands = dog.supported_inverse_dynamics(feet, q, rest, rest)
+    >>> round(float(stands.forces[:, 2].sum() / dog.mass), 6), bool(np.abs(stands.missing).max() < 1e-6)
+    (9.81, True)
+    """
+    driven = None if actuated is None else [bool(entry) for entry in actuated]
+    fields = [support._fields() for support in supports]
+    return SupportedTorque(
+        **robot._supported_inverse_dynamics(fields, constraints, q, v, a, driven, force_weight)
+    )
 
-        >>> robot = rd.example("panda")
-        >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
-        >>> q, v = robot.project(gear, np.full(7, 0.5))
-        >>> bool(abs(q[0] - 2.0 * q[1]) <= 1e-12)
-        True
-        """
-        projected: tuple[Array, Array] = self._project(constraints, q, v, tolerance)
-        return projected
 
-    def constraint_projections(self, constraints: Constraints, q: Numbers) -> Projections:
-        """P and P_u of a configuration.
+def contact_impulse(
+    robot: Robot, constraints: Constraints, q: Numbers, v: Numbers, *, restitution: float = 0.0
+) -> ContactImpulse:
+    """The impulse that makes A v⁺ = −restitution · A v.
 
-        >>> robot = rd.example("panda")
-        >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
-        >>> P, _ = robot.constraint_projections(gear, np.zeros(7))
-        >>> bool(np.allclose(P @ P, P))
-        True
-        """
-        return Projections(*self._constraint_projections(constraints, q))
+    >>> robot, q = rd.example("two_r"), [0.3, 0.4]
+    >>> wall = robot.constraints({"wall": rd.PointContact("tip", robot.frame_pose(q, "tip")[:3, 3])})
+    >>> bool(np.abs(robot.contact_impulse(wall, q, [1.0, 2.0]).velocity).max() < 1e-12)
+    True
+    """
+    return ContactImpulse(**robot._contact_impulse(constraints, q, v, restitution))
+
+
+def project(
+    robot: Robot,
+    constraints: Constraints,
+    q: Numbers,
+    v: Numbers | None = None,
+    *,
+    tolerance: float = 1e-12,
+) -> tuple[Array, Array]:
+    """The nearest q with |φ(q)| ≤ tolerance, and v with A v = 0, near in the measure of M.
+
+    >>> robot = rd.example("panda")
+    >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
+    >>> q, v = robot.project(gear, np.full(7, 0.5))
+    >>> bool(abs(q[0] - 2.0 * q[1]) <= 1e-12)
+    True
+    """
+    projected: tuple[Array, Array] = robot._project(constraints, q, v, tolerance)
+    return projected
+
+
+def constraint_projections(robot: Robot, constraints: Constraints, q: Numbers) -> Projections:
+    """P and P_u of a configuration.
+
+    >>> robot = rd.example("panda")
+    >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
+    >>> P, _ = robot.constraint_projections(gear, np.zeros(7))
+    >>> bool(np.allclose(P @ P, P))
+    True
+    """
+    return Projections(*robot._constraint_projections(constraints, q))

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics import _native
 from robot_dynamics.numbers import Numbers
+
+if TYPE_CHECKING:
+    from robot_dynamics.robot import Robot
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -82,58 +85,56 @@ def dlqr(A: Numbers, B: Numbers, Q: Numbers, R: Numbers) -> Dlqr:
     return Dlqr(**_native.dlqr(A, B, Q, R))
 
 
-class Controlling(_native.Robot):
-    """What brings a robot where it is wanted."""
+def inverse_kinematics(
+    robot: Robot,
+    frame: str | int,
+    target: Numbers,
+    start: Numbers | None = None,
+    *,
+    position_tolerance: float = 1e-9,
+    angle_tolerance: float = 1e-9,
+    max_iterations: int = 100,
+    max_restarts: int = 20,
+    seed: int = 1,
+) -> InverseKinematicsSolution:
+    """A configuration within the joint limits that brings a frame to a pose (4, 4) or its origin to a
+    position (3,).
 
-    def inverse_kinematics(
-        self,
-        frame: str | int,
-        target: Numbers,
-        start: Numbers | None = None,
-        *,
-        position_tolerance: float = 1e-9,
-        angle_tolerance: float = 1e-9,
-        max_iterations: int = 100,
-        max_restarts: int = 20,
-        seed: int = 1,
-    ) -> InverseKinematicsSolution:
-        """A configuration within the joint limits that brings a frame to a pose (4, 4) or its origin to a
-        position (3,).
+    The search begins at `start`, (nq,) or the neutral configuration, and again at random ones where it is
+    stuck.
 
-        The search begins at `start`, (nq,) or the neutral configuration, and again at random ones where it is
-        stuck.
-
-        >>> robot = rd.example("panda")
-        >>> wanted = robot.frame_pose(robot.random_configuration(seed=3), "panda_link8")
-        >>> found = robot.inverse_kinematics("panda_link8", wanted)
-        >>> bool(np.allclose(robot.frame_pose(found.q, "panda_link8"), wanted, atol=1e-8))
-        True
-        """
-        return InverseKinematicsSolution(
-            **self._inverse_kinematics(
-                frame,
-                target,
-                start,
-                position_tolerance=position_tolerance,
-                angle_tolerance=angle_tolerance,
-                max_iterations=max_iterations,
-                max_restarts=max_restarts,
-                seed=seed,
-            )
+    >>> robot = rd.example("panda")
+    >>> wanted = robot.frame_pose(robot.random_configuration(seed=3), "panda_link8")
+    >>> found = robot.inverse_kinematics("panda_link8", wanted)
+    >>> bool(np.allclose(robot.frame_pose(found.q, "panda_link8"), wanted, atol=1e-8))
+    True
+    """
+    return InverseKinematicsSolution(
+        **robot._inverse_kinematics(
+            frame,
+            target,
+            start,
+            position_tolerance=position_tolerance,
+            angle_tolerance=angle_tolerance,
+            max_iterations=max_iterations,
+            max_restarts=max_restarts,
+            seed=seed,
         )
+    )
 
-    def operational_space(
-        self,
-        q: Numbers,
-        v: Numbers | None,
-        frame: str | int,
-        rows: Sequence[str] = ("x", "y", "z"),
-    ) -> OperationalSpace:
-        """Λ, J, J̄, J̇ v and μ + p of a frame's origin along some of x, y, z, rx, ry, rz in the world.
 
-        >>> robot, q = rd.example("panda"), rd.example("panda").random_configuration(seed=1)
-        >>> space = robot.operational_space(q, None, "panda_link8")
-        >>> bool(np.allclose(space.jacobian @ space.consistent_inverse, np.eye(3)))
-        True
-        """
-        return OperationalSpace(**self._operational_space(q, v, frame, list(rows)))
+def operational_space(
+    robot: Robot,
+    q: Numbers,
+    v: Numbers | None,
+    frame: str | int,
+    rows: Sequence[str] = ("x", "y", "z"),
+) -> OperationalSpace:
+    """Λ, J, J̄, J̇ v and μ + p of a frame's origin along some of x, y, z, rx, ry, rz in the world.
+
+    >>> robot, q = rd.example("panda"), rd.example("panda").random_configuration(seed=1)
+    >>> space = robot.operational_space(q, None, "panda_link8")
+    >>> bool(np.allclose(space.jacobian @ space.consistent_inverse, np.eye(3)))
+    True
+    """
+    return OperationalSpace(**robot._operational_space(q, v, frame, list(rows)))

@@ -4,14 +4,16 @@ torques."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robot_dynamics import _native
 from robot_dynamics._native import BaseParameters
 from robot_dynamics.numbers import Numbers
+
+if TYPE_CHECKING:
+    from robot_dynamics.robot import Robot
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -44,47 +46,46 @@ class LinkConsistency(NamedTuple):
     is_consistent: bool
 
 
-class Identifying(_native.Robot):
-    """A robot whose parameters are looked for."""
+def base_parameters(robot: Robot, *, states: int = 200, seed: int = 1) -> BaseParameters:
+    """The combinations β of π that torques show, found from random states.
 
-    def base_parameters(self, *, states: int = 200, seed: int = 1) -> BaseParameters:
-        """The combinations β of π that torques show, found from random states.
+    >>> len(rd.example("two_r").base_parameters())
+    6
+    """
+    base: BaseParameters = robot._base_parameters(states, seed)
+    return base
 
-        >>> len(rd.example("two_r").base_parameters())
-        6
-        """
-        base: BaseParameters = self._base_parameters(states, seed)
-        return base
 
-    def identify(
-        self,
-        q: Numbers,
-        v: Numbers,
-        a: Numbers,
-        tau: Numbers,
-        base: BaseParameters | None = None,
-        *,
-        dissipation: bool = True,
-    ) -> Identified:
-        """β from recorded motion: q (n, nq), v (n, nv), a (n, nv), tau (n, nv), by least squares.
+def identify(
+    robot: Robot,
+    q: Numbers,
+    v: Numbers,
+    a: Numbers,
+    tau: Numbers,
+    base: BaseParameters | None = None,
+    *,
+    dissipation: bool = True,
+) -> Identified:
+    """β from recorded motion: q (n, nq), v (n, nv), a (n, nv), tau (n, nv), by least squares.
 
-        The torques contain the joints' damping and friction as described, as those of `simulate` do; without
-        `dissipation` they do not, as those of `inverse_dynamics`. Without `base` the combinations are those
-        that this motion shows.
+    The torques contain the joints' damping and friction as described, as those of `simulate` do; without
+    `dissipation` they do not, as those of `inverse_dynamics`. Without `base` the combinations are those
+    that this motion shows.
 
-        >>> robot, random = rd.example("two_r"), np.random.default_rng(1)
-        >>> q, v, a = random.uniform(-1, 1, (3, 100, 2))
-        >>> found = robot.identify(q, v, a, robot.inverse_dynamics(q, v, a))
-        >>> bool(np.allclose(found.values, found.base.values(robot.inertial_parameters)))
-        True
-        """
-        return Identified(**self._identify(q, v, a, tau, base, dissipation=dissipation))
+    >>> robot, random = rd.example("two_r"), np.random.default_rng(1)
+    >>> q, v, a = random.uniform(-1, 1, (3, 100, 2))
+    >>> found = robot.identify(q, v, a, robot.inverse_dynamics(q, v, a))
+    >>> bool(np.allclose(found.values, found.base.values(robot.inertial_parameters)))
+    True
+    """
+    return Identified(**robot._identify(q, v, a, tau, base, dissipation=dissipation))
 
-    def physical_consistency(self, parameters: Numbers) -> tuple[LinkConsistency, ...]:
-        """Whether each moving link of π (10·moving links,) could be a body.
 
-        >>> robot = rd.example("panda")
-        >>> all(link.is_consistent for link in robot.physical_consistency(robot.inertial_parameters))
-        True
-        """
-        return tuple(LinkConsistency(*link) for link in self._physical_consistency(parameters))
+def physical_consistency(robot: Robot, parameters: Numbers) -> tuple[LinkConsistency, ...]:
+    """Whether each moving link of π (10·moving links,) could be a body.
+
+    >>> robot = rd.example("panda")
+    >>> all(link.is_consistent for link in robot.physical_consistency(robot.inertial_parameters))
+    True
+    """
+    return tuple(LinkConsistency(*link) for link in robot._physical_consistency(parameters))

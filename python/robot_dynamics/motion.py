@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robot_dynamics import _native
 from robot_dynamics import ground as grounds
 from robot_dynamics._native import Constraints
 from robot_dynamics.errors import BadStatesError, SimulationError
 from robot_dynamics.ground import AnyGround
 from robot_dynamics.numbers import Numbers
+
+if TYPE_CHECKING:
+    from robot_dynamics.robot import Robot
 
 Array: TypeAlias = NDArray[np.float64]
 Correction: TypeAlias = Literal["none", "velocity", "position"]
@@ -211,7 +213,7 @@ class Course(NamedTuple):
     """Whether `tau` has a row for each step."""
 
     @classmethod
-    def of(cls, robot: _native.Robot, q: Numbers, v: Numbers | None, tau: Numbers | None, steps: int) -> Course:
+    def of(cls, robot: Robot, q: Numbers, v: Numbers | None, tau: Numbers | None, steps: int) -> Course:
         """The arguments of `rollout`, broadcast."""
         states = np.asarray(q)
         velocities = np.zeros(robot.nv, states.dtype) if v is None else np.asarray(v)
@@ -250,7 +252,7 @@ def switched_off(without: Sequence[str], dissipation: bool, stops: bool) -> list
     return [*without, *([] if dissipation else ["dissipation"]), *([] if stops else ["limits"])]
 
 
-def effort_limits(robot: Any, conservative: bool, off: Sequence[str]) -> Array | None:
+def effort_limits(robot: Robot, conservative: bool, off: Sequence[str]) -> Array | None:
     """The limits (nv,) that cut torques off, infinite where there is none; `None` where none acts."""
     if conservative or "effort-limits" in {name.strip().replace("_", "-") for name in off}:
         return None
@@ -266,222 +268,264 @@ def refuse_for_adaptive(**given: Any) -> None:
             raise ValueError(f"{name} {verb} with integrator='implicit'; 'adaptive' knows no contact or constraints")
 
 
-class Moving(_native.Robot):
-    """What a robot does in time."""
+def simulate(
+    robot: Robot,
+    q: Numbers,
+    v: Numbers | None = None,
+    tau: Numbers | Controller | None = None,
+    *,
+    duration: float,
+    step: float = 1e-3,
+    integrator: str | None = None,
+    conservative: bool = False,
+    without: Sequence[str] = (),
+    dissipation: bool = True,
+    stops: bool = True,
+    sample_every: int = 1,
+    events: Sequence[Event] = (),
+    stop_at_limits: bool = False,
+    constraints: Constraints | None = None,
+    stabilization: float | None = None,
+    correction: Correction = "position",
+    controls: Mapping[str, float] | None = None,
+    ground: AnyGround | None = None,
+    tolerance: float | None = None,
+    control_period: float | None = None,
+) -> Motion:
+    """The motion from q (nq,) and v (nv,), zeros where not given, for `duration` seconds in steps of
+    `step`.
 
-    def simulate(
-        self,
-        q: Numbers,
-        v: Numbers | None = None,
-        tau: Numbers | Controller | None = None,
-        *,
-        duration: float,
-        step: float = 1e-3,
-        integrator: str | None = None,
-        conservative: bool = False,
-        without: Sequence[str] = (),
-        dissipation: bool = True,
-        stops: bool = True,
-        sample_every: int = 1,
-        events: Sequence[Event] = (),
-        stop_at_limits: bool = False,
-        constraints: Constraints | None = None,
-        stabilization: float | None = None,
-        correction: Correction = "position",
-        controls: Mapping[str, float] | None = None,
-        ground: AnyGround | None = None,
-        tolerance: float | None = None,
-        control_period: float | None = None,
-    ) -> Motion:
-        """The motion from q (nq,) and v (nv,), zeros where not given, for `duration` seconds in steps of
-        `step`.
+    Everything that the robot's file states acts: damping, friction, limits, springs, actuators at their
+    `controls` (0 where not named), equalities, and contact with the world's geometry and between links.
+    `without` switches effects off by name (``dissipation``, ``limits``, ``effort-limits``, ``springs``,
+    ``actuators``, ``equalities``, ``contacts``, ``link-contacts``); `dissipation` and `stops` are the
+    first two of them. `conservative` is the textbook's free motion: no damping, friction, limits,
+    actuators or contact. Effects that the method does not support are left out; `Motion.left_out` lists
+    them.
 
-        Everything that the robot's file states acts: damping, friction, limits, springs, actuators at their
-        `controls` (0 where not named), equalities, and contact with the world's geometry and between links.
-        `without` switches effects off by name (``dissipation``, ``limits``, ``effort-limits``, ``springs``,
-        ``actuators``, ``equalities``, ``contacts``, ``link-contacts``); `dissipation` and `stops` are the
-        first two of them. `conservative` is the textbook's free motion: no damping, friction, limits,
-        actuators or contact. Effects that the method does not support are left out; `Motion.left_out` lists
-        them.
+    `tau` is held over each step, within the joints' effort limits: none, (nv,) for all steps, (steps, nv)
+    for each, or a function of (t, q, v) that gives (nv,). Every `sample_every`-th step is a sample; so
+    are the first and the last.
 
-        `tau` is held over each step, within the joints' effort limits: none, (nv,) for all steps, (steps, nv)
-        for each, or a function of (t, q, v) that gives (nv,). Every `sample_every`-th step is a sample; so
-        are the first and the last.
+    `integrator` is ``rk4`` where everything that acts is smooth and not stiff, and ``implicit``
+    elsewhere, unless it is given: a row of the library's table (``rk4``, ``variational-midpoint``, ...),
+    ``implicit``, ``mujoco`` or ``adaptive``. ``implicit`` stays stable however stiff joints are, of order
+    2; joints stick by their friction, limits are stops, and contacts are rigid with Coulomb's friction.
+    ``mujoco`` takes MuJoCo's semi-implicit Euler steps under its law of constraints that yield.
+    ``adaptive`` takes steps of order 9, or implicit ones of order 5 where damping is stiff, as long as
+    `tolerance` (1e-9) allows; `step` is the time between samples alone. Damping acts, unless a joint has
+    dry friction: then both are left out. A function of (t, q, v) is asked all along and must be smooth,
+    unless its torques are held for `control_period` [s]; rows of torques are held for a `step`.
 
-        `integrator` is ``rk4`` where everything that acts is smooth and not stiff, and ``implicit``
-        elsewhere, unless it is given: a row of the library's table (``rk4``, ``variational-midpoint``, ...),
-        ``implicit``, ``mujoco`` or ``adaptive``. ``implicit`` stays stable however stiff joints are, of order
-        2; joints stick by their friction, limits are stops, and contacts are rigid with Coulomb's friction.
-        ``mujoco`` takes MuJoCo's semi-implicit Euler steps under its law of constraints that yield.
-        ``adaptive`` takes steps of order 9, or implicit ones of order 5 where damping is stiff, as long as
-        `tolerance` (1e-9) allows; `step` is the time between samples alone. Damping acts, unless a joint has
-        dry friction: then both are left out. A function of (t, q, v) is asked all along and must be smooth,
-        unless its torques are held for `control_period` [s]; rows of torques are held for a `step`.
+    `ground` is a `Ground`, a `HeightField` or ``"file"``, which asks for the planes and height fields of
+    the robot's file and refuses a file without. `constraints` take the place of the file's equalities;
+    `stabilization` [1/s] is Baumgarte's, `correction` says what an explicit row projects after each step.
 
-        `ground` is a `Ground`, a `HeightField` or ``"file"``, which asks for the planes and height fields of
-        the robot's file and refuses a file without. `constraints` take the place of the file's equalities;
-        `stabilization` [1/s] is Baumgarte's, `correction` says what an explicit row projects after each step.
+    A motion that cannot be computed to its end raises `SimulationError`, whose `until` is the motion so
+    far.
 
-        A motion that cannot be computed to its end raises `SimulationError`, whose `until` is the motion so
-        far.
-
-        >>> robot = rd.example("panda")
-        >>> hold = lambda t, q, v: robot.gravity(q) - 0.1 * v
-        >>> motion = robot.simulate(robot.neutral(), tau=hold, duration=0.1, without=["limits"])
-        >>> bool(np.abs(motion.q[-1]).max() < 1e-9)
-        True
-        >>> fall = robot.simulate(np.full(7, 0.1), duration=1.0, step=0.01, integrator="adaptive", tolerance=1e-12, dissipation=False)
-        >>> fall.ledger.drift < 1e-12, fall.steps == fall.statistics.accepted
-        (True, True)
-        """
-        directions = {"both": 0, "rising": 1, "falling": -1}
-        fields = [(event.name, event.function, directions[event.direction], event.terminal) for event in events]
-        how = {"duration": duration, "sample_every": sample_every, "events": fields, "stop_at_limits": stop_at_limits}
-        try:
-            if integrator == "adaptive":
-                refuse_for_adaptive(ground=ground, constraints=constraints)
-            elif tolerance is not None or control_period is not None:
-                raise ValueError(
-                    "tolerance and control_period go with integrator='adaptive'; "
-                    f"{integrator or 'the default'!r} takes steps of one length"
-                )
-            record = self._simulate(
-                q,
-                v,
-                tau,
-                **how,
-                controls=None if controls is None else dict(controls),
-                step=step,
-                integrator=integrator,
-                conservative=conservative,
-                without=switched_off(without, dissipation, stops),
-                constraints=constraints,
-                stabilization=stabilization,
-                correction=correction,
-                tolerance=tolerance,
-                control_period=control_period,
-                ground=grounds.native(ground),
+    >>> robot = rd.example("panda")
+    >>> hold = lambda t, q, v: robot.gravity(q) - 0.1 * v
+    >>> motion = robot.simulate(robot.neutral(), tau=hold, duration=0.1, without=["limits"])
+    >>> bool(np.abs(motion.q[-1]).max() < 1e-9)
+    True
+    >>> fall = robot.simulate(np.full(7, 0.1), duration=1.0, step=0.01, integrator="adaptive", tolerance=1e-12, dissipation=False)
+    >>> fall.ledger.drift < 1e-12, fall.steps == fall.statistics.accepted
+    (True, True)
+    """
+    directions = {"both": 0, "rising": 1, "falling": -1}
+    fields = [(event.name, event.function, directions[event.direction], event.terminal) for event in events]
+    how = {"duration": duration, "sample_every": sample_every, "events": fields, "stop_at_limits": stop_at_limits}
+    try:
+        if integrator == "adaptive":
+            refuse_for_adaptive(ground=ground, constraints=constraints)
+        elif tolerance is not None or control_period is not None:
+            raise ValueError(
+                "tolerance and control_period go with integrator='adaptive'; "
+                f"{integrator or 'the default'!r} takes steps of one length"
             )
-        except SimulationError as error:
-            if isinstance(error.until, dict):
-                error.until = self._motion(error.until)
-            raise
-        return self._motion(record)
-
-    def _motion(self, record: dict[str, Any]) -> Motion:
-        record["ledger"] = EnergyLedger(**record["ledger"])
-        record["events"] = tuple(Occurrence(*event) for event in record["events"])
-        if record.get("statistics") is not None:
-            record["statistics"] = StepStatistics(**record["statistics"])
-        names, limits = self._configuration_layout()
-        return Motion(
-            **record, coordinates=tuple(self.coordinate_names), configuration_names=names, position_limits=limits
+        record = robot._simulate(
+            q,
+            v,
+            tau,
+            **how,
+            controls=None if controls is None else dict(controls),
+            step=step,
+            integrator=integrator,
+            conservative=conservative,
+            without=switched_off(without, dissipation, stops),
+            constraints=constraints,
+            stabilization=stabilization,
+            correction=correction,
+            tolerance=tolerance,
+            control_period=control_period,
+            ground=grounds.native(ground),
         )
+    except SimulationError as error:
+        if isinstance(error.until, dict):
+            error.until = _motion_of(robot, error.until)
+        raise
+    return _motion_of(robot, record)
 
-    def _configuration_layout(self) -> tuple[tuple[str, ...], Array]:
-        """The names of q's numbers, and their limits (nq, 2)."""
-        names: list[str] = []
-        limits = np.tile([-np.inf, np.inf], (self.nq, 1))
-        coordinates = self.coordinate_names
-        for name, _, _, _, (first, count), (first_v, count_v), _, (lower, upper, _, _), _ in self._joints():
-            own = coordinates[first_v : first_v + count_v]
-            if count > count_v:  # a quaternion in place of three turns
-                own = [f"{name}.{part}" for part in (*"xyz"[: count - 4], "qx", "qy", "qz", "qw")]
-            else:
-                limits[first : first + count] = lower, upper
-            names += own
-        return tuple(names), limits
 
-    def rollout(
-        self,
-        q: Numbers,
-        v: Numbers | None = None,
-        tau: Numbers | None = None,
-        *,
-        steps: int,
-        step: float = 1e-3,
-        integrator: str | None = None,
-        conservative: bool = False,
-        without: Sequence[str] = (),
-        dissipation: bool = True,
-        stops: bool = True,
-        stride: int = 0,
-        threads: int | None = None,
-        controls: Mapping[str, float] | None = None,
-        ground: AnyGround | None = None,
-    ) -> Rollout:
-        """Moves states q (..., nq) and v (..., nv) over so many steps, each on its own, by all threads.
+def _motion_of(robot: Robot, record: dict[str, Any]) -> Motion:
+    record["ledger"] = EnergyLedger(**record["ledger"])
+    record["events"] = tuple(Occurrence(*event) for event in record["events"])
+    if record.get("statistics") is not None:
+        record["statistics"] = StepStatistics(**record["statistics"])
+    names, limits = _configuration_layout(robot)
+    return Motion(
+        **record, coordinates=tuple(robot.coordinate_names), configuration_names=names, position_limits=limits
+    )
 
-        `tau` is (..., nv), held over all steps, or (..., steps, nv), one for each; with one dimension more
-        than the states it is the latter. Every `stride`-th state is kept, none for 0. The effects and the
-        method are as in `simulate`. Explicit methods without actuators and springs (``integrator="rk4"``,
-        ``"semi-implicit-euler"``, ...) move many states at once, float32 in float32; they know no limits and
-        no contact. Others move one state after the other on each thread. The results are the same bits for
-        any number of threads.
 
-        >>> robot = rd.example("panda")
-        >>> q = robot.random_configuration(1000, seed=1)
-        >>> rollout = robot.rollout(q, steps=100, step=1e-3, stride=50, conservative=True)
-        >>> rollout.q.shape, rollout.q_trajectory.shape
-        ((1000, 7), (1000, 2, 7))
-        >>> dog = rd.example("quadruped", floating_base=True)
-        >>> q = np.tile([0, 0, 0.5, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4], (4, 1))
-        >>> q[:, 2] += [0.0, 0.1, 0.2, 0.3]  # dropped from there
-        >>> end = dog.rollout(q, steps=2000, ground=rd.Ground())
-        >>> bool(np.abs(end.v).max() < 1e-3)  # all four lie on the ground
-        True
-        """
-        course = Course.of(self, q, v, tau, steps)
-        off = switched_off(without, dissipation, stops)
-        torques, limits = course.tau, effort_limits(self, conservative, off)
-        if torques is not None and limits is not None:
-            effort = limits.astype(torques.dtype)
-            torques = np.clip(torques, -effort, effort)
-        try:
-            ends = self._rollout(
-                course.q,
-                course.v,
-                torques,
-                course.each_step,
-                steps=steps,
-                stride=stride,
-                threads=threads,
-                controls=None if controls is None else dict(controls),
-                step=step,
-                integrator=integrator,
-                conservative=conservative,
-                without=off,
-                ground=grounds.native(ground),
-            )
-        except BadStatesError as error:
-            error.result = Rollout(*error.result)
-            raise
-        return Rollout(*ends)
+def _configuration_layout(robot: Robot) -> tuple[tuple[str, ...], Array]:
+    """The names of q's numbers, and their limits (nq, 2)."""
+    names: list[str] = []
+    limits = np.tile([-np.inf, np.inf], (robot.nq, 1))
+    coordinates = robot.coordinate_names
+    for name, _, _, _, (first, count), (first_v, count_v), _, (lower, upper, _, _), _ in robot._joints():
+        own = coordinates[first_v : first_v + count_v]
+        if count > count_v:  # a quaternion in place of three turns
+            own = [f"{name}.{part}" for part in (*"xyz"[: count - 4], "qx", "qy", "qz", "qw")]
+        else:
+            limits[first : first + count] = lower, upper
+        names += own
+    return tuple(names), limits
 
-    def step(
-        self,
-        q: Numbers,
-        v: Numbers,
-        tau: Numbers | None = None,
-        *,
-        step: float,
-        integrator: str | None = None,
-        conservative: bool = False,
-        without: Sequence[str] = (),
-        dissipation: bool = True,
-        stops: bool = True,
-        controls: Mapping[str, float] | None = None,
-        ground: AnyGround | None = None,
-    ) -> tuple[Array, Array]:
-        """q and v of one state after one step, as `simulate` takes it; `rollout` moves many, and a
-        `Simulation` goes on.
 
-        >>> robot = rd.example("two_r")
-        >>> q, v = robot.step([0.0, 0.0], [1.0, 0.0], step=1e-3)
-        >>> bool(abs(q[0] - 1e-3) < 1e-5)
-        True
-        """
-        moved: tuple[Array, Array] = self._step(
+def rollout(
+    robot: Robot,
+    q: Numbers,
+    v: Numbers | None = None,
+    tau: Numbers | None = None,
+    *,
+    steps: int,
+    step: float = 1e-3,
+    integrator: str | None = None,
+    conservative: bool = False,
+    without: Sequence[str] = (),
+    dissipation: bool = True,
+    stops: bool = True,
+    stride: int = 0,
+    threads: int | None = None,
+    controls: Mapping[str, float] | None = None,
+    ground: AnyGround | None = None,
+) -> Rollout:
+    """Moves states q (..., nq) and v (..., nv) over so many steps, each on its own, by all threads.
+
+    `tau` is (..., nv), held over all steps, or (..., steps, nv), one for each; with one dimension more
+    than the states it is the latter. Every `stride`-th state is kept, none for 0. The effects and the
+    method are as in `simulate`. Explicit methods without actuators and springs (``integrator="rk4"``,
+    ``"semi-implicit-euler"``, ...) move many states at once, float32 in float32; they know no limits and
+    no contact. Others move one state after the other on each thread. The results are the same bits for
+    any number of threads.
+
+    >>> robot = rd.example("panda")
+    >>> q = robot.random_configuration(1000, seed=1)
+    >>> rollout = robot.rollout(q, steps=100, step=1e-3, stride=50, conservative=True)
+    >>> rollout.q.shape, rollout.q_trajectory.shape
+    ((1000, 7), (1000, 2, 7))
+    >>> dog = rd.example("quadruped", floating_base=True)
+    >>> q = np.tile([0, 0, 0.5, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4], (4, 1))
+    >>> q[:, 2] += [0.0, 0.1, 0.2, 0.3]  # dropped from there
+    >>> end = dog.rollout(q, steps=2000, ground=rd.Ground())
+    >>> bool(np.abs(end.v).max() < 1e-3)  # all four lie on the ground
+    True
+    """
+    course = Course.of(robot, q, v, tau, steps)
+    off = switched_off(without, dissipation, stops)
+    torques, limits = course.tau, effort_limits(robot, conservative, off)
+    if torques is not None and limits is not None:
+        effort = limits.astype(torques.dtype)
+        torques = np.clip(torques, -effort, effort)
+    try:
+        ends = robot._rollout(
+            course.q,
+            course.v,
+            torques,
+            course.each_step,
+            steps=steps,
+            stride=stride,
+            threads=threads,
+            controls=None if controls is None else dict(controls),
+            step=step,
+            integrator=integrator,
+            conservative=conservative,
+            without=off,
+            ground=grounds.native(ground),
+        )
+    except BadStatesError as error:
+        error.result = Rollout(*error.result)
+        raise
+    return Rollout(*ends)
+
+
+def step(
+    robot: Robot,
+    q: Numbers,
+    v: Numbers,
+    tau: Numbers | None = None,
+    *,
+    step: float,
+    integrator: str | None = None,
+    conservative: bool = False,
+    without: Sequence[str] = (),
+    dissipation: bool = True,
+    stops: bool = True,
+    controls: Mapping[str, float] | None = None,
+    ground: AnyGround | None = None,
+) -> tuple[Array, Array]:
+    """q and v of one state after one step, as `simulate` takes it; `rollout` moves many, and a
+    `Simulation` goes on.
+
+    >>> robot = rd.example("two_r")
+    >>> q, v = robot.step([0.0, 0.0], [1.0, 0.0], step=1e-3)
+    >>> bool(abs(q[0] - 1e-3) < 1e-5)
+    True
+    """
+    moved: tuple[Array, Array] = robot._step(
+        q,
+        v,
+        tau,
+        None if controls is None else dict(controls),
+        step=step,
+        integrator=integrator,
+        conservative=conservative,
+        without=switched_off(without, dissipation, stops),
+        ground=grounds.native(ground),
+    )
+    return moved
+
+
+def linearize_step(
+    robot: Robot,
+    q: Numbers,
+    v: Numbers,
+    tau: Numbers | None = None,
+    *,
+    step: float,
+    integrator: str | None = None,
+    conservative: bool = False,
+    without: Sequence[str] = (),
+    dissipation: bool = True,
+    stops: bool = True,
+    controls: Mapping[str, float] | None = None,
+    ground: AnyGround | None = None,
+) -> LinearizedStep:
+    """The slopes A and B of one step of one state, as `simulate` takes it: exact ones of an explicit
+    method without actuators and springs.
+
+    Those of other methods are central differences of steps in which those contacts go on that a step from
+    q and v finds.
+
+    >>> robot = rd.example("two_r")
+    >>> A, B = robot.linearize_step([0.0, 0.0], [0.0, 0.0], step=1e-3)
+    >>> A.shape, B.shape
+    ((4, 4), (4, 2))
+    """
+    return LinearizedStep(
+        *robot._linearize_step(
             q,
             v,
             tau,
@@ -492,44 +536,4 @@ class Moving(_native.Robot):
             without=switched_off(without, dissipation, stops),
             ground=grounds.native(ground),
         )
-        return moved
-
-    def linearize_step(
-        self,
-        q: Numbers,
-        v: Numbers,
-        tau: Numbers | None = None,
-        *,
-        step: float,
-        integrator: str | None = None,
-        conservative: bool = False,
-        without: Sequence[str] = (),
-        dissipation: bool = True,
-        stops: bool = True,
-        controls: Mapping[str, float] | None = None,
-        ground: AnyGround | None = None,
-    ) -> LinearizedStep:
-        """The slopes A and B of one step of one state, as `simulate` takes it: exact ones of an explicit
-        method without actuators and springs.
-
-        Those of other methods are central differences of steps in which those contacts go on that a step from
-        q and v finds.
-
-        >>> robot = rd.example("two_r")
-        >>> A, B = robot.linearize_step([0.0, 0.0], [0.0, 0.0], step=1e-3)
-        >>> A.shape, B.shape
-        ((4, 4), (4, 2))
-        """
-        return LinearizedStep(
-            *self._linearize_step(
-                q,
-                v,
-                tau,
-                None if controls is None else dict(controls),
-                step=step,
-                integrator=integrator,
-                conservative=conservative,
-                without=switched_off(without, dissipation, stops),
-                ground=grounds.native(ground),
-            )
-        )
+    )

@@ -12,17 +12,22 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robot_dynamics.checks import Checking
-from robot_dynamics.constraints import Constraining
-from robot_dynamics.control import Controlling
-from robot_dynamics.files import Written
-from robot_dynamics.identification import Identifying
-from robot_dynamics.motion import Moving
+from robot_dynamics import (
+    _native,
+    checks,
+    control,
+    files,
+    identification,
+    motion,
+    planning,
+    pullbacks,
+    wrenches,
+)
+from robot_dynamics import constraints as constraint_functions
+from robot_dynamics import sensors as sensor_functions
 from robot_dynamics.numbers import Numbers
-from robot_dynamics.planning import Planning
-from robot_dynamics.pullbacks import Pulling
 from robot_dynamics.report import LoadReport
-from robot_dynamics.sensors import Sensing
+from robot_dynamics.sensors import Sensor
 
 
 class Limits(NamedTuple):
@@ -88,7 +93,7 @@ class CoordinateLimits:
     """[N·m or N]"""
 
 
-class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Identifying, Checking, Written):
+class Robot(_native.Robot):
     """A robot: immutable, to be used by any number of threads at once.
 
     `load` makes one of a file. Robots are equal where every name and every digit of their descriptions is;
@@ -277,6 +282,59 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         """
         return self._edited(self._with_parameters(parameters, as_written))
 
+    @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """The sensors that the file states, or that `with_sensors` has added, in the order of their values.
+
+        >>> robot = rd.example("two_r").with_sensors({"imu": ("accelerometer", "tip")})
+        >>> robot.sensors
+        (Sensor(name='imu', kind='accelerometer', size=3),)
+        """
+        return tuple(Sensor(*sensor) for sensor in self._sensors())
+
+    # Motion in time.
+    simulate = motion.simulate
+    rollout = motion.rollout
+    step = motion.step
+    linearize_step = motion.linearize_step
+    rollout_pullback = pullbacks.rollout_pullback
+    step_pullback = pullbacks.step_pullback
+
+    # External wrenches and sensors.
+    inverse_dynamics_with_wrenches = wrenches.inverse_dynamics_with_wrenches
+    forward_dynamics_with_wrenches = wrenches.forward_dynamics_with_wrenches
+    inverse_dynamics_derivatives_with_wrenches = wrenches.inverse_dynamics_derivatives_with_wrenches
+    forward_dynamics_derivatives_with_wrenches = wrenches.forward_dynamics_derivatives_with_wrenches
+    joint_reactions = sensor_functions.joint_reactions
+    sensor_values = sensor_functions.sensor_values
+
+    # Constraints and supports.
+    constraints = constraint_functions.constraints
+    constraint_rows = constraint_functions.constraint_rows
+    constrained_forward_dynamics = constraint_functions.constrained_forward_dynamics
+    constrained_inverse_dynamics = constraint_functions.constrained_inverse_dynamics
+    supported_inverse_dynamics = constraint_functions.supported_inverse_dynamics
+    contact_impulse = constraint_functions.contact_impulse
+    project = constraint_functions.project
+    constraint_projections = constraint_functions.constraint_projections
+
+    # Control, planning and identification.
+    inverse_kinematics = control.inverse_kinematics
+    operational_space = control.operational_space
+    time_optimal = planning.time_optimal
+    base_parameters = identification.base_parameters
+    identify = identification.identify
+    physical_consistency = identification.physical_consistency
+
+    # Checks.
+    audit = checks.audit
+    suspicions = checks.suspicions
+
+    # Files and generated code.
+    to_text = files.to_text
+    write = files.write
+    generate = files.generate
+
     def _edited(self, state: str) -> Robot:
         return type(self)("json", state)
 
@@ -329,19 +387,16 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         return f"<Robot {self.name!r}: {self.nv} {freedoms} of freedom, {self.total_mass:.2f} kg>"
 
 
-def _name_methods_after(cls: type) -> None:
-    """Gives the methods of a class's bases its name, so that error messages, `help` and pickles show the
-    public class."""
-    for base in cls.__mro__[1:]:
-        for member in vars(base).values():
-            inner = (getattr(member, name, None) for name in ("__func__", "fget", "func"))
-            function = next((found for found in inner if found is not None), member)
-            if isinstance(function, FunctionType):
-                function.__qualname__ = f"{cls.__qualname__}.{function.__name__}"
-                function.__module__ = cls.__module__
+def _name_methods(cls: type) -> None:
+    """Names the functions bound in a class after it, so that error messages, `help` and pickles show the
+    class."""
+    for name, member in vars(cls).items():
+        if isinstance(member, FunctionType):
+            member.__qualname__ = f"{cls.__qualname__}.{name}"
+            member.__module__ = cls.__module__
 
 
-_name_methods_after(Robot)
+_name_methods(Robot)
 
 
 def _restored(cls: type[Robot], state: str) -> Robot:

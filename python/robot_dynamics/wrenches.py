@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robot_dynamics import _native
 from robot_dynamics.numbers import Numbers
 from robot_dynamics.results import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 
+if TYPE_CHECKING:
+    from robot_dynamics.robot import Robot
 
-def _stacked(wrenches: Mapping[str, Numbers] | Mapping[int, Numbers]) -> tuple[list[Any], NDArray[Any]]:
+
+def stacked(wrenches: Mapping[str, Numbers] | Mapping[int, Numbers]) -> tuple[list[Any], NDArray[Any]]:
     """The frames, and one table (..., frames, 6)."""
     if not wrenches:
         return [], np.zeros((0, 6))
@@ -21,111 +23,108 @@ def _stacked(wrenches: Mapping[str, Numbers] | Mapping[int, Numbers]) -> tuple[l
     return list(wrenches), np.stack(tables, axis=-2)
 
 
-class Pushed(_native.Robot):
-    """A robot that is pushed."""
+def inverse_dynamics_with_wrenches(
+    robot: Robot,
+    q: Numbers,
+    v: Numbers,
+    a: Numbers,
+    wrenches: Mapping[str, Numbers] | Mapping[int, Numbers],
+    *,
+    out: NDArray[Any] | None = None,
+    threads: int | None = None,
+) -> NDArray[Any]:
+    """τ = M a + C v + g − Σ Jᵀ f: what the joints give when wrenches from outside act on frames.
 
-    def inverse_dynamics_with_wrenches(
-        self,
-        q: Numbers,
-        v: Numbers,
-        a: Numbers,
-        wrenches: Mapping[str, Numbers] | Mapping[int, Numbers],
-        *,
-        out: NDArray[Any] | None = None,
-        threads: int | None = None,
-    ) -> NDArray[Any]:
-        """τ = M a + C v + g − Σ Jᵀ f: what the joints give when wrenches from outside act on frames.
+    q (..., nq), v (..., nv), a (..., nv) → (..., nv). `wrenches` has for each frame (..., 6), force [N]
+    then moment [N·m] at the frame's origin along its axes.
 
-        q (..., nq), v (..., nv), a (..., nv) → (..., nv). `wrenches` has for each frame (..., 6), force [N]
-        then moment [N·m] at the frame's origin along its axes.
+    >>> robot, rest = rd.example("two_r"), [0.0, 0.0]
+    >>> held = robot.inverse_dynamics_with_wrenches(rest, rest, rest, {"tip": [0.0, 0.0, 9.81, 0.0, 0.0, 0.0]})
+    >>> (robot.gravity(rest) - held).round(9)  # 9.81 N upwards at 2 m and at 1 m
+    array([19.62,  9.81])
+    """
+    frames, table = stacked(wrenches)
+    result: NDArray[Any] = robot._with_wrenches("inverse_dynamics", q, v, a, frames, table, out=out, threads=threads)
+    return result
 
-        >>> robot, rest = rd.example("two_r"), [0.0, 0.0]
-        >>> held = robot.inverse_dynamics_with_wrenches(rest, rest, rest, {"tip": [0.0, 0.0, 9.81, 0.0, 0.0, 0.0]})
-        >>> (robot.gravity(rest) - held).round(9)  # 9.81 N upwards at 2 m and at 1 m
-        array([19.62,  9.81])
-        """
-        frames, table = _stacked(wrenches)
-        return self._result(self._with_wrenches("inverse_dynamics", q, v, a, frames, table, out=out, threads=threads))
 
-    def forward_dynamics_with_wrenches(
-        self,
-        q: Numbers,
-        v: Numbers,
-        tau: Numbers,
-        wrenches: Mapping[str, Numbers] | Mapping[int, Numbers],
-        *,
-        out: NDArray[Any] | None = None,
-        threads: int | None = None,
-    ) -> NDArray[Any]:
-        """a = M⁻¹(τ + Σ Jᵀ f − C v − g); see `inverse_dynamics_with_wrenches`.
+def forward_dynamics_with_wrenches(
+    robot: Robot,
+    q: Numbers,
+    v: Numbers,
+    tau: Numbers,
+    wrenches: Mapping[str, Numbers] | Mapping[int, Numbers],
+    *,
+    out: NDArray[Any] | None = None,
+    threads: int | None = None,
+) -> NDArray[Any]:
+    """a = M⁻¹(τ + Σ Jᵀ f − C v − g); see `inverse_dynamics_with_wrenches`.
 
-        q (..., nq), v (..., nv), tau (..., nv) → (..., nv).
+    q (..., nq), v (..., nv), tau (..., nv) → (..., nv).
 
-        >>> robot, q, rest, push = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0], {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]}
-        >>> tau = robot.inverse_dynamics_with_wrenches(q, rest, [3.0, 4.0], push)
-        >>> robot.forward_dynamics_with_wrenches(q, rest, tau, push).round(9)
-        array([3., 4.])
-        """
-        frames, table = _stacked(wrenches)
-        return self._result(self._with_wrenches("forward_dynamics", q, v, tau, frames, table, out=out, threads=threads))
+    >>> robot, q, rest, push = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0], {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]}
+    >>> tau = robot.inverse_dynamics_with_wrenches(q, rest, [3.0, 4.0], push)
+    >>> robot.forward_dynamics_with_wrenches(q, rest, tau, push).round(9)
+    array([3., 4.])
+    """
+    frames, table = stacked(wrenches)
+    result: NDArray[Any] = robot._with_wrenches("forward_dynamics", q, v, tau, frames, table, out=out, threads=threads)
+    return result
 
-    def inverse_dynamics_derivatives_with_wrenches(
-        self,
-        q: Numbers,
-        v: Numbers,
-        a: Numbers,
-        wrenches: Mapping[str, Numbers] | Mapping[int, Numbers],
-        *,
-        out: tuple[NDArray[Any], NDArray[Any]] | None = None,
-        threads: int | None = None,
-    ) -> InverseDynamicsDerivatives[Any]:
-        """∂τ/∂q and ∂τ/∂v of `inverse_dynamics_with_wrenches`; the wrenches keep their components in their
-        frames.
 
-        q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., nv, nv).
+def inverse_dynamics_derivatives_with_wrenches(
+    robot: Robot,
+    q: Numbers,
+    v: Numbers,
+    a: Numbers,
+    wrenches: Mapping[str, Numbers] | Mapping[int, Numbers],
+    *,
+    out: tuple[NDArray[Any], NDArray[Any]] | None = None,
+    threads: int | None = None,
+) -> InverseDynamicsDerivatives[Any]:
+    """∂τ/∂q and ∂τ/∂v of `inverse_dynamics_with_wrenches`; the wrenches keep their components in their
+    frames.
 
-        >>> robot, q, rest = rd.example("two_r"), np.array([0.3, 1.2]), [0.0, 0.0]
-        >>> tau = lambda q: robot.inverse_dynamics_with_wrenches(q, rest, rest, {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]})
-        >>> slopes = robot.inverse_dynamics_derivatives_with_wrenches(
-        ...     q, rest, rest, {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]}
-        ... )
-        >>> bool(np.allclose(slopes.by_position[:, 0], (tau(q + [1e-6, 0.0]) - tau(q - [1e-6, 0.0])) / 2e-6, atol=1e-8))
-        True
-        """
-        frames, table = _stacked(wrenches)
-        slopes: InverseDynamicsDerivatives[Any] = self._with_wrenches(
-            "inverse_dynamics_derivatives", q, v, a, frames, table, out=out, threads=threads
-        )
-        return slopes
+    q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., nv, nv).
 
-    def forward_dynamics_derivatives_with_wrenches(
-        self,
-        q: Numbers,
-        v: Numbers,
-        tau: Numbers,
-        wrenches: Mapping[str, Numbers] | Mapping[int, Numbers],
-        *,
-        out: tuple[NDArray[Any], NDArray[Any], NDArray[Any]] | None = None,
-        threads: int | None = None,
-    ) -> ForwardDynamicsDerivatives[Any]:
-        """∂a/∂q, ∂a/∂v and ∂a/∂τ of `forward_dynamics_with_wrenches`; the wrenches keep their components in
-        their frames.
+    >>> robot, q, rest = rd.example("two_r"), np.array([0.3, 1.2]), [0.0, 0.0]
+    >>> tau = lambda q: robot.inverse_dynamics_with_wrenches(q, rest, rest, {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]})
+    >>> slopes = robot.inverse_dynamics_derivatives_with_wrenches(
+    ...     q, rest, rest, {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]}
+    ... )
+    >>> bool(np.allclose(slopes.by_position[:, 0], (tau(q + [1e-6, 0.0]) - tau(q - [1e-6, 0.0])) / 2e-6, atol=1e-8))
+    True
+    """
+    frames, table = stacked(wrenches)
+    slopes: InverseDynamicsDerivatives[Any] = robot._with_wrenches(
+        "inverse_dynamics_derivatives", q, v, a, frames, table, out=out, threads=threads
+    )
+    return slopes
 
-        q (..., nq), v (..., nv), tau (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv,
-        nv).
 
-        >>> robot, q, rest, push = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0], {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]}
-        >>> slopes = robot.forward_dynamics_derivatives_with_wrenches(q, rest, rest, push)
-        >>> bool(np.allclose(slopes.by_force, robot.inverse_mass_matrix(q)))
-        True
-        """
-        frames, table = _stacked(wrenches)
-        slopes: ForwardDynamicsDerivatives[Any] = self._with_wrenches(
-            "forward_dynamics_derivatives", q, v, tau, frames, table, out=out, threads=threads
-        )
-        return slopes
+def forward_dynamics_derivatives_with_wrenches(
+    robot: Robot,
+    q: Numbers,
+    v: Numbers,
+    tau: Numbers,
+    wrenches: Mapping[str, Numbers] | Mapping[int, Numbers],
+    *,
+    out: tuple[NDArray[Any], NDArray[Any], NDArray[Any]] | None = None,
+    threads: int | None = None,
+) -> ForwardDynamicsDerivatives[Any]:
+    """∂a/∂q, ∂a/∂v and ∂a/∂τ of `forward_dynamics_with_wrenches`; the wrenches keep their components in
+    their frames.
 
-    @staticmethod
-    def _result(array: Any) -> NDArray[Any]:
-        result: NDArray[Any] = array
-        return result
+    q (..., nq), v (..., nv), tau (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv,
+    nv).
+
+    >>> robot, q, rest, push = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0], {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]}
+    >>> slopes = robot.forward_dynamics_derivatives_with_wrenches(q, rest, rest, push)
+    >>> bool(np.allclose(slopes.by_force, robot.inverse_mass_matrix(q)))
+    True
+    """
+    frames, table = stacked(wrenches)
+    slopes: ForwardDynamicsDerivatives[Any] = robot._with_wrenches(
+        "forward_dynamics_derivatives", q, v, tau, frames, table, out=out, threads=threads
+    )
+    return slopes
