@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::cause::{Decades, decades, explain};
 use super::{Cause, Culprit, LinkStatistics, Quantity, RobotStatistics, Suspicion};
 
-// The ranges, with the values of correct robots (docs/audit.md has the distributions).
+// The ranges, with the values of correct robots (docs/explanation/unit-checks.md has the distributions).
 
 /// The density of osmium \[kg/m³\]: above it no body has these moments. A single link is reported only if it
 /// is this many times denser, because the numbers of small links are often rounded down.

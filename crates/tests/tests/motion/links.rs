@@ -376,7 +376,7 @@ fn convex_shapes_rest_on_each_other() {
 
 /// Bricks are thrown onto each other with rotation. None enters the ground or flies off, and dissipation
 /// never decreases. The energy account has a gap where a normal jumps from face to face, 13 % of the energy
-/// here (docs/contact.md). A larger gap would have another cause.
+/// here (docs/explanation/contact.md). A larger gap would have another cause.
 #[cfg(feature = "convex")]
 #[test]
 fn bricks_fall_on_each_other_without_energy_gain() {

@@ -8,7 +8,7 @@ use crate::{Model, NativeFunction};
 
 /// The largest number of operations that machine code pays off for. Fetching longer code takes more time than
 /// computing with it; the recursion, whose code stays in the cache, is then as fast. Measured on chains of 8
-/// to 64 links (docs/native-code.md). Functions of frames and of the centre of mass gain up to 1024 links,
+/// to 64 links (docs/performance.md). Functions of frames and of the centre of mass gain up to 1024 links,
 /// which take a tenth of a second to compile.
 pub(super) fn most_operations(function: NativeFunction, width: Width) -> usize {
     match (function, width) {
