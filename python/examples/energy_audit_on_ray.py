@@ -119,7 +119,7 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
         write(folder, robot, 8 if options.short else 24)
         rows = audited(folder, robot, options.workers)
     rows = rows.sort_by([("episode_index", "ascending"), ("timestamp", "ascending")])
-    books = arrow.ledger(rows).to_pylist()
+    books = arrow.energy_accounts(rows).to_pylist()
 
     # What most episodes show is noise; ten times their median is not.
     residuals = np.array([book["torque_residual"] for book in books])

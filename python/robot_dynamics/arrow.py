@@ -35,8 +35,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics.columns import array_of, column_of
+from robot_dynamics.energy_accounts import energy_accounts
 from robot_dynamics.errors import BadStatesError, ColumnError, StateError
-from robot_dynamics.ledger import ledger
 from robot_dynamics.quantities import AUDIT, Quantity, quantity, quantity_names
 from robot_dynamics.robot import Robot
 
@@ -45,7 +45,7 @@ try:
 except ImportError:
     raise ImportError("robot_dynamics.arrow needs pyarrow: pip install robot-dynamics[arrow]") from None
 
-__all__ = ["AUDIT", "Computation", "compute", "ledger", "quantity_names", "stream"]
+__all__ = ["AUDIT", "Computation", "compute", "energy_accounts", "quantity_names", "stream"]
 
 
 class Computation:

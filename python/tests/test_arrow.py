@@ -214,15 +214,15 @@ def test_the_audit_counts_dissipation_where_asked() -> None:
     columns: dict[str, Any] = {"q": motion.q[:, 0], "v": motion.v[:, 0], "a": a[:, 0], "tau": motion.tau[:, 0]}
     recording = pa.table(columns | {"timestamp": motion.times, "episode_index": np.zeros(len(a), np.int64)})
     keep = ["timestamp", "episode_index"]
-    books = arrow.ledger(arrow.compute(robot, recording, "audit:dissipation", keep=keep))
-    assert books["imbalance"][0].as_py() < 1e-5 * books["energy_moved"][0].as_py()
-    assert books["dissipated"][0].as_py() == pytest.approx(motion.ledger.dissipated, rel=1e-5)
-    assert books["torque_residual"][0].as_py()[0] < 1e-12
-    without = arrow.ledger(arrow.compute(robot, recording, "audit", keep=keep))
+    accounts = arrow.energy_accounts(arrow.compute(robot, recording, "audit:dissipation", keep=keep))
+    assert accounts["imbalance"][0].as_py() < 1e-5 * accounts["energy_moved"][0].as_py()
+    assert accounts["dissipated"][0].as_py() == pytest.approx(motion.ledger.dissipated, rel=1e-5)
+    assert accounts["torque_residual"][0].as_py()[0] < 1e-12
+    without = arrow.energy_accounts(arrow.compute(robot, recording, "audit", keep=keep))
     assert without["imbalance"][0].as_py() > 0.99 * motion.ledger.dissipated
 
 
-def test_the_ledger_keeps_episodes_apart() -> None:
+def test_energy_accounts_keep_episodes_apart() -> None:
     robot, parts = rd.example("two_r"), []
     for episode in (5, 2):
         motion = robot.simulate([0.1 * episode, 0.2], tau=[1.0, 0.1], duration=0.5, step=1e-3)
@@ -230,15 +230,15 @@ def test_the_ledger_keeps_episodes_apart() -> None:
         columns: dict[str, Any] = {"q": list(motion.q), "v": list(motion.v), "a": list(a), "tau": list(motion.tau)}
         parts.append(pa.table(columns | {"t": motion.times, "episode": [f"run {episode}"] * len(a)}))
     audited = arrow.compute(robot, pa.concat_tables(parts), "audit", keep=["t", "episode"])
-    books = arrow.ledger(audited, time="t", episode="episode")
-    assert books["episode"].to_pylist() == ["run 2", "run 5"] and books["rows"].to_pylist() == [501, 501]
-    for book in books.to_pylist():
-        assert book["imbalance"] < 1e-5 * book["energy_moved"] and book["duration"] == pytest.approx(0.5)
-    # Rows of the episodes by turns are the same books; a row out of time is refused.
+    accounts = arrow.energy_accounts(audited, time="t", episode="episode")
+    assert accounts["episode"].to_pylist() == ["run 2", "run 5"] and accounts["rows"].to_pylist() == [501, 501]
+    for account in accounts.to_pylist():
+        assert account["imbalance"] < 1e-5 * account["energy_moved"] and account["duration"] == pytest.approx(0.5)
+    # Rows of the episodes by turns are the same accounts; a row out of time is refused.
     turns = audited.take(pa.array(np.arange(1002).reshape(2, 501).T.reshape(-1)))
-    assert arrow.ledger(turns, time="t", episode="episode").equals(books)
+    assert arrow.energy_accounts(turns, time="t", episode="episode").equals(accounts)
     with pytest.raises(rd.ColumnError, match="does not increase"):
-        arrow.ledger(audited.take(pa.array([3, 2, 1])), time="t", episode="episode")
+        arrow.energy_accounts(audited.take(pa.array([3, 2, 1])), time="t", episode="episode")
 
 
 WRONG: list[tuple[dict[str, Any], list[str], dict[str, Any], type[Exception], str]] = [

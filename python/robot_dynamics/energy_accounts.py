@@ -1,4 +1,4 @@
-"""The energy's books of recorded motion."""
+"""Energy accounts of recorded motion."""
 
 from __future__ import annotations
 
@@ -13,15 +13,40 @@ from robot_dynamics.errors import ColumnError
 from robot_dynamics.quantities import AUDIT
 
 
-def ledger(audited: Any, *, time: str = "timestamp", episode: str = "episode_index") -> Any:
-    """The energy's books of each episode of recorded motion, from its audit and the time of each row [s].
+def energy_accounts(audited: Any, *, time: str = "timestamp", episode: str = "episode_index") -> Any:
+    """Compute the energy account of each episode of recorded motion, from its audit.
 
-    `audited` is a table with the columns of the quantity ``audit``, `time` and `episode`; the rows of an
-    episode are in the order of time, and need not lie side by side. Of each episode: `rows`, `duration` [s],
-    `energy_start`, `energy_end`, `work` of the motors, what was `dissipated`, the largest `imbalance` |E − E₀
-    − work + dissipated| [J], all by the trapezoidal rule, `energy_moved`, max K + max V − min V, to compare
-    it with, and `torque_residual` (nv), its root mean square.
+    Integrals use the trapezoidal rule. Each row of the result has:
 
+    - `rows` and `duration` [s],
+    - `energy_start` and `energy_end` [J],
+    - `work` of the motors and the `dissipated` energy [J],
+    - `imbalance`, the largest |E − E₀ − work + dissipated| [J],
+    - `energy_moved`, max K + max V − min V [J], as a scale for the imbalance,
+    - `torque_residual` (nv,), the root mean square of the residual [N·m or N].
+
+    Parameters
+    ----------
+    audited : Arrow table
+        Columns of the quantity ``audit``, `time` and `episode`. The rows of an episode are ordered by time
+        and need not be adjacent.
+    time : str
+        Column of the time [s].
+    episode : str
+        Column of the episode.
+
+    Returns
+    -------
+    pyarrow.Table
+        One row for each episode.
+
+    Raises
+    ------
+    ColumnError
+        A column is missing or has nulls, or the time of an episode does not increase.
+
+    Examples
+    --------
     >>> import pyarrow as pa
     >>> from robot_dynamics import arrow
     >>> robot = rd.example("two_r")
@@ -30,26 +55,26 @@ def ledger(audited: Any, *, time: str = "timestamp", episode: str = "episode_ind
     >>> recorded = pa.table({
     ...     **{name: list(x) for name, x in (("q", motion.q), ("v", motion.v), ("a", a), ("tau", motion.tau))},
     ...     "timestamp": motion.times, "episode_index": np.zeros(len(motion.times), np.int64)})
-    >>> books = arrow.ledger(arrow.compute(robot, recorded, "audit", keep=["timestamp", "episode_index"]))
-    >>> books["imbalance"][0].as_py() < 1e-8 * books["energy_moved"][0].as_py()
+    >>> accounts = arrow.energy_accounts(arrow.compute(robot, recorded, "audit", keep=["timestamp", "episode_index"]))
+    >>> accounts["imbalance"][0].as_py() < 1e-8 * accounts["energy_moved"][0].as_py()
     True
     """
     table = audited if isinstance(audited, pa.Table) else pa.table(audited)
     needed = [time, episode, *(f"audit.{name}" for name in AUDIT)]
     missing = [name for name in needed if name not in table.column_names]
     if missing:
-        raise ColumnError(f"no columns {missing} for a ledger; there are {table.column_names}")
+        raise ColumnError(f"no columns {missing} for energy accounts; there are {table.column_names}")
     table = table.select(needed).combine_chunks()
     null = [name for name in needed if table[name].null_count]
     if null:
-        raise ColumnError(f"columns {null} have nulls: a ledger needs every row of an episode, leave such episodes out")
+        raise ColumnError(f"columns {null} have nulls: an energy account needs every row of an episode, leave such episodes out")
     batches = table.to_batches()
-    books = [book for batch in batches[:1] for book in _books(batch, time, episode)]
-    kinds = dict.fromkeys(_BOOKS, pa.float64()) | {"rows": pa.int64(), "torque_residual": pa.list_(pa.float64())}
-    return pa.Table.from_pylist(books, pa.schema([(episode, table.schema.field(episode).type), *kinds.items()]))
+    accounts = [account for batch in batches[:1] for account in _accounts(batch, time, episode)]
+    kinds = dict.fromkeys(_FIELDS, pa.float64()) | {"rows": pa.int64(), "torque_residual": pa.list_(pa.float64())}
+    return pa.Table.from_pylist(accounts, pa.schema([(episode, table.schema.field(episode).type), *kinds.items()]))
 
 
-_BOOKS = (
+_FIELDS = (
     "rows",
     "duration",
     "energy_start",
@@ -62,8 +87,8 @@ _BOOKS = (
 )
 
 
-def _books(batch: Any, time: str, episode: str) -> Iterator[dict[str, Any]]:
-    """The books of each episode of a batch, in the order of their names."""
+def _accounts(batch: Any, time: str, episode: str) -> Iterator[dict[str, Any]]:
+    """Account of each episode of a batch, in the order of the episodes."""
     numbers = {name: batch[f"audit.{name}"].to_numpy().astype(np.float64) for name in AUDIT[:-1]}
     residuals = _lists(batch["audit.torque_residual"])
     times = batch[time].cast(pa.float64()).to_numpy()
@@ -93,12 +118,12 @@ def _books(batch: Any, time: str, episode: str) -> Iterator[dict[str, Any]]:
 
 
 def _lists(column: Any) -> NDArray[np.float64]:
-    """Lists of one length as an array (rows, length)."""
+    """Lists of equal length as an array (rows, length)."""
     numbers: NDArray[np.float64] = column.flatten().to_numpy().astype(np.float64)
     return numbers.reshape(len(column), -1)
 
 
 def _integral(t: NDArray[np.float64], power: NDArray[np.float64]) -> NDArray[np.float64]:
-    """∫ power dt from the first row to each, by the trapezoidal rule."""
+    """∫ power dt from the first row to each row, by the trapezoidal rule."""
     steps: NDArray[np.float64] = np.diff(t) * (power[1:] + power[:-1]) / 2.0
     return np.concatenate([[0.0], np.cumsum(steps)])
