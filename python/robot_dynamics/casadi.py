@@ -1,9 +1,9 @@
-"""CasADi: a robot's functions as external ones, with Jacobians, for optimal control.
+"""CasADi: a robot's functions as external functions with Jacobians, for optimal control.
 
-The code of `Robot.generate` is compiled by the system's C compiler (``CC``, else cc, gcc or clang). A
-function knows its sparsity and its Jacobian: of inverse and forward dynamics by the recursions for slopes.
-Hessians CasADi does not get: use Gauss and Newton's, or IPOPT's limited memory. Slopes by q are by its
-numbers; of a quaternion the functions depend on the direction alone.
+The system's C compiler (``CC``, or else cc, gcc or clang) compiles the code of `Robot.generate`. A function
+declares its sparsity and its Jacobian. The Jacobians of inverse and forward dynamics use the recursions for
+derivatives. Hessians are not available: use Gauss–Newton, or limited memory in IPOPT. Derivatives by q are by
+its nq numbers; the functions depend on the direction of a quaternion only.
 
     import casadi as ca
     import robot_dynamics as rd
@@ -12,7 +12,7 @@ numbers; of a quaternion the functions depend on the direction alone.
     torque = external(rd.example("panda"), "inverse_dynamics")
     q, v, a = (ca.MX.sym(name, 7) for name in "qva")
     effort = ca.sumsqr(torque(q, v, a))
-    slope = ca.gradient(effort, q)          # by the generated Jacobian
+    gradient = ca.gradient(effort, q)       # by the generated Jacobian
 """
 
 from __future__ import annotations
@@ -38,20 +38,40 @@ if TYPE_CHECKING:
 
 
 def external(robot: Robot, function: str, *, folder: str | PathLike[str] | None = None) -> casadi.Function:
-    """A function of the robot, one of those of `Robot.generate`: inverse_dynamics, mass_matrix,
-    frame_pose:NAME, ...
+    """Compile a function of the robot as an external function of CasADi.
 
-    Arguments and results are columns, or matrices, of the shapes that the method of that name has for one
-    state. `folder` keeps the code and what is compiled of it, and is looked into first, as long functions
-    take long to compile; else both are gone with the process. GenerateError where there is no compiler, or no
-    such function.
+    Arguments and results are columns or matrices, with the shapes of the `Robot` method for one state.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot of the function.
+    function : str
+        Function of `Robot.generate`: inverse_dynamics, mass_matrix, frame_pose:NAME, ...
+    folder : path, optional
+        Folder that keeps the code and the compiled library. A later call with the same function uses them,
+        which saves a long compilation. Default: a temporary folder of the process.
+
+    Returns
+    -------
+    casadi.Function
+        The function with its Jacobian.
+
+    Raises
+    ------
+    GenerateError
+        The compiler is missing or fails, or the function does not exist.
+    ImportError
+        CasADi is missing.
+    ValueError
+        The robot was read from one of the files.
     """
     try:
         import casadi
     except ImportError as error:
         raise ImportError("robot_dynamics.casadi needs CasADi: pip install casadi") from error
 
-    # Functions of one name are one to the loader: the robot's number keeps two robots apart.
+    # The loader identifies functions by name: the fingerprint keeps two robots apart.
     name = f"robot_{robot.fingerprint:016x}"
     source = robot.generate("casadi", [function], name=name)[f"{name}.c"]
     (symbol,) = re.findall(rf"^CASADI_SYMBOL_EXPORT int ({name}_\w+)\(const casadi_real", source, re.MULTILINE)
@@ -64,13 +84,13 @@ def external(robot: Robot, function: str, *, folder: str | PathLike[str] | None 
 
 
 def _compiled(source: str, path: Path) -> Path:
-    """The library of a source, made where it is missing or of another source."""
+    """Compiled library of a source; compiled again unless it exists with the same source."""
     library = path.with_suffix(".so")
     if library.exists() and path.exists() and path.read_text(encoding="utf-8") == source:
         return library
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent) as own:
-        # Whole or not at all, whoever else makes the same.
+        # Renaming keeps other processes from seeing a part of a file.
         code, made = Path(own) / path.name, Path(own) / library.name
         code.write_text(source, encoding="utf-8")
         command: list[Any] = [_compiler(), "-O2", "-fPIC", "-shared", code, "-lm", "-o", made]
@@ -83,6 +103,7 @@ def _compiled(source: str, path: Path) -> Path:
 
 
 def _compiler() -> str:
+    """Command of the C compiler."""
     named = os.environ.get("CC")
     found = next(filter(None, map(shutil.which, [named] if named else ["cc", "gcc", "clang"])), None)
     if found is None:
@@ -92,6 +113,7 @@ def _compiler() -> str:
 
 @cache
 def _scratch() -> Path:
+    """Temporary folder of the process."""
     folder = tempfile.mkdtemp(prefix="robot_dynamics_casadi_")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return Path(folder)

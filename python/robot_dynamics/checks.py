@@ -1,4 +1,4 @@
-"""The laws as checks of one robot."""
+"""Checks of the laws of mechanics on one robot."""
 
 from __future__ import annotations
 
@@ -14,23 +14,29 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Check:
-    """One law, checked on one robot by two routes."""
+    """One law, checked on one robot by two independent computations."""
 
     name: str
+    """Name of the check."""
     law: str
+    """The law in words."""
     found: float
+    """Worst value found."""
     relation: str
-    """``<=`` or ``>=``."""
+    """Required relation of `found` to `allowed`: ``<=`` or ``>=``."""
     allowed: float
-    """What rounding may make of it."""
+    """Bound that allows for rounding."""
     holds: bool
+    """Whether the law holds."""
     place: str
-    """Where the worst was found."""
+    """Place of the worst value."""
 
 
 @dataclass(frozen=True)
 class Audit:
-    """All checks of a robot; `repr` is the table, its truth whether all hold.
+    """All checks of a robot.
+
+    `repr` is a table of the checks. The audit is true if all laws hold.
 
     >>> audit = rd.example("two_r").audit()
     >>> bool(audit)
@@ -38,10 +44,11 @@ class Audit:
     """
 
     checks: tuple[Check, ...]
+    """The checks, in their order."""
 
     @property
     def short(self) -> tuple[Check, ...]:
-        """The checks that fall short."""
+        """Checks whose law does not hold."""
         return tuple(check for check in self.checks if not check.holds)
 
     def __bool__(self) -> bool:
@@ -78,8 +85,22 @@ class Audit:
 
 
 def audit(robot: Robot, *, states: int = 20, seed: int = 1) -> Audit:
-    """Each law of mechanics on this robot, in so many random states: each number by a second route.
+    """Check each law of mechanics on this robot in random states, by two independent computations.
 
+    Parameters
+    ----------
+    states : int
+        Number of random states.
+    seed : int
+        Seed of the random states.
+
+    Returns
+    -------
+    Audit
+        All checks.
+
+    Examples
+    --------
     >>> [check.name for check in rd.example("two_r").audit().checks][:2]
     ['inertia_triangle', 'mass_matrix']
     """
@@ -87,8 +108,17 @@ def audit(robot: Robot, *, states: int = 20, seed: int = 1) -> Audit:
 
 
 def suspicions(robot: Robot) -> tuple[str, ...]:
-    """Numbers that look like a wrong unit, in words; angles in degrees only right after a file was read.
+    """Find numbers that look like a wrong unit.
 
+    Angles in degrees are found only in a robot that was just read from a file.
+
+    Returns
+    -------
+    tuple of str
+        Descriptions of the numbers.
+
+    Examples
+    --------
     >>> rd.example("panda").suspicions()
     ()
     """

@@ -1,4 +1,4 @@
-"""One column of an Arrow batch as an array, and back: no copy of numbers that lie as an array's do."""
+"""Conversion between columns of Arrow batches and arrays, without a copy if the memory layouts agree."""
 
 from __future__ import annotations
 
@@ -12,9 +12,34 @@ from robot_dynamics.errors import ColumnError
 
 
 def array_of(batch: Any, column: str, name: str, width: int, part: slice, robot: str) -> NDArray[Any]:
-    """The numbers (rows, width) of a column of lists, or of its `part`; NaN where they are null.
+    """Numbers of a column of lists, or of a slice of each list; NaN for null.
 
-    Lists of fixed size, and others whose numbers lie side by side, are read where they are.
+    Lists of fixed size, and others whose numbers are adjacent in memory, are not copied.
+
+    Parameters
+    ----------
+    batch : pyarrow.RecordBatch
+        Batch with the column.
+    column : str
+        Name of the column.
+    name : str
+        Name of the argument, for messages.
+    width : int
+        Required numbers for each row.
+    part : slice
+        Slice of each list.
+    robot : str
+        Name of the robot, for messages.
+
+    Returns
+    -------
+    ndarray, (rows, width)
+        Numbers of the column.
+
+    Raises
+    ------
+    ColumnError
+        The column is missing or has the wrong type or width.
     """
     index = batch.schema.get_field_index(column)
     if index < 0:
@@ -23,13 +48,13 @@ def array_of(batch: Any, column: str, name: str, width: int, part: slice, robot:
         raise ColumnError(f"{found} for {name}; there are {batch.schema.names}, and `columns` says which is {name}")
     array = batch.column(index)
     where = f"column `{column}`" if part == slice(None) else f"column `{column}[{_text(part)}]`"
-    if isinstance(array, pa.ExtensionArray):  # a tensor of fixed shape
+    if isinstance(array, pa.ExtensionArray):  # for example a tensor of fixed shape
         array = array.storage
     kind = array.type
-    if pa.types.is_floating(kind):  # one number a row
+    if pa.types.is_floating(kind):  # one number for each row
         table = _numbers(array, where).reshape(-1, 1)
     elif pa.types.is_fixed_size_list(kind):
-        # `values` is the whole child, whatever slice of it this array is.
+        # `values` is the whole child array, not only the slice of this array.
         values = array.values.slice(array.offset * kind.list_size, len(array) * kind.list_size)
         table = _numbers(values, where).reshape(len(array), kind.list_size)
     elif pa.types.is_list(kind) or pa.types.is_large_list(kind):
@@ -48,7 +73,20 @@ def array_of(batch: Any, column: str, name: str, width: int, part: slice, robot:
 
 
 def column_of(array: NDArray[Any], bad: NDArray[np.intp]) -> Any:
-    """A column of an array (rows, ...), with null for bad rows: the array's memory, as lists of lists."""
+    """Column of an array (rows, ...), with null for bad rows, on the array's memory as nested lists.
+
+    Parameters
+    ----------
+    array : ndarray, (rows, ...)
+        Numbers of the column.
+    bad : ndarray of int
+        Rows that become null.
+
+    Returns
+    -------
+    pyarrow.Array
+        Column of numbers or of nested lists of fixed size.
+    """
     rows = len(array)
     mask = None
     if len(bad):
@@ -65,14 +103,14 @@ def column_of(array: NDArray[Any], bad: NDArray[np.intp]) -> Any:
 
 
 def _numbers(values: Any, where: str) -> NDArray[Any]:
-    """The memory of a column of numbers; a copy with NaN where some are null."""
+    """Memory of a column of numbers; a copy with NaN if some are null."""
     _dtype(values.type, where)
     array: NDArray[Any] = values.to_numpy(zero_copy_only=values.null_count == 0)
     return array
 
 
 def _dtype(kind: Any, where: str) -> Any:
-    """NumPy's type of a column's numbers."""
+    """NumPy dtype of a column's numbers."""
     kind = getattr(kind, "value_type", kind)
     if not (pa.types.is_float64(kind) or pa.types.is_float32(kind)):
         raise ColumnError(f"{where} has numbers of type {kind}; they have to be float64 or float32")
@@ -80,7 +118,7 @@ def _dtype(kind: Any, where: str) -> Any:
 
 
 def _of_lists(array: Any, where: str, name: str) -> NDArray[Any]:
-    """Lists that happen to have one length; null ones have any."""
+    """Numbers of variable-size lists that all have the same length; null lists may have any."""
     is_valid = array.is_valid().to_numpy(zero_copy_only=False)
     lengths = np.diff(array.offsets.to_numpy())[is_valid]
     width = int(lengths[0])
@@ -89,7 +127,7 @@ def _of_lists(array: Any, where: str, name: str) -> NDArray[Any]:
         raise ColumnError(
             f"{where} for {name} has lists of {width} numbers and of others, the first in row {row} of a batch"
         )
-    # `flatten` leaves out what null lists may hide, and what lies before and after.
+    # `flatten` omits the content of null lists, and numbers before and after the slice.
     values = _numbers(array.flatten(), where).reshape(len(lengths), width)
     if len(values) == len(array):
         return values

@@ -1,4 +1,4 @@
-"""Loops, contacts, rolling, couplings: A(q) v = 0 beside the equation of motion, M a + C v + g = τ + Aᵀλ."""
+"""Constraints A(q) v = 0 of the motion M a + C v + g = τ + Aᵀλ: loops, contacts, rolling, couplings."""
 
 from __future__ import annotations
 
@@ -25,11 +25,14 @@ def _numbers(values: Numbers) -> list[float]:
 
 @dataclass(frozen=True)
 class Closure:
-    """Two frames stay together along some rows: of x, y, z, rx, ry, rz, along the first frame's axes."""
+    """Loop closure: two frames coincide along the given rows."""
 
     a: str
+    """Name of the first frame."""
     b: str
+    """Name of the second frame."""
     rows: Sequence[str] = ("x", "y", "z")
+    """Constrained directions out of x, y, z, rx, ry, rz, along the axes of the first frame."""
 
     def _fields(self) -> _Fields:
         return "closure", [self.a, self.b], [], list(self.rows)
@@ -37,11 +40,14 @@ class Closure:
 
 @dataclass(frozen=True)
 class Contact:
-    """A frame stays at a pose (4, 4) in the world along some rows."""
+    """Contact that holds a frame at a pose in the world along the given rows."""
 
     frame: str
+    """Name of the frame."""
     pose: Any
+    """Pose of the frame in the world (4, 4)."""
     rows: Sequence[str] = ("x", "y", "z", "rx", "ry", "rz")
+    """Constrained directions out of x, y, z, rx, ry, rz."""
 
     def _fields(self) -> _Fields:
         return "contact", [self.frame], _numbers(self.pose), list(self.rows)
@@ -49,10 +55,12 @@ class Contact:
 
 @dataclass(frozen=True)
 class PointContact:
-    """A frame's origin stays at a point (3,) of the world [m]."""
+    """Contact that holds a frame's origin at a point of the world."""
 
     frame: str
+    """Name of the frame."""
     point: Any
+    """Point in the world (3,) [m]."""
 
     def _fields(self) -> _Fields:
         return "point_contact", [self.frame], _numbers(self.point), []
@@ -60,10 +68,12 @@ class PointContact:
 
 @dataclass(frozen=True)
 class NoSlip:
-    """A frame does not move along some of its own axes: a knife's edge."""
+    """Nonholonomic constraint, such as a knife edge: a frame does not move along some of its own axes."""
 
     frame: str
+    """Name of the frame."""
     rows: Sequence[str] = ("y",)
+    """Constrained directions out of x, y, z, rx, ry, rz, along the frame's axes."""
 
     def _fields(self) -> _Fields:
         return "no_slip", [self.frame], [], list(self.rows)
@@ -71,18 +81,20 @@ class NoSlip:
 
 @dataclass(frozen=True)
 class RollingDisc:
-    """A disc with its centre in a frame rolls on a plane: rows of forward, side, normal."""
+    """Disc that rolls on a plane, with its centre at a frame's origin."""
 
     frame: str
+    """Name of the frame."""
     axle: Any
-    """The axle's direction in the frame."""
+    """Direction of the axle in the frame (3,)."""
     radius: float
-    """[m]"""
+    """Radius of the disc [m]."""
     normal: Any = (0.0, 0.0, 1.0)
-    """The plane's normal in the world."""
+    """Normal of the plane in the world (3,)."""
     point: Any = (0.0, 0.0, 0.0)
-    """A point of the plane [m]."""
+    """Point of the plane in the world (3,) [m]."""
     rows: Sequence[str] = ("forward", "side", "normal")
+    """Constrained directions out of forward, side, normal."""
 
     def _fields(self) -> _Fields:
         numbers = [*_numbers(self.axle), self.radius, *_numbers(self.normal), *_numbers(self.point)]
@@ -91,10 +103,12 @@ class RollingDisc:
 
 @dataclass(frozen=True)
 class Coupling:
-    """Σ factor · coordinate = offset: gears, belts, differentials, a joint held still."""
+    """Coupling of coordinates, Σ factor · coordinate = offset: gears, belts, differentials, a held joint."""
 
     factors: Mapping[str, float]
+    """Factor of each coordinate, by its name."""
     offset: float = 0.0
+    """Right-hand side."""
 
     def _fields(self) -> _Fields:
         return "coupling", list(self.factors), [*map(float, self.factors.values()), self.offset], []
@@ -105,58 +119,60 @@ Constraint: TypeAlias = Closure | Contact | PointContact | NoSlip | RollingDisc 
 
 @dataclass(frozen=True)
 class ConstraintRows:
-    """A(q) v = 0, φ(q) = 0 in one state."""
+    """Constraints of one state: A(q) v = 0 and φ(q) = 0."""
 
     matrix: Array
-    """A (rows, nv)."""
+    """Constraint Jacobian A (rows, nv)."""
     bias: Array
-    """Ȧ v (rows,)."""
+    """Acceleration Ȧ v (rows,)."""
     position_error: Array
-    """φ (rows,) [m or rad]; 0 for rows that are of velocities alone."""
+    """Position error φ (rows,) [m or rad]; 0 for rows that constrain velocities only."""
     position_drift: float
-    """The largest |φ|."""
+    """Largest |φ|."""
     velocity_drift: float
-    """The largest |A v|."""
+    """Largest |A v|."""
 
 
 @dataclass(frozen=True)
 class ConstrainedMotion:
-    """Accelerations under constraints."""
+    """Accelerations and multipliers under constraints."""
 
     acceleration: Array
-    """(nv,)"""
+    """Acceleration a (nv,) [rad/s² or m/s²]."""
     multipliers: Array
-    """λ (rows,) [N or N·m]; the constraints push with Aᵀλ."""
+    """Multipliers λ (rows,) [N or N·m]; the constraint forces are Aᵀλ."""
     rank: int
-    """How many rows are independent."""
+    """Number of independent rows."""
     dependent: tuple[str, ...]
-    """The others, in words."""
+    """Descriptions of the dependent rows."""
     residual: float = field(repr=False)
-    """The largest |A a + Ȧ v| that is left."""
+    """Largest |A a + Ȧ v|."""
 
 
 @dataclass(frozen=True)
 class ConstrainedTorque:
-    """Torques of a motion under constraints."""
+    """Torques and multipliers of a motion under constraints."""
 
     tau: Array
-    """(nv,), 0 where nothing drives."""
+    """Torques τ (nv,) [N·m or N]; 0 on coordinates without a motor."""
     multipliers: Array
-    """λ (rows,)."""
+    """Multipliers λ (rows,) [N or N·m]."""
     residual: float
-    """What the driven coordinates cannot give."""
+    """max |M a + C v + g − τ − Aᵀλ|: more than rounding if the motors cannot cause this motion."""
 
 
 @dataclass(frozen=True)
 class Support:
-    """A point on which a robot stands: it is pushed along the normal, never pulled, and held by friction."""
+    """Supporting contact point with Coulomb friction: it pushes along its normal and never pulls."""
 
     frame: str
+    """Name of the frame that the point is fixed to."""
     point: Sequence[float] = (0.0, 0.0, 0.0)
-    """In the frame [m]."""
+    """Point in the frame (3,) [m]."""
     normal: Sequence[float] = (0.0, 0.0, 1.0)
-    """Along the world's axes, of any length."""
+    """Direction in which the support pushes the robot, along the world's axes, of any length (3,)."""
     friction: float = 1.0
+    """Friction coefficient μ."""
 
     def _fields(self) -> tuple[str, list[float], list[float], float]:
         return self.frame, _numbers(self.point), _numbers(self.normal), float(self.friction)
@@ -164,43 +180,65 @@ class Support:
 
 @dataclass(frozen=True)
 class SupportedTorque:
-    """Torques of a motion on supports."""
+    """Torques and support forces of a motion on supports."""
 
     tau: Array
-    """(nv,), 0 where nothing drives."""
+    """Torques τ (nv,) [N·m or N]; 0 on coordinates without a motor."""
     forces: Array
-    """On the robot at each support (supports, 3), along the world's axes [N]."""
+    """Force on the robot at each support, along the world's axes (supports, 3) [N]."""
     multipliers: Array
-    """λ of the constraints (rows,)."""
+    """Multipliers λ of the constraints (rows,) [N or N·m]."""
     missing: Array
-    """(nv,), more than rounding where the supports cannot carry this motion."""
+    """M a + C v + g − τ − Aᵀλ (nv,): more than rounding if the supports cannot carry this motion."""
 
 
 @dataclass(frozen=True)
 class ContactImpulse:
-    """What an impact does."""
+    """Velocity and impulse of an impact."""
 
     velocity: Array
-    """After it (nv,)."""
+    """Velocity v⁺ after the impact (nv,) [rad/s or m/s]."""
     impulse: Array
-    """(rows,) [N·s or N·m·s]."""
+    """Impulse of each row (rows,) [N·s or N·m·s]."""
     energy_lost: float
-    """[J]"""
+    """Kinetic energy lost in the impact [J]."""
     rank: int
+    """Number of independent rows."""
 
 
 class Projections(NamedTuple):
-    """Onto what constraints allow."""
+    """Projections onto the motions that constraints allow."""
 
     velocity: Array
-    """P (nv, nv): onto velocities with A v = 0."""
+    """P (nv, nv), onto velocities with A v = 0."""
     force: Array
-    """P_u = Pᵀ (nv, nv): P_u Aᵀ = 0."""
+    """P_u = Pᵀ (nv, nv), which removes constraint forces: P_u Aᵀ = 0."""
 
 
 def constraints(robot: Robot, constraints: Mapping[str, Constraint]) -> Constraints:
-    """Constraints of this robot, by name.
+    """Compile constraints of this robot.
 
+    Parameters
+    ----------
+    constraints : mapping of str to constraint
+        Constraints by name: `Closure`, `Contact`, `PointContact`, `NoSlip`, `RollingDisc` or `Coupling`.
+
+    Returns
+    -------
+    Constraints
+        Constraints of this robot, for its methods and simulations.
+
+    Raises
+    ------
+    ConstraintError
+        A constraint is invalid for this robot.
+    FrameError
+        A frame does not exist.
+    ValueError
+        A row does not exist, or a pose does not have 4 by 4 numbers.
+
+    Examples
+    --------
     >>> robot = rd.example("two_r")
     >>> tip = robot.frame_pose([0.3, 0.4], "tip")[:3, 3]
     >>> robot.constraints({"pin": rd.PointContact("tip", tip)})
@@ -213,8 +251,31 @@ def constraints(robot: Robot, constraints: Mapping[str, Constraint]) -> Constrai
 def constraint_rows(
     robot: Robot, constraints: Constraints, q: Numbers, v: Numbers | None = None
 ) -> ConstraintRows:
-    """A(q), Ȧ v and φ(q) of q (nq,) and v (nv,).
+    """Evaluate A(q), Ȧ v and φ(q) in one state.
 
+    Parameters
+    ----------
+    constraints : Constraints
+        Constraints of this robot.
+    q : array_like, (nq,)
+        Configuration.
+    v : array_like, (nv,), optional
+        Velocity [rad/s or m/s]; default: 0.
+
+    Returns
+    -------
+    ConstraintRows
+        A, Ȧ v, φ and the drift.
+
+    Raises
+    ------
+    ConstraintError
+        The constraints belong to another robot.
+    StateError
+        `q` or `v` is invalid.
+
+    Examples
+    --------
     >>> robot = rd.example("panda")
     >>> lock = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
     >>> robot.constraint_rows(lock, np.zeros(7)).matrix[0, :3]
@@ -232,10 +293,37 @@ def constrained_forward_dynamics(
     *,
     stabilization: float | None = None,
 ) -> ConstrainedMotion:
-    """a and λ of M a + C v + g = τ + Aᵀλ, A a = −Ȧ v, of q (nq,), v (nv,), tau (nv,).
+    """Solve M a + C v + g = τ + Aᵀλ and A a = −Ȧ v for a and λ.
 
-    `stabilization` is Baumgarte's rate γ [1/s]: A a = −Ȧ v − 2γ A v − γ² φ.
+    With `stabilization` γ the second equation is A a = −Ȧ v − 2γ A v − γ² φ (Baumgarte).
 
+    Parameters
+    ----------
+    constraints : Constraints
+        Constraints of this robot.
+    q : array_like, (nq,)
+        Configuration.
+    v : array_like, (nv,)
+        Velocity [rad/s or m/s].
+    tau : array_like, (nv,), optional
+        Torques [N·m or N]; default: 0.
+    stabilization : float, optional
+        Baumgarte's rate γ [1/s].
+
+    Returns
+    -------
+    ConstrainedMotion
+        a, λ and the rank of A.
+
+    Raises
+    ------
+    ConstraintError
+        The system has no finite solution, or the constraints belong to another robot.
+    StateError
+        `q`, `v` or `tau` is invalid.
+
+    Examples
+    --------
     >>> robot, q, rest = rd.example("panda"), np.zeros(7), np.zeros(7)
     >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
     >>> a = robot.constrained_forward_dynamics(gear, q, rest).acceleration
@@ -256,15 +344,43 @@ def constrained_inverse_dynamics(
     *,
     actuated: Sequence[bool] | None = None,
 ) -> ConstrainedTorque:
-    """The torques of driven coordinates and the λ of a motion that keeps the constraints; the least ones.
+    """Smallest torques τ, and λ, of a motion under constraints: τ + Aᵀλ = M a + C v + g.
 
-    `actuated` (nv,) says which coordinates are driven, `robot.actuated_dofs` where it is not given.
-    Coordinates that are not driven fix part of λ by least squares; the rest of λ makes |τ| least. Rows
+    The coordinates without motors determine part of λ by least squares. The rest of λ minimizes |τ|. Rows
     may depend on each other: λ is then the shortest.
 
+    Parameters
+    ----------
+    constraints : Constraints
+        Constraints of this robot.
+    q : array_like, (nq,)
+        Configuration.
+    v : array_like, (nv,)
+        Velocity [rad/s or m/s].
+    a : array_like, (nv,)
+        Acceleration [rad/s² or m/s²], which keeps the constraints.
+    actuated : sequence of bool, (nv,), optional
+        Coordinates that motors drive; default: `actuated_dofs`.
+
+    Returns
+    -------
+    ConstrainedTorque
+        τ, λ and the residual.
+
+    Raises
+    ------
+    ConstraintError
+        A result is not finite, or the constraints belong to another robot.
+    StateError
+        `q`, `v` or `a` is invalid.
+    ShapeError
+        `actuated` does not have nv entries.
+
+    Examples
+    --------
     >>> robot, rest = rd.example("panda"), np.zeros(7)
     >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
-    >>> drives = [joint != 1 for joint in range(7)]  # not the second joint
+    >>> drives = [joint != 1 for joint in range(7)]  # no motor at the second joint
     >>> float(robot.constrained_inverse_dynamics(gear, rest, rest, rest, actuated=drives).tau[1])
     0.0
     """
@@ -283,13 +399,46 @@ def supported_inverse_dynamics(
     constraints: Constraints | None = None,
     force_weight: float = 1e-3,
 ) -> SupportedTorque:
-    """The torques of a motion of a robot that stands, with forces in their cones of friction that carry
-    it.
+    """Torques of a motion on supports, with support forces p in their friction cones.
 
-    The result has the least |τ|² + `force_weight` · |λ|² of all such. `actuated` (nv,) says which
-    coordinates are driven, `robot.actuated_dofs` where it is not given. `constraints` are closed loops,
-    which may pull as well.
+    They satisfy τ + Σ Jᵀp + Aᵀλ = M a + C v + g. The result minimizes |τ|² + `force_weight` · (|p|² +
+    |λ|²).
 
+    Parameters
+    ----------
+    supports : sequence of Support
+        Points on which the robot stands.
+    q : array_like, (nq,)
+        Configuration.
+    v : array_like, (nv,)
+        Velocity [rad/s or m/s].
+    a : array_like, (nv,)
+        Acceleration [rad/s² or m/s²], at which the supports should be at rest.
+    actuated : sequence of bool, (nv,), optional
+        Coordinates that motors drive; default: `actuated_dofs`.
+    constraints : Constraints, optional
+        Closed loops, whose forces have either sign.
+    force_weight : float
+        Weight of the forces [m²].
+
+    Returns
+    -------
+    SupportedTorque
+        τ, the forces, λ, and the part of the motion that the supports cannot carry.
+
+    Raises
+    ------
+    ConstraintError
+        A support is invalid, or the constraints belong to another robot.
+    FrameError
+        A frame does not exist.
+    StateError
+        `q`, `v` or `a` is invalid.
+    ShapeError
+        `actuated` does not have nv entries.
+
+    Examples
+    --------
     >>> dog = rd.example("quadruped", floating_base=True)
     >>> q, rest = np.array([0, 0, 0.3, 0, 0, 0, 1, *[0, 0.7, -1.4] * 4]), np.zeros(18)
     >>> legs = ["front_left", "front_right", "hind_left", "hind_right"]
@@ -308,8 +457,33 @@ def supported_inverse_dynamics(
 def contact_impulse(
     robot: Robot, constraints: Constraints, q: Numbers, v: Numbers, *, restitution: float = 0.0
 ) -> ContactImpulse:
-    """The impulse that makes A v⁺ = −restitution · A v.
+    """Impulse ι of an impact: v⁺ = v + M⁻¹Aᵀι with A v⁺ = −e A v.
 
+    Parameters
+    ----------
+    constraints : Constraints
+        Constraints of this robot that hold after the impact.
+    q : array_like, (nq,)
+        Configuration.
+    v : array_like, (nv,)
+        Velocity before the impact [rad/s or m/s].
+    restitution : float
+        Coefficient of restitution e, from 0 to 1.
+
+    Returns
+    -------
+    ContactImpulse
+        v⁺, ι and the energy lost.
+
+    Raises
+    ------
+    ConstraintError
+        The system has no finite solution, or the constraints belong to another robot.
+    StateError
+        `q` or `v` is invalid.
+
+    Examples
+    --------
     >>> robot, q = rd.example("two_r"), [0.3, 0.4]
     >>> wall = robot.constraints({"wall": rd.PointContact("tip", robot.frame_pose(q, "tip")[:3, 3])})
     >>> bool(np.abs(robot.contact_impulse(wall, q, [1.0, 2.0]).velocity).max() < 1e-12)
@@ -326,8 +500,35 @@ def project(
     *,
     tolerance: float = 1e-12,
 ) -> tuple[Array, Array]:
-    """The nearest q with |φ(q)| ≤ tolerance, and v with A v = 0, near in the measure of M.
+    """Nearest q with |φ(q)| ≤ `tolerance` and nearest v with A v = 0, in the metric M.
 
+    Parameters
+    ----------
+    constraints : Constraints
+        Constraints of this robot.
+    q : array_like, (nq,)
+        Configuration.
+    v : array_like, (nv,), optional
+        Velocity [rad/s or m/s]; default: 0.
+    tolerance : float
+        Largest |φ| that is allowed [m or rad].
+
+    Returns
+    -------
+    q : ndarray, (nq,)
+        Projected configuration.
+    v : ndarray, (nv,)
+        Projected velocity [rad/s or m/s].
+
+    Raises
+    ------
+    ConstraintError
+        The projection does not converge, or the constraints belong to another robot.
+    StateError
+        `q` or `v` is invalid.
+
+    Examples
+    --------
     >>> robot = rd.example("panda")
     >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
     >>> q, v = robot.project(gear, np.full(7, 0.5))
@@ -339,8 +540,29 @@ def project(
 
 
 def constraint_projections(robot: Robot, constraints: Constraints, q: Numbers) -> Projections:
-    """P and P_u of a configuration.
+    """Projections P and P_u = Pᵀ of a configuration: A P = 0.
 
+    Parameters
+    ----------
+    constraints : Constraints
+        Constraints of this robot.
+    q : array_like, (nq,)
+        Configuration.
+
+    Returns
+    -------
+    Projections
+        P and P_u (nv, nv).
+
+    Raises
+    ------
+    ConstraintError
+        The system has no finite solution, or the constraints belong to another robot.
+    StateError
+        `q` is invalid.
+
+    Examples
+    --------
     >>> robot = rd.example("panda")
     >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
     >>> P, _ = robot.constraint_projections(gear, np.zeros(7))

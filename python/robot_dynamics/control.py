@@ -20,26 +20,28 @@ Array: TypeAlias = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class InverseKinematicsSolution:
-    """A configuration that brings a frame to its target."""
+    """Configuration that brings a frame to its target."""
 
     q: Array
-    """(nq,)"""
+    """Configuration (nq,)."""
     position_error: float
-    """[m]"""
+    """Distance from the target [m]."""
     angle_error: float
-    """[rad]; 0 where only a position was asked for."""
+    """Rotation angle to the target [rad]; 0 for a target without orientation."""
     iterations: int
+    """Number of iterations."""
     restarts: int
+    """Number of restarts from random configurations."""
 
 
 @dataclass(frozen=True)
 class OperationalSpace:
-    """The equation of motion as felt at a frame: Λ ẍ + μ + p = F."""
+    """Equation of motion at a frame: Λ ẍ + μ + p = F."""
 
     inertia: Array
-    """Λ (rows, rows)."""
+    """Λ (rows, rows) [kg, kg·m, kg·m²]."""
     jacobian: Array
-    """J (rows, nv), along the world's axes."""
+    """J, along the world's axes (rows, nv)."""
     consistent_inverse: Array
     """J̄ = M⁻¹JᵀΛ (nv, rows)."""
     bias_acceleration: Array
@@ -48,13 +50,35 @@ class OperationalSpace:
     """μ + p (rows,)."""
 
     def torque(self, acceleration: Numbers) -> Array:
-        """τ = Jᵀ(Λ ẍ + μ + p) (nv,) that gives the frame this acceleration (rows,)."""
+        """Torques τ = Jᵀ(Λ ẍ + μ + p) that give the frame an acceleration ẍ.
+
+        Parameters
+        ----------
+        acceleration : array_like, (rows,)
+            Acceleration ẍ of the frame [m/s² or rad/s²].
+
+        Returns
+        -------
+        ndarray, (nv,)
+            Torques [N·m or N].
+        """
         force: Array = self.inertia @ np.asarray(acceleration, np.float64) + self.bias_force
         tau: Array = self.jacobian.T @ force
         return tau
 
     def null_torque(self, tau: Numbers) -> Array:
-        """(1 − JᵀJ̄ᵀ) τ: the part that moves the robot, not the frame."""
+        """Part of torques that does not accelerate the frame: (1 − JᵀJ̄ᵀ) τ.
+
+        Parameters
+        ----------
+        tau : array_like, (nv,)
+            Torques [N·m or N].
+
+        Returns
+        -------
+        ndarray, (nv,)
+            Torques [N·m or N].
+        """
         given = np.asarray(tau, np.float64)
         rest: Array = given - self.jacobian.T @ (self.consistent_inverse.T @ given)
         return rest
@@ -62,22 +86,42 @@ class OperationalSpace:
 
 @dataclass(frozen=True)
 class Dlqr:
-    """The law u = −K x of least cost."""
+    """Optimal state feedback u = −K x."""
 
     gain: Array
-    """K (m, n)."""
+    """Gain K (m, n)."""
     cost: Array
-    """P (n, n): xᵀP x is the least cost from x on."""
+    """P (n, n): xᵀP x is the least cost from the state x."""
     spectral_radius: float
-    """The largest |λ| of A − B K."""
+    """Largest |λ| of the eigenvalues of A − B K."""
 
 
 def dlqr(A: Numbers, B: Numbers, Q: Numbers, R: Numbers) -> Dlqr:
-    """The gain of u = −K x that minimises Σ xᵀQ x + uᵀR u along xₖ₊₁ = A xₖ + B uₖ.
+    """Gain K of u = −K x that minimizes Σ xᵀQ x + uᵀR u along xₖ₊₁ = A xₖ + B uₖ.
 
-    A (n, n), B (n, m), Q (n, n) symmetric and positive semidefinite, R (m, m) symmetric and positive
-    definite.
+    Parameters
+    ----------
+    A : array_like, (n, n)
+        State matrix.
+    B : array_like, (n, m)
+        Input matrix.
+    Q : array_like, (n, n)
+        Cost of the state, symmetric and positive semidefinite.
+    R : array_like, (m, m)
+        Cost of the input, symmetric and positive definite.
 
+    Returns
+    -------
+    Dlqr
+        Gain, cost matrix and spectral radius.
+
+    Raises
+    ------
+    ControlError
+        A matrix is invalid, or no gain stabilizes the system.
+
+    Examples
+    --------
     >>> law = rd.dlqr([[1.0, 0.1], [0.0, 1.0]], [[0.005], [0.1]], np.eye(2), [[1.0]])
     >>> law.spectral_radius < 1.0
     True
@@ -97,12 +141,47 @@ def inverse_kinematics(
     max_restarts: int = 20,
     seed: int = 1,
 ) -> InverseKinematicsSolution:
-    """A configuration within the joint limits that brings a frame to a pose (4, 4) or its origin to a
-    position (3,).
+    """Find a configuration within the joint limits that brings a frame to a pose or a position.
 
-    The search begins at `start`, (nq,) or the neutral configuration, and again at random ones where it is
-    stuck.
+    The search begins at `start`, and again at random configurations if it is stuck.
 
+    Parameters
+    ----------
+    frame : str or int
+        Name or number of the frame.
+    target : array_like, (4, 4) or (3,)
+        Pose of the frame, or position of its origin, in the world [m].
+    start : array_like, (nq,), optional
+        First configuration; default: the neutral configuration.
+    position_tolerance : float
+        Largest distance from the target [m].
+    angle_tolerance : float
+        Largest rotation angle to the target [rad].
+    max_iterations : int
+        Largest number of iterations of each search.
+    max_restarts : int
+        Largest number of restarts from random configurations.
+    seed : int
+        Seed of the random configurations.
+
+    Returns
+    -------
+    InverseKinematicsSolution
+        Configuration and its errors.
+
+    Raises
+    ------
+    InverseKinematicsError
+        No search converges, or the target or a tolerance is invalid.
+    FrameError
+        The frame does not exist.
+    ShapeError
+        `target` is neither a pose nor a position.
+    StateError
+        `start` is invalid.
+
+    Examples
+    --------
     >>> robot = rd.example("panda")
     >>> wanted = robot.frame_pose(robot.random_configuration(seed=3), "panda_link8")
     >>> found = robot.inverse_kinematics("panda_link8", wanted)
@@ -130,8 +209,37 @@ def operational_space(
     frame: str | int,
     rows: Sequence[str] = ("x", "y", "z"),
 ) -> OperationalSpace:
-    """Λ, J, J̄, J̇ v and μ + p of a frame's origin along some of x, y, z, rx, ry, rz in the world.
+    """Operational-space dynamics Λ, J, J̄, J̇ v and μ + p of a frame's origin.
 
+    Parameters
+    ----------
+    q : array_like, (nq,)
+        Configuration.
+    v : array_like, (nv,), optional
+        Velocity [rad/s or m/s]; 0 for `None`.
+    frame : str or int
+        Name or number of the frame.
+    rows : sequence of str
+        Directions of the task out of x, y, z, rx, ry, rz, along the world's axes.
+
+    Returns
+    -------
+    OperationalSpace
+        Quantities of Λ ẍ + μ + p = F.
+
+    Raises
+    ------
+    ControlError
+        The frame cannot accelerate along all rows.
+    FrameError
+        The frame does not exist.
+    StateError
+        `q` or `v` is invalid.
+    ValueError
+        A row does not exist.
+
+    Examples
+    --------
     >>> robot, q = rd.example("panda"), rd.example("panda").random_configuration(seed=1)
     >>> space = robot.operational_space(q, None, "panda_link8")
     >>> bool(np.allclose(space.jacobian @ space.consistent_inverse, np.eye(3)))

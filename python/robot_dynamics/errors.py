@@ -1,4 +1,4 @@
-"""What can go wrong: one small tree of exceptions, and the warning of a suspicious robot file."""
+"""Exceptions of this package, and the warning for suspicious robot files."""
 
 from __future__ import annotations
 
@@ -9,28 +9,30 @@ from numpy.typing import NDArray
 
 
 class RobotDynamicsError(Exception):
-    """Any error of this package."""
+    """Base class of all exceptions of this package."""
 
 
 class LoadError(RobotDynamicsError, ValueError):
-    """A robot file has no meaning; the message has all that is wrong with it, by line."""
+    """A robot file is invalid; the message lists all its errors by line."""
 
 
 class ShapeError(RobotDynamicsError, ValueError):
-    """An array has the wrong shape, or the batches of two do not fit together."""
+    """An array has the wrong shape, or two batches do not broadcast."""
 
 
 class DTypeError(RobotDynamicsError, TypeError):
-    """An array holds what is not computed with, or float64 and float32 are mixed."""
+    """An array has an unsupported dtype, or float64 and float32 are mixed."""
 
 
 class StateError(RobotDynamicsError, ValueError):
-    """A state is none: a number is not finite, a quaternion has not unit length, or the result is too
-    large."""
+    """A state is invalid.
+
+    A number is not finite, a quaternion does not have unit length, or a result overflows.
+    """
 
 
 class BadStatesError(StateError):
-    """Some states of a batch have no valid result; those of all others are valid, and are not lost.
+    """Some states of a batch have no valid result; `result` keeps those of all others.
 
     >>> robot = rd.example("two_r")
     >>> try:
@@ -42,10 +44,12 @@ class BadStatesError(StateError):
     """
 
     indices: NDArray[np.intp]
-    """The bad states, ascending, counted along the batch (`np.unravel_index` where it has several
-    dimensions)."""
+    """Indices of the invalid states along the flattened batch, ascending.
+
+    `np.unravel_index` converts them for a batch with several dimensions.
+    """
     result: Any
-    """What the call would have returned, with NaN for the bad states."""
+    """Return value of the call, with NaN for the invalid states."""
 
     def __init__(self, message: str, *, indices: NDArray[np.intp], result: Any) -> None:
         super().__init__(message)
@@ -61,18 +65,18 @@ def _bad_states(message: str, indices: NDArray[np.intp], result: Any) -> BadStat
 
 
 class SingularMassError(RobotDynamicsError, ArithmeticError):
-    """M(q) has no inverse: some motion of the joints moves no inertia."""
+    """M(q) is singular: a motion of the joints moves no inertia."""
 
 
 class FrameError(RobotDynamicsError, LookupError):
-    """The robot has no frame of that name."""
+    """The robot has no frame with this name."""
 
 
 class SimulationError(RobotDynamicsError, ArithmeticError):
-    """A motion could not be computed to its end; what there is of it is in `until`."""
+    """A motion could not be computed to its end; `until` is its first part."""
 
     until: Any
-    """The motion until then, a `Motion`; None where it could not start."""
+    """The motion up to the error as a `Motion`; `None` if it could not start."""
 
     def __init__(self, message: str, *, until: Any = None) -> None:
         super().__init__(message)
@@ -80,7 +84,7 @@ class SimulationError(RobotDynamicsError, ArithmeticError):
 
 
 class BadSimulationsError(SimulationError):
-    """Some simulations of a batch could not do what was asked; all others have done it.
+    """Some simulations of a batch failed; all others completed the call.
 
     >>> batch = rd.SimulationBatch(rd.example("two_r"), 3)
     >>> batch.torques = [[0.0, 0.0], [0.0, np.nan], [0.0, 0.0]]
@@ -92,7 +96,7 @@ class BadSimulationsError(SimulationError):
     """
 
     errors: dict[int, str]
-    """The message of each simulation that failed, by its number, ascending."""
+    """Message of each failed simulation, by its number, ascending."""
 
     def __init__(self, message: str, *, errors: dict[int, str]) -> None:
         super().__init__(message)
@@ -107,15 +111,15 @@ def _bad_simulations(message: str, errors: dict[int, str]) -> BadSimulationsErro
 
 
 class ConstraintError(RobotDynamicsError, ValueError):
-    """Constraints contradict each other, or what is asked of them cannot be."""
+    """Constraints are invalid or contradict each other, or a system with them has no solution."""
 
 
 class InverseKinematicsError(RobotDynamicsError, ArithmeticError):
-    """No configuration was found that brings the frame there."""
+    """Inverse kinematics found no configuration that brings the frame to its target."""
 
 
 class ControlError(RobotDynamicsError, ArithmeticError):
-    """A law of control has no solution."""
+    """A control problem has no solution."""
 
 
 class PlanningError(RobotDynamicsError, ArithmeticError):
@@ -123,25 +127,24 @@ class PlanningError(RobotDynamicsError, ArithmeticError):
 
 
 class IdentificationError(RobotDynamicsError, ArithmeticError):
-    """Parameters cannot be told from that motion."""
+    """A recorded motion does not determine the parameters."""
 
 
 class DescriptionError(RobotDynamicsError, ValueError):
-    """A robot cannot be changed that way."""
+    """A change of a robot is invalid, or a task or format does not support the robot."""
 
 
 class GenerateError(RobotDynamicsError, ValueError):
-    """Code for a robot cannot be generated, or what was generated cannot be compiled."""
+    """Code for a robot cannot be generated, or the generated code does not compile."""
 
 
 class ColumnError(RobotDynamicsError, ValueError):
-    """A table has not the columns that are read, or they hold something else."""
+    """A table lacks required columns, or they have the wrong type."""
 
 
 class QuantityError(RobotDynamicsError, LookupError):
-    """There is no quantity of that name."""
+    """A quantity with this name does not exist."""
 
 
 class LoadWarning(UserWarning):
-    """Something in a robot file is suspicious and was taken as written, or is physics that the model leaves
-    out."""
+    """A value in a robot file is suspicious, or the model leaves out physics that the file states."""

@@ -1,4 +1,4 @@
-"""What is written of a robot: its file, in either format, and code for it alone."""
+"""Writing a robot to a file, and generating code for it."""
 
 from __future__ import annotations
 
@@ -14,25 +14,27 @@ if TYPE_CHECKING:
 
 
 class LeftOut(NamedTuple):
-    """Something of a robot that the format has no words for, or says in another way."""
+    """Feature of a robot that a file format cannot express, or expresses in another way."""
 
     place: str
-    """For example ``joint "elbow"``."""
+    """Place in the robot, for example ``joint "elbow"``."""
     message: str
+    """Description of the difference."""
     physics: bool
-    """Whether the robot moves differently without it."""
+    """Whether the robot moves differently without the feature."""
 
 
 class RobotText(NamedTuple):
-    """The text of a robot's file."""
+    """Text of a robot's file."""
 
     text: str
+    """Content of the file."""
     left_out: tuple[LeftOut, ...]
-    """What is not in it."""
+    """Features that the text lacks."""
 
 
 def refuse_file_read(robot: Robot, path: Path) -> None:
-    """ValueError where a file to be written is one that the robot was read from."""
+    """Raise ValueError if the robot was read from the file at this path."""
     if (file := robot._file_read_at(path)) is not None:
         raise ValueError(f"{path} is {file}, which the robot was read from; choose another name")
 
@@ -40,10 +42,27 @@ def refuse_file_read(robot: Robot, path: Path) -> None:
 def to_text(
     robot: Robot, format: Literal["urdf", "mjcf"] = "urdf", *, folder: str | PathLike[str] | None = None
 ) -> RobotText:
-    """The robot's file as text; `folder` is where it will lie, for paths of meshes. `loads` reads it.
+    """Text of the robot's file in a format.
 
-    DescriptionError where the format would make another robot of it.
+    Parameters
+    ----------
+    format : {"urdf", "mjcf"}
+        Format of the text.
+    folder : path, optional
+        Folder of the file, to which paths of meshes are relative.
 
+    Returns
+    -------
+    RobotText
+        Text that `loads` reads, and the features that it lacks.
+
+    Raises
+    ------
+    DescriptionError
+        The format would describe another robot.
+
+    Examples
+    --------
     >>> robot = rd.example("panda")
     >>> written = robot.to_text("mjcf")
     >>> [found.message for found in written.left_out if found.physics]
@@ -57,11 +76,30 @@ def to_text(
 
 
 def write(robot: Robot, path: str | PathLike[str]) -> tuple[LeftOut, ...]:
-    """Writes the robot's file, ``.urdf``, or ``.xml`` and ``.mjcf`` for MJCF; gives what is not in it.
+    """Write the robot's file, as a whole or not at all.
 
-    The file is there as a whole or not at all. ValueError where it is one that the robot was read from,
-    by whatever path or link: its own, an included one, a mesh.
+    Parameters
+    ----------
+    path : path
+        File that ends in ``.urdf``, or in ``.xml`` or ``.mjcf`` for MJCF.
 
+    Returns
+    -------
+    tuple of LeftOut
+        Features that the file lacks.
+
+    Raises
+    ------
+    DescriptionError
+        The format would describe another robot.
+    ValueError
+        The ending is unknown, or the robot was read from the file, by any path or link. This includes
+        included files and meshes.
+    OSError
+        The file cannot be written.
+
+    Examples
+    --------
     >>> import tempfile, pathlib
     >>> path = pathlib.Path(tempfile.mkdtemp()) / "arm.xml"
     >>> left_out = rd.example("two_r").write(path)
@@ -91,15 +129,47 @@ def generate(
     name: str | None = None,
     states: int = 5,
 ) -> dict[str, str]:
-    """A program for this robot alone, straight-line code without allocation: its files by name, with a
-    test that holds it to this library's values; written into `folder`, too, where one is given: all of
-    them or none, and over none that the robot was read from.
+    """Generate straight-line code without allocation for this robot alone.
 
-    `functions` are those of ``dynamics generate``: inverse_dynamics, mass_matrix, gravity, ...,
-    frame_pose:NAME. In `single` precision, with multiply-adds `fused`, with the platform's sine; Rust
-    also over the processor's vector `lanes`, many states at once. Files and functions are called after
-    `name`, the robot's where not given; the test compares random `states`.
+    The files contain a test that compares the code with this library. With `folder` all of them are
+    written, or none.
 
+    Parameters
+    ----------
+    target : {"rust", "c", "casadi", "wgsl", "cuda"}
+        Language of the code.
+    functions : sequence of str
+        Functions as in ``dynamics generate``: inverse_dynamics, mass_matrix, gravity, ...,
+        frame_pose:NAME.
+    folder : path, optional
+        Folder to write the files to.
+    single : bool
+        Whether to compute in single precision.
+    fused : bool
+        Whether to use fused multiply-add.
+    platform_sine : bool
+        Whether to use the platform's sine and cosine.
+    lanes : bool
+        Whether Rust code also has functions for many states in vector registers.
+    name : str, optional
+        Name for files and functions; default: that of the robot.
+    states : int
+        Number of random states in the test.
+
+    Returns
+    -------
+    dict of str to str
+        Content of each file, by its name.
+
+    Raises
+    ------
+    GenerateError
+        A function does not exist, or its code cannot be generated or written.
+    ValueError
+        The target does not exist, or the robot was read from one of the files.
+
+    Examples
+    --------
     >>> files = rd.example("two_r").generate("c", ["gravity"])
     >>> sorted(files)
     ['Makefile', 'REPORT.md', 'test_two_r.c', 'two_r.c', 'two_r.h']

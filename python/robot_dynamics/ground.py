@@ -1,4 +1,4 @@
-"""What a robot stands on."""
+"""Ground of simulations: planes and height fields."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from robot_dynamics.numbers import Numbers
 
 
 class Ground(NamedTuple):
-    """The half-space below a plane.
+    """Half-space below a plane.
 
     >>> motion = rd.example("quadruped", floating_base=True).simulate(
     ...     [0, 0, 0.5, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4], duration=2.0, dissipation=True, ground=rd.Ground()
@@ -20,21 +20,22 @@ class Ground(NamedTuple):
     """
 
     z: float = 0.0
-    """Its height, under the world's origin [m]."""
+    """Height of the plane at the world's origin [m]."""
     slope: float = 0.0
-    """By how much it rises along x [rad]."""
+    """Angle by which the plane rises along x [rad]."""
     friction: float | None = None
-    """μ of all contacts; `None`: as the shapes state."""
+    """Friction coefficient μ of all contacts; `None` for the values of the shapes."""
     restitution: float = 0.0
-    """The part of its normal speed with which a body leaves that meets it."""
+    """Fraction of its normal speed with which a body rebounds."""
 
 
 class HeightField(NamedTuple):
-    """Ground with hills: `heights[row, column]` [m] on a grid over a rectangle, rows along y, columns along
-    x, upwards both.
+    """Ground with hills: `heights[row, column]` on a regular grid over a rectangle.
 
-    A cell is divided along the diagonal from its corner of least x and y. Outside the rectangle there is
-    nothing. Balls, ellipsoids and capsules' ends touch faces, edges and corners; boxes and meshes touch with
+    Rows run along y and columns along x, both in ascending order. Each cell is divided along the diagonal
+    from its corner of least x and y. There is no ground outside the rectangle.
+
+    Spheres, ellipsoids and the ends of capsules touch faces, edges and corners. Boxes and meshes touch with
     their corners, cylinders with their rims.
 
     >>> valley = rd.HeightField([[1.0, 0.0, 1.0]] * 2, half_size=(1.0, 1.0))  # along y, 45 degrees on both sides
@@ -47,23 +48,23 @@ class HeightField(NamedTuple):
     """
 
     heights: Numbers
-    """(rows, columns)"""
+    """Heights (rows, columns) [m]."""
     half_size: tuple[float, float]
-    """Half the rectangle's lengths along x and y [m]."""
+    """Half the lengths of the rectangle along x and y [m]."""
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Of its middle, at height 0, in the world [m]."""
+    """Position in the world of the rectangle's centre at height 0 [m]."""
     friction: float | None = None
-    """μ of all contacts; `None`: as the shapes state."""
+    """Friction coefficient μ of all contacts; `None` for the values of the shapes."""
     restitution: float = 0.0
-    """The part of its normal speed with which a body leaves that meets it."""
+    """Fraction of its normal speed with which a body rebounds."""
 
 
 AnyGround: TypeAlias = Ground | HeightField | Literal["file"]
-"""A plane, hills, or the height fields that the robot's file has in its world."""
+"""A plane, a height field, or the planes and height fields in the world of the robot's file."""
 
 
 def native(ground: AnyGround | None) -> Any:
-    """As the native half takes it."""
+    """Ground as the compiled module expects it."""
     if not isinstance(ground, HeightField):
         return ground
     heights = np.asarray(ground.heights, dtype=np.float64)

@@ -5,9 +5,9 @@ It needs the extra ``robot-dynamics[gym]``.
     import gymnasium
     import robot_dynamics.gym
 
-    envs = gymnasium.make_vec("robot_dynamics/SwingUp-v0", num_envs=1000)     # or SwingUp(1000), Reach(1000, robot)
-    observations, _ = envs.reset(seed=1)
-    observations, rewards, terminated, truncated, _ = envs.step(envs.action_space.sample())
+    envs = gymnasium.make_vec("robot_dynamics/SwingUp-v0", num_envs=1000)     # or SwingUp(1000), Reach(1000,
+    robot) observations, _ = envs.reset(seed=1) observations, rewards, terminated, truncated, _ =
+    envs.step(envs.action_space.sample())
 
 Environments are reset in the step after their end, as Gymnasium's own vectors (``AutoresetMode.NEXT_STEP``).
 The same seed and actions give the same bits, for any number of threads.

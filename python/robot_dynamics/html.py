@@ -1,4 +1,4 @@
-"""A robot as a notebook shows it: its tree, limits, and what its file had to say."""
+"""HTML of a robot for notebooks: its joints, limits and load report."""
 
 from __future__ import annotations
 
@@ -17,26 +17,39 @@ _STYLE = """<style>
 </style>"""
 
 
-def robot(of: Robot) -> str:
-    """The robot."""
-    freedoms = "degree" if of.nv == 1 else "degrees"
-    title = f"<b>{escape(of.name)}</b>: {of.nv} {freedoms} of freedom, {of.total_mass:.2f} kg"
-    return f'<div class="robot-dynamics">{_STYLE}{title}{_joints(of)}{_report(of)}</div>'
+def robot_html(robot: Robot) -> str:
+    """HTML of a robot.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot to show.
+
+    Returns
+    -------
+    str
+        HTML element.
+    """
+    freedoms = "degree" if robot.nv == 1 else "degrees"
+    title = f"<b>{escape(robot.name)}</b>: {robot.nv} {freedoms} of freedom, {robot.total_mass:.2f} kg"
+    return f'<div class="robot-dynamics">{_STYLE}{title}{_joints(robot)}{_report(robot)}</div>'
 
 
-def _joints(of: Robot) -> str:
-    depth = {joint.child: 0 for joint in of.joints}
-    for joint in of.joints:  # parents come first
+def _joints(robot: Robot) -> str:
+    """Table of the joints."""
+    depth = {joint.child: 0 for joint in robot.joints}
+    for joint in robot.joints:  # parents come first
         depth[joint.child] = depth.get(joint.parent, 0) + 1
     head = "".join(f"<th>{name}</th>" for name in ("joint", "kind", "moves", "v", "range", "velocity", "effort"))
-    rows = "".join(_row(joint, depth[joint.child]) for joint in of.joints)
+    rows = "".join(_row(joint, depth[joint.child]) for joint in robot.joints)
     return (
-        f"<details open><summary>{len(of.joints)} joint{'s' if len(of.joints) != 1 else ''}</summary>"
+        f"<details open><summary>{len(robot.joints)} joint{'s' if len(robot.joints) != 1 else ''}</summary>"
         f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></details>"
     )
 
 
 def _row(joint: Joint, depth: int) -> str:
+    """Row of a joint in the table."""
     first, last = joint.v.start, joint.v.stop - 1
     place = "" if last < first else str(first) if last == first else f"{first}–{last}"
     if joint.mimic:
@@ -54,8 +67,9 @@ def _row(joint: Joint, depth: int) -> str:
     return f"<tr>{''.join(words)}</tr>"
 
 
-def _report(of: Robot) -> str:
-    report = of.report
+def _report(robot: Robot) -> str:
+    """Warnings and report of the file."""
+    report = robot.report
     warnings = "".join(f"<li>{escape(text)}</li>" for text in report.grouped_warnings)
     lines = "\n".join(escape(line) for line in str(report).split("\n"))
     count = len(report.warnings)

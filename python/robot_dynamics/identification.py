@@ -1,5 +1,7 @@
-"""Inertial parameters from recorded motion: τ = Y(q, v, a) π, of which only combinations β show in
-torques."""
+"""Identification of inertial parameters from recorded motion: τ = Y(q, v, a) π.
+
+Torques depend on linear combinations β of π only.
+"""
 
 from __future__ import annotations
 
@@ -20,35 +22,55 @@ Array: TypeAlias = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Identified:
-    """What a recorded motion tells of β."""
+    """Result of an identification."""
 
     values: Array
-    """β."""
+    """Identified combinations β."""
     standard_deviations: Array
-    """Of β, from the residual."""
+    """Standard deviations of β, from the residual."""
     residual: float
-    """The root mean square of τ − Y π [N·m or N]."""
+    """Root mean square of τ − Y π [N·m or N]."""
     condition: float
-    """Of the columns scaled to one length: far above 100 the motion excites too little."""
+    """Condition number of the columns scaled to unit length.
+
+    Far above 100, the motion excites the parameters too little.
+    """
     base: BaseParameters = field(repr=False)
-    """Which combinations β are."""
+    """Combinations that β stands for."""
 
 
 class LinkConsistency(NamedTuple):
-    """Whether some body has these parameters."""
+    """Physical consistency of the inertial parameters of a link."""
 
     link: str
+    """Name of the link."""
     mass: float
-    """[kg]"""
+    """Mass [kg]."""
     smallest: float
-    """The least eigenvalue of the pseudo-inertia, which is positive for a body."""
+    """Smallest eigenvalue of the pseudo-inertia, which is positive for a rigid body."""
     largest: float
+    """Largest eigenvalue of the pseudo-inertia."""
     is_consistent: bool
+    """Whether a rigid body with these parameters exists, up to rounding."""
 
 
 def base_parameters(robot: Robot, *, states: int = 200, seed: int = 1) -> BaseParameters:
-    """The combinations β of π that torques show, found from random states.
+    """Find the combinations β of the inertial parameters π that torques depend on, from random states.
 
+    Parameters
+    ----------
+    states : int
+        Number of random states.
+    seed : int
+        Seed of the random states.
+
+    Returns
+    -------
+    BaseParameters
+        Combinations β.
+
+    Examples
+    --------
     >>> len(rd.example("two_r").base_parameters())
     6
     """
@@ -66,12 +88,38 @@ def identify(
     *,
     dissipation: bool = True,
 ) -> Identified:
-    """β from recorded motion: q (n, nq), v (n, nv), a (n, nv), tau (n, nv), by least squares.
+    """Identify β from recorded motion by least squares.
 
-    The torques contain the joints' damping and friction as described, as those of `simulate` do; without
-    `dissipation` they do not, as those of `inverse_dynamics`. Without `base` the combinations are those
-    that this motion shows.
+    Parameters
+    ----------
+    q : array_like, (n, nq)
+        Recorded configurations.
+    v : array_like, (n, nv)
+        Recorded velocities [rad/s or m/s].
+    a : array_like, (n, nv)
+        Recorded accelerations [rad/s² or m/s²].
+    tau : array_like, (n, nv)
+        Recorded torques [N·m or N].
+    base : BaseParameters, optional
+        Combinations to identify; default: those that this motion excites.
+    dissipation : bool
+        Whether `tau` contains the joints' damping and friction as described, like the torques of
+        `simulate`. The torques of `inverse_dynamics` do not.
 
+    Returns
+    -------
+    Identified
+        β with its standard deviations.
+
+    Raises
+    ------
+    IdentificationError
+        The motion has too few or invalid samples, or `base` belongs to another robot.
+    ShapeError
+        An array has the wrong shape.
+
+    Examples
+    --------
     >>> robot, random = rd.example("two_r"), np.random.default_rng(1)
     >>> q, v, a = random.uniform(-1, 1, (3, 100, 2))
     >>> found = robot.identify(q, v, a, robot.inverse_dynamics(q, v, a))
@@ -82,8 +130,27 @@ def identify(
 
 
 def physical_consistency(robot: Robot, parameters: Numbers) -> tuple[LinkConsistency, ...]:
-    """Whether each moving link of π (10·moving links,) could be a body.
+    """Check for each moving link whether a rigid body with its inertial parameters exists.
 
+    Parameters
+    ----------
+    parameters : array_like, (10 · moving links,)
+        Inertial parameters π, in the order of `inertial_parameters`.
+
+    Returns
+    -------
+    tuple of LinkConsistency
+        One for each moving link.
+
+    Raises
+    ------
+    IdentificationError
+        A parameter is not finite.
+    ShapeError
+        `parameters` has the wrong length.
+
+    Examples
+    --------
     >>> robot = rd.example("panda")
     >>> all(link.is_consistent for link in robot.physical_consistency(robot.inertial_parameters))
     True

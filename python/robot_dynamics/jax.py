@@ -111,10 +111,10 @@ def rollout(
     """
     import jax.numpy as jnp
 
-    from robot_dynamics.motion import effort_limits, switched_off
+    from robot_dynamics.motion import disabled_effects, effort_limits
     from robot_dynamics.xla import calls
 
-    off = switched_off(without, dissipation, stops=True)
+    off = disabled_effects(without, dissipation, stops=True)
     row, dissipates = robot._differentiable_row(step=step, integrator=integrator, conservative=conservative, without=off)
     q = _array("q", q)
     v = jnp.zeros(robot.nv, q.dtype) if v is None else _array("v", v)

@@ -1,4 +1,4 @@
-"""From a file to a robot."""
+"""Loading of robots."""
 
 from __future__ import annotations
 
@@ -17,15 +17,36 @@ def load(
     strict: bool = False,
     repair_inertia: bool = False,
 ) -> Robot:
-    """The robot of a file, of any format that the library reads.
+    """Load a robot from a file of any format that the library reads.
 
-    The library takes suspicious values in a file as written, with a `LoadWarning` that says by how much they
-    are off. There is one warning for each kind, with the number of places and the first of them. Content
-    without a meaning raises a `LoadError` that lists all of it, by line. `robot.report` has every finding.
+    Suspicious values are taken as written. Each kind of them raises one `LoadWarning` with the error, the
+    number of places and the first place. `Robot.report` has every finding.
 
-    - `floating_base` frees the root link: six more degrees of freedom, seven more numbers in q.
-    - `strict` refuses what would be a warning.
-    - `repair_inertia` moves moments that no rigid body has to the edge of what a body can have.
+    Parameters
+    ----------
+    path : path
+        File of the robot.
+    floating_base : bool
+        Whether the root link is free: six more degrees of freedom, seven more numbers in q.
+    strict : bool
+        Whether a warning is an error.
+    repair_inertia : bool
+        Whether to move inertias that no rigid body has to the boundary of those that one can have.
+
+    Returns
+    -------
+    Robot
+        The robot.
+
+    Raises
+    ------
+    LoadError
+        The file is invalid. The message lists all errors by line.
+
+    Warns
+    -----
+    LoadWarning
+        A value is suspicious, or the model leaves out physics that the file states.
     """
     robot = Robot(
         "path",
@@ -45,8 +66,36 @@ def loads(
     strict: bool = False,
     repair_inertia: bool = False,
 ) -> Robot:
-    """The robot of a file's text; see `load`.
+    """Load a robot from the text of a file; see `load`.
 
+    Parameters
+    ----------
+    text : str
+        Content of the file.
+    floating_base : bool
+        Whether the root link is free: six more degrees of freedom, seven more numbers in q.
+    strict : bool
+        Whether a warning is an error.
+    repair_inertia : bool
+        Whether to move inertias that no rigid body has to the boundary of those that one can have.
+
+    Returns
+    -------
+    Robot
+        The robot.
+
+    Raises
+    ------
+    LoadError
+        The text is invalid. The message lists all errors by line.
+
+    Warns
+    -----
+    LoadWarning
+        A value is suspicious, or the model leaves out physics that the text states.
+
+    Examples
+    --------
     >>> rd.loads('<robot name="point"><link name="world"/></robot>').nv
     0
     """
@@ -56,8 +105,27 @@ def loads(
 
 
 def example(name: str = "panda", *, floating_base: bool = False) -> Robot:
-    """A robot that comes with the package: ``two_r``, ``ur5``, ``panda``, ``quadruped`` or ``humanoid``.
+    """Load a robot that comes with the package.
 
+    Parameters
+    ----------
+    name : {"two_r", "ur5", "panda", "quadruped", "humanoid"}
+        Name of the robot.
+    floating_base : bool
+        Whether the root link is free: six more degrees of freedom, seven more numbers in q.
+
+    Returns
+    -------
+    Robot
+        The robot.
+
+    Raises
+    ------
+    ValueError
+        The name does not exist.
+
+    Examples
+    --------
     >>> rd.example("panda").nv
     7
     """
@@ -65,9 +133,29 @@ def example(name: str = "panda", *, floating_base: bool = False) -> Robot:
 
 
 def random_robot(seed: int, *, joints: int = 10, floating_base: bool = False) -> Robot:
-    """A robot made up for tests: a tree of joints of all kinds, springs, damping and friction; the same for
-    the same seed.
+    """Generate a random robot for tests: a tree of joints of all kinds with springs, damping and friction.
 
+    Parameters
+    ----------
+    seed : int
+        Seed; equal arguments give equal robots.
+    joints : int
+        Number of joints.
+    floating_base : bool
+        Whether the root link is free: six more degrees of freedom, seven more numbers in q.
+
+    Returns
+    -------
+    Robot
+        The robot.
+
+    Raises
+    ------
+    DescriptionError
+        The description is invalid.
+
+    Examples
+    --------
     >>> robot = rd.random_robot(3, joints=5)
     >>> bool(robot.audit()), robot == rd.random_robot(3, joints=5)
     (True, True)
@@ -77,5 +165,5 @@ def random_robot(seed: int, *, joints: int = 10, floating_base: bool = False) ->
 
 def _warn(robot: Robot, source: str) -> None:
     for group in robot.report.grouped_warnings:
-        # The caller of the function that calls this one.
+        # The warning points at the caller of `load` or `loads`.
         warnings.warn(f"{_native._visible(source, False)}: {group}", LoadWarning, stacklevel=3)

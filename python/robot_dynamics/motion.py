@@ -1,4 +1,4 @@
-"""Motions in time: simulations with their energy ledger, rollouts of many states, one step and its slopes."""
+"""Motion in time: simulations, rollouts of many states, single steps and their derivatives."""
 
 from __future__ import annotations
 
@@ -20,91 +20,109 @@ if TYPE_CHECKING:
 
 Array: TypeAlias = NDArray[np.float64]
 Correction: TypeAlias = Literal["none", "velocity", "position"]
-"""The quantities that an explicit row projects after each step under constraints."""
+"""The errors that an explicit method projects away after each step under constraints."""
 Controller: TypeAlias = Callable[[float, Array, Array], Numbers]
-"""τ of (t, q, v)."""
+"""Torques τ (nv,) as a function of (t, q, v)."""
 
 
 @dataclass(frozen=True)
 class Event:
-    """Something to look out for during a simulation: a function of (t, q, v) that becomes 0."""
+    """An event of a simulation: the time at which a function of (t, q, v) becomes 0."""
 
     name: str
+    """Name of the event."""
     function: Callable[[float, Array, Array], float]
+    """Function of (t, q, v) whose zeros are the event."""
     direction: Literal["both", "rising", "falling"] = "both"
+    """Direction in which the function crosses 0: rising, falling, or both."""
     terminal: bool = False
-    """Whether the motion ends there."""
+    """Whether the motion ends at the event."""
 
 
 class Occurrence(NamedTuple):
-    """An event that happened."""
+    """One event of a motion."""
 
     name: str
+    """Name of the `Event`."""
     time: float
-    """[s]"""
+    """Time of the event [s]."""
     rising: bool
+    """Whether the function rises there."""
     q: Array
+    """Configuration at the event (nq,)."""
     v: Array
+    """Velocity at the event (nv,)."""
 
 
 @dataclass(frozen=True)
 class EnergyLedger:
-    """The books of the energy, at the end of a motion [J]: start + work − dissipated = kinetic +
-    potential."""
+    """Energy account at the end of a motion [J]: start + work − dissipated = kinetic + potential."""
 
     start: float
-    """E when it began."""
+    """Energy E = K + V at the start."""
     kinetic: float
+    """Kinetic energy K at the end."""
     potential: float
+    """Potential energy V at the end."""
     work: float
-    """What the motors did."""
+    """Work of the motors."""
     dissipated: float
-    """What damping and friction took."""
+    """Energy that damping and friction dissipate."""
     imbalance: float
-    """By how much the books do not balance: the error of the method."""
+    """Residual of the account at the end: the error of the method."""
     max_imbalance: float
-    """The largest on the way."""
+    """Largest residual during the motion."""
     energy_moved: float
-    """max K + max V − min V, or what the motors did or damping took where that is more."""
+    """max K + max V − min V, or the work or the dissipated energy if that is larger."""
     relative_imbalance: float
-    """max_imbalance over energy_moved: the relative error of any motion."""
+    """max_imbalance / energy_moved: the relative error of any motion."""
     drift: float
-    """max |E − E₀| over |E₀| (max K where E₀ is 0) of a conservative motion; NaN where motors or damping
-    acted, as E then changes."""
+    """max |E − E₀| / |E₀| of a conservative motion, with max K in place of |E₀| if E₀ is 0.
+
+    NaN if motors or damping act, because E then changes.
+    """
 
 
 class Losses(TypedDict):
-    """Energy that left a motion, by cause [J]."""
+    """Energy that leaves a motion, by cause [J]."""
 
     damping: float
+    """Energy that damping dissipates."""
     friction: float
+    """Energy that dry friction of joints and tendons dissipates."""
     stops: float
+    """Energy that position limits dissipate."""
     corrections: float
-    """By moving back what began beyond a stop or within another shape; negative where that put energy in."""
+    """Energy removed by corrections of states that start beyond a position limit or inside another shape.
+
+    Negative if the corrections add energy.
+    """
     sliding: float
+    """Energy that sliding contacts dissipate."""
     impacts: float
+    """Energy that impacts dissipate."""
 
 
 class StepStatistics(NamedTuple):
-    """What the steps of an adaptive motion were."""
+    """Statistics of adaptive steps."""
 
     accepted: int
-    """Steps taken."""
+    """Number of accepted steps."""
     rejected: int
-    """Steps tried and taken back, as their error was too large."""
+    """Number of steps rejected because their error was too large."""
     evaluations: int
-    """Of the forward dynamics."""
+    """Number of evaluations of the forward dynamics."""
     shortest: float
-    """The shortest step [s]."""
+    """Shortest step [s]."""
     longest: float
-    """The longest [s]."""
+    """Longest step [s]."""
     quaternion_error: float
-    """The largest | |quaternion| − 1 | at the ends of steps, before q was normalised."""
+    """Largest | |quaternion| − 1 | at the end of a step, before q is normalised."""
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion, sample by sample.
+    """A simulated motion, sample by sample.
 
     >>> motion = rd.example("two_r").simulate([0.0, 0.0], duration=1.0)
     >>> motion.q.shape, motion.ledger.drift < 1e-9
@@ -112,74 +130,98 @@ class Motion:
     """
 
     times: Array = field(repr=False)
-    """(samples,) [s]"""
+    """Sample times (samples,) [s]."""
     q: Array = field(repr=False)
-    """(samples, nq)"""
+    """Configurations (samples, nq)."""
     v: Array = field(repr=False)
-    """(samples, nv)"""
+    """Velocities (samples, nv) [rad/s or m/s]."""
     tau: Array = field(repr=False)
-    """(samples, nv): the torques from each sample on, within the effort limits, with those of actuators [N·m
-    or N]"""
+    """Torques that act from each sample on (samples, nv) [N·m or N].
+
+    They are within the effort limits and include the torques of actuators.
+    """
     kinetic: Array = field(repr=False)
-    """(samples,) [J]"""
+    """Kinetic energy (samples,) [J]."""
     potential: Array = field(repr=False)
-    """(samples,) [J]"""
+    """Potential energy (samples,) [J]."""
     ledger: EnergyLedger
+    """Energy account of the motion."""
     peak_torque: Array = field(repr=False)
-    """(nv,): the largest |τ| of each coordinate over all steps [N·m or N]"""
+    """Largest |τ| of each coordinate over all steps (nv,) [N·m or N]."""
     events: tuple[Occurrence, ...]
+    """Events of the motion, in their order."""
     steps: int
-    """Steps taken."""
+    """Number of steps."""
     ended_by_event: bool
+    """Whether a terminal event ended the motion."""
     position_drift: float | None = None
     """Under constraints: the largest |φ| [m or rad]."""
     velocity_drift: float | None = None
     """Under constraints: the largest |A v| [m/s or rad/s]."""
     energy_removed: float | None = None
-    """Under constraints: what corrections of drift took [J]."""
+    """Under constraints: the energy that corrections of drift remove [J]."""
     losses: Losses | None = None
-    """What damping, friction, stops, sliding and impacts took, where the integrator tells them apart."""
+    """Dissipated energy by cause, if the integrator separates the causes."""
     contact_forces: Array | None = field(default=None, repr=False)
-    """On ground: its force on each link that can touch it, along the world's axes, the mean of the step
-    before each sample, (samples, links, 3) [N]."""
+    """Ground forces on the links in `contact_links`, along the world's axes (samples, links, 3) [N].
+
+    Each is the mean over the step before the sample. `None` without ground contact.
+    """
     contact_links: tuple[str, ...] = field(default=(), repr=False)
-    """Their names."""
+    """Names of the links that can touch the ground."""
     statistics: StepStatistics | None = field(default=None, repr=False)
-    """Of adaptive steps: how many, how long."""
+    """Statistics of adaptive steps; `None` for other methods."""
     coordinates: tuple[str, ...] = field(default=(), repr=False)
-    """The names of v's coordinates."""
+    """Names of the coordinates of v."""
     configuration_names: tuple[str, ...] = field(default=(), repr=False)
-    """The names of q's numbers: those of `coordinates`, or of a floating joint ``.x`` to ``.qw``."""
+    """Names of the numbers of q: those of `coordinates`, or ``.x`` to ``.qw`` of a floating joint."""
     position_limits: Array | None = field(default=None, repr=False)
-    """Least and largest of q's numbers (nq, 2), infinite where the file gives none [rad or m]."""
+    """Smallest and largest value of each number of q (nq, 2) [rad or m]; infinite without a limit."""
     method: str = "rk4"
-    """By which method the steps were taken."""
+    """Name of the integration method."""
     left_out: tuple[str, ...] = field(default=(), repr=False)
-    """The features that the robot's file states and the motion leaves out, each with the reason."""
+    """Features that the robot's file states and the motion omits, each with the reason."""
     steps_at_effort_limits: Array | None = field(default=None, repr=False)
-    """(nv,): in how many steps the torque that was asked for was cut off at the effort limit."""
+    """Number of steps in which the requested torque exceeds the effort limit (nv,)."""
     actuator_forces: Array | None = field(default=None, repr=False)
-    """The force of each actuator before its gear, the mean of the step before each sample, (samples,
-    actuators) [N·m or N]."""
+    """Force of each actuator before its gear (samples, actuators) [N·m or N].
+
+    Each is the mean over the step before the sample.
+    """
     actuator_names: tuple[str, ...] = field(default=(), repr=False)
-    """Their names."""
+    """Names of the actuators."""
 
     @property
     def energy(self) -> Array:
-        """K + V, (samples,) [J]."""
+        """Total energy K + V (samples,) [J]."""
         total: Array = self.kinetic + self.potential
         return total
 
     def plot(self, axes: Any = None) -> Any:
-        """Positions with their limits, velocities, torques and energies over time; needs matplotlib. Returns
-        the axes, one for each.
+        """Plot positions with their limits, velocities, torques and energies over time.
 
-        Limits are dotted lines of the colours of their curves, where they are near; `axes` takes four axes to
-        draw into.
+        Limits near a curve are dotted lines of the same colour. Needs matplotlib.
+
+        Parameters
+        ----------
+        axes : sequence of 4 matplotlib axes, optional
+            Axes to draw on; default: those of a new figure.
+
+        Returns
+        -------
+        sequence of matplotlib axes
+            One for each of the four plots.
+
+        Raises
+        ------
+        ImportError
+            matplotlib is missing.
+        ValueError
+            `axes` does not have four entries.
         """
         from robot_dynamics import plots
 
-        return plots.motion(self, axes)
+        return plots.plot_motion(self, axes)
 
     def __repr__(self) -> str:
         time = self.times[-1] if len(self.times) else 0.0
@@ -191,30 +233,33 @@ class Motion:
 
 @dataclass(frozen=True)
 class Rollout:
-    """The motions of many states."""
+    """Motions of many states."""
 
     q: NDArray[Any]
-    """Where they end, (..., nq)."""
+    """Final configurations (..., nq)."""
     v: NDArray[Any]
-    """(..., nv)"""
+    """Final velocities (..., nv) [rad/s or m/s]."""
     q_trajectory: NDArray[Any]
-    """The states after each `stride` steps, (..., samples, nq)."""
+    """Configurations after each `stride` steps (..., samples, nq)."""
     v_trajectory: NDArray[Any]
-    """(..., samples, nv)"""
+    """Velocities after each `stride` steps (..., samples, nv) [rad/s or m/s]."""
 
 
-class Course(NamedTuple):
-    """What rollouts start from and are driven by, with the leading dimensions of the whole batch."""
+class RolloutInputs(NamedTuple):
+    """Initial states and torques of a rollout, with the leading dimensions of the whole batch."""
 
     q: NDArray[Any]
+    """Initial configurations (..., nq)."""
     v: NDArray[Any]
+    """Initial velocities (..., nv)."""
     tau: NDArray[Any] | None
+    """Torques (..., nv) or (..., steps, nv), or `None`."""
     each_step: bool
     """Whether `tau` has a row for each step."""
 
     @classmethod
-    def of(cls, robot: Robot, q: Numbers, v: Numbers | None, tau: Numbers | None, steps: int) -> Course:
-        """The arguments of `rollout`, broadcast."""
+    def of(cls, robot: Robot, q: Numbers, v: Numbers | None, tau: Numbers | None, steps: int) -> RolloutInputs:
+        """Broadcast the arguments of `rollout`."""
         states = np.asarray(q)
         velocities = np.zeros(robot.nv, states.dtype) if v is None else np.asarray(v)
         forces = None if tau is None else np.asarray(tau)
@@ -237,7 +282,7 @@ class Course(NamedTuple):
 
 
 class LinearizedStep(NamedTuple):
-    """The slopes of one step: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ, q by displacements q ⊕ δq."""
+    """Derivatives of one step: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ, with δq a displacement q ⊕ δq."""
 
     by_state: Array
     """A (2 nv, 2 nv)."""
@@ -245,27 +290,27 @@ class LinearizedStep(NamedTuple):
     """B (2 nv, nv)."""
 
 
-def switched_off(without: Sequence[str], dissipation: bool, stops: bool) -> list[str]:
-    """The effects to leave out, by name."""
+def disabled_effects(without: Sequence[str], dissipation: bool, stops: bool) -> list[str]:
+    """Names of the effects to leave out."""
     if isinstance(without, str):
         raise TypeError(f"without={without!r}: give a list of names, [{without!r}]")
     return [*without, *([] if dissipation else ["dissipation"]), *([] if stops else ["limits"])]
 
 
 def effort_limits(robot: Robot, conservative: bool, off: Sequence[str]) -> Array | None:
-    """The limits (nv,) that cut torques off, infinite where there is none; `None` where none acts."""
+    """Effort limits (nv,) that clip torques, infinite without a limit; `None` if no limit acts."""
     if conservative or "effort-limits" in {name.strip().replace("_", "-") for name in off}:
         return None
     limits: Array = np.maximum(robot._effort_limits(), 0.0)
     return limits if np.isfinite(limits).any() else None
 
 
-def refuse_for_adaptive(**given: Any) -> None:
-    """Adaptive steps know neither contact nor constraints."""
+def check_adaptive_options(**given: Any) -> None:
+    """Raise ValueError for options that adaptive steps do not support: contact and constraints."""
     for name, value in given.items():
         if value is not None:
             verb = "go" if name.endswith("s") else "goes"
-            raise ValueError(f"{name} {verb} with integrator='implicit'; 'adaptive' knows no contact or constraints")
+            raise ValueError(f"{name} {verb} with integrator='implicit'; 'adaptive' does not support contact or constraints")
 
 
 def simulate(
@@ -292,38 +337,89 @@ def simulate(
     tolerance: float | None = None,
     control_period: float | None = None,
 ) -> Motion:
-    """The motion from q (nq,) and v (nv,), zeros where not given, for `duration` seconds in steps of
-    `step`.
+    """Simulate the motion from a state for `duration` seconds.
 
-    Everything that the robot's file states acts: damping, friction, limits, springs, actuators at their
-    `controls` (0 where not named), equalities, and contact with the world's geometry and between links.
-    `without` switches effects off by name (``dissipation``, ``limits``, ``effort-limits``, ``springs``,
-    ``actuators``, ``equalities``, ``contacts``, ``link-contacts``); `dissipation` and `stops` are the
-    first two of them. `conservative` is the textbook's free motion: no damping, friction, limits,
-    actuators or contact. Effects that the method does not support are left out; `Motion.left_out` lists
-    them.
+    Everything that the robot's file states acts: damping, friction, limits, springs, actuators,
+    equalities, and contact with the world's geometry and between links. Effects that the method does not
+    support are left out; `Motion.left_out` lists them.
 
-    `tau` is held over each step, within the joints' effort limits: none, (nv,) for all steps, (steps, nv)
-    for each, or a function of (t, q, v) that gives (nv,). Every `sample_every`-th step is a sample; so
-    are the first and the last.
+    Unless `integrator` is given, the method is ``rk4`` if all acting effects are smooth and not stiff,
+    and ``implicit`` otherwise.
 
-    `integrator` is ``rk4`` where everything that acts is smooth and not stiff, and ``implicit``
-    elsewhere, unless it is given: a row of the library's table (``rk4``, ``variational-midpoint``, ...),
-    ``implicit``, ``mujoco`` or ``adaptive``. ``implicit`` stays stable however stiff joints are, of order
-    2; joints stick by their friction, limits are stops, and contacts are rigid with Coulomb's friction.
-    ``mujoco`` takes MuJoCo's semi-implicit Euler steps under its law of constraints that yield.
-    ``adaptive`` takes steps of order 9, or implicit ones of order 5 where damping is stiff, as long as
-    `tolerance` (1e-9) allows; `step` is the time between samples alone. Damping acts, unless a joint has
-    dry friction: then both are left out. A function of (t, q, v) is asked all along and must be smooth,
-    unless its torques are held for `control_period` [s]; rows of torques are held for a `step`.
+    - ``implicit`` has order 2 and stays stable for joints of any stiffness. Joints stick by dry friction,
+      position limits are stops, and contacts are rigid with Coulomb friction.
+    - ``mujoco`` takes MuJoCo's semi-implicit Euler steps with its compliant constraints.
+    - ``adaptive`` takes explicit steps of order 9, or implicit steps of order 5 if damping is stiff. It
+      chooses their length by `tolerance`. Damping acts, unless a joint has dry friction: then both are
+      left out.
+    - The methods of the library's table have fixed steps: ``rk4``, ``semi-implicit-euler``,
+      ``explicit-euler``, ``variational-midpoint`` and ``variational-yoshida4``.
 
-    `ground` is a `Ground`, a `HeightField` or ``"file"``, which asks for the planes and height fields of
-    the robot's file and refuses a file without. `constraints` take the place of the file's equalities;
-    `stabilization` [1/s] is Baumgarte's, `correction` says what an explicit row projects after each step.
+    Parameters
+    ----------
+    q : array_like, (nq,)
+        Initial configuration.
+    v : array_like, (nv,), optional
+        Initial velocity [rad/s or m/s]; default: 0.
+    tau : array_like, (nv,) or (steps, nv), or callable, optional
+        Torques [N·m or N] for all steps or for each step, or a function of (t, q, v) that returns (nv,).
+        Each is held over a step and clipped to the effort limits. With ``adaptive`` rows are held for
+        `step`. A function is then evaluated continuously and must be smooth, unless `control_period` is
+        given.
+    duration : float
+        Duration [s].
+    step : float
+        Step size [s]; with ``adaptive`` the time between samples.
+    integrator : str, optional
+        Method: ``implicit``, ``mujoco``, ``adaptive`` or one of the table, such as ``rk4``.
+    conservative : bool
+        Whether to leave out damping, friction, limits, actuators and contact.
+    without : sequence of str
+        Effects to leave out: ``dissipation``, ``limits``, ``effort-limits``, ``springs``, ``actuators``,
+        ``equalities``, ``contacts``, ``link-contacts``.
+    dissipation : bool
+        Whether damping and friction act.
+    stops : bool
+        Whether position limits act.
+    sample_every : int
+        Number of steps between samples. The first and the last state are always samples.
+    events : sequence of Event
+        Events to find.
+    stop_at_limits : bool
+        Whether the motion ends where a joint reaches a position limit.
+    constraints : Constraints, optional
+        Constraints that replace the equalities of the file.
+    stabilization : float, optional
+        Rate γ of Baumgarte's stabilization of `constraints` [1/s].
+    correction : {"none", "velocity", "position"}
+        Errors that an explicit method projects away after each step under constraints.
+    controls : mapping of str to float, optional
+        Controls of actuators by name; the others are 0.
+    ground : Ground, HeightField or "file", optional
+        Ground below the robot. ``"file"`` requires planes or height fields in the robot's file.
+    tolerance : float, optional
+        Local error that ``adaptive`` steps allow, relative and absolute; default: 1e-9.
+    control_period : float, optional
+        With ``adaptive``, the time for which each torque of a function is held [s].
 
-    A motion that cannot be computed to its end raises `SimulationError`, whose `until` is the motion so
-    far.
+    Returns
+    -------
+    Motion
+        The sampled motion with its energy account.
 
+    Raises
+    ------
+    SimulationError
+        The motion cannot be computed to its end; `until` is the motion so far.
+    StateError
+        `q` or `v` is invalid.
+    ShapeError
+        An array has the wrong shape.
+    ValueError
+        An option is invalid, or options exclude each other.
+
+    Examples
+    --------
     >>> robot = rd.example("panda")
     >>> hold = lambda t, q, v: robot.gravity(q) - 0.1 * v
     >>> motion = robot.simulate(robot.neutral(), tau=hold, duration=0.1, without=["limits"])
@@ -338,7 +434,7 @@ def simulate(
     how = {"duration": duration, "sample_every": sample_every, "events": fields, "stop_at_limits": stop_at_limits}
     try:
         if integrator == "adaptive":
-            refuse_for_adaptive(ground=ground, constraints=constraints)
+            check_adaptive_options(ground=ground, constraints=constraints)
         elif tolerance is not None or control_period is not None:
             raise ValueError(
                 "tolerance and control_period go with integrator='adaptive'; "
@@ -353,7 +449,7 @@ def simulate(
             step=step,
             integrator=integrator,
             conservative=conservative,
-            without=switched_off(without, dissipation, stops),
+            without=disabled_effects(without, dissipation, stops),
             constraints=constraints,
             stabilization=stabilization,
             correction=correction,
@@ -369,6 +465,7 @@ def simulate(
 
 
 def _motion_of(robot: Robot, record: dict[str, Any]) -> Motion:
+    """The motion of a record of the compiled module."""
     record["ledger"] = EnergyLedger(**record["ledger"])
     record["events"] = tuple(Occurrence(*event) for event in record["events"])
     if record.get("statistics") is not None:
@@ -380,13 +477,13 @@ def _motion_of(robot: Robot, record: dict[str, Any]) -> Motion:
 
 
 def _configuration_layout(robot: Robot) -> tuple[tuple[str, ...], Array]:
-    """The names of q's numbers, and their limits (nq, 2)."""
+    """Names of the numbers of q, and their limits (nq, 2)."""
     names: list[str] = []
     limits = np.tile([-np.inf, np.inf], (robot.nq, 1))
     coordinates = robot.coordinate_names
     for name, _, _, _, (first, count), (first_v, count_v), _, (lower, upper, _, _), _ in robot._joints():
         own = coordinates[first_v : first_v + count_v]
-        if count > count_v:  # a quaternion in place of three turns
+        if count > count_v:  # a quaternion in place of three rotations
             own = [f"{name}.{part}" for part in (*"xyz"[: count - 4], "qx", "qy", "qz", "qw")]
         else:
             limits[first : first + count] = lower, upper
@@ -412,15 +509,63 @@ def rollout(
     controls: Mapping[str, float] | None = None,
     ground: AnyGround | None = None,
 ) -> Rollout:
-    """Moves states q (..., nq) and v (..., nv) over so many steps, each on its own, by all threads.
+    """Integrate many states over a number of steps, in parallel.
 
-    `tau` is (..., nv), held over all steps, or (..., steps, nv), one for each; with one dimension more
-    than the states it is the latter. Every `stride`-th state is kept, none for 0. The effects and the
-    method are as in `simulate`. Explicit methods without actuators and springs (``integrator="rk4"``,
-    ``"semi-implicit-euler"``, ...) move many states at once, float32 in float32; they know no limits and
-    no contact. Others move one state after the other on each thread. The results are the same bits for
-    any number of threads.
+    The effects and the method are those of `simulate`. Explicit methods without actuators and springs
+    (``integrator="rk4"``, ``"semi-implicit-euler"``, ...) integrate many states at once, without position
+    limits and contact; float32 stays float32. Other methods integrate one state after the other on each
+    thread, in float64. The results have the same bits for any number of threads.
 
+    Parameters
+    ----------
+    q : array_like, (..., nq)
+        Initial configurations.
+    v : array_like, (..., nv), optional
+        Initial velocities [rad/s or m/s]; default: 0.
+    tau : array_like, (..., nv) or (..., steps, nv), optional
+        Torques [N·m or N], held over all steps or given for each step; default: 0. With one dimension
+        more than the states, they are given for each step.
+    steps : int
+        Number of steps.
+    step : float
+        Step size [s].
+    integrator : str, optional
+        Method; see `simulate`.
+    conservative : bool
+        Whether to leave out damping, friction, limits, actuators and contact.
+    without : sequence of str
+        Effects to leave out; see `simulate`.
+    dissipation : bool
+        Whether damping and friction act.
+    stops : bool
+        Whether position limits act.
+    stride : int
+        Number of steps between samples of the trajectory; 0 for no trajectory.
+    threads : int, optional
+        Threads for a batch; default: `num_threads()`.
+    controls : mapping of str to float, optional
+        Controls of actuators by name; the others are 0.
+    ground : Ground, HeightField or "file", optional
+        Ground below the robot; see `simulate`.
+
+    Returns
+    -------
+    Rollout
+        Final states and trajectories.
+
+    Raises
+    ------
+    BadStatesError
+        Some states have no valid motion; `result` has the others.
+    SimulationError
+        The integrator or the step is invalid.
+    ValueError
+        `tau` does not have `steps` rows, or an option is invalid.
+    TypeError
+        float32 states for a method that computes in float64.
+
+    Examples
+    --------
     >>> robot = rd.example("panda")
     >>> q = robot.random_configuration(1000, seed=1)
     >>> rollout = robot.rollout(q, steps=100, step=1e-3, stride=50, conservative=True)
@@ -433,18 +578,18 @@ def rollout(
     >>> bool(np.abs(end.v).max() < 1e-3)  # all four lie on the ground
     True
     """
-    course = Course.of(robot, q, v, tau, steps)
-    off = switched_off(without, dissipation, stops)
-    torques, limits = course.tau, effort_limits(robot, conservative, off)
+    inputs = RolloutInputs.of(robot, q, v, tau, steps)
+    off = disabled_effects(without, dissipation, stops)
+    torques, limits = inputs.tau, effort_limits(robot, conservative, off)
     if torques is not None and limits is not None:
         effort = limits.astype(torques.dtype)
         torques = np.clip(torques, -effort, effort)
     try:
         ends = robot._rollout(
-            course.q,
-            course.v,
+            inputs.q,
+            inputs.v,
             torques,
-            course.each_step,
+            inputs.each_step,
             steps=steps,
             stride=stride,
             threads=threads,
@@ -476,9 +621,51 @@ def step(
     controls: Mapping[str, float] | None = None,
     ground: AnyGround | None = None,
 ) -> tuple[Array, Array]:
-    """q and v of one state after one step, as `simulate` takes it; `rollout` moves many, and a
-    `Simulation` goes on.
+    """Compute one step of one state, as `simulate` does.
 
+    Use `rollout` for many states, and `Simulation` for successive steps.
+
+    Parameters
+    ----------
+    q : array_like, (nq,)
+        Configuration.
+    v : array_like, (nv,)
+        Velocity [rad/s or m/s].
+    tau : array_like, (nv,), optional
+        Torques [N·m or N]; default: 0.
+    step : float
+        Step size [s].
+    integrator : str, optional
+        Method; see `simulate`. ``adaptive`` is invalid here.
+    conservative : bool
+        Whether to leave out damping, friction, limits, actuators and contact.
+    without : sequence of str
+        Effects to leave out; see `simulate`.
+    dissipation : bool
+        Whether damping and friction act.
+    stops : bool
+        Whether position limits act.
+    controls : mapping of str to float, optional
+        Controls of actuators by name; the others are 0.
+    ground : Ground, HeightField or "file", optional
+        Ground below the robot; see `simulate`.
+
+    Returns
+    -------
+    q : ndarray, (nq,)
+        Configuration after the step.
+    v : ndarray, (nv,)
+        Velocity after the step [rad/s or m/s].
+
+    Raises
+    ------
+    SimulationError
+        The step fails, or the integrator or the step size is invalid.
+    StateError
+        `q`, `v` or `tau` is invalid.
+
+    Examples
+    --------
     >>> robot = rd.example("two_r")
     >>> q, v = robot.step([0.0, 0.0], [1.0, 0.0], step=1e-3)
     >>> bool(abs(q[0] - 1e-3) < 1e-5)
@@ -492,7 +679,7 @@ def step(
         step=step,
         integrator=integrator,
         conservative=conservative,
-        without=switched_off(without, dissipation, stops),
+        without=disabled_effects(without, dissipation, stops),
         ground=grounds.native(ground),
     )
     return moved
@@ -513,12 +700,50 @@ def linearize_step(
     controls: Mapping[str, float] | None = None,
     ground: AnyGround | None = None,
 ) -> LinearizedStep:
-    """The slopes A and B of one step of one state, as `simulate` takes it: exact ones of an explicit
-    method without actuators and springs.
+    """Derivatives A and B of one step of one state: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ.
 
-    Those of other methods are central differences of steps in which those contacts go on that a step from
-    q and v finds.
+    They are exact for explicit methods without actuators and springs. For other methods they are central
+    differences of steps that keep the contacts which a step from q and v finds.
 
+    Parameters
+    ----------
+    q : array_like, (nq,)
+        Configuration.
+    v : array_like, (nv,)
+        Velocity [rad/s or m/s].
+    tau : array_like, (nv,), optional
+        Torques [N·m or N]; default: 0.
+    step : float
+        Step size [s].
+    integrator : str, optional
+        Method; see `simulate`. ``adaptive`` is invalid here.
+    conservative : bool
+        Whether to leave out damping, friction, limits, actuators and contact.
+    without : sequence of str
+        Effects to leave out; see `simulate`.
+    dissipation : bool
+        Whether damping and friction act.
+    stops : bool
+        Whether position limits act.
+    controls : mapping of str to float, optional
+        Controls of actuators by name; the others are 0.
+    ground : Ground, HeightField or "file", optional
+        Ground below the robot; see `simulate`.
+
+    Returns
+    -------
+    LinearizedStep
+        A (2 nv, 2 nv) and B (2 nv, nv).
+
+    Raises
+    ------
+    SimulationError
+        The step fails, or the integrator or the step size is invalid.
+    StateError
+        `q`, `v` or `tau` is invalid.
+
+    Examples
+    --------
     >>> robot = rd.example("two_r")
     >>> A, B = robot.linearize_step([0.0, 0.0], [0.0, 0.0], step=1e-3)
     >>> A.shape, B.shape
@@ -533,7 +758,7 @@ def linearize_step(
             step=step,
             integrator=integrator,
             conservative=conservative,
-            without=switched_off(without, dissipation, stops),
+            without=disabled_effects(without, dissipation, stops),
             ground=grounds.native(ground),
         )
     )

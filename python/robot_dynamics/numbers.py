@@ -1,4 +1,4 @@
-"""What may be given where numbers are asked for."""
+"""Types of arguments that stand for arrays of numbers."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from numpy.typing import ArrayLike
 
 
 class SupportsDLPack(Protocol):
-    """An array of another library, in this machine's memory."""
+    """Array of another library, in the memory of this machine."""
 
     def __dlpack__(self, **options: Any) -> Any:
-        """Its memory."""
+        """Capsule with the array's memory."""
 
     def __dlpack_device__(self) -> tuple[int, int]:
-        """Where that is."""
+        """Type and number of the device that holds the memory."""
 
 
 Numbers: TypeAlias = ArrayLike | SupportsDLPack
-"""Arrays, numbers, lists of them, and what offers ``__array__`` or DLPack."""
+"""Arrays, numbers, nested lists of numbers, and objects with ``__array__`` or DLPack."""
 
 Followed: TypeAlias = Numbers | tuple[Numbers, Numbers, Numbers]
-"""What a law of control follows: a place to stand at, or a place with its rate and its acceleration."""
+"""Reference of a controller: a position at rest, or a position with its velocity and acceleration."""

@@ -1,4 +1,4 @@
-"""The fastest motion along a path."""
+"""Time-optimal motion along a path."""
 
 from __future__ import annotations
 
@@ -18,37 +18,56 @@ Array: TypeAlias = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TimedPath:
-    """A motion along a path, evenly sampled in time."""
+    """Motion along a path, sampled at constant time intervals."""
 
     duration: float
-    """[s]"""
+    """Duration [s]."""
     times: Array = field(repr=False)
-    """(samples,) [s]"""
+    """Sample times (samples,) [s]."""
     q: Array = field(repr=False)
-    """(samples, nq)"""
+    """Configurations (samples, nq)."""
     v: Array = field(repr=False)
-    """(samples, nv)"""
+    """Velocities (samples, nv) [rad/s or m/s]."""
     a: Array = field(repr=False)
-    """(samples, nv)"""
+    """Accelerations (samples, nv) [rad/s² or m/s²]."""
     tau: Array = field(repr=False)
-    """(samples, nv) [N·m or N]"""
+    """Torques (samples, nv) [N·m or N]."""
     grid: Array = field(repr=False)
-    """s, the place on the path, where speeds were computed."""
+    """Path parameters s at which speeds are computed (points,)."""
     squared_speeds: Array = field(repr=False)
-    """(ds/dt)² there [1/s²]."""
+    """(ds/dt)² at the grid points (points,) [1/s²]."""
     saturated: float
-    """The share of the grid where some limit is reached."""
+    """Fraction of the grid on which a limit is reached."""
     largest_use: float
-    """The largest |τ|/limit or |v|/limit, between the grid's points, too: at most 1.001 or so with
-    `both_ends`."""
+    """Largest |τ| or |v| over its limit, also between grid points: at most about 1.001 with `both_ends`."""
     coordinates: tuple[str, ...] = field(default=(), repr=False)
-    """The names of v's coordinates."""
+    """Names of the coordinates of v."""
 
     def plot(self, axes: Any = None) -> Any:
-        """Velocities and torques over time; needs matplotlib. Returns the axes, one for each."""
+        """Plot velocities and torques over time.
+
+        Needs matplotlib.
+
+        Parameters
+        ----------
+        axes : sequence of 2 matplotlib axes, optional
+            Axes to draw on; default: those of a new figure.
+
+        Returns
+        -------
+        sequence of matplotlib axes
+            One for each of the two plots.
+
+        Raises
+        ------
+        ImportError
+            matplotlib is missing.
+        ValueError
+            `axes` does not have two entries.
+        """
         from robot_dynamics import plots
 
-        return plots.timed_path(self, axes)
+        return plots.plot_timed_path(self, axes)
 
 
 def time_optimal(
@@ -65,17 +84,50 @@ def time_optimal(
     both_ends: bool = True,
     samples: int = 501,
 ) -> TimedPath:
-    """The fastest motion on the cubic spline through waypoints (n, nq) within limits of torque, velocity
-    and position.
+    """Fastest motion on the cubic spline through waypoints within the limits.
 
-    Limits (nv,) of |τ|, |v| and of q, `lower` and `upper`, are the robot's where not given. a(s) s̈ + b(s)
-    ṡ² + c(s) = τ is kept within them at the ends of each piece of the path, or at the start of each alone
-    (`both_ends=False`). Pieces end at every waypoint, are not longer in s than 1/`intervals`, and are
-    halved where a limit would be passed in between by more than 1e-3 of it.
+    The torques a(s) s̈ + b(s) ṡ² + c(s) = τ are kept within the limits at the ends of each piece of the
+    path. Pieces end at every waypoint and are at most 1/`intervals` long in s. A piece is halved if a
+    limit would be exceeded inside it by more than 1e-3 of its value.
 
-    Raises PlanningError where a waypoint, or the spline between two, is beyond the limits of position, or
-    where a joint cannot hold the robot on the path.
+    Parameters
+    ----------
+    waypoints : array_like, (n, nq)
+        Configurations on the path.
+    torque : array_like, (nv,), optional
+        Limits of |τ| [N·m or N]; default: those of the robot.
+    velocity : array_like, (nv,), optional
+        Limits of |v| [rad/s or m/s]; default: those of the robot.
+    lower : array_like, (nv,), optional
+        Lower limits of q [rad or m]; default: those of the robot.
+    upper : array_like, (nv,), optional
+        Upper limits of q [rad or m]; default: those of the robot.
+    intervals : int
+        Number of pieces, at least.
+    start_speed : float
+        ds/dt at the start [1/s].
+    end_speed : float
+        ds/dt at the end [1/s].
+    both_ends : bool
+        Whether limits hold at both ends of each piece, or at its start only.
+    samples : int
+        Number of samples of the result.
 
+    Returns
+    -------
+    TimedPath
+        The sampled motion.
+
+    Raises
+    ------
+    PlanningError
+        A waypoint or the spline is beyond the position limits, a joint cannot hold the robot on the path,
+        or the robot has quaternions.
+    ShapeError
+        An array has the wrong shape.
+
+    Examples
+    --------
     >>> robot = rd.example("ur5")
     >>> path = robot.time_optimal([[0.0] * 6, [0.5, -0.5, 0.5, 0.0, 0.3, 0.0], [1.0, -1.0, 0.2, 0.0, 0.0, 0.0]])
     >>> 0.1 < path.duration < 10.0 and path.saturated > 0.5

@@ -1,4 +1,4 @@
-"""Pictures of results, with matplotlib."""
+"""Plots of results, with matplotlib."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 
 LEGENDS = 12
-"""Most names in the legend of a picture; of more curves the first are named, with the number of the
-others."""
+"""Most names in a legend; of more curves the legend names the first and states the total."""
 
 
 def _axes(axes: Any, count: int) -> Any:
+    """Given axes, or those of a new figure."""
     if axes is not None:
         if len(axes) != count:
             raise ValueError(f"axes has {len(axes)} entries, this picture needs {count}")
@@ -30,7 +30,7 @@ def _axes(axes: Any, count: int) -> Any:
 
 
 def _curves(axis: Any, times: Any, table: Any, names: tuple[str, ...], label: str) -> list[Any]:
-    """A curve for each column, of ten colours in three styles; gives their colours."""
+    """Draw a curve for each column, in ten colours and three line styles; returns the lines."""
     drawn = []
     for k, (column, name) in enumerate(zip(table.T, names, strict=True)):
         (line,) = axis.plot(
@@ -43,8 +43,10 @@ def _curves(axis: Any, times: Any, table: Any, names: tuple[str, ...], label: st
 
 
 def _limits(axis: Any, lines: list[Any], limits: Any) -> None:
-    """The position limits of each curve as thin lines of its colour, where they lie within twice the range of
-    the curves."""
+    """Draw the position limits of each curve as thin lines of its colour.
+
+    Limits farther from the curves than their range are left out.
+    """
     low, high = axis.get_ylim()
     reach = max(high - low, 1e-9)
     for line, ends in zip(lines, limits, strict=True):
@@ -54,12 +56,12 @@ def _limits(axis: Any, lines: list[Any], limits: Any) -> None:
 
 
 def _label(name: str) -> str:
-    """A name as matplotlib draws it: a dollar sign would begin a formula."""
+    """Name with dollar signs escaped, which would start a formula in matplotlib."""
     return _native._visible(name, False).replace("$", r"\$")
 
 
 def _name_curves(axis: Any, lines: list[Any]) -> None:
-    """The legend of an axis, beside it."""
+    """Add the legend beside an axis."""
     named = lines if len(lines) <= LEGENDS else lines[: LEGENDS - 1]
     title = f"the first {len(named)} of {len(lines)}" if len(named) < len(lines) else None
     axis.legend(
@@ -67,32 +69,72 @@ def _name_curves(axis: Any, lines: list[Any]) -> None:
     )
 
 
-def motion(of: Motion, axes: Any = None) -> Any:
-    """Positions with their limits, velocities, torques, energies of a simulation."""
+def plot_motion(motion: Motion, axes: Any = None) -> Any:
+    """Plot positions with their limits, velocities, torques and energies of a simulation; see `Motion.plot`.
+
+    Parameters
+    ----------
+    motion : Motion
+        Motion to plot.
+    axes : sequence of 4 matplotlib axes, optional
+        Axes to draw on; default: those of a new figure.
+
+    Returns
+    -------
+    sequence of matplotlib axes
+        One for each of the four plots.
+
+    Raises
+    ------
+    ImportError
+        matplotlib is missing.
+    ValueError
+        `axes` does not have four entries.
+    """
     axes = _axes(axes, 4)
-    lines = _curves(axes[0], of.times, of.q, of.configuration_names, "q [rad or m]")
-    if of.position_limits is not None:
-        _limits(axes[0], lines, of.position_limits)
+    lines = _curves(axes[0], motion.times, motion.q, motion.configuration_names, "q [rad or m]")
+    if motion.position_limits is not None:
+        _limits(axes[0], lines, motion.position_limits)
     _name_curves(axes[0], lines)
-    lines = _curves(axes[1], of.times, of.v, of.coordinates, "v [rad/s or m/s]")
-    if of.configuration_names != of.coordinates:
+    lines = _curves(axes[1], motion.times, motion.v, motion.coordinates, "v [rad/s or m/s]")
+    if motion.configuration_names != motion.coordinates:
         _name_curves(axes[1], lines)
-    _curves(axes[2], of.times, of.tau, of.coordinates, "τ [N·m or N]")
-    energies = [("K", of.kinetic), ("V", of.potential), ("E = K + V", of.energy)]
-    drawn = [axes[3].plot(of.times, values, linewidth=1.0, label=name)[0] for name, values in energies]
+    _curves(axes[2], motion.times, motion.tau, motion.coordinates, "τ [N·m or N]")
+    energies = [("K", motion.kinetic), ("V", motion.potential), ("E = K + V", motion.energy)]
+    drawn = [axes[3].plot(motion.times, values, linewidth=1.0, label=name)[0] for name, values in energies]
     axes[3].set_ylabel("energy [J]")
     _name_curves(axes[3], drawn)
-    for event in of.events:
+    for event in motion.events:
         for axis in axes:
             axis.axvline(event.time, color="0.5", linewidth=0.6, linestyle=":")
     axes[-1].set_xlabel("t [s]")
     return axes
 
 
-def timed_path(of: TimedPath, axes: Any = None) -> Any:
-    """Velocities and torques of a timed path."""
+def plot_timed_path(path: TimedPath, axes: Any = None) -> Any:
+    """Plot velocities and torques of a timed path; see `TimedPath.plot`.
+
+    Parameters
+    ----------
+    path : TimedPath
+        Path to plot.
+    axes : sequence of 2 matplotlib axes, optional
+        Axes to draw on; default: those of a new figure.
+
+    Returns
+    -------
+    sequence of matplotlib axes
+        One for each of the two plots.
+
+    Raises
+    ------
+    ImportError
+        matplotlib is missing.
+    ValueError
+        `axes` does not have two entries.
+    """
     axes = _axes(axes, 2)
-    _name_curves(axes[0], _curves(axes[0], of.times, of.v, of.coordinates, "v [rad/s or m/s]"))
-    _curves(axes[1], of.times, of.tau, of.coordinates, "τ [N·m or N]")
+    _name_curves(axes[0], _curves(axes[0], path.times, path.v, path.coordinates, "v [rad/s or m/s]"))
+    _curves(axes[1], path.times, path.tau, path.coordinates, "τ [N·m or N]")
     axes[-1].set_xlabel("t [s]")
     return axes

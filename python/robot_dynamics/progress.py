@@ -1,4 +1,4 @@
-"""A line that says how far long work is, on a terminal."""
+"""Progress line of a long computation, on a terminal."""
 
 from __future__ import annotations
 
@@ -9,9 +9,21 @@ from typing import TextIO
 
 
 class Progress:
-    """Counts rows, from any thread, and writes a bar, the rate and the time that is left; nothing but to a
-    terminal.
+    """Counter of rows that writes a progress bar, the rate and the remaining time.
 
+    It writes only to a terminal, and any thread may count.
+
+    Parameters
+    ----------
+    total : int
+        Number of rows.
+    stream : text file, optional
+        Stream to write to; default: standard error.
+    is_shown : bool, optional
+        Whether to write; default: whether the stream is a terminal.
+
+    Examples
+    --------
     >>> from robot_dynamics.progress import Progress
     >>> print(Progress(2_000_000).line(500_000, 0, 0.05))
     [#######.....................]  25 %  0.5 of 2 M rows  10.0 M/s  0:00 left
@@ -26,12 +38,24 @@ class Progress:
         self._lock = Lock()
 
     def start(self, before: int) -> None:
-        """Begins, with rows that were there before."""
+        """Start the clock, with rows that were done before.
+
+        Parameters
+        ----------
+        before : int
+            Number of rows done before.
+        """
         self._done = self._before = before
         self._begun = time.monotonic()
 
     def __call__(self, rows: int) -> None:
-        """Counts rows."""
+        """Count rows, and rewrite the line at most ten times a second.
+
+        Parameters
+        ----------
+        rows : int
+            Number of new rows.
+        """
         with self._lock:
             self._done += rows
             now = time.monotonic()
@@ -41,7 +65,22 @@ class Progress:
                 self._stream.flush()
 
     def line(self, done: int, before: int, seconds: float) -> str:
-        """The line for so many rows after so many seconds."""
+        """Text of the progress line.
+
+        Parameters
+        ----------
+        done : int
+            Number of rows done.
+        before : int
+            Number of these that were done before the start.
+        seconds : float
+            Time since the start [s].
+
+        Returns
+        -------
+        str
+            The line.
+        """
         share = done / self._total if self._total else 1.0
         bar = "#" * int(28 * share)
         rate = (done - before) / seconds if seconds > 0.0 else 0.0
@@ -50,7 +89,7 @@ class Progress:
         return f"[{bar:.<28}] {100.0 * share:3.0f} %  {counted}  {rate / 1e6:.1f} M/s  {left}".rstrip()
 
     def close(self) -> None:
-        """Ends the line."""
+        """End the line."""
         if self._is_shown:
             self._stream.write("\n")
             self._stream.flush()

@@ -1,5 +1,4 @@
-"""Gradients through time: what a change of a motion's end is worth, as what changes of its start and of its
-forces are."""
+"""Gradients through time: the gradient of a loss by the initial state and the torques of a rollout."""
 
 from __future__ import annotations
 
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics.errors import BadStatesError, ShapeError
-from robot_dynamics.motion import Course, effort_limits, switched_off
+from robot_dynamics.motion import RolloutInputs, disabled_effects, effort_limits
 from robot_dynamics.numbers import Numbers
 
 if TYPE_CHECKING:
@@ -18,22 +17,23 @@ if TYPE_CHECKING:
 
 
 class RolloutPullback(NamedTuple):
-    """The gradient of a loss of motions, from its gradient by where they come."""
+    """Gradient of a loss of motions, from its gradient by the final states and trajectories."""
 
     by_position: NDArray[Any]
-    """By the q at the start, along displacements q ⊕ δq (..., nv)."""
+    """Gradient by the initial q, along displacements q ⊕ δq (..., nv)."""
     by_velocity: NDArray[Any]
-    """By the v at the start (..., nv)."""
+    """Gradient by the initial v (..., nv)."""
     by_force: NDArray[Any] | None
-    """By the torques, of their shape with the leading dimensions of the batch; None where there are none."""
+    """Gradient by the torques (..., nv) or (..., steps, nv), like `tau`; `None` without torques."""
     by_parameters: NDArray[Any] | None
-    """By `Robot.parameters()`, of each state (..., parameters); None unless asked for."""
+    """Gradient by `Robot.parameters()` for each state (..., parameters); `None` unless requested."""
 
 
-def limited(
+def clip_torques(
     torques: NDArray[Any] | None, limits: NDArray[np.float64] | None
 ) -> tuple[NDArray[Any] | None, NDArray[np.bool_] | None]:
-    """Torques cut off at the limits, and which of them are within; `None` where none is cut off."""
+    """Torques clipped to the limits, and a mask of those within; the mask is `None` if no torque is clipped.
+    """
     if torques is None or limits is None:
         return torques, None
     effort = limits.astype(torques.dtype)
@@ -41,8 +41,8 @@ def limited(
     return (torques, None) if within.all() else (np.clip(torques, -effort, effort), within)
 
 
-def masked(gradient: RolloutPullback, within: NDArray[np.bool_] | None) -> RolloutPullback:
-    """The gradient by torques before they were cut off."""
+def mask_clipped(gradient: RolloutPullback, within: NDArray[np.bool_] | None) -> RolloutPullback:
+    """Gradient by the torques before they are clipped."""
     if within is None or gradient.by_force is None:
         return gradient
     return gradient._replace(by_force=gradient.by_force * within)
@@ -69,27 +69,79 @@ def rollout_pullback(
     parameters: bool = False,
     threads: int | None = None,
 ) -> RolloutPullback:
-    """The gradient of a loss of `rollout`, from its gradients by where the states come: reverse through
-    time, O(n) a step.
+    """Gradient of a loss of `rollout`, from its gradients by the states.
 
-    q (..., nq), v (..., nv), `tau` (..., nv) held or (..., steps, nv), and what follows `steps`: as given
-    to `rollout`. `by_position` and `by_velocity` (..., nv) are the loss's gradients by the states at the
-    end, `by_position_trajectory` and `by_velocity_trajectory` (..., samples, nv) those by the states
-    after each `stride` steps; what is not given is 0. Those by positions are along displacements q ⊕ δq,
-    see `cotangent_from_coordinates`. The states on the way are computed again from a checkpoint at every
-    `spacing`-th step: 0 for √steps, the least memory, `steps` for keeping all. `parameters` asks for the
-    gradient by `parameters()`, too.
+    This is reverse mode through time, in O(n) for each step.
 
-    The motion is that of `rollout` with the same arguments. The effects of the file act, as everywhere.
-    Two things differ as they have no gradients here, in `step_pullback` and in `robot_dynamics.jax` and
-    `robot_dynamics.torch`: `integrator` is an explicit method, ``"rk4"`` unless given, and so position
-    limits and contact are left out (``rd.Simulation(robot, integrator="rk4").left_out`` lists them);
-    actuators, equalities and the springs of tendons and ball joints are refused by name, unless `without`
-    leaves them out. Damping acts, friction's sign is held, and torques beyond the effort limits have the
-    gradient 0.
+    The motion is that of `rollout` with the same arguments. It differs in effects whose gradients are not
+    available; `step_pullback`, `robot_dynamics.jax` and `robot_dynamics.torch` differ in the same way:
 
-    One state is computed in float64; SingularMassError where its M is singular.
+    - `integrator` is an explicit method, ``"rk4"`` by default. Position limits and contact are left out;
+      ``rd.Simulation(robot, integrator="rk4").left_out`` lists them.
+    - Actuators, equalities and the springs of tendons and ball joints raise ValueError, unless `without`
+      leaves them out.
+    - Damping acts, and the sign of friction is held. Torques beyond the effort limits have the gradient
+      0.
 
+    The backward pass computes the states again from checkpoints. One state is computed in float64.
+
+    Parameters
+    ----------
+    q : array_like, (..., nq)
+        Initial configurations.
+    v : array_like, (..., nv), optional
+        Initial velocities [rad/s or m/s]; default: 0.
+    tau : array_like, (..., nv) or (..., steps, nv), optional
+        Torques [N·m or N], held over all steps or given for each step; default: 0.
+    by_position : array_like, (..., nv), optional
+        Gradient of the loss by the final q, along displacements q ⊕ δq; default: 0. See
+        `cotangent_from_coordinates`.
+    by_velocity : array_like, (..., nv), optional
+        Gradient of the loss by the final v; default: 0.
+    by_position_trajectory : array_like, (..., samples, nv), optional
+        Gradient of the loss by q after each `stride` steps, along displacements; default: 0.
+    by_velocity_trajectory : array_like, (..., samples, nv), optional
+        Gradient of the loss by v after each `stride` steps; default: 0.
+    steps : int
+        Number of steps.
+    step : float
+        Step size [s].
+    integrator : str
+        Explicit method; see `simulate`.
+    conservative : bool
+        Whether to leave out damping, friction, limits, actuators and contact.
+    without : sequence of str
+        Effects to leave out; see `simulate`.
+    dissipation : bool
+        Whether damping and friction act.
+    stride : int
+        Number of steps between samples of the trajectory; 0 for no trajectory.
+    spacing : int
+        Number of steps between checkpoints. 0 stands for √steps, which needs the least memory; `steps`
+        keeps all states.
+    parameters : bool
+        Whether to compute the gradient by `parameters()`.
+    threads : int, optional
+        Threads for a batch; default: `num_threads()`.
+
+    Returns
+    -------
+    RolloutPullback
+        Gradient by the initial state, the torques and the parameters.
+
+    Raises
+    ------
+    BadStatesError
+        Some states have no valid motion; `result` has the others.
+    SingularMassError
+        M(q) of one state is singular.
+    ShapeError
+        A gradient does not broadcast to the shape of its states.
+    ValueError
+        An effect has no gradients, or a gradient by a trajectory lacks its `stride`.
+
+    Examples
+    --------
     >>> robot = rd.example("two_r")
     >>> q, v, tau = [0.3, 1.2], [0.0, 0.0], np.zeros((100, 2))
     >>> gradient = robot.rollout_pullback(q, v, tau, by_velocity=[1.0, 0.0], steps=100, step=1e-3)
@@ -98,10 +150,10 @@ def rollout_pullback(
     >>> bool(abs((ahead - behind) / 2e-6 - gradient.by_force[:, 1].sum()) < 1e-7)
     True
     """
-    course = Course.of(robot, q, v, tau, steps)
-    off = switched_off(without, dissipation, stops=True)
-    torques, within = limited(course.tau, effort_limits(robot, conservative, off))
-    lead, kind = course.q.shape[:-1], course.q.dtype
+    inputs = RolloutInputs.of(robot, q, v, tau, steps)
+    off = disabled_effects(without, dissipation, stops=True)
+    torques, within = clip_torques(inputs.tau, effort_limits(robot, conservative, off))
+    lead, kind = inputs.q.shape[:-1], inputs.q.dtype
 
     def cotangent(name: str, given: Numbers | None, own: tuple[int, ...]) -> NDArray[Any]:
         array = np.zeros(own, kind) if given is None else np.asarray(given)
@@ -112,24 +164,24 @@ def rollout_pullback(
             raise ShapeError(message) from None
 
     samples = steps // stride if stride > 0 else 0
-    on_the_way = (by_position_trajectory, by_velocity_trajectory)
-    if stride == 0 and any(each is not None for each in on_the_way):
+    by_trajectory = (by_position_trajectory, by_velocity_trajectory)
+    if stride == 0 and any(each is not None for each in by_trajectory):
         raise ValueError("gradients by a trajectory need the stride of its samples")
     trajectory = None
     if samples > 0:
         names = ("by_position_trajectory", "by_velocity_trajectory")
         trajectory = tuple(
-            cotangent(name, given, (samples, robot.nv)) for name, given in zip(names, on_the_way, strict=True)
+            cotangent(name, given, (samples, robot.nv)) for name, given in zip(names, by_trajectory, strict=True)
         )
     try:
         gradients = robot._rollout_pullback(
-            course.q,
-            course.v,
+            inputs.q,
+            inputs.v,
             torques,
             cotangent("by_position", by_position, (robot.nv,)),
             cotangent("by_velocity", by_velocity, (robot.nv,)),
             trajectory,
-            each_step=course.each_step,
+            each_step=inputs.each_step,
             step=step,
             steps=steps,
             integrator=integrator,
@@ -141,9 +193,9 @@ def rollout_pullback(
             threads=threads,
         )
     except BadStatesError as error:
-        error.result = masked(RolloutPullback(*error.result), within)
+        error.result = mask_clipped(RolloutPullback(*error.result), within)
         raise
-    return masked(RolloutPullback(*gradients), within)
+    return mask_clipped(RolloutPullback(*gradients), within)
 
 
 def step_pullback(
@@ -162,12 +214,54 @@ def step_pullback(
     parameters: bool = False,
     threads: int | None = None,
 ) -> RolloutPullback:
-    """The gradient of a loss of one `step`, from its gradients by q and v after it: Aᵀ and Bᵀ of
-    `linearize_step` times these, without the matrices, of one state or of many.
+    """Gradient of a loss of one `step`, from its gradients by q and v after the step.
 
-    q (..., nq), v (..., nv), tau (..., nv), `by_position` and `by_velocity` (..., nv); see
-    `rollout_pullback`.
+    It is the product of Aᵀ and Bᵀ of `linearize_step` with these gradients, without the matrices. See
+    `rollout_pullback` for the effects that act.
 
+    Parameters
+    ----------
+    q : array_like, (..., nq)
+        Configuration.
+    v : array_like, (..., nv)
+        Velocity [rad/s or m/s].
+    tau : array_like, (..., nv), optional
+        Torques [N·m or N]; default: 0.
+    by_position : array_like, (..., nv), optional
+        Gradient of the loss by q after the step, along displacements q ⊕ δq; default: 0.
+    by_velocity : array_like, (..., nv), optional
+        Gradient of the loss by v after the step; default: 0.
+    step : float
+        Step size [s].
+    integrator : str
+        Explicit method; see `simulate`.
+    conservative : bool
+        Whether to leave out damping, friction, limits, actuators and contact.
+    without : sequence of str
+        Effects to leave out; see `simulate`.
+    dissipation : bool
+        Whether damping and friction act.
+    parameters : bool
+        Whether to compute the gradient by `parameters()`.
+    threads : int, optional
+        Threads for a batch; default: `num_threads()`.
+
+    Returns
+    -------
+    RolloutPullback
+        Gradient by q, v, the torques and the parameters.
+
+    Raises
+    ------
+    BadStatesError
+        Some states have no valid motion; `result` has the others.
+    SingularMassError
+        M(q) of one state is singular.
+    ValueError
+        An effect has no gradients.
+
+    Examples
+    --------
     >>> robot = rd.example("two_r")
     >>> q, v, tau = [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
     >>> gradient = robot.step_pullback(q, v, tau, by_velocity=[1.0, 0.0], step=1e-3)
@@ -176,7 +270,7 @@ def step_pullback(
     (True, True)
     """
     if tau is not None:
-        # Torques of one step: what they have beside nv is a batch.
+        # All axes of the torques but the last are those of a batch.
         states, forces = np.asarray(q), np.asarray(tau)
         lead = np.broadcast_shapes(states.shape[:-1], np.shape(np.asarray(v))[:-1], forces.shape[:-1])
         q, tau = np.broadcast_to(states, (*lead, states.shape[-1])), forces

@@ -1,4 +1,4 @@
-"""What can be computed of the rows of a table: the methods of `Robot` that compute, by name."""
+"""Quantities of the rows of a table: the computing methods of `Robot`, by name."""
 
 from __future__ import annotations
 
@@ -17,41 +17,72 @@ from robot_dynamics.results import BY_ALGORITHM
 from robot_dynamics.robot import Robot
 
 AUDIT = ("kinetic_energy", "potential_energy", "power", "dissipated_power", "torque_residual")
-"""The audit of recorded motion q, v, a, tau, row by row: K and V [J], the power vᵀτ of the motors [W], the
-power vᵀb that damping and friction take, and the residual τ − M a − C v − g [N·m or N], which is 0 where
-robot and record agree.
+"""Columns of the audit of recorded motion q, v, a, tau, row by row.
 
-Dissipation counts with ``audit:dissipation`` alone: then the residual is τ − M a − C v − g − b. By
-`arrow.ledger` the energy of whole episodes is booked from these."""
+- `kinetic_energy` K and `potential_energy` V [J];
+- `power`, the power vᵀτ of the motors [W];
+- `dissipated_power`, the power vᵀb that damping and friction dissipate [W];
+- `torque_residual`, τ − M a − C v − g [N·m or N], which is 0 if robot and record agree.
+
+Only ``audit:dissipation`` includes dissipation; its residual is τ − M a − C v − g − b. From these columns
+`arrow.energy_accounts` computes the energy account of each episode.
+"""
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity of one robot."""
+    """Quantity of one robot."""
 
     name: str
-    """As asked for."""
+    """Name of the quantity, as requested."""
     reads: tuple[str, ...]
-    """The arrays that it is computed of."""
+    """Names of the arguments."""
     names: tuple[str, ...]
-    """The columns of its results."""
+    """Names of the result columns."""
     call: Callable[..., Any]
-    """Called with the arrays and `threads`."""
+    """Function of the arguments and `threads`."""
 
     def compute(self, state: dict[str, NDArray[Any]], threads: int | None) -> tuple[NDArray[Any], ...]:
-        """The results for states, one for each name."""
+        """Compute the results for many states.
+
+        Parameters
+        ----------
+        state : dict of str to ndarray, (rows, width)
+            Arguments by name.
+        threads : int or None
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        tuple of ndarray, (rows, ...)
+            Results in the order of `names`.
+
+        Raises
+        ------
+        BadStatesError
+            Some states are invalid.
+        """
         # `s` is one number a state, not a vector of one.
         arrays = (state[name][..., 0] if name == "s" else state[name] for name in self.reads)
         return self.split(self.call(*arrays, threads=threads))
 
     def split(self, results: Any) -> tuple[NDArray[Any], ...]:
-        """The results, one for each name."""
+        """Result of `call` as a tuple, in the order of `names`."""
         return tuple(results) if len(self.names) > 1 else (results,)
 
 
 def quantity_names() -> tuple[str, ...]:
-    """The quantities that a table can have; a frame follows after a colon where there is one.
+    """List the names of all quantities.
 
+    A name that ends in ``:FRAME`` takes a frame.
+
+    Returns
+    -------
+    tuple of str
+        Names, sorted, with ``audit`` last.
+
+    Examples
+    --------
     >>> from robot_dynamics.quantities import quantity_names
     >>> {"inverse_dynamics", "mass_matrix", "frame_pose:FRAME", "audit"} <= set(quantity_names())
     True
@@ -61,7 +92,27 @@ def quantity_names() -> tuple[str, ...]:
 
 
 def quantity(robot: Robot, asked: str) -> Quantity:
-    """The quantity of a name, such as ``mass_matrix`` or ``frame_pose:panda_link8``."""
+    """Look up a quantity by its name.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot to compute the quantity of.
+    asked : str
+        Name such as ``mass_matrix`` or ``frame_pose:panda_link8``.
+
+    Returns
+    -------
+    Quantity
+        The quantity of this robot.
+
+    Raises
+    ------
+    QuantityError
+        The quantity does not exist or takes no frame.
+    FrameError
+        The frame is missing or does not exist.
+    """
     name, _, argument = asked.partition(":")
     if name == "audit" and argument in ("", "dissipation"):
         return Quantity(
@@ -93,7 +144,7 @@ def quantity(robot: Robot, asked: str) -> Quantity:
 
 
 def _methods() -> dict[str, tuple[str, ...]]:
-    """Methods of many states, and what they read."""
+    """Names and arguments of the methods that compute batches."""
     found = {}
     for name, method in vars(_native.Robot).items():
         if name.startswith("_") or not callable(method):
@@ -109,7 +160,7 @@ _METHODS = _methods()
 
 @dataclass(frozen=True)
 class _Method:
-    """A method of a robot with its frame."""
+    """Method of a robot with its frame."""
 
     robot: Robot
     name: str
@@ -121,7 +172,7 @@ class _Method:
 
 @dataclass(frozen=True)
 class _Audit:
-    """The audit of recorded motion; see `AUDIT`."""
+    """Audit of recorded motion; see `AUDIT`."""
 
     robot: Robot
     has_dissipation: bool
@@ -151,8 +202,10 @@ class _Audit:
 
 
 def _dot(x: NDArray[Any], y: NDArray[Any]) -> NDArray[Any]:
-    """xᵀy of each row, added up in the order of the coordinates: the same bits however many rows there
-    are."""
+    """xᵀy of each row.
+
+    The sum runs in the order of the coordinates: the bits do not depend on the number of rows.
+    """
     total = np.zeros(np.broadcast_shapes(x.shape, y.shape)[:-1], x.dtype)
     for k in range(x.shape[-1]):
         total += x[..., k] * y[..., k]

@@ -10,8 +10,9 @@ lost.
     from robot_dynamics.ray import Workers, compute
 
     states = ray.data.read_parquet("s3://recordings")       # columns q, v, a, tau
-    torques = compute(states, robot, "inverse_dynamics")     # any quantity, and `audit`; nothing is computed yet
-    torques.write_parquet("s3://torques")                    # streams: no more in memory than is under way
+    torques = compute(states, robot, "inverse_dynamics")     # any quantity, and `audit`; nothing is computed
+    yet torques.write_parquet("s3://torques")                    # streams: no more in memory than is under
+    way
 
     workers = Workers(robot)
     ends = workers.rollout(q, v, tau, steps=1000, step=1e-3)

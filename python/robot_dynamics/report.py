@@ -1,4 +1,4 @@
-"""What became of every part of a robot file."""
+"""Report on the content of a robot file."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from robot_dynamics import _native
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that the reader of a file has to say."""
+    """One finding of the reader of a robot file."""
 
     line: int
-    """The file's line; 0 where it is about the whole file."""
+    """Line in the file; 0 for a finding on the whole file."""
     place: str
-    """The element, for example ``link `hand```."""
+    """Element, for example ``link `hand```."""
     severity: str
     """``note``, ``warning`` or ``error``."""
     treatment: str
-    """What was done: read, defaulted, taken as written, repaired, ignored, refused."""
+    """Treatment: read, defaulted, taken as written, repaired, ignored, ignored physics or refused."""
     message: str
-    """What was found."""
+    """Description of the finding."""
 
     def __str__(self) -> str:
         return _native._visible(f"line {self.line}: {self.place}: {self.message}", False)
@@ -31,7 +31,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class LoadReport:
-    """The reader's account of one file.
+    """Report of the reader on one robot file.
 
     >>> report = rd.example("two_r").report
     >>> report.robot, len(report.warnings)
@@ -39,26 +39,30 @@ class LoadReport:
     """
 
     robot: str
-    """The robot's name in the file."""
+    """Name of the robot in the file."""
     counts: Mapping[str, int]
-    """How many links, joints, findings of each kind."""
+    """Numbers of links, of joints and of findings of each kind."""
     findings: tuple[Finding, ...] = field(repr=False)
     """All findings, by line."""
     text: str = field(repr=False, compare=False)
-    """The same in words."""
+    """The report as text."""
     files: tuple[str, ...] = field(default=(), repr=False, compare=False)
-    """The files that the robot comes from: its own, included ones, attached models, meshes, height fields.
-    None is written over."""
+    """Files that the robot was read from: its own, included ones, attached models, meshes, height fields.
+
+    No method overwrites them.
+    """
 
     grouped_warnings: tuple[str, ...] = field(default=(), repr=False, compare=False)
-    """The warnings in words, those of one kind in one text, with their number and the first places; a
-    `LoadWarning` each."""
+    """Warnings as text, one for each kind, with their number and the first places.
+
+    Each becomes a `LoadWarning`.
+    """
     _left_out: Callable[[], Sequence[str]] | None = field(default=None, repr=False, compare=False)
     _sensors: tuple[tuple[str, str], ...] = field(default=(), repr=False, compare=False)
 
     @property
     def sensors(self) -> tuple[tuple[str, str], ...]:
-        """The file's sensors: the name and the kind of each.
+        """Name and kind of each sensor of the file.
 
         >>> rd.example("two_r").report.sensors
         ()
@@ -67,8 +71,9 @@ class LoadReport:
 
     @cached_property
     def left_out(self) -> tuple[str, ...]:
-        """The features that the file states and the default simulation leaves out, one line for each reason.
-        This sets up a simulation.
+        """Features that the file states and the default simulation leaves out, one line for each reason.
+
+        The first access sets up a simulation.
 
         >>> rd.example("quadruped").report.left_out
         ()
@@ -77,7 +82,7 @@ class LoadReport:
 
     @property
     def warnings(self) -> tuple[Finding, ...]:
-        """What is suspicious, or physics that the model leaves out."""
+        """Findings on suspicious values, and on physics that the model leaves out."""
         return tuple(finding for finding in self.findings if finding.severity == "warning")
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Several results of one call, as named tuples."""
+"""Results of methods with several arrays, as named tuples."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _F = TypeVar("_F", np.float64, np.float32)
 
 
 class InverseDynamicsDerivatives(NamedTuple, Generic[_F]):
-    """The slopes of τ(q, v, a); ∂τ/∂a is the mass matrix."""
+    """Derivatives of τ(q, v, a); ∂τ/∂a is the mass matrix."""
 
     by_position: NDArray[_F]
     """∂τ/∂q (..., nv, nv)."""
@@ -20,7 +20,7 @@ class InverseDynamicsDerivatives(NamedTuple, Generic[_F]):
 
 
 class ForwardDynamicsDerivatives(NamedTuple, Generic[_F]):
-    """The slopes of a(q, v, τ)."""
+    """Derivatives of a(q, v, τ)."""
 
     by_position: NDArray[_F]
     """∂a/∂q (..., nv, nv)."""
@@ -31,7 +31,7 @@ class ForwardDynamicsDerivatives(NamedTuple, Generic[_F]):
 
 
 class InverseDynamicsPullback(NamedTuple, Generic[_F]):
-    """What λᵀτ(q, v, a) changes by."""
+    """Gradient of λᵀτ(q, v, a)."""
 
     by_position: NDArray[_F]
     """λᵀ ∂τ/∂q (..., nv)."""
@@ -42,7 +42,7 @@ class InverseDynamicsPullback(NamedTuple, Generic[_F]):
 
 
 class ForwardDynamicsPullback(NamedTuple, Generic[_F]):
-    """What λᵀa(q, v, τ) changes by."""
+    """Gradient of λᵀa(q, v, τ)."""
 
     by_position: NDArray[_F]
     """λᵀ ∂a/∂q (..., nv)."""
@@ -53,7 +53,7 @@ class ForwardDynamicsPullback(NamedTuple, Generic[_F]):
 
 
 class InverseDynamicsPullbackWithParameters(NamedTuple, Generic[_F]):
-    """What λᵀτ(q, v, a) changes by, for a robot whose parameters change, too."""
+    """Gradient of λᵀτ(q, v, a), also by the robot's parameters."""
 
     by_position: NDArray[_F]
     """λᵀ ∂τ/∂q (..., nv)."""
@@ -62,11 +62,11 @@ class InverseDynamicsPullbackWithParameters(NamedTuple, Generic[_F]):
     by_acceleration: NDArray[_F]
     """λᵀ M (..., nv)."""
     by_parameters: NDArray[_F]
-    """By `Robot.parameters()` (..., parameters)."""
+    """Gradient by `Robot.parameters()` (..., parameters)."""
 
 
 class ForwardDynamicsPullbackWithParameters(NamedTuple, Generic[_F]):
-    """What λᵀa(q, v, τ) changes by, for a robot whose parameters change, too."""
+    """Gradient of λᵀa(q, v, τ), also by the robot's parameters."""
 
     by_position: NDArray[_F]
     """λᵀ ∂a/∂q (..., nv)."""
@@ -75,25 +75,25 @@ class ForwardDynamicsPullbackWithParameters(NamedTuple, Generic[_F]):
     by_force: NDArray[_F]
     """λᵀ M⁻¹ (..., nv)."""
     by_parameters: NDArray[_F]
-    """By `Robot.parameters()` (..., parameters)."""
+    """Gradient by `Robot.parameters()` (..., parameters)."""
 
 
 class DissipationPullback(NamedTuple, Generic[_F]):
-    """What λᵀb(v) changes by."""
+    """Gradient of λᵀb(v), with b the forces of damping and friction."""
 
     by_velocity: NDArray[_F]
     """λᵀ ∂b/∂v (..., nv)."""
     by_parameters: NDArray[_F]
-    """By `Robot.parameters()` (..., parameters)."""
+    """Gradient by `Robot.parameters()` (..., parameters)."""
 
 
 class FrameAccelerationDerivatives(NamedTuple, Generic[_F]):
-    """The slopes of a frame's acceleration; by a it is the frame's Jacobian."""
+    """Derivatives of a frame's acceleration; the derivative by a is the frame's Jacobian."""
 
     by_position: NDArray[_F]
-    """By q (..., 6, nv)."""
+    """Derivative by q (..., 6, nv)."""
     by_velocity: NDArray[_F]
-    """By v (..., 6, nv)."""
+    """Derivative by v (..., 6, nv)."""
 
 
 BY_ALGORITHM: dict[str, Any] = {
@@ -109,4 +109,4 @@ BY_ALGORITHM: dict[str, Any] = {
     "frame_acceleration_derivatives_in_frame": FrameAccelerationDerivatives,
     "frame_acceleration_derivatives_world_aligned": FrameAccelerationDerivatives,
 }
-"""The class of each algorithm with several results."""
+"""Result class of each method with several results."""

@@ -371,7 +371,7 @@ class Robot(_native.Robot):
     def _repr_html_(self) -> str:
         from robot_dynamics import html
 
-        return html.robot(self)
+        return html.robot_html(self)
 
     def __reduce__(self) -> Any:
         return _restored, (type(self), self._state())

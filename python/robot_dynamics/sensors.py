@@ -1,4 +1,4 @@
-"""The values of a robot's sensors, and the force and moment that each joint transmits."""
+"""Sensor values, and the force and moment that each joint transmits."""
 
 from __future__ import annotations
 
@@ -16,27 +16,29 @@ if TYPE_CHECKING:
 
 
 class Sensor(NamedTuple):
-    """A sensor of a robot."""
+    """Sensor of a robot."""
 
     name: str
+    """Name of the sensor."""
     kind: str
-    """Its name in MJCF: accelerometer, gyro, force, jointpos, framepos, …"""
+    """Name of its kind in MJCF: accelerometer, gyro, force, jointpos, framepos, …"""
     size: int
-    """How many numbers it gives."""
+    """Number of its values."""
 
 
 class PointForce(NamedTuple):
-    """A force on a link at a point of the world: a contact or a push, along the world's axes."""
+    """Force on a link at a point of the world, along the world's axes: a contact or a push."""
 
     link: str
+    """Name of the link."""
     point: Numbers
-    """[m]"""
+    """Point in the world (3,) [m]."""
     force: Numbers
-    """On the link [N]."""
+    """Force on the link (3,) [N]."""
     moment: Numbers = (0.0, 0.0, 0.0)
-    """On the link, beside that of the force [N·m]."""
+    """Moment on the link about the point (3,) [N·m]."""
     normal: Numbers = (0.0, 0.0, 0.0)
-    """The contact's unit normal, towards the link; zero for what is not a contact. Touch sensors use it."""
+    """Unit normal of a contact, towards the link (3,), for touch sensors; zero for other forces."""
 
 
 def _three(numbers: Numbers) -> list[float]:
@@ -55,14 +57,48 @@ def sensor_values(
     tendon_limit_forces: Numbers | None = None,
     wrenches: Iterable[PointForce] = (),
 ) -> dict[str, NDArray[np.float64]]:
-    """The values of all sensors in a state, by name: q (nq,), v (nv,), and the acceleration a (nv,) that
-    all forces give.
+    """Evaluate all sensors in one state.
 
-    `actuator_forces` has the force of each actuator before its gear [N·m or N], `joint_limit_forces`
-    (nv,) and `tendon_limit_forces` what position limits give; without them these are zero. `wrenches` has
-    all that acts on links from outside: contacts, pushes. Accelerometers show p̈ − g; force and torque
-    sensors what the link receives from its parent. Noise is not added.
+    Accelerometers measure p̈ − g. Force and torque sensors measure the load that the link receives from
+    its parent. Noise is not added.
 
+    Parameters
+    ----------
+    q : array_like, (nq,)
+        Configuration.
+    v : array_like, (nv,)
+        Velocity [rad/s or m/s].
+    a : array_like, (nv,)
+        Acceleration under all forces [rad/s² or m/s²].
+    time : float
+        Time for sensors of kind ``clock`` [s].
+    actuator_forces : array_like, (actuators,), optional
+        Force of each actuator before its gear [N·m or N]; default: 0.
+    joint_limit_forces : array_like, (nv,), optional
+        Forces of the joints' position limits [N·m or N]; default: 0.
+    tendon_limit_forces : array_like, (tendons,), optional
+        Forces of the tendons' length limits [N]; default: 0.
+    wrenches : iterable of PointForce
+        All external forces on links: contacts and pushes.
+
+    Returns
+    -------
+    dict of str to ndarray
+        Values of each sensor, by its name.
+
+    Raises
+    ------
+    DescriptionError
+        A sensor is invalid for this robot.
+    FrameError
+        A link does not exist.
+    StateError
+        A value is invalid.
+    ShapeError
+        An array has the wrong shape.
+
+    Examples
+    --------
     >>> robot = rd.example("two_r").with_sensors({"imu": ("accelerometer", "tip"), "load": ("force", "tip")})
     >>> q, v = [np.pi / 2, 0.0], [0.0, 0.0]  # upright
     >>> robot.sensor_values(q, v, [0.0, 0.0])["imu"].round(9) + 0.0
@@ -96,16 +132,44 @@ def joint_reactions(
     out: NDArray[Any] | None = None,
     threads: int | None = None,
 ) -> NDArray[Any]:
-    """The force and moment that each joint transmits from its parent link to its child, fixed joints
-    included.
+    """Force and moment that each joint transmits from its parent link to its child.
 
-    q (..., nq), v (..., nv), a (..., nv) → (..., joints, 6) in the order of `joints`: force [N] then
-    moment [N·m] about the origin of the child's frame, along its axes, as a force-torque sensor in the
-    joint reads them. They act on the child. `wrenches` has for each frame (..., 6) what acts from
-    outside, as in `inverse_dynamics_with_wrenches`.
+    The result includes fixed joints. The loads act on the child, about the origin of its frame and along
+    its axes, as a force-torque sensor in the joint measures them.
 
+    Parameters
+    ----------
+    q : array_like, (..., nq)
+        Configuration.
+    v : array_like, (..., nv)
+        Velocity [rad/s or m/s].
+    a : array_like, (..., nv)
+        Acceleration [rad/s² or m/s²].
+    wrenches : mapping of frame to array_like, (..., 6), optional
+        Force [N], then moment [N·m], at each frame's origin along its axes; default: none.
+    out : ndarray, (..., joints, 6), optional
+        Array that receives the result.
+    threads : int, optional
+        Threads for a batch; default: `num_threads()`.
+
+    Returns
+    -------
+    ndarray, (..., joints, 6)
+        Force [N], then moment [N·m], in the order of `joints`.
+
+    Raises
+    ------
+    StateError
+        The state is invalid; `BadStatesError` for a batch.
+    FrameError
+        A frame does not exist.
+    ShapeError
+        An array has the wrong shape.
+
+    Examples
+    --------
     >>> robot, rest = rd.example("two_r"), [0.0, 0.0]
-    >>> force = robot.joint_reactions(rest, rest, rest)[0, :3]  # of the first joint: it carries all that moves
+    >>> force = robot.joint_reactions(rest, rest, rest)[0, :3]  # of the first joint, which carries both links
     >>> float(np.linalg.norm(force).round(9))
     29.43
     """

@@ -14,7 +14,7 @@ from robot_dynamics import ground as grounds
 from robot_dynamics._native import Constraints
 from robot_dynamics.errors import ShapeError
 from robot_dynamics.ground import AnyGround
-from robot_dynamics.motion import Correction, EnergyLedger, switched_off
+from robot_dynamics.motion import Correction, EnergyLedger, disabled_effects
 from robot_dynamics.numbers import Numbers
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ class Simulation(_native.Simulation):
             step=step,
             integrator=integrator,
             conservative=conservative,
-            without=switched_off(without, dissipation, stops),
+            without=disabled_effects(without, dissipation, stops),
             ground=grounds.native(ground),
             constraints=constraints,
             stabilization=stabilization,
@@ -216,7 +216,7 @@ class SimulationBatch(_native.SimulationBatch):
             step=step,
             integrator=integrator,
             conservative=conservative,
-            without=switched_off(without, dissipation, stops),
+            without=disabled_effects(without, dissipation, stops),
             ground=grounds.native(ground),
             constraints=constraints,
             stabilization=stabilization,

@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from robot_dynamics.errors import BadStatesError, SimulationError, SingularMassError, StateError
-from robot_dynamics.motion import switched_off
+from robot_dynamics.motion import disabled_effects
 
 if TYPE_CHECKING:
     import torch
@@ -119,7 +119,7 @@ def rollout(
             raise ValueError(f"tau has shape {tuple(tau.shape)}: its last axis but one must have steps = {steps}")
         lead = torch.broadcast_shapes(lead, tau.shape[:-own])
         tau = tau.broadcast_to(*lead, *tau.shape[-own:])
-    off = switched_off(without, dissipation, stops=True)
+    off = disabled_effects(without, dissipation, stops=True)
     how = {"steps": steps, "step": step, "integrator": integrator, "stride": stride}
     how |= {"conservative": conservative, "without": off}
     robot._differentiable_row(step=step, integrator=integrator, conservative=conservative, without=off)  # or an error

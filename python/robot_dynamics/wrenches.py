@@ -1,4 +1,4 @@
-"""The equation of motion with wrenches from outside: M a + C v + g = τ + Σ Jᵀ f."""
+"""Equation of motion with external wrenches: M a + C v + g = τ + Σ Jᵀ f."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def stacked(wrenches: Mapping[str, Numbers] | Mapping[int, Numbers]) -> tuple[list[Any], NDArray[Any]]:
-    """The frames, and one table (..., frames, 6)."""
+    """Frames, and their wrenches as one array (..., frames, 6)."""
     if not wrenches:
         return [], np.zeros((0, 6))
     tables = np.broadcast_arrays(*(np.asarray(wrench) for wrench in wrenches.values()))
@@ -33,11 +33,39 @@ def inverse_dynamics_with_wrenches(
     out: NDArray[Any] | None = None,
     threads: int | None = None,
 ) -> NDArray[Any]:
-    """τ = M a + C v + g − Σ Jᵀ f: what the joints give when wrenches from outside act on frames.
+    """Inverse dynamics under external wrenches on frames: τ = M a + C v + g − Σ Jᵀ f.
 
-    q (..., nq), v (..., nv), a (..., nv) → (..., nv). `wrenches` has for each frame (..., 6), force [N]
-    then moment [N·m] at the frame's origin along its axes.
+    Parameters
+    ----------
+    q : array_like, (..., nq)
+        Configuration.
+    v : array_like, (..., nv)
+        Velocity [rad/s or m/s].
+    a : array_like, (..., nv)
+        Acceleration [rad/s² or m/s²].
+    wrenches : mapping of frame to array_like, (..., 6)
+        Force [N], then moment [N·m], at each frame's origin along its axes.
+    out : ndarray, (..., nv), optional
+        Array that receives the result.
+    threads : int, optional
+        Threads for a batch; default: `num_threads()`.
 
+    Returns
+    -------
+    ndarray, (..., nv)
+        Torques τ [N·m or N].
+
+    Raises
+    ------
+    StateError
+        The state is invalid; `BadStatesError` for a batch.
+    FrameError
+        A frame does not exist.
+    ShapeError
+        An array has the wrong shape.
+
+    Examples
+    --------
     >>> robot, rest = rd.example("two_r"), [0.0, 0.0]
     >>> held = robot.inverse_dynamics_with_wrenches(rest, rest, rest, {"tip": [0.0, 0.0, 9.81, 0.0, 0.0, 0.0]})
     >>> (robot.gravity(rest) - held).round(9)  # 9.81 N upwards at 2 m and at 1 m
@@ -58,10 +86,41 @@ def forward_dynamics_with_wrenches(
     out: NDArray[Any] | None = None,
     threads: int | None = None,
 ) -> NDArray[Any]:
-    """a = M⁻¹(τ + Σ Jᵀ f − C v − g); see `inverse_dynamics_with_wrenches`.
+    """Forward dynamics under external wrenches on frames: a = M⁻¹(τ + Σ Jᵀ f − C v − g).
 
-    q (..., nq), v (..., nv), tau (..., nv) → (..., nv).
+    Parameters
+    ----------
+    q : array_like, (..., nq)
+        Configuration.
+    v : array_like, (..., nv)
+        Velocity [rad/s or m/s].
+    tau : array_like, (..., nv)
+        Torques [N·m or N].
+    wrenches : mapping of frame to array_like, (..., 6)
+        Force [N], then moment [N·m], at each frame's origin along its axes.
+    out : ndarray, (..., nv), optional
+        Array that receives the result.
+    threads : int, optional
+        Threads for a batch; default: `num_threads()`.
 
+    Returns
+    -------
+    ndarray, (..., nv)
+        Acceleration a [rad/s² or m/s²].
+
+    Raises
+    ------
+    SingularMassError
+        M(q) is singular.
+    StateError
+        The state is invalid; `BadStatesError` for a batch.
+    FrameError
+        A frame does not exist.
+    ShapeError
+        An array has the wrong shape.
+
+    Examples
+    --------
     >>> robot, q, rest, push = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0], {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]}
     >>> tau = robot.inverse_dynamics_with_wrenches(q, rest, [3.0, 4.0], push)
     >>> robot.forward_dynamics_with_wrenches(q, rest, tau, push).round(9)
@@ -82,24 +141,54 @@ def inverse_dynamics_derivatives_with_wrenches(
     out: tuple[NDArray[Any], NDArray[Any]] | None = None,
     threads: int | None = None,
 ) -> InverseDynamicsDerivatives[Any]:
-    """∂τ/∂q and ∂τ/∂v of `inverse_dynamics_with_wrenches`; the wrenches keep their components in their
-    frames.
+    """Derivatives ∂τ/∂q and ∂τ/∂v of `inverse_dynamics_with_wrenches`.
 
-    q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., nv, nv).
+    The wrenches keep their components in their frames.
 
+    Parameters
+    ----------
+    q : array_like, (..., nq)
+        Configuration.
+    v : array_like, (..., nv)
+        Velocity [rad/s or m/s].
+    a : array_like, (..., nv)
+        Acceleration [rad/s² or m/s²].
+    wrenches : mapping of frame to array_like, (..., 6)
+        Force [N], then moment [N·m], at each frame's origin along its axes.
+    out : tuple of 2 ndarray, (..., nv, nv), optional
+        Arrays that receive the results.
+    threads : int, optional
+        Threads for a batch; default: `num_threads()`.
+
+    Returns
+    -------
+    InverseDynamicsDerivatives
+        `by_position` and `by_velocity`, each (..., nv, nv).
+
+    Raises
+    ------
+    StateError
+        The state is invalid; `BadStatesError` for a batch.
+    FrameError
+        A frame does not exist.
+    ShapeError
+        An array has the wrong shape.
+
+    Examples
+    --------
     >>> robot, q, rest = rd.example("two_r"), np.array([0.3, 1.2]), [0.0, 0.0]
     >>> tau = lambda q: robot.inverse_dynamics_with_wrenches(q, rest, rest, {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]})
-    >>> slopes = robot.inverse_dynamics_derivatives_with_wrenches(
+    >>> derivatives = robot.inverse_dynamics_derivatives_with_wrenches(
     ...     q, rest, rest, {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]}
     ... )
-    >>> bool(np.allclose(slopes.by_position[:, 0], (tau(q + [1e-6, 0.0]) - tau(q - [1e-6, 0.0])) / 2e-6, atol=1e-8))
+    >>> bool(np.allclose(derivatives.by_position[:, 0], (tau(q + [1e-6, 0.0]) - tau(q - [1e-6, 0.0])) / 2e-6, atol=1e-8))
     True
     """
     frames, table = stacked(wrenches)
-    slopes: InverseDynamicsDerivatives[Any] = robot._with_wrenches(
+    derivatives: InverseDynamicsDerivatives[Any] = robot._with_wrenches(
         "inverse_dynamics_derivatives", q, v, a, frames, table, out=out, threads=threads
     )
-    return slopes
+    return derivatives
 
 
 def forward_dynamics_derivatives_with_wrenches(
@@ -112,19 +201,50 @@ def forward_dynamics_derivatives_with_wrenches(
     out: tuple[NDArray[Any], NDArray[Any], NDArray[Any]] | None = None,
     threads: int | None = None,
 ) -> ForwardDynamicsDerivatives[Any]:
-    """∂a/∂q, ∂a/∂v and ∂a/∂τ of `forward_dynamics_with_wrenches`; the wrenches keep their components in
-    their frames.
+    """Derivatives ∂a/∂q, ∂a/∂v and ∂a/∂τ of `forward_dynamics_with_wrenches`.
 
-    q (..., nq), v (..., nv), tau (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv,
-    nv).
+    The wrenches keep their components in their frames.
 
+    Parameters
+    ----------
+    q : array_like, (..., nq)
+        Configuration.
+    v : array_like, (..., nv)
+        Velocity [rad/s or m/s].
+    tau : array_like, (..., nv)
+        Torques [N·m or N].
+    wrenches : mapping of frame to array_like, (..., 6)
+        Force [N], then moment [N·m], at each frame's origin along its axes.
+    out : tuple of 3 ndarray, (..., nv, nv), optional
+        Arrays that receive the results.
+    threads : int, optional
+        Threads for a batch; default: `num_threads()`.
+
+    Returns
+    -------
+    ForwardDynamicsDerivatives
+        `by_position`, `by_velocity` and `by_force`, each (..., nv, nv).
+
+    Raises
+    ------
+    SingularMassError
+        M(q) is singular.
+    StateError
+        The state is invalid; `BadStatesError` for a batch.
+    FrameError
+        A frame does not exist.
+    ShapeError
+        An array has the wrong shape.
+
+    Examples
+    --------
     >>> robot, q, rest, push = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0], {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]}
-    >>> slopes = robot.forward_dynamics_derivatives_with_wrenches(q, rest, rest, push)
-    >>> bool(np.allclose(slopes.by_force, robot.inverse_mass_matrix(q)))
+    >>> derivatives = robot.forward_dynamics_derivatives_with_wrenches(q, rest, rest, push)
+    >>> bool(np.allclose(derivatives.by_force, robot.inverse_mass_matrix(q)))
     True
     """
     frames, table = stacked(wrenches)
-    slopes: ForwardDynamicsDerivatives[Any] = robot._with_wrenches(
+    derivatives: ForwardDynamicsDerivatives[Any] = robot._with_wrenches(
         "forward_dynamics_derivatives", q, v, tau, frames, table, out=out, threads=threads
     )
-    return slopes
+    return derivatives
