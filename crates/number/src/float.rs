@@ -1,4 +1,4 @@
-//! Hardware floats, and the machine's numbers for each.
+//! Hardware floats, and the memory and kernels over the machine's numbers for each.
 #![allow(unsafe_code)]
 
 use crate::dispatch::{Kernel, LaneKernel, LaneMemory, Make, OneState, lanes, one_state};
@@ -30,6 +30,40 @@ pub trait Float: Scalar + PartialOrd + sealed::Sealed {
     /// See [`LaneMemory::run`].
     #[doc(hidden)]
     fn run_lanes<F: Form, K: LaneKernel<F, Self>>(memory: &mut LaneMemory<F>, kernel: K);
+}
+
+impl<F: Form> OneState<F> {
+    /// Memory for the machine's number, or `None` where `limit` leaves only the portable instructions.
+    #[inline(always)]
+    pub fn new<T: Float>(limit: InstructionSet, make: &impl Make<F>) -> Option<Self> {
+        T::new_one_state(limit, make)
+    }
+
+    /// Runs a kernel and takes it from the option. The kernel is passed in place: moving its arguments from
+    /// call to call costs a short algorithm a tenth of its time.
+    ///
+    /// # Panics
+    /// If the memory was made for the other float.
+    #[inline(always)]
+    pub fn run<T: Float, K: Kernel<F, T>>(&mut self, kernel: &mut Option<K>) {
+        T::run_one_state(self, kernel);
+    }
+}
+
+impl<F: Form> LaneMemory<F> {
+    /// Memory for the widest registers up to `limit` that this machine has.
+    pub fn new<T: Float>(limit: InstructionSet, make: &impl Make<F>) -> Self {
+        T::new_lanes(limit, make)
+    }
+
+    /// Runs a kernel.
+    ///
+    /// # Panics
+    /// If the memory was made for the other float.
+    #[inline(always)]
+    pub fn run<T: Float, K: LaneKernel<F, T>>(&mut self, kernel: K) {
+        T::run_lanes(self, kernel);
+    }
 }
 
 /// Panics for memory that was made for the other float.

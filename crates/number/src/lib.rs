@@ -12,12 +12,13 @@
 //! safe code cannot execute an instruction that the machine lacks.
 //!
 //! All of the library's `unsafe` code for instructions is in this crate. `registers` has a file for each
-//! instruction set. `view` reads a slice of floats as a slice of the machine's numbers. `cache` prefetches
-//! memory. `dispatch` and `float` call code that is compiled for an instruction set after it was detected. A
-//! WebAssembly module cannot detect instructions: it is built with simd128 or without, and an engine that
+//! instruction set. `fused_slices` reads a slice of floats as a slice of the machine's numbers. `cache`
+//! prefetches memory. `dispatch` and `float` call code that is compiled for an instruction set after it was
+//! detected. A WebAssembly module cannot detect instructions: it is built with simd128 or without, and an engine that
 //! lacks simd128 rejects the module.
 
 // The operations of a number,
+mod arrays;
 mod scalar;
 mod triple;
 
@@ -40,6 +41,8 @@ pub mod cache;
 // the numbers of each instruction set,
 #[cfg(registers)]
 mod fused;
+#[cfg(registers)]
+mod fused_slices;
 mod instruction_set;
 #[cfg(registers)]
 mod quad;

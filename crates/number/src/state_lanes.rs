@@ -5,13 +5,13 @@
 //! ([`crate::dispatch`]). A single float is one lane. Every lane's arithmetic is that of a single number: the
 //! value of one lane, even NaN, changes no bit of another.
 
+use crate::Scalar;
 use crate::sine::Quadrants;
-use crate::{Float, Scalar};
 
 /// A number for several states, read from and written to tables that store one state after the other.
 pub trait StateLanes: Scalar + Quadrants {
     /// The number of one state.
-    type Float: Float;
+    type Float: Scalar + PartialOrd;
 
     /// L, how many states.
     const LANES: usize;

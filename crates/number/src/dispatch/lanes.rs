@@ -2,15 +2,15 @@
 
 use core::fmt;
 
-use super::{Call, Hardware, Make, Portable};
+use super::{Call, Hardware, Portable};
 #[cfg(registers)]
 use crate::registers::{F32x8, F64x4};
 #[cfg(target_arch = "x86_64")]
 use crate::registers::{F32x16, F64x8};
-use crate::{Float, Form, InstructionSet, StateLanes};
+use crate::{Form, InstructionSet, Scalar, StateLanes};
 
 /// A computation on memory over a register of states of `T`.
-pub trait LaneKernel<F: Form, T: Float> {
+pub trait LaneKernel<F: Form, T: Scalar> {
     /// Runs the computation; must be `#[inline(always)]`.
     fn run<N: StateLanes<Float = T>, H: Hardware>(self, memory: &mut F::Over<N>);
 }
@@ -34,11 +34,6 @@ pub(crate) enum Memory<F: Form> {
 }
 
 impl<F: Form> LaneMemory<F> {
-    /// Memory for the widest registers up to `limit` that this machine has.
-    pub fn new<T: Float>(limit: InstructionSet, make: &impl Make<F>) -> Self {
-        T::new_lanes(limit, make)
-    }
-
     /// The instructions that kernels run on.
     pub fn instruction_set(&self) -> InstructionSet {
         match &self.0 {
@@ -68,15 +63,6 @@ impl<F: Form> LaneMemory<F> {
             Memory::F32x16(_) => F32x16::LANES,
         }
     }
-
-    /// Runs a kernel.
-    ///
-    /// # Panics
-    /// If the memory was made for the other float.
-    #[inline(always)]
-    pub fn run<T: Float, K: LaneKernel<F, T>>(&mut self, kernel: K) {
-        T::run_lanes(self, kernel);
-    }
 }
 
 impl<F: Form> fmt::Debug for LaneMemory<F> {
@@ -100,7 +86,7 @@ impl<F: Form, N: StateLanes, K: LaneKernel<F, N::Float>> Call for LaneCall<'_, F
 
 /// Runs a kernel over one number at a time.
 #[inline(always)]
-pub(crate) fn run_portable<F: Form, T: StateLanes<Float = T> + Float>(
+pub(crate) fn run_portable<F: Form, T: StateLanes<Float = T>>(
     memory: &mut F::Over<T>,
     kernel: impl LaneKernel<F, T>,
 ) {

@@ -4,10 +4,10 @@ use core::fmt;
 
 #[cfg(registers)]
 use super::Call;
-use super::{Hardware, Make};
+use super::Hardware;
 #[cfg(registers)]
 use crate::fused::FmaFloat;
-use crate::{Float, Form, InstructionSet, Scalar, View};
+use crate::{Form, InstructionSet, Scalar, View};
 
 /// A computation on memory over the machine's number for `T`.
 pub trait Kernel<F: Form, T: Scalar> {
@@ -46,25 +46,9 @@ pub(crate) enum Memory<F: Form> {
 }
 
 impl<F: Form> OneState<F> {
-    /// Memory for the machine's number, or `None` where `limit` leaves only the portable instructions.
-    #[inline(always)]
-    pub fn new<T: Float>(limit: InstructionSet, make: &impl Make<F>) -> Option<Self> {
-        T::new_one_state(limit, make)
-    }
-
     /// The newest instructions that a kernel may run on.
     pub fn instruction_set(&self) -> InstructionSet {
         self.set
-    }
-
-    /// Runs a kernel and takes it from the option. The kernel is passed in place: moving its arguments from
-    /// call to call costs a short algorithm a tenth of its time.
-    ///
-    /// # Panics
-    /// If the memory was made for the other float.
-    #[inline(always)]
-    pub fn run<T: Float, K: Kernel<F, T>>(&mut self, kernel: &mut Option<K>) {
-        T::run_one_state(self, kernel);
     }
 }
 
