@@ -6,6 +6,7 @@
 mod actuated_part;
 mod computed_torque;
 mod mobility;
+mod singular_mass;
 mod target;
 mod task;
 
@@ -25,14 +26,12 @@ use robot_dynamics_simulation::motion::operational_space_error::check_entries;
 use robot_dynamics_simulation::{OperationalSpaceError, SpatialAxis};
 
 use self::actuated_part::ActuatedPart;
-use self::mobility::Mobility;
+use self::mobility::{MOST_ROWS, Mobility};
+use self::singular_mass::singular_mass;
 
 /// A row is singular if its mobility independent of the others is below this fraction of its own; Λ would
 /// have less than four digits.
 const LEAST_MOBILITY: f64 = 1e-12;
-
-/// The largest number of directions of a frame.
-const MOST_ROWS: usize = 6;
 
 /// The dynamics of a frame: Λ ẍ + μ + p = F, where x are the chosen directions of its world-aligned velocity.
 #[derive(Clone, Debug, PartialEq)]
@@ -255,12 +254,6 @@ fn compute(
     check_result("Λ", inertia.as_slice())?;
     check_result("J̄", consistent_inverse.as_slice())?;
     Ok(check_result("μ + p", bias_force.as_slice())?)
-}
-
-/// The error for an M that could not be factored.
-fn singular_mass(model: &Model, q: &[f64]) -> MotionError {
-    let overflow = MotionError::Overflow { quantity: "M⁻¹", value: f64::INFINITY };
-    model.inverse_mass_matrix(q).err().unwrap_or(overflow)
 }
 
 impl OperationalSpace {

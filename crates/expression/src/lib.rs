@@ -28,6 +28,8 @@ mod hash;
 mod rules;
 
 // the number that records them,
+mod scalar;
+mod sine;
 mod traced;
 mod triple;
 
@@ -43,7 +45,8 @@ pub use graph::{Graph, Operand, Operation};
 pub use plan::{Plan, as_traced, most_live};
 pub use precision::Precision;
 pub use rounding::interpret;
-pub use traced::{Traced, continue_trace, evaluate, trace, trace_sine, trace_sine_of_quarters};
+pub use sine::{trace_sine, trace_sine_of_quarters};
+pub use traced::{Traced, continue_trace, evaluate, trace};
 
 /// The example of the README.
 #[cfg(doctest)]

@@ -7,20 +7,12 @@
 use core::cell::{Cell, RefCell};
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use robot_dynamics_number::Scalar;
-use robot_dynamics_number::sine::{
-    Quadrants, SHORT_PARTS, of_reduced_f32, sin_cos_f32_in_short_parts, sin_cos_f64,
-};
-
 use crate::graph::{Graph, Operand};
-use crate::triple::{TracedSymmetric, TracedTriple};
-use crate::{Arithmetic, Precision, Sine};
+use crate::{Arithmetic, Precision};
 
 thread_local! {
     static GRAPH: RefCell<Graph> = RefCell::new(Graph::new(Precision::Double));
     static ARITHMETIC: Cell<Arithmetic> = Cell::new(Arithmetic::default());
-    /// The shifted number of quarter turns, while the sine itself is traced.
-    static SINE_QUADRANT: Cell<Option<Operand>> = const { Cell::new(None) };
 }
 
 /// A number of a trace: a constant, or a value of the expression.
@@ -99,77 +91,24 @@ pub fn evaluate(
     compute(&arguments).into_iter().map(|result| result.into_iter().map(value).collect()).collect()
 }
 
-/// The library's own sine as a graph of one input x. The first result is the quotient 2x/π, rounded to an
-/// integer n and shifted so that the lowest bits are n. The others are the sine and cosine of x − n π/2.
-///
-/// ```
-/// use robot_dynamics_expression::{Arithmetic, trace_sine};
-/// let (graph, results) = trace_sine(Arithmetic::default());
-/// assert!(results[0].len() == 3 && graph.nodes[0].is_input());
-/// ```
-#[allow(clippy::missing_panics_doc)] // the input is not a constant
-pub fn trace_sine(arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
-    trace(arithmetic, &[1], |arguments| {
-        SINE_QUADRANT.set(None);
-        let (sine, cosine) = own_sine(arguments[0][0]);
-        let shifted = SINE_QUADRANT.take().expect("the sine of an input calls `turn`");
-        vec![vec![Traced(shifted), sine, cosine]]
-    })
+/// The arithmetic of this thread's trace.
+pub(crate) fn arithmetic() -> Arithmetic {
+    ARITHMETIC.get()
 }
 
-/// As [`trace_sine`], with two inputs, x and n. This is for languages whose compilers may reassociate, where
-/// adding a large number does not round.
-///
-/// ```
-/// use robot_dynamics_expression::{Arithmetic, Precision, trace_sine_of_quarters};
-/// let (graph, results) = trace_sine_of_quarters(Arithmetic::new(Precision::Single));
-/// assert!(results[0].len() == 3 && graph.nodes[1].is_input());
-/// ```
-pub fn trace_sine_of_quarters(arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
-    trace(arithmetic, &[1, 1], |arguments| {
-        let (x, n) = (arguments[0][0], arguments[1][0]);
-        let r = SHORT_PARTS.iter().fold(x, |r, &part| (-n).mul_add(Traced::from_f64(part), r));
-        let (sine, cosine) = of_reduced_f32(n, r);
-        SINE_QUADRANT.set(None);
-        vec![vec![n, sine, cosine]]
-    })
-}
-
-fn own_sine(x: Traced) -> (Traced, Traced) {
-    match ARITHMETIC.get().precision {
-        Precision::Double => sin_cos_f64(x),
-        Precision::Single => sin_cos_f32_in_short_parts(x),
-    }
-}
-
-impl Quadrants for Traced {
-    /// Returns the value for constants. Otherwise the graph contains the sine and cosine of the reduced
-    /// angle, and the generated program rotates them.
-    fn turn(shifted: Self, sine: Self, cosine: Self) -> (Self, Self) {
-        let (Some(x), Some(s), Some(c)) = (shifted.0.known(), sine.0.known(), cosine.0.known()) else {
-            SINE_QUADRANT.set(Some(shifted.0));
-            return (sine, cosine);
-        };
-        #[allow(clippy::cast_possible_truncation)] // they are singles
-        let (s, c) = match ARITHMETIC.get().precision {
-            Precision::Double => f64::turn(x, s, c),
-            Precision::Single => {
-                let (s, c) = f32::turn(x as f32, s as f32, c as f32);
-                (s.into(), c.into())
-            }
-        };
-        (fold_constant(s), fold_constant(c))
-    }
+/// Applies an operation to the graph of this thread.
+pub(crate) fn with_graph<R>(operation: impl FnOnce(&mut Graph) -> R) -> R {
+    GRAPH.with_borrow_mut(operation)
 }
 
 /// Records an operation in the graph of this thread.
-fn record(operation: impl FnOnce(&mut Graph) -> Operand) -> Traced {
-    Traced(GRAPH.with_borrow_mut(operation))
+pub(crate) fn record(operation: impl FnOnce(&mut Graph) -> Operand) -> Traced {
+    Traced(with_graph(operation))
 }
 
 /// The value of an operation on constants, rounded.
-fn fold_constant(x: f64) -> Traced {
-    Traced(Operand::constant(ARITHMETIC.get().precision.round(x)))
+pub(crate) fn fold_constant(x: f64) -> Traced {
+    Traced(Operand::constant(arithmetic().precision.round(x)))
 }
 
 impl Add for Traced {
@@ -236,50 +175,5 @@ impl SubAssign for Traced {
 impl MulAssign for Traced {
     fn mul_assign(&mut self, other: Self) {
         *self = *self * other;
-    }
-}
-
-impl Scalar for Traced {
-    type Triple = TracedTriple;
-    type Symmetric = TracedSymmetric;
-
-    #[inline(never)]
-    fn from_f64(x: f64) -> Self {
-        fold_constant(x)
-    }
-
-    #[inline(never)]
-    fn sin_cos(self) -> (Self, Self) {
-        match (self.0.known(), ARITHMETIC.get()) {
-            (None, _) => {
-                let (sine, cosine) = GRAPH.with_borrow_mut(|graph| graph.sine_cosine(self.0));
-                (Self(sine), Self(cosine))
-            }
-            (Some(_), Arithmetic { sine: Sine::Own, .. }) => own_sine(self),
-            (Some(x), Arithmetic { precision: Precision::Double, .. }) => {
-                let (sine, cosine) = x.sin_cos();
-                (fold_constant(sine), fold_constant(cosine))
-            }
-            #[allow(clippy::cast_possible_truncation)]
-            (Some(x), _) => {
-                let (sine, cosine) = (x as f32).sin_cos();
-                (fold_constant(sine.into()), fold_constant(cosine.into()))
-            }
-        }
-    }
-
-    #[inline(never)]
-    fn sqrt(self) -> Self {
-        record(|graph| graph.root(self.0))
-    }
-
-    #[inline(never)]
-    fn signum0(self) -> Self {
-        record(|graph| graph.sign(self.0))
-    }
-
-    #[inline(never)]
-    fn mul_add(self, a: Self, b: Self) -> Self {
-        if ARITHMETIC.get().fused { record(|graph| graph.fused(self.0, a.0, b.0)) } else { self * a + b }
     }
 }

@@ -2,12 +2,7 @@
 
 mod signature;
 
-use core::fmt;
-use core::str::FromStr;
-
 use robot_dynamics_integrators::Integrator;
-
-use crate::FunctionError;
 
 pub use self::signature::{Argument, Outcome};
 pub(crate) use self::signature::{Row, Size};
@@ -89,10 +84,10 @@ pub(crate) enum DerivativeKind {
 }
 
 impl DerivativeKind {
-    const ALL: [Self; 2] = [Self::Derivatives, Self::Pullback];
+    pub(crate) const ALL: [Self; 2] = [Self::Derivatives, Self::Pullback];
 
     /// The suffix of the function's name.
-    fn suffix(self) -> &'static str {
+    pub(crate) fn suffix(self) -> &'static str {
         match self {
             Self::Derivatives => "_derivatives",
             Self::Pullback => "_pullback",
@@ -246,7 +241,7 @@ impl Function {
         }
     }
 
-    fn plain_stem(&self) -> &'static str {
+    pub(crate) fn plain_stem(&self) -> &'static str {
         match self {
             Self::Derivatives(_) | Self::Pullback(_) => {
                 unreachable!("the name is that of another function and a suffix")
@@ -357,39 +352,6 @@ impl Function {
             Self::SemiImplicitEulerStep => Some(Integrator::SemiImplicitEuler),
             Self::Rk4Step => Some(Integrator::RungeKutta4),
             _ => None,
-        }
-    }
-}
-
-impl fmt::Display for Function {
-    /// The library's name, followed by a colon and the frame's name.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.stem())?;
-        self.frame().map_or(Ok(()), |frame| write!(f, ":{frame}"))
-    }
-}
-
-impl FromStr for Function {
-    type Err = FunctionError;
-
-    fn from_str(text: &str) -> Result<Self, FunctionError> {
-        let unknown = || FunctionError::Unknown { name: text.into() };
-        let (stem, frame) = text.split_once(':').map_or((text, None), |(stem, frame)| (stem, Some(frame)));
-        let named = |stem: &str| match frame {
-            None => Self::PLAIN.into_iter().find(|plain| plain.plain_stem() == stem),
-            Some(frame) => Self::of_frame(frame).into_iter().find(|of_frame| of_frame.plain_stem() == stem),
-        };
-        if let Some(function) = named(stem) {
-            return Ok(function);
-        }
-        let of_another = |kind: DerivativeKind| Some((named(stem.strip_suffix(kind.suffix())?)?, kind));
-        match DerivativeKind::ALL.into_iter().find_map(of_another) {
-            None => Err(unknown()),
-            Some((function, _)) if !function.has_slopes() => {
-                Err(FunctionError::NoSlopes { function: text.into() })
-            }
-            Some((function, DerivativeKind::Derivatives)) => Ok(function.derivatives()),
-            Some((function, DerivativeKind::Pullback)) => Ok(function.pullback()),
         }
     }
 }

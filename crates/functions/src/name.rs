@@ -1,4 +1,10 @@
-//! Names in programs.
+//! The names of functions, and names in programs.
+
+use core::fmt;
+use core::str::FromStr;
+
+use crate::function::DerivativeKind;
+use crate::{Function, FunctionError};
 
 /// A name as an identifier of any language: letters, digits and underscores.
 ///
@@ -13,5 +19,38 @@ pub fn identifier(name: &str) -> String {
         format!("robot_{text}")
     } else {
         text
+    }
+}
+
+impl fmt::Display for Function {
+    /// The library's name, followed by a colon and the frame's name.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.stem())?;
+        self.frame().map_or(Ok(()), |frame| write!(f, ":{frame}"))
+    }
+}
+
+impl FromStr for Function {
+    type Err = FunctionError;
+
+    fn from_str(text: &str) -> Result<Self, FunctionError> {
+        let unknown = || FunctionError::Unknown { name: text.into() };
+        let (stem, frame) = text.split_once(':').map_or((text, None), |(stem, frame)| (stem, Some(frame)));
+        let named = |stem: &str| match frame {
+            None => Self::PLAIN.into_iter().find(|plain| plain.plain_stem() == stem),
+            Some(frame) => Self::of_frame(frame).into_iter().find(|of_frame| of_frame.plain_stem() == stem),
+        };
+        if let Some(function) = named(stem) {
+            return Ok(function);
+        }
+        let of_another = |kind: DerivativeKind| Some((named(stem.strip_suffix(kind.suffix())?)?, kind));
+        match DerivativeKind::ALL.into_iter().find_map(of_another) {
+            None => Err(unknown()),
+            Some((function, _)) if !function.has_slopes() => {
+                Err(FunctionError::NoSlopes { function: text.into() })
+            }
+            Some((function, DerivativeKind::Derivatives)) => Ok(function.derivatives()),
+            Some((function, DerivativeKind::Pullback)) => Ok(function.pullback()),
+        }
     }
 }

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::Integrator;
+
 /// The reason why forward dynamics has no result.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -108,7 +110,7 @@ impl fmt::Display for IntegratorError {
             }
             Self::UnknownName { name } => {
                 write!(f, "no integrator is named \"{name}\"; the names are")?;
-                super::Integrator::ALL.iter().try_for_each(|row| write!(f, " {}", row.name()))
+                Integrator::ALL.iter().try_for_each(|row| write!(f, " {}", row.name()))
             }
         }
     }

@@ -16,6 +16,7 @@
 
 mod energy;
 mod error;
+mod name;
 mod scheme;
 mod table;
 

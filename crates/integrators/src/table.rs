@@ -1,9 +1,6 @@
 //! The table of integrators: method, order, properties.
 
-use core::fmt;
-use core::str::FromStr;
-
-use super::{IntegratorError, Stage, StepScheme};
+use crate::{Stage, StepScheme};
 
 /// The systems without dissipation for which a method's map (q, p) → (q, p) is symplectic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -111,22 +108,6 @@ impl Integrator {
         self.row().name
     }
 
-    /// The row with this name.
-    ///
-    /// # Errors
-    /// [`IntegratorError::UnknownName`], whose message lists the valid names.
-    ///
-    /// ```
-    /// use robot_dynamics_integrators::Integrator;
-    /// assert_eq!(Integrator::from_name("rk4")?.order(), 4);
-    /// # Ok::<(), robot_dynamics_integrators::IntegratorError>(())
-    /// ```
-    pub fn from_name(name: &str) -> Result<Self, IntegratorError> {
-        let mut rows = Self::ALL.into_iter();
-        rows.find(|row| row.name() == name)
-            .ok_or_else(|| IntegratorError::UnknownName { name: name.to_owned() })
-    }
-
     /// The order p: the error at a fixed time is O(hᵖ).
     ///
     /// ```
@@ -178,19 +159,6 @@ impl Integrator {
     /// ```
     pub fn scheme(self) -> StepScheme {
         self.row().scheme
-    }
-}
-
-impl fmt::Display for Integrator {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for Integrator {
-    type Err = IntegratorError;
-    fn from_str(name: &str) -> Result<Self, IntegratorError> {
-        Self::from_name(name)
     }
 }
 

@@ -2,8 +2,10 @@
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
-use super::MOST_DOUBLINGS;
 use super::error::DlqrError;
+
+/// Squarings for the spectral radius: the exponent k of Mᵏ becomes 2⁶⁴.
+const SQUARINGS: usize = 64;
 
 /// Sweeps of the eigenvalue iteration per row; a few are usual.
 const SWEEPS: usize = 100;
@@ -19,7 +21,7 @@ fn eigenvalues(m: &DMatrix<f64>) -> Option<DVector<Complex<f64>>> {
 /// converge.
 pub(super) fn spectral_radius(m: &DMatrix<f64>) -> f64 {
     let (mut power, mut logarithm, mut share) = (m.clone(), 0.0, 1.0);
-    for _ in 0..MOST_DOUBLINGS {
+    for _ in 0..SQUARINGS {
         let size = power.norm();
         if size == 0.0 {
             return 0.0;

@@ -3,6 +3,8 @@
 use robot_dynamics_core::factorization::cholesky;
 use robot_dynamics_core::{Model, MotionError, Workspace, check_rank, mass_matrix};
 
+use super::singular_mass::singular_mass;
+
 /// M divided into the actuated coordinates a and the unactuated coordinates u: 0 = M_uu a_u + M_ua a_a + h_u.
 ///
 /// Elimination of a_u gives a robot with the coordinates a:
@@ -59,7 +61,7 @@ impl ActuatedPart {
         }
         cholesky::factor(&mut self.factor, count);
         let is_positive = (0..count).all(|k| self.factor[k * count + k].is_finite());
-        if is_positive { Ok(()) } else { Err(super::singular_mass(model, q)) }
+        if is_positive { Ok(()) } else { Err(singular_mass(model, q)) }
     }
 
     /// f ← f_a − M_au M_uu⁻¹f_u on actuated coordinates, and 0 on the others. It maps h to h̃, and a row of J

@@ -2,7 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::MOST_ROWS;
+/// The largest number of directions of a frame.
+pub(super) const MOST_ROWS: usize = 6;
 
 /// A mobility below this fraction of the largest one is rounding: each of its two factors is within rounding.
 const ROUNDING: f64 = 1e-26;

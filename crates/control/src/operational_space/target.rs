@@ -6,7 +6,7 @@ use robot_dynamics_description::{Pose, Quaternion};
 use robot_dynamics_simulation::motion::simulate::check_finite;
 use robot_dynamics_simulation::{CallbackError, ControllerError, IntoCallbackResult, SpatialAxis};
 
-use super::MOST_ROWS;
+use super::mobility::MOST_ROWS;
 
 /// A target that [`TaskControl`](super::TaskControl) can follow, and the directions that it controls.
 pub trait TaskTarget {

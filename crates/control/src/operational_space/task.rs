@@ -10,7 +10,8 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_simulation::motion::simulate::{check_controller_input, check_number, check_torque};
 use robot_dynamics_simulation::{Controller, ControllerError, SpatialAxis};
 
-use super::{MOST_ROWS, OperationalSpace, OperationalSpaceWorkspace, TaskTarget, operational_space_into};
+use super::mobility::MOST_ROWS;
+use super::{OperationalSpace, OperationalSpaceWorkspace, TaskTarget, operational_space_into};
 
 /// A row is damped if its mobility independent of the others is below this fraction of its own.
 const DAMPING: f64 = 1e-3;

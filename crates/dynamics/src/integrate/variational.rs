@@ -7,10 +7,9 @@
 //! **(HLW §IX.8)**, and the momentum of a cyclic coordinate is conserved to round-off.
 
 use nalgebra::SVector;
-use robot_dynamics_integrators::{Integrator, IntegratorError};
+use robot_dynamics_integrators::{Integrator, IntegratorError, StepScheme};
 
-use super::explicit::assert_step;
-use super::{State, SystemStep};
+use super::explicit::{State, assert_step};
 use crate::{Dynamics, check_finite, solve_mass};
 
 /// The maximal number of iterations of an implicit step. Each gains a factor of about h·(rates of the
@@ -56,7 +55,7 @@ pub fn variational_midpoint_step<D: Dynamics<N> + ?Sized, const N: usize>(
     u: &SVector<f64, N>,
     h: f64,
 ) -> Result<State<N>, IntegratorError> {
-    Integrator::VariationalMidpoint.step(system, q, qd, u, h)
+    row_step(Integrator::VariationalMidpoint, system, q, qd, u, h)
 }
 
 /// The variational midpoint rule composed with itself: order 4, symplectic, reversible. **(HLW §II.4)**
@@ -91,7 +90,21 @@ pub fn variational_yoshida4_step<D: Dynamics<N> + ?Sized, const N: usize>(
     u: &SVector<f64, N>,
     h: f64,
 ) -> Result<State<N>, IntegratorError> {
-    Integrator::VariationalYoshida4.step(system, q, qd, u, h)
+    row_step(Integrator::VariationalYoshida4, system, q, qd, u, h)
+}
+
+/// One step of a method that composes midpoint steps.
+#[track_caller]
+fn row_step<D: Dynamics<N> + ?Sized, const N: usize>(
+    row: Integrator,
+    system: &D,
+    q: &SVector<f64, N>,
+    qd: &SVector<f64, N>,
+    u: &SVector<f64, N>,
+    h: f64,
+) -> Result<State<N>, IntegratorError> {
+    let StepScheme::Variational(fractions) = row.scheme() else { unreachable!("{row} composes midpoints") };
+    compose(system, q, qd, u, h, fractions)
 }
 
 /// Midpoint steps of the given fractions of h, from (q, q̇) to (q, q̇) through (q, p).
