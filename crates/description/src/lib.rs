@@ -4,7 +4,7 @@
 //! `robot-dynamics-core` checks it and compiles it into a model. [`MassProperties`] are checked on
 //! construction. [`plausibility`] reports numbers that seem to be in a wrong unit.
 
-mod actuated;
+mod actuated_joints;
 mod actuator;
 mod contact_pair;
 mod couplings;
@@ -13,6 +13,7 @@ mod equality;
 mod error;
 mod finding_group;
 mod fingerprint;
+mod frame;
 mod higher_terms;
 mod inertia;
 mod joint;
@@ -34,9 +35,7 @@ mod softness;
 mod tendon;
 pub mod text;
 #[doc(hidden)]
-pub mod validate;
-mod validate_beside;
-mod validate_sensors;
+pub mod validation;
 mod written_file;
 
 pub use actuator::{Activation, ActuatorDescription, Affine, Transmission};
@@ -46,6 +45,7 @@ pub use equality::{Equality, EqualityDescription};
 pub use error::{ModelError, NoSuchFrame, similar};
 pub use finding_group::FindingGroup;
 pub use fingerprint::fingerprint;
+pub use frame::FrameDescription;
 pub use higher_terms::HigherTerms;
 pub use inertia::{
     InertiaError, MassProperties, PrincipalInertia, RotationalInertia, parallel_axis, parallel_axis_planar,
@@ -63,7 +63,7 @@ pub use quaternion::{Quaternion, rotation_of};
 pub use random_robot::{JointKinds, RandomRobotOptions, random_quaternion, random_robot};
 pub use refused_file::RefusedFile;
 pub use report::{Counts, Disposition, Finding, LoadReport, Severity};
-pub use robot::{Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, LinkDescription, RobotDescription};
+pub use robot::{Base, EARTH_GRAVITY, FLOATING_BASE, LinkDescription, RobotDescription};
 pub use sensor::{SensorDescription, SensorKind, SensorObject};
 pub use shape::{Elevation, LinkShape, Shape, ShapeRole, Surface};
 pub use softness::{JointSoftness, Softness, TendonSoftness};

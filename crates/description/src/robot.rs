@@ -9,8 +9,8 @@ use std::collections::{HashMap, HashSet};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ActuatorDescription, ContactPairDescription, EqualityDescription, JointDescription, JointKind, LinkShape,
-    MassProperties, NamedPose, Pose, SensorDescription, TendonDescription,
+    ActuatorDescription, ContactPairDescription, EqualityDescription, FrameDescription, JointDescription,
+    JointKind, LinkShape, MassProperties, NamedPose, SensorDescription, TendonDescription,
 };
 
 /// Earth's gravity along −z of the world frame \[m/s²\].
@@ -202,35 +202,6 @@ impl LinkDescription {
     /// ```
     pub fn new(name: impl Into<String>, mass_properties: impl Into<Option<MassProperties>>) -> Self {
         Self { name: name.into(), mass_properties: mass_properties.into(), gravity_compensation: 0.0 }
-    }
-}
-
-/// A named frame fixed to a link.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
-#[non_exhaustive]
-pub struct FrameDescription {
-    /// Its name, unique among frames and links.
-    pub name: String,
-    /// The link that it is fixed to.
-    pub link: String,
-    /// The frame in the link's frame.
-    pub link_from_frame: Pose,
-}
-
-impl FrameDescription {
-    /// A frame on this link.
-    ///
-    /// ```
-    /// use robot_dynamics::description::{FrameDescription, Pose, pendulum};
-    /// use robot_dynamics::model::Model;
-    /// let mut robot = pendulum(2.0, 0.5);
-    /// robot.frames.push(FrameDescription::new("grip", "rod", Pose::IDENTITY));
-    /// assert!(Model::new(robot)?.frame("grip").is_some());
-    /// # Ok::<(), robot_dynamics::description::ModelError>(())
-    /// ```
-    pub fn new(name: impl Into<String>, link: impl Into<String>, link_from_frame: Pose) -> Self {
-        Self { name: name.into(), link: link.into(), link_from_frame }
     }
 }
 

@@ -18,7 +18,6 @@ use carried_weight::CarriedWeight;
 use placement_spring::PlacementSpring;
 use robot_dynamics_core::Model;
 use robot_dynamics_core::model::identity::Identity;
-use robot_dynamics_description::validate::is_single;
 use robot_dynamics_description::{ActuatorDescription, ModelError};
 use tendon::Tendon;
 use transmission::Drive;
@@ -66,7 +65,7 @@ impl Actuation {
     pub fn new(model: &Model) -> Result<Self, ModelError> {
         let description = model.description();
         let joints = description.joints.iter();
-        let singles = joints.clone().filter(|joint| is_single(&joint.kind) && !joint.higher_terms.is_zero());
+        let singles = joints.clone().filter(|joint| joint.kind.nv() == 1 && !joint.higher_terms.is_zero());
         let tendons = (description.tendons.iter().map(|tendon| Tendon::new(model, tendon)))
             .chain(singles.map(|joint| Tendon::of_joint(model, joint)))
             .collect();

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use robot_dynamics_description::validate::{Tree, validate};
+use robot_dynamics_description::validation::{Tree, validate};
 use robot_dynamics_description::{
     Base, JointDescription, JointKind, MassProperties, ModelError, PassiveForces, Pose, RobotDescription,
     z_onto,

@@ -1,8 +1,8 @@
 //! Checks of the sensors of a description: their objects and their numbers.
 
+use super::checks::{check, index_names, unknown};
+use super::names::Names;
 use crate::sensor::ObjectSort;
-use crate::validate::{check, index_names, is_single};
-use crate::validate_beside::{Names, unknown};
 use crate::{JointKind, ModelError, RobotDescription, SensorDescription, SensorKind, SensorObject, Shape};
 
 pub(super) fn check_sensors(description: &RobotDescription, names: &Names<'_>) -> Result<(), ModelError> {
@@ -67,7 +67,7 @@ fn check_object(
         return Err(unknown(owner, what, name));
     }
     let Some(joint) = names.joints.get(name).filter(|_| what == "joint") else { return Ok(()) };
-    if sort == ObjectSort::Joint && !is_single(&joint.kind) {
+    if sort == ObjectSort::Joint && joint.kind.nv() != 1 {
         let kind = joint.kind.name();
         return Err(bad(sensor, format!("joint `{name}` is {kind}; it needs a joint of one freedom")));
     }
