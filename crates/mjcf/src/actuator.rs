@@ -12,10 +12,11 @@ use robot_dynamics_description::{
 
 use crate::assemble::ElementTable;
 use crate::classes::{ACTUATORS, MAIN};
+use crate::element::Element;
 use crate::joint::Motion;
 use crate::names::Names;
 use crate::option::DisabledForces;
-use crate::reader::{Element, Reader};
+use crate::reader::Reader;
 use crate::tree::Id;
 
 /// The numbers of an actuator in MJCF.

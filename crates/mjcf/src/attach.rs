@@ -13,7 +13,8 @@ use robot_dynamics_xml::excerpt;
 
 use crate::MjcfError;
 use crate::renaming::{COPY_LIMIT, OUTER_SECTIONS, ObjectKind, Renaming, asset_name, names_in, of_element};
-use crate::source::{Source, in_file_place};
+use crate::source::Source;
+use crate::tree::in_file_place;
 use crate::tree::{Id, Node, Origin, Tree};
 
 /// Bodies and frames by name, with the `childclass` that applies to each.

@@ -7,7 +7,8 @@
 use robot_dynamics_xml::excerpt;
 
 use crate::MjcfError;
-use crate::reader::{Element, Reader};
+use crate::element::Element;
+use crate::reader::Reader;
 use crate::tree::Id;
 
 /// Larger numbers are refused: they cannot be lengths, masses, inertias or forces in SI units, and their

@@ -2,10 +2,10 @@
 
 use nalgebra::Isometry3;
 
+use crate::element::Element;
 use crate::geom::Geom;
 use crate::inertial::Inertial;
 use crate::joint::Joint;
-use crate::reader::Element;
 
 /// A `<body>`; the first body is the world.
 pub(crate) struct Body {

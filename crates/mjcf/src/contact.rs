@@ -7,7 +7,8 @@ use robot_dynamics_description::{ContactPairDescription, Disposition, RobotDescr
 use crate::assemble::ElementTable;
 use crate::body::Body;
 use crate::classes::MAIN;
-use crate::reader::{Element, Reader};
+use crate::element::Element;
+use crate::reader::Reader;
 use crate::tree::Id;
 
 impl Reader<'_> {

@@ -6,10 +6,11 @@ use robot_dynamics_description::{Equality, EqualityDescription, RobotDescription
 use crate::assemble::{ElementTable, JointEntry};
 use crate::body::Body;
 use crate::classes::MAIN;
+use crate::element::Element;
 use crate::joint::Motion;
 use crate::names::Names;
 use crate::orientation::pose;
-use crate::reader::{Element, Reader};
+use crate::reader::Reader;
 use crate::tree::Id;
 
 impl Reader<'_> {

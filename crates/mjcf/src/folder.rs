@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use robot_dynamics_mesh::Triangles;
 
-use crate::source::normalize;
+use crate::path::normalize;
 
 /// Files in memory by their relative paths, for example from a browser or an archive. Clones share the
 /// content.

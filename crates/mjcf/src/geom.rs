@@ -4,8 +4,9 @@ use nalgebra::{Isometry3, Translation3, Vector3};
 use robot_dynamics_xml::excerpt;
 
 use crate::MjcfError;
+use crate::element::Element;
 use crate::orientation::{LENGTH_THRESHOLD, from_z_to};
-use crate::reader::{Element, Reader};
+use crate::reader::Reader;
 
 /// The type of a geom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,8 @@ use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use robot_dynamics_description::MassProperties;
 
 use crate::MjcfError;
-use crate::reader::{Element, Reader};
+use crate::element::Element;
+use crate::reader::Reader;
 
 /// The content of an `<inertial>`.
 #[derive(Clone)]

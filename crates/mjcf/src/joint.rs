@@ -3,7 +3,8 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 use robot_dynamics_description::{HigherTerms, JointSoftness, Limits, PassiveForces};
 
-use crate::reader::{Element, Reader};
+use crate::element::Element;
+use crate::reader::Reader;
 
 /// The type of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,9 +8,10 @@ use robot_dynamics_description::{NamedPose, RobotDescription};
 use crate::MjcfError;
 use crate::actuator::Actuators;
 use crate::assemble::{ElementTable, JointEntry};
+use crate::element::Element;
 use crate::joint::Motion;
 use crate::names::Names;
-use crate::reader::{Element, Reader};
+use crate::reader::Reader;
 use crate::tree::Id;
 
 /// The name of the pose in which the file places the bodies.

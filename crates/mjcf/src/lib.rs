@@ -33,9 +33,11 @@ mod load;
 // XML: one tree of all files, and the report of everything that is not read.
 mod attach;
 mod attribute;
+mod element;
 mod floating_base;
 mod folder;
 mod grammar;
+mod path;
 mod reader;
 mod renaming;
 mod source;
@@ -45,7 +47,9 @@ mod unread_parts;
 // Settings and defaults.
 mod classes;
 mod compiler;
+mod defaults;
 mod option;
+mod settings;
 
 // Bodies and their content.
 mod body;
@@ -56,6 +60,7 @@ mod orientation;
 mod walk;
 
 // Inertia from shapes.
+mod assets;
 mod mesh;
 mod mesh_mass;
 mod primitive;

@@ -8,9 +8,10 @@ use robot_dynamics_description::{Base, Disposition, LoadReport, RobotDescription
 use crate::floating_base::add_floating_base;
 use crate::folder::{FileSet, Folder};
 use crate::reader::Reader;
-use crate::source::{Source, in_file_place};
+use crate::source::Source;
 use crate::tendon::armature_to_joints;
 use crate::tree::Tree;
+use crate::tree::in_file_place;
 use crate::{LoadError, MjcfError, Options};
 
 /// A robot and the report of how it was read.

@@ -5,11 +5,11 @@ use robot_dynamics_description::{Disposition, MassProperties, PrincipalInertia, 
 use robot_dynamics_xml::excerpt;
 
 use crate::body::Body;
-use crate::compiler::{Compiler, FromGeoms};
 use crate::geom::{Form, Geom};
 use crate::inertial::Inertial;
 use crate::mesh_mass::MeshExtent;
 use crate::reader::Reader;
+use crate::settings::{Compiler, FromGeoms};
 use crate::{MjcfError, primitive};
 
 /// The mass properties of a body.

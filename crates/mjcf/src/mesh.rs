@@ -1,6 +1,5 @@
 //! Reads `<asset>/<mesh>`: meshes by name. A mesh file is opened if the inertia of a body comes from it.
 
-use std::collections::HashMap;
 use std::path::PathBuf;
 use std::rc::Rc;
 
@@ -9,20 +8,12 @@ use robot_dynamics_mesh::Triangles;
 use robot_dynamics_xml::excerpt;
 
 use crate::classes::MAIN;
-use crate::compiler::Compiler;
-use crate::folder::Folder;
+use crate::element::Element;
 use crate::mesh_mass::{MeshExtent, MeshInertia, extent};
-use crate::reader::{Element, Reader};
+use crate::path::stem;
+use crate::reader::Reader;
+use crate::settings::Compiler;
 use crate::tree::Id;
-
-/// The meshes of the file.
-#[derive(Default)]
-pub(crate) struct Meshes {
-    /// The folder of the main file; `None` for a text.
-    pub(crate) folder: Option<Folder>,
-    named: HashMap<String, Id>,
-    extents: HashMap<(Id, bool), Rc<Result<MeshExtent, String>>>,
-}
 
 impl Reader<'_> {
     /// Collects all meshes by name, which defaults to that of their file.
@@ -142,10 +133,4 @@ impl Reader<'_> {
         robot_dynamics_mesh::check(&mesh)?;
         Ok(mesh)
     }
-}
-
-/// The name of a file without folder and extension.
-pub(crate) fn stem(file: &str) -> &str {
-    let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
-    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
 }

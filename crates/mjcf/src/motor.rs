@@ -4,8 +4,9 @@ use std::collections::HashMap;
 
 use robot_dynamics_description::{RobotDescription, Transmission};
 
+use crate::element::Element;
 use crate::option::DisabledForces;
-use crate::reader::{Element, Reader};
+use crate::reader::Reader;
 
 impl Reader<'_> {
     /// Adds the armature and damping of an actuator to its joint or tendon, multiplied by the square of the

@@ -5,7 +5,8 @@ use robot_dynamics_description::Pose;
 use robot_dynamics_description::plausibility::WrittenAngles;
 
 use crate::MjcfError;
-use crate::reader::{Element, Reader};
+use crate::element::Element;
+use crate::reader::Reader;
 use crate::tree::Id;
 
 /// Shorter directions count as zero, as in MuJoCo.

@@ -8,11 +8,11 @@ use robot_dynamics_description::plausibility::WrittenAngles;
 use robot_dynamics_description::{Disposition, Finding, LoadReport, Severity};
 use robot_dynamics_xml::excerpt;
 
+use crate::assets::Meshes;
 use crate::classes::{Class, Classes};
-use crate::compiler::Compiler;
-use crate::mesh::Meshes;
-use crate::source::in_file_place;
-use crate::tree::{Id, Tree};
+use crate::element::Element;
+use crate::settings::Compiler;
+use crate::tree::{Id, Tree, in_file_place};
 use crate::{MjcfError, Options};
 
 /// Reads the elements of one file and collects findings and errors.
@@ -39,18 +39,6 @@ pub(crate) struct Reader<'a> {
     /// Warnings of a strict reading, which refuses the file for them. Reading continues with the values as
     /// written.
     pub(crate) refused_warnings: Vec<MjcfError>,
-}
-
-/// An element with the defaults that apply to it.
-#[derive(Clone)]
-pub(crate) struct Element {
-    pub(crate) node: Id,
-    /// The default elements of its class, from the outermost class to the innermost.
-    pub(crate) defaults: Rc<[Id]>,
-    /// The line of the element.
-    pub(crate) line: usize,
-    /// As in `joint "elbow"`.
-    pub(crate) place: String,
 }
 
 impl<'a> Reader<'a> {

@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use crate::path::stem;
 use crate::tree::{Id, Node, Tree};
 
 /// The limit on the total weight of copies; a name has weight 1.
@@ -114,7 +115,7 @@ pub(crate) fn of_element(node: &Node, section: &str) -> Option<(ObjectKind, Stri
 /// The name of an asset, or that of its file.
 pub(crate) fn asset_name(node: &Node) -> String {
     let own = node.attribute("name").filter(|name| !name.is_empty());
-    own.or_else(|| node.attribute("file").map(crate::mesh::stem)).unwrap_or_default().to_owned()
+    own.or_else(|| node.attribute("file").map(stem)).unwrap_or_default().to_owned()
 }
 
 /// All objects that an element outside bodies and its descendants refer to.

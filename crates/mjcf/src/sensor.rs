@@ -6,9 +6,10 @@ use robot_dynamics_description::{
 
 use crate::assemble::ElementTable;
 use crate::body::Body;
+use crate::element::Element;
 use crate::joint::Motion;
 use crate::names::Names;
-use crate::reader::{Element, Reader};
+use crate::reader::Reader;
 use crate::tree::{Id, Tree};
 
 /// The default magnetic field of MJCF.

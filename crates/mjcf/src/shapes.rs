@@ -11,10 +11,11 @@ use robot_dynamics_description::{
 
 use crate::body::Body;
 use crate::classes::MAIN;
+use crate::element::Element;
 use crate::folder::Folder;
 use crate::geom::{Form, Geom};
 use crate::orientation::pose;
-use crate::reader::{Element, Reader};
+use crate::reader::Reader;
 use crate::tree::Id;
 
 impl Reader<'_> {

@@ -1,15 +1,16 @@
 //! Reads a file and the files that it includes or attaches into one tree of elements.
 
 use std::collections::HashSet;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use robot_dynamics_xml::roxmltree::{Document, Node as XmlNode};
 use robot_dynamics_xml::{Lines, excerpt};
 
 use crate::MjcfError;
 use crate::folder::{FileSet, Folder};
+use crate::path::normalize;
 use crate::renaming::OUTER_SECTIONS;
-use crate::tree::{Id, ModelFile, Node, Tree};
+use crate::tree::{Id, ModelFile, Node, Tree, in_file_place};
 
 /// The deepest nesting in one file, as in MuJoCo's parser.
 const DEPTH_LIMIT: usize = 500;
@@ -263,27 +264,4 @@ impl Source {
         }
         Ok((path, text))
     }
-}
-
-/// A relative path without `.` and `..`; `None` for a path that is absolute or begins outside.
-pub(crate) fn normalize(path: &Path) -> Option<PathBuf> {
-    let mut clean = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::Normal(name) => clean.push(name),
-            Component::CurDir => {}
-            Component::ParentDir => {
-                if !clean.pop() {
-                    return None;
-                }
-            }
-            Component::RootDir | Component::Prefix(_) => return None,
-        }
-    }
-    Some(clean)
-}
-
-/// A place in an included file, or, with an empty file name, in the main file.
-pub(crate) fn in_file_place(file: &str, place: &str) -> String {
-    if file.is_empty() { place.to_owned() } else { format!("{file}: {place}") }
 }

@@ -100,3 +100,8 @@ impl Tree {
         self.children(Self::ROOT, section).flat_map(|section| self.nodes[section].children.iter().copied())
     }
 }
+
+/// A place in an included file, or, with an empty file name, in the main file.
+pub(crate) fn in_file_place(file: &str, place: &str) -> String {
+    if file.is_empty() { place.to_owned() } else { format!("{file}: {place}") }
+}

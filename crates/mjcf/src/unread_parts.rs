@@ -13,7 +13,7 @@ impl Reader<'_> {
     pub(crate) fn list_unread(&mut self) {
         let tree = self.tree;
         for (file, line, text) in &tree.loose_text {
-            let place = crate::source::in_file_place(&tree.files[*file], "text");
+            let place = crate::tree::in_file_place(&tree.files[*file], "text");
             let message = format!("stray text {text:?}");
             self.push(*line, place, Disposition::Ignored { physics: false }, message);
         }

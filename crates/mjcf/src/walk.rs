@@ -8,8 +8,9 @@ use robot_dynamics_description::Disposition;
 use crate::MjcfError;
 use crate::body::{Body, Site};
 use crate::classes::{Class, MAIN};
+use crate::element::Element;
 use crate::joint::Motion;
-use crate::reader::{Element, Reader};
+use crate::reader::Reader;
 use crate::tree::{Id, Tree};
 
 /// The largest number of elements that replicates may create.

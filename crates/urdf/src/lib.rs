@@ -37,6 +37,7 @@ mod error;
 mod load;
 
 // XML elements, and the report of everything that is not read.
+mod attribute;
 mod element;
 mod reader;
 mod unread_parts;

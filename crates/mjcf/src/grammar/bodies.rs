@@ -1,7 +1,7 @@
 //! Bodies and their content.
 
-use super::Handling::{Appearance, Physics};
-use super::{Rule, deformable, read, rule};
+use super::rule::Handling::{Appearance, Physics};
+use super::rule::{Rule, deformable, read, rule};
 
 /// The possible parents of bodies and their content.
 const BODIES: &[&str] = &["worldbody", "body", "frame", "replicate"];

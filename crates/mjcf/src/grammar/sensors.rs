@@ -1,7 +1,7 @@
 //! Sensors: the supported ones with their attributes, and the reasons for which the others are not supported.
 
-use super::Handling::NotDynamics;
-use super::{Rule, read, rule};
+use super::rule::Handling::NotDynamics;
+use super::rule::{Rule, read, rule};
 
 const PARENTS: &[&str] = &["sensor"];
 
