@@ -4,7 +4,8 @@ use core::cell::Cell;
 
 use robot_dynamics_expression::{Graph, Operand, Operation};
 
-use crate::layout::{AffineIndex, Layout, Loop, LoopOperand, Region, Step};
+use crate::affine_index::AffineIndex;
+use crate::layout::{Layout, Loop, LoopOperand, Region, Step};
 use crate::syntax::Syntax;
 
 /// The statements of a program's parts.

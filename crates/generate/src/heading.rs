@@ -8,7 +8,7 @@ use robot_dynamics::text::{markdown, markdown_code, one_line};
 use robot_dynamics_expression::{Arithmetic, Precision, Sine};
 
 use crate::program::Program;
-use crate::target::Context;
+use crate::writers::Context;
 use crate::{Request, names};
 
 /// The mark in the first lines of every generated file, and of no other file.

@@ -1,11 +1,9 @@
 //! The layout of a generated function: its operations in straight code or loops, its parts, and the values
 //! that are stored in an array between these.
 
-use core::fmt;
-
 use robot_dynamics_expression::{Graph, Operand, Plan};
 
-use crate::loops;
+use crate::affine_index::AffineIndex;
 
 /// The largest number of operations of one part: compile times grow faster than linearly.
 pub(crate) const MAX_STEPS: usize = 2000;
@@ -111,78 +109,7 @@ pub(crate) struct ResultStore {
     pub(crate) index: AffineIndex,
 }
 
-/// An index that is an affine function of the iteration: first + step · k.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct AffineIndex {
-    pub(crate) first: usize,
-    pub(crate) step: isize,
-}
-
-impl AffineIndex {
-    /// A constant index.
-    pub(crate) fn at(first: usize) -> Self {
-        Self { first, step: 0 }
-    }
-
-    /// The affine index through these values, if there is one.
-    pub(crate) fn through(mut indices: impl Iterator<Item = usize>) -> Option<Self> {
-        let first = indices.next()?;
-        let mut before = first;
-        let mut step = None;
-        for index in indices {
-            let here = difference(index, before);
-            if *step.get_or_insert(here) != here {
-                return None;
-            }
-            before = index;
-        }
-        Some(Self { first, step: step.unwrap_or(0) })
-    }
-
-    /// The index in an iteration, counted from zero.
-    #[cfg(test)]
-    pub(crate) fn at_iteration(self, iteration: usize) -> usize {
-        self.first.checked_add_signed(self.step * iteration.cast_signed()).expect("an index is not negative")
-    }
-}
-
-/// a − b.
-pub(crate) fn difference(a: usize, b: usize) -> isize {
-    a.cast_signed() - b.cast_signed()
-}
-
-/// The index in iteration `k`, as an expression.
-impl fmt::Display for AffineIndex {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { first, step } = *self;
-        match (first, step) {
-            (_, 0) => write!(f, "{first}"),
-            (0, 1) => f.write_str("k"),
-            (0, _) => write!(f, "{step} * k"),
-            (_, 1) => write!(f, "{first} + k"),
-            (_, -1) => write!(f, "{first} - k"),
-            _ if step < 0 => write!(f, "{first} - {} * k", step.unsigned_abs()),
-            _ => write!(f, "{first} + {step} * k"),
-        }
-    }
-}
-
 impl Layout {
-    /// Layout with loops where these make the text shorter by a third or more, else straight code. `place`
-    /// returns the place in a result at which a number is stored, if it is.
-    pub(crate) fn new(
-        graph: &Graph,
-        plan: &Plan,
-        results: &[Vec<Operand>],
-        place: &dyn Fn(usize, usize) -> Option<usize>,
-    ) -> Self {
-        let straight = Self::straight(graph, plan);
-        match loops::reroll(graph, results, place) {
-            Some(layout) if 3 * layout.lines() <= 2 * straight.lines() => layout,
-            _ => straight,
-        }
-    }
-
     /// Straight code, in parts of about equal length.
     pub(crate) fn straight(graph: &Graph, plan: &Plan) -> Self {
         let Plan { order, live } = plan;
@@ -278,25 +205,6 @@ mod tests {
     use robot_dynamics_expression::{Operation, Precision};
 
     use super::*;
-
-    #[test]
-    fn indices_are_written_in_their_shortest_form() {
-        let through = |indices: &[usize]| AffineIndex::through(indices.iter().copied());
-        for (indices, text) in [
-            (&[7, 7, 7][..], "7"),
-            (&[0, 1, 2], "k"),
-            (&[0, 3, 6], "3 * k"),
-            (&[4, 5, 6], "4 + k"),
-            (&[4, 3, 2], "4 - k"),
-            (&[9, 11, 13], "9 + 2 * k"),
-            (&[9, 7, 5], "9 - 2 * k"),
-        ] {
-            let index = through(indices).unwrap();
-            assert_eq!(index.to_string(), text);
-            assert!((0..3).all(|iteration| index.at_iteration(iteration) == indices[iteration]), "{text}");
-        }
-        assert_eq!(through(&[1, 2, 4]), None);
-    }
 
     /// Powers of sin x, summed from the last: all of them are live in the order of the trace.
     #[test]

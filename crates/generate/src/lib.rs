@@ -37,6 +37,7 @@ mod error;
 mod program;
 
 // the layout of an expression,
+mod affine_index;
 mod layout;
 mod loops;
 
@@ -49,6 +50,8 @@ mod builder;
 #[cfg(test)]
 #[path = "../../functions/src/testing.rs"]
 mod free_robot;
+mod generated_files;
+mod generation;
 mod heading;
 mod measure;
 mod request;
@@ -56,14 +59,18 @@ mod syntax;
 mod target;
 #[cfg(test)]
 mod testing;
+mod writers;
 
 pub use builder::Builder;
 pub use error::GenerateError;
+pub use generated_files::{Generated, GeneratedFile};
+pub use generation::generate;
 pub use measure::measure;
-pub use request::{Generated, GeneratedFile, Request, generate};
+pub use request::Request;
 pub use robot_dynamics_expression::{Arithmetic, Precision, Sine, Traced};
 pub use robot_dynamics_functions::{Function, FunctionError, Table};
-pub use target::{Target, WGSL_WORKGROUP};
+pub use target::Target;
+pub use writers::WGSL_WORKGROUP;
 
 /// The examples of the README.
 #[cfg(doctest)]

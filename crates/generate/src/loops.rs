@@ -25,16 +25,30 @@ mod repetition;
 #[cfg(test)]
 mod tests;
 
-use robot_dynamics_expression::{Graph, Operand, Operation, as_traced, most_live};
+use robot_dynamics_expression::{Graph, Operand, Operation, Plan, as_traced, most_live};
 
 use self::memory::{Memory, StridedRow};
-use self::repetition::{Repetition, Sequence};
-use crate::layout::{
-    AffineIndex, CarriedVariable, Layout, Loop, LoopOperand, MAX_STEPS, Region, ResultStore, Step,
-};
+use self::repetition::{LoopPosition, Repetition, Sequence};
+use crate::affine_index::AffineIndex;
+use crate::layout::{CarriedVariable, Layout, Loop, LoopOperand, MAX_STEPS, Region, ResultStore, Step};
+
+/// Layout with loops where these make the text shorter by a third or more, else straight code. `place`
+/// returns the place in a result at which a number is stored, if it is.
+pub(crate) fn shortest_layout(
+    graph: &Graph,
+    plan: &Plan,
+    results: &[Vec<Operand>],
+    place: &dyn Fn(usize, usize) -> Option<usize>,
+) -> Layout {
+    let straight = Layout::straight(graph, plan);
+    match reroll(graph, results, place) {
+        Some(layout) if 3 * layout.lines() <= 2 * straight.lines() => layout,
+        _ => straight,
+    }
+}
 
 /// The layout with loops, or `None` if these would save less than a third of the operations.
-pub(crate) fn reroll(
+fn reroll(
     graph: &Graph,
     results: &[Vec<Operand>],
     place: &dyn Fn(usize, usize) -> Option<usize>,
@@ -49,14 +63,6 @@ pub(crate) fn reroll(
 /// Operations that need not be written because of loops.
 fn saved_operations(repetitions: &[Repetition]) -> usize {
     repetitions.iter().map(|repetition| repetition.period * (repetition.iterations - 1)).sum()
-}
-
-/// The position of an operation in a loop: the number of the loop, the place in its body, and the iteration.
-#[derive(Clone, Copy)]
-struct LoopPosition {
-    number: usize,
-    offset: usize,
-    iteration: usize,
 }
 
 /// A range of the order that is written as one region: straight code, or all iterations of a loop.

@@ -2,11 +2,11 @@
 
 mod compile;
 mod driver;
+mod timing;
 
 use std::fmt::Write;
 use std::hint::black_box;
 use std::path::Path;
-use std::time::Instant;
 
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::quantity::{Inputs, Quantity, QuantityMemory};
@@ -16,14 +16,12 @@ use robot_dynamics_functions::FunctionMemory;
 use robot_dynamics_number::Scalar;
 
 use self::compile::Measurements;
+use self::timing::fastest;
+use crate::generated_files::GeneratedFile;
+use crate::generation::prepare;
 use crate::heading::{MARK, commented, lines};
 use crate::program::{Case, Program};
-use crate::request::{GeneratedFile, prepare};
 use crate::{Function, GenerateError, Request, Target};
-
-/// The number of runs of each function, of which the fastest counts, and their shortest duration [s].
-const RUNS: usize = 7;
-const LEAST_DURATION: f64 = 0.004;
 
 /// Compiles the functions of a request by this machine's compiler, `cc` for C and `rustc` for Rust, and
 /// measures them. Returns a table `MEASURED.md` with each function's code and stack, the time of one call,
@@ -173,22 +171,6 @@ fn time_of_library_call<S: Scalar>(
             black_box(memory.compute(black_box(&given[k % given.len()])));
         }
     })))
-}
-
-/// Nanoseconds of one call.
-fn fastest(mut calls: impl FnMut(usize)) -> f64 {
-    let mut time = |count: usize| {
-        let start = Instant::now();
-        calls(count);
-        start.elapsed().as_secs_f64()
-    };
-    let mut count = 1;
-    while time(count) < LEAST_DURATION {
-        count *= 2;
-    }
-    #[allow(clippy::cast_precision_loss)] // calls of a few milliseconds
-    let one = |time: f64| 1e9 * time / count as f64;
-    (0..RUNS).map(|_| one(time(count))).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

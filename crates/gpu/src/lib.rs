@@ -42,6 +42,7 @@ mod robot;
 
 // devices,
 mod backend;
+mod limits;
 
 // functions and rollouts on any device,
 mod machine;
@@ -52,9 +53,10 @@ mod batches;
 mod device;
 
 pub use batches::Batches;
-pub use device::{Device, Limits};
+pub use device::Device;
 pub use error::DeviceError;
 pub use float::DeviceFloat;
+pub use limits::Limits;
 pub use robot_dynamics::batch::{BadStates, Rollout, RolloutError, RolloutProgress, Torques};
 pub use robot_dynamics_generate::Function;
 

@@ -1,23 +1,25 @@
 //! Comparison of a kernel with its graph.
 
-use robot_dynamics_expression::{Graph, Operand, Plan, as_traced, interpret};
+use robot_dynamics_expression::{Arithmetic, Graph, Operand, Plan, as_traced, interpret};
 use robot_dynamics_number::SplitMix64;
 
 use crate::error::CompileError;
-use crate::kernel::{Float, Kernel};
+use crate::float::Float;
 
 /// The number of states to compare.
 const STATES: usize = 2;
 
-/// Compares a kernel with its graph, evaluated operation by operation, in random states.
+/// Compares a kernel with its graph, evaluated operation by operation, in random states. `run` computes the
+/// results of this number of states from the arguments by the kernel.
 ///
 /// # Errors
 /// [`CompileError::Differs`].
 pub(crate) fn check<T: Float>(
-    kernel: &Kernel<T>,
     graph: &Graph,
     results: &[Vec<Operand>],
     lengths: &[usize],
+    arithmetic: Arithmetic,
+    run: impl FnOnce(usize, &[&[T]], &mut [&mut [T]]),
 ) -> Result<(), CompileError> {
     let mut random = SplitMix64::new(2026);
     let mut states = || -> Vec<Vec<T>> {
@@ -31,8 +33,7 @@ pub(crate) fn check<T: Float>(
     {
         let inputs: Vec<&[T]> = inputs.iter().map(|input| &input[..]).collect();
         let mut outputs: Vec<&mut [T]> = outputs.iter_mut().map(|output| &mut output[..]).collect();
-        let mut scratch = vec![T::nearest(0.0); kernel.scratch_len()];
-        kernel.call_rows(STATES, &inputs, &mut outputs, &mut scratch, |_| {});
+        run(STATES, &inputs, &mut outputs);
     }
     let plan = Plan { order: as_traced(graph, results), live: 0 };
     for state in 0..STATES {
@@ -40,7 +41,7 @@ pub(crate) fn check<T: Float>(
             input[state * length..][..length].iter().map(|&x| x.into()).collect()
         };
         let arguments: Vec<Vec<f64>> = inputs.iter().zip(lengths).map(row).collect();
-        let (expected, _) = interpret(graph, &plan, results, kernel.target().arithmetic, &arguments);
+        let (expected, _) = interpret(graph, &plan, results, arithmetic, &arguments);
         for (result, expected) in expected.iter().enumerate() {
             let found = &outputs[result][state * expected.len()..][..expected.len()];
             for (index, (&found, &expected)) in found.iter().zip(expected).enumerate() {
@@ -55,15 +56,16 @@ pub(crate) fn check<T: Float>(
 }
 
 /// Whether the bits are the same, or both are NaN.
-pub(crate) fn is_same(a: f64, b: f64) -> bool {
+fn is_same(a: f64, b: f64) -> bool {
     a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()
 }
 
 #[cfg(test)]
 mod tests {
-    use robot_dynamics_expression::{Arithmetic, trace};
+    use robot_dynamics_expression::trace;
 
     use super::*;
+    use crate::Kernel;
     use crate::code::Code;
     use crate::target::{Target, Width, best_instructions};
 
@@ -79,14 +81,19 @@ mod tests {
             let Ok(mut code) = Code::new(&graph, &results, &[1], target) else {
                 return println!("left out: there is no encoder for this processor");
             };
-            let kernel = Kernel::<f64>::load(&code).unwrap();
-            assert!(check(&kernel, &graph, &results, &[1]).is_ok());
+            let check_code = |code: &Code| {
+                let kernel = Kernel::<f64>::load(code).unwrap();
+                let mut scratch = vec![0.0; kernel.scratch_len()];
+                check(&graph, &results, &[1], arithmetic, |states, inputs, outputs| {
+                    kernel.call_rows(states, inputs, outputs, &mut scratch, |_| {});
+                })
+            };
+            assert!(check_code(&code).is_ok());
             let found = code.bytes.chunks_exact_mut(8).rev().find(|bytes| **bytes == 3.0_f64.to_le_bytes());
             found
                 .expect("the constant")
                 .copy_from_slice(&f64::from_bits(3.0_f64.to_bits() + 1).to_le_bytes());
-            let kernel = Kernel::<f64>::load(&code).unwrap();
-            let refused = check(&kernel, &graph, &results, &[1]);
+            let refused = check_code(&code);
             assert!(matches!(refused, Err(CompileError::Differs { result: 0, index: 0, .. })), "{refused:?}");
         }
     }

@@ -9,41 +9,10 @@ use robot_dynamics_number::sine::{RANGE, SHORT_RANGE};
 use crate::check::check;
 use crate::code::{Code, Statistics};
 use crate::error::CompileError;
+use crate::float::Float;
 use crate::page::{AccessBounds, Page, Table};
 use crate::rows::padding;
 use crate::target::{Target, Width};
-
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f64 {}
-    impl Sealed for f32 {}
-}
-
-/// A number that kernels compute with.
-pub trait Float:
-    Copy + PartialOrd + Into<f64> + Send + Sync + core::fmt::Debug + sealed::Sealed + 'static
-{
-    /// Its precision.
-    const PRECISION: Precision;
-
-    /// The nearest number.
-    fn nearest(x: f64) -> Self;
-}
-
-impl Float for f64 {
-    const PRECISION: Precision = Precision::Double;
-    fn nearest(x: f64) -> Self {
-        x
-    }
-}
-
-impl Float for f32 {
-    const PRECISION: Precision = Precision::Single;
-    #[allow(clippy::cast_possible_truncation)]
-    fn nearest(x: f64) -> Self {
-        x as f32
-    }
-}
 
 /// An angle is too large for the sine of machine code: at least 1e5 rad in double precision, 8192 rad in
 /// single precision. The results differ from those of the graph.
@@ -102,7 +71,10 @@ impl<T: Float> Kernel<T> {
         let target = Target { instructions, width, arithmetic };
         let code = Code::new(graph, results, lengths, target)?;
         let kernel = Self::load(&code)?;
-        check(&kernel, graph, results, lengths)?;
+        let mut scratch = vec![T::nearest(0.0); kernel.scratch_len()];
+        check(graph, results, lengths, arithmetic, |states, inputs, outputs| {
+            kernel.call_rows(states, inputs, outputs, &mut scratch, |_| {});
+        })?;
         Ok(kernel)
     }
 

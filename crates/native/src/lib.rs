@@ -39,12 +39,14 @@ mod x86;
 
 // and execution.
 mod check;
+mod float;
 mod kernel;
 mod page;
 
 pub use code::{Code, Statistics};
 pub use error::CompileError;
-pub use kernel::{AngleOutOfRange, Float, Kernel};
+pub use float::Float;
+pub use kernel::{AngleOutOfRange, Kernel};
 pub use target::{Target, Width, best_instructions};
 
 /// The example of the README.

@@ -4,17 +4,18 @@
 //! arguments and results, and scratch memory. It changes only `rax`, `rcx`, `rdx`, `rsi`, `r8` to `r11` and
 //! vector registers, all of which that convention leaves to the callee. It has no stack frame.
 
+mod encoder;
 mod listing;
 mod prefix;
 
 pub(crate) use listing::assembly;
 
-use prefix::{LastOperand, Opcode};
-use robot_dynamics_number::InstructionSet;
+use self::encoder::{Encoder, Lanes};
+use self::prefix::{LastOperand, Opcode};
 
 use crate::instruction::{FusedForm, Instruction, Register, Source};
 use crate::list::{Address, Base, Binary, Extent};
-use crate::target::{Target, Width};
+use crate::target::Target;
 
 /// The offset of the pointers to constants and scratch memory, so that more of both is within the reach of a
 /// one-byte displacement.
@@ -26,35 +27,6 @@ const RDI: u8 = 7;
 const R11: u8 = 11;
 /// The registers of the first pointers of the table: `rdx`, `rcx`, `r8`, `r9`, `r10`.
 const TABLE: [u8; 5] = [2, 1, 8, 9, 10];
-
-/// The lanes of a register that instructions work on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Lanes {
-    Lowest,
-    /// All of 256 bits.
-    Half,
-    /// All of 512 bits.
-    All,
-}
-
-impl Lanes {
-    fn of(target: Target) -> Self {
-        match (target.width, target.instructions) {
-            (Width::One, _) => Self::Lowest,
-            (Width::Lanes, InstructionSet::Avx512) => Self::All,
-            (Width::Lanes, _) => Self::Half,
-        }
-    }
-
-    /// The length field of a prefix.
-    fn length(self) -> u8 {
-        match self {
-            Self::Lowest => 0,
-            Self::Half => 1,
-            Self::All => 2,
-        }
-    }
-}
 
 /// Encodes instructions, followed by their constants, and returns how many bytes are instructions.
 pub(crate) fn encode(
@@ -71,30 +43,7 @@ pub(crate) fn encode(
     encoder.finish(constants)
 }
 
-/// The state of the encoder.
-#[derive(Clone, Debug)]
-struct Encoder {
-    code: Vec<u8>,
-    lanes: Lanes,
-    is_double: bool,
-    has_evex: bool,
-    /// The position behind the distance to the constants, which is known at the end.
-    constants: usize,
-    changes_upper_halves: bool,
-}
-
 impl Encoder {
-    fn new(target: Target, steps: usize) -> Self {
-        Self {
-            code: Vec::with_capacity(8 * steps + 64),
-            lanes: Lanes::Lowest,
-            is_double: target.size() == 8,
-            has_evex: target.instructions == InstructionSet::Avx512,
-            constants: 0,
-            changes_upper_halves: false,
-        }
-    }
-
     /// The prologue: loads pointers.
     fn begin(&mut self, tables: usize) {
         // lea rax, [rip + constants]
@@ -287,10 +236,6 @@ impl Encoder {
             self.emit_vex(opcode, to, otherwise, negative);
             self.code.push(mask << 4);
         }
-    }
-
-    fn number_bytes(&self) -> i32 {
-        if self.is_double { 8 } else { 4 }
     }
 
     /// An instruction on numbers of the lanes in use.

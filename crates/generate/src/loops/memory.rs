@@ -13,9 +13,8 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::LoopPosition;
-use super::repetition::Repetition;
-use crate::layout::{AffineIndex, difference};
+use super::repetition::{LoopPosition, Repetition};
+use crate::affine_index::{AffineIndex, difference};
 
 /// One value for each iteration of a loop: the slot of the first, and the stride.
 #[derive(Clone, Copy, Debug)]

@@ -16,7 +16,16 @@ use std::collections::{BinaryHeap, HashMap};
 use robot_dynamics_expression::{Graph, Operand, Operation};
 
 use super::periodic_run::{LEAST_ITERATIONS, LEAST_SAVED, PeriodicRun, covered, extend};
-use crate::layout::{AffineIndex, ResultStore, difference};
+use crate::affine_index::{AffineIndex, difference};
+use crate::layout::ResultStore;
+
+/// The position of an operation in a loop: the number of the loop, the place in its body, and the iteration.
+#[derive(Clone, Copy)]
+pub(super) struct LoopPosition {
+    pub(super) number: usize,
+    pub(super) offset: usize,
+    pub(super) iteration: usize,
+}
 
 /// Doublings of the hashed stretch of symbols: it has 2⁴ symbols.
 const DOUBLINGS: usize = 4;

@@ -316,7 +316,7 @@ fn loops_of_chains_change_no_bit_and_are_shorter() {
             let (graph, results) = (&program.graph, &program.results);
             let lengths: Vec<usize> = program.arguments.iter().map(|argument| argument.length).collect();
             let loops = compare(graph, results, &lengths, 2.0, &mut SplitMix64::new(1));
-            let layout = Layout::new(graph, &program.plan, results, &every_number);
+            let layout = shortest_layout(graph, &program.plan, results, &every_number);
             let rate = layout.lines() as f64 / program.plan.steps() as f64;
             assert!(loops > 2 && rate < most, "{function}: {loops} loops, {rate}");
         }
@@ -328,7 +328,7 @@ fn loops_of_chains_change_no_bit_and_are_shorter() {
 fn nothing_has_no_loop() {
     let (graph, results) = (Graph::new(Precision::Double), vec![vec![Operand::ZERO; 7]]);
     assert!(reroll(&graph, &results, &every_number).is_none());
-    let layout = Layout::new(&graph, &Plan::new(&graph, &results), &results, &every_number);
+    let layout = shortest_layout(&graph, &Plan::new(&graph, &results), &results, &every_number);
     assert_eq!((layout.parts.len(), layout.array_length), (1, 0));
 }
 

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::process::Command;
 
 use super::driver;
+use crate::generation::TracedPrograms;
 use crate::program::Program;
-use crate::request::TracedPrograms;
 use crate::{GenerateError, Request, Target};
 
 /// Measurements of compiled functions.

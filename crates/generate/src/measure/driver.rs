@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use super::{LEAST_DURATION, RUNS};
+use super::timing::{LEAST_DURATION, RUNS};
 use crate::Request;
 use crate::program::Program;
 use crate::syntax::{Language, Syntax};
-use crate::target::c_table;
+use crate::writers::c_table;
 
 pub(super) fn c(request: &Request, name: &str, programs: &[Program]) -> String {
     let syntax = Syntax { language: Language::C, arithmetic: request.arithmetic, prefix: "" };

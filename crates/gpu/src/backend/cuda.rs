@@ -4,18 +4,17 @@
 //! adds the access to the device. The libraries are loaded when a device is opened.
 
 mod ffi;
+mod launch;
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
-use cudarc::driver::{CudaContext, CudaFunction, CudaModule, CudaSlice, CudaStream, DriverError};
+use cudarc::driver::{CudaContext, CudaFunction, CudaModule, CudaStream, DriverError};
 use cudarc::nvrtc::{CompileError, CompileOptions, compile_ptx_with_opts};
 use robot_dynamics_generate::{Generated, Precision, Target};
 
+use self::launch::{Buffer, Launch, locked};
 use super::{Backend, Command, Tables};
 use crate::{DeviceError, Limits};
-
-/// Threads of a block: few, because straight-line code uses many registers.
-const BLOCK: u32 = 128;
 
 /// The default limit on the bytes of a table.
 const MAX_BYTES: usize = 1 << 30;
@@ -33,25 +32,10 @@ pub(crate) struct Cuda {
     module: Mutex<Option<(String, Arc<CudaModule>)>>,
 }
 
-/// Memory of the device.
-pub(crate) type Buffer = Arc<Mutex<CudaSlice<u8>>>;
-
 /// A kernel, and the number of its tables.
 pub(crate) struct Kernel {
     function: CudaFunction,
     tables: usize,
-}
-
-/// A kernel with its tables.
-pub(crate) struct Launch {
-    kernel: CudaFunction,
-    tables: Vec<Buffer>,
-    states: u32,
-}
-
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // After a panic the module or buffer is still valid.
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Cuda {

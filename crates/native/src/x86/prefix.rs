@@ -1,7 +1,7 @@
 //! VEX and EVEX prefixes (Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2, sections
 //! 2.3 and 2.7).
 
-use super::{Encoder, Lanes};
+use super::encoder::{Encoder, Lanes};
 use crate::instruction::Register;
 
 /// An opcode and those fields of its prefix that do not depend on operands.

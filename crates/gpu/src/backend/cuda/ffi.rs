@@ -5,7 +5,7 @@
 
 use cudarc::driver::{CudaStream, DriverError, LaunchConfig, PushKernelArg};
 
-use super::{BLOCK, Launch, locked};
+use super::launch::{BLOCK, Launch, locked};
 
 /// Checks that the system finds the driver and the run-time compiler; the error names the missing one.
 pub(super) fn find_libraries() -> Result<(), String> {
@@ -34,7 +34,7 @@ pub(super) fn launch(stream: &CudaStream, launch: &Launch) -> Result<(), DriverE
     let blocks = launch.states.div_ceil(BLOCK);
     let shape = LaunchConfig { grid_dim: (blocks, 1, 1), block_dim: (BLOCK, 1, 1), shared_mem_bytes: 0 };
     // SAFETY: a generated kernel's parameters are a pointer to each table, the number of states and whether
-    // they are by columns, in this order (`generate/src/target/cuda.rs`). Threads beyond `count` return; the
+    // they are by columns, in this order (`generate/src/writers/cuda.rs`). Threads beyond `count` return; the
     // others access rows of their own. `bind` has checked the number of tables and that each holds this
     // number of states. The stream executes its commands in order, and memory is freed on it.
     unsafe { arguments.launch(shape) }.map(|_| ())

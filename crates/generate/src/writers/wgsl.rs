@@ -2,12 +2,15 @@
 
 use std::fmt::Write;
 
-use super::{Context, Helpers, Language, Syntax, sine_statements};
+use super::context::Context;
+use super::sine::sine_statements;
+use crate::affine_index::AffineIndex;
 use crate::body::{Body, every_number};
+use crate::generated_files::GeneratedFile;
 use crate::heading::{about, commented, first_line, lines};
-use crate::layout::{AffineIndex, Layout};
+use crate::layout::Layout;
 use crate::program::Program;
-use crate::request::GeneratedFile;
+use crate::syntax::{Helpers, Language, Syntax};
 
 /// Threads of a workgroup of generated WGSL, one for each state. It determines the number of workgroups of a
 /// batch.

@@ -3,12 +3,15 @@
 use std::fmt::Write;
 
 use super::c::{Naming, comment, function, makefile, prelude};
-use super::{Context, Helpers, Language, Syntax, layout_for_places};
+use super::context::Context;
+use super::placement::layout_for_places;
+use crate::generated_files::GeneratedFile;
 use crate::heading::{about, first_line, lines};
 use crate::jacobian::jacobian;
 use crate::layout::Layout;
 use crate::program::{Outcome, Program};
-use crate::request::{GeneratedFile, Request};
+use crate::request::Request;
+use crate::syntax::{Helpers, Language, Syntax};
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
     let name = context.name;

@@ -4,12 +4,14 @@ use std::fmt::Write;
 
 use robot_dynamics_expression::{Precision, Sine};
 
-use super::{Context, sine_statements};
+use super::context::Context;
+use super::sine::sine_statements;
+use crate::affine_index::AffineIndex;
 use crate::body::Body;
+use crate::generated_files::GeneratedFile;
 use crate::heading::{about, commented, first_line, lines};
-use crate::layout::{AffineIndex, Layout};
+use crate::layout::Layout;
 use crate::program::Program;
-use crate::request::GeneratedFile;
 use crate::syntax::{Helpers, Language, Syntax, mentions};
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {

@@ -4,12 +4,15 @@ use std::fmt::Write;
 
 use robot_dynamics_expression::{Arithmetic, Precision, Sine};
 
-use super::{Context, lanes, sine_statements};
+use super::context::Context;
+use super::lanes;
+use super::sine::sine_statements;
+use crate::affine_index::AffineIndex;
 use crate::body::{Body, every_number};
+use crate::generated_files::GeneratedFile;
 use crate::heading::{self, about, commented, doc_text, lines};
-use crate::layout::{AffineIndex, Layout};
+use crate::layout::Layout;
 use crate::program::Program;
-use crate::request::GeneratedFile;
 use crate::syntax::{Helpers, Language, Syntax, mentions};
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {

@@ -5,13 +5,15 @@ use std::fmt::Write;
 use robot_dynamics_expression::{Precision, Sine};
 
 use super::c::{comment, table};
-use super::{Context, Language, Syntax, sine_statements};
+use super::context::Context;
+use super::sine::sine_statements;
+use crate::affine_index::AffineIndex;
 use crate::body::{Body, every_number};
+use crate::generated_files::GeneratedFile;
 use crate::heading::{about, first_line, lines};
-use crate::layout::{AffineIndex, Layout};
+use crate::layout::Layout;
 use crate::program::Program;
-use crate::request::GeneratedFile;
-use crate::syntax::Helpers;
+use crate::syntax::{Helpers, Language, Syntax};
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
     let name = context.name;

@@ -5,10 +5,13 @@ use std::fmt::Write;
 
 use robot_dynamics_expression::Operand;
 
-use super::{Context, layout_for_places, sine_statements};
+use super::context::Context;
+use super::placement::layout_for_places;
+use super::sine::sine_statements;
+use crate::affine_index::AffineIndex;
 use crate::body::Body;
 use crate::heading::{about, commented, doc_text};
-use crate::layout::{AffineIndex, Layout};
+use crate::layout::Layout;
 use crate::program::Program;
 use crate::request::Request;
 use crate::syntax::{Language, Syntax, mentions};
