@@ -1,4 +1,4 @@
-//! Triples and symmetric 3×3 matrices as arrays of numbers: the layout of every number but one hardware float.
+//! Triples and symmetric 3×3 matrices as arrays: the layout of all numbers but a single hardware float.
 
 use crate::{Scalar, Symmetric, Triple};
 

@@ -14,8 +14,8 @@
 //! All of the library's `unsafe` code for instructions is in this crate. `registers` has a file for each
 //! instruction set. `fused_slices` reads a slice of floats as a slice of the machine's numbers. `cache`
 //! prefetches memory. `dispatch` and `float` call code that is compiled for an instruction set after it was
-//! detected. A WebAssembly module cannot detect instructions: it is built with simd128 or without, and an engine that
-//! lacks simd128 rejects the module.
+//! detected. A WebAssembly module cannot detect instructions: it is built with simd128 or without, and an
+//! engine that lacks simd128 rejects the module.
 
 // The operations of a number,
 mod arrays;

@@ -177,7 +177,8 @@ impl<'a> LaneFunction<'a> {
         self.outcomes.iter().filter(|x| x.width >= WIDE).map(fetch).collect()
     }
 
-    /// The tables of columns of results with repeated numbers, and the statements that store a block of states.
+    /// The tables of columns of results with repeated numbers, and the statements that store a block of
+    /// states.
     fn scatter(&self) -> (String, String) {
         let (mut columns, mut stores) = (String::new(), String::new());
         for (x, distinct) in self.outcomes.iter().zip(&self.distinct) {
