@@ -137,7 +137,7 @@ ARRAY = "NDArray[np.float64]"
 # Those of simulations that are no arrays.
 OF_SIMULATION = {
     "robot": "Robot",
-    "step_size": "float",
+    "dt": "float",
     "method": "str",
     "reason": "str",
     "left_out": "tuple[str, ...]",

@@ -72,7 +72,7 @@ def two_threads(robot: rd.Robot, q: Any, v: Any, tau: Any, rounds: int) -> None:
     count = 4 * len(q)
     q, v, tau = (np.tile(x, (4, 1)) for x in (q, v, tau))
     out, few = np.zeros_like(v), count // 50
-    steps: dict[str, Any] = {"steps": STEPS, "step": STEP, "integrator": "semi-implicit-euler"}
+    steps: dict[str, Any] = {"steps": STEPS, "dt": STEP, "integrator": "semi-implicit-euler"}
 
     def forward(rows: slice, threads: int) -> None:
         robot.forward_dynamics(q[rows], v[rows], tau[rows], out=out[rows], threads=threads)
@@ -182,7 +182,7 @@ def forward(robot: rd.Robot, path: str, q: Any, v: Any, tau: Any, threads: int) 
 
 def rollouts(robot: rd.Robot, path: str, q: Any, v: Any, threads: int) -> Ways:
     """Motions without torques by each program, with semi-implicit Euler."""
-    options: dict[str, Any] = {"steps": STEPS, "step": STEP, "integrator": "semi-implicit-euler", "threads": threads}
+    options: dict[str, Any] = {"steps": STEPS, "dt": STEP, "integrator": "semi-implicit-euler", "threads": threads}
     ours = robot.rollout(q, v, **options)
     ways: Ways = {"this package": lambda: robot.rollout(q, v, **options)}
     model = mujoco_model(path)

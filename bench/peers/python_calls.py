@@ -79,7 +79,7 @@ def single(robot: rd.Robot, q: Any, v: Any, a: Any, tau: Any, rounds: int) -> No
     slopes = least(robot.forward_dynamics_derivatives, q, v, tau, rounds=rounds // 4)
     print(f"{'forward_dynamics_derivatives':30}{'':24}{slopes:8.0f}")
     for integrator in ("semi-implicit-euler", "rk4"):
-        how = {"step": 1e-3, "integrator": integrator, "without": ("effort-limits",)}
+        how = {"dt": 1e-3, "integrator": integrator, "without": ("effort-limits",)}
         linearized = least(robot.linearize_step, q, v, tau, rounds=rounds // 4, **how)
         print(f"{f'linearize_step {integrator}':30}{'':24}{linearized:8.0f}")
 

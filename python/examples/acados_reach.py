@@ -171,7 +171,7 @@ def follow(robot: rd.Robot, solver: Any, duration: float) -> tuple[Array, Array,
             v = v + np.linalg.solve(robot.mass_matrix(q), jacobian.T @ BLOW)
         tau = solver.solve_for_x0(np.append(q, v), fail_on_nonzero_status=True)
         times.append(float(solver.get_stats("time_tot")))
-        motion = robot.simulate(q, v, tau, duration=period, step=period, integrator="adaptive")
+        motion = robot.simulate(q, v, tau, duration=period, dt=period, integrator="adaptive")
         q, v = motion.q[-1], motion.v[-1]
         away.append(float(np.abs(q - GOAL).max()))
         torques.append(tau)
@@ -199,7 +199,7 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
     apart = float(np.abs((found.tau - other.tau) / torque).max())
     print(f"IPOPT:  {other.cost:.8f} s after {other.iterations} iterations, torques apart by {apart:.0e} of theirs")
     motion = robot.simulate(
-        START, tau=found.tau, duration=TIME, step=TIME / PIECES, integrator="adaptive", tolerance=1e-12
+        START, tau=found.tau, duration=TIME, dt=TIME / PIECES, integrator="adaptive", tolerance=1e-12
     )
     off = float(np.abs(np.hstack([motion.q, motion.v]) - found.x).max())
     print(f"it ends {miss:.0e} from the goal; an arm simulated under its torques stays within {off:.0e} of it")

@@ -55,7 +55,7 @@ def learn(
     """The policy (SIZE,) and the score of the present policy before each generation and after the last."""
     random = np.random.default_rng(seed)
     policy = random.standard_normal(SIZE)
-    course: dict[str, Any] = {"step": 0.01, "substeps": 5, "horizon": 120}
+    course: dict[str, Any] = {"dt": 0.01, "substeps": 5, "horizon": 120}
     envs, alone = SwingUp(2 * pairs * episodes, **course), SwingUp(4, within=0.1, **course)  # judged from hanging
     spread, rate, mean, square = 0.5, 0.2, np.zeros(SIZE), np.zeros(SIZE)
     learned = [float(scores(policy[np.newaxis], alone, seed)[0])]
@@ -86,7 +86,7 @@ def main() -> None:
     steps = options.generations * 512 * 120 * 5
     seconds = time.perf_counter() - begun
     print(f"{learned[0]:.2f} -> {learned[-1]:.2f} in {seconds:.0f} s: {steps / seconds / 1e6:.1f} million steps a second")
-    envs = SwingUp(1, within=0.1, step=0.01, substeps=5, horizon=10**6)
+    envs = SwingUp(1, within=0.1, dt=0.01, substeps=5, horizon=10**6)
     seen, _ = envs.reset(seed=options.seed + 1000)
     for _ in range(200):
         seen, _, _, _, _ = envs.step(act(policy[np.newaxis], seen[np.newaxis].astype(np.float64)).reshape(-1, 1))

@@ -108,7 +108,7 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
     print(f"the plain way costs {costs[1]:.4f} s; largest torque {100 * np.abs(tau / limit).max():.0f} % of its limit")
 
     follow = rd.ComputedTorque(robot, lambda t: motion_of(accelerations, t), np.full(7, 400.0), np.full(7, 40.0))
-    motion = robot.simulate(START, tau=follow, duration=TIME, step=1e-3)
+    motion = robot.simulate(START, tau=follow, duration=TIME, dt=1e-3)
     miss = float(np.linalg.norm(robot.frame_pose(motion.q[-1], FLANGE)[:3, 3] - GOAL))
     speed = float(np.abs(motion.v[-1]).max())
     print(f"the simulated arm ends {1e3 * miss:.2f} mm from the goal, its fastest joint at {speed:.1e} rad/s")

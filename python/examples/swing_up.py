@@ -23,7 +23,7 @@ STEP, STEPS, HOLD = 0.02, 120, 75  # [s]
 LIMIT = np.array([8.0, 4.0])  # [N·m]
 HANGING, UPRIGHT = np.array([-np.pi / 2, 0.0]), np.array([np.pi / 2, 0.0])
 PRICE = 1e-4
-OPTIONS: dict[str, Any] = {"steps": STEPS, "step": STEP, "integrator": "rk4"}
+OPTIONS: dict[str, Any] = {"steps": STEPS, "dt": STEP, "integrator": "rk4"}
 
 
 def loss(robot: Any, u: Array) -> tuple[Array, Array]:
@@ -60,13 +60,13 @@ def descend(robot: rd.Robot, u: Array, rounds: int, rate: float = 0.1) -> tuple[
 def held(robot: rd.Robot, q: Array, v: Array) -> tuple[Array, Array, Array]:
     """The motion at the top under a linear-quadratic regulator: q, v, tau (steps, 2)."""
     gravity = robot.gravity(UPRIGHT)
-    slopes = robot.linearize_step(UPRIGHT, np.zeros(2), gravity, step=STEP)
+    slopes = robot.linearize_step(UPRIGHT, np.zeros(2), gravity, dt=STEP)
     law = rd.dlqr(slopes.by_state, slopes.by_force, np.diag([10.0, 10.0, 1.0, 1.0]), 0.1 * np.eye(2))
     states = []
     for _ in range(HOLD):
         off = np.concatenate([np.angle(np.exp(1j * (q - UPRIGHT))), v])
         tau = np.clip(gravity - law.gain @ off, -LIMIT, LIMIT)
-        q, v = robot.step(q, v, tau, step=STEP)
+        q, v = robot.step(q, v, tau, dt=STEP)
         states.append((q, v, tau))
     found = tuple(np.array(column) for column in zip(*states, strict=True))
     return found[0], found[1], found[2]

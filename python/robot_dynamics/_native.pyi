@@ -129,7 +129,7 @@ class GravityCompensatedPd:
 
     >>> robot = rd.example("panda")
     >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
-    >>> motion = robot.simulate(np.zeros(7), tau=hold, duration=0.5, step=1e-4, sample_every=100, without=["limits"])
+    >>> motion = robot.simulate(np.zeros(7), tau=hold, duration=0.5, dt=1e-4, sample_every=100, without=["limits"])
     >>> bool(np.abs(motion.q[-1] - 0.2).max() < np.abs(motion.q[0] - 0.2).max())
     True
     """
@@ -1160,6 +1160,9 @@ class Simulation:
     @controls.setter
     def controls(self, value: Numbers | Mapping[str, float]) -> None: ...
     @property
+    def dt(self) -> float:
+        """Length of a step [s]."""
+    @property
     def joint_reactions(self) -> dict[str, NDArray[np.float64]]:
         """The force [N] and moment [N·m] that each joint transmits to its child, by its name, fixed joints
         included: (6,) along the axes of the child's frame and about its origin, as a force-torque sensor
@@ -1198,9 +1201,6 @@ class Simulation:
         """All that changes, to come back to by `restore`."""
     def step(self, count: int = 1) -> None:
         """Takes so many steps; an interrupt ends them between two."""
-    @property
-    def step_size(self) -> float:
-        """The step [s]."""
     @property
     def steps(self) -> int:
         """Steps since the last reset."""
@@ -1243,14 +1243,14 @@ class SimulationBatch:
     @controls.setter
     def controls(self, value: Numbers) -> None: ...
     @property
+    def dt(self) -> float:
+        """Length of a step [s]."""
+    @property
     def q(self) -> NDArray[np.float64]:
         """The configurations (count, nq), a copy."""
     @property
     def robot(self) -> Robot:
         """The robot."""
-    @property
-    def step_size(self) -> float:
-        """The step [s]."""
     @property
     def times(self) -> list[float]:
         """The times (count,) [s]."""

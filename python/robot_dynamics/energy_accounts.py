@@ -50,7 +50,7 @@ def energy_accounts(audited: Any, *, time: str = "timestamp", episode: str = "ep
     >>> import pyarrow as pa
     >>> from robot_dynamics import arrow
     >>> robot = rd.example("two_r")
-    >>> motion = robot.simulate([0.3, 0.2], duration=1.0, step=1e-3)
+    >>> motion = robot.simulate([0.3, 0.2], duration=1.0, dt=1e-3)
     >>> a = robot.forward_dynamics(motion.q, motion.v, motion.tau)
     >>> recorded = pa.table({
     ...     **{name: list(x) for name, x in (("q", motion.q), ("v", motion.v), ("a", a), ("tau", motion.tau))},

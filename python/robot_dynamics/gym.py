@@ -49,7 +49,7 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
     damping, actuators. `integrator`, `conservative`, `without`, `ground` and other `options` are passed to
     it; `simulations` is the `SimulationBatch` of its copies.
 
-    Actions are numbers in [−1, 1], held over a control step of `substeps` steps of `step` seconds. If
+    Actions are numbers in [−1, 1], held over a control step of `substeps` steps of `dt` seconds. If
     actuators of the file act, an action (num_envs, actuators) says where in its range each control is; the
     middle is 0. Otherwise it (num_envs, actuated degrees of freedom) is the share of the effort limits, or of
     `effort` [N·m or N], see `Robot.actuated_dofs`. After `horizon` control steps an episode is truncated. A
@@ -65,7 +65,7 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         robot: Robot,
         *,
         observations: int,
-        step: float = 5e-3,
+        dt: float = 5e-3,
         substeps: int = 4,
         horizon: int = 250,
         effort: float | None = None,
@@ -78,7 +78,7 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
     ) -> None:
         self.robot, self.num_envs, self.horizon = robot, num_envs, horizon
         how: dict[str, Any] = {"integrator": integrator, "conservative": conservative, "without": without, "ground": ground}
-        self.simulations = SimulationBatch(robot, num_envs, step=step, threads=threads, **how, **options)
+        self.simulations = SimulationBatch(robot, num_envs, dt=dt, threads=threads, **how, **options)
         """One for each environment; `simulations[k]` is a copy of one, for what else a task wants to see:
         contacts, sensors, forces."""
         self.effort: NDArray[np.float64] = np.where(robot.actuated_dofs, robot.limits.effort if effort is None else effort, 0.0)

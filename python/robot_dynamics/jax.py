@@ -93,7 +93,7 @@ def rollout(
     tau: jax.Array | None = None,
     *,
     steps: int,
-    step: float = 1e-3,
+    dt: float = 1e-3,
     integrator: str = "rk4",
     conservative: bool = False,
     without: Sequence[str] = (),
@@ -115,7 +115,7 @@ def rollout(
     from robot_dynamics.xla import calls
 
     off = disabled_effects(without, dissipation, stops=True)
-    row, dissipates = robot._differentiable_row(step=step, integrator=integrator, conservative=conservative, without=off)
+    row, dissipates = robot._differentiable_row(dt=dt, integrator=integrator, conservative=conservative, without=off)
     q = _array("q", q)
     v = jnp.zeros(robot.nv, q.dtype) if v is None else _array("v", v)
     lead = _lead([("q", q, (robot.nq,)), ("v", v, (robot.nv,))], robot)
@@ -139,7 +139,7 @@ def rollout(
         robot,
         given=_spread(given, own, lead),
         own=tuple(own),
-        course=calls.Course(torques, steps, step, row, dissipates, stride if samples else 0),
+        course=calls.Course(torques, steps, dt, row, dissipates, stride if samples else 0),
         parameters=parameters,
     )
     nothing = [jnp.zeros((*lead, 0, width), q.dtype) for width in (robot.nq, robot.nv)]
@@ -152,14 +152,14 @@ def step(
     v: jax.Array,
     tau: jax.Array | None = None,
     *,
-    step: float,
+    dt: float,
     integrator: str = "rk4",
     conservative: bool = False,
     without: Sequence[str] = (),
     dissipation: bool = True,
     parameters: jax.Array | None = None,
 ) -> tuple[jax.Array, jax.Array]:
-    """q and v after one step of `step` seconds, differentiable by q, v, tau and parameters; as `rollout` of
+    """q and v after one step of `dt` seconds, differentiable by q, v, tau and parameters; as `rollout` of
     one step.
 
     q (..., nq), v (..., nv), tau (..., nv).
@@ -171,7 +171,7 @@ def step(
         tau = _array("tau", tau)
         q = jnp.broadcast_to(q, (*jnp.broadcast_shapes(q.shape[:-1], tau.shape[:-1]), *q.shape[-1:]))
     how: dict[str, Any] = {"integrator": integrator, "conservative": conservative, "without": without}
-    end = rollout(robot, q, v, tau, steps=1, step=step, dissipation=dissipation, parameters=parameters, **how)
+    end = rollout(robot, q, v, tau, steps=1, dt=dt, dissipation=dissipation, parameters=parameters, **how)
     return end.q, end.v
 
 

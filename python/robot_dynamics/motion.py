@@ -320,7 +320,7 @@ def simulate(
     tau: Numbers | Controller | None = None,
     *,
     duration: float,
-    step: float = 1e-3,
+    dt: float = 1e-3,
     integrator: str | None = None,
     conservative: bool = False,
     without: Sequence[str] = (),
@@ -364,11 +364,11 @@ def simulate(
     tau : array_like, (nv,) or (steps, nv), or callable, optional
         Torques [N·m or N] for all steps or for each step, or a function of (t, q, v) that returns (nv,).
         Each is held over a step and clipped to the effort limits. With ``adaptive`` rows are held for
-        `step`. A function is then evaluated continuously and must be smooth, unless `control_period` is
+        `dt`. A function is then evaluated continuously and must be smooth, unless `control_period` is
         given.
     duration : float
         Duration [s].
-    step : float
+    dt : float
         Step size [s]; with ``adaptive`` the time between samples.
     integrator : str, optional
         Method: ``implicit``, ``mujoco``, ``adaptive`` or one of the table, such as ``rk4``.
@@ -425,7 +425,7 @@ def simulate(
     >>> motion = robot.simulate(robot.neutral(), tau=hold, duration=0.1, without=["limits"])
     >>> bool(np.abs(motion.q[-1]).max() < 1e-9)
     True
-    >>> fall = robot.simulate(np.full(7, 0.1), duration=1.0, step=0.01, integrator="adaptive", tolerance=1e-12, dissipation=False)
+    >>> fall = robot.simulate(np.full(7, 0.1), duration=1.0, dt=0.01, integrator="adaptive", tolerance=1e-12, dissipation=False)
     >>> fall.ledger.drift < 1e-12, fall.steps == fall.statistics.accepted
     (True, True)
     """
@@ -446,7 +446,7 @@ def simulate(
             tau,
             **how,
             controls=None if controls is None else dict(controls),
-            step=step,
+            dt=dt,
             integrator=integrator,
             conservative=conservative,
             without=disabled_effects(without, dissipation, stops),
@@ -498,7 +498,7 @@ def rollout(
     tau: Numbers | None = None,
     *,
     steps: int,
-    step: float = 1e-3,
+    dt: float = 1e-3,
     integrator: str | None = None,
     conservative: bool = False,
     without: Sequence[str] = (),
@@ -527,7 +527,7 @@ def rollout(
         more than the states, they are given for each step.
     steps : int
         Number of steps.
-    step : float
+    dt : float
         Step size [s].
     integrator : str, optional
         Method; see `simulate`.
@@ -568,7 +568,7 @@ def rollout(
     --------
     >>> robot = rd.example("panda")
     >>> q = robot.random_configuration(1000, seed=1)
-    >>> rollout = robot.rollout(q, steps=100, step=1e-3, stride=50, conservative=True)
+    >>> rollout = robot.rollout(q, steps=100, dt=1e-3, stride=50, conservative=True)
     >>> rollout.q.shape, rollout.q_trajectory.shape
     ((1000, 7), (1000, 2, 7))
     >>> dog = rd.example("quadruped", floating_base=True)
@@ -594,7 +594,7 @@ def rollout(
             stride=stride,
             threads=threads,
             controls=None if controls is None else dict(controls),
-            step=step,
+            dt=dt,
             integrator=integrator,
             conservative=conservative,
             without=off,
@@ -612,7 +612,7 @@ def step(
     v: Numbers,
     tau: Numbers | None = None,
     *,
-    step: float,
+    dt: float,
     integrator: str | None = None,
     conservative: bool = False,
     without: Sequence[str] = (),
@@ -633,7 +633,7 @@ def step(
         Velocity [rad/s or m/s].
     tau : array_like, (nv,), optional
         Torques [N·m or N]; default: 0.
-    step : float
+    dt : float
         Step size [s].
     integrator : str, optional
         Method; see `simulate`. ``adaptive`` is invalid here.
@@ -667,7 +667,7 @@ def step(
     Examples
     --------
     >>> robot = rd.example("two_r")
-    >>> q, v = robot.step([0.0, 0.0], [1.0, 0.0], step=1e-3)
+    >>> q, v = robot.step([0.0, 0.0], [1.0, 0.0], dt=1e-3)
     >>> bool(abs(q[0] - 1e-3) < 1e-5)
     True
     """
@@ -676,7 +676,7 @@ def step(
         v,
         tau,
         None if controls is None else dict(controls),
-        step=step,
+        dt=dt,
         integrator=integrator,
         conservative=conservative,
         without=disabled_effects(without, dissipation, stops),
@@ -691,7 +691,7 @@ def linearize_step(
     v: Numbers,
     tau: Numbers | None = None,
     *,
-    step: float,
+    dt: float,
     integrator: str | None = None,
     conservative: bool = False,
     without: Sequence[str] = (),
@@ -713,7 +713,7 @@ def linearize_step(
         Velocity [rad/s or m/s].
     tau : array_like, (nv,), optional
         Torques [N·m or N]; default: 0.
-    step : float
+    dt : float
         Step size [s].
     integrator : str, optional
         Method; see `simulate`. ``adaptive`` is invalid here.
@@ -745,7 +745,7 @@ def linearize_step(
     Examples
     --------
     >>> robot = rd.example("two_r")
-    >>> A, B = robot.linearize_step([0.0, 0.0], [0.0, 0.0], step=1e-3)
+    >>> A, B = robot.linearize_step([0.0, 0.0], [0.0, 0.0], dt=1e-3)
     >>> A.shape, B.shape
     ((4, 4), (4, 2))
     """
@@ -755,7 +755,7 @@ def linearize_step(
             v,
             tau,
             None if controls is None else dict(controls),
-            step=step,
+            dt=dt,
             integrator=integrator,
             conservative=conservative,
             without=disabled_effects(without, dissipation, stops),

@@ -59,7 +59,7 @@ def rollout_pullback(
     by_position_trajectory: Numbers | None = None,
     by_velocity_trajectory: Numbers | None = None,
     steps: int,
-    step: float = 1e-3,
+    dt: float = 1e-3,
     integrator: str = "rk4",
     conservative: bool = False,
     without: Sequence[str] = (),
@@ -104,7 +104,7 @@ def rollout_pullback(
         Gradient of the loss by v after each `stride` steps; default: 0.
     steps : int
         Number of steps.
-    step : float
+    dt : float
         Step size [s].
     integrator : str
         Explicit method; see `simulate`.
@@ -144,9 +144,9 @@ def rollout_pullback(
     --------
     >>> robot = rd.example("two_r")
     >>> q, v, tau = [0.3, 1.2], [0.0, 0.0], np.zeros((100, 2))
-    >>> gradient = robot.rollout_pullback(q, v, tau, by_velocity=[1.0, 0.0], steps=100, step=1e-3)
-    >>> ahead = robot.rollout(q, v, tau + [0.0, 1e-6], steps=100, step=1e-3).v[0]
-    >>> behind = robot.rollout(q, v, tau - [0.0, 1e-6], steps=100, step=1e-3).v[0]
+    >>> gradient = robot.rollout_pullback(q, v, tau, by_velocity=[1.0, 0.0], steps=100, dt=1e-3)
+    >>> ahead = robot.rollout(q, v, tau + [0.0, 1e-6], steps=100, dt=1e-3).v[0]
+    >>> behind = robot.rollout(q, v, tau - [0.0, 1e-6], steps=100, dt=1e-3).v[0]
     >>> bool(abs((ahead - behind) / 2e-6 - gradient.by_force[:, 1].sum()) < 1e-7)
     True
     """
@@ -182,7 +182,7 @@ def rollout_pullback(
             cotangent("by_velocity", by_velocity, (robot.nv,)),
             trajectory,
             each_step=inputs.each_step,
-            step=step,
+            dt=dt,
             steps=steps,
             integrator=integrator,
             conservative=conservative,
@@ -206,7 +206,7 @@ def step_pullback(
     *,
     by_position: Numbers | None = None,
     by_velocity: Numbers | None = None,
-    step: float,
+    dt: float,
     integrator: str = "rk4",
     conservative: bool = False,
     without: Sequence[str] = (),
@@ -231,7 +231,7 @@ def step_pullback(
         Gradient of the loss by q after the step, along displacements q ⊕ δq; default: 0.
     by_velocity : array_like, (..., nv), optional
         Gradient of the loss by v after the step; default: 0.
-    step : float
+    dt : float
         Step size [s].
     integrator : str
         Explicit method; see `simulate`.
@@ -264,8 +264,8 @@ def step_pullback(
     --------
     >>> robot = rd.example("two_r")
     >>> q, v, tau = [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
-    >>> gradient = robot.step_pullback(q, v, tau, by_velocity=[1.0, 0.0], step=1e-3)
-    >>> A, B = robot.linearize_step(q, v, tau, step=1e-3)
+    >>> gradient = robot.step_pullback(q, v, tau, by_velocity=[1.0, 0.0], dt=1e-3)
+    >>> A, B = robot.linearize_step(q, v, tau, dt=1e-3)
     >>> bool(np.allclose(gradient.by_position, A[2, :2])), bool(np.allclose(gradient.by_force, B[2]))
     (True, True)
     """
@@ -281,7 +281,7 @@ def step_pullback(
         by_position=by_position,
         by_velocity=by_velocity,
         steps=1,
-        step=step,
+        dt=dt,
         integrator=integrator,
         conservative=conservative,
         without=without,

@@ -15,7 +15,7 @@ lost.
     way
 
     workers = Workers(robot)
-    ends = workers.rollout(q, v, tau, steps=1000, step=1e-3)
+    ends = workers.rollout(q, v, tau, steps=1000, dt=1e-3)
 """
 
 from __future__ import annotations

@@ -354,19 +354,19 @@ class Robot(_native.Robot):
                 quaternion /= np.linalg.norm(quaternion, axis=-1, keepdims=True)
         return normal
 
-    def show(self, trajectory: Any = None, *, step: float | None = None, open_browser: bool = True) -> Any:
+    def show(self, trajectory: Any = None, *, dt: float | None = None, open_browser: bool = True) -> Any:
         """Opens a viewer (meshcat, ``pip install robot-dynamics[view]``) with the robot's visual shapes and
         meshes.
 
         Links without visual shapes show their collision shapes. Boxes of the same inertia stand for links
         whose meshes cannot be drawn, and for a robot whose file has no shapes.
 
-        `trajectory` is a `Motion`, a `TimedPath`, configurations (n, nq) every `step` seconds, or one (nq,).
+        `trajectory` is a `Motion`, a `TimedPath`, configurations (n, nq) every `dt` seconds, or one (nq,).
         Returns the viewer.
         """
         from robot_dynamics import viewer
 
-        return viewer.show(self, trajectory, step=step, open_browser=open_browser)
+        return viewer.show(self, trajectory, dt=dt, open_browser=open_browser)
 
     def _repr_html_(self) -> str:
         from robot_dynamics import html

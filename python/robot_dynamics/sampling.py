@@ -44,7 +44,7 @@ class Mppi:
     >>> robot = rd.example("two_r")
     >>> def cost(q, v, tau):  # upright and at rest
     ...     return ((q - [np.pi / 2, 0.0]) ** 2).sum(axis=(1, 2)) + 0.01 * (v**2).sum(axis=(1, 2))
-    >>> control = Mppi(robot, cost, horizon=20, step=0.02, samples=128, noise=[2.0, 1.0], temperature=1.0, seed=1)
+    >>> control = Mppi(robot, cost, horizon=20, dt=0.02, samples=128, noise=[2.0, 1.0], temperature=1.0, seed=1)
     >>> start = [1.0, 0.0], [0.0, 0.0]
     >>> still = control.motion(*start)  # the plan is 0 yet
     >>> plans = [control.plan(*start) for _ in range(2)]
@@ -58,7 +58,7 @@ class Mppi:
         cost: Cost,
         *,
         horizon: int,
-        step: float,
+        dt: float,
         samples: int,
         noise: Numbers,
         temperature: float,
@@ -71,8 +71,8 @@ class Mppi:
         group: int = 128,
         run: Map | None = None,
     ) -> None:
-        if min(horizon, samples, group) < 1 or not (temperature > 0.0 and step > 0.0):
-            raise ValueError("horizon, samples, group, temperature and step have to be positive")
+        if min(horizon, samples, group) < 1 or not (temperature > 0.0 and dt > 0.0):
+            raise ValueError("horizon, samples, group, temperature and dt must be positive")
         self.robot = robot
         self.torques: Array = np.zeros((horizon, robot.nv))
         """The plan, (horizon, nv) [N·m or N]; write another start into it."""
@@ -80,7 +80,7 @@ class Mppi:
         """Of the samples of the last plan."""
         bound = robot.limits.effort if limits is None else np.asarray(limits, np.float64)
         deviations = np.broadcast_to(np.asarray(noise, np.float64), (robot.nv,))
-        options: dict[str, Any] = {"steps": horizon, "step": step, "integrator": integrator, "dissipation": dissipation}
+        options: dict[str, Any] = {"steps": horizon, "dt": dt, "integrator": integrator, "dissipation": dissipation}
         # `limits` are those of the samples.
         options |= {"conservative": conservative, "without": [*without, "effort-limits"]}
         self._sampled = _Sampled(cost, deviations, np.broadcast_to(bound, (robot.nv,)), temperature, options)

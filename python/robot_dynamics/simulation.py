@@ -72,7 +72,7 @@ class Simulation(_native.Simulation):
         cls,
         robot: Robot,
         *,
-        step: float = 1e-3,
+        dt: float = 1e-3,
         integrator: str | None = None,
         conservative: bool = False,
         without: Sequence[str] = (),
@@ -102,7 +102,7 @@ class Simulation(_native.Simulation):
         """
         options = _options(
             robot,
-            step=step,
+            dt=dt,
             integrator=integrator,
             conservative=conservative,
             without=disabled_effects(without, dissipation, stops),
@@ -164,7 +164,7 @@ class Simulation(_native.Simulation):
         return _native.Simulation.__new__(type(self), self.robot, like=self)
 
     def __repr__(self) -> str:
-        return f"<Simulation of {self.robot.name}: t = {self.time:g} s, {self.method}, step {self.step_size:g} s>"
+        return f"<Simulation of {self.robot.name}: t = {self.time:g} s, {self.method}, dt = {self.dt:g} s>"
 
 
 class SimulationBatch(_native.SimulationBatch):
@@ -195,7 +195,7 @@ class SimulationBatch(_native.SimulationBatch):
         robot: Robot,
         count: int,
         *,
-        step: float = 1e-3,
+        dt: float = 1e-3,
         integrator: str | None = None,
         conservative: bool = False,
         without: Sequence[str] = (),
@@ -213,7 +213,7 @@ class SimulationBatch(_native.SimulationBatch):
         """So many simulations of a robot, at rest in the configuration in which its file places it."""
         options = _options(
             robot,
-            step=step,
+            dt=dt,
             integrator=integrator,
             conservative=conservative,
             without=disabled_effects(without, dissipation, stops),

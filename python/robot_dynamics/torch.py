@@ -92,7 +92,7 @@ def rollout(
     tau: torch.Tensor | None = None,
     *,
     steps: int,
-    step: float = 1e-3,
+    dt: float = 1e-3,
     integrator: str = "rk4",
     conservative: bool = False,
     without: Sequence[str] = (),
@@ -120,9 +120,9 @@ def rollout(
         lead = torch.broadcast_shapes(lead, tau.shape[:-own])
         tau = tau.broadcast_to(*lead, *tau.shape[-own:])
     off = disabled_effects(without, dissipation, stops=True)
-    how = {"steps": steps, "step": step, "integrator": integrator, "stride": stride}
+    how = {"steps": steps, "dt": dt, "integrator": integrator, "stride": stride}
     how |= {"conservative": conservative, "without": off}
-    robot._differentiable_row(step=step, integrator=integrator, conservative=conservative, without=off)  # or an error
+    robot._differentiable_row(dt=dt, integrator=integrator, conservative=conservative, without=off)  # or an error
     q, v = q.broadcast_to(*lead, q.shape[-1]), v.broadcast_to(*lead, v.shape[-1])
     return Rollout(*_motions()[0].apply(robot, how, q, v, tau, parameters))
 
@@ -133,14 +133,14 @@ def step(
     v: torch.Tensor,
     tau: torch.Tensor | None = None,
     *,
-    step: float,
+    dt: float,
     integrator: str = "rk4",
     conservative: bool = False,
     without: Sequence[str] = (),
     dissipation: bool = True,
     parameters: torch.Tensor | None = None,
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """q and v after one step of `step` seconds, differentiable by q, v, tau and parameters; as `rollout` of
+    """q and v after one step of `dt` seconds, differentiable by q, v, tau and parameters; as `rollout` of
     one step.
 
     q (..., nq), v (..., nv), tau (..., nv).
@@ -151,7 +151,7 @@ def step(
     if tau is not None:
         q = q.broadcast_to(*torch.broadcast_shapes(q.shape[:-1], tau.shape[:-1]), q.shape[-1])
     how: dict[str, Any] = {"integrator": integrator, "conservative": conservative, "without": without}
-    end = rollout(robot, q, v, tau, steps=1, step=step, dissipation=dissipation, parameters=parameters, **how)
+    end = rollout(robot, q, v, tau, steps=1, dt=dt, dissipation=dissipation, parameters=parameters, **how)
     return end.q, end.v
 
 

@@ -37,14 +37,14 @@ class Drawn(NamedTuple):
     color: tuple[float, float, float, float]
 
 
-def show(robot: Robot, trajectory: Any, *, step: float | None, open_browser: bool) -> Any:
+def show(robot: Robot, trajectory: Any, *, dt: float | None, open_browser: bool) -> Any:
     """Shows it; see `Robot.show`."""
     try:
         import meshcat
         from meshcat import animation
     except ImportError as error:
         raise ImportError("the viewer needs meshcat: pip install robot-dynamics[view]") from error
-    times, configurations = _configurations(robot, trajectory, step)
+    times, configurations = _configurations(robot, trajectory, dt)
     viewer = meshcat.Visualizer()
     things = drawn(robot)
     paths = [f"{robot.name}/{k}" for k in range(len(things))]
@@ -209,7 +209,7 @@ def _place(viewer: Any, robot: Robot, things: list[Drawn], paths: list[str], q: 
 
 
 def _configurations(
-    robot: Robot, trajectory: Any, step: float | None
+    robot: Robot, trajectory: Any, dt: float | None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     if trajectory is None:
         trajectory = robot.neutral()
@@ -218,7 +218,7 @@ def _configurations(
     configurations = np.atleast_2d(np.asarray(trajectory, np.float64))
     if configurations.ndim != 2 or configurations.shape[1] != robot.nq:
         raise ValueError(f"a trajectory has shape (n, {robot.nq}), got {configurations.shape}")
-    if len(configurations) > 1 and step is None:
-        raise ValueError("say with `step` how many seconds lie between configurations")
-    times: NDArray[np.float64] = np.arange(len(configurations), dtype=np.float64) * (step or 0.0)
+    if len(configurations) > 1 and dt is None:
+        raise ValueError("pass `dt`, the time between configurations [s]")
+    times: NDArray[np.float64] = np.arange(len(configurations), dtype=np.float64) * (dt or 0.0)
     return times, configurations

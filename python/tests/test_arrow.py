@@ -209,7 +209,7 @@ def test_the_audit_counts_dissipation_where_asked() -> None:
         '<joint name="j" type="continuous"><parent link="w"/><child link="l"/><axis xyz="0 1 0"/>'
         '<dynamics damping="0.3"/></joint></robot>'
     )
-    motion = robot.simulate([0.0], duration=2.0, step=1e-3, dissipation=True)
+    motion = robot.simulate([0.0], duration=2.0, dt=1e-3, dissipation=True)
     a = robot.forward_dynamics(motion.q, motion.v, motion.tau - robot.dissipation(motion.v))
     columns: dict[str, Any] = {"q": motion.q[:, 0], "v": motion.v[:, 0], "a": a[:, 0], "tau": motion.tau[:, 0]}
     recording = pa.table(columns | {"timestamp": motion.times, "episode_index": np.zeros(len(a), np.int64)})
@@ -225,7 +225,7 @@ def test_the_audit_counts_dissipation_where_asked() -> None:
 def test_energy_accounts_keep_episodes_apart() -> None:
     robot, parts = rd.example("two_r"), []
     for episode in (5, 2):
-        motion = robot.simulate([0.1 * episode, 0.2], tau=[1.0, 0.1], duration=0.5, step=1e-3)
+        motion = robot.simulate([0.1 * episode, 0.2], tau=[1.0, 0.1], duration=0.5, dt=1e-3)
         a = robot.forward_dynamics(motion.q, motion.v, motion.tau)
         columns: dict[str, Any] = {"q": list(motion.q), "v": list(motion.v), "a": list(a), "tau": list(motion.tau)}
         parts.append(pa.table(columns | {"t": motion.times, "episode": [f"run {episode}"] * len(a)}))

@@ -35,10 +35,10 @@ def test_computed_torque_is_its_equation(panda: rd.Robot) -> None:
 def test_a_motion_is_followed(panda: rd.Robot) -> None:
     law = rd.ComputedTorque(panda, swing, np.full(7, 100.0), np.full(7, 20.0))
     q, v, _ = swing(0.0)
-    motion = panda.simulate(q, v, law, duration=1.0, step=1e-3)
+    motion = panda.simulate(q, v, law, duration=1.0, dt=1e-3)
     # Torques are held over a step: an error of the first order in it.
     assert np.abs(motion.q - [swing(t)[0] for t in motion.times]).max() < 1e-3
-    smooth = panda.simulate(q, v, law, duration=1.0, step=1e-2, integrator="adaptive", tolerance=1e-10)
+    smooth = panda.simulate(q, v, law, duration=1.0, dt=1e-2, integrator="adaptive", tolerance=1e-10)
     assert np.abs(smooth.q - [swing(t)[0] for t in smooth.times]).max() < 1e-9
 
 
@@ -62,7 +62,7 @@ def test_a_frame_is_led_to_a_pose_or_to_a_place(panda: rd.Robot, called: bool) -
     for target in (goal, goal[:3, 3]):
         reference: Any = (lambda t, target=target: target) if called else target
         law = rd.TaskControl(panda, HAND, reference, posture=Q, posture_stiffness=25.0, **gains)
-        motion = panda.simulate(Q, tau=law, duration=2.0, step=1e-3)
+        motion = panda.simulate(Q, tau=law, duration=2.0, dt=1e-3)
         found = panda.frame_pose(motion.q[-1], HAND)
         assert np.abs(found - goal).max() < 1e-6 if target.ndim == 2 else np.abs(found - goal)[:3, 3].max() < 1e-6
     # At rest at its target, with its posture: the weight.
@@ -78,7 +78,7 @@ def test_a_frame_is_led_along_a_path(panda: rd.Robot) -> None:
         return start + along * np.sin(t) ** 2, along * np.sin(2 * t), 2 * along * np.cos(2 * t)
 
     law = rd.TaskControl(panda, HAND, path, stiffness=400.0, damping=40.0, null_damping=5.0)
-    motion = panda.simulate(Q, tau=law, duration=1.0, step=1e-3)
+    motion = panda.simulate(Q, tau=law, duration=1.0, dt=1e-3)
     places = panda.frame_pose(motion.q, HAND)[:, :3, 3]
     assert np.abs(places - [path(t)[0] for t in motion.times]).max() < 1e-3
 
@@ -108,14 +108,14 @@ def test_what_a_law_cannot_do_is_said(panda: rd.Robot) -> None:
 
 def test_adaptive_steps_are_as_accurate_as_asked_for(panda: rd.Robot) -> None:
     s = states(panda, 1)
-    how: dict[str, Any] = {"duration": 0.5, "step": 0.05, "integrator": "adaptive"}
+    how: dict[str, Any] = {"duration": 0.5, "dt": 0.05, "integrator": "adaptive"}
     exact, rough = (panda.simulate(s.q[0], s.v[0], **how, tolerance=tolerance) for tolerance in (1e-13, 1e-6))
     assert exact.times.tolist() == pytest.approx(np.arange(11) * 0.05)
     assert exact.ledger.drift < 1e-12 and np.abs(rough.q - exact.q).max() < 1e-5
     assert exact.statistics is not None and rough.statistics is not None
     assert exact.steps == exact.statistics.accepted > rough.statistics.accepted
     assert 0.0 < exact.statistics.shortest <= exact.statistics.longest < 0.5
-    fine = panda.simulate(s.q[0], s.v[0], duration=0.5, step=1e-4, sample_every=500, without=["limits"])
+    fine = panda.simulate(s.q[0], s.v[0], duration=0.5, dt=1e-4, sample_every=500, without=["limits"])
     assert_allclose(fine.q, exact.q, atol=1e-9)
     assert fine.statistics is None
     ends = panda.simulate(s.q[0], s.v[0], **how, sample_every=0, tolerance=1e-13)
@@ -124,9 +124,9 @@ def test_adaptive_steps_are_as_accurate_as_asked_for(panda: rd.Robot) -> None:
 
 def test_adaptive_runs_hold_torques_that_are_held(panda: rd.Robot) -> None:
     rows = np.random.default_rng(1).uniform(-5.0, 5.0, (10, 7))
-    held = panda.simulate(Q, tau=rows, duration=0.5, step=0.05, integrator="adaptive", tolerance=1e-12)
+    held = panda.simulate(Q, tau=rows, duration=0.5, dt=0.05, integrator="adaptive", tolerance=1e-12)
     # The same by small steps of order 4, each row held for 500 of them.
-    fine = panda.simulate(Q, tau=np.repeat(rows, 500, axis=0), duration=0.5, step=1e-4, sample_every=500, without=["limits"])
+    fine = panda.simulate(Q, tau=np.repeat(rows, 500, axis=0), duration=0.5, dt=1e-4, sample_every=500, without=["limits"])
     assert_allclose(held.q, fine.q, atol=1e-9)
     asked: list[float] = []
 
@@ -134,7 +134,7 @@ def test_adaptive_runs_hold_torques_that_are_held(panda: rd.Robot) -> None:
         asked.append(t)
         return panda.gravity(q)
 
-    panda.simulate(Q, tau=law, duration=0.5, step=0.1, integrator="adaptive", control_period=0.1)
+    panda.simulate(Q, tau=law, duration=0.5, dt=0.1, integrator="adaptive", control_period=0.1)
     assert sorted(set(asked)) == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4, 0.5][: len(set(asked))])
     assert len(set(asked)) in (5, 6)
 
@@ -142,7 +142,7 @@ def test_adaptive_runs_hold_torques_that_are_held(panda: rd.Robot) -> None:
 def test_adaptive_runs_find_events_and_refuse() -> None:
     arm = pendulum()
     down = rd.Event("down", lambda t, q, v: q[0] + np.pi / 2, terminal=True)
-    motion = arm.simulate([0.0], duration=5.0, step=0.1, integrator="adaptive", tolerance=1e-12, events=[down])
+    motion = arm.simulate([0.0], duration=5.0, dt=0.1, integrator="adaptive", tolerance=1e-12, events=[down])
     assert motion.ended_by_event and abs(motion.q[-1, 0] + np.pi / 2) < 1e-10
     for wrong, words in (
         ({"integrator": "rk4", "tolerance": 1e-6}, "go with integrator='adaptive'"),
@@ -165,7 +165,7 @@ def test_adaptive_steps_say_what_they_leave_out(panda: rd.Robot) -> None:
         <equality><joint joint1="hinge" active="ACTIVE"/></equality><actuator><motor name="motor" joint="hinge"/></actuator></mujoco>"""
     damped = rd.loads(text.replace("FRICTION", "").replace("ACTIVE", "false"))
     rubbed = rd.loads(text.replace("FRICTION", 'frictionloss="0.1"').replace("ACTIVE", "true"))
-    how: dict[str, Any] = {"duration": 0.5, "step": 0.1, "integrator": "adaptive", "tolerance": 1e-11}
+    how: dict[str, Any] = {"duration": 0.5, "dt": 0.1, "integrator": "adaptive", "tolerance": 1e-11}
 
     def left_out(robot: rd.Robot, tau: Any = None, **other: Any) -> list[str]:
         return [line.split(":")[0] for line in robot.simulate([0.0], tau=tau, **how, **other).left_out]
@@ -198,7 +198,7 @@ def test_ctrl_c_ends_an_adaptive_run() -> None:
 import robot_dynamics as rd
 robot = rd.example("humanoid", floating_base=True)
 print("ready", flush=True)
-robot.simulate(robot.neutral(), duration=1e4, step=1e3, integrator="adaptive", tolerance=1e-12)
+robot.simulate(robot.neutral(), duration=1e4, dt=1e3, integrator="adaptive", tolerance=1e-12)
 """
     )
     assert "KeyboardInterrupt" in errors and seconds < 10.0

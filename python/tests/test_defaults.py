@@ -73,7 +73,7 @@ START: tuple[Array, Array, Array] = np.array([0.3, 1.2]), np.array([1.0, -2.0]),
 
 def by_simulation(robot: rd.Robot, how: dict[str, Any], steps: int = STEPS) -> Array:
     """q and v after all steps of a `Simulation`."""
-    sim = rd.Simulation(robot, step=STEP, **how)
+    sim = rd.Simulation(robot, dt=STEP, **how)
     sim.reset(*START[:2])
     sim.torques = START[2]
     sim.step(steps)
@@ -81,17 +81,17 @@ def by_simulation(robot: rd.Robot, how: dict[str, Any], steps: int = STEPS) -> A
 
 
 def by_simulate(robot: rd.Robot, how: dict[str, Any]) -> Array:
-    motion = robot.simulate(*START, duration=STEPS * STEP, step=STEP, **how)
+    motion = robot.simulate(*START, duration=STEPS * STEP, dt=STEP, **how)
     return np.concatenate([motion.q[-1], motion.v[-1]])
 
 
 def by_rollout(robot: rd.Robot, how: dict[str, Any]) -> Array:
-    end = robot.rollout(*START, steps=STEPS, step=STEP, **how)
+    end = robot.rollout(*START, steps=STEPS, dt=STEP, **how)
     return np.concatenate([end.q, end.v])
 
 
 def by_step(robot: rd.Robot, how: dict[str, Any]) -> Array:
-    return np.concatenate(robot.step(*START, step=STEP, **how))
+    return np.concatenate(robot.step(*START, dt=STEP, **how))
 
 
 def by_jax(robot: rd.Robot, how: dict[str, Any]) -> Array:
@@ -99,7 +99,7 @@ def by_jax(robot: rd.Robot, how: dict[str, Any]) -> Array:
     from robot_dynamics import jax as rdj
 
     with jax.enable_x64(True):
-        end = rdj.rollout(robot, *map(jax.numpy.asarray, START), steps=STEPS, step=STEP, **how)
+        end = rdj.rollout(robot, *map(jax.numpy.asarray, START), steps=STEPS, dt=STEP, **how)
         return np.concatenate([np.asarray(end.q), np.asarray(end.v)])
 
 
@@ -107,14 +107,14 @@ def by_torch(robot: rd.Robot, how: dict[str, Any]) -> Array:
     torch = pytest.importorskip("torch")
     from robot_dynamics import torch as rdt
 
-    end = rdt.rollout(robot, *map(torch.as_tensor, START), steps=STEPS, step=STEP, **how)
+    end = rdt.rollout(robot, *map(torch.as_tensor, START), steps=STEPS, dt=STEP, **how)
     return np.concatenate([end.q.numpy(), end.v.numpy()])
 
 
 def by_mppi(robot: rd.Robot, how: dict[str, Any]) -> Array:
     """The motion of a plan, whose torques have limits of their own."""
     control = Mppi(
-        robot, lambda q, v, tau: q.sum(axis=(1, 2)), horizon=STEPS, step=STEP, samples=1, noise=1.0, temperature=1.0, seed=1, **how
+        robot, lambda q, v, tau: q.sum(axis=(1, 2)), horizon=STEPS, dt=STEP, samples=1, noise=1.0, temperature=1.0, seed=1, **how
     )
     q, v, _ = control.motion(*START[:2], np.tile(np.clip(START[2], -5.0, 5.0), (STEPS, 1)))
     return np.concatenate([q[-1], v[-1]])
@@ -133,7 +133,7 @@ def by_gym(robot: rd.Robot, how: dict[str, Any]) -> Array:
         def reward(self, actions: Array) -> Array:
             return np.zeros(self.num_envs)
 
-    envs = Task(3, robot, observations=4, step=STEP, substeps=STEPS, **how)
+    envs = Task(3, robot, observations=4, dt=STEP, substeps=STEPS, **how)
     envs.reset(seed=1)
     envs.step(np.tile(np.clip(START[2] / 5.0, -1.0, 1.0), (3, 1)))
     state: Array = envs.observe()[1]
@@ -161,7 +161,7 @@ def test_each_route_moves_as_a_simulation(route: Callable[[rd.Robot, dict[str, A
 def test_gradients_are_those_of_the_same_motion() -> None:
     robot = damped()
     q, v, tau = START
-    how: dict[str, Any] = {"steps": STEPS, "step": STEP}
+    how: dict[str, Any] = {"steps": STEPS, "dt": STEP}
     found = robot.rollout_pullback(q, v, tau, by_velocity=[1.0, -0.5], **how)
     assert found.by_force is not None and found.by_force[0] == 0.0 != found.by_force[1]  # the first is cut off at its limit
 
@@ -180,7 +180,7 @@ def test_gradients_are_those_of_the_same_motion() -> None:
 def test_what_has_no_gradients_is_refused_by_name() -> None:
     arm = rd.load(ROBOTS / "arm.xml")
     q, v = arm.neutral(), np.zeros(arm.nv)
-    how: dict[str, Any] = {"steps": 2, "step": STEP, "by_velocity": np.ones(arm.nv)}
+    how: dict[str, Any] = {"steps": 2, "dt": STEP, "by_velocity": np.ones(arm.nv)}
     with pytest.raises(ValueError, match=r"gradients of actuators of robot `.*` are not known; without=\[\"actuators\"\]"):
         arm.rollout_pullback(q, v, **how)
     assert np.isfinite(arm.rollout_pullback(q, v, without=["actuators"], **how).by_velocity).all()

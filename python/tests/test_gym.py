@@ -39,12 +39,12 @@ def test_the_rules_of_vectors_hold(envs: RobotEnv) -> None:
 
 
 def test_a_step_is_that_of_a_simulation_under_the_torque() -> None:
-    envs = SwingUp(3, step=0.01, substeps=4)
+    envs = SwingUp(3, dt=0.01, substeps=4)
     envs.reset(seed=1)
     q, v = envs.q.copy(), envs.v.copy()
     seen, rewards, _, _, _ = envs.step(np.array([[0.5], [-3.0], [0.0]]))
     for k, torque in enumerate([1.0, -2.0, 0.0]):
-        sim = rd.Simulation(rd.loads(PENDULUM), step=0.01)
+        sim = rd.Simulation(rd.loads(PENDULUM), dt=0.01)
         sim.reset(q[k], v[k])
         sim.torques = [torque]
         sim.step(4)
@@ -82,7 +82,7 @@ LIFT = """<mujoco><worldbody><geom type="plane" size="2 2 .1"/>
 
 def test_all_that_the_file_states_acts() -> None:
     robot = rd.loads(LIFT)
-    envs = Watched(robot, (np.zeros(2), np.zeros(2)), step=1e-3, substeps=1000)
+    envs = Watched(robot, (np.zeros(2), np.zeros(2)), dt=1e-3, substeps=1000)
     assert envs.single_action_space.shape == (1,) and envs.control_range.tolist() == [[-10.0, 40.0]]
     envs.reset(seed=1)
     envs.step(np.array([[-0.6], [1.0]]))  # no force, and all of it
@@ -91,12 +91,12 @@ def test_all_that_the_file_states_acts() -> None:
     assert_allclose(envs.q[:, 1], 2.0 * envs.q[:, 0], atol=1e-6)
     floor = sum(float(contact.force[2]) for contact in envs.simulations[0].contacts)
     assert floor == pytest.approx(3.0 * 9.81, rel=1e-3)  # of both weights, the second by its lever
-    free = Watched(robot, (np.zeros(2), np.zeros(2)), step=1e-3, substeps=100, conservative=True, effort=1.0)
+    free = Watched(robot, (np.zeros(2), np.zeros(2)), dt=1e-3, substeps=100, conservative=True, effort=1.0)
     assert free.single_action_space.shape == (2,)
     free.reset(seed=1)
     free.step(np.zeros((2, 2)))
     assert_allclose(free.q[:, 0], -0.5 * 0.6 * 9.81 * 0.1**2, rtol=1e-2)  # 3 m g moves m + 4 m
-    loose = Watched(robot, (np.zeros(2), np.zeros(2)), step=1e-3, substeps=500, without=["contacts", "limits", "equalities"])
+    loose = Watched(robot, (np.zeros(2), np.zeros(2)), dt=1e-3, substeps=500, without=["contacts", "limits", "equalities"])
     loose.reset(seed=1)
     loose.step(np.array([[-0.6], [-0.6]]))
     assert_allclose(loose.q, -0.5 * 9.81 * 0.5**2, rtol=1e-2)
@@ -105,7 +105,7 @@ def test_all_that_the_file_states_acts() -> None:
 def test_a_base_that_floats_has_no_motor() -> None:
     dog = rd.example("quadruped", floating_base=True)
     start = (np.array([0, 0, 0.35, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4]), np.zeros(dog.nv))
-    envs = Watched(dog, start, step=2e-3, substeps=100, ground=rd.Ground())
+    envs = Watched(dog, start, dt=2e-3, substeps=100, ground=rd.Ground())
     assert envs.single_action_space.shape == (12,) and not envs.effort[:6].any()
     envs.reset(seed=1)
     envs.step(np.zeros((2, 12)))

@@ -105,14 +105,14 @@ def test_quaternions_have_gradients_by_their_numbers(quadruped: rd.Robot) -> Non
 
     def call(q: Any, v: Any) -> Any:
         q = unit(q)
-        end = rdj.rollout(quadruped, q, v, steps=3, step=1e-3, stride=2, **FREE)
+        end = rdj.rollout(quadruped, q, v, steps=3, dt=1e-3, stride=2, **FREE)
         pose = rdj.frame_pose(quadruped, q, quadruped.frame_names[-1])
         # As large as each other, so that one tolerance serves.
         return rdj.inverse_dynamics(quadruped, q, v, a) * 1e-2, rdj.mass_matrix(quadruped, q), pose, end
 
     check_grads(jax.jit(call), (q, v), **DIFFERENCES)
-    end = rdj.rollout(quadruped, q, v, steps=3, step=1e-3, **FREE)
-    assert np.array_equal(end.q, quadruped.rollout(np.asarray(q), np.asarray(v), steps=3, step=1e-3, **FREE).q)
+    end = rdj.rollout(quadruped, q, v, steps=3, dt=1e-3, **FREE)
+    assert np.array_equal(end.q, quadruped.rollout(np.asarray(q), np.asarray(v), steps=3, dt=1e-3, **FREE).q)
 
 
 @pytest.mark.parametrize("solution", SOLUTIONS)
@@ -142,7 +142,7 @@ def test_vmap_jit_and_scan_compose(panda: rd.Robot, solution: str) -> None:
 
 @pytest.mark.parametrize("torques", ["none", "held", "each"])
 def test_rollouts_are_those_of_numpy_with_their_gradients(torques: str) -> None:
-    how: dict[str, Any] = {"steps": 6, "step": 5e-3, "stride": 2, "dissipation": True}
+    how: dict[str, Any] = {"steps": 6, "dt": 5e-3, "stride": 2, "dissipation": True}
     robot = load("gripper")
     q, v, _ = given(robot, "inverse_dynamics")
     shapes = {"none": None, "held": (robot.nv,), "each": (3, 6, robot.nv)}
@@ -221,7 +221,7 @@ def test_solutions_have_gradients_by_parameters(name: str, solution: str) -> Non
 
 @pytest.mark.parametrize("torques", ["none", "held", "each"])
 def test_rollouts_have_gradients_by_parameters(torques: str) -> None:
-    how: dict[str, Any] = {"steps": 6, "step": 5e-3, "stride": 2, "dissipation": True}
+    how: dict[str, Any] = {"steps": 6, "dt": 5e-3, "stride": 2, "dissipation": True}
     robot = load("two_r")
     values = robot.parameters()
     values[robot.parameter_names.index("shoulder.damping")] = 0.4
@@ -263,16 +263,16 @@ def test_rollouts_have_gradients_by_parameters(torques: str) -> None:
     pulled = heavy.rollout_pullback(arrays[0][1:2], arrays[1][1:2], by_velocity=np.ones(2), parameters=True, **how)
     assert pulled.by_parameters is not None
     assert_allclose(own[1], pulled.by_parameters[0], rtol=0, atol=sized(robot, arrays[0], own[1]))
-    ends = rdj.step(robot, q, v, tau if torques == "held" else None, step=1e-3, dissipation=True, parameters=many)
+    ends = rdj.step(robot, q, v, tau if torques == "held" else None, dt=1e-3, dissipation=True, parameters=many)
     assert ends[0].shape == (3, robot.nq)
 
 
 def test_a_step_is_a_rollout_of_one(panda: rd.Robot) -> None:
     q, v, tau = given(panda, "forward_dynamics")
-    ends = rdj.step(panda, q[0], v[0], tau, step=1e-3)
-    expected = panda.rollout(np.tile(q[0], (3, 1)), np.asarray(v[0]), np.asarray(tau), steps=1, step=1e-3, **FREE)
+    ends = rdj.step(panda, q[0], v[0], tau, dt=1e-3)
+    expected = panda.rollout(np.tile(q[0], (3, 1)), np.asarray(v[0]), np.asarray(tau), steps=1, dt=1e-3, **FREE)
     assert np.array_equal(ends[0], expected.q) and np.array_equal(ends[1], expected.v)
-    check_grads(jax.jit(lambda *x: rdj.step(panda, *x, step=1e-2)), (q, v, tau), **DIFFERENCES)
+    check_grads(jax.jit(lambda *x: rdj.step(panda, *x, dt=1e-2)), (q, v, tau), **DIFFERENCES)
 
 
 def test_float32_stays_float32(panda: rd.Robot) -> None:
@@ -354,7 +354,7 @@ def test_invalid_states_are_nan_alone(panda: rd.Robot) -> None:
 def test_what_goes_wrong_is_said_in_our_words(panda: rd.Robot) -> None:
     q, v, a = given(panda, "inverse_dynamics")
     with pytest.raises(Exception, match="variational-midpoint solves an equation at each step"):
-        jax.block_until_ready(rdj.step(panda, q, v, step=1e-3, integrator="variational-midpoint"))
+        jax.block_until_ready(rdj.step(panda, q, v, dt=1e-3, integrator="variational-midpoint"))
     with pytest.raises(rd.ShapeError, match=r"v has shape \(3, 6\), robot `panda` needs \(..., 7\)"):
         rdj.inverse_dynamics(panda, q, v[:, :6], a)
     with pytest.raises(rd.ShapeError, match="do not broadcast"):

@@ -31,7 +31,7 @@ def test_a_pendulum_swings_with_its_period() -> None:
     robot = pendulum()
     crossing = rd.Event("lowest", lambda t, q, v: float(q[0] + np.pi / 2), direction="rising")
     amplitude = 0.01
-    motion = robot.simulate([-np.pi / 2 - amplitude], duration=5.0, step=1e-3, events=[crossing], without=["limits"])
+    motion = robot.simulate([-np.pi / 2 - amplitude], duration=5.0, dt=1e-3, events=[crossing], without=["limits"])
     assert motion.method == "rk4"
     period = 2 * np.pi * np.sqrt(0.5 / 9.81 * (1 + 1e-6 / (2 * 0.25))) * (1 + amplitude**2 / 16)
     times = [event.time for event in motion.events]
@@ -41,7 +41,7 @@ def test_a_pendulum_swings_with_its_period() -> None:
 
 def test_the_books_balance_and_samples_are_the_motion(robot: rd.Robot) -> None:
     s = states(robot, 1)
-    how: dict[str, Any] = {"duration": 0.005, "step": 1e-4, "sample_every": 10}
+    how: dict[str, Any] = {"duration": 0.005, "dt": 1e-4, "sample_every": 10}
     motion = robot.simulate(s.q[0], s.v[0], 0.1 * s.tau[0], integrator="rk4", **how)
     assert motion.times.tolist() == pytest.approx([0.0, 0.001, 0.002, 0.003, 0.004, 0.005])
     assert np.array_equal(motion.q[0], s.q[0]) and motion.steps == 50
@@ -54,15 +54,15 @@ def test_the_books_balance_and_samples_are_the_motion(robot: rd.Robot) -> None:
 
 def test_a_rollout_is_each_simulation(panda: rd.Robot) -> None:
     s = states(panda, 20)
-    rollout = panda.rollout(s.q, s.v, s.tau, steps=30, step=1e-3, stride=10)
+    rollout = panda.rollout(s.q, s.v, s.tau, steps=30, dt=1e-3, stride=10)
     assert rollout.q_trajectory.shape == (20, 3, 7)
     assert np.array_equal(rollout.q_trajectory[:, -1], rollout.q)
     for k in (0, 19):
-        motion = panda.simulate(s.q[k], s.v[k], s.tau[k], duration=0.03, step=1e-3)
+        motion = panda.simulate(s.q[k], s.v[k], s.tau[k], duration=0.03, dt=1e-3)
         assert_allclose(rollout.q[k], motion.q[-1], rtol=0, atol=1e-10)
         assert_allclose(rollout.v_trajectory[k], motion.v[10::10], rtol=0, atol=1e-8)
     for threads in (1, 2, 3):
-        again = panda.rollout(s.q, s.v, s.tau, steps=30, step=1e-3, threads=threads)
+        again = panda.rollout(s.q, s.v, s.tau, steps=30, dt=1e-3, threads=threads)
         assert np.array_equal(again.q, rollout.q) and np.array_equal(again.v, rollout.v)
 
 
@@ -106,7 +106,7 @@ def test_bad_states_of_a_rollout_lose_nobody_else(panda: rd.Robot) -> None:
 def test_a_rollout_that_grows_names_joint_time_and_a_step() -> None:
     # Damping of 300 N m s/rad on 1/3 kg m^2: rk4 at 5 ms takes it too far in each step.
     robot = rd.loads(PENDULUM)
-    how: dict[str, Any] = {"step": 5e-3, "integrator": "rk4"}
+    how: dict[str, Any] = {"dt": 5e-3, "integrator": "rk4"}
     q, v = np.zeros((3, 1)), np.array([[0.0], [1.0], [2.0]])
     with pytest.raises(rd.SimulationError) as single:
         robot.simulate(q[1], v[1], duration=1.0, **how)
@@ -120,7 +120,7 @@ def test_a_rollout_that_grows_names_joint_time_and_a_step() -> None:
 def test_one_step_and_its_slopes(robot: rd.Robot) -> None:
     s, h = states(robot, 1), 1e-3
     q, v, tau = s.q[0], s.v[0], s.tau[0]
-    how: dict[str, Any] = {"step": h, "integrator": "rk4"}
+    how: dict[str, Any] = {"dt": h, "integrator": "rk4"}
     end = robot.step(q, v, tau, **how)
     rollout = robot.rollout(q, v, tau, steps=1, **how)
     assert_allclose(rollout.q, end[0], rtol=0, atol=1e-12)
@@ -148,7 +148,7 @@ def test_a_motion_that_fails_is_kept_until_then(panda: rd.Robot) -> None:
     with pytest.raises(rd.SimulationError, match="torque has shape"):
         panda.simulate(np.zeros(7), tau=lambda t, q, v: np.zeros(6), duration=0.1)
     with pytest.raises(rd.SimulationError, match="the step must be positive and finite, got 0 s"):
-        panda.simulate(np.zeros(7), duration=1.0, step=0.0)
+        panda.simulate(np.zeros(7), duration=1.0, dt=0.0)
     with pytest.raises(rd.SimulationError, match="rk5"):
         panda.simulate(np.zeros(7), duration=1.0, integrator="rk5")
     with pytest.raises(ValueError, match="steps = 5"):
@@ -351,18 +351,18 @@ def test_rollouts_on_the_ground_say_what_they_cannot_do() -> None:
 def test_steps_on_the_ground_are_linearised() -> None:
     robot, q = dogs()
     rest = robot.rollout(q[0], steps=3000, ground=rd.Ground(), dissipation=True)
-    on_ground: dict[str, Any] = {"step": 1e-3, "ground": rd.Ground(), "dissipation": True}
+    on_ground: dict[str, Any] = {"dt": 1e-3, "ground": rd.Ground(), "dissipation": True}
     a, b = robot.linearize_step(rest.q, rest.v, **on_ground)
     assert a.shape == (36, 36) and b.shape == (36, 18)
     # What lies still does not begin to move: the friction takes any small push along the ground, and its
     # weight one upwards.
-    free: dict[str, Any] = {"step": 1e-3, "integrator": "implicit", "stops": False}
+    free: dict[str, Any] = {"dt": 1e-3, "integrator": "implicit", "stops": False}
     free_b = robot.linearize_step(rest.q, rest.v, **free)[1]
     base = slice(18, 24)
     assert np.abs(b[base, :6]).max() < 0.02 * np.abs(free_b[base, :6]).max()
     # In the air: the exact slopes of another method, but for what both leave out.
     v = 0.5 * np.sin(np.arange(18))
-    for found, exact in zip(robot.linearize_step(q[0], v, **free), robot.linearize_step(q[0], v, step=1e-3), strict=True):
+    for found, exact in zip(robot.linearize_step(q[0], v, **free), robot.linearize_step(q[0], v, dt=1e-3), strict=True):
         assert np.abs(found - exact).max() < 1e-3 * np.abs(exact).max()
 
 

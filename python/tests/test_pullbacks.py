@@ -32,14 +32,14 @@ def close(found: Any, expected: Any, robot: rd.Robot, q: Any, digits: float = 1e
 
 def test_a_step_is_its_slopes_transposed(robot: rd.Robot) -> None:
     s, (by_q, by_v) = states(robot, 5), cotangents(robot, 5)
-    many = robot.step_pullback(s.q, s.v, s.tau, by_position=by_q, by_velocity=by_v, step=H, **EXPLICIT)
+    many = robot.step_pullback(s.q, s.v, s.tau, by_position=by_q, by_velocity=by_v, dt=H, **EXPLICIT)
     assert many.by_parameters is None and many.by_force is not None
     for k in range(5):
-        a, b = robot.linearize_step(s.q[k], s.v[k], s.tau[k], step=H, **EXPLICIT)
+        a, b = robot.linearize_step(s.q[k], s.v[k], s.tau[k], dt=H, **EXPLICIT)
         given = np.concatenate([by_q[k], by_v[k]])
         expected = [*np.split(given @ a, 2), given @ b]
         one = robot.step_pullback(
-            s.q[k], s.v[k], s.tau[k], by_position=by_q[k], by_velocity=by_v[k], step=H, **EXPLICIT
+            s.q[k], s.v[k], s.tau[k], by_position=by_q[k], by_velocity=by_v[k], dt=H, **EXPLICIT
         )
         for own, batch, slope in zip(one, many, expected, strict=False):
             close(own, slope, robot, s.q[k])
@@ -51,7 +51,7 @@ def test_a_step_is_its_slopes_transposed(robot: rd.Robot) -> None:
 @pytest.mark.parametrize("integrator", ["rk4", "semi-implicit-euler"])
 def test_a_rollout_is_its_steps_one_after_the_other(name: str, integrator: str) -> None:
     robot = load(name)
-    options: dict[str, Any] = {"step": H, "integrator": integrator, "conservative": True}
+    options: dict[str, Any] = {"dt": H, "integrator": integrator, "conservative": True}
     steps, stride = 6, 2
     s, (by_q, by_v) = states(robot, 2), cotangents(robot, 2)
     on_q, on_v = cotangents(robot, 2, steps // stride, seed=6)
@@ -78,7 +78,7 @@ def test_a_rollout_is_its_steps_one_after_the_other(name: str, integrator: str) 
 def test_a_rollout_is_differences_of_rollouts(panda: rd.Robot) -> None:
     # Central differences: of 1e-5 the truncation is some 1e-10 and rounding 1e-16/1e-5, both times the
     # slopes' size.
-    options: dict[str, Any] = {"steps": 20, "step": H, "conservative": True}
+    options: dict[str, Any] = {"steps": 20, "dt": H, "conservative": True}
     s, (by_q, by_v), d = states(panda, 3), cotangents(panda, 3), 1e-5
 
     def loss(q: Any, v: Any, tau: Any) -> Any:
@@ -98,7 +98,7 @@ def test_a_rollout_is_differences_of_rollouts(panda: rd.Robot) -> None:
 
 
 def test_parameters_have_gradients_through_time() -> None:
-    options: dict[str, Any] = {"steps": 50, "step": H, "integrator": "rk4", "dissipation": True}
+    options: dict[str, Any] = {"steps": 50, "dt": H, "integrator": "rk4", "dissipation": True}
     robot = load("two_r")
     values, names = robot.parameters(), robot.parameter_names
     values[names.index("shoulder.damping")] = 0.4
@@ -142,7 +142,7 @@ def test_neither_checkpoints_nor_threads_change_a_bit(panda: rd.Robot) -> None:
     hows: list[dict[str, Any]] = [{}, {"spacing": 1}, {"spacing": 30}, {"threads": 1}, {"threads": 3}]
     runs = [
         panda.rollout_pullback(
-            s.q, s.v, s.tau, by_position=by_q, by_velocity=by_v, steps=30, step=H, parameters=True, **how
+            s.q, s.v, s.tau, by_position=by_q, by_velocity=by_v, steps=30, dt=H, parameters=True, **how
         )
         for how in hows
     ]
@@ -166,27 +166,27 @@ def test_float32_is_computed_in_float32(panda: rd.Robot) -> None:
 def test_what_cannot_be_pulled_back_is_said(panda: rd.Robot) -> None:
     s = states(panda, 4)
     with pytest.raises(rd.SimulationError, match="variational-midpoint solves an equation at each step"):
-        panda.step_pullback(s.q[0], s.v[0], step=H, integrator="variational-midpoint")
+        panda.step_pullback(s.q[0], s.v[0], dt=H, integrator="variational-midpoint")
     with pytest.raises(rd.SimulationError, match="variational-midpoint solves an equation at each step"):
-        panda.step_pullback(s.q, s.v, step=H, integrator="variational-midpoint")
+        panda.step_pullback(s.q, s.v, dt=H, integrator="variational-midpoint")
     with pytest.raises(rd.ShapeError, match=r"by_velocity has shape \(6,\), it must broadcast to \(4, 7\)"):
-        panda.step_pullback(s.q, s.v, by_velocity=np.zeros(6), step=H)
+        panda.step_pullback(s.q, s.v, by_velocity=np.zeros(6), dt=H)
     with pytest.raises(ValueError, match="need the stride"):
         panda.rollout_pullback(s.q, steps=3, by_velocity_trajectory=np.zeros((3, 7)))
     with pytest.raises(rd.DTypeError, match="nothing is converted silently"):
-        panda.step_pullback(s.q, s.v, by_velocity=np.zeros(7, np.float32), step=H)
+        panda.step_pullback(s.q, s.v, by_velocity=np.zeros(7, np.float32), dt=H)
     v = s.v.copy()
     v[2, 0] = np.inf
     with pytest.raises(rd.BadStatesError, match="1 of 4 states is bad, the first is state 2") as error:
-        panda.step_pullback(s.q, v, by_velocity=np.ones(7), step=H)
+        panda.step_pullback(s.q, v, by_velocity=np.ones(7), dt=H)
     assert error.value.indices.tolist() == [2]
-    good = panda.step_pullback(s.q, s.v, by_velocity=np.ones(7), step=H)
+    good = panda.step_pullback(s.q, s.v, by_velocity=np.ones(7), dt=H)
     assert np.array_equal(error.value.result.by_position[[0, 1, 3]], good.by_position[[0, 1, 3]])
     assert np.isnan(error.value.result.by_position[2]).all()
     massless = pendulum().parameters()
     massless[:10] = 0.0
     with pytest.raises(rd.SingularMassError, match="hinge"):
-        pendulum().with_parameters(massless).step_pullback([0.1], [0.0], by_velocity=[1.0], step=H)
+        pendulum().with_parameters(massless).step_pullback([0.1], [0.0], by_velocity=[1.0], dt=H)
     massless[1] = 1.0
     with pytest.raises(rd.DescriptionError, match="first moment"):
         pendulum().with_parameters(massless)

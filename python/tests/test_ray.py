@@ -58,7 +58,7 @@ def test_rollouts_are_the_same_bits_and_survive_a_kill(tmp_path: Path) -> None:
     from robot_dynamics.ray import Workers
 
     s = states(PANDA, 4000)
-    options: dict[str, Any] = {"steps": 200, "step": 1e-3, "stride": 50}
+    options: dict[str, Any] = {"steps": 200, "dt": 1e-3, "stride": 50}
     plain = PANDA.rollout(s.q, s.v, s.tau, **options)
     for count in (1, 2):
         workers = Workers(PANDA, count)
@@ -155,7 +155,7 @@ def test_a_plan_by_sampling_is_the_same_bits(tmp_path: Path) -> None:
         return ((q - [np.pi / 2, 0.0]) ** 2).sum(axis=(1, 2)) + 0.01 * (v**2).sum(axis=(1, 2))
 
     def control(run: Any) -> Mppi:
-        options: dict[str, Any] = {"horizon": 30, "step": 0.02, "samples": 500, "group": 64, "seed": 3}
+        options: dict[str, Any] = {"horizon": 30, "dt": 0.02, "samples": 500, "group": 64, "seed": 3}
         return Mppi(robot, cost, noise=[3.0, 1.0], temperature=1.0, run=run, **options)
 
     def plans(run: Any) -> Any:

@@ -38,7 +38,7 @@ def test_python_takes_the_librarys_steps() -> None:
 def options(run: dict[str, Any]) -> dict[str, Any]:
     """The options that a run and a simulation share."""
     return {
-        "step": run["step"],
+        "dt": run["step"],
         "integrator": run.get("method"),
         "conservative": run.get("conservative", False),
         "without": run.get("without", []),

@@ -18,7 +18,7 @@ def cost(q: Any, v: Any, tau: Any) -> Any:
 
 
 def control(**changes: Any) -> Mppi:
-    options: dict[str, Any] = {"horizon": 25, "step": 0.02, "samples": 256, "noise": [4.0, 2.0], "seed": 1}
+    options: dict[str, Any] = {"horizon": 25, "dt": 0.02, "samples": 256, "noise": [4.0, 2.0], "seed": 1}
     return Mppi(ROBOT, cost, **{**options, "temperature": 0.5, **changes})
 
 
@@ -26,9 +26,9 @@ def test_it_holds_an_arm_upright() -> None:
     mine = control(noise=[3.0, 1.5], temperature=0.05)
     q, v = UPRIGHT + [0.1, -0.1], np.zeros(2)
     for _ in range(60):
-        q, v = ROBOT.step(q, v, mine.act(q, v), step=0.02)
+        q, v = ROBOT.step(q, v, mine.act(q, v), dt=0.02)
     assert np.abs(q - UPRIGHT).max() < 0.1 and np.abs(v).max() < 0.5
-    fallen = ROBOT.rollout(UPRIGHT + [0.1, -0.1], np.zeros(2), steps=60, step=0.02)
+    fallen = ROBOT.rollout(UPRIGHT + [0.1, -0.1], np.zeros(2), steps=60, dt=0.02)
     assert np.abs(fallen.q - UPRIGHT).max() > 0.5  # which it would not do by itself
 
 
@@ -41,7 +41,7 @@ def test_one_round_is_the_weighted_mean_of_its_samples() -> None:
     ) * [4.0, 2.0]
     noise[0] = 0.0
     tau = np.clip(noise, -ROBOT.limits.effort, ROBOT.limits.effort)
-    moved = ROBOT.rollout(q, v, tau, steps=25, step=0.02, stride=1, integrator="semi-implicit-euler")
+    moved = ROBOT.rollout(q, v, tau, steps=25, dt=0.02, stride=1, integrator="semi-implicit-euler")
     costs = cost(moved.q_trajectory, moved.v_trajectory, tau)
     weights = np.exp(-(costs - costs.min()) / 0.5)
     np.testing.assert_allclose(found, np.tensordot(weights, tau, 1) / weights.sum(), rtol=1e-12)
@@ -68,6 +68,6 @@ def test_samples_that_fly_off_weigh_nothing() -> None:
 def test_what_is_wrong_is_said() -> None:
     with pytest.raises(ValueError, match="positive"):
         control(horizon=0)
-    wrong = Mppi(ROBOT, lambda q, v, tau: 0.0, horizon=2, step=0.1, samples=4, noise=1.0, temperature=1.0, seed=1)  # type: ignore[arg-type,return-value]
+    wrong = Mppi(ROBOT, lambda q, v, tau: 0.0, horizon=2, dt=0.1, samples=4, noise=1.0, temperature=1.0, seed=1)  # type: ignore[arg-type,return-value]
     with pytest.raises(ValueError, match=r"cost gave shape \(\) for 4 motions: it has to give \(4,\)"):
         wrong.plan([0.0, 0.0], [0.0, 0.0])

@@ -89,7 +89,7 @@ def test_snapshots_and_copies_go_on_with_the_same_bits(integrator: str) -> None:
 def test_wrenches_are_the_transposed_jacobian(axes: Any) -> None:
     robot, h = load("panda"), 1e-6
     q, push = states(robot, 1).q[0], np.array([3.0, -2.0, 5.0, 0.5, 0.3, -0.4])  # force, moment
-    sim = rd.Simulation(robot, step=h, conservative=True, integrator="semi-implicit-euler")
+    sim = rd.Simulation(robot, dt=h, conservative=True, integrator="semi-implicit-euler")
     sim.reset(q)
     sim.apply_wrench("panda_link8", push[:3], push[3:], axes)  # type: ignore[arg-type]
     sim.step()
@@ -150,7 +150,7 @@ def test_contacts_name_what_touches_and_bear_the_weight() -> None:
 @pytest.mark.parametrize("integrator", ["mujoco", "implicit"])
 def test_forces_of_the_ground_are_the_change_of_momentum(integrator: str) -> None:
     robot, h, steps = rd.loads(BALL), 1e-3, 1000
-    sim = rd.Simulation(robot, step=h, integrator=integrator)
+    sim = rd.Simulation(robot, dt=h, integrator=integrator)
     sim.reset(np.array([0, 0, 0.3, 0, 0, 0, 1.0]), np.array([0.4, 0, 0, 0, 0, 0]))
     begun = robot.center_of_mass_velocity(sim.q, sim.v)
     impulse = np.zeros(3)
@@ -367,10 +367,10 @@ def test_report_tells_sensors_and_what_a_simulation_leaves_out() -> None:
 def test_adaptive_steps_from_outside_are_those_of_a_run_to_their_tolerance() -> None:
     robot = load("panda")
     q = np.full(7, 0.1)
-    sim = rd.Simulation(robot, integrator="adaptive", tolerance=1e-12, step=0.05)
+    sim = rd.Simulation(robot, integrator="adaptive", tolerance=1e-12, dt=0.05)
     sim.reset(q)
     sim.step(10)
-    run = robot.simulate(q, duration=0.5, step=0.05, integrator="adaptive", tolerance=1e-12)
+    run = robot.simulate(q, duration=0.5, dt=0.05, integrator="adaptive", tolerance=1e-12)
     # Some ten steps, each with an error of 1e-12 at most, in a motion that magnifies them by less than a
     # hundred.
     assert sim.method == "adaptive" and np.abs(sim.q - run.q[-1]).max() < 1e-9

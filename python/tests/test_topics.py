@@ -109,7 +109,7 @@ def test_the_regulator_brings_an_arm_upright() -> None:
     robot = rd.example("two_r")
     upright, rest = np.array([np.pi / 2, 0.0]), np.zeros(2)
     hold = robot.gravity(upright)
-    A, B = robot.linearize_step(upright, rest, hold, step=0.01)
+    A, B = robot.linearize_step(upright, rest, hold, dt=0.01)
     law = rd.dlqr(A, B, np.eye(4), 0.01 * np.eye(2))
     assert law.spectral_radius < 1.0
     assert_allclose(law.cost, np.eye(4) + A.T @ law.cost @ (A - B @ law.gain), rtol=1e-9)
@@ -119,7 +119,7 @@ def test_the_regulator_brings_an_arm_upright() -> None:
         u: np.ndarray = hold - law.gain @ away
         return u
 
-    motion = robot.simulate(upright + 0.1, tau=control, duration=8.0, step=0.01)
+    motion = robot.simulate(upright + 0.1, tau=control, duration=8.0, dt=0.01)
     assert np.abs(motion.q[-1] - upright).max() < 1e-3
     with pytest.raises(rd.ControlError):
         rd.dlqr(2 * np.eye(2), np.zeros((2, 1)), np.eye(2), np.eye(1))

@@ -56,7 +56,7 @@ def test_invalid_states_are_nan_alone() -> None:
             assert found[1].isnan().all() and right.isfinite().all() and torch.equal(found[others], right[others])
 
     def end(v: Any, **how: Any) -> Any:
-        return rollout(robot, q, v, tau, steps=4, step=1e-3, **how)
+        return rollout(robot, q, v, tau, steps=4, dt=1e-3, **how)
 
     of(lambda v: [inverse_dynamics(robot, q, v, tau).detach(), forward_dynamics(robot, q, v, tau).detach()])
     of(lambda v: [x.detach() for x in end(v, stride=2)])
@@ -141,7 +141,7 @@ def test_float32_stays_float32() -> None:
     assert a.dtype == q.grad.dtype == torch.float32
 
 
-COURSE: dict[str, Any] = {"steps": 5, "step": 1e-2, "stride": 2}
+COURSE: dict[str, Any] = {"steps": 5, "dt": 1e-2, "stride": 2}
 
 
 @pytest.mark.parametrize("each_step", [False, True])
@@ -167,9 +167,9 @@ def test_a_step_is_a_rollout_of_one() -> None:
     robot = load("panda")
     q, v, tau = given(robot, "forward_dynamics")
     with torch.no_grad():
-        ends = step(robot, q[0], v[0], tau, step=1e-3), rollout(robot, q[:1].expand(3, -1), v[0], tau, steps=1)
+        ends = step(robot, q[0], v[0], tau, dt=1e-3), rollout(robot, q[:1].expand(3, -1), v[0], tau, steps=1)
     assert torch.equal(ends[0][0], ends[1].q) and torch.equal(ends[0][1], ends[1].v)
-    assert torch.autograd.gradcheck(lambda *x: step(robot, *x, step=1e-2), (q, v, tau), eps=1e-6, atol=1e-4, rtol=1e-5)
+    assert torch.autograd.gradcheck(lambda *x: step(robot, *x, dt=1e-2), (q, v, tau), eps=1e-6, atol=1e-4, rtol=1e-5)
 
 
 def test_a_floating_base_has_gradients_by_the_numbers_of_q_on_the_sphere() -> None:
@@ -178,7 +178,7 @@ def test_a_floating_base_has_gradients_by_the_numbers_of_q_on_the_sphere() -> No
 
     def call(q: Any, v: Any) -> Any:
         unit = q[..., 3:7] / q[..., 3:7].norm(dim=-1, keepdim=True)
-        end = rollout(robot, torch.cat([q[..., :3], unit, q[..., 7:]], dim=-1), v, steps=3, step=1e-3)
+        end = rollout(robot, torch.cat([q[..., :3], unit, q[..., 7:]], dim=-1), v, steps=3, dt=1e-3)
         return end.q, end.v
 
     assert torch.autograd.gradcheck(call, (q, v), eps=1e-6, atol=1e-3, rtol=1e-4)
@@ -190,7 +190,7 @@ def test_parameters_have_gradients_and_are_found_by_descent() -> None:
     values = robot.parameters()
     values[names.index("shoulder.damping")] = 0.8
     q, v, tau = (each.detach() for each in given(robot, "forward_dynamics", 8))
-    how: dict[str, Any] = {"steps": 20, "step": 5e-3, "dissipation": True, "stride": 5}
+    how: dict[str, Any] = {"steps": 20, "dt": 5e-3, "dissipation": True, "stride": 5}
     seen = rollout(robot, q, v, tau, parameters=torch.tensor(values), **how)
     chosen = torch.tensor([float(name == "shoulder.damping") for name in names], dtype=torch.float64)
 
@@ -243,7 +243,7 @@ def test_rollouts_map_and_refuse() -> None:
     q, v, tau = (each.detach() for each in given(robot, "forward_dynamics", 4))
 
     def loss(q: Any, v: Any, tau: Any) -> Any:
-        return rollout(robot, q, v, tau, steps=4, step=1e-2).v.square().sum()
+        return rollout(robot, q, v, tau, steps=4, dt=1e-2).v.square().sum()
 
     each = torch.func.vmap(torch.func.grad(loss, argnums=(0, 1, 2)), in_dims=(0, None, 0))(q, v[0], tau)
     leaves = [q.clone().requires_grad_(), v[:1].repeat(4, 1).requires_grad_(), tau.clone().requires_grad_()]

@@ -167,7 +167,7 @@ impl Robot {
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let setup = Setup::of(options)?;
-        let (step, is_adaptive) = (setup.step(), setup.is_adaptive());
+        let (step, is_adaptive) = (setup.dt(), setup.is_adaptive());
         let steps = steps_of(py, duration, step)?;
         let mut torques = Torques::of(py, self, tau, steps, step)?;
         let flag = Arc::new(AtomicBool::new(false));

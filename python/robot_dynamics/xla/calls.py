@@ -149,7 +149,7 @@ class Course:
     torques: str
     """``none``, ``held`` over all steps, or of ``each`` step."""
     steps: int
-    step: float
+    dt: float
     integrator: str
     dissipation: bool
     stride: int
@@ -159,7 +159,7 @@ class Course:
         return (
             ("torques", self.torques),
             ("steps", np.int64(self.steps)),
-            ("step", np.float64(self.step)),
+            ("dt", np.float64(self.dt)),
             ("integrator", self.integrator),
             ("dissipation", np.bool_(self.dissipation)),
             ("stride", np.int64(self.stride)),

@@ -53,9 +53,9 @@ impl SimulationBatch {
         self.robot.clone_ref(py)
     }
 
-    /// The step [s].
+    /// Length of a step [s].
     #[getter]
-    fn step_size(&self) -> f64 {
+    fn dt(&self) -> f64 {
         self.stepped.simulations().first().map_or(f64::NAN, Single::step_size)
     }
 

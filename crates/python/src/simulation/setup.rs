@@ -24,7 +24,7 @@ use crate::robot::Robot;
 /// The arguments that `simulate` and `Simulation` share.
 #[derive(Debug)]
 pub(crate) struct Setup {
-    step: f64,
+    dt: f64,
     integrator: Option<String>,
     without: Vec<String>,
     conservative: bool,
@@ -42,12 +42,12 @@ pub(crate) struct Setup {
 impl PartialEq for Setup {
     fn eq(&self, other: &Self) -> bool {
         let own = |setup: &Self| setup.constraints.as_ref().map(Py::as_ptr);
-        let Self { step, integrator, without, conservative, ground, stabilization, correction, .. } = self;
+        let Self { dt, integrator, without, conservative, ground, stabilization, correction, .. } = self;
         let Self { ignored_pairs, only_pairs, .. } = self;
         let steps = |setup: &Self| (setup.tolerance, setup.control_period);
         steps(self) == steps(other)
             && own(self) == own(other)
-            && (*step, *conservative, *stabilization) == (other.step, other.conservative, other.stabilization)
+            && (*dt, *conservative, *stabilization) == (other.dt, other.conservative, other.stabilization)
             && (integrator, without, ground) == (&other.integrator, &other.without, &other.ground)
             && (correction, ignored_pairs, only_pairs)
                 == (&other.correction, &other.ignored_pairs, &other.only_pairs)
@@ -57,7 +57,7 @@ impl PartialEq for Setup {
 impl Setup {
     pub(crate) fn of(options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut setup = Self {
-            step: 1e-3,
+            dt: 1e-3,
             integrator: None,
             without: Vec::new(),
             conservative: false,
@@ -73,7 +73,7 @@ impl Setup {
         };
         for (name, value) in options.into_iter().flat_map(PyDictMethods::iter) {
             match name.extract::<String>()?.as_str() {
-                "step" => setup.step = value.extract()?,
+                "dt" => setup.dt = value.extract()?,
                 "integrator" => setup.integrator = value.extract()?,
                 "without" => setup.without = value.extract()?,
                 "conservative" => setup.conservative = value.extract()?,
@@ -97,15 +97,15 @@ impl Setup {
         self
     }
 
-    pub(crate) fn step(&self) -> f64 {
-        self.step
+    pub(crate) fn dt(&self) -> f64 {
+        self.dt
     }
 
     pub(crate) fn is_adaptive(&self) -> bool {
         self.integrator.as_deref() == Some(Method::Adaptive.name())
     }
 
-    /// Refuses steps as long as a tolerance allows, where each step is one of `step`.
+    /// Refuses steps as long as a tolerance allows, where each step has the length `dt`.
     pub(crate) fn refuse_adaptive(self, py: Python<'_>) -> PyResult<Self> {
         if !self.is_adaptive() {
             return Ok(self);
@@ -134,7 +134,7 @@ impl Setup {
 
     /// The simulation. On a ground that was given, what does not touch it is told in one warning.
     pub(crate) fn build(&self, py: Python<'_>, robot: &Robot) -> PyResult<Simulation> {
-        let mut builder = robot_dynamics::simulation(&robot.model).step(self.step);
+        let mut builder = robot_dynamics::simulation(&robot.model).step(self.dt);
         if let Some(name) = &self.integrator {
             builder = builder.method(method_of(py, name)?);
         }

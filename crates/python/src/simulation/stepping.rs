@@ -69,9 +69,9 @@ impl Simulation {
         self.robot.clone_ref(py)
     }
 
-    /// The step [s].
+    /// Length of a step [s].
     #[getter]
-    fn step_size(&self) -> f64 {
+    fn dt(&self) -> f64 {
         self.stepped.step_size()
     }
 

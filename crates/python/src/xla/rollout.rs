@@ -33,7 +33,7 @@ impl Course {
         let whole = |name| call.whole(name).map(|x| usize::try_from(x).unwrap_or(usize::MAX));
         let integrator =
             Integrator::from_name(call.text("integrator")?).map_err(|error| error.to_string())?;
-        let how = Rollout::new(integrator, call.number("step")?, whole("steps")?)
+        let how = Rollout::new(integrator, call.number("dt")?, whole("steps")?)
             .with_dissipation(call.truth("dissipation")?)
             .with_stride(whole("stride")?);
         let dims = call.arguments().first().map_or(&[][..], |array| array.dims);
