@@ -8,6 +8,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent.parent
 QUANTITIES = ("M", "bias", "gravity")
 PEERS = ("pinocchio", "drake", "mujoco")
+TITLES = {"pinocchio": "Pinocchio", "drake": "Drake", "mujoco": "MuJoCo"}
 
 
 def refuses(record, program):
@@ -164,14 +165,14 @@ def refused(records):
             if freed or record["base"] == "fixed":
                 groups[key][record["file"]] = other[record["file"]]
     out = ["## Files that do not load here", ""]
-    out += ["The first error of each file. Brackets name the programs that load it: P, D, M for Pinocchio, Drake, MuJoCo.", ""]
+    out += ["The first error of each file, and the programs that load it.", ""]
     for key, files in sorted(groups.items(), key=lambda item: (-len(item[1]), item[0])):
-        out += [f"### {len(files)}: {key}", ""]
+        out += [f"### {len(files)}: {key}", "", "| file | loaded by |", "| --- | --- |"]
         for name, record in sorted(files.items())[:60]:
-            letters = "".join(p[0].upper() for p in PEERS if not refuses(record, p))
-            out.append(f"- {name} ({letters or 'nobody'})")
+            loading = ", ".join(TITLES[p] for p in PEERS if not refuses(record, p))
+            out.append(f"| {name} | {loading} |")
         if len(files) > 60:
-            out.append(f"- and {len(files) - 60} more")
+            out.append(f"| and {len(files) - 60} more | |")
         out.append("")
     return out
 
@@ -181,7 +182,7 @@ def peers_refuse(fixed):
     out = ["## Files that load here and not there", "", "| program | files |", "| --- | ---: |"]
     for program in PEERS:
         count = sum(refuses(record, program) and not refuses(record, "ours") for record in fixed)
-        out.append(f"| {program.capitalize()} | {count} |")
+        out.append(f"| {TITLES[program]} | {count} |")
     return [*out, ""]
 
 
