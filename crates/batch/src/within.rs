@@ -1,7 +1,7 @@
 //! Calls of a recursion from a batch's kernel.
 
-use robot_dynamics_core::workspace::compiled_once::{CompiledKernel, OverNumber, run};
-use robot_dynamics_core::workspace::tree::TreeMemory;
+use robot_dynamics_core::workspace::compiled_once::{CompiledKernel, run};
+use robot_dynamics_core::workspace::tree::{OverNumber, TreeMemory};
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::dispatch::{Call, Hardware, Kernel};
 

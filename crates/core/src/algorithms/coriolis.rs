@@ -13,23 +13,22 @@
 //! methods to compute the Coriolis matrix and Christoffel symbols for rigid-body systems*, J. Comput.
 //! Nonlinear Dyn. 16 (2021).
 
+mod branch;
 mod by_blocks;
+mod by_paths;
+
+pub(crate) use branch::Branch;
 
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::algebra::{M3, Sym3, V3};
+use robot_dynamics_number::algebra::M3;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
 
-use crate::kinematics::screws::{
-    add_composite, inertia_in_world, momentum_of, move_screws, place_screws, turn_screws,
-};
-use crate::kinematics::shifts::{pass_flow, pass_inertia, pass_inward};
+use crate::kinematics::screws::{move_screws, place_screws, turn_screws};
 use crate::model::native::NativeFunction;
-use crate::model::{Body, WORLD};
-use crate::spatial::screw::{Force, MassFlux, Screw, SpatialInertia};
-use crate::workspace::compiled_once::{OverNumber, compiled_once, run};
+use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::TreeMemory;
+use crate::workspace::tree::{OverNumber, TreeMemory};
 use crate::{Model, Workspace};
 
 /// C(q,v), nv×nv, row-major: C v is the velocity product, Ṁ = C + Cᵀ, so Ṁ − 2C is skew-symmetric.
@@ -100,178 +99,9 @@ impl<S: Scalar> Kernel<OverNumber, S> for CoriolisMatrix<'_, S> {
         move_screws(model, tree, v);
         turn_screws(model, tree);
         if M3::<N>::KEEPS_TRANSPOSE && !model.needs_dense_factor && !model.points.carried {
-            by_blocks::gather_branches(model, tree);
             by_blocks::write_matrix(model, tree, coriolis);
-            return;
-        }
-        coriolis.fill(N::zero());
-        let n = model.bodies.len();
-        let (bodies, world, twists) = (&model.bodies[..n], &tree.screws.world[..n], &tree.screws.twist[..n]);
-        let (columns, rates) = (&tree.screws.column[..], &tree.screws.column_rate[..]);
-        let levers = &tree.screws.levers[..];
-        let (composites, flows) = (&mut tree.inertias.composite[..n], &mut tree.screws.flow[..n]);
-        for i in 0..n {
-            let inertia = inertia_in_world(&bodies[i], &world[i]);
-            flows[i] = MassFlux::of(&inertia, &twists[i]);
-            composites[i] = inertia;
-        }
-        for i in (0..n).rev() {
-            let body = &bodies[i];
-            let (mut composite, mut flow) = (composites[i], flows[i]);
-            let own = body.dof..body.dof + body.motion.nv();
-            for dof in own.clone() {
-                let mut branch = Branch::new(&composite, &flow, &columns[dof], &rates[dof]);
-                for other in own.clone() {
-                    add_entry(model, coriolis, other, dof, branch.above(&columns[other]));
-                }
-                branch.pass_inward(body, levers);
-                let mut at = body.parent;
-                while at != WORLD {
-                    let ancestor = &bodies[at];
-                    for other in ancestor.dof..ancestor.dof + ancestor.motion.nv() {
-                        let (s, rate) = (&columns[other], &rates[other]);
-                        add_entry(model, coriolis, other, dof, branch.above(s));
-                        add_entry(model, coriolis, dof, other, branch.beyond(s, rate));
-                    }
-                    branch.pass_inward(ancestor, levers);
-                    at = ancestor.parent;
-                }
-            }
-            if body.parent != WORLD {
-                pass_inertia(body, levers, &mut composite);
-                pass_flow(body, levers, &mut flow);
-                add_composite(&mut composites[body.parent], &composite);
-                flows[body.parent].add(&flow);
-            }
-        }
-    }
-}
-
-/// Adds a tree entry C_{i j} to the reduced matrix GᵀCG.
-#[inline(always)]
-fn add_entry<N: Scalar>(model: &Model, matrix: &mut [N], i: usize, j: usize, entry: N) {
-    if model.needs_dense_factor {
-        let (a, b) = (&model.dofs[i], &model.dofs[j]);
-        matrix[a.coordinate * model.nv + b.coordinate] += entry.scale(a.ratio * b.ratio);
-    } else {
-        matrix[i * model.nv + j] = entry;
-    }
-}
-
-impl<S: Scalar> MassFlux<S> {
-    #[inline(always)]
-    pub fn add(&mut self, other: &Self) {
-        self.momentum += other.momentum;
-        self.stir = self.stir + other.stir;
-    }
-
-    /// f = m u + ω × h and D = u hᵀ + \[ω\]×Σ of a rigid set of points, with Σ = ∫ p pᵀ dm.
-    #[inline(always)]
-    pub fn of(inertia: &SpatialInertia<S>, twist: &Screw<S>) -> Self {
-        let (u, w, h) = (twist.linear, twist.angular, inertia.first_moment);
-        // Σ = ½ tr(I) 1 − I is symmetric: its columns are its rows.
-        let [[xx, ..], [_, yy, _], [_, _, zz]] = inertia.inertia.full().rows();
-        let half_trace = Sym3::multiple_of_identity((xx + yy + zz).scale(0.5));
-        let sigma = half_trace.full() - inertia.inertia.full();
-        let columns = [
-            w.cross(sigma.column(0)).add_scaled(h.get(0), u),
-            w.cross(sigma.column(1)).add_scaled(h.get(1), u),
-            w.cross(sigma.column(2)).add_scaled(h.get(2), u),
-        ];
-        Self { momentum: w.cross(h).add_scaled(inertia.mass, u), stir: M3::from_columns(columns) }
-    }
-}
-
-/// The subtree of a DoF i, reduced to three vectors for its ancestors.
-pub(crate) struct Branch<S: Scalar> {
-    /// I Ṡ_i + B S_i.
-    pub above: Force<S>,
-    /// I S_i.
-    pub inertial: Force<S>,
-    /// The moment of Bᵀ S_i; its force is zero.
-    pub turning: V3<S>,
-}
-
-impl<S: Scalar> Branch<S> {
-    #[inline(always)]
-    pub(crate) fn new(
-        inertia: &SpatialInertia<S>,
-        flow: &MassFlux<S>,
-        s: &Screw<S>,
-        rate: &Screw<S>,
-    ) -> Self {
-        let d = &flow.stir;
-        let [[xx, ..], [_, yy, _], [_, _, zz]] = d.rows();
-        let stretched = s.angular * (xx + yy + zz);
-        let mut above = momentum_of(inertia, rate);
-        above.linear += s.angular.cross(flow.momentum);
-        above.angular += stretched - *d * s.angular;
-        let turning = flow.momentum.cross(s.linear) + stretched - d.transpose_mul(s.angular);
-        Self { above, inertial: momentum_of(inertia, s), turning }
-    }
-
-    /// Moves the vectors from a body's reference point to its parent's. The moment of Bᵀ S_i has no force, so
-    /// it is the same about every point.
-    #[inline(always)]
-    pub(crate) fn pass_inward(&mut self, body: &Body, levers: &[V3<S>]) {
-        pass_inward(body, levers, &mut self.above);
-        pass_inward(body, levers, &mut self.inertial);
-    }
-
-    /// C_ji = S_jᵀ(I Ṡ_i + B S_i).
-    #[inline(always)]
-    pub(crate) fn above(&self, s: &Screw<S>) -> S {
-        s.dot(&self.above)
-    }
-
-    /// C_ij = S_iᵀ(I Ṡ_j + B S_j).
-    #[inline(always)]
-    pub(crate) fn beyond(&self, s: &Screw<S>, rate: &Screw<S>) -> S {
-        self.inertial.dot(rate) + self.turning.dot(s.angular)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use robot_dynamics_number::SplitMix64;
-
-    use super::*;
-    use crate::kinematics::screws::{force_cross, motion_cross};
-
-    /// B of the module's documentation, applied to each unit motion, is ½((V×*)I − I(V×) + (IV)×̄*), where
-    /// F ×̄* S = S ×* F. Entries are products of three numbers below 3: 1e-13 allows about twenty rounding
-    /// errors.
-    #[test]
-    fn body_matrix_is_echeandia_and_wensings() {
-        let mut random = SplitMix64::new(5);
-        for _ in 0..20 {
-            let mut vector = || V3::new([(); 3].map(|()| random.uniform(-2.0, 2.0)));
-            let twist = Force { linear: vector(), angular: vector() };
-            // A point mass and a rotational inertia. The identity is algebraic, so any symmetric numbers will
-            // do.
-            let ([a, b, c], [d, e, f]) = (vector().array(), vector().array());
-            let inertia = SpatialInertia {
-                mass: 1.7,
-                first_moment: vector(),
-                inertia: Sym3::from_columns(&M3::from_rows([[a, b, c], [b, d, e], [c, e, f]])),
-            };
-            let flow = MassFlux::of(&inertia, &twist);
-            for axis in 0..6 {
-                let mut s = Force::zero();
-                let mut unit = [0.0; 3];
-                unit[axis % 3] = 1.0;
-                *(if axis < 3 { &mut s.linear } else { &mut s.angular }) = V3::new(unit);
-                let found = Branch::new(&inertia, &flow, &s, &Force::zero()).above;
-                let first = force_cross(&twist, &momentum_of(&inertia, &s));
-                let second = momentum_of(&inertia, &motion_cross(&twist, &s));
-                let third = force_cross(&s, &momentum_of(&inertia, &twist));
-                for i in 0..3 {
-                    let linear = 0.5 * (first.linear.get(i) - second.linear.get(i) + third.linear.get(i));
-                    let angular = 0.5 * (first.angular.get(i) - second.angular.get(i) + third.angular.get(i));
-                    assert!((found.linear.get(i) - linear).abs() < 1e-13, "{found:?}, axis {axis}");
-                    assert!((found.angular.get(i) - angular).abs() < 1e-13, "{found:?}, axis {axis}");
-                }
-            }
+        } else {
+            by_paths::write_matrix(model, tree, coriolis);
         }
     }
 }

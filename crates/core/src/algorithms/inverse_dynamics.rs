@@ -19,9 +19,9 @@ use robot_dynamics_number::{Scalar, View};
 use crate::kinematics::place::{evaluate_angles, gather, spread};
 use crate::kinematics::wrench::{FrameWrench, subtract_wrenches};
 use crate::model::native::NativeFunction;
-use crate::workspace::compiled_once::{OverNumber, compiled_once, run};
+use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::TreeMemory;
+use crate::workspace::tree::{OverNumber, TreeMemory};
 use crate::{Model, Workspace};
 
 pub(crate) use self::along_world_axes::accelerate_bodies as accelerate_along_world_axes;

@@ -13,9 +13,9 @@ use crate::kinematics::place::place_chain;
 use crate::model::WORLD;
 use crate::model::native::NativeFunction;
 use crate::spatial::screw::{Screw, Transform};
-use crate::workspace::compiled_once::{OverNumber, compiled_once, run};
+use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::TreeMemory;
+use crate::workspace::tree::{OverNumber, TreeMemory};
 use crate::{FrameId, Model, Workspace};
 
 /// J of [`frame_velocity_world_aligned`](crate::frame_velocity_world_aligned): the velocity of the frame's

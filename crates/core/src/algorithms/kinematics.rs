@@ -12,9 +12,9 @@ use crate::kinematics::place::{place_all_in_world, place_chain};
 use crate::model::Frame;
 use crate::model::native::NativeFunction;
 use crate::spatial::screw::Transform;
-use crate::workspace::compiled_once::{OverNumber, compiled_once, run};
+use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::TreeMemory;
+use crate::workspace::tree::{OverNumber, TreeMemory};
 use crate::{FrameId, Model, Workspace};
 
 /// `world_from_frame`: x_world = R x_frame + p. **(MR §3.3)**

@@ -12,9 +12,9 @@ use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::factorization::sparse;
 use crate::model::native::NativeFunction;
 use crate::workspace::buffers::{Dense, Workspace};
-use crate::workspace::compiled_once::{OverNumber, compiled_once, run};
+use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::TreeMemory;
+use crate::workspace::tree::{OverNumber, TreeMemory};
 
 /// The factor of M(q) = LᵀDL, nv×nv row-major: L below the diagonal, D on the diagonal, zeros above. The
 /// diagonal of L is 1.

@@ -25,8 +25,10 @@ mod bodies;
 mod followers;
 mod singular;
 mod tree;
+mod vanished;
 
 pub use singular::{SingularMass, SingularMotion};
+use vanished::{ROUNDINGS, Vanished};
 
 use robot_dynamics_description::check_length;
 
@@ -35,34 +37,6 @@ use crate::workspace::extent::Scratch;
 use crate::workspace::native::computed_natively;
 use crate::workspace::tree::TreeMemory;
 use crate::{InstructionSet, Model, MotionError, Workspace, check_configuration};
-
-/// The number of rounding errors of (Σ |zᵢ| √Nᵢ)² that a pivot must exceed.
-///
-/// A sum of products over a body has about ten rounding errors of its largest terms, and a chain adds a few
-/// per body. They mostly cancel.
-///
-/// The bound was measured on hundreds of singular robots of 2 to 100 joints, with mass ratios up to 1e12 (see
-/// the tests). Their vanishing pivots come out below 1. The pivot of a regular robot is at least 0.04/(κ ε),
-/// where κ is the condition number of M scaled to a unit diagonal. That is above 1e3 for mass ratios of 1e12,
-/// and above 1e8 on all usual robots. With 16, no robot with κ below 1e13 is reported as singular, and such
-/// robots have accelerations with correct digits.
-const ROUNDINGS: f64 = 16.0;
-
-/// If dₖ/Nₖ times the least dᵢ/Nᵢ beyond exceeds the bound by this factor, z is not needed. The |zᵢ| √Nᵢ grow
-/// about like √(Nᵢ/dᵢ), and the factor leaves a margin for their sum.
-const CLEAR: f64 = 1e6;
-
-/// A vanished pivot.
-struct Vanished<'a> {
-    /// Its coordinate.
-    index: usize,
-    /// dₖ.
-    pivot: f64,
-    /// Nₖ.
-    inertia: f64,
-    /// |zᵢ| √Nᵢ by coordinate, from `index` to the last DoF of its subtree.
-    share: &'a [f64],
-}
 
 /// The numerical rank of M(q): nv, less one for each motion that moves no inertia in this configuration.
 ///
@@ -185,20 +159,6 @@ fn for_each_vanished(
     } else {
         tree::eliminate(model, tree, scratch, q, bound, on_vanished);
     }
-}
-
-/// Whether dₖ/Nₖ is so large compared with the least dᵢ/Nᵢ beyond that z is not needed. False if either is
-/// NaN.
-#[inline(always)]
-fn is_clear(left: f64, least: f64, bound: f64) -> bool {
-    left > 0.0 && left * least.min(left) > CLEAR * bound
-}
-
-/// Whether dₖ is within rounding of zero; `size` is Σ |zᵢ| √Nᵢ. True for negative pivots, false for those
-/// that overflowed.
-#[inline(always)]
-fn vanishes(pivot: f64, bound: f64, size: f64) -> bool {
-    pivot.is_finite() && pivot <= bound * size * size
 }
 
 impl Model {

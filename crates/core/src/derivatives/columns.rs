@@ -5,7 +5,6 @@ use robot_dynamics_number::{Scalar, View};
 
 use crate::Model;
 use crate::algorithms::coriolis::Branch;
-use crate::algorithms::mass_matrix::force_in_parent;
 use crate::kinematics::screws::{
     add_composite, add_scaled, force_cross, inertia_in_world, momentum_of, motion_cross,
 };
@@ -90,7 +89,7 @@ pub(super) fn subtract_carried<S: Scalar, N: View<S>>(
 ) {
     for wrench in wrenches {
         let Some((body, force)) = on_body(model, wrench) else { continue };
-        let Force { linear, angular } = force_in_parent(&tree.screws.world[body], &force);
+        let Force { linear, angular } = tree.screws.world[body].force_in_parent(&force);
         tree.bodies.force[body].linear -= linear;
         tree.bodies.force[body].angular -= angular;
     }

@@ -11,9 +11,9 @@ use crate::factorization::tile::WIDTH;
 use crate::kinematics::place::{gather, spread};
 use crate::kinematics::screws::place_screws;
 use crate::kinematics::wrench::FrameWrench;
-use crate::workspace::compiled_once::{OverNumber, compiled_once, run};
+use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::derivatives::Scratch;
-use crate::workspace::tree::TreeMemory;
+use crate::workspace::tree::{OverNumber, TreeMemory};
 use crate::{Model, Workspace};
 
 /// The arguments.

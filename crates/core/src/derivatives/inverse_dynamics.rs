@@ -9,8 +9,8 @@ use super::entries::{Slopes, write_slopes};
 use crate::kinematics::place::spread;
 use crate::kinematics::screws::place_screws;
 use crate::kinematics::wrench::FrameWrench;
-use crate::workspace::compiled_once::{OverNumber, compiled_once, run};
-use crate::workspace::tree::TreeMemory;
+use crate::workspace::compiled_once::{compiled_once, run};
+use crate::workspace::tree::{OverNumber, TreeMemory};
 use crate::{Model, Workspace};
 
 /// The arguments.

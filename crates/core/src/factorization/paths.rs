@@ -10,123 +10,19 @@
 //! end, and written back when that branch is done.
 
 mod four;
+mod pattern;
 mod sweeps;
 mod unsymmetric;
-
-use core::ops::Range;
 
 use robot_dynamics_number::dispatch::{Call, Hardware, run_here};
 
 use self::four::in_parts;
-use self::sweeps::Run;
-use super::sparse::NONE;
-use crate::clone_in_place::clone_in_place;
+use self::pattern::Row;
 
 pub use self::four::{Four, WIDTH, add, add_three, fours, fours_mut, product, subtract, with_constant};
-
-/// Paths of at most this many DoFs are gathered. Longer ones, which few robots have, are followed entry by
-/// entry.
-const LONGEST: usize = 64;
-
-/// The number of rows above which a matrix is assumed to be mostly zeros.
-const LARGE: usize = 512;
-
-clone_in_place! {
-    /// The zero pattern of a matrix: the ancestors of each DoF.
-    #[derive(Debug)]
-    pub struct Paths {
-        carrier: Vec<usize>,
-        /// The column of each entry, with 0 for padding; and the start of each row, in units of four entries.
-        columns: Vec<usize>,
-        starts: Vec<usize>,
-        rows: Vec<Row>,
-        branches: Vec<Branch>,
-        runs: Vec<Run>,
-        /// Whether some path is too long to gather.
-        is_long: bool,
-    }
-}
-
-/// A chain of DoFs, each the parent of the next.
-#[derive(Clone, Debug)]
-struct Branch {
-    first: usize,
-    end: usize,
-    /// The number of ancestors of the first DoF.
-    depth: usize,
-    /// Its runs.
-    runs: Range<usize>,
-}
-
-/// The position of a row.
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    /// Its first entry.
-    begin: usize,
-    /// Its diagonal.
-    diagonal: usize,
-}
-
-impl Row {
-    /// The start of the next row.
-    #[inline(always)]
-    fn end(self) -> usize {
-        self.diagonal - self.diagonal % WIDTH + WIDTH
-    }
-
-    /// The number of entries left of its diagonal.
-    #[inline(always)]
-    fn depth(self) -> usize {
-        self.diagonal - self.begin
-    }
-}
+pub use self::pattern::{Paths, usual_entries};
 
 impl Paths {
-    /// With memory for n DoFs.
-    pub fn new(n: usize) -> Self {
-        let (carrier, rows) = (Vec::with_capacity(n), Vec::with_capacity(n));
-        let most = usual_entries(n);
-        let (columns, starts) = (Vec::with_capacity(most), Vec::with_capacity(most));
-        let (branches, runs) = (Vec::with_capacity(n), Vec::with_capacity(n));
-        Self { carrier, columns, starts, rows, branches, runs, is_long: false }
-    }
-
-    /// Sets λ; does nothing if it is equal to the last one.
-    pub fn choose(&mut self, carrier: &[usize]) {
-        if self.carrier == carrier {
-            return;
-        }
-        self.carrier.clear();
-        self.carrier.extend_from_slice(carrier);
-        self.columns.clear();
-        self.rows.clear();
-        self.branches.clear();
-        self.runs.clear();
-        self.is_long = false;
-        let mut first = 0;
-        for (k, &carrier) in carrier.iter().enumerate() {
-            let begin = self.columns.len();
-            if carrier != NONE {
-                let Row { begin, diagonal } = self.rows[carrier];
-                self.columns.extend_from_within(begin..=diagonal);
-            }
-            let row = Row { begin, diagonal: self.columns.len() };
-            self.columns.push(k);
-            self.columns.resize(row.end(), 0);
-            self.rows.push(row);
-            self.is_long |= row.end() - row.begin > LONGEST;
-            if k > 0 && (carrier == NONE || carrier + 1 != k) {
-                self.add_branch(first, k);
-                first = k;
-            }
-        }
-        if first < carrier.len() {
-            self.add_branch(first, carrier.len());
-        }
-        self.starts.clear();
-        self.starts.extend(self.columns.iter().map(|&column| self.rows[column].begin / WIDTH));
-    }
-
     /// The number of ancestors of DoF k: the position of its column in the rows of its descendants.
     pub fn depth(&self, k: usize) -> usize {
         self.rows[k].depth()
@@ -283,12 +179,6 @@ impl Paths {
         run_here(SolveFour { paths: self, l, x });
     }
 
-    /// The DoFs from the root to a branch, in ascending order.
-    #[inline(always)]
-    fn path_to(&self, branch: &Branch) -> &[usize] {
-        &self.columns[self.rows[branch.first].begin..][..branch.depth]
-    }
-
     /// `product` = M x.
     pub fn multiply(&self, m: &[f64], x: &[f64], product: &mut [f64]) {
         run_here(Multiply { paths: self, m, x, product });
@@ -359,16 +249,6 @@ impl Call for Multiply<'_> {
     fn call<H: Hardware>(self) {
         self.paths.multiply_here(self.m, self.x, self.product);
     }
-}
-
-/// The number of entries to reserve for n rows: the largest possible number, unless n is very large.
-pub fn usual_entries(n: usize) -> usize {
-    most_entries(n.min(LARGE))
-}
-
-/// The largest possible number of entries in n rows.
-fn most_entries(n: usize) -> usize {
-    (0..n).map(|diagonal| Row { begin: 0, diagonal }.end()).sum()
 }
 
 /// The length of a row of this many entries, with padding.

@@ -4,7 +4,8 @@ use robot_dynamics_description::rotation_of;
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::{M3, V3};
 
-use super::{Chart, JointModel, Position, slide_along, turn_about};
+use super::axis::{slide_along, turn_about};
+use super::model::{Chart, JointModel, Position};
 use crate::spatial::screw::{AxisMotion, Force, Screw, Transform};
 use crate::spatial::turn::JointRotation;
 

@@ -3,7 +3,8 @@
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::M3;
 
-use super::{Chart, JointModel, Position, turn_about, turn_about_z};
+use super::axis::{turn_about, turn_about_z};
+use super::model::{Chart, JointModel, Position};
 use crate::spatial::screw::{AxisMotion, Force, Screw, Transform};
 use crate::spatial::turn::JointRotation;
 

@@ -3,7 +3,8 @@
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::M3;
 
-use super::{Chart, JointModel, Position, slide_along};
+use super::axis::slide_along;
+use super::model::{Chart, JointModel, Position};
 use crate::spatial::screw::{AxisMotion, Force, Screw, Transform};
 use crate::spatial::turn::JointRotation;
 

@@ -2,8 +2,8 @@
 
 use Input::{Acceleration, Force, Frame, Velocity};
 
-use super::ResultShape::{Point, Poses, Rows, Scalar, Square, Vector};
-use super::{Input, Inputs, QuantityResult};
+use super::arguments::ResultShape::{Point, Poses, Rows, Scalar, Square, Vector};
+use super::arguments::{Input, Inputs, QuantityResult};
 use crate::{FramePose, Model, Workspace};
 
 /// Generates the enum, its list and its calls from the rows.

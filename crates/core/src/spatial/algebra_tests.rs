@@ -6,8 +6,8 @@ use robot_dynamics_number::algebra::{M3, Sym3, V3, padded};
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, SplitMix64, View};
 
-use crate::workspace::compiled_once::{OverNumber, run_on_machine};
-use crate::workspace::tree::TreeMemory;
+use crate::workspace::compiled_once::run_on_machine;
+use crate::workspace::tree::{OverNumber, TreeMemory};
 use crate::{Model, Workspace};
 
 /// Every product equals nalgebra's at random points without symmetry. Entries are below 1 and sums have at

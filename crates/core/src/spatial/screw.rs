@@ -21,6 +21,15 @@ impl<S: Scalar> Transform<S> {
     }
 }
 
+impl<S: Scalar> Transform<S> {
+    /// A force of the body's frame, along the parent's axes and about its origin.
+    #[inline(always)]
+    pub fn force_in_parent(&self, force: &Force<S>) -> Force<S> {
+        let linear = self.rotation * force.linear;
+        Force { linear, angular: self.rotation * force.angular + self.translation.cross(linear) }
+    }
+}
+
 /// Angular velocity, and the acceleration field a(x) = `origin` + `gradient` x, in the body frame.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyMotion<S: Scalar> {

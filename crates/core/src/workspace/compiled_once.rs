@@ -7,24 +7,10 @@
 
 use core::marker::PhantomData;
 
-use robot_dynamics_number::dispatch::{CloneForm, Kernel, Portable};
+use robot_dynamics_number::dispatch::{Kernel, Portable};
 use robot_dynamics_number::{AsFloat, Float, Form, Scalar};
 
-use crate::workspace::tree::TreeMemory;
-
-/// The recursions' memory, generic over the scalar type.
-#[derive(Debug)]
-pub struct OverNumber;
-
-impl Form for OverNumber {
-    type Over<S: Scalar> = TreeMemory<S>;
-}
-
-impl CloneForm for OverNumber {
-    fn copy<S: Scalar>(memory: &TreeMemory<S>) -> TreeMemory<S> {
-        memory.clone()
-    }
-}
+use crate::workspace::tree::{OverNumber, TreeMemory};
 
 /// A kind of kernel whose forms over floats are compiled in this library. See [`compiled_once`].
 pub trait Kind {

@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 
 use robot_dynamics_number::algebra::{M3, Sym3, V3};
-use robot_dynamics_number::dispatch::{Make, OneState};
+use robot_dynamics_number::dispatch::{CloneForm, Make, OneState};
 use robot_dynamics_number::{AsFloat, Float, Form, Scalar};
 
 use crate::spatial::screw::{
@@ -11,7 +11,6 @@ use crate::spatial::screw::{
     Transform,
 };
 use crate::workspace::branch_block::BranchBlock;
-use crate::workspace::compiled_once::OverNumber;
 use crate::workspace::derivatives::Scratch;
 use crate::workspace::momentum_block::momentum_blocks;
 use crate::workspace::native::NativeScratch;
@@ -32,6 +31,20 @@ pub struct TreeMemory<S: Scalar> {
     pub blocks: Blocks<S>,
     pub derivatives: Scratch<S>,
     pub pullback: pullback::Scratch<S>,
+}
+
+/// The recursions' memory, generic over the scalar type.
+#[derive(Debug)]
+pub struct OverNumber;
+
+impl Form for OverNumber {
+    type Over<S: Scalar> = TreeMemory<S>;
+}
+
+impl CloneForm for OverNumber {
+    fn copy<S: Scalar>(memory: &TreeMemory<S>) -> TreeMemory<S> {
+        memory.clone()
+    }
 }
 
 /// Positions of the one-DoF joints, with their sines and cosines; one entry per body.

@@ -2,7 +2,7 @@
 
 use robot_dynamics_number::Scalar;
 
-use super::Branch;
+use super::branch::Branch;
 use crate::Model;
 use crate::kinematics::screws::{add_composite, inertia_in_world};
 use crate::model::WORLD;
@@ -35,9 +35,16 @@ impl<S: Scalar> BranchBlock<S> {
     }
 }
 
-/// The [`Branch`] of each DoF, in blocks. Call after [`turn_screws`](crate::kinematics::screws::turn_screws).
+/// Writes all entries of C. Call after [`turn_screws`](crate::kinematics::screws::turn_screws).
 #[inline(always)]
-pub(super) fn gather_branches<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
+pub(super) fn write_matrix<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, coriolis: &mut [N]) {
+    gather_branches(model, tree);
+    project_branches(model, tree, coriolis);
+}
+
+/// The [`Branch`] of each DoF, in blocks.
+#[inline(always)]
+fn gather_branches<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let (bodies, world, twists) = (&model.bodies[..n], &tree.screws.world[..n], &tree.screws.twist[..n]);
     let (columns, rates) = (&tree.screws.column[..], &tree.screws.column_rate[..]);
@@ -70,9 +77,9 @@ pub(super) fn gather_branches<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>
     }
 }
 
-/// Writes all entries of C from the branches.
+/// The entries of C from the branches.
 #[inline(always)]
-pub(super) fn write_matrix<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, coriolis: &mut [N]) {
+fn project_branches<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, coriolis: &mut [N]) {
     let n = model.nv;
     let (dofs, columns, rates) = (&model.dofs[..n], &tree.screws.column[..n], &tree.screws.column_rate[..n]);
     let blocks = &mut tree.blocks.branch_block[..];

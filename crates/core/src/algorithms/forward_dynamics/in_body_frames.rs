@@ -13,24 +13,26 @@
 use robot_dynamics_number::algebra::{M3, Sym3, V3};
 use robot_dynamics_number::{Scalar, View};
 
-use super::less_spring;
+use super::spring::less_spring;
 use crate::Model;
 use crate::algorithms::inverse_dynamics::{accelerate_bodies, upward};
 use crate::kinematics::carried::{turn_of, turned};
-use crate::kinematics::place::{evaluate_angles, motion_in_body};
+use crate::kinematics::place::{evaluate_angles, motion_in_body, spread};
 use crate::kinematics::wrench::{FrameWrench, subtract_wrenches};
 use crate::model::{Body, WORLD};
 use crate::spatial::screw::{ArticulatedInertia, DofElimination, Force};
 use crate::workspace::tree::TreeMemory;
 
-/// Replaces τ in `tree.freedoms` by a; reads v there.
+/// Replaces τ in `tree.freedoms` by a.
 #[inline(always)]
 pub(super) fn accelerate<S: Scalar, N: View<S>>(
     model: &Model,
     tree: &mut TreeMemory<N>,
     q: &[N],
+    v: &[N],
     wrenches: &[FrameWrench<S>],
 ) {
+    spread(model, v, &mut tree.freedoms.v);
     evaluate_angles(model, tree, q);
     tree.freedoms.a.fill(N::zero());
     accelerate_bodies(model, tree, q, upward(model));
@@ -198,9 +200,8 @@ mod tests {
             let w = &mut Workspace::<f64>::limited(&model, crate::InstructionSet::Portable);
             let mut expected = vec![0.0; model.nv()];
             forward_dynamics_with_wrenches(&model, w, &q, &v, &tau, &[wrench], &mut expected);
-            w.tree.freedoms.v.copy_from_slice(&v);
             w.tree.freedoms.tau.copy_from_slice(&tau);
-            accelerate::<f64, f64>(&model, &mut w.tree, &q, &[wrench]);
+            accelerate::<f64, f64>(&model, &mut w.tree, &q, &v, &[wrench]);
             let found = w.tree.freedoms.a.clone();
             let size = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
             for (found, expected) in found.iter().zip(&expected) {

@@ -10,7 +10,6 @@ use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::{M3, Padded, V3};
 
 use crate::Model;
-use crate::algorithms::mass_matrix::force_in_parent;
 use crate::kinematics::place::place_body;
 use crate::model::{Body, WORLD};
 use crate::spatial::screw::{AxisMotion, BodyMotion, Force, Transform};
@@ -96,7 +95,7 @@ pub(crate) fn collect_forces<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>)
             tau[body.dof + k] = body.motion.force_along(k, &force);
         }
         if body.parent != WORLD {
-            forces[body.parent].add(&force_in_parent(&place[i], &force));
+            forces[body.parent].add(&place[i].force_in_parent(&force));
         }
     }
 }

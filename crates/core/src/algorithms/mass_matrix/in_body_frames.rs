@@ -9,7 +9,7 @@
 
 use robot_dynamics_number::Scalar;
 
-use super::{add_reduced, force_in_parent};
+use super::entries::{Entries, add_armature, add_reduced};
 use crate::Model;
 use crate::kinematics::carried::{in_parent, own_inertia, turn_of};
 use crate::kinematics::place::place_bodies;
@@ -17,9 +17,15 @@ use crate::kinematics::screws::{add_composite, momentum_of};
 use crate::model::WORLD;
 use crate::workspace::tree::TreeMemory;
 
-/// All entries of M, without armature.
+/// Writes all entries of M, whichever are selected.
 #[inline(always)]
-pub(super) fn write_matrix<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, q: &[S], mass: &mut [S]) {
+pub(super) fn write_matrix<S: Scalar>(
+    model: &Model,
+    tree: &mut TreeMemory<S>,
+    q: &[S],
+    mass: &mut [S],
+    _: Entries,
+) {
     place_bodies(model, tree, q);
     let (composites, places) = (&mut tree.inertias.composite, &tree.bodies.place);
     for (composite, body) in composites.iter_mut().zip(&model.bodies) {
@@ -37,7 +43,7 @@ pub(super) fn write_matrix<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, q
             }
             let mut at = i;
             while model.bodies[at].parent != WORLD {
-                momentum = force_in_parent(&places[at], &momentum);
+                momentum = places[at].force_in_parent(&momentum);
                 at = model.bodies[at].parent;
                 let carrier = &model.bodies[at];
                 for along in 0..carrier.motion.nv() {
@@ -51,6 +57,7 @@ pub(super) fn write_matrix<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, q
             add_composite(&mut composites[body.parent], &in_parent(body, &turn, &places[i], &composite));
         }
     }
+    add_armature(model, mass);
 }
 
 #[cfg(test)]
@@ -81,8 +88,7 @@ mod tests {
             let (mut found, mut expected) =
                 (vec![0.0; model.nv() * model.nv()], vec![0.0; model.nv() * model.nv()]);
             mass_matrix(&model, w, &q, &mut expected);
-            write_matrix(&model, &mut w.tree, &q, &mut found);
-            super::super::add_armature(&model, &mut found);
+            write_matrix(&model, &mut w.tree, &q, &mut found, Entries::All);
             let size = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             for (found, expected) in found.iter().zip(&expected) {
                 assert!((found - expected).abs() < 1e-13 * size, "{seed}: {found} {expected}");

@@ -2,7 +2,7 @@
 //! armature.
 
 use super::bodies::{add_shifted, place, response};
-use super::{Vanished, is_clear, vanishes};
+use super::vanished::{Vanished, is_clear, vanishes};
 use crate::Model;
 use crate::model::WORLD;
 use crate::spatial::screw::Force;

@@ -3,7 +3,7 @@
 use core::fmt;
 use std::collections::HashSet;
 
-use super::Vanished;
+use super::vanished::Vanished;
 use crate::Model;
 
 /// A joint takes part in a motion if its share exceeds this fraction of the largest. Rounding of a joint that

@@ -4,14 +4,14 @@ use robot_dynamics_number::View;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 
 use super::bodies::{add_shifted, place, response};
-use super::{Vanished, is_clear, vanishes};
+use super::vanished::{Vanished, is_clear, vanishes};
 use crate::Model;
 use crate::kinematics::screws::{add_scaled, shifted};
 use crate::model::WORLD;
 use crate::spatial::screw::{DofElimination, Force};
-use crate::workspace::compiled_once::{OverNumber, run_on_machine};
+use crate::workspace::compiled_once::run_on_machine;
 use crate::workspace::extent::Scratch;
-use crate::workspace::tree::TreeMemory;
+use crate::workspace::tree::{OverNumber, TreeMemory};
 
 /// The arguments of the elimination.
 struct Elimination<'a> {

@@ -7,23 +7,21 @@ use robot_dynamics_number::{Scalar, View};
 use super::inverse_dynamics::NewtonEulerPullback;
 use super::parameters::check_parameters;
 use super::sweeps::{Results, sweep_in, weigh_bodies};
-use crate::algorithms::forward_dynamics::{
-    accelerate_freedoms, eliminate_freedoms, free_bodies, subtract_in_world,
-};
+use crate::algorithms::forward_dynamics::accelerate_in_world;
 use crate::algorithms::forward_dynamics_by_cholesky::accelerate_by_cholesky;
 use crate::derivatives::columns::subtract_carried;
 use crate::factorization::sparse;
 use crate::kinematics::place::{gather, spread};
-use crate::kinematics::screws::{add_scaled, move_screws, place_screws};
+use crate::kinematics::screws::add_scaled;
 use crate::kinematics::shifts::{pass_inward, pass_outward};
 use crate::kinematics::wrench::FrameWrench;
 use crate::model::WORLD;
 use crate::model::native::NativeFunction;
 use crate::spatial::screw::Force;
 use crate::workspace::buffers::Dense;
-use crate::workspace::compiled_once::{OverNumber, compiled_once, run};
+use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, Screws, TreeMemory};
+use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, OverNumber, Screws, TreeMemory};
 use crate::{Model, Workspace};
 
 /// The arguments, for trees without coupled branches.
@@ -49,13 +47,8 @@ impl<S: Scalar> Kernel<OverNumber, S> for ArticulatedBodiesPullback<'_, S> {
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, tau, wrenches, cotangent, .. } = self;
         let by_force = N::view_mut(self.by_force);
-        place_screws(model, tree, N::view(q));
-        move_screws(model, tree, N::view(v));
         spread(model, N::view(tau), &mut tree.freedoms.tau);
-        free_bodies(model, tree);
-        subtract_in_world(model, tree, wrenches);
-        eliminate_freedoms(model, tree);
-        accelerate_freedoms(model, tree);
+        accelerate_in_world(model, tree, N::view(q), N::view(v), wrenches);
         gather(model, &tree.freedoms.a, N::view_mut(self.acceleration));
         // −ā gives −λ, which has the sign that the pullback of inverse dynamics needs.
         by_force.copy_from_slice(N::view(cotangent));
@@ -76,7 +69,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for ArticulatedBodiesPullback<'_, S> {
     }
 }
 
-/// Replaces x = `freedoms.tau` by M⁻¹ x, by the pivots of [`eliminate_freedoms`]; leaves each body's
+/// Replaces x = `freedoms.tau` by M⁻¹ x, by the pivots of [`accelerate_in_world`]; leaves each body's
 /// L = Σ S x.
 ///
 /// The sweeps are those of the articulated bodies at rest without gravity: u = τ − sᵀp, p_parent gains p + U

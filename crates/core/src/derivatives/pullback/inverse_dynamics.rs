@@ -11,9 +11,9 @@ use crate::kinematics::place::spread;
 use crate::kinematics::screws::place_screws;
 use crate::kinematics::wrench::FrameWrench;
 use crate::model::native::NativeFunction;
-use crate::workspace::compiled_once::{OverNumber, compiled_once, run};
+use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::TreeMemory;
+use crate::workspace::tree::{OverNumber, TreeMemory};
 use crate::{Model, Workspace};
 
 /// The arguments.

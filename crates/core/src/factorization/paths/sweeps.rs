@@ -3,40 +3,13 @@
 //! Rows of a branch whose diagonals lie in the same four have equally many fours left of it. That number is a
 //! constant in the loops over these rows.
 
-use core::ops::Range;
-
 use super::four::{Four, WIDTH, fours, product, subtract, sum_at, with_constant};
-use super::{Branch, LONGEST, Paths};
+use super::pattern::{LONGEST, Paths, Run};
 
 /// A path's entries.
 type Path = [Four; LONGEST / WIDTH];
 
-/// The rows of a branch whose diagonals lie in the same four.
-#[derive(Clone, Debug)]
-pub(super) struct Run {
-    rows: Range<usize>,
-    /// The number of fours left of the one with the diagonals, and the position in it of the first diagonal.
-    fours: usize,
-    first: usize,
-    /// The first row's first four.
-    begin: usize,
-}
-
 impl Paths {
-    /// Adds the branch of rows from `first` to `end`, with its runs.
-    pub(super) fn add_branch(&mut self, first: usize, end: usize) {
-        let (depth, begin) = (self.rows[first].depth(), self.runs.len());
-        let mut next = first;
-        while next < end {
-            let at = depth + (next - first);
-            let last = (next + WIDTH - at % WIDTH).min(end);
-            let begin = self.rows[next].begin / WIDTH;
-            self.runs.push(Run { rows: next..last, fours: at / WIDTH, first: at % WIDTH, begin });
-            next = last;
-        }
-        self.branches.push(Branch { first, end, depth, runs: begin..self.runs.len() });
-    }
-
     #[inline(always)]
     pub(super) fn solve_here(&self, l: &[f64], x: &mut [f64]) {
         if self.is_long {

@@ -1,6 +1,5 @@
 //! Momentum and the gradient of the kinetic energy, in one outward and one inward recursion.
 
-use robot_dynamics_core::algorithms::mass_matrix::force_in_parent;
 use robot_dynamics_core::kinematics::place::{gather, move_bodies, place_bodies};
 use robot_dynamics_core::model::WORLD;
 use robot_dynamics_core::spatial::screw::{Force, Screw};
@@ -52,7 +51,7 @@ pub(super) fn momentum_and_slope(
             a[dof] = -body.motion.force_along(k, &turned);
         }
         if body.parent != WORLD {
-            let passed = force_in_parent(&place[i], &h);
+            let passed = place[i].force_in_parent(&h);
             let parent = &mut force[body.parent];
             parent.linear += passed.linear;
             parent.angular += passed.angular;

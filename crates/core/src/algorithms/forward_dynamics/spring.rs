@@ -1,0 +1,15 @@
+//! Springs of the joints.
+
+use robot_dynamics_number::Scalar;
+
+use crate::Model;
+
+/// A DoF's force less its spring's.
+#[inline(always)]
+pub(super) fn less_spring<S: Scalar>(model: &Model, freedom: usize, force: S, position: S) -> S {
+    if !model.has_springs {
+        return force;
+    }
+    let passive = &model.dofs[freedom].passive;
+    force - (position - S::from_f64(passive.rest)).scale(passive.stiffness)
+}
