@@ -7,12 +7,12 @@
 >>> robot.inverse_dynamics(np.tile(q, (1000, 1)), v, a).shape
 (1000, 7)
 
-One name does one state or many: any dimensions before the last are a batch, and what has none of its own goes
-with all of it. Arrays are float64 or float32, in and out, never converted silently; lists and integers become
-float64.
+The same function computes one state or many: all dimensions before the last are a batch, and arguments
+broadcast. Arrays are float64 or float32, for arguments and results, and are never converted silently. Lists
+and integers become float64.
 
-Units are SI. Six numbers are linear first, angular second; quaternions are x y z w; the names of Jacobians,
-velocities and wrenches end in the frame that they are written in.
+Units are SI. Spatial vectors have the linear part first and the angular part second. Quaternions are x y z w.
+The names of Jacobians, velocities and wrenches end in the frame of their components.
 """
 
 from __future__ import annotations

@@ -1,5 +1,6 @@
-"""The command ``python -m robot_dynamics``: quantities of Parquet files; ``dynamics``, of Rust, does the
-rest.
+"""Command ``python -m robot_dynamics``: quantities of Parquet files.
+
+The command ``dynamics``, written in Rust, has all other functions.
 
     python -m robot_dynamics compute STATES.parquet --robot panda.urdf -o TORQUES.parquet --workers 8
     python -m robot_dynamics compute RECORDING/ --robot panda.urdf -o AUDIT.parquet --quantity audit \\
@@ -22,7 +23,18 @@ from robot_dynamics._native import _visible
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Runs the command; its exit code."""
+    """Run the command.
+
+    Parameters
+    ----------
+    arguments : list of str, optional
+        Arguments; default: those of the process.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
     options = _parser().parse_args(arguments)
     try:
         result: int = options.run(options)
@@ -37,39 +49,45 @@ def _parser() -> argparse.ArgumentParser:
         "python -m robot_dynamics", description="Quantities of a robot for the rows of Parquet files."
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    listing = commands.add_parser("quantities", help="what can be computed, and the columns that it reads")
+    listing = commands.add_parser("quantities", help="list the quantities and the columns that each reads")
     listing.set_defaults(run=_quantities)
     compute = commands.add_parser(
         "compute",
-        help="quantities for the rows of Parquet files",
-        description="Computes quantities for each row of Parquet files. What is interrupted goes on where it stopped "
-        "when the same command is given again; results are the same bytes for any number of workers.",
+        help="compute quantities for the rows of Parquet files",
+        description="Compute quantities for each row of Parquet files. To resume after an interruption, run the same "
+        "command again. Results are the same bytes for any number of workers.",
     )
     compute.set_defaults(run=_compute)
     compute.add_argument(
-        "states", metavar="STATES", help="a Parquet file, or a folder of them; columns q, v, a, tau of lists"
+        "states", metavar="STATES", help="Parquet file, or folder of such files, with list columns q, v, a, tau"
     )
     compute.add_argument(
-        "--robot", required=True, metavar="R", help=f"a robot's file, or one of {', '.join(_EXAMPLES)}"
+        "--robot", required=True, metavar="R", help=f"file of a robot, or one of {', '.join(_EXAMPLES)}"
     )
     compute.add_argument(
-        "-o", "--output", required=True, metavar="OUT", help="OUT.parquet, one file; or a folder of files"
+        "-o", "--output", required=True, metavar="OUT", help="one file OUT.parquet, or a folder of files"
     )
-    compute.add_argument("--quantity", nargs="+", default=["inverse_dynamics"], metavar="Q", help="see `quantities`")
     compute.add_argument(
-        "--column", action="append", default=[], metavar="q=NAME", help="where q is; NAME[0:7] is a part of its lists"
+        "--quantity", nargs="+", default=["inverse_dynamics"], metavar="Q", help="quantities; see `quantities`"
     )
-    compute.add_argument("--keep", nargs="+", default=[], metavar="NAME", help="columns that go along")
     compute.add_argument(
-        "--dtype", choices=["float64", "float32"], help="compute in this type, whatever the columns have"
+        "--column", action="append", default=[], metavar="q=NAME", help="column of q; NAME[0:7] is a slice of its lists"
     )
-    compute.add_argument("--bad-rows", choices=["stop", "null"], default="stop", help="what a row without result does")
-    compute.add_argument("--floating-base", action="store_true", help="free the root link")
-    compute.add_argument("--workers", type=_positive, metavar="N", help="threads, or with --ray processes; one a core")
+    compute.add_argument("--keep", nargs="+", default=[], metavar="NAME", help="columns to copy to the result")
     compute.add_argument(
-        "--ray", metavar="ADDRESS", help="on this Ray cluster (auto, HOST:PORT, local starts one here)"
+        "--dtype", choices=["float64", "float32"], help="type to compute in; default: that of the columns"
     )
-    compute.add_argument("--quiet", action="store_true", help="say nothing but what is wrong")
+    compute.add_argument(
+        "--bad-rows", choices=["stop", "null"], default="stop", help="stop at a row without a valid result, or write null"
+    )
+    compute.add_argument("--floating-base", action="store_true", help="let the root link move freely")
+    compute.add_argument(
+        "--workers", type=_positive, metavar="N", help="number of threads, or of processes with --ray; default: one per core"
+    )
+    compute.add_argument(
+        "--ray", metavar="ADDRESS", help="compute on this Ray cluster: auto, HOST:PORT, or local to start one here"
+    )
+    compute.add_argument("--quiet", action="store_true", help="print errors only")
     return parser
 
 
@@ -100,14 +118,14 @@ def _compute(options: Any) -> int:
     job = parquet.Job.of(computation, options.states, options.output)
     rows = sum(part.rows for part in job.parts)
     if job.is_done():
-        shutil.rmtree(job.folder, ignore_errors=True)  # it was ended between the last two steps
-        say(f"{job.output}: is this result already, {rows} rows")
+        shutil.rmtree(job.folder, ignore_errors=True)  # a run ended between the last two steps
+        say(f"{job.output}: already holds this result, {rows} rows")
         return 0
     progress = Progress(rows, is_shown=False if options.quiet else None)
 
     def start(before: int) -> None:
         if before:
-            say(f"{before} of {rows} rows are there from before, in {job.folder}")
+            say(f"{before} of {rows} rows are already computed, in {job.folder}")
         progress.start(before)
 
     if options.ray is None:
@@ -122,12 +140,12 @@ def _compute(options: Any) -> int:
     except (KeyboardInterrupt, rd.BadStatesError) as error:
         done = sum(job.is_finished(part) for part in job.parts)
         kept = f"{done} of {len(job.parts)} parts are finished and kept in {job.folder}"
-        kept += "; the same command goes on from there"
+        kept += "; run the same command again to continue"
         if isinstance(error, KeyboardInterrupt):
             print(_visible(f"\ninterrupted: {kept}", True), file=sys.stderr)
             return 130
         raise rd.BadStatesError(
-            f"{error}; --bad-rows null leaves such rows empty. {kept}", indices=error.indices, result=error.result
+            f"{error}; --bad-rows null writes null for such rows. {kept}", indices=error.indices, result=error.result
         ) from None
     finally:
         signal.signal(signal.SIGTERM, before)
@@ -160,13 +178,13 @@ def _robot(options: Any, say: Any) -> rd.Robot:
 def _column(text: str) -> tuple[str, str]:
     name, equals, column = text.partition("=")
     if not (name and equals and column):
-        raise ValueError(f"--column {text}: write q=NAME, with the column that q is in")
+        raise ValueError(f"--column {text}: write q=NAME with the column of q")
     return name, column
 
 
 def _positive(text: str) -> int:
     if not text.isascii() or not text.isdigit() or int(text) == 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number of workers")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of workers")
     return int(text)
 
 

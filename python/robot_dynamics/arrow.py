@@ -1,14 +1,13 @@
-"""Arrow tables: states in columns, any quantity of the package in columns, without a copy where the layout
-allows it.
+"""Arrow tables: states in columns, and any quantity of the package as columns.
 
-Needs pyarrow (``pip install robot-dynamics[arrow]``). Whatever speaks the Arrow PyCapsule interface comes in:
-tables of pyarrow, Polars, DuckDB, Daft, DataFusion; what comes out are tables of pyarrow, which these read as
-they are.
+Needs pyarrow (``pip install robot-dynamics[arrow]``). Input is any object with the Arrow PyCapsule interface:
+tables of pyarrow, Polars, DuckDB, Daft, DataFusion. Output is a table of pyarrow, which these libraries read
+directly. Numbers are not copied if the memory layouts agree.
 
-A state is a row: `q` (nq numbers), `v`, `a`, `tau` (nv numbers) are columns of lists of float64 or float32,
-of fixed size or not. A result of shape (..., nv) is a column of lists of fixed size, (..., nv, nv) one of
-lists of lists, (...,) one of numbers. Computing is by rows: results do not depend on how a table is cut into
-batches.
+A row is a state. The columns `q` (nq numbers), `v`, `a` and `tau` (nv numbers) are lists of float64 or
+float32, of fixed size or not. A result of shape (..., nv) is a column of lists of fixed size. (..., nv, nv)
+is one of nested lists, and (...,) one of numbers. Rows are independent: results do not depend on how a table
+is split into batches.
 
 >>> import pyarrow as pa
 >>> from robot_dynamics import arrow
@@ -17,7 +16,8 @@ batches.
 >>> arrow.compute(robot, states, "bias", "potential_energy").column_names
 ['bias', 'potential_energy']
 
-Recorded motion, as of LeRobot, has its own names: `columns` says where things are, `keep` what goes along.
+For recordings with other column names, as those of LeRobot, `columns` maps the arguments to columns. `keep`
+names columns to copy to the result.
 
 >>> recording = pa.table({"observation.state": [[0.1, 0.2, 0.7]], "episode_index": [3]})  # the last one is a gripper
 >>> found = arrow.compute(robot, recording, "gravity", columns={"q": "observation.state[0:2]"}, keep=["episode_index"])
@@ -49,18 +49,40 @@ __all__ = ["AUDIT", "Computation", "compute", "energy_accounts", "quantity_names
 
 
 class Computation:
-    """Quantities of one robot for the rows of any table: called with one, it gives theirs. It can be pickled.
+    """Quantities of one robot for the rows of tables. The object is callable and can be pickled.
 
-    - `quantities` are names of `Robot`'s methods; a frame follows a colon (``frame_pose:panda_link8``).
-      ``audit`` is the audit of recorded motion, see `robot_dynamics.quantities.AUDIT`.
-    - `columns` gives the column of q, v, a, tau where it has another name; ``state[0:7]`` is a part of its
-      lists.
-    - `keep` names the columns that go along.
-    - `dtype` computes in that type; without it all columns have to be of one, and it is theirs.
-    - `bad_states`: a row that has no result (a NaN, a null, a quaternion that is none) raises
-      `BadStatesError`, whose `result` has all others; or it is null.
-    - `threads` as everywhere.
+    Parameters
+    ----------
+    robot : Robot
+        Robot to compute the quantities of.
+    quantities : sequence of str
+        Names of methods of `Robot`; a frame follows a colon (``frame_pose:panda_link8``). ``audit`` is the
+        audit of recorded motion, see `robot_dynamics.quantities.AUDIT`.
+    columns : mapping of str to str, optional
+        Column of each argument whose column has another name; ``state[0:7]`` is a slice of its lists.
+    keep : iterable of str
+        Columns to copy to the result.
+    dtype : {"float64", "float32"}, optional
+        Type to compute in; default: that of the columns, which must be the same for all.
+    bad_states : {"raise", "null"}
+        Whether a row without a valid result (a NaN, a null, an invalid quaternion) raises `BadStatesError` or
+        is null.
+    threads : int, optional
+        Threads for a batch; default: `num_threads()`.
 
+    Raises
+    ------
+    QuantityError
+        A quantity does not exist.
+    FrameError
+        A frame is missing or does not exist.
+    ColumnError
+        `columns` names an argument that no quantity reads, or a result has the name of a kept column.
+    ValueError
+        An option is invalid, or there is no quantity.
+
+    Examples
+    --------
     >>> import pyarrow as pa
     >>> from robot_dynamics.arrow import Computation
     >>> energy = Computation(rd.example("two_r"), ["kinetic_energy"])
@@ -89,30 +111,47 @@ class Computation:
         self.bad_states = bad_states
         self.threads = threads
         if bad_states not in ("raise", "null"):
-            raise ValueError(f"bad_states = {bad_states!r}: there are 'raise' and 'null'")
+            raise ValueError(f"bad_states = {bad_states!r} must be 'raise' or 'null'")
         if dtype not in (None, "float64", "float32"):
-            raise ValueError(f"dtype = {dtype!r}: there are 'float64' and 'float32'")
+            raise ValueError(f"dtype = {dtype!r} must be 'float64' or 'float32'")
         if not quantities:
             raise ValueError("no quantity: name at least one, for example 'inverse_dynamics'")
         self._quantities: list[Quantity] = [quantity(robot, name) for name in self.quantities]
         read = dict.fromkeys(name for each in self._quantities for name in each.reads)
         unread = [name for name in self.columns if name not in read]
         if unread:
-            raise ColumnError(f"columns names {unread}, and {list(self.quantities)} read {list(read)}")
+            raise ColumnError(f"columns names {unread}, but {list(self.quantities)} read {list(read)}")
         self.sources = {name: _source(self.columns.get(name, name)) for name in read}
-        """Of each argument the column, and which of its numbers."""
+        """Column and slice of its lists, for each argument."""
         twice = sorted(set(self.keep) & {name for each in self._quantities for name in each.names})
         if twice:
-            raise ColumnError(f"columns {twice} are to be kept, and results have these names: rename them first")
+            raise ColumnError(f"kept columns {twice} have the names of results: rename them first")
 
     @property
     def reads(self) -> dict[str, str]:
-        """The column that each argument is read from."""
+        """Column of each argument, as in `columns`."""
         return {name: self.columns.get(name, name) for name in self.sources}
 
     def __call__(self, data: Any) -> Any:
-        """The quantities of a table's rows: a `pyarrow.RecordBatch` of such a batch, else a
-        `pyarrow.Table`."""
+        """Compute the quantities of a table's rows.
+
+        Parameters
+        ----------
+        data : Arrow table or pyarrow.RecordBatch
+            States.
+
+        Returns
+        -------
+        pyarrow.Table or pyarrow.RecordBatch
+            The kept columns, then the results; a batch for a batch.
+
+        Raises
+        ------
+        BadStatesError
+            Some rows have no valid result; `result` has the others.
+        ColumnError
+            A column is missing or has the wrong type.
+        """
         if isinstance(data, pa.RecordBatch):
             batches, schema = [data], data.schema
         else:
@@ -133,14 +172,47 @@ class Computation:
         return whole
 
     def schema(self, schema: Any) -> Any:
-        """The columns of the results for a table with these columns."""
+        """Columns of the results for a table.
+
+        Parameters
+        ----------
+        schema : pyarrow.Schema
+            Columns of the table.
+
+        Returns
+        -------
+        pyarrow.Schema
+            Columns of the results.
+
+        Raises
+        ------
+        ColumnError
+            A column is missing or has the wrong type.
+        """
         return self.rows(_empty(schema))[0].schema
 
     def rows(self, batch: Any, first: int = 0) -> tuple[Any, list[tuple[str, int, str]]]:
-        """The quantities of a batch, null where a row has none; of these rows the quantity, the row, and the
-        reason.
+        """Quantities of a batch, null in rows without a valid result.
 
-        Rows are counted from `first`. The reason is given for the first bad row of each quantity.
+        Parameters
+        ----------
+        batch : pyarrow.RecordBatch
+            States.
+        first : int
+            Number of the first row.
+
+        Returns
+        -------
+        pyarrow.RecordBatch
+            The kept columns, then the results.
+        list of tuple (str, int, str)
+            Quantity, row number and reason of each invalid result. The reason is empty except for the first
+            invalid row of each quantity.
+
+        Raises
+        ------
+        ColumnError
+            A column is missing or has the wrong type.
         """
         missing = [name for name in self.keep if batch.schema.get_field_index(name) < 0]
         if missing:
@@ -170,7 +242,7 @@ class Computation:
         return pa.RecordBatch.from_arrays(kept, schema=pa.schema(fields)), bad
 
     def _reason(self, each: Quantity, state: dict[str, NDArray[Any]], row: int) -> str:
-        """What is wrong with one row, in the words of one state."""
+        """Error message of one row."""
         try:
             each.compute({name: array[row] for name, array in state.items()}, None)
         except StateError as error:
@@ -178,7 +250,22 @@ class Computation:
         return "no valid result"
 
     def complaint(self, bad: list[tuple[str, int, str]], rows: int, result: Any) -> BadStatesError:
-        """The error of rows that have no result."""
+        """Exception for rows without a valid result.
+
+        Parameters
+        ----------
+        bad : list of tuple (str, int, str)
+            Invalid results, as `rows` returns them.
+        rows : int
+            Number of all rows.
+        result : pyarrow.Table or pyarrow.RecordBatch
+            Results with null in the invalid rows.
+
+        Returns
+        -------
+        BadStatesError
+            The exception.
+        """
         name, row, reason = bad[0]
         indices = np.unique(np.array([row for _, row, _ in bad], np.intp))
         verb = "has" if len(indices) == 1 else "have"
@@ -191,8 +278,33 @@ class Computation:
 
 
 def compute(robot: Robot, data: Any, *quantities: str, **options: Any) -> Any:
-    """Quantities of the rows of a table; `options` as in `Computation`.
+    """Compute quantities of the rows of a table.
 
+    Parameters
+    ----------
+    robot : Robot
+        Robot to compute the quantities of.
+    data : Arrow table or pyarrow.RecordBatch
+        States.
+    *quantities : str
+        Names of quantities; see `Computation`.
+    **options
+        Options of `Computation`.
+
+    Returns
+    -------
+    pyarrow.Table or pyarrow.RecordBatch
+        The kept columns, then the results; a batch for a batch.
+
+    Raises
+    ------
+    BadStatesError
+        Some rows have no valid result; `result` has the others.
+    ColumnError
+        A column is missing or has the wrong type.
+
+    Examples
+    --------
     >>> import polars as pl
     >>> from robot_dynamics import arrow
     >>> states = pl.DataFrame({"q": [[0.0, 0.0], [0.5, 1.0]]})
@@ -203,10 +315,32 @@ def compute(robot: Robot, data: Any, *quantities: str, **options: Any) -> Any:
 
 
 def stream(robot: Robot, data: Any, *quantities: str, **options: Any) -> Any:
-    """A `pyarrow.RecordBatchReader` that computes as it is read: for tables larger than memory.
+    """Compute quantities batch by batch, for tables larger than memory.
 
-    `data` is a reader or whatever offers an Arrow stream; `options` as in `Computation`.
+    Parameters
+    ----------
+    robot : Robot
+        Robot to compute the quantities of.
+    data : pyarrow.RecordBatchReader or Arrow stream
+        States.
+    *quantities : str
+        Names of quantities; see `Computation`.
+    **options
+        Options of `Computation`.
 
+    Returns
+    -------
+    pyarrow.RecordBatchReader
+        Reader that computes each batch when it is read. It raises `BadStatesError` at a batch with invalid
+        rows.
+
+    Raises
+    ------
+    ColumnError
+        A column is missing or has the wrong type.
+
+    Examples
+    --------
     >>> import pyarrow as pa
     >>> from robot_dynamics import arrow
     >>> states = pa.table({"q": [[0.0, 0.0], [0.5, 1.0]]}).to_reader(max_chunksize=1)
@@ -232,7 +366,7 @@ _WIDTHS = {"q": "nq", "q0": "nq", "q1": "nq", "coordinates": "nq", "s": "1"}
 
 
 def _source(text: str) -> tuple[str, slice]:
-    """A column and which of its numbers: ``state[0:7]`` or ``state``."""
+    """Column and slice of its lists: ``state[0:7]`` or ``state``."""
     found = re.fullmatch(r"(.+)\[(\d*):(\d*)\]", text)
     if not found:
         return text, slice(None)
@@ -241,5 +375,5 @@ def _source(text: str) -> tuple[str, slice]:
 
 
 def _empty(schema: Any) -> Any:
-    """A batch without rows."""
+    """Batch without rows."""
     return pa.RecordBatch.from_arrays([pa.nulls(0, field.type) for field in schema], schema=schema)

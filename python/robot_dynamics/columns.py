@@ -45,7 +45,7 @@ def array_of(batch: Any, column: str, name: str, width: int, part: slice, robot:
     if index < 0:
         times = batch.schema.names.count(column)
         found = f"{times} columns `{column}`" if times else f"no column `{column}`"
-        raise ColumnError(f"{found} for {name}; there are {batch.schema.names}, and `columns` says which is {name}")
+        raise ColumnError(f"{found} for {name}; there are {batch.schema.names}; `columns` can name the one of {name}")
     array = batch.column(index)
     where = f"column `{column}`" if part == slice(None) else f"column `{column}[{_text(part)}]`"
     if isinstance(array, pa.ExtensionArray):  # for example a tensor of fixed shape
@@ -62,7 +62,7 @@ def array_of(batch: Any, column: str, name: str, width: int, part: slice, robot:
             return np.full((len(array), width), np.nan, _dtype(kind, where))
         table = _of_lists(array, where, name)
     else:
-        raise ColumnError(f"{where} for {name} is of type {kind}; it has to be lists of float64 or float32")
+        raise ColumnError(f"{where} for {name} is of type {kind}; it must be lists of float64 or float32")
     table = table[:, part]
     if table.shape[1] != width:
         raise ColumnError(f"{where} has {table.shape[1]} numbers a row, robot `{robot}` needs {width} for {name}")
@@ -113,7 +113,7 @@ def _dtype(kind: Any, where: str) -> Any:
     """NumPy dtype of a column's numbers."""
     kind = getattr(kind, "value_type", kind)
     if not (pa.types.is_float64(kind) or pa.types.is_float32(kind)):
-        raise ColumnError(f"{where} has numbers of type {kind}; they have to be float64 or float32")
+        raise ColumnError(f"{where} has numbers of type {kind}; they must be float64 or float32")
     return np.dtype(np.float32 if pa.types.is_float32(kind) else np.float64)
 
 

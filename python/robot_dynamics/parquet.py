@@ -1,12 +1,12 @@
-"""Quantities of Parquet files of any size: part by part, each kept as soon as it is finished, by any number
-of workers.
+"""Quantities of Parquet files of any size: computed part by part by any number of workers, and resumable.
 
-A part is a row group of the input. Its result is a file of its own in the folder ``OUT.parts``, written under
-another name and then renamed, so that it is there entirely or not at all. It carries the fingerprint of its
-job: of robot, quantities, options, version and input. Who is interrupted, or killed, starts the same job
-again and it goes on with the parts that are missing. What a part contains depends on nothing else, so results
-are the same bytes for any number of workers. When all are there they become one file, or the folder itself is
-the result.
+A part is a row group of the input. Its result is a file of its own in the folder ``OUT.parts``. The file is
+written under another name and then renamed, so it exists completely or not at all. It carries the fingerprint
+of its job: robot, quantities, options, version and input.
+
+To resume after an interruption, start the same job again: it computes the missing parts. A part depends on
+its row group and the job only, so results have the same bytes for any number of workers. At the end the parts
+are merged into one file, or the folder itself becomes the result.
 """
 
 from __future__ import annotations
@@ -40,41 +40,69 @@ except ImportError:  # not on Windows
     fcntl = None  # type: ignore[assignment]
 
 Counter = Callable[[int], None]
-"""Told of so many rows more."""
+"""Function that is called with a number of new rows."""
 JOB = b"robot_dynamics.job"
-"""Where a result has the fingerprint of its job."""
+"""Key of the job's fingerprint in the metadata of a result."""
 _LOCK = ".lock"
 _BATCH_BYTES = 1 << 24
 
 
 class Stopped(Exception):
-    """Work was ended before it was done."""
+    """Work ended before it was complete."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """A row group of the input."""
+    """Row group of the input."""
 
     number: int
+    """Number of the part in the job."""
     path: str
+    """File of the input."""
     row_group: int
+    """Number of the row group in the file."""
     first: int
-    """Its first row in the file."""
+    """Number of its first row in the file."""
     rows: int
+    """Number of its rows."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """A computation for all rows of Parquet files. It can be pickled."""
+    """Computation for all rows of Parquet files. It can be pickled."""
 
     computation: Computation
+    """Quantities to compute."""
     paths: tuple[str, ...]
+    """Files of the input."""
     output: Path
-    """A file that ends in ``.parquet``, or a folder."""
+    """File that ends in ``.parquet``, or folder."""
 
     @classmethod
     def of(cls, computation: Computation, source: str | os.PathLike[str], output: str | os.PathLike[str]) -> Job:
-        """The job of one file, or of all files ``*.parquet`` in a folder, in the order of their paths."""
+        """Create the job of one file, or of all files ``*.parquet`` in a folder in the order of their paths.
+
+        Parameters
+        ----------
+        computation : Computation
+            Quantities to compute.
+        source : path
+            File or folder of the input.
+        output : path
+            File that ends in ``.parquet``, or folder.
+
+        Returns
+        -------
+        Job
+            The job.
+
+        Raises
+        ------
+        FileNotFoundError
+            The input or the folder of the output does not exist.
+        ValueError
+            The output would replace a file of the input or of the robot.
+        """
         given, out = Path(source), Path(output)
         if given.is_dir():
             paths = tuple(sorted(str(path) for path in given.rglob("*.parquet") if path.is_file()))
@@ -90,19 +118,25 @@ class Job:
             any(out.exists() and out.samefile(path) for path in [str(given), *paths])
             or given.resolve() in out.resolve().parents
         ):
-            raise ValueError(f"{out}: the results would lie over the input")
+            raise ValueError(f"{out}: the results would replace the input")
         refuse_file_read(computation.robot, out)
-        # Workers may be in other folders.
+        # Workers may have other working directories.
         return cls(computation, tuple(os.path.abspath(path) for path in paths), Path(os.path.abspath(out)))
 
     @property
     def folder(self) -> Path:
-        """Where finished parts are."""
+        """Folder of the finished parts."""
         return self.output.with_name(f"{self.output.name}.parts")
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        """All parts, in the order of the rows."""
+        """All parts, in the order of the rows.
+
+        Raises
+        ------
+        ValueError
+            A file is not a Parquet file.
+        """
         parts: list[Part] = []
         for path in self.paths:
             first, footer = 0, _opened(path).metadata
@@ -114,7 +148,13 @@ class Job:
 
     @cached_property
     def schema(self) -> Any:
-        """The columns of the results, which all files have to agree on."""
+        """Columns of the results, which must be the same for all files.
+
+        Raises
+        ------
+        ColumnError
+            A column is missing or has the wrong type, or two files differ.
+        """
         found: Any = None
         for path in self.paths:
             try:
@@ -122,16 +162,16 @@ class Job:
             except ColumnError as error:
                 raise ColumnError(f"{path}: {error}") from None
             if found is not None and not schema.equals(found):
-                raise ColumnError(f"{path}: its results are {_kinds(schema)}, those of {self.paths[0]} {_kinds(found)}")
+                raise ColumnError(f"{path}: its results are {_kinds(schema)}, and those of {self.paths[0]} {_kinds(found)}")
             found = schema
         return found.with_metadata({JOB: self.fingerprint})
 
     @cached_property
     def fingerprint(self) -> str:
-        """What the results depend on, as a hash: where this is equal, finished parts are kept.
+        """Hash of everything that the results depend on. Finished parts with the same fingerprint are kept.
 
-        Of each file of the input it knows place, size, time of the last change, and the footer with the
-        extremes of the columns; so a file that was only copied or touched is computed again, too.
+        For each input file the hash includes path, size, modification time and the footer, which has the
+        extremes of the columns. A copied or touched file is therefore computed again.
         """
         own = self.computation
         options = [own.quantities, own.columns, own.keep, own.dtype, own.bad_states]
@@ -139,22 +179,55 @@ class Job:
         return hashlib.blake2b(json.dumps(known).encode(), digest_size=16).hexdigest()
 
     def for_worker(self) -> Job:
-        """What another process needs to write parts: all but the list of files, of which there may be
-        many."""
+        """Job that another process needs to write parts: without the list of files, which may be long.
+
+        Returns
+        -------
+        Job
+            The job without its input files.
+        """
         lean = Job(self.computation, (), self.output)
         vars(lean)["schema"] = self.schema
         return lean
 
     def file(self, part: Part) -> Path:
-        """Where the result of a part is."""
+        """File of the result of a part.
+
+        Parameters
+        ----------
+        part : Part
+            Part of this job.
+
+        Returns
+        -------
+        pathlib.Path
+            Path of the file.
+        """
         return self.folder / f"part-{part.number:06}.parquet"
 
     def is_finished(self, part: Part) -> bool:
-        """Whether the result of a part is there, and is this job's."""
+        """Whether the result of a part exists and belongs to this job.
+
+        Parameters
+        ----------
+        part : Part
+            Part of this job.
+
+        Returns
+        -------
+        bool
+            Whether the part is finished.
+        """
         return self._is_own(self.file(part), part.rows)
 
     def is_done(self) -> bool:
-        """Whether the output is this job's result already."""
+        """Whether the output is already the result of this job.
+
+        Returns
+        -------
+        bool
+            Whether the job is complete.
+        """
         if self.output.is_dir():
             files = [self.output / self.file(part).name for part in self.parts]
             return all(self._is_own(path, part.rows) for path, part in zip(files, self.parts, strict=True))
@@ -169,10 +242,34 @@ class Job:
             return False
 
     def write(self, part: Part, count: Counter | None = None, is_stopped: Callable[[], bool] = lambda: False) -> Part:
-        """Computes a part and keeps its result. A result is there entirely or not at all, whatever
-        happens."""
+        """Compute a part and write its result, completely or not at all.
+
+        Parameters
+        ----------
+        part : Part
+            Part to compute.
+        count : callable, optional
+            Function that is called with numbers of new rows.
+        is_stopped : callable
+            Function that returns whether to stop.
+
+        Returns
+        -------
+        Part
+            The same part.
+
+        Raises
+        ------
+        Stopped
+            `is_stopped` returned true.
+        BadStatesError
+            A row has no valid result.
+        ColumnError
+            A column is missing or has the wrong type.
+        """
         own, path = self.computation, self.file(part)
-        unfinished = path.with_name(f".{path.name}.{uuid.uuid4().hex}")  # workers of other machines write here, too
+        # The name is unique, because workers on other machines write to the same folder.
+        unfinished = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
         read = list(dict.fromkeys([*own.keep, *(column for column, _ in own.sources.values())]))
         first = part.first
         try:
@@ -201,11 +298,22 @@ class Job:
         return part
 
     def _writer(self, path: Path) -> Any:
-        # Computed numbers do not repeat: a dictionary of them is work for nothing.
+        # Computed numbers seldom repeat, so a dictionary of them saves nothing.
         return pq.ParquetWriter(path, self.schema, use_dictionary=list(self.computation.keep), write_page_checksum=True)
 
-    def finish(self, numbers: Iterable[int], count: Counter | None = None) -> None:
-        """The output of the parts, whose numbers are given as they get ready, in any order."""
+    def finish(self, numbers: Iterable[int]) -> None:
+        """Create the output from the parts.
+
+        Parameters
+        ----------
+        numbers : iterable of int
+            Numbers of the parts as they are finished, in any order.
+
+        Raises
+        ------
+        OSError
+            A part was damaged after it was written. It is removed.
+        """
         if self.output.suffix != ".parquet":
             for _ in numbers:
                 pass
@@ -232,28 +340,48 @@ class Job:
     def _append(self, writer: Any, part: Part) -> None:
         path = self.file(part)
         try:
-            # Pages are compared with their checksums.
+            # Reading verifies the checksums of the pages.
             with pq.ParquetFile(path, page_checksum_verification=True) as file:
                 for batch in file.iter_batches(1 << 16):
                     writer.write_batch(batch)
         except (OSError, pa.ArrowInvalid) as error:
             path.unlink(missing_ok=True)
             raise OSError(
-                f"{path}: damaged since it was written, and now removed; start again, the others are kept: {error}"
+                f"{path}: was damaged after it was written, and is now removed; start again, other parts are kept: {error}"
             ) from None
 
 
 Runner: TypeAlias = Callable[[Job, list[Part]], Generator[Part, None, None]]
-"""Writes parts of a job, and gives each when it is there."""
+"""Function that writes parts of a job and yields each when it is finished."""
 
 
 def run(job: Job, runner: Runner, on_start: Callable[[int], None] = lambda _: None) -> None:
-    """Computes what is not yet there of a job, and finishes it. `on_start` is told how many rows were there
-    before."""
-    # What is wrong with the input is said before anything is made of it.
+    """Compute the missing parts of a job and create its output.
+
+    Parameters
+    ----------
+    job : Job
+        The job.
+    runner : callable
+        Function that writes parts and yields them, such as that of `by_threads`.
+    on_start : callable
+        Function that is called with the number of rows already finished.
+
+    Raises
+    ------
+    FileExistsError
+        The output folder has other content.
+    BlockingIOError
+        Another process computes this job.
+    BadStatesError
+        A row has no valid result.
+    ColumnError
+        A column is missing or has the wrong type.
+    """
+    # Reading the schema first reports errors of the input before any file is written.
     known = {job.file(part).name for part in job.parts if job.schema is not None}
     if job.output.suffix != ".parquet" and job.output.exists() and (job.output.is_file() or any(job.output.iterdir())):
-        raise FileExistsError(f"{job.output}: is there and holds something else; choose another output, or remove it")
+        raise FileExistsError(f"{job.output}: exists with other content; choose another output, or remove it")
     job.folder.mkdir(exist_ok=True)
     with _alone(job.folder):
         try:
@@ -265,21 +393,21 @@ def run(job: Job, runner: Runner, on_start: Callable[[int], None] = lambda _: No
 
 
 def _run(job: Job, runner: Runner, on_start: Callable[[int], None], known: set[str]) -> None:
-    for path in job.folder.iterdir():  # what a killed worker left behind
+    for path in job.folder.iterdir():  # incomplete files of a killed worker
         if path.name not in known and path.name != _LOCK:
             path.unlink()
     before = [part for part in job.parts if job.is_finished(part)]
     kept = {part.number for part in before}
     on_start(sum(part.rows for part in before))
 
-    # Closed whatever ends this: no worker goes on when the folder is looked at.
+    # Closing the runner stops its workers before the folder is examined, also after an error.
     with closing(runner(job, [part for part in job.parts if part.number not in kept])) as parts:
         job.finish(chain(sorted(kept), (part.number for part in parts)))
 
 
 @contextmanager
 def _alone(folder: Path) -> Iterator[None]:
-    """Keeps others from the same work meanwhile, where the system has locks that end with their process."""
+    """Lock the folder against other processes, on systems with locks that end with their process."""
     if fcntl is None:
         yield
         return
@@ -287,13 +415,27 @@ def _alone(folder: Path) -> Iterator[None]:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            raise BlockingIOError(f"{folder}: another process is at this work") from None
+            raise BlockingIOError(f"{folder}: another process computes this job") from None
         yield
 
 
 def by_threads(workers: int, count: Counter | None = None) -> Runner:
-    """A runner with so many threads in this process, as reading, computing and writing do not hold Python's
-    lock."""
+    """Create a runner that uses threads of this process.
+
+    Reading, computing and writing release Python's interpreter lock.
+
+    Parameters
+    ----------
+    workers : int
+        Number of threads.
+    count : callable, optional
+        Function that is called with numbers of new rows.
+
+    Returns
+    -------
+    callable
+        Runner for `run`.
+    """
 
     def runner(job: Job, parts: list[Part]) -> Generator[Part, None, None]:
         stop = Event()
@@ -301,7 +443,7 @@ def by_threads(workers: int, count: Counter | None = None) -> Runner:
             waiting = {pool.submit(job.write, part, count, stop.is_set) for part in parts}
             try:
                 while waiting:
-                    # A moment at a time: an interrupt is heard on every system.
+                    # Short waits let an interrupt take effect on every system.
                     done, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
                     yield from (future.result() for future in done)
             finally:
@@ -344,7 +486,7 @@ def _identity(path: str) -> list[Any]:
 
 
 def _bytes(kind: Any) -> int:
-    """About how long a value is."""
+    """Approximate size of a value [bytes]."""
     if pa.types.is_fixed_size_list(kind):
         return int(kind.list_size) * _bytes(kind.value_type)
     try:

@@ -266,12 +266,12 @@ WRONG: list[tuple[dict[str, Any], list[str], dict[str, Any], type[Exception], st
     ({"q": [[0.0] * 7]}, ["gravity"], {"keep": ["time"]}, rd.ColumnError, r"no column \['time'\] to keep"),
     ({"q": [[0.0] * 7]}, ["gravity"], {"columns": {"v": "w"}}, rd.ColumnError, r"names \['v'\]"),
     ({"q": [[0.0] * 7]}, [], {}, ValueError, "no quantity"),
-    ({"q": [[0.0] * 7]}, ["gravity"], {"bad_states": "skip"}, ValueError, "'raise' and 'null'"),
+    ({"q": [[0.0] * 7]}, ["gravity"], {"bad_states": "skip"}, ValueError, "'raise' or 'null'"),
 ]
 
 
 @pytest.mark.parametrize(("columns", "quantities", "options", "error", "words"), WRONG)
-def test_what_is_wrong_is_said(columns: Any, quantities: Any, options: Any, error: type[Exception], words: str) -> None:
+def test_errors_name_the_column_or_quantity(columns: Any, quantities: Any, options: Any, error: type[Exception], words: str) -> None:
     with pytest.raises(error, match=words):
         arrow.compute(PANDA, pa.table(columns), *quantities, **options)
 
@@ -284,7 +284,7 @@ def test_mixed_types_are_refused_as_everywhere() -> None:
     assert arrow.compute(PANDA, mixed, "bias", dtype="float64").num_rows == 3
 
 
-def test_a_computation_travels() -> None:
+def test_a_computation_can_be_pickled() -> None:
     computation = arrow.Computation(PANDA, ["audit", "frame_pose:panda_link8"], keep=["q"])
     given_table = table(PANDA, 9)
     assert pickle.loads(pickle.dumps(computation))(given_table).equals(computation(given_table))

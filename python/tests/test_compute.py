@@ -69,11 +69,11 @@ def test_a_folder_in_a_folder_out(tmp_path: Path, capsys: pytest.CaptureFixture[
     expected = [PANDA.gravity(states(PANDA, 100, k + 1).q) for k in range(2)]
     assert np.array_equal(np.concatenate([numbers(path, "gravity") for path in files]), np.concatenate(expected))
     assert run(tmp_path / "data", tmp_path / "out", "--quantity", "gravity") == 0
-    assert "is this result already, 200 rows" in capsys.readouterr().err
+    assert "already holds this result, 200 rows" in capsys.readouterr().err
     assert run(tmp_path / "data", tmp_path / "out", "--quantity", "bias") == 1
-    assert "holds something else" in capsys.readouterr().err
+    assert "exists with other content" in capsys.readouterr().err
     assert run(tmp_path / "data", tmp_path / "data" / "out.parquet") == 1
-    assert "over the input" in capsys.readouterr().err
+    assert "would replace the input" in capsys.readouterr().err
 
 
 def command(source: Path, output: Path, *options: str) -> list[str]:
@@ -105,19 +105,19 @@ def test_who_is_ended_goes_on_where_it_stopped(tmp_path: Path, kill: signal.Sign
         assert process.returncode == 130
         assert f"interrupted: {len(finished)} of 40 parts are finished and kept in {parts}" in errors
         assert not list(parts.glob(".part*"))
-    # A part that is damaged, and one of another job, are done again.
+    # A damaged part and one of another job are computed again.
     damaged, foreign = sorted(finished)[:2]
     damaged.write_bytes(damaged.read_bytes()[:-100])
     pq.write_table(pa.table({"index": np.arange(800)}), foreign)
     again = subprocess.run(command(source, output, *LONG), capture_output=True, text=True, env=environment, timeout=120)
     assert again.returncode == 0, again.stderr
-    assert f"{800 * (len(finished) - 2)} of 32000 rows are there from before" in again.stderr
+    assert f"{800 * (len(finished) - 2)} of 32000 rows are already computed" in again.stderr
     assert not parts.exists()
     assert run(source, tmp_path / "whole.parquet", *LONG[:-1], "2") == 0
     assert output.read_bytes() == (tmp_path / "whole.parquet").read_bytes()
 
 
-def test_another_input_or_quantity_takes_nothing_from_before(
+def test_another_input_or_quantity_starts_anew(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     source = recording(tmp_path / "states.parquet", 3, 20)
@@ -131,17 +131,17 @@ def test_another_input_or_quantity_takes_nothing_from_before(
     assert f"{source}, row 45: no `gravity`: q[0]" in said and "--bad-rows null" in said
     assert len(list(parts.glob("part-*"))) == 2 and f"2 of 3 parts are finished and kept in {parts}" in said
     assert run(source, output, "--quantity", "gravity", "--bad-rows", "null") == 0
-    assert "from before" not in capsys.readouterr().err
+    assert "already computed" not in capsys.readouterr().err
     found = pq.read_table(output)["gravity"].to_pylist()
     assert [k for k, row in enumerate(found) if row is None] == [45]
     assert run(source, output, "--quantity", "gravity", "--bad-rows", "null") == 0
-    assert "is this result already" in capsys.readouterr().err
+    assert "already holds this result" in capsys.readouterr().err
     os.utime(source, ns=(1, 1))
     assert run(source, output, "--quantity", "gravity", "--bad-rows", "null") == 0
-    assert "is this result already" not in capsys.readouterr().err
+    assert "already holds this result" not in capsys.readouterr().err
 
 
-def test_a_damaged_page_is_found_and_done_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_damaged_page_is_found_and_computed_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     from robot_dynamics import parquet
     from robot_dynamics.arrow import Computation
 
@@ -154,14 +154,14 @@ def test_a_damaged_page_is_found_and_done_again(tmp_path: Path, capsys: pytest.C
     content = bytearray(kept.read_bytes())
     content[2000] ^= 1
     kept.write_bytes(content)
-    assert job.is_finished(job.parts[1])  # by its footer
+    assert job.is_finished(job.parts[1])  # judging by its footer
     assert run(source, output, "--quantity", "gravity") == 1
-    assert "part-000001.parquet: damaged since it was written" in capsys.readouterr().err and not kept.exists()
+    assert "part-000001.parquet: was damaged after it was written" in capsys.readouterr().err and not kept.exists()
     assert run(source, output, "--quantity", "gravity") == 0
     assert np.array_equal(numbers(output, "gravity"), PANDA.gravity(states(PANDA, 1500).q))
 
 
-def test_two_do_not_work_at_one_output(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_two_processes_do_not_share_an_output(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     fcntl = pytest.importorskip("fcntl")
     source, output = recording(tmp_path / "states.parquet", 1, 10), tmp_path / "out.parquet"
     folder = tmp_path / "out.parquet.parts"
@@ -169,8 +169,8 @@ def test_two_do_not_work_at_one_output(tmp_path: Path, capsys: pytest.CaptureFix
     with (folder / ".lock").open("w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         assert run(source, output) == 1
-        assert folder.exists()  # it is the other's
-    assert "another process is at this work" in capsys.readouterr().err
+        assert folder.exists()  # it belongs to the other process
+    assert "another process computes this job" in capsys.readouterr().err
     assert run(source, output) == 0
 
 
@@ -190,12 +190,12 @@ WRONG = [
     (["states.parquet", "--quantity", "frame_pose:hand"], "frame_pose:FRAME"),
     (["states.parquet", "--keep", "time"], "no column ['time'] to keep"),
     (["states.parquet", "-o", "no/out.parquet"], "no folder no"),
-    (["states.parquet", "-o", "states.parquet"], "over the input"),
+    (["states.parquet", "-o", "states.parquet"], "would replace the input"),
 ]
 
 
 @pytest.mark.parametrize(("arguments", "words"), WRONG, ids=[words for _, words in WRONG])
-def test_what_is_wrong_is_said_and_nothing_is_left(
+def test_errors_are_printed_and_no_file_is_left(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],

@@ -1,1 +1,1 @@
-"""How `robot_dynamics.jax` reaches the library: XLA's foreign calls, and what JAX has to know of them."""
+"""Foreign calls of XLA for `robot_dynamics.jax`, with their rules of differentiation."""

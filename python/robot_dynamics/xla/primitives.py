@@ -1,10 +1,11 @@
-"""Two primitives of JAX: a foreign call, and a linear map that knows its transpose.
+"""Two primitives of JAX: a foreign call, and a linear map with its transpose.
 
-All operands of one bind have the leading dimensions of the whole batch, so that `vmap` adds one in front; the
-robot's parameters, which are the last operand of a call that has them, have none while all states share them.
-A call has a tangent where a rule says so: a linear map of the changes, which depends on the operands. Reverse
-mode is its transpose. The maps are calls themselves, without rules: that is why second derivatives are
-refused.
+All operands of one bind have the leading dimensions of the whole batch, so `vmap` adds one in front. The
+robot's parameters are the last operand of a call that has them. They have no leading dimensions if all states
+share them.
+
+A call has a tangent if `RULES` has one: a linear map of the changes that depends on the operands. Reverse
+mode is its transpose. The maps are calls themselves, without rules, so second derivatives raise an error.
 """
 
 from __future__ import annotations
@@ -28,43 +29,50 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Call:
-    """A foreign call: what does not depend on the states."""
+    """Foreign call: everything that does not depend on the states."""
 
     name: str
-    """What is computed, for messages and as the key of its rule."""
+    """Name of the function, for messages and as the key of its rule."""
     target: str
+    """Name of the foreign function."""
     robot: Robot
-    """Kept by every program that calls it."""
+    """Robot, which every compiled program with the call keeps alive."""
     attributes: tuple[tuple[str, Any], ...]
+    """Attributes of the foreign function, by name."""
     own: tuple[int, ...]
-    """How many axes of each operand are a state's own."""
+    """Number of axes of each operand that belong to one state."""
     results: tuple[tuple[int, ...], ...]
-    """The own shapes of the results."""
+    """Shape of each result for one state."""
     has_parameters: bool = False
     """Whether the last operand is the robot's parameters."""
 
 
 @dataclass(frozen=True)
 class Linear:
-    """A linear map of changes at given operands."""
+    """Linear map of changes at given operands."""
 
     call: Call
-    """What it is the tangent of."""
+    """Call that the map is the tangent of."""
     residuals: int
-    """How many operands it depends on; it is linear in the others."""
+    """Number of operands that the map depends on; it is linear in the others."""
     own: tuple[int, ...]
+    """Number of axes of each operand that belong to one state."""
     forward: Callable[[Call, Sequence[Any], Sequence[Any]], Sequence[Any]]
-    """Of the call, the residuals and the changes."""
+    """Function of the call, the residuals and the changes."""
     transpose: Callable[[Call, Sequence[Any], Sequence[Any]], Sequence[Any]]
-    """Of the call, the residuals and the cotangents: those of the changes, with the leading dimensions of the
-    whole batch."""
+    """Function of the call, the residuals and the cotangents.
+
+    It returns the cotangents of the changes, with the leading dimensions of the whole batch.
+    """
     of_parameters: bool = False
     """Whether the last change is that of the robot's parameters."""
 
 
 RULES: dict[str, Callable[[Call, Sequence[Any], Sequence[Any], Sequence[Any]], Sequence[Any]]] = {}
-"""The tangents of calls by name: of the call, the operands, their changes and the results, the changes of
-these."""
+"""Tangents of calls by name: functions of the call, the operands, their changes and the results.
+
+They return the changes of the results.
+"""
 
 call_p = Primitive("robot_dynamics")
 linear_p = Primitive("robot_dynamics_linear")
@@ -78,14 +86,42 @@ def _register() -> None:
 
 
 def bind(call: Call, operands: Sequence[Any]) -> Sequence[Any]:
-    """The results of a call."""
+    """Bind a call to its operands.
+
+    Parameters
+    ----------
+    call : Call
+        The call.
+    operands : sequence of jax.Array
+        Operands with the leading dimensions of the whole batch.
+
+    Returns
+    -------
+    sequence of jax.Array
+        Results.
+    """
     _register()
     results: Sequence[Any] = call_p.bind(*operands, call=call)
     return results
 
 
 def tangent(linear: Linear, residuals: Sequence[Any], changes: Sequence[Any]) -> Sequence[Any]:
-    """A linear map of changes."""
+    """Bind a linear map to its residuals and changes.
+
+    Parameters
+    ----------
+    linear : Linear
+        The map.
+    residuals : sequence of jax.Array
+        Operands that the map depends on.
+    changes : sequence of jax.Array
+        Operands that the map is linear in.
+
+    Returns
+    -------
+    sequence of jax.Array
+        Changes of the results.
+    """
     results: Sequence[Any] = linear_p.bind(*residuals, *changes, linear=linear)
     return results
 
@@ -105,7 +141,7 @@ def _linear(*operands: Any, linear: Linear) -> Sequence[Any]:
 
 
 def _refused(name: str) -> Exception:
-    return NotImplementedError(f"{name}: its second derivatives are not known here, only the first")
+    return NotImplementedError(f"{name}: second derivatives are not available, only first ones")
 
 
 def _jvp_of_call(operands: Sequence[Any], changes: Sequence[Any], *, call: Call) -> tuple[Any, Any]:
@@ -113,7 +149,7 @@ def _jvp_of_call(operands: Sequence[Any], changes: Sequence[Any], *, call: Call)
         raise _refused(call.name)
     results = call_p.bind(*operands, call=call)
     if call.has_parameters and type(changes[-1]) is ad.Zero:
-        changes = changes[:-1]  # what does not change has no gradient to be computed
+        changes = changes[:-1]  # constant parameters need no tangent
     changes = [ad.instantiate_zeros(change) for change in changes]
     return results, RULES[call.name](call, operands, changes, results)
 
@@ -131,7 +167,7 @@ def _transpose(cotangents: Sequence[Any], *operands: Any, linear: Linear) -> lis
     given = [ad.instantiate_zeros(cotangent) for cotangent in cotangents]
     found = linear.transpose(linear.call, residuals, given)
     of_changes = [
-        # What went with a whole batch has the sum.
+        # An operand that all states share gets the sum.
         each.sum(axis=tuple(range(each.ndim - change.aval.ndim))) if ad.is_undefined_primal(change) else None
         for each, change in zip(found, operands[linear.residuals :], strict=True)
     ]
@@ -139,7 +175,7 @@ def _transpose(cotangents: Sequence[Any], *operands: Any, linear: Linear) -> lis
 
 
 def _shared(call: Call | None = None, linear: Linear | None = None) -> set[int]:
-    """Which operands may go without the dimensions of the batch: the parameters and their change."""
+    """Operands that may lack the dimensions of the batch: the parameters and their change."""
     if linear is None:
         return {len(call.own) - 1} if call is not None and call.has_parameters else set()
     places = {linear.residuals - 1} if linear.call.has_parameters else set()
