@@ -1,13 +1,14 @@
-"""Do fast solvers take the library's dynamics? acados moves an arm by torques, and brings it back when it is
-struck.
+"""Control an arm with acados and the library's generated dynamics, also after a blow.
 
     python python/examples/acados_reach.py [--short] [--figure acados_reach.png]
 
-A Panda goes from rest to rest in 0.4 s with the least ∫ Σ (v/limit)² + (τ/limit)² dt, torques and joint
-speeds within their limits: acados' SQP finds it, with forward dynamics and their Jacobian as generated code.
-IPOPT solves the same problem; the library's own simulation, of order nine, runs the torques. Then a
-controller looks 0.4 s ahead and does one iteration (SQP_RTI) each 20 ms, on a simulated arm that is struck
-while it stands at its goal.
+A Panda moves from rest to rest in 0.4 s with the least ∫ Σ (v/limit)² + (τ/limit)² dt, within the limits of
+torque and speed. The SQP method of acados solves this problem, with generated code for forward dynamics and
+their Jacobian. IPOPT solves the same problem for comparison. The library simulates the torques with a method
+of order nine.
+
+Then a controller with a horizon of 0.4 s does one iteration (SQP_RTI) every 20 ms. It controls a simulated
+arm that is struck while it stands at its goal.
 
 Needs acados (0.6) with its Python interface and ACADOS_SOURCE_DIR, CasADi, make and a C compiler.
 """
@@ -28,12 +29,12 @@ Array = NDArray[np.float64]
 START = np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
 GOAL = np.array([0.8, 0.6, -0.2, -1.4, 0.3, 2.2, 0.0])
 REST = np.zeros(7)
-TIME, PIECES, STEPS = 0.4, 20, 4  # [s], pieces of it, and the integrator's steps in each
+TIME, PIECES, STEPS = 0.4, 20, 4  # [s], number of pieces, and integrator steps in each
 BLOW = np.array([0.0, 3.0, 0.0])  # on the flange [N s]
 
 
-class Way(NamedTuple):
-    """What a solver finds: states at the ends of pieces, torques in them, and what they cost."""
+class Solution(NamedTuple):
+    """Solution of a solver: states at the ends of pieces, torques in the pieces, and their cost."""
 
     x: Array
     tau: Array
@@ -42,7 +43,7 @@ class Way(NamedTuple):
 
 
 def compiled(robot: rd.Robot, folder: Path) -> Any:
-    """Forward dynamics for CasADi; what solvers are linked with, libpanda.a, lies beside it."""
+    """Forward dynamics for CasADi. Solvers link to libpanda.a in the same folder."""
     import casadi as ca
 
     robot.generate("casadi", ["forward_dynamics"], folder, name="panda")
@@ -51,7 +52,7 @@ def compiled(robot: rd.Robot, folder: Path) -> Any:
 
 
 def problem(robot: rd.Robot, dynamics: Any, folder: Path, name: str) -> Any:
-    """The arm with its limits, before anything is wanted of it."""
+    """Optimal control problem of the arm with its limits, without a cost."""
     import casadi as ca
     from acados_template import AcadosModel, AcadosOcp
 
@@ -75,8 +76,8 @@ def problem(robot: rd.Robot, dynamics: Any, folder: Path, name: str) -> Any:
     return ocp
 
 
-def reach(robot: rd.Robot, dynamics: Any, folder: Path) -> Way:
-    """From rest to rest, by acados."""
+def reach(robot: rd.Robot, dynamics: Any, folder: Path) -> Solution:
+    """Motion from rest to rest, by acados."""
     from acados_template import AcadosOcpSolver
 
     ocp = problem(robot, dynamics, folder, "reach")
@@ -97,22 +98,22 @@ def reach(robot: rd.Robot, dynamics: Any, folder: Path) -> Way:
         raise RuntimeError(f"acados: status {status}")
     x = np.array([solver.get(k, "x") for k in range(PIECES + 1)])
     tau = np.array([solver.get(k, "u") for k in range(PIECES)])
-    return Way(x, tau, float(solver.get_cost()), int(solver.get_stats("sqp_iter")))
+    return Solution(x, tau, float(solver.get_cost()), int(solver.get_stats("sqp_iter")))
 
 
-def reach_by_ipopt(robot: rd.Robot, dynamics: Any) -> Way:
-    """The same program for IPOPT: multiple shooting, Runge and Kutta's steps, Gauss and Newton's Hessian."""
+def reach_by_ipopt(robot: rd.Robot, dynamics: Any) -> Solution:
+    """The same problem for IPOPT: multiple shooting, Runge–Kutta steps, Gauss–Newton Hessian."""
     import casadi as ca
 
     torque, speed = robot.limits.effort, robot.limits.velocity
     state, tau = ca.MX.sym("x", 14), ca.MX.sym("tau", 7)
-    slope = ca.Function("slope", [state, tau], [ca.vertcat(state[7:], dynamics(state[:7], state[7:], tau))])
+    rate = ca.Function("rate", [state, tau], [ca.vertcat(state[7:], dynamics(state[:7], state[7:], tau))])
     end, h = state, TIME / PIECES / STEPS
     for _ in range(STEPS):
-        k1 = slope(end, tau)
-        k2 = slope(end + h / 2 * k1, tau)
-        k3 = slope(end + h / 2 * k2, tau)
-        k4 = slope(end + h * k3, tau)
+        k1 = rate(end, tau)
+        k2 = rate(end + h / 2 * k1, tau)
+        k3 = rate(end + h / 2 * k2, tau)
+        k4 = rate(end + h * k3, tau)
         end = end + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
     piece = ca.Function("piece", [state, tau], [end]).map(PIECES)
     xs, taus = ca.MX.sym("xs", 14, PIECES + 1), ca.MX.sym("taus", 7, PIECES)
@@ -127,7 +128,7 @@ def reach_by_ipopt(robot: rd.Robot, dynamics: Any) -> Way:
     solver = ca.nlpsol("solver", "ipopt", {"x": z, "f": f, "g": gaps}, options)
     first, last = np.append(START, REST), np.append(GOAL, REST)
     bound = np.append(np.full(7, np.inf), speed)
-    # As in acados the first and the last state are given, and speeds have limits between them.
+    # As in acados the first and last states are given, and the speeds between them are limited.
     lower = np.concatenate([first, np.tile(-bound, PIECES - 1), last, np.tile(-torque, PIECES)])
     upper = np.concatenate([first, np.tile(bound, PIECES - 1), last, np.tile(torque, PIECES)])
     guess = np.append(np.linspace(first, last, PIECES + 1).ravel(), np.zeros(7 * PIECES))
@@ -136,11 +137,11 @@ def reach_by_ipopt(robot: rd.Robot, dynamics: Any) -> Way:
     if not stats["success"]:
         raise RuntimeError(f"IPOPT: {stats['return_status']}")
     x, torques = values[: 14 * (PIECES + 1)].reshape(-1, 14), values[14 * (PIECES + 1) :].reshape(-1, 7)
-    return Way(x, torques, float(found["f"]), int(stats["iter_count"]))
+    return Solution(x, torques, float(found["f"]), int(stats["iter_count"]))
 
 
 def controller(robot: rd.Robot, dynamics: Any, folder: Path) -> Any:
-    """To the goal and there at rest, whatever comes: a solver for one iteration at a time."""
+    """Solver of one iteration at a time that steers to rest at the goal."""
     from acados_template import AcadosOcpSolver
 
     ocp = problem(robot, dynamics, folder, "follow")
@@ -155,8 +156,10 @@ def controller(robot: rd.Robot, dynamics: Any, folder: Path) -> Any:
 
 
 def follow(robot: rd.Robot, solver: Any, duration: float) -> tuple[Array, Array, Array]:
-    """Distances from the goal [rad], torques and times of computation [s], once a period; the blow falls at
-    half the time."""
+    """Distances from the goal [rad], torques and computing times [s] of each period.
+
+    The blow acts at half the duration.
+    """
     period = TIME / PIECES
     q, v = START.copy(), REST.copy()
     for k in range(PIECES + 1):
@@ -180,7 +183,7 @@ def follow(robot: rd.Robot, solver: Any, duration: float) -> tuple[Array, Array,
 
 def main(arguments: list[str] | None = None) -> dict[str, Any]:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="a shorter time under control")
+    parser.add_argument("--short", action="store_true", help="control for a shorter time")
     parser.add_argument("--figure", default="acados_reach.png")
     options = parser.parse_args(arguments)
 
@@ -211,7 +214,7 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
     return {**agreement, "away": away, "torques": torques / torque}
 
 
-def figure(path: str, found: Way, away: Array, torques: Array, robot: rd.Robot) -> None:
+def figure(path: str, found: Solution, away: Array, torques: Array, robot: rd.Robot) -> None:
     import matplotlib
 
     matplotlib.use("Agg")

@@ -1,12 +1,18 @@
-"""Which episodes of a data set can be trusted? The energy of each is booked, by the workers of a Ray cluster.
+"""Find the reliable episodes of a data set by an energy balance of each, on a Ray cluster.
 
     python python/examples/energy_audit_on_ray.py [--short] [--figure energy_audit.png] [--folder RECORDINGS]
 
-A data set in the layout of LeRobot: Parquet files of episodes with lists `observation.state`, ... in float32,
-a `timestamp` and an `episode_index`. It is made here, a Panda that moves its arm, so that it is known what is
-wrong with it: in four episodes the arm carries what the file does not know, a torque sensor is off by 15 %,
-an encoder by 2 degrees, or the clock is slow by 5 %. The audit is told nothing of this. It computes the
-quantity `audit` of every row on Ray, and closes the books of every episode: E − E₀ = work of the motors.
+The data set has the layout of LeRobot: Parquet files of episodes with float32 lists `observation.state`, ...,
+a `timestamp` and an `episode_index`. This program generates it with a moving Panda, so the faults are known.
+Four episodes have one fault each:
+
+- a payload that the robot's file lacks,
+- a torque sensor that reads 15 % too much,
+- an encoder that is off by 2 degrees,
+- a clock that is 5 % slow.
+
+The audit does not use this knowledge. It computes the quantity `audit` of every row on Ray, and then the
+energy account of every episode: E − E₀ = work of the motors.
 """
 
 import argparse
@@ -24,7 +30,7 @@ from robot_dynamics import arrow
 from robot_dynamics.columns import column_of
 
 RATE, SECONDS = 200.0, 6.0  # [Hz], [s]
-WRONG = {5: "0.8 kg in the hand", 11: "torque 4 reads 15 % more", 16: "encoder 2 off by 2°", 20: "clock 5 % slow"}
+WRONG = {5: "0.8 kg payload", 11: "torque sensor 4 reads 15 % more", 16: "encoder 2 off by 2°", 20: "clock 5 % slow"}
 MIDDLE = np.array([0.0, -0.3, 0.0, -1.8, 0.0, 1.9, 0.0])
 COLUMNS = {
     "q": "observation.state[0:7]",  # the eighth is the gripper
@@ -35,10 +41,10 @@ COLUMNS = {
 
 
 def episode(robot: rd.Robot, number: int) -> Any:
-    """One recorded episode: smooth motion of all joints that begins and ends at rest."""
+    """One recorded episode: smooth motion of all joints that starts and ends at rest."""
     random = np.random.default_rng(number)
     t = np.arange(0.0, SECONDS, 1.0 / RATE)
-    # s(t) goes from 0 to 1 and back with zero speed at both ends: 64 x³(1 − x)³.
+    # s(t) = 64 x³(1 − x)³ rises from 0 to 1 and falls to 0, with zero speed at both ends.
     x = t / SECONDS
     s = 64.0 * x**3 * (1 - x) ** 3
     rate = 64.0 * 3.0 * (x * (1 - x)) ** 2 * (1 - 2 * x) / SECONDS
@@ -77,7 +83,7 @@ def episode(robot: rd.Robot, number: int) -> Any:
 
 
 def write(folder: Path, robot: rd.Robot, episodes: int) -> None:
-    """The data set, a file an episode."""
+    """Write the data set, one file for each episode."""
     target = folder / "data" / "chunk-000"
     target.mkdir(parents=True, exist_ok=True)
     for number in range(episodes):
@@ -85,7 +91,7 @@ def write(folder: Path, robot: rd.Robot, episodes: int) -> None:
 
 
 def audited(folder: Path, robot: rd.Robot, workers: int) -> Any:
-    """The audit of every row, on Ray; a cluster is started here where there is none."""
+    """The audit of every row, on Ray; starts a local cluster if Ray is not running."""
     import ray
 
     from robot_dynamics.ray import compute
@@ -97,7 +103,7 @@ def audited(folder: Path, robot: rd.Robot, workers: int) -> Any:
         ray.data.DataContext.get_current().enable_progress_bars = False
         recordings = ray.data.read_parquet(str(folder / "data"))
         keep = ["episode_index", "timestamp"]
-        # float32 as recorded, float64 computed.
+        # The recording is float32, the computation float64.
         rows = compute(recordings, robot, "audit", columns=COLUMNS, keep=keep, dtype="float64", workers=workers)
         return pa.concat_tables(ray.get(rows.to_arrow_refs()))
     finally:
@@ -106,11 +112,11 @@ def audited(folder: Path, robot: rd.Robot, workers: int) -> Any:
 
 
 def main(arguments: list[str] | None = None) -> dict[str, Any]:
-    """Prints the books, draws the figure, and returns the episodes that are suspicious."""
+    """Print the energy accounts, draw the figure, and return the suspicious episodes."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="the audit of eight episodes")
+    parser.add_argument("--short", action="store_true", help="audit eight episodes only")
     parser.add_argument("--figure", default="energy_audit.png")
-    parser.add_argument("--folder", help="where the recordings go; a temporary folder where not given")
+    parser.add_argument("--folder", help="folder for the recordings; default: a temporary one")
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args(arguments)
     robot = rd.example("panda")
@@ -119,39 +125,39 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
         write(folder, robot, 8 if options.short else 24)
         rows = audited(folder, robot, options.workers)
     rows = rows.sort_by([("episode_index", "ascending"), ("timestamp", "ascending")])
-    books = arrow.energy_accounts(rows).to_pylist()
+    accounts = arrow.energy_accounts(rows).to_pylist()
 
-    # What most episodes show is noise; ten times their median is not.
-    residuals = np.array([book["torque_residual"] for book in books])
-    shares = np.array([book["imbalance"] / book["energy_moved"] for book in books])
+    # The median over the episodes is noise. Five times the median is suspicious.
+    residuals = np.array([account["torque_residual"] for account in accounts])
+    shares = np.array([account["imbalance"] / account["energy_moved"] for account in accounts])
     worst = residuals / np.median(residuals, axis=0)
     is_suspicious = (worst.max(axis=1) > 5.0) | (shares > 5.0 * np.median(shares))
-    print(f"{robot.name}: {rows.num_rows} rows of {len(books)} episodes")
+    print(f"{robot.name}: {rows.num_rows} rows of {len(accounts)} episodes")
     print("  episode  moved [J]   work [J]  imbalance [J]  of moved   worst joint: residual [N·m]")
-    for book, share, relative, bad in zip(books, shares, worst, is_suspicious, strict=True):
+    for account, share, relative, bad in zip(accounts, shares, worst, is_suspicious, strict=True):
         joint = int(relative.argmax())
-        text = f"  {book['episode_index']:7}{book['energy_moved']:11.2f}{book['work']:11.3f}{book['imbalance']:15.4f}"
-        text += f"{100 * share:9.2f} %{joint + 1:14}: {book['torque_residual'][joint]:.3f}"
-        print(text + (f"   <- {WRONG.get(book['episode_index'], 'nothing is wrong')}" if bad else ""))
-    suspicious = [book["episode_index"] for book, bad in zip(books, is_suspicious, strict=True) if bad]
-    print(f"suspicious: {suspicious}; made wrong: {[number for number in WRONG if number < len(books)]}")
-    draw(options.figure, rows, books, residuals, shares, is_suspicious)
+        text = f"  {account['episode_index']:7}{account['energy_moved']:11.2f}{account['work']:11.3f}{account['imbalance']:15.4f}"
+        text += f"{100 * share:9.2f} %{joint + 1:14}: {account['torque_residual'][joint]:.3f}"
+        print(text + (f"   <- {WRONG.get(account['episode_index'], 'no fault')}" if bad else ""))
+    suspicious = [account["episode_index"] for account, bad in zip(accounts, is_suspicious, strict=True) if bad]
+    print(f"suspicious: {suspicious}; faulty: {[number for number in WRONG if number < len(accounts)]}")
+    draw(options.figure, rows, accounts, residuals, shares, is_suspicious)
     return {"suspicious": suspicious, "shares": shares, "rows": rows.num_rows}
 
 
-def draw(path: str, rows: Any, books: Any, residuals: Any, shares: Any, is_suspicious: Any) -> None:
-    """The figure."""
+def draw(path: str, rows: Any, accounts: Any, residuals: Any, shares: Any, is_suspicious: Any) -> None:
+    """Draw the figure."""
     import matplotlib
 
     matplotlib.use("Agg")
     from matplotlib import pyplot
     from matplotlib.colors import LogNorm
 
-    numbers = np.array([book["episode_index"] for book in books])
+    numbers = np.array([account["episode_index"] for account in accounts])
     figure, axes = pyplot.subplots(2, 2, figsize=(11.0, 6.8), layout="constrained")
     axis = axes[0, 0]
     axis.bar(numbers, 100.0 * shares, color=np.where(is_suspicious, "tab:red", "0.6"))
-    axis.set(title="imbalance of the energy's books", xlabel="episode", ylabel="% of the energy moved", yscale="log")
+    axis.set(title="imbalance of the energy account", xlabel="episode", ylabel="% of the energy moved", yscale="log")
     axis.yaxis.set_major_formatter("{x:g}")
     axis = axes[0, 1]
     edges = [*(numbers - 0.5), numbers[-1] + 0.5]
@@ -167,10 +173,10 @@ def draw(path: str, rows: Any, books: Any, residuals: Any, shares: Any, is_suspi
         energy = own["audit.kinetic_energy"].to_numpy() + own["audit.potential_energy"].to_numpy()
         power = own["audit.power"].to_numpy()
         work = np.concatenate([[0.0], np.cumsum(np.diff(t) * (power[1:] + power[:-1]) / 2.0)])
-        axis.plot(t, energy - energy[0], color="0.7", linewidth=3.0, label="E − E₀ by the robot's file")
+        axis.plot(t, energy - energy[0], color="0.7", linewidth=3.0, label="E − E₀ from the robot's file")
         axis.plot(t, work, color="tab:blue", linewidth=1.2, label="work of the motors, as measured")
         axis.plot(t, energy - energy[0] - work, color="tab:red", linewidth=1.0, label="their difference")
-        axis.set(title=f"episode {number}: {WRONG.get(number, 'nothing wrong')}", xlabel="t [s]", ylabel="J")
+        axis.set(title=f"episode {number}: {WRONG.get(number, 'no fault')}", xlabel="t [s]", ylabel="J")
         axis.margins(x=0.0)
     axes[1, 1].legend(fontsize="small", loc="center", bbox_to_anchor=(0.5, 0.72))
     figure.savefig(path, dpi=130)

@@ -1,13 +1,13 @@
-"""Which robot made this recording? An arm carries what its file does not know; its motion tells its
-parameters.
+"""Identify an arm's unknown payload from recorded motion.
 
     python python/examples/identify.py [--short] [--figure identify.png]
 
-A Panda with an unknown tool moves every joint by a periodic motion of three harmonics. Its encoders have a
-noise of 2e-5 rad, its torque sensors of 0.2 N·m. Velocities and accelerations come, as is usual, from the
-harmonics fitted to the angles: q(t) = c + Σ aₖ sin kωt + bₖ cos kωt, which is differentiated exactly. From
-τ = Y(q, v, a) π the combinations β of inertial parameters are found that torques show, and then judged on
-another motion that was not fitted.
+A Panda with an unknown tool moves every joint periodically with three harmonics. The noise of its encoders is
+2e-5 rad, that of its torque sensors 0.2 N·m. As usual, velocities and accelerations are the exact derivatives
+of harmonics fitted to the angles, q(t) = c + Σ aₖ sin kωt + bₖ cos kωt.
+
+From τ = Y(q, v, a) π the program identifies the combinations β of inertial parameters that torques depend on.
+It then validates them on another motion.
 """
 
 import argparse
@@ -26,8 +26,7 @@ MIDDLE = np.array([0.0, 0.0, 0.0, -1.6, 0.0, 1.9, 0.0])
 
 
 def waves(t: Array) -> tuple[Array, Array, Array]:
-    """The columns 1, sin kωt, cos kωt, and their first two derivatives by t: (samples, 1 + 2 harmonics)
-    each."""
+    """The columns 1, sin kωt, cos kωt and their two derivatives by t, each (samples, 1 + 2 harmonics)."""
     k = 2.0 * np.pi / PERIOD * np.arange(1, HARMONICS + 1)
     angle, one = np.multiply.outer(t, k), np.ones((len(t), 1))
     s, c = np.sin(angle), np.cos(angle)
@@ -35,7 +34,7 @@ def waves(t: Array) -> tuple[Array, Array, Array]:
 
 
 def record(robot: rd.Robot, t: Array, seed: int) -> tuple[Array, Array]:
-    """A motion as its sensors see it: q (samples, 7) and tau (samples, 7)."""
+    """A motion as measured by its sensors: q (samples, 7) and tau (samples, 7)."""
     random = np.random.default_rng(seed)
     amplitudes = random.uniform(-0.5, 0.5, (1 + 2 * HARMONICS, robot.nv)) / np.array([[1.0, 1, 2, 3, 1, 2, 3]]).T
     amplitudes[0] = MIDDLE
@@ -45,7 +44,7 @@ def record(robot: rd.Robot, t: Array, seed: int) -> tuple[Array, Array]:
 
 
 def smoothed(t: Array, q: Array) -> tuple[Array, Array, Array]:
-    """q, v, a of the harmonics that fit recorded angles best."""
+    """q, v, a of the harmonics fitted to recorded angles."""
     columns = waves(t)
     amplitudes = np.linalg.lstsq(columns[0], q, rcond=None)[0]
     fitted, v, a = (each @ amplitudes for each in columns)
@@ -53,15 +52,15 @@ def smoothed(t: Array, q: Array) -> tuple[Array, Array, Array]:
 
 
 def rms(residual: Array) -> Array:
-    """The root mean square of each joint."""
+    """Root mean square of each joint."""
     mean: Array = np.sqrt((residual**2).mean(axis=0))
     return mean
 
 
 def main(arguments: list[str] | None = None) -> dict[str, Any]:
-    """Prints the numbers, draws the figure, and returns what was found."""
+    """Print the results, draw the figure, and return the results."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="a quarter of the samples")
+    parser.add_argument("--short", action="store_true", help="use a quarter of the samples")
     parser.add_argument("--figure", default="identify.png")
     options = parser.parse_args(arguments)
 
@@ -75,7 +74,7 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
     found = file.identify(q, v, a, tau, base, dissipation=True)
     parameters = base.nearest_parameters(found.values, file.inertial_parameters)
 
-    # Another motion, which was not fitted.
+    # Another motion, for validation.
     q, measured = record(real, t, seed=9)
     q, v, a = smoothed(t, q)
     lost = file.dissipation(v)
@@ -86,11 +85,11 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
     true = base.values(real.inertial_parameters)
     errors = (found.values - true) / found.standard_deviations
     inside = float((np.abs(errors) < 2.0).mean())
-    counts = f"{len(base)} combinations of {len(file.inertial_parameters)} parameters show"
+    counts = f"{len(base)} identifiable combinations of {len(file.inertial_parameters)} parameters"
     print(f"{file.name}: {counts}, from {len(tau)} rows")
     print(f"  condition {found.condition:.0f}, residual {found.residual:.3f} N·m, noise of the sensors {SENSOR} N·m")
     print(f"  {100 * inside:.0f} % of β within two standard deviations of the real robot's")
-    print("another motion: root mean square of measured less predicted torque [N·m]")
+    print("another motion: root mean square of measured minus predicted torque [N·m]")
     print("  joint          1      2      3      4      5      6      7")
     print("  by its file" + "".join(f"{x:7.2f}" for x in off["file"]))
     print("  as found   " + "".join(f"{x:7.2f}" for x in off["found"]))
@@ -101,7 +100,7 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
 def draw(
     path: str, t: Array, measured: Array, by_file: Array, by_found: Array, off: Any, found: Any, true: Array
 ) -> None:
-    """The figure."""
+    """Draw the figure."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -112,7 +111,7 @@ def draw(
         axis.plot(t, measured[:, joint], color="0.75", linewidth=2.5, label="measured")
         axis.plot(t, by_file[:, joint], color="tab:orange", linewidth=1.2, label="by its file")
         axis.plot(t, by_found[:, joint], color="tab:blue", linewidth=1.0, label="as identified")
-        axis.set(title=f"joint {joint + 1}, a motion that was not fitted", xlabel="t [s]", ylabel="τ [N·m]")
+        axis.set(title=f"joint {joint + 1}, validation motion", xlabel="t [s]", ylabel="τ [N·m]")
         axis.margins(x=0.0)
     axes[0, 0].legend(fontsize="small", ncols=3, loc="upper right")
     low, high = axes[0, 0].get_ylim()
@@ -123,7 +122,7 @@ def draw(
     axis.bar(joints + 0.2, off["found"], 0.4, color="tab:blue", label="as identified")
     axis.axhline(SENSOR, color="0.3", linewidth=1.0, linestyle="--", label="noise of the sensors")
     axis.set(
-        title="what the prediction is off",
+        title="error of the prediction",
         xlabel="joint",
         ylabel="root mean square [N·m]",
         yscale="log",
@@ -141,7 +140,7 @@ def draw(
     )
     axis.axhline(0.0, color="0.3", linewidth=1.0)
     axis.set(
-        title="parameters found less the real ones, ± 2 σ",
+        title="identified minus real parameters, ± 2 σ",
         xlabel="combination of inertial parameters",
         ylabel="in their σ",
     )

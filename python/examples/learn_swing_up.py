@@ -1,12 +1,11 @@
-"""Learns to swing up a pendulum whose motor is too weak to lift it, by an evolution strategy, in half a
-minute on a CPU.
-
-A policy is a small network. In each generation 128 policies, pairs of opposite changes of the present one,
-are tried at once, four episodes each: 512 environments that step together. The policies' ranks say in which
-direction to go (Salimans and others, *Evolution Strategies as a Scalable Alternative to Reinforcement
-Learning*, 2017).
+"""Learn to swing up a pendulum whose motor is too weak to lift it, in half a minute on a CPU.
 
     python examples/learn_swing_up.py [--generations 60] [--seed 1]
+
+The method is an evolution strategy, and a policy is a small network. Each generation tries 128 policies, in
+pairs of opposite changes of the current one, with four episodes each. These 512 environments step together.
+The ranks of the policies give the direction of the update (Salimans and others, *Evolution Strategies as a
+Scalable Alternative to Reinforcement Learning*, 2017).
 """
 
 import argparse
@@ -24,11 +23,11 @@ MIRRORED = np.array([1.0, -1.0, -1.0])
 
 
 def act(policies: NDArray[np.float64], seen: NDArray[np.float64]) -> NDArray[np.float64]:
-    """u = tanh(f(x) − f(x')) with f = w·tanh(W x + b) of each policy (n, SIZE) for its observations x (n,
-    episodes, SEES).
+    """Actions u = tanh(f(x) − f(x')) with f = w·tanh(W x + b) of policies (n, SIZE).
 
-    Seen in a mirror, cos, −sin, −v, the task is the same with the opposite torque, and so is the policy: it
-    cannot lean to one side for good, which is better than hanging and where a search would stay.
+    The observations x are (n, episodes, SEES), and x' is x mirrored: cos, −sin, −v. The mirrored task needs
+    the opposite torque, and this policy gives it. So the policy cannot lean to one side forever. Leaning
+    scores better than hanging, and a search could end there.
     """
     w, b, out = np.split(policies, [HIDDEN * SEES, HIDDEN * (SEES + 1)], axis=1)
     both = np.stack([seen, seen * MIRRORED])
@@ -38,7 +37,7 @@ def act(policies: NDArray[np.float64], seen: NDArray[np.float64]) -> NDArray[np.
 
 
 def scores(policies: NDArray[np.float64], envs: SwingUp, seed: int) -> NDArray[np.float64]:
-    """The mean reward of a step of each policy."""
+    """Mean reward of a step of each policy."""
     count, total = len(policies), np.zeros(envs.num_envs)
     seen, _ = envs.reset(seed=seed)
     for _ in range(envs.horizon):
@@ -52,11 +51,12 @@ def scores(policies: NDArray[np.float64], envs: SwingUp, seed: int) -> NDArray[n
 def learn(
     generations: int, seed: int = 1, pairs: int = 64, episodes: int = 4, *, show: bool = False
 ) -> tuple[NDArray[np.float64], list[float]]:
-    """The policy (SIZE,) and the score of the present policy before each generation and after the last."""
+    """Policy (SIZE,), and the score of the current policy before each generation and after the last."""
     random = np.random.default_rng(seed)
     policy = random.standard_normal(SIZE)
-    course: dict[str, Any] = {"dt": 0.01, "substeps": 5, "horizon": 120}
-    envs, alone = SwingUp(2 * pairs * episodes, **course), SwingUp(4, within=0.1, **course)  # judged from hanging
+    options: dict[str, Any] = {"dt": 0.01, "substeps": 5, "horizon": 120}
+    # The score is that of episodes that start near hanging.
+    envs, alone = SwingUp(2 * pairs * episodes, **options), SwingUp(4, within=0.1, **options)
     spread, rate, mean, square = 0.5, 0.2, np.zeros(SIZE), np.zeros(SIZE)
     learned = [float(scores(policy[np.newaxis], alone, seed)[0])]
     for generation in range(1, generations + 1):
@@ -65,18 +65,18 @@ def learn(
         found = scores(policy + spread * changes, envs, seed + generation)
         ranks = found.argsort().argsort() / (2 * pairs - 1) - 0.5
         direction = ranks @ changes / (2 * pairs * spread)
-        # Adam.
+        # Adam step.
         mean, square = 0.9 * mean + 0.1 * direction, 0.99 * square + 0.01 * direction**2
         step = mean / (1 - 0.9**generation) / (np.sqrt(square / (1 - 0.99**generation)) + 1e-8)
         policy = policy + rate * step
         learned.append(float(scores(policy[np.newaxis], alone, seed)[0]))
         if show and generation % 10 == 0:
-            print(f"generation {generation:4}: reward of a step {learned[-1]:7.3f}, of the best {found.max():7.3f}")
+            print(f"generation {generation:4}: reward of a step {learned[-1]:7.3f}, of the best policy {found.max():7.3f}")
     return policy, learned
 
 
 def main() -> None:
-    """Learns, and says how far it came."""
+    """Learn a policy and print its score."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--generations", type=int, default=60)
     parser.add_argument("--seed", type=int, default=1)

@@ -1,13 +1,13 @@
-"""How does an arm reach a point with the least effort? CasADi asks the library for torques and slopes, IPOPT
-finds the motion.
+"""Find the cheapest motion of an arm to a point, with CasADi and IPOPT.
 
     python python/examples/reach.py [--short] [--figure reach.png]
 
-A Panda goes from rest to rest in one second, its flange to a point: inverse kinematics says how it stands
-there. The least ∫ Σ (τ/limit)² + (a/150)² dt is found over accelerations a held over pieces of the time, with
-the torques τ(q, v, a) and the joints within their limits, by IPOPT with Gauss and Newton's Hessian.
-`robot_dynamics.casadi` generates, compiles and loads the torques with their Jacobian. Beside it the plain
-way, a polynomial of degree five in time. The motion found is then followed by a simulated arm with computed
+A Panda moves its flange to a point, from rest to rest in one second. Inverse kinematics gives the final
+configuration. The cost is ∫ Σ (τ/limit)² + (a/150)² dt, with piecewise constant accelerations a. The torques
+τ(q, v, a) and the joints stay within their limits. IPOPT solves the problem with a Gauss–Newton Hessian.
+`robot_dynamics.casadi` generates, compiles and loads the torques with their Jacobian.
+
+A polynomial of degree five in time is the baseline. A simulated arm then tracks the solution with computed
 torques, in small steps.
 
 Needs CasADi (pip install casadi) and a C compiler.
@@ -28,11 +28,11 @@ TIME = 1.0  # [s]
 START = np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
 GOAL = np.array([0.35, 0.45, 0.25])  # [m]
 FLANGE = "panda_link8"
-PRICE = 1.0 / 150.0  # of accelerations [s²/rad]
+PRICE = 1.0 / 150.0  # weight of accelerations [s²/rad]
 
 
 def least_effort(robot: rd.Robot, goal: Array, pieces: int) -> tuple[Array, float, int]:
-    """Accelerations (pieces, 7) of the least cost, the cost, and IPOPT's iterations."""
+    """Accelerations (pieces, 7) with the least cost, the cost, and the number of iterations."""
     import casadi as ca
 
     torque = external(robot, "inverse_dynamics")
@@ -47,12 +47,12 @@ def least_effort(robot: rd.Robot, goal: Array, pieces: int) -> tuple[Array, floa
         places.append(q)
     r = ca.vertcat(*efforts, PRICE * x)
     at_end = ca.vertcat(v, q - goal)
-    rules = ca.vertcat(*efforts, *places, at_end)
-    slope, nothing = ca.jacobian(r, x), ca.MX.sym("p", 0)
-    by_loss, by_rules = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", rules.numel())
-    hessian = ca.Function("H", [x, nothing, by_loss, by_rules], [2 * h * by_loss * ca.triu(slope.T @ slope)])
+    limited = ca.vertcat(*efforts, *places, at_end)
+    jacobian, nothing = ca.jacobian(r, x), ca.MX.sym("p", 0)
+    by_loss, by_limited = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", limited.numel())
+    hessian = ca.Function("H", [x, nothing, by_loss, by_limited], [2 * h * by_loss * ca.triu(jacobian.T @ jacobian)])
     options = {"hess_lag": hessian, "ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": 0}
-    solver = ca.nlpsol("solver", "ipopt", {"x": x, "f": h * ca.sumsqr(r), "g": rules}, options)
+    solver = ca.nlpsol("solver", "ipopt", {"x": x, "f": h * ca.sumsqr(r), "g": limited}, options)
     ends = np.zeros(at_end.numel())
     lower = np.concatenate([-np.ones(n * pieces), np.tile(limits.lower, pieces), ends])
     upper = np.concatenate([np.ones(n * pieces), np.tile(limits.upper, pieces), ends])
@@ -64,7 +64,7 @@ def least_effort(robot: rd.Robot, goal: Array, pieces: int) -> tuple[Array, floa
 
 
 def motion_of(accelerations: Array, t: float) -> tuple[Array, Array, Array]:
-    """q, v and a at a time, of accelerations held over equal pieces."""
+    """q, v and a at a time, for accelerations held over equal pieces."""
     pieces = len(accelerations)
     h = TIME / pieces
     last = min(int(t / h), pieces - 1)
@@ -77,8 +77,8 @@ def motion_of(accelerations: Array, t: float) -> tuple[Array, Array, Array]:
     return q + rest * v + rest**2 / 2 * a, v + rest * a, a
 
 
-def plain_way(goal: Array, times: Array) -> tuple[Array, Array, Array]:
-    """q, v, a (times, 7) of the polynomial of degree five."""
+def quintic(goal: Array, times: Array) -> tuple[Array, Array, Array]:
+    """q, v, a (times, 7) of the polynomial of degree five in time."""
     s, d = times[:, np.newaxis] / TIME, goal - START
     q = START + d * (10 * s**3 - 15 * s**4 + 6 * s**5)
     v = d * (30 * s**2 - 60 * s**3 + 30 * s**4) / TIME
@@ -87,7 +87,7 @@ def plain_way(goal: Array, times: Array) -> tuple[Array, Array, Array]:
 
 def main(arguments: list[str] | None = None) -> dict[str, Any]:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="fewer pieces")
+    parser.add_argument("--short", action="store_true", help="use fewer pieces")
     parser.add_argument("--figure", default="reach.png")
     options = parser.parse_args(arguments)
 
@@ -98,14 +98,14 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
     times = (np.arange(1000) + 0.5) * TIME / 1000
     q, v, a = (np.array(each) for each in zip(*(motion_of(accelerations, t) for t in times), strict=True))
     tau = robot.inverse_dynamics(q, v, a)
-    plain = plain_way(goal, times)
+    plain = quintic(goal, times)
     held = robot.inverse_dynamics(*plain)
     costs = [
         float((((force / limit) ** 2).sum(axis=1) + PRICE**2 * (rate**2).sum(axis=1)).mean() * TIME)
         for force, rate in ((tau, a), (held, plain[2]))
     ]
-    print(f"least cost {cost:.4f} s after {iterations} iterations; {costs[0]:.4f} s on 1000 points, not the pieces' middles")
-    print(f"the plain way costs {costs[1]:.4f} s; largest torque {100 * np.abs(tau / limit).max():.0f} % of its limit")
+    print(f"least cost {cost:.4f} s after {iterations} iterations; {costs[0]:.4f} s on 1000 points instead of the middles of the pieces")
+    print(f"the polynomial costs {costs[1]:.4f} s; largest torque {100 * np.abs(tau / limit).max():.0f} % of its limit")
 
     follow = rd.ComputedTorque(robot, lambda t: motion_of(accelerations, t), np.full(7, 400.0), np.full(7, 40.0))
     motion = robot.simulate(START, tau=follow, duration=TIME, dt=1e-3)

@@ -1,12 +1,14 @@
-"""How does an arm get up whose motors cannot lift it? Its rollout is differentiated, and torques follow the
-gradient.
+"""Swing up an arm whose motors are too weak to lift it, by gradient descent through a rollout.
 
     python python/examples/swing_up.py [--short] [--figure swing_up.png]
 
-Two rods of 1 m hang down. Holding them out would take 24.5 N·m at the shoulder, the motors give 8 and 4.
-Torques τ = limit · tanh u of 2.4 s are found from many random starts at once: one call rolls all of them out,
-one call brings the gradient of their losses back through time, by adjoints in O(n) a step, and Adam moves u.
-At the top the arm is held by a linear-quadratic regulator, of the slopes of one step, within the same limits.
+Two rods of 1 m hang down. Holding them horizontally takes 24.5 N·m at the shoulder, but the motors give only
+8 and 4 N·m. The program optimises torques τ = limit · tanh u over 2.4 s from many random starts at once. One
+call rolls out all of them. Another computes the gradients of their losses by u, by adjoints in O(n) a step.
+Adam updates u.
+
+At the top a linear-quadratic regulator holds the arm within the same limits. It uses the derivatives of one
+step.
 """
 
 import argparse
@@ -27,9 +29,10 @@ OPTIONS: dict[str, Any] = {"steps": STEPS, "dt": STEP, "integrator": "rk4"}
 
 
 def loss(robot: Any, u: Array) -> tuple[Array, Array]:
-    """The losses of torques limit · tanh u, u (starts, steps, 2), and their gradients by u.
+    """Losses of torques limit · tanh u, for u (starts, steps, 2), and their gradients by u.
 
-    At the end 1 − cos of the angles to the upright arm, and a tenth of v²; a little for the torques.
+    The loss is 1 − cos of the final angles from upright, plus a small weight on the final v² and on the
+    torques.
     """
     tau = LIMIT * np.tanh(u)
     end = robot.rollout(HANGING, np.zeros(2), tau, **OPTIONS)
@@ -39,29 +42,29 @@ def loss(robot: Any, u: Array) -> tuple[Array, Array]:
         HANGING, np.zeros(2), tau, by_position=np.sin(off), by_velocity=0.1 * end.v, **OPTIONS
     )
     assert back.by_force is not None
-    slope = back.by_force + 2.0 * PRICE * tau / tau[0].size
-    return value, slope * LIMIT * (1.0 - np.tanh(u) ** 2)
+    gradient = back.by_force + 2.0 * PRICE * tau / tau[0].size
+    return value, gradient * LIMIT * (1.0 - np.tanh(u) ** 2)
 
 
 def descend(robot: rd.Robot, u: Array, rounds: int, rate: float = 0.1) -> tuple[Array, Array]:
-    """u after so many steps of Adam, and the losses on the way (rounds, starts)."""
+    """u after `rounds` steps of Adam, and the losses of each round (rounds, starts)."""
     mean, square, losses = np.zeros_like(u), np.zeros_like(u), []
     for k in range(1, rounds + 1):
-        value, slope = loss(robot, u)
+        value, gradient = loss(robot, u)
         losses.append(value)
-        # A chaotic motion has slopes of any size: each start's is cut to length 1.
-        slope = slope / np.maximum(np.linalg.norm(slope, axis=(1, 2), keepdims=True), 1.0)
-        mean, square = 0.9 * mean + 0.1 * slope, 0.99 * square + 0.01 * slope**2
+        # The gradient of a chaotic motion can be large: each is clipped to length 1.
+        gradient = gradient / np.maximum(np.linalg.norm(gradient, axis=(1, 2), keepdims=True), 1.0)
+        mean, square = 0.9 * mean + 0.1 * gradient, 0.99 * square + 0.01 * gradient**2
         eased = rate * (1.0 + np.cos(np.pi * k / rounds)) / 2.0
         u = u - eased * (mean / (1 - 0.9**k)) / (np.sqrt(square / (1 - 0.99**k)) + 1e-8)
     return u, np.array(losses)
 
 
 def held(robot: rd.Robot, q: Array, v: Array) -> tuple[Array, Array, Array]:
-    """The motion at the top under a linear-quadratic regulator: q, v, tau (steps, 2)."""
+    """Motion at the top under a linear-quadratic regulator: q, v, tau (steps, 2)."""
     gravity = robot.gravity(UPRIGHT)
-    slopes = robot.linearize_step(UPRIGHT, np.zeros(2), gravity, dt=STEP)
-    law = rd.dlqr(slopes.by_state, slopes.by_force, np.diag([10.0, 10.0, 1.0, 1.0]), 0.1 * np.eye(2))
+    linear = robot.linearize_step(UPRIGHT, np.zeros(2), gravity, dt=STEP)
+    law = rd.dlqr(linear.by_state, linear.by_force, np.diag([10.0, 10.0, 1.0, 1.0]), 0.1 * np.eye(2))
     states = []
     for _ in range(HOLD):
         off = np.concatenate([np.angle(np.exp(1j * (q - UPRIGHT))), v])
@@ -73,15 +76,15 @@ def held(robot: rd.Robot, q: Array, v: Array) -> tuple[Array, Array, Array]:
 
 
 def main(arguments: list[str] | None = None) -> dict[str, Any]:
-    """Prints the numbers, draws the figure, and returns what was found."""
+    """Print the results, draw the figure, and return the results."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="fewer starts and rounds")
+    parser.add_argument("--short", action="store_true", help="use fewer starts and rounds")
     parser.add_argument("--figure", default="swing_up.png")
     options = parser.parse_args(arguments)
     robot = rd.example("two_r")
     starts, rounds = (8, 150) if options.short else (32, 600)
     random = np.random.default_rng(1)
-    # Smooth torques: three sines of random phase and size each.
+    # Smooth torques: each is the sum of three sines of random phase and size.
     t = np.arange(STEPS) * STEP
     phase, size, speed = (
         random.uniform(0, 6, (starts, 2, 3)),
@@ -90,11 +93,11 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
     )
     u = np.einsum("sjk,sjkt->stj", size, np.sin(np.multiply.outer(speed, t) + phase[..., np.newaxis]))
 
-    # The gradient, beside a difference of losses.
+    # Compare the gradient with a difference of losses.
     along = random.normal(size=u.shape)
-    _, slope = loss(robot, u)
+    _, gradient = loss(robot, u)
     ahead, behind = (loss(robot, u + sign * 1e-6 * along)[0] for sign in (1, -1))
-    difference = np.abs((slope * along).sum(axis=(1, 2)) - (ahead - behind) / 2e-6) / np.abs(slope * along).sum(
+    difference = np.abs((gradient * along).sum(axis=(1, 2)) - (ahead - behind) / 2e-6) / np.abs(gradient * along).sum(
         axis=(1, 2)
     )
     u, losses = descend(robot, u, rounds)
@@ -105,8 +108,8 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
     miss = np.abs(np.angle(np.exp(1j * (motion.q - UPRIGHT))))
     rest = np.abs(np.angle(np.exp(1j * (q[-1] - UPRIGHT)))).max()
     heavy = robot.gravity([0.0, 0.0])[0]
-    print(f"{robot.name}: motors of {LIMIT[0]:g} and {LIMIT[1]:g} N·m; held out it would take {heavy:.1f}")
-    print(f"  gradient less difference of losses: at most {difference.max():.1e} of the terms")
+    print(f"{robot.name}: motors of {LIMIT[0]:g} and {LIMIT[1]:g} N·m; holding the arm horizontally takes {heavy:.1f}")
+    print(f"  gradient minus difference of losses: at most {difference.max():.1e} of the terms")
     print(f"  {starts} starts, {rounds} rounds: least loss {losses[0].min():.3f} -> {losses[-1].min():.6f}")
     angles = " and ".join(f"{x:.2f}°" for x in np.rad2deg(miss))
     print(f"  after {STEPS * STEP:g} s: {angles} from upright, |v| {np.abs(motion.v).max():.3f} rad/s")
@@ -117,7 +120,7 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
 
 
 def draw(path: str, losses: Array, best: int, positions: Array, tau: Array) -> None:
-    """The figure."""
+    """Draw the figure."""
     import matplotlib
 
     matplotlib.use("Agg")
