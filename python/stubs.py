@@ -1,10 +1,10 @@
-"""Writes `robot_dynamics/_native.pyi` from the compiled module: signatures, types and docstrings.
+"""Write `robot_dynamics/_native.pyi` from the compiled module: signatures, types and docstrings.
 
-    python stubs.py           writes it
-    python stubs.py --check   fails where it is stale
+    python stubs.py           writes the file
+    python stubs.py --check   fails if the file is not current
 
-Which arguments a method has is what the module says of itself; of which type they and the result are follows
-from their names and from the shapes that the docstrings state.
+The module itself lists the arguments of a method. The types follow from the names of arguments and from the
+shapes in the docstrings.
 """
 
 import inspect
@@ -34,7 +34,7 @@ from robot_dynamics.results import {classes}
 _F = TypeVar("_F", np.float64, np.float32)
 '''
 
-# Arguments by name; all others are arrays of numbers.
+# Types of arguments by name; all others are arrays of numbers.
 ARGUMENTS = {
     "frame": "str | int",
     "frames": "Sequence[str | int] | None",
@@ -74,7 +74,7 @@ ARGUMENTS = {
     "options": "Any",
 }
 
-# Those that are something else for some classes.
+# Types of arguments that differ for some classes.
 OF_CLASS = {
     ("ComputedTorque", "reference"): "Followed | Callable[[float], Followed]",
     ("TaskControl", "reference"): "Followed | Callable[[float], Followed]",
@@ -82,7 +82,7 @@ OF_CLASS = {
     ("TaskControl", "damping"): "float",
 }
 
-# What is not an array of the arguments' type.
+# Results that are not arrays of the arguments' type.
 RETURNS = {
     "_state": "str",
     "_report_text": "str",
@@ -120,7 +120,7 @@ RETURNS = {
     "restore": "None",
 }
 
-# Of classes that are not made here; a robot's properties are looked at.
+# Properties of classes that this script does not create. Those of a robot are inspected.
 PROPERTIES = {
     "row_names": "list[str]",
     "names": "list[str]",
@@ -134,7 +134,7 @@ PROPERTIES = {
 
 ARRAY = "NDArray[np.float64]"
 
-# Those of simulations that are no arrays.
+# Properties of simulations that are not arrays.
 OF_SIMULATION = {
     "robot": "Robot",
     "dt": "float",
@@ -153,10 +153,10 @@ OF_SIMULATION = {
     "times": "list[float]",
 }
 
-# Classes from which the Python half derives.
+# Base classes of classes of the Python package.
 BASES = ("Robot", "Simulation", "SimulationBatch")
 
-# The attributes that can be set, with the type that each takes.
+# Writable attributes with their types.
 SETTERS = {
     ("Simulation", "controls"): "Numbers | Mapping[str, float]",
     ("Simulation", "torques"): "Numbers",
@@ -169,7 +169,7 @@ def main() -> int:
     text = stub()
     if "--check" in sys.argv[1:]:
         is_current = STUB.exists() and STUB.read_text(encoding="utf-8") == text
-        print(f"{STUB.name}: {'ok' if is_current else 'stale: run `python stubs.py`'}")
+        print(f"{STUB.name}: {'ok' if is_current else 'not current: run `python stubs.py`'}")
         return 0 if is_current else 1
     STUB.write_text(text, encoding="utf-8")
     return 0
@@ -207,7 +207,7 @@ def of_class(name: str, cls: type) -> Iterator[str]:
         elif member in ("__hash__", "__len__"):
             yield f"    def {member}(self, /) -> int: ...\n"
         elif member == "__call__":
-            # Python does not tell the arguments of this one: a law of control, τ of (t, q, v).
+            # Python does not report its arguments. It is a controller τ(t, q, v).
             yield "    def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...\n"
         elif inspect.ismethoddescriptor(value) and not member.startswith("__"):
             yield "".join(method(member, value))
@@ -232,7 +232,7 @@ def function(name: str) -> Iterator[str]:
 
 def method(name: str, value: object) -> Iterator[str]:
     if name.startswith("_") and name not in RETURNS:
-        # The Python half gives these their types.
+        # The Python package states their types.
         yield f"    def {name}({arguments(value, 0, 'Any')}) -> Any:\n{quoted(value.__doc__, 2)}"
         return
     if name in RETURNS:
@@ -286,7 +286,7 @@ def argument(name: str, number: str | None, value: Any) -> str:
 def returned(name: str, doc: str, number: str) -> str:
     if name in results.BY_ALGORITHM:
         return f"{results.BY_ALGORITHM[name].__name__}[{number}]"
-    # A result without axes of its own is a number of one state and an array of many.
+    # A scalar result is a number for one state and an array for many.
     return "Any" if "→ (...) " in doc else f"NDArray[{number}]"
 
 

@@ -193,7 +193,8 @@ def rollouts(robot: rd.Robot, path: str, q: Any, v: Any, threads: int) -> Ways:
     from mujoco.batch import Batch
 
     model.opt.timestep = STEP
-    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_DAMPER)  # not requested from this package either
+    # This package does not compute damping here either.
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_DAMPER)
     start = np.hstack([np.zeros((len(q), 1)), q, v])
     data = [mujoco.MjData(model) for _ in range(threads)]
     nothing = np.zeros((len(q), STEPS, 0))

@@ -40,7 +40,8 @@ def answer(request):
         result["mass"] = float(plant.CalcTotalMass(context))
         mass = plant.CalcMassMatrix(context) if plant.num_velocities() else np.zeros((0, 0))
         result["mass_matrix"] = mass.tolist()
-    except (Exception, SystemExit) as error:  # noqa: BLE001: SystemExit is what a failed check of Drake's becomes
+    # A failed check of Drake raises SystemExit.
+    except (Exception, SystemExit) as error:  # noqa: BLE001
         result = {"refused": f"{type(error).__name__}: {error}"}
     finally:
         log.removeHandler(kept)

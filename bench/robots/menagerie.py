@@ -220,7 +220,10 @@ def longest_step(model, data):
         affine = kind == int(mujoco.mjtGain.mjGAIN_AFFINE)
         damping += np.outer(row, row) * (abs(bias[2]) + affine * abs(gain[2]))
         stiffness += np.outer(row, row) * (abs(bias[1]) + affine * abs(gain[1]))
-    fastest = lambda of: np.max(np.abs(np.linalg.eigvals(np.linalg.solve(mass, of))), initial=1e-9)  # noqa: E731
+
+    def fastest(matrix):
+        return np.max(np.abs(np.linalg.eigvals(np.linalg.solve(mass, matrix))), initial=1e-9)
+
     longest = STEP_FREE if (model.jnt_type == FREE).any() else STEP
     return min(longest, 0.3 / fastest(damping), 0.2 / np.sqrt(fastest(stiffness)))
 
@@ -432,7 +435,10 @@ def page(records):
     compared = [one for one in kept if "errors" in one]
     refused = [one for one in kept if "mujoco refuses" in one]
     different = [one for one in kept if "differs" in one]
-    worst = lambda one, words: max((e for k, e in one["errors"].items() if k in words), default=0.0)  # noqa: E731
+
+    def worst(one, words):
+        return max((e for k, e in one["errors"].items() if k in words), default=0.0)
+
     as_is = [worst(one, ("masses", "M", "bias")) for one in compared]
     own = [worst(one, ("masses", "M, our inertias", "bias, our inertias")) for one in compared]
     robots = {one["name"].split("/")[0] for one in compared}

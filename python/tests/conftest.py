@@ -1,4 +1,4 @@
-"""What the tests share: robots of every sort, and states of them."""
+"""Robots and random states for the tests."""
 
 import os
 import signal
@@ -16,7 +16,7 @@ import robot_dynamics as rd
 
 ROBOTS = Path(__file__).parents[2] / "robots"
 
-# Chains and trees, fixed and floating, with followers (gripper, hand).
+# Chains and trees, with fixed and floating base, and with mimic joints (gripper, hand).
 NAMES = {
     "two_r": False,
     "panda": False,
@@ -40,12 +40,12 @@ class States:
     coordinates: NDArray[np.float64]
 
     def given(self, names: list[str]) -> list[NDArray[np.float64]]:
-        """Those of these names."""
+        """Arrays of these names."""
         return [getattr(self, name) for name in names]
 
 
 def load(name: str) -> rd.Robot:
-    """A robot of the repository; a floating root where it has legs."""
+    """Load a robot of the repository, with a floating base if it has legs."""
     return rd.load(ROBOTS / f"{name}.urdf", floating_base=NAMES.get(name, False))
 
 
@@ -58,9 +58,8 @@ def states(robot: rd.Robot, count: int = 37, seed: int = 1) -> States:
 
 
 def interrupted(program: str) -> tuple[str, float]:
-    """What a program that says `ready` writes to its errors when it is interrupted then, and how long it
-    takes [s]."""
-    # The package that is tested, and not the folder that the tests are started in.
+    """Interrupt a program after it prints `ready`; returns its standard error and the time it takes [s]."""
+    # Import the tested package, not the working directory of the tests.
     environment = {**os.environ, "PYTHONPATH": str(Path(rd.__file__).parents[1])}
     command = [sys.executable, "-P", "-c", program]
     with subprocess.Popen(
@@ -86,11 +85,11 @@ def robot(request: pytest.FixtureRequest) -> rd.Robot:
 
 @pytest.fixture(scope="session")
 def panda() -> rd.Robot:
-    """One arm."""
+    """A robot arm with fixed base."""
     return load("panda")
 
 
 @pytest.fixture(scope="session")
 def quadruped() -> rd.Robot:
-    """One robot whose root floats."""
+    """A robot with floating base."""
     return load("quadruped")

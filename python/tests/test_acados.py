@@ -1,4 +1,4 @@
-"""The generated functions in acados, where it is installed: its solver finds what IPOPT finds."""
+"""Generated functions in acados, if it is installed: its solver agrees with IPOPT."""
 
 from pathlib import Path
 
@@ -11,13 +11,13 @@ pytest.importorskip("casadi")
 pytest.importorskip("acados_template")
 
 
-# acados warns of its own code, and of versions of CasADi that are new to it.
+# acados warns about its own code, and about new versions of CasADi.
 @pytest.mark.filterwarnings("ignore")
 def test_an_arm_reaches_and_stays(tmp_path: Path) -> None:
     found = run("acados_reach", tmp_path)
     assert found["costs"][0] == pytest.approx(found["costs"][1], rel=1e-6)
     assert found["miss"] < 1e-8 and found["apart"] < 1e-4 and found["off"] < 1e-4
-    # Some joint is at its limit of speed all along.
+    # At every time some joint is at its speed limit.
     assert found["use"] == pytest.approx(1.0, abs=1e-4)
     half = len(found["away"]) // 2
     before, after = found["away"][half - 1], found["away"][half:]

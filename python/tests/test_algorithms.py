@@ -15,7 +15,7 @@ ARRAYS = ("q", "v", "a", "tau", "cotangent", "coordinates")
 
 
 def rows() -> list[tuple[str, list[str]]]:
-    """Every method that computes something of states: its name and its arguments."""
+    """Every computing method: its name and its arguments."""
     found = []
     for name, value in vars(_native.Robot).items():
         if inspect.ismethoddescriptor(value) and not name.startswith("_"):
@@ -55,7 +55,7 @@ def test_many_states_are_each_one(robot: rd.Robot, name: str, names: list[str]) 
     many = parts(method(*arguments(robot, names)))
     for k in (0, 5, 36):
         for batch, one in zip(many, parts(method(*arguments(robot, names, k))), strict=True):
-            # Other orders of the same sums: κ(M) times rounding.
+            # The sums run in another order: κ(M) times rounding.
             assert_allclose(batch[k], one, rtol=1e-9, atol=1e-9 * max(1.0, np.abs(one).max(initial=0.0)))
 
 
@@ -130,7 +130,7 @@ def test_power_is_the_rate_of_energy(robot: rd.Robot) -> None:
     accelerations = robot.forward_dynamics(s.q, s.v, s.tau)
 
     def energy(t: float) -> Any:
-        # The state after t, to second order: the velocity turns with the body, of which a knows nothing.
+        # The state after t, to second order. The velocity rotates with the body, which a does not include.
         q = robot.integrate(s.q, s.v * t + 0.5 * t * t * accelerations)
         v = s.v + t * accelerations
         return robot.kinetic_energy(q, v) + robot.potential_energy(q)
@@ -199,7 +199,7 @@ def test_wrenches_act_through_the_jacobian(robot: rd.Robot) -> None:
     frames = robot.frame_names[0], robot.frame_names[-1]
     random = np.random.default_rng(9)
     pushes = {frame: random.uniform(-1, 1, (37, 6)) for frame in frames}
-    pushes[frames[0]] = pushes[frames[0]][0]  # one for all states
+    pushes[frames[0]] = pushes[frames[0]][0]  # one row for all states
     through = sum(
         np.einsum("nij,ni->nj", robot.frame_jacobian_in_frame(s.q, frame), np.broadcast_to(push, (37, 6)))
         for frame, push in pushes.items()

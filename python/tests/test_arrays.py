@@ -1,4 +1,4 @@
-"""What arrays are taken, what is refused, and with which words."""
+"""Accepted and rejected arrays, and the messages of the errors."""
 
 from typing import Any
 
@@ -80,21 +80,21 @@ def test_the_other_byte_order_and_unaligned_memory_are_read() -> None:
 
 
 class Wrapped:
-    """Something with an array inside."""
+    """Object that holds an array."""
 
     def __init__(self, array: Any) -> None:
         self.array = array
 
 
 class WithArray(Wrapped):
-    """As pandas' columns."""
+    """Object with the interface of a pandas column."""
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
         return self.array
 
 
 class WithDLPack(Wrapped):
-    """As torch's tensors and jax's arrays."""
+    """Object with the interface of tensors of torch and arrays of jax."""
 
     def __dlpack__(self, **options: Any) -> Any:
         return self.array.__dlpack__(**options)
@@ -155,7 +155,7 @@ def test_out_may_lie_over_what_is_read(count: int | None) -> None:
     assert np.array_equal(PANDA.integrate(q, v, out=q), expected) and np.array_equal(q, expected)
     table = np.zeros((3, *shape))
     table[:2] = [expected, v]
-    shifted = table.reshape(-1)[3 : 3 + v.size].reshape(shape)  # over both
+    shifted = table.reshape(-1)[3 : 3 + v.size].reshape(shape)  # overlaps both
     again = PANDA.integrate(table[0], table[1])
     assert np.array_equal(PANDA.integrate(table[0], table[1], out=shifted), again)
 

@@ -26,7 +26,7 @@ def table(robot: rd.Robot, count: int, dtype: Any = np.float64) -> Any:
 
 
 def numbers(column: Any) -> NDArray[Any]:
-    """A column of lists of lists as an array, by way of Python's own lists."""
+    """A column of nested lists as an array, through Python lists."""
     return np.array(column.to_pylist())
 
 
@@ -58,13 +58,13 @@ def test_memory_is_arrows_own(dtype: Any) -> None:
         values = part.column(0).values
         begins = values.buffers()[1].address + part.column(0).offset * 7 * array.itemsize
         assert array.ctypes.data == begins and array.dtype == dtype and array.shape == (len(part), 7)
-        some = array_of(part, "q", "q", 4, slice(2, 6), "panda")  # a part of each list, by strides
+        some = array_of(part, "q", "q", 4, slice(2, 6), "panda")  # a slice of each list, by strides
         assert some.ctypes.data == begins + 2 * array.itemsize and np.array_equal(some, array[:, 2:6])
-    # Lists of any length whose numbers lie side by side, too.
+    # The same for variable-size lists whose numbers are adjacent in memory.
     lists = pa.RecordBatch.from_pydict({"q": batch.column(0).cast(pa.list_(pa.from_numpy_dtype(dtype)))}).slice(3, 9)
     array = array_of(lists, "q", "q", 7, slice(None), "panda")
     assert array.ctypes.data == lists.column(0).values.buffers()[1].address + 3 * 7 * array.itemsize
-    # And results are columns where they were computed.
+    # Result columns share the memory of the computed arrays.
     mass = PANDA.mass_matrix(array)
     assert column_of(mass, NONE).values.values.buffers()[1].address == mass.ctypes.data
 
@@ -94,7 +94,7 @@ def test_what_comes_from_polars_goes_back() -> None:
     assert lists.schema["q"] == pl.List(pl.Float64)
     both = pl.concat([lists[:20], lists[20:]], rechunk=False)
     assert pl.DataFrame(arrow.compute(PANDA, both, "inverse_dynamics", keep=["name"])).equals(found)
-    # Polars' own stream, batch after batch.
+    # The stream of Polars, batch by batch.
     assert pl.DataFrame(arrow.stream(PANDA, both, "inverse_dynamics", keep=["name"])).equals(found)
 
 
@@ -109,7 +109,7 @@ def test_what_comes_from_duckdb() -> None:
 
 def test_a_recording_has_its_own_names_and_more_numbers() -> None:
     s = states(PANDA, 30)
-    state = np.hstack([s.q, s.v, np.ones((30, 1))]).astype(np.float32)  # and a gripper
+    state = np.hstack([s.q, s.v, np.ones((30, 1))]).astype(np.float32)  # the last number is a gripper
     recording = pa.table({"observation.state": list(state), "observation.effort": list(s.tau.astype(np.float32))})
     columns = {"q": "observation.state[:7]", "v": "observation.state[7:14]", "tau": "observation.effort"}
     found = arrow.compute(PANDA, recording, "forward_dynamics", columns=columns)
@@ -234,7 +234,7 @@ def test_energy_accounts_keep_episodes_apart() -> None:
     assert accounts["episode"].to_pylist() == ["run 2", "run 5"] and accounts["rows"].to_pylist() == [501, 501]
     for account in accounts.to_pylist():
         assert account["imbalance"] < 1e-5 * account["energy_moved"] and account["duration"] == pytest.approx(0.5)
-    # Rows of the episodes by turns are the same accounts; a row out of time is refused.
+    # Interleaved episodes give the same accounts. Rows in the wrong order raise an error.
     turns = audited.take(pa.array(np.arange(1002).reshape(2, 501).T.reshape(-1)))
     assert arrow.energy_accounts(turns, time="t", episode="episode").equals(accounts)
     with pytest.raises(rd.ColumnError, match="does not increase"):

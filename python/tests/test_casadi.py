@@ -1,5 +1,4 @@
-"""A robot's functions in CasADi: values and Jacobians are the library's, and programs are solved with
-them."""
+"""A robot's functions in CasADi: values and Jacobians agree with the library, and programs are solved."""
 
 from pathlib import Path
 from typing import Any
@@ -72,7 +71,7 @@ def test_what_cannot_be_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
 
 def test_an_arm_reaches_with_the_least_cost(tmp_path: Path) -> None:
     found = run("reach", tmp_path)
-    # Between the pieces' middles the torques are much the same, and within their limits.
+    # Away from the middles of the pieces the torques are nearly the same, and within their limits.
     assert found["costs"][0] == pytest.approx(found["cost"], rel=0.05) and found["use"] < 1.0
     assert found["costs"][0] < 0.6 * found["costs"][1]
     assert found["miss"] < 1e-3 and found["speed"] < 1e-2

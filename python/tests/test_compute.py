@@ -1,4 +1,4 @@
-"""``python -m robot_dynamics compute``: Parquet in, Parquet out, whatever happens in between."""
+"""``python -m robot_dynamics compute``, with interruptions and damaged files."""
 
 import os
 import signal
@@ -23,7 +23,7 @@ ROWS, PARTS = 2_000, 6
 
 
 def recording(path: Path, parts: int = PARTS, rows: int = ROWS, seed: int = 1) -> Path:
-    """A file with so many row groups."""
+    """A file with a number of row groups."""
     s = states(PANDA, parts * rows, seed)
     table = pa.table({name: list(getattr(s, name)) for name in ("q", "v", "a", "tau")})
     table = table.append_column("index", pa.array(np.arange(len(table))))

@@ -1,4 +1,4 @@
-"""Laws of control that the library runs, and motions with adaptive steps."""
+"""Controllers of the library, and motions with adaptive steps."""
 
 from typing import Any
 
@@ -15,7 +15,7 @@ HAND = "panda_link8"
 
 
 def swing(t: float) -> tuple[Any, Any, Any]:
-    """A motion around Q, and its two rates."""
+    """A motion around Q, with its velocity and acceleration."""
     return Q + 0.2 * np.sin(2 * t), np.full(7, 0.4 * np.cos(2 * t)), np.full(7, -0.8 * np.sin(2 * t))
 
 
@@ -36,7 +36,7 @@ def test_a_motion_is_followed(panda: rd.Robot) -> None:
     law = rd.ComputedTorque(panda, swing, np.full(7, 100.0), np.full(7, 20.0))
     q, v, _ = swing(0.0)
     motion = panda.simulate(q, v, law, duration=1.0, dt=1e-3)
-    # Torques are held over a step: an error of the first order in it.
+    # Torques are held over a step: the error is of first order in the step.
     assert np.abs(motion.q - [swing(t)[0] for t in motion.times]).max() < 1e-3
     smooth = panda.simulate(q, v, law, duration=1.0, dt=1e-2, integrator="adaptive", tolerance=1e-10)
     assert np.abs(smooth.q - [swing(t)[0] for t in smooth.times]).max() < 1e-9
@@ -65,7 +65,7 @@ def test_a_frame_is_led_to_a_pose_or_to_a_place(panda: rd.Robot, called: bool) -
         motion = panda.simulate(Q, tau=law, duration=2.0, dt=1e-3)
         found = panda.frame_pose(motion.q[-1], HAND)
         assert np.abs(found - goal).max() < 1e-6 if target.ndim == 2 else np.abs(found - goal)[:3, 3].max() < 1e-6
-    # At rest at its target, with its posture: the weight.
+    # At rest at its target and in its posture, the torques carry the weight.
     here = rd.TaskControl(panda, HAND, panda.frame_pose(Q, HAND), posture=Q, posture_stiffness=25.0, **gains)
     assert_allclose(here(0.0, Q, np.zeros(7)), panda.gravity(Q), atol=1e-9)
 
@@ -125,7 +125,7 @@ def test_adaptive_steps_are_as_accurate_as_asked_for(panda: rd.Robot) -> None:
 def test_adaptive_runs_hold_torques_that_are_held(panda: rd.Robot) -> None:
     rows = np.random.default_rng(1).uniform(-5.0, 5.0, (10, 7))
     held = panda.simulate(Q, tau=rows, duration=0.5, dt=0.05, integrator="adaptive", tolerance=1e-12)
-    # The same by small steps of order 4, each row held for 500 of them.
+    # The reference uses small steps of order 4 and holds each row for 500 of them.
     fine = panda.simulate(Q, tau=np.repeat(rows, 500, axis=0), duration=0.5, dt=1e-4, sample_every=500, without=["limits"])
     assert_allclose(held.q, fine.q, atol=1e-9)
     asked: list[float] = []
@@ -176,13 +176,13 @@ def test_adaptive_steps_say_what_they_leave_out(panda: rd.Robot) -> None:
     assert left_out(rubbed, without=["dissipation", "contacts", "limits", "equalities"]) == []
     assert left_out(damped, lambda t, q, v: [0.0]) == stated
     assert left_out(rubbed, conservative=True) == ["equalities"]
-    # Damping acts where no joint has friction, and its work is in the account.
+    # Damping acts if no joint has friction, and the energy account includes its work.
     motion = damped.simulate([0.0], **how)
     fine = damped.simulate([0.0], duration=0.5, integrator="rk4", without=["actuators"], sample_every=100)
     assert_allclose(motion.q, fine.q, atol=1e-9)
     assert motion.ledger.dissipated > 0.1 and abs(motion.ledger.imbalance) < 1e-9
     assert rubbed.simulate([0.0], **how).ledger.dissipated == 0.0
-    # Torques keep the effort limits, those of a function too.
+    # Torques are within the effort limits, also those of a function.
     pushed, bounded = (damped.simulate([0.0], tau=[torque], **how) for torque in (50.0, 1.0))
     assert np.array_equal(pushed.q, bounded.q)
     asked = damped.simulate([0.0], tau=lambda t, q, v: [50.0], **how)

@@ -1,5 +1,4 @@
-"""One rule for what acts: every function that moves a robot has the same defaults, and moves it as a
-`Simulation` does."""
+"""Every function that simulates a robot has the same defaults, and the same motion as `Simulation`."""
 
 import importlib
 import inspect
@@ -20,11 +19,11 @@ Array = NDArray[np.float64]
 STEPS, STEP = 20, 2e-3
 
 STATED = {"conservative": False, "without": (), "dissipation": True, "stops": True}
-"""The defaults of what acts, where a function has the argument."""
+"""Defaults of the options for effects, for functions that have them."""
 
 
 def found(path: str) -> Any:
-    """A function of the package by its path; skips where it needs what is not installed."""
+    """A function of the package by its path; skips the test if a dependency is missing."""
     module, *names = path.split(".")
     value: Any = rd if module == "rd" else pytest.importorskip(f"robot_dynamics.{module}", exc_type=ImportError)
     for name in names:
@@ -44,7 +43,7 @@ def test_defaults_are_one_rule(path: str) -> None:
     assert {"conservative", "without", "integrator"} <= parameters.keys()
     for name in STATED.keys() & parameters.keys():
         assert parameters[name].default == STATED[name], name
-    # The one exception: gradients are those of explicit steps.
+    # The exception: gradients require an explicit method.
     assert parameters["integrator"].default == ("rk4" if path in DIFFERENTIATES else None)
 
 
@@ -112,7 +111,7 @@ def by_torch(robot: rd.Robot, how: dict[str, Any]) -> Array:
 
 
 def by_mppi(robot: rd.Robot, how: dict[str, Any]) -> Array:
-    """The motion of a plan, whose torques have limits of their own."""
+    """The motion of a plan, whose torques have separate limits."""
     control = Mppi(
         robot, lambda q, v, tau: q.sum(axis=(1, 2)), horizon=STEPS, dt=STEP, samples=1, noise=1.0, temperature=1.0, seed=1, **how
     )
@@ -124,8 +123,8 @@ def by_gym(robot: rd.Robot, how: dict[str, Any]) -> Array:
     gym = pytest.importorskip("robot_dynamics.gym", exc_type=ImportError)
 
     class Task(gym.RobotEnv):  # type: ignore[misc,name-defined]
-        def start(self, which: Any) -> None:
-            self.q[which], self.v[which] = START[:2]
+        def start(self, mask: Any) -> None:
+            self.q[mask], self.v[mask] = START[:2]
 
         def observe(self) -> Array:
             return np.concatenate([self.q, self.v], axis=1)
@@ -154,7 +153,7 @@ def test_each_route_moves_as_a_simulation(route: Callable[[rd.Robot, dict[str, A
     if route is by_mppi and "conservative" in how:
         pytest.skip("a plan has limits of its own")
     expected = by_simulation(robot, how, steps=1 if route is by_step else STEPS)
-    # Steps of a batch are rounded in another order: 20 steps of numbers of size 10.
+    # Steps of a batch round in another order: 20 steps with numbers of size 10.
     assert_allclose(route(robot, how), expected, rtol=0, atol=1e-12)
 
 
@@ -163,7 +162,8 @@ def test_gradients_are_those_of_the_same_motion() -> None:
     q, v, tau = START
     how: dict[str, Any] = {"steps": STEPS, "dt": STEP}
     found = robot.rollout_pullback(q, v, tau, by_velocity=[1.0, -0.5], **how)
-    assert found.by_force is not None and found.by_force[0] == 0.0 != found.by_force[1]  # the first is cut off at its limit
+    # The first torque is clipped to its limit.
+    assert found.by_force is not None and found.by_force[0] == 0.0 != found.by_force[1]
 
     def loss(k: int, x: float) -> float:
         changed = np.concatenate(START)

@@ -1,4 +1,4 @@
-"""What the docstrings show is what is computed."""
+"""The examples of the docstrings are correct."""
 
 import doctest
 import importlib

@@ -1,4 +1,4 @@
-"""The examples, in their short form: they find what they say they find."""
+"""The examples in their short form give the stated results."""
 
 import runpy
 from pathlib import Path
@@ -12,7 +12,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
 def run(name: str, folder: Path) -> Any:
-    """What an example returns; its figure has to be there."""
+    """Run an example, which must draw its figure; returns its result."""
     figure = folder / f"{name}.png"
     found = runpy.run_path(str(EXAMPLES / f"{name}.py"))["main"](["--short", "--figure", str(figure)])
     assert figure.read_bytes().startswith(b"\x89PNG") and figure.stat().st_size > 20_000
@@ -21,9 +21,9 @@ def run(name: str, folder: Path) -> Any:
 
 def test_identify(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     found = run("identify", tmp_path)
-    # 43 values: nine of ten within two deviations, were they normal, is as good as certain.
+    # For 43 normal values, 85 % within two deviations is almost certain.
     assert found["inside"] > 0.85
-    # 10500 torques of noise 0.2: their root mean square is that to a few percent, fitted or not.
+    # For 10500 torques with noise 0.2, the root mean square is 0.2 within a few percent.
     assert found["residual"] == pytest.approx(0.2, rel=0.05)
     np.testing.assert_allclose(found["found"], 0.2, rtol=0.15)
     assert found["file"].max() > 5.0

@@ -1,5 +1,4 @@
-"""The Python code of the guide's pages, and its commands `python -m robot_dynamics`, print what stands
-there."""
+"""The Python code and the commands `python -m robot_dynamics` of the guide print the shown output."""
 
 import contextlib
 import doctest
@@ -21,7 +20,7 @@ OPTIONAL = ("casadi", "gymnasium", "jax", "polars", "pyarrow", "ray", "torch")
 
 
 class Block(NamedTuple):
-    """A block of code, and the output shown right below it."""
+    """A block of code, and the output that follows it."""
 
     language: str
     code: str
@@ -30,7 +29,7 @@ class Block(NamedTuple):
 
 
 def blocks(page: str) -> list[Block]:
-    """The blocks of a page; output belongs to what stands right above it."""
+    """The blocks of a page; output belongs to the block above it."""
     found: list[Block] = []
     end = 0
     for match in re.finditer(r"^```(\w*)[^\n]*\n(.*?)^```$", page, re.MULTILINE | re.DOTALL):
@@ -44,7 +43,7 @@ def blocks(page: str) -> list[Block]:
 
 
 def same(shown: str, printed: str) -> bool:
-    """Whether that was printed; `...` stands for anything."""
+    """Whether the printed text matches the shown one; `...` stands for anything."""
     return doctest.OutputChecker().check_output(shown, printed, doctest.ELLIPSIS)
 
 
@@ -55,7 +54,7 @@ def test_page(page: Path, tmp_path: Path) -> None:
         if re.search(rf"^(import|from) {module}\b|, {module}\b.* as rd$", text, re.MULTILINE):
             pytest.importorskip(module)
     shutil.copytree(ROOT / "robots", tmp_path / "robots")
-    # A process of its own: some pages choose settings of JAX or start Ray.
+    # A separate process, because some pages change settings of JAX or start Ray.
     environment = {**os.environ, "RAY_USAGE_STATS_ENABLED": "0", "RAY_ENABLE_UV_RUN_RUNTIME_ENV": "0"}
     command = [sys.executable, "-P", __file__, str(page)]
     ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300, check=False)
@@ -63,7 +62,7 @@ def test_page(page: Path, tmp_path: Path) -> None:
 
 
 def run(page: Path) -> None:
-    """Runs a page's code, one block after the other, and compares what it prints."""
+    """Run the code of a page block by block and compare its output."""
     names: dict[str, object] = {"__name__": "__main__"}
     for block in blocks(page.read_text(encoding="utf-8")):
         where = f"{page.name}, line {block.line}"
@@ -71,7 +70,7 @@ def run(page: Path) -> None:
             assert block.shown or "assert " in block.code, f"{where}: nothing here can fail"
             printed = io.StringIO()
             with contextlib.redirect_stdout(printed):
-                # Where it stands in the page, for tracebacks.
+                # The position in the page, for tracebacks.
                 exec(compile("\n" * (block.line - 1) + block.code, str(page), "exec"), names)
             assert same(block.shown or "", printed.getvalue()), f"{where} printed\n{printed.getvalue()}"
         elif block.language == "sh" and "python -m robot_dynamics" in block.code:
@@ -80,7 +79,7 @@ def run(page: Path) -> None:
 
 
 def commands(block: str) -> str:
-    """What commands of the package print."""
+    """Output of the commands of the package."""
     output = ""
     for line in block.replace("\\\n", " ").splitlines():
         words = shlex.split(line, comments=True)

@@ -1,4 +1,4 @@
-"""Gymnasium's environments: its rules, the physics behind them, and that something learns in them."""
+"""Environments for Gymnasium: its interface, the physics, and a learned task."""
 
 from typing import Any
 
@@ -32,10 +32,10 @@ def test_the_rules_of_vectors_hold(envs: RobotEnv) -> None:
             assert np.array_equal(x, y) if isinstance(x, np.ndarray) else x == y
     for k, (seen, rewards, terminated, truncated, _) in enumerate(once[1:]):
         assert envs.observation_space.contains(seen) and rewards.shape == (7,)
-        # Five steps, then one that starts anew, with no reward.
+        # Five steps, then one that restarts without reward.
         assert truncated.tolist() == [k % 6 == 4] * 7 and not terminated.any()
         assert (rewards == 0.0).all() == (k % 6 == 5) and (rewards <= 0.0).all()
-    assert not np.array_equal(envs.reset()[0], first)  # without a seed it goes on
+    assert not np.array_equal(envs.reset()[0], first)  # without a seed the generator continues
 
 
 def test_a_step_is_that_of_a_simulation_under_the_torque() -> None:
@@ -56,14 +56,14 @@ def test_a_step_is_that_of_a_simulation_under_the_torque() -> None:
 
 
 class Watched(RobotEnv):
-    """A task without an aim: episodes start at a given state."""
+    """A task without reward, whose episodes start at a given state."""
 
     def __init__(self, robot: rd.Robot, start: Any, **options: Any) -> None:
         self.first = start
         super().__init__(2, robot, observations=1, **options)
 
-    def start(self, which: Any) -> None:
-        self.q[which], self.v[which] = self.first
+    def start(self, mask: Any) -> None:
+        self.q[mask], self.v[mask] = self.first
 
     def observe(self) -> Any:
         return self.q[:, :1]
@@ -85,12 +85,12 @@ def test_all_that_the_file_states_acts() -> None:
     envs = Watched(robot, (np.zeros(2), np.zeros(2)), dt=1e-3, substeps=1000)
     assert envs.single_action_space.shape == (1,) and envs.control_range.tolist() == [[-10.0, 40.0]]
     envs.reset(seed=1)
-    envs.step(np.array([[-0.6], [1.0]]))  # no force, and all of it
-    # One lies on the floor, the other is at the limit of its slide; the other ball is twice as far.
+    envs.step(np.array([[-0.6], [1.0]]))  # no force, and full force
+    # One ball lies on the floor, the other is at the limit of its slide. The second ball moves twice as far.
     assert_allclose(envs.q[:, 0], [-0.4, 0.2], atol=1e-5)
     assert_allclose(envs.q[:, 1], 2.0 * envs.q[:, 0], atol=1e-6)
     floor = sum(float(contact.force[2]) for contact in envs.simulations[0].contacts)
-    assert floor == pytest.approx(3.0 * 9.81, rel=1e-3)  # of both weights, the second by its lever
+    assert floor == pytest.approx(3.0 * 9.81, rel=1e-3)  # both weights, the second with its lever arm
     free = Watched(robot, (np.zeros(2), np.zeros(2)), dt=1e-3, substeps=100, conservative=True, effort=1.0)
     assert free.single_action_space.shape == (2,)
     free.reset(seed=1)
@@ -110,7 +110,7 @@ def test_a_base_that_floats_has_no_motor() -> None:
     envs.reset(seed=1)
     envs.step(np.zeros((2, 12)))
     assert (envs.q[:, 2] > 0.05).all() and np.array_equal(envs.q[0], envs.q[1])
-    with pytest.raises(rd.DescriptionError, match="'up' for one: give them one in the file"):
+    with pytest.raises(rd.DescriptionError, match="'up': give them one in the file"):
         Watched(rd.loads(LIFT.replace('ctrlrange="-10 40"', "")), (np.zeros(2), np.zeros(2)))
 
 
@@ -165,7 +165,7 @@ def test_tasks_are_made_by_name_and_say_what_they_need() -> None:
     envs = gymnasium.make_vec("robot_dynamics/Reach-v0", num_envs=3, horizon=10)
     assert isinstance(envs.unwrapped, Reach) and envs.unwrapped.horizon == 10
     assert envs.metadata["autoreset_mode"] is gymnasium.vector.AutoresetMode.NEXT_STEP
-    with pytest.raises(rd.DescriptionError, match="a pendulum has one"):
+    with pytest.raises(rd.DescriptionError, match="but a pendulum has one"):
         SwingUp(2, rd.example("two_r"))
     with pytest.raises(rd.DescriptionError, match="quaternions"):
         Reach(2, rd.example("quadruped", floating_base=True))

@@ -42,7 +42,7 @@ def methods(name: str, cls: type) -> Iterator[tuple[str, Any]]:
 
 
 def of_modules() -> Iterator[tuple[str, Any]]:
-    """The public functions and classes of modules that need another package, where it is installed."""
+    """The public functions and classes of modules whose dependency is installed."""
     for name in MODULES:
         try:
             module = importlib.import_module(f"robot_dynamics.{name}")
@@ -56,7 +56,7 @@ def of_modules() -> Iterator[tuple[str, Any]]:
 
 
 def signature(value: Any) -> inspect.Signature | None:
-    """The signature, where Python knows it: not of C functions without one, nor of aliases of types."""
+    """The signature, if there is one: C functions and type aliases may lack it."""
     try:
         return inspect.signature(value)
     except (TypeError, ValueError):

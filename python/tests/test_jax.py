@@ -1,5 +1,4 @@
-"""Functions of JAX: their values and gradients against the methods and pullbacks of numpy, forward mode
-against reverse."""
+"""JAX: values and gradients against the methods and pullbacks of NumPy, and forward against reverse mode."""
 
 from typing import Any
 
@@ -19,8 +18,8 @@ import robot_dynamics.jax as rdj  # noqa: E402
 
 FREE: dict[str, Any] = {"integrator": "rk4", "conservative": True}
 EXPLICIT: Any = {"integrator": "rk4", "without": ["effort-limits"]}
-"""The motions of numpy that rollouts without and with `dissipation` are."""
-# Differences over 1e-6 or so have some eight digits of slopes of their own size.
+"""Options of the equivalent rollouts in NumPy, without and with `dissipation`."""
+# Differences over about 1e-6 have about eight digits of derivatives of the same size.
 DIFFERENCES: dict[str, Any] = {"order": 1, "atol": 1e-4, "rtol": 1e-4}
 
 SOLUTIONS = {"inverse_dynamics": rdj.inverse_dynamics, "forward_dynamics": rdj.forward_dynamics}
@@ -28,19 +27,19 @@ SOLUTIONS = {"inverse_dynamics": rdj.inverse_dynamics, "forward_dynamics": rdj.f
 
 @pytest.fixture(autouse=True)
 def doubles() -> Any:
-    """float64, which JAX has to be asked for."""
+    """Enable float64 in JAX."""
     with jax.enable_x64(True):
         yield
 
 
 def given(robot: rd.Robot, solution: str, count: int = 3) -> list[Any]:
-    """States of the solution."""
+    """Arguments of the solution."""
     s = states(robot, count)
     return [jnp.asarray(x) for x in (s.q, s.v, s.a if solution == "inverse_dynamics" else s.tau)]
 
 
 def sized(robot: rd.Robot, q: Any, expected: Any) -> float:
-    """1e-9 of the numbers, times what κ(M) makes of a rounding beyond the modest."""
+    """1e-9 of the numbers, times the growth of rounding errors for a large κ(M)."""
     return 1e-9 * float(max(1.0, np.abs(expected).max())) * max(1.0, 1e-4 * float(np.linalg.cond(robot.mass_matrix(q)).max()))
 
 
@@ -107,7 +106,7 @@ def test_quaternions_have_gradients_by_their_numbers(quadruped: rd.Robot) -> Non
         q = unit(q)
         end = rdj.rollout(quadruped, q, v, steps=3, dt=1e-3, stride=2, **FREE)
         pose = rdj.frame_pose(quadruped, q, quadruped.frame_names[-1])
-        # As large as each other, so that one tolerance serves.
+        # These have equal size, so one tolerance suffices.
         return rdj.inverse_dynamics(quadruped, q, v, a) * 1e-2, rdj.mass_matrix(quadruped, q), pose, end
 
     check_grads(jax.jit(call), (q, v), **DIFFERENCES)
@@ -170,7 +169,7 @@ def test_rollouts_are_those_of_numpy_with_their_gradients(torques: str) -> None:
     for k, (own, numpy) in enumerate(zip(gradients, pulled[:3], strict=False)):
         numpy = numpy.sum(axis=0) if (k, torques) == (2, "held") else numpy
         assert_allclose(own, numpy, rtol=0, atol=sized(robot, arrays[0], numpy))
-    # Forward mode has another derivation, the slopes of each step.
+    # Forward mode is derived independently, from the derivatives of each step.
     changes = tuple(jnp.asarray(np.random.default_rng(4).uniform(-1, 1, x.shape)) for x in state)
     _, along = jax.jvp(loss, state, changes)
     back = sum(float((x * y).sum()) for x, y in zip(gradients, changes, strict=True))
@@ -186,14 +185,14 @@ def test_solutions_have_gradients_by_parameters(name: str, solution: str) -> Non
     call = jax.jit(lambda p, *state: SOLUTIONS[solution](robot, *state, parameters=p))
     heavier = p.at[:10].multiply(1.5)
     expected = getattr(robot.with_parameters(np.asarray(heavier)), solution)(*arrays)
-    # Other parameters are computed by recursion, a robot by its machine code.
+    # Other parameters use the recursions, the robot uses its machine code.
     assert_allclose(call(heavier, *state), expected, rtol=0, atol=sized(robot, arrays[0], expected))
     pulled = getattr(robot, f"{solution}_pullback_with_parameters")(*arrays, weights)
     of_each = pulled.by_parameters
     gradients = jax.jit(jax.grad(lambda p, *state: (call(p, *state) * weights).sum(), argnums=(0, 2)))(p, *state)
     assert_allclose(gradients[0], of_each.sum(axis=0), rtol=0, atol=sized(robot, arrays[0], of_each))
     assert_allclose(gradients[1], pulled.by_velocity, rtol=0, atol=sized(robot, arrays[0], pulled.by_velocity))
-    # Mapped over the states, over the parameters, and over both; one set for all, or a set for each.
+    # Mapped over the states, over the parameters, and over both, with one set for all or one for each.
     each = jax.grad(lambda p, weight, *state: (call(p, *state) * weight).sum())
     mapped = jax.vmap(each, in_axes=(None, 0, 0, 0, 0))(p, weights, *state)
     assert_allclose(mapped, of_each, rtol=0, atol=sized(robot, arrays[0], of_each))
@@ -205,7 +204,7 @@ def test_solutions_have_gradients_by_parameters(name: str, solution: str) -> Non
     assert over.shape == (3, 3, robot.nv) and np.array_equal(over[1], call(heavier, *state))
     own = jax.grad(lambda many: (call(many, *state) * weights).sum())(many)
     assert_allclose(own[2], of_each[2], rtol=0, atol=sized(robot, arrays[0], of_each))
-    # Forward mode is reverse mode.
+    # Forward mode agrees with reverse mode.
     change = jnp.asarray(np.random.default_rng(4).uniform(-1, 1, p.shape))
     _, along = jax.jvp(lambda p: (call(p, *state) * weights).sum(), (p,), (change,))
     assert float(along) == pytest.approx(float(of_each.sum(axis=0) @ np.asarray(change)), rel=1e-9)
@@ -236,7 +235,7 @@ def test_rollouts_have_gradients_by_parameters(torques: str) -> None:
     arrays: Any = [None if x is None else np.asarray(x) for x in (q, v, tau)]
     expected = robot.rollout(*arrays, **(how | EXPLICIT))
     found = jax.jit(call)(p, q, v, tau)
-    # Other parameters are computed by recursion, a robot by its machine code.
+    # Other parameters use the recursions, the robot uses its machine code.
     assert_allclose(found.v, expected.v, rtol=1e-11, atol=1e-12)
     assert_allclose(found.q_trajectory, expected.q_trajectory, rtol=1e-11, atol=1e-12)
     weights = [np.random.default_rng(3).uniform(-1, 1, x.shape) for x in found]
@@ -254,7 +253,7 @@ def test_rollouts_have_gradients_by_parameters(torques: str) -> None:
     change = jnp.asarray(np.random.default_rng(4).uniform(-1, 1, p.shape))
     _, along = jax.jvp(loss, (p,), (change,))
     assert float(along) == pytest.approx(float(gradient @ change), rel=1e-9)
-    # A robot for each state, as randomised ones: of each its own gradient.
+    # A robot for each state, as in domain randomisation: each has its own gradient.
     many = jnp.stack([p, p.at[0].multiply(2.0), p])
     ends = jax.vmap(lambda p, q, v: rdj.rollout(robot, q, v, parameters=p, **how).v)(many, q, v)
     heavy = robot.with_parameters(np.asarray(many[1]))
@@ -322,7 +321,7 @@ def test_invalid_states_are_nan_alone(panda: rd.Robot) -> None:
     others = np.array([0, 2])
 
     def of(call: Any) -> None:
-        """The row of state 1 is NaN, and the others have the bits that they have without it."""
+        """The row of state 1 is NaN, and the others have the same bits as without it."""
         for found, right in zip(jax.tree.leaves(call(bad)), jax.tree.leaves(call(v)), strict=True):
             found, right = np.asarray(found), np.asarray(right)
             assert np.isnan(found[1]).all() and np.isfinite(right).all() and np.array_equal(found[others], right[others])
@@ -338,7 +337,7 @@ def test_invalid_states_are_nan_alone(panda: rd.Robot) -> None:
     of(jax.jit(lambda v: jax.grad(lambda v: loss(v).sum())(v)))
     of(lambda v: jax.jvp(loss, (v,), (jnp.ones_like(v),))[1])
     assert np.isnan(rdj.mass_matrix(panda, q[0].at[0].set(jnp.inf))).all()  # one state alone
-    # Parameters that are not finite: of one state, and of all.
+    # Parameters that are not finite, for one state and for all.
     many = jnp.stack([p, p.at[4].set(jnp.nan), p])
     found = rdj.inverse_dynamics(panda, q, v, a, parameters=many)
     right = panda.inverse_dynamics(*map(np.asarray, (q, v, a)))[others]

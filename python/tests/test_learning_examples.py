@@ -1,4 +1,4 @@
-"""The examples that learn: they do, from their seeds."""
+"""The examples that learn succeed from their seeds."""
 
 import importlib.util
 from pathlib import Path
@@ -21,6 +21,6 @@ def example(name: str) -> Any:
 
 def test_an_evolution_strategy_swings_up() -> None:
     _, learned = example("learn_swing_up").learn(40, seed=4)
-    # Hanging is worth −π², leaning −7.5; the swing itself, of some three seconds, costs about −3 over these
-    # six.
+    # Hanging scores −π², and leaning −7.5. The swing takes about three of the six seconds and scores about
+    # −3.
     assert learned[-1] > -4.0 and learned[-1] > learned[0] + 3.0

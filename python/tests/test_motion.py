@@ -1,4 +1,4 @@
-"""Simulations, rollouts, steps: against each other, their books, and closed forms."""
+"""Simulations, rollouts and steps, against each other, their energy accounts, and closed forms."""
 
 import sys
 from pathlib import Path
@@ -13,7 +13,7 @@ from conftest import interrupted, states
 
 
 def pendulum(length: float = 0.5) -> rd.Robot:
-    """A point-like mass on a rod; q = 0 is level, −π/2 hangs."""
+    """A point mass on a rod, horizontal at q = 0 and hanging at −π/2."""
     return rd.loads(
         f"""<robot name="pendulum"><link name="world"/><link name="bob"><inertial><origin xyz="{length} 0 0"/>
         <mass value="2"/><inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -87,7 +87,7 @@ def test_rollouts_broadcast_and_keep_float32(panda: rd.Robot) -> None:
     assert rollout.q.shape == (3, 2, 7) and rollout.q.dtype == np.float32
     assert rollout.v_trajectory.shape == (3, 2, 1, 7)
     assert np.array_equal(rollout.q[0, 0], rollout.q[2, 1]) and not np.array_equal(rollout.q[0, 0], q)
-    assert not v.any() and not q.any()  # what is given stays
+    assert not v.any() and not q.any()  # the arguments do not change
 
 
 def test_bad_states_of_a_rollout_lose_nobody_else(panda: rd.Robot) -> None:
@@ -104,7 +104,7 @@ def test_bad_states_of_a_rollout_lose_nobody_else(panda: rd.Robot) -> None:
 
 
 def test_a_rollout_that_grows_names_joint_time_and_a_step() -> None:
-    # Damping of 300 N m s/rad on 1/3 kg m^2: rk4 at 5 ms takes it too far in each step.
+    # Damping of 300 N m s/rad on 1/3 kg m^2: rk4 at 5 ms is unstable.
     robot = rd.loads(PENDULUM)
     how: dict[str, Any] = {"dt": 5e-3, "integrator": "rk4"}
     q, v = np.zeros((3, 1)), np.array([[0.0], [1.0], [2.0]])
@@ -163,7 +163,7 @@ def test_a_law_in_rust_is_the_law_in_python(quadruped: rd.Robot) -> None:
     def python(t: float, q: Any, v: Any) -> Any:
         away = quadruped.difference(q, quadruped.neutral())
         wanted = np.clip(quadruped.gravity(q) + 20.0 * away - 2.0 * v, -limits, limits)
-        return np.where(quadruped.actuated_dofs, wanted, 0.0)  # no motor moves the base
+        return np.where(quadruped.actuated_dofs, wanted, 0.0)  # no motor drives the base
 
     q, v = s.q[0], s.v[0]
     assert_allclose(law(0.0, q, v), python(0.0, q, v), rtol=0, atol=1e-10)
@@ -254,7 +254,7 @@ def test_a_robot_falls_and_comes_to_rest_on_ground() -> None:
     assert slid.q[-1, 0] < -1.0
     soft = robot.simulate(q, duration=2.0, dissipation=True, ground=rd.Ground(), integrator="mujoco", sample_every=0)
     assert soft.contact_forces is not None and np.abs(soft.v[-1]).max() < 1e-2
-    # It yields: the same weight, a little below.
+    # The contact is compliant: it carries the same weight, slightly lower.
     assert_allclose(soft.contact_forces[-1].sum(axis=0), [0, 0, 9.81 * robot.mass], atol=0.5)
     with pytest.raises(ValueError, match="holds position limits by its law; `implicit` can leave them out"):
         robot.simulate(q, duration=0.1, integrator="mujoco", stops=False)
@@ -271,12 +271,12 @@ BALL = '<body><freejoint/><geom type="sphere" size="0.1" friction="0.5"/></body>
 
 def test_a_ball_comes_to_rest_between_hills() -> None:
     ball = rd.loads(f"<mujoco><worldbody>{BALL}</worldbody></mujoco>")
-    # Two slopes of 45 degrees: it touches both when its centre is √2 of its radius above the bottom.
+    # Two planes at 45 degrees: the ball touches both if its centre is √2 radii above the bottom.
     valley = rd.HeightField([[1.0, 0.0, 1.0]] * 2, (1.0, 1.0), position=(0.0, 0.0, -2.0))
     q = [0.0, 0.3, -1.8, 0, 0, 0, 1]
     motion = ball.simulate(q, duration=1.0, ground=valley)
     assert_allclose(motion.q[-1, :3], [0.0, 0.3, -2.0 + 0.1 * np.sqrt(2)], atol=1e-6)
-    # Without friction it slides as a point does: the same fall on a plane and on the field of that plane.
+    # Without friction it slides like a point, on a plane and on a height field of the same plane.
     slope = 0.2
     plane = ball.simulate([0, 0, 0.2, 0, 0, 0, 1], duration=0.4, ground=rd.Ground(slope=slope, friction=0.0))
     rise = 3.0 * np.tan(slope)
@@ -354,13 +354,13 @@ def test_steps_on_the_ground_are_linearised() -> None:
     on_ground: dict[str, Any] = {"dt": 1e-3, "ground": rd.Ground(), "dissipation": True}
     a, b = robot.linearize_step(rest.q, rest.v, **on_ground)
     assert a.shape == (36, 36) and b.shape == (36, 18)
-    # What lies still does not begin to move: the friction takes any small push along the ground, and its
-    # weight one upwards.
+    # A resting robot stays at rest: friction balances any small tangential force, and its weight any small
+    # upward force.
     free: dict[str, Any] = {"dt": 1e-3, "integrator": "implicit", "stops": False}
     free_b = robot.linearize_step(rest.q, rest.v, **free)[1]
     base = slice(18, 24)
     assert np.abs(b[base, :6]).max() < 0.02 * np.abs(free_b[base, :6]).max()
-    # In the air: the exact slopes of another method, but for what both leave out.
+    # In the air, the exact derivatives of another method with the same effects.
     v = 0.5 * np.sin(np.arange(18))
     for found, exact in zip(robot.linearize_step(q[0], v, **free), robot.linearize_step(q[0], v, dt=1e-3), strict=True):
         assert np.abs(found - exact).max() < 1e-3 * np.abs(exact).max()
@@ -382,12 +382,12 @@ def test_a_dog_stands_on_forces_that_push() -> None:
         normal, side = found.forces[:, 2], np.hypot(found.forces[:, 0], found.forces[:, 1])
         assert (normal >= 0).all() and (side <= 0.6 * normal * (1 + 1e-9)).all()
         assert np.abs(found.missing).max() < 1e-6 and np.abs(found.tau[:6]).max() == 0
-        # Newton's law of the whole robot, whose legs move with it.
+        # Newton's law for the whole robot, whose legs move with it.
         total = found.forces.sum(axis=0) - [0, 0, robot.mass * 9.81]
         assert np.allclose(total, [robot.mass * push, 0, 0], atol=1e-6)
-    a[0] = 8.0  # more than friction has
+    a[0] = 8.0  # more than friction can transmit
     assert np.abs(stands(a).missing).max() > 1.0
-    # Dearer forces are smaller, dearer torques are.
+    # A higher weight on forces gives smaller forces, and a lower one smaller torques.
     small, strong = stands(rest, force_weight=1.0), stands(rest, force_weight=1e-5)
     assert np.linalg.norm(small.forces) <= np.linalg.norm(strong.forces)
     assert np.linalg.norm(strong.tau) < np.linalg.norm(small.tau)

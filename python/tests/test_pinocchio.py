@@ -11,13 +11,13 @@ from conftest import NAMES, ROBOTS, states
 
 pin = pytest.importorskip("pinocchio")
 
-# Followers are a feature of Pinocchio's that has to be asked for.
+# Mimic joints are an optional feature of Pinocchio.
 SHARED = [name for name in NAMES if name not in ("gripper", "hand")]
 
 
 @pytest.fixture(params=SHARED)
 def pair(request: pytest.FixtureRequest) -> tuple[rd.Robot, Any, Any]:
-    """A robot in both."""
+    """A robot in both libraries."""
     name = request.param
     base = (pin.JointModelFreeFlyer(),) if NAMES[name] else ()
     path = ROBOTS / f"{name}.urdf"
@@ -26,7 +26,7 @@ def pair(request: pytest.FixtureRequest) -> tuple[rd.Robot, Any, Any]:
 
 
 def order(robot: rd.Robot, model: Any) -> tuple[list[int], list[int]]:
-    """Where Pinocchio has each number of q and v: it sorts siblings by name."""
+    """Indices of q and v in Pinocchio, which sorts siblings by name."""
     q: list[int] = []
     v: list[int] = []
     for joint in robot.joints:

@@ -55,17 +55,18 @@ def test_a_batch_leaves_the_interpreter_to_others(panda: rd.Robot) -> None:
     seconds, counted = time.perf_counter() - begun, ticks[0] - before
     done.set()
     other.join()
-    # It would count nothing while a call held the lock; a loaded machine counts slowly.
+    # The counter would stop while a call held the lock. A loaded machine counts slowly.
     assert counted > 20 * seconds
 
 
 @pytest.mark.skipif(not HAS_FORK, reason="no fork on this system")
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
-@pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning")  # JAX's, where its tests ran in this process: it is not used here
+# The warning is of JAX, if its tests ran in this process. This test does not use JAX.
+@pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning")
 def test_a_fork_computes_as_its_parent() -> None:
     robot = rd.example("panda")
     s = states(robot, 5000)
-    expected = robot.inverse_dynamics(s.q, s.v, s.a, threads=3)  # its pool runs
+    expected = robot.inverse_dynamics(s.q, s.v, s.a, threads=3)  # starts a thread pool
     busy = ThreadPoolExecutor(2)
     running = [busy.submit(robot.mass_matrix, np.tile(s.q, (20, 1)), threads=2) for _ in range(4)]
     context = multiprocessing.get_context("fork")

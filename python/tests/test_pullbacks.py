@@ -1,5 +1,4 @@
-"""Gradients through time: against the slopes of each step, differences of rollouts, and robots with other
-parameters."""
+"""Gradients through time, against derivatives of each step and differences of rollouts."""
 
 from typing import Any
 
@@ -17,14 +16,13 @@ EXPLICIT: dict[str, Any] = {"integrator": "rk4", "without": ["effort-limits"]}
 
 
 def cotangents(robot: rd.Robot, *lead: int, seed: int = 5) -> tuple[Any, Any]:
-    """Gradients of some loss by q and v."""
+    """Random gradients of a loss by q and v."""
     by_position, by_velocity = np.random.default_rng(seed).uniform(-1.0, 1.0, (2, *lead, robot.nv))
     return by_position, by_velocity
 
 
 def close(found: Any, expected: Any, robot: rd.Robot, q: Any, digits: float = 1e-12) -> None:
-    """As close as rounding lets it be: what M is solved with has κ(M) of it, and there are some hundred
-    products."""
+    """Assert equality up to rounding, which solving with M amplifies by κ(M), in about a hundred products."""
     condition = np.linalg.cond(robot.mass_matrix(q)).max()
     scale = max(1.0, np.abs(expected).max())
     assert_allclose(found, expected, rtol=0, atol=digits * max(1.0, condition * 1e-2) * scale)
@@ -76,8 +74,8 @@ def test_a_rollout_is_its_steps_one_after_the_other(name: str, integrator: str) 
 
 
 def test_a_rollout_is_differences_of_rollouts(panda: rd.Robot) -> None:
-    # Central differences: of 1e-5 the truncation is some 1e-10 and rounding 1e-16/1e-5, both times the
-    # slopes' size.
+    # For central differences of 1e-5 the truncation is about 1e-10 and the rounding 1e-16/1e-5, both times
+    # the size of the derivatives.
     options: dict[str, Any] = {"steps": 20, "dt": H, "conservative": True}
     s, (by_q, by_v), d = states(panda, 3), cotangents(panda, 3), 1e-5
 
@@ -110,15 +108,15 @@ def test_parameters_have_gradients_through_time() -> None:
     seen = 0
     for k, name in enumerate(names):
         d, sides = 1e-4, []
-        # A coefficient that is 0 cannot be less: forward differences of second order there.
+        # A coefficient of 0 cannot decrease, so the differences are one-sided, of second order.
         is_least = values[k] == 0.0 and name.endswith(("armature", "damping", "friction", "stiffness"))
         at, weights = ((0, 1, 2), (-1.5, 2.0, -0.5)) if is_least else ((-1, 1), (-0.5, 0.5))
         for side in at:
             changed = values.copy()
             changed[k] += side * d
             sides.append(robot.with_parameters(changed, as_written=True).rollout(q, v, tau, **options).v @ [1.0, 2.0])
-        # Truncation is d² times a third derivative, which an inertia of 0.01 makes a hundred times the first
-        # or so.
+        # Truncation is d² times a third derivative, which for an inertia of 0.01 is about a hundred times the
+        # first.
         assert_allclose(found.by_parameters[k], np.dot(weights, sides) / d, rtol=1e-4, atol=1e-5, err_msg=name)
         seen += found.by_parameters[k] != 0.0
     assert seen >= 12
@@ -131,7 +129,7 @@ def test_parameters_have_gradients_through_time() -> None:
 def test_a_robot_with_its_own_parameters_is_itself(robot: rd.Robot) -> None:
     same = robot.with_parameters(robot.parameters())
     s = states(robot, 3)
-    # What is fixed to a link is added to it once, here and there.
+    # Bodies fixed to a link are added once in either case.
     assert_allclose(same.parameters(), robot.parameters(), rtol=1e-13, atol=1e-13)
     assert_allclose(same.inverse_dynamics(s.q, s.v, s.a), robot.inverse_dynamics(s.q, s.v, s.a), rtol=1e-10, atol=1e-10)
     assert same.coordinate_names == robot.coordinate_names and len(robot.parameter_names) == len(robot.parameters())
@@ -204,7 +202,7 @@ def test_solutions_have_gradients_by_parameters(robot: rd.Robot, solution: str) 
     pullback = getattr(robot, f"{solution}_pullback_with_parameters")
     many = pullback(s.q, s.v, third, s.cotangent)
     assert many.by_parameters.shape == (5, len(robot.parameter_names))
-    # The inertial ones by the regressor: λᵀY, and −(M⁻¹λ)ᵀY at the acceleration.
+    # Inertial parameters by the regressor: λᵀY, and −(M⁻¹λ)ᵀY at the acceleration.
     a = s.a if solution == "inverse_dynamics" else robot.forward_dynamics(s.q, s.v, s.tau)
     weights = s.cotangent if solution == "inverse_dynamics" else -many.by_force
     expected = np.einsum("ki,kij->kj", weights, robot.joint_torque_regressor(s.q, s.v, a))
@@ -232,7 +230,7 @@ def test_bodies_are_judged_as_by_physical_consistency(panda: rd.Robot) -> None:
         panda.with_parameters(values)
     odd = panda.with_parameters(values, as_written=True)
     assert odd.parameters()[thin] == pytest.approx(values[thin])
-    # Links that are left as they are keep what their file says.
+    # Unchanged links keep the values of their file.
     again = odd.parameters()
     again[names.index("panda_joint1.damping")] = 2.0
     assert odd.with_parameters(again).dissipation([1.0] * 7)[0] == 2.0
@@ -243,7 +241,7 @@ def test_parameters_are_those_of_what_moves(panda: rd.Robot) -> None:
     assert fixed and not [name for name in panda.parameter_names if name.rpartition(".")[0] in fixed]
     links, joints = len(panda.inertial_parameter_names), sum(joint.kind != "fixed" for joint in panda.joints)
     assert len(panda.parameters()) == links + 5 * joints + 3
-    # A number of each joint that moves makes another robot.
+    # Changing one number of each moving joint gives another robot.
     for name in ("armature", "damping", "friction", "stiffness"):
         for joint in panda.joint_names:
             values = panda.parameters()
@@ -264,7 +262,7 @@ def test_gradients_by_each_parameter_are_differences(name: str, solution: str) -
     state = (s.q, s.v, s.a if solution == "inverse_dynamics" else s.tau)
     found = getattr(robot, f"{solution}_pullback_with_parameters")(*state, s.cotangent).by_parameters
     for k, each in enumerate(names):
-        if each.endswith((".damping", ".friction")):  # are not in the equations of these
+        if each.endswith((".damping", ".friction")):  # absent from these equations
             assert not found[:, k].any(), each
             continue
         sides = []
@@ -274,8 +272,8 @@ def test_gradients_by_each_parameter_are_differences(name: str, solution: str) -
             solved = getattr(robot.with_parameters(changed, as_written=True), solution)(*state)
             sides.append((solved * s.cotangent).sum(axis=-1))
         difference = (sides[0] - sides[1]) / (2 * d)
-        # Rounding is 1e-16/1e-5 of the values; truncation d² times a third derivative, large where an inertia
-        # is small.
+        # Rounding is 1e-16/1e-5 of the values. Truncation is d² times a third derivative, which is large for
+        # a small inertia.
         assert_allclose(found[:, k], difference, rtol=1e-5, atol=1e-5 * max(1.0, np.abs(found).max()), err_msg=each)
         seen += bool(found[:, k].any())
     assert seen > len(names) // 3
@@ -288,7 +286,7 @@ def test_dissipation_has_gradients(panda: rd.Robot) -> None:
     robot, s = panda.with_parameters(values), states(panda, 4)
     found = robot.dissipation_pullback(s.v, s.cotangent)
     assert_allclose(found.by_velocity, s.cotangent * np.array([joint.passive.damping for joint in robot.joints if joint.v.stop > joint.v.start]))
-    # b is linear in these.
+    # b is linear in these parameters.
     assert_allclose(found.by_parameters @ values, (robot.dissipation(s.v) * s.cotangent).sum(axis=-1), rtol=1e-12)
     assert np.count_nonzero(found.by_parameters[0]) == 14
 

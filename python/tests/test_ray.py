@@ -1,4 +1,5 @@
-"""A cluster of several processes on this machine: the same bits, whoever computes, whoever is killed."""
+"""A cluster of processes on this machine: the same bits for any number of workers, also if some are killed.
+"""
 
 import os
 import signal
@@ -20,7 +21,7 @@ from robot_dynamics.__main__ import main
 from robot_dynamics.sampling import Mppi
 
 ray = pytest.importorskip("ray")
-# What Ray warns of is its own.
+# The warnings of Ray do not concern this package.
 pytestmark = [pytest.mark.filterwarnings("ignore"), pytest.mark.skipif(os.name != "posix", reason="kills processes")]
 
 PANDA = rd.example("panda")
@@ -28,9 +29,9 @@ PANDA = rd.example("panda")
 
 @pytest.fixture(scope="module", autouse=True)
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Two workers' worth of processes; they import the package that is tested."""
-    # Ray's workers look first where the driver stands: beside the sources they would find these, not what is
-    # installed.
+    """A cluster with processes for two workers, which import the tested package."""
+    # The workers of Ray import from the driver's working directory first. Beside the sources they would
+    # import these instead of the installed package.
     started = Path.cwd()
     os.chdir(tmp_path_factory.mktemp("elsewhere"))
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
@@ -46,7 +47,7 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 
 def die_once(marker: Path) -> None:
-    """Kills this process, in the midst of its work, unless another was killed before."""
+    """Kill this process during its work, unless another was killed before."""
     try:
         os.close(os.open(marker, os.O_CREAT | os.O_EXCL))
     except FileExistsError:
@@ -71,7 +72,7 @@ def test_rollouts_are_the_same_bits_and_survive_a_kill(tmp_path: Path) -> None:
             assert np.array_equal(getattr(found, name), getattr(plain, name)), name
         killer.join()
         after = workers.processes()
-        assert first[0] not in after and len(set(after)) == count  # it was killed, and another has its place
+        assert first[0] not in after and len(set(after)) == count  # it was killed and replaced
         held = workers.rollout(s.q[:150], s.v[:150], np.tile(s.tau[:150, np.newaxis], (1, 5, 1)), group=64, steps=5)
         assert np.array_equal(held.q, PANDA.rollout(s.q[:150], s.v[:150], s.tau[:150], steps=5).q)
         if count == 2:
@@ -95,7 +96,7 @@ def test_what_is_mapped_keeps_its_order_and_its_error(tmp_path: Path) -> None:
     before = workers.processes()
 
     def gravity(robot: rd.Robot, number: int, q: Any) -> Any:
-        assert not q.flags.writeable  # shared memory, which nobody may write
+        assert not q.flags.writeable  # shared memory is read-only
         if number == 7:
             die_once(tmp_path / "died")
         time.sleep(0.01 * (number % 3))
@@ -119,7 +120,7 @@ def test_workers_without_a_machine_keep_nobody_waiting(monkeypatch: pytest.Monke
     from robot_dynamics import ray as module
 
     monkeypatch.setattr(module, "_PATIENCE", 1.0)
-    workers = module.Workers(PANDA, 5)  # there are three cores: two of them never start
+    workers = module.Workers(PANDA, 5)  # with three cores, two of the workers never start
     found = workers.map(lambda robot, number: (number, os.getpid()), [(k,) for k in range(30)])
     assert [number for number, _ in found] == list(range(30)) and len({process for _, process in found}) <= 3
     workers.close()
@@ -201,7 +202,7 @@ def test_the_command_on_a_cluster_survives_a_kill(tmp_path: Path, monkeypatch: p
     assert (tmp_path / "died").exists()
     assert main([*given, "-o", str(tmp_path / "plain.parquet"), "--workers", "1"]) == 0
     assert (tmp_path / "out.parquet").read_bytes() == (tmp_path / "plain.parquet").read_bytes()
-    # What is wrong comes back from a worker as it does from a thread.
+    # An error in a worker is raised like one in a thread.
     rows = s.q.tolist()
     rows[1500][2] = float("nan")
     pq.write_table(table.set_column(0, "q", pa.array(rows)), tmp_path / "bad.parquet", row_group_size=1000)

@@ -73,7 +73,7 @@ def test_what_is_suspicious_is_a_warning_of_the_caller() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         rd.load(ROBOTS / "panda.urdf")
-        pickle.loads(pickle.dumps(robot))  # said once, when it was read
+        pickle.loads(pickle.dumps(robot))  # the warning was raised once, by `load`
 
 
 def test_warnings_of_one_kind_are_one_with_a_count() -> None:
@@ -134,7 +134,7 @@ def test_random_configurations_repeat_and_keep_the_limits(robot: rd.Robot) -> No
     assert q.shape == (20, 3, robot.nq) and np.array_equal(q, robot.random_configuration((20, 3), seed=5))
     assert not np.array_equal(q, robot.random_configuration((20, 3), seed=6))
     assert robot.random_configuration(seed=5).shape == (robot.nq,)
-    robot.gravity(q)  # they are configurations
+    robot.gravity(q)  # valid configurations
 
 
 def test_regressor_times_parameters_is_torque(robot: rd.Robot) -> None:
@@ -174,7 +174,7 @@ def test_no_file_that_was_read_is_written_over(panda: rd.Robot, tmp_path: Path) 
     hard.hardlink_to(part)
     (tmp_path / "arm.c").symlink_to(part)
     before = part.read_text(), main.read_text()
-    # Robots that are made of a robot come from the same files.
+    # Robots derived from a robot have the same source files.
     for one in (robot, pickle.loads(pickle.dumps(robot)), robot.lock(robot.joints[0].name)):
         for path in (main, part, hard):
             with pytest.raises(ValueError, match="which the robot was read from"):
@@ -184,13 +184,15 @@ def test_no_file_that_was_read_is_written_over(panda: rd.Robot, tmp_path: Path) 
     assert (part.read_text(), main.read_text()) == before
     assert not (tmp_path / "Makefile").exists()
     robot.write(tmp_path / "new.xml")
-    panda.write(part)  # of another robot it is no file
+    panda.write(part)  # not a source file of the other robot
     assert sorted(path.name for path in tmp_path.iterdir()) == ["arm.c", "hard.xml", "main.xml", "new.xml", "part.xml"]
 
 
 def test_each_character_of_unicode_is_seen_or_escaped() -> None:
-    """By Python's own table of general categories; what only one of the two versions of Unicode knows is left
-    out."""
+    """The reference is Python's table of general categories.
+
+    Characters that only one of the two versions of Unicode assigns are left out.
+    """
     hidden = {"Cc", "Cf", "Zl", "Zp", "Co", "Zs"}
     for code in range(0x110000):
         if 0xD800 <= code < 0xE000 or (category := unicodedata.category(chr(code))) == "Cn":

@@ -1,5 +1,4 @@
-"""The runs of `testdata/same_motion`, stepped and in one run, against the table that every front end is
-compared with."""
+"""The runs of `testdata/same_motion`, stepped and in one run, against the table shared by all front ends."""
 
 import json
 from typing import Any
@@ -27,7 +26,7 @@ def test_python_takes_the_librarys_steps() -> None:
         stepped, whole = stepped_state(run), whole_state(run)
         assert np.array_equal(stepped, whole), f"{name}: stepped and in one run"
         if rounds_otherwise is None:
-            # A machine that rounds otherwise has other bits from the first run on.
+            # On a machine with other rounding, all runs have other bits.
             rounds_otherwise = not np.array_equal(stepped, expected)
         if not rounds_otherwise:
             assert np.array_equal(stepped, expected), name

@@ -1,4 +1,4 @@
-"""Control by sampling."""
+"""Sampling-based control."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ UPRIGHT = np.array([np.pi / 2, 0.0])
 
 
 def cost(q: Any, v: Any, tau: Any) -> Any:
-    """How far from standing upright, all the way."""
+    """Squared distance from the upright pose, summed over the motion."""
     return (1.0 - np.cos(q - UPRIGHT)).sum(axis=(1, 2)) + 0.01 * (v**2).sum(axis=(1, 2))
 
 
@@ -29,7 +29,7 @@ def test_it_holds_an_arm_upright() -> None:
         q, v = ROBOT.step(q, v, mine.act(q, v), dt=0.02)
     assert np.abs(q - UPRIGHT).max() < 0.1 and np.abs(v).max() < 0.5
     fallen = ROBOT.rollout(UPRIGHT + [0.1, -0.1], np.zeros(2), steps=60, dt=0.02)
-    assert np.abs(fallen.q - UPRIGHT).max() > 0.5  # which it would not do by itself
+    assert np.abs(fallen.q - UPRIGHT).max() > 0.5  # without control it falls
 
 
 def test_one_round_is_the_weighted_mean_of_its_samples() -> None:
@@ -60,7 +60,8 @@ def test_samples_that_fly_off_weigh_nothing() -> None:
     endless = [np.inf, np.inf]
     mine = control(noise=[1e150, 1e150], limits=endless, samples=64)
     found = mine.plan([1.0, 0.2], [0.0, 0.0])
-    assert not found.any() and np.isfinite(mine.least_cost)  # the plan before is a sample, the only one that is left
+    # The previous plan is the only valid sample.
+    assert not found.any() and np.isfinite(mine.least_cost)
     with pytest.raises(ArithmeticError, match="none of 64 samples has a finite cost"):
         mine.plan([1.0, 0.2], [1e200, 0.0])
 
@@ -68,6 +69,7 @@ def test_samples_that_fly_off_weigh_nothing() -> None:
 def test_what_is_wrong_is_said() -> None:
     with pytest.raises(ValueError, match="positive"):
         control(horizon=0)
-    wrong = Mppi(ROBOT, lambda q, v, tau: 0.0, horizon=2, dt=0.1, samples=4, noise=1.0, temperature=1.0, seed=1)  # type: ignore[arg-type,return-value]
-    with pytest.raises(ValueError, match=r"cost gave shape \(\) for 4 motions: it has to give \(4,\)"):
+    options: Any = {"horizon": 2, "dt": 0.1, "samples": 4, "noise": 1.0, "temperature": 1.0, "seed": 1}
+    wrong = Mppi(ROBOT, lambda q, v, tau: 0.0, **options)  # type: ignore[arg-type,return-value]
+    with pytest.raises(ValueError, match=r"cost gave shape \(\) for 4 motions: it must give \(4,\)"):
         wrong.plan([0.0, 0.0], [0.0, 0.0])

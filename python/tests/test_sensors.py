@@ -38,7 +38,7 @@ def test_sensors_of_a_file_have_names_kinds_and_values(arm: rd.Robot) -> None:
     assert_allclose(shown["imu"], tip[:3, :3].T @ (rate + [0, 0, 9.81]), rtol=0, atol=1e-12)
     assert_allclose([shown["touch"][0], shown["drive"][0], shown["torque"][0]], [7.0, 0.5, 1.5], rtol=0, atol=1e-12)
     assert arm.sensor_values(q, v, a)["touch"] == 0.0
-    # The push gives this force, so the flange does not have to.
+    # The push applies this force, so the flange does not.
     flange = tip[:3, :3] @ shown["flange"]
     without = arm.sensor_values(q, v, a)["flange"]
     assert_allclose(tip[:3, :3] @ without - flange, [0.0, 0.0, 7.0], rtol=0, atol=1e-12)

@@ -1,5 +1,4 @@
-"""`Simulation`: stepped from outside against one run, its inputs, contacts and results against closed
-forms."""
+"""`Simulation`, step by step: against one run, and against closed forms."""
 
 import pickle
 from typing import Any
@@ -31,7 +30,7 @@ BALL = """<mujoco><worldbody><geom name="floor" type="plane" size="5 5 1"/><body
 
 
 def moved(sim: rd.Simulation, steps: int) -> tuple[Any, Any]:
-    """The states after each step."""
+    """States after each step."""
     rows = []
     for _ in range(steps):
         sim.step()
@@ -48,7 +47,7 @@ def robots() -> list[tuple[rd.Robot, dict[str, float] | None]]:
 def test_steps_from_outside_are_the_bits_of_one_run(integrator: str | None) -> None:
     for robot, controls in robots():
         if integrator == "rk4" and controls is not None:
-            controls = None  # explicit steps that hold equalities leave actuators out
+            controls = None  # explicit methods with equalities leave out actuators
         start, tau = robot.neutral(), np.full(robot.nv, 0.5)
         sim = rd.Simulation(robot, integrator=integrator)
         sim.reset(start, controls=controls)
@@ -93,7 +92,7 @@ def test_wrenches_are_the_transposed_jacobian(axes: Any) -> None:
     sim.reset(q)
     sim.apply_wrench("panda_link8", push[:3], push[3:], axes)  # type: ignore[arg-type]
     sim.step()
-    # The world's axes at the frame's origin, by the pose and by differences of it.
+    # The world's axes at the frame's origin, from the pose and its differences.
     pose = robot.frame_pose(q, "panda_link8")
     turn = pose[:3, :3] if axes == "local" else np.eye(3)
     force, moment = turn @ push[:3], turn @ push[3:]
@@ -106,8 +105,8 @@ def test_wrenches_are_the_transposed_jacobian(axes: Any) -> None:
         spin = (ahead - behind)[:3, :3] @ pose[:3, :3].T / (2 * d)
         jacobian[3:, j] = spin[2, 1], spin[0, 2], spin[1, 0]
     expected = robot.forward_dynamics(q, np.zeros(7), jacobian.T @ np.concatenate([force, moment]))
-    # Differences err by d² and by rounding over d, some 1e-10, times 1/M of 100 or so; the step moves nothing
-    # by more than h.
+    # The error of differences is d² plus rounding over d, about 1e-10, times 1/M of about 100. The step moves
+    # nothing by more than h.
     assert_allclose(sim.v / h, expected, rtol=1e-6, atol=1e-6)
     sim.reset(q)
     sim.step()
@@ -133,7 +132,7 @@ def test_torques_are_cut_off_at_effort_limits_and_counted() -> None:
 def test_contacts_name_what_touches_and_bear_the_weight() -> None:
     sim = rd.Simulation(rd.loads(BALL))
     assert sim.contacts == [] and sim.center_of_pressure is None
-    sim.run_for(2.0)  # what is left of the landing dies out with a time constant of 0.1 s
+    sim.run_for(2.0)  # the landing decays with a time constant of 0.1 s
     (contact,) = sim.contacts
     assert (contact.link, contact.shape, contact.other_link, contact.other_shape) == ("ball", "shell", None, "floor")
     assert contact.ground == 0
@@ -159,7 +158,7 @@ def test_forces_of_the_ground_are_the_change_of_momentum(integrator: str) -> Non
         impulse += h * sum((contact.force for contact in sim.contacts), np.zeros(3))
     change = 2.0 * (robot.center_of_mass_velocity(sim.q, sim.v) - begun)
     assert_allclose(impulse, change + [0, 0, 2.0 * 9.81 * steps * h], rtol=0, atol=1e-9)
-    assert impulse[0] < -0.01  # friction turned it
+    assert impulse[0] < -0.01  # friction reverses it
 
 
 def test_balls_lie_on_fixed_geometry_and_on_each_other() -> None:
@@ -168,14 +167,14 @@ def test_balls_lie_on_fixed_geometry_and_on_each_other() -> None:
         <joint type="slide" axis="0 0 1"/><geom name="up" type="sphere" size=".1" mass="3"/></body></worldbody></mujoco>"""
     robot = rd.loads(text)
     sim = rd.Simulation(robot)
-    sim.run_for(2.0)  # what is left of the landing dies out with a time constant of 0.1 s
+    sim.run_for(2.0)  # the landing decays with a time constant of 0.1 s
     assert_allclose(sim.q + [0.7, 1.0], [0.6, 0.8], atol=1e-8)
     forces = {(contact.shape, contact.other_shape): abs(contact.force[2]) for contact in sim.contacts}
     assert sorted(forces.values()) == pytest.approx([3 * 9.81, 4 * 9.81], abs=1e-6)
     assert {frozenset(pair) for pair in forces} == {frozenset(("low", "table")), frozenset(("low", "up"))}
     assert np.array_equal(robot.simulate([0.0, 0.0], duration=2.0).q[-1], sim.q)
     below = robot.simulate([0.0, 0.0], duration=0.5, without=["link-contacts"], sample_every=0)
-    assert below.q[-1, 0] < -0.5  # nothing holds it
+    assert below.q[-1, 0] < -0.5  # without support
 
 
 def test_a_reset_starts_anew() -> None:
@@ -188,7 +187,7 @@ def test_a_reset_starts_anew() -> None:
     assert_allclose(sim.q, [0, 0, 1, 0, 0, 0, 1])
     assert_allclose(sim.v, [1, 0, 0, 0, 0, 0])
     sim.step()
-    assert sim.v[0] == 1.0  # the wrench is gone
+    assert sim.v[0] == 1.0  # the wrench was cleared
     sim.set_state(robot.neutral(), np.zeros(6))
     assert sim.time == 1e-3 and np.array_equal(sim.q, robot.neutral())
     with pytest.raises(ValueError, match="give q and v, or the name of a pose"):
@@ -261,7 +260,7 @@ def test_simulations_of_a_batch_are_single_ones() -> None:
     assert batch.times == pytest.approx([0.3, 0.0, 0.3]) and (batch.q[1] == q[1]).all()
     copy = batch[0]
     copy.step()
-    assert batch.times[0] == pytest.approx(0.3)  # a copy goes its own way
+    assert batch.times[0] == pytest.approx(0.3)  # a copy is independent
     with pytest.raises(IndexError, match="the batch has 3"):
         batch.reset(q[0], where=[3])
     with pytest.raises(rd.ShapeError, match=r"\(3, 6\) or \(6,\)"):
@@ -282,7 +281,7 @@ def test_simulations_of_a_batch_that_fail_leave_the_others_alone() -> None:
     again = pickle.loads(pickle.dumps(raised.value))
     assert again.errors == raised.value.errors and str(again) == str(raised.value)
     assert [round(time, 12) for time in batch.times] == [0.0 if k in (3, 17) else 0.03 for k in range(21)]
-    # Some rows alone, by their numbers and by truth values.
+    # Some rows, by numbers and by a mask.
     batch.torques = np.zeros(2)
     where = np.arange(21) % 2 == 0
     batch.step(5, where=where)
@@ -371,8 +370,8 @@ def test_adaptive_steps_from_outside_are_those_of_a_run_to_their_tolerance() -> 
     sim.reset(q)
     sim.step(10)
     run = robot.simulate(q, duration=0.5, dt=0.05, integrator="adaptive", tolerance=1e-12)
-    # Some ten steps, each with an error of 1e-12 at most, in a motion that magnifies them by less than a
-    # hundred.
+    # About ten steps, each with an error of at most 1e-12, in a motion that amplifies errors less than a
+    # hundredfold.
     assert sim.method == "adaptive" and np.abs(sim.q - run.q[-1]).max() < 1e-9
     assert sim.ledger.drift < 1e-10
     kept = sim.snapshot()

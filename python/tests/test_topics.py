@@ -1,4 +1,4 @@
-"""Constraints, control, planning, identification, checks, changed robots, pictures."""
+"""Constraints, control, planning, identification, checks, modified robots, plots."""
 
 from pathlib import Path
 
@@ -48,7 +48,7 @@ def test_implicit_steps_hold_constraints(panda: rd.Robot) -> None:
     motion = panda.simulate(q, duration=0.1, constraints=held, integrator="implicit", stops=False)
     places = panda.frame_pose(motion.q, "panda_link8")[:, :3, 3]
     assert_allclose(places, np.broadcast_to(places[0], places.shape), rtol=0, atol=1e-10)
-    # Of order 2: 1e-6 is h² times accelerations of some rad/s².
+    # Order 2: 1e-6 is h² times accelerations of a few rad/s².
     assert_allclose(motion.q[-1], explicit.q[-1], rtol=0, atol=1e-4)
     with pytest.raises(rd.SimulationError, match="off the constraint `hand"):
         panda.simulate(q + 0.01, duration=0.1, constraints=held, integrator="implicit")
@@ -174,7 +174,7 @@ def test_a_payload_weighs_what_it_weighs(panda: rd.Robot) -> None:
     loaded = panda.with_payload("panda_link8", 1.5, [0.0, 0.0, 0.1], np.diag([0.01, 0.01, 0.02]))
     jacobian = panda.frame_jacobian_in_frame(s.q, "panda_link8")
     up = panda.frame_pose(s.q, "panda_link8")[:, 2, :3]
-    force = 1.5 * 9.81 * up  # what the arm feels, along the link's axes
+    force = 1.5 * 9.81 * up  # the load on the arm, along the link's axes
     wrench = np.concatenate([force, np.cross([0.0, 0.0, 0.1], force)], axis=1)
     extra = np.einsum("nij,ni->nj", jacobian, wrench)
     assert_allclose(loaded.gravity(s.q) - panda.gravity(s.q), extra, rtol=0, atol=1e-11)
@@ -213,7 +213,7 @@ def test_pictures(panda: rd.Robot) -> None:
     assert [text.get_text() for text in axes[0].get_legend().get_texts()] == list(panda.coordinate_names)
     motion = panda.simulate([0, 0, 0, -0.3, 0, 0, 0], [0, 0, 0, 2.0, 0, 0, 0], duration=0.3)
     near = [line for line in motion.plot()[0].get_lines()[7:] if line.get_color() == "C3"]
-    assert panda.limits.upper[3] in [line.get_ydata()[0] for line in near]  # it is at its limit
+    assert panda.limits.upper[3] in [line.get_ydata()[0] for line in near]  # at its limit
     dog = rd.example("quadruped", floating_base=True).simulate([0, 0, 1, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4], duration=0.01)
     assert dog.configuration_names[:8] == (*(f"floating_base.{part}" for part in "x y z qx qy qz qw".split()), "front_left_abduction")
     assert dog.plot()[0].get_legend().get_title().get_text() == "the first 11 of 19"
@@ -279,10 +279,10 @@ def test_meshes_are_drawn_where_they_are_found(tmp_path: Path) -> None:
     assert [(thing.link, type(thing.geometry).__name__) for thing in things] == [
         ("a", "MeshGeometry"), ("c", "Cylinder"), ("c", "Sphere"), ("c", "Sphere"), ("b", "Box"),
     ]  # fmt: skip
-    # Turned by a quarter about z, half a metre up, in the size that the file says.
+    # Rotated by 90 degrees about z, half a metre up, with the size in the file.
     assert_allclose(things[0].link_from_shape @ [1.0, 1.0, 1.0, 1.0], [-3.0, 2.0, 4.5, 1.0], atol=1e-12)
-    # meshcat's cylinder lies along y: its end is an end of the capsule's middle.
+    # The cylinder of meshcat is along y: its ends are the ends of the capsule's cylinder.
     assert_allclose(things[1].link_from_shape @ [0.0, 0.3, 0.0, 1.0], [0.0, 0.0, 0.8, 1.0], atol=1e-12)
     assert_allclose([thing.link_from_shape[2, 3] for thing in things[2:4]], [0.2, 0.8])
-    # A robot without shapes is its inertias.
+    # A robot without shapes is drawn by its inertias.
     assert {type(thing.geometry).__name__ for thing in drawn(rd.example("panda"))} == {"Box"}

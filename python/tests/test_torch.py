@@ -17,7 +17,7 @@ SOLUTIONS = {"inverse_dynamics": inverse_dynamics, "forward_dynamics": forward_d
 
 
 def given(robot: rd.Robot, solution: str, count: int = 3, dtype: Any = None) -> list[Any]:
-    """A state of the solution, as leaves."""
+    """Arguments of the solution, as leaf tensors."""
     s = states(robot, count)
     numbers = (s.q, s.v, s.a if solution == "inverse_dynamics" else s.tau)
     return [torch.tensor(each, dtype=dtype or torch.float64, requires_grad=True) for each in numbers]
@@ -51,7 +51,7 @@ def test_invalid_states_are_nan_alone() -> None:
     bad[1, 2] = torch.nan
 
     def of(call: Any) -> None:
-        """The row of state 1 is NaN, and the others have the bits that they have without it."""
+        """The row of state 1 is NaN, and the others have the same bits as without it."""
         for found, right in zip(call(bad.requires_grad_()), call(v.requires_grad_()), strict=True):
             assert found[1].isnan().all() and right.isfinite().all() and torch.equal(found[others], right[others])
 
@@ -121,7 +121,7 @@ def test_what_is_not_known_is_refused() -> None:
     robot = load("two_r")
     q, v, a = given(robot, "inverse_dynamics")
     (gradient,) = torch.autograd.grad(inverse_dynamics(robot, q, v, a).sum(), q, create_graph=True)
-    with pytest.raises(RuntimeError, match="inverse_dynamics: its second derivatives are not known"):
+    with pytest.raises(RuntimeError, match="inverse_dynamics: second derivatives are not available"):
         gradient.sum().backward()
     with pytest.raises(rd.ShapeError, match="two_r"):
         inverse_dynamics(robot, q[:, :1], v, a)
@@ -149,7 +149,7 @@ COURSE: dict[str, Any] = {"steps": 5, "dt": 1e-2, "stride": 2}
 def test_rollouts_have_the_gradients_of_differences(name: str, each_step: bool) -> None:
     robot = load(name)
     q, v, _ = given(robot, "inverse_dynamics")
-    shape = (3, 5, robot.nv) if each_step else (robot.nv,)  # torques of each step, or one for all states
+    shape = (3, 5, robot.nv) if each_step else (robot.nv,)  # torques for each step, or one row for all states
     tau = torch.tensor(np.random.default_rng(1).uniform(-1, 1, shape), requires_grad=True)
 
     def call(*state: Any) -> Any:
@@ -251,7 +251,7 @@ def test_rollouts_map_and_refuse() -> None:
     for own, leaf in zip(each, leaves, strict=True):
         assert_allclose(own, leaf.grad, rtol=1e-10, atol=1e-12)
     first = torch.autograd.grad(loss(*leaves), leaves[0], create_graph=True)[0]
-    with pytest.raises(RuntimeError, match="rollout: its second derivatives are not known"):
+    with pytest.raises(RuntimeError, match="rollout: second derivatives are not available"):
         first.sum().backward()
     many = torch.tensor(robot.parameters()).repeat(4, 1)
     with pytest.raises(ValueError, match="parameters are mapped over"):
