@@ -9,8 +9,8 @@ It needs the extra ``robot-dynamics[gym]``.
     robot) observations, _ = envs.reset(seed=1) observations, rewards, terminated, truncated, _ =
     envs.step(envs.action_space.sample())
 
-Environments are reset in the step after their end, as Gymnasium's own vectors (``AutoresetMode.NEXT_STEP``).
-The same seed and actions give the same bits, for any number of threads.
+Environments restart in the step after their end, like the vector environments of Gymnasium
+(``AutoresetMode.NEXT_STEP``). The same seed and actions give the same bits, for any number of threads.
 """
 
 from __future__ import annotations
@@ -34,27 +34,65 @@ PENDULUM = """<robot name="pendulum"><link name="stand"/><link name="rod"><inert
 <inertia ixx="0.0833" iyy="0.0833" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="hinge" type="continuous"><parent link="stand"/><child link="rod"/><axis xyz="0 1 0"/>
 <limit effort="2" velocity="20"/></joint></robot>"""
-"""A rod of 1 kg and 1 m that hangs at q = 0 and stands at π, and a motor of 2 N·m: gravity pulls with up to
-4.9."""
+"""Rod of 1 kg and 1 m that hangs at q = 0 and stands at π.
+
+Its motor has 2 N·m; gravity pulls with up to 4.9 N·m.
+"""
 
 
 RUNAWAY = 1e4
-"""A speed that no joint has [rad/s or m/s]: a state that has it is lost."""
+"""Speed [rad/s or m/s] beyond which a state counts as diverged."""
 
 
 class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
-    """Copies of a `Simulation` of one robot; tasks say where they start, what is seen, and what is good.
+    """Copies of a `Simulation` of one robot.
+
+    Subclasses define a task: initial states, observations and rewards.
 
     Everything that the robot's file states acts, as in `Simulation`: contact, position limits, equalities,
-    damping, actuators. `integrator`, `conservative`, `without`, `ground` and other `options` are passed to
-    it; `simulations` is the `SimulationBatch` of its copies.
+    damping, actuators.
 
-    Actions are numbers in [−1, 1], held over a control step of `substeps` steps of `dt` seconds. If
-    actuators of the file act, an action (num_envs, actuators) says where in its range each control is; the
-    middle is 0. Otherwise it (num_envs, actuated degrees of freedom) is the share of the effort limits, or of
-    `effort` [N·m or N], see `Robot.actuated_dofs`. After `horizon` control steps an episode is truncated. A
-    state that runs away, or cannot be computed any more, ends its own episode and no other, where it was and
-    at rest.
+    Actions are numbers in [−1, 1], held over a control step of `substeps` steps of `dt` seconds. If actuators
+    of the file act, actions (num_envs, actuators) scale the ranges of their controls; 0 is the middle.
+    Otherwise actions (num_envs, actuated degrees of freedom) are fractions of the effort limits, or of
+    `effort`. See `Robot.actuated_dofs`.
+
+    An episode is truncated after `horizon` control steps. A state that diverges or cannot be computed
+    terminates its own episode only. Its last valid configuration is kept, at rest.
+
+    Parameters
+    ----------
+    num_envs : int
+        Number of environments.
+    robot : Robot
+        Robot to simulate.
+    observations : int
+        Number of entries of an observation.
+    dt : float
+        Step size [s].
+    substeps : int
+        Number of steps in a control step.
+    horizon : int
+        Number of control steps in an episode.
+    effort : float, optional
+        Torque of a full action [N·m or N]; default: the effort limits.
+    integrator : str, optional
+        Method; see `Robot.simulate`.
+    conservative : bool
+        Whether to leave out damping, friction, limits, actuators and contact.
+    without : sequence of str
+        Effects to leave out; see `Robot.simulate`.
+    ground : Ground, HeightField or "file", optional
+        Ground below the robot; see `Robot.simulate`.
+    threads : int, optional
+        Threads for a batch; default: `num_threads()`.
+    **options
+        Other options of `SimulationBatch`.
+
+    Raises
+    ------
+    DescriptionError
+        A joint lacks an effort limit, or an actuator lacks a control range.
     """
 
     metadata = {"autoreset_mode": AutoresetMode.NEXT_STEP, "render_modes": []}
@@ -79,15 +117,17 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         self.robot, self.num_envs, self.horizon = robot, num_envs, horizon
         how: dict[str, Any] = {"integrator": integrator, "conservative": conservative, "without": without, "ground": ground}
         self.simulations = SimulationBatch(robot, num_envs, dt=dt, threads=threads, **how, **options)
-        """One for each environment; `simulations[k]` is a copy of one, for what else a task wants to see:
-        contacts, sensors, forces."""
+        """Simulations of the environments.
+
+        `simulations[k]` is a copy of one, for tasks that need contacts, sensors or forces.
+        """
         self.effort: NDArray[np.float64] = np.where(robot.actuated_dofs, robot.limits.effort if effort is None else effort, 0.0)
-        """Torque of a full action (nv,) [N·m or N]; 0 where no motor is."""
+        """Torque of a full action (nv,) [N·m or N]; 0 on coordinates without a motor."""
         self.control_range = _control_range(robot, self.simulations.control_names)
-        """Least and largest control of each actuator that acts (actuators, 2)."""
+        """Smallest and largest control of each acting actuator (actuators, 2)."""
         width = len(self.control_range) or int(robot.actuated_dofs.sum())
         if len(self.control_range) == 0 and not np.isfinite(self.effort).all():
-            raise DescriptionError(f"robot `{robot.name}` has joints without a limit of effort: give effort= [N·m or N]")
+            raise DescriptionError(f"robot `{robot.name}` has joints without an effort limit: give effort= [N·m or N]")
         self._substeps = substeps
         bound = np.full(width, 1.0, np.float32)
         self.single_action_space = gymnasium.spaces.Box(-bound, bound)
@@ -102,28 +142,72 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         self._ended = np.zeros(num_envs, bool)
         self._known = (self.q.copy(), self.v.copy())
 
-    def start(self, which: NDArray[np.bool_]) -> None:
-        """Puts those environments to the start of an episode: writes `q` and `v`."""
+    def start(self, mask: NDArray[np.bool_]) -> None:
+        """Write initial states of environments to `q` and `v`. Subclasses implement it.
+
+        Parameters
+        ----------
+        mask : ndarray of bool, (num_envs,)
+            Environments to start.
+        """
         raise NotImplementedError
 
     def observe(self) -> NDArray[np.float64]:
-        """What is seen, (num_envs, observations)."""
+        """Observations of all environments. Subclasses implement it.
+
+        Returns
+        -------
+        ndarray, (num_envs, observations)
+            Observations.
+        """
         raise NotImplementedError
 
     def reward(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How good the states reached are, (num_envs,)."""
+        """Rewards of the current states. Subclasses implement it.
+
+        Parameters
+        ----------
+        actions : ndarray, (num_envs, actions)
+            Actions of the last control step, clipped to [−1, 1].
+
+        Returns
+        -------
+        ndarray, (num_envs,)
+            Rewards.
+        """
         raise NotImplementedError
 
     def torques(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The torques of the motors for actions within [−1, 1], (num_envs, nv); zero if actuators of the file
-        act."""
+        """Torques of the motors; zero if actuators of the file act.
+
+        Parameters
+        ----------
+        actions : ndarray, (num_envs, actions)
+            Actions in [−1, 1].
+
+        Returns
+        -------
+        ndarray, (num_envs, nv)
+            Torques [N·m or N].
+        """
         torques = np.zeros_like(self.v)
         if len(self.control_range) == 0:
             torques[:, self.robot.actuated_dofs] = actions * self.effort[self.robot.actuated_dofs]
         return torques
 
     def controls(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The controls of the file's actuators for actions within [−1, 1], (num_envs, actuators)."""
+        """Controls of the file's actuators.
+
+        Parameters
+        ----------
+        actions : ndarray, (num_envs, actions)
+            Actions in [−1, 1].
+
+        Returns
+        -------
+        ndarray, (num_envs, actuators)
+            Controls.
+        """
         if len(self.control_range) == 0:
             return np.zeros((self.num_envs, 0))
         least, most = self.control_range.T
@@ -133,7 +217,27 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Starts all episodes; a seed makes them, and those that follow, the same again."""
+        """Start an episode in every environment.
+
+        Parameters
+        ----------
+        seed : int, optional
+            Seed of all random numbers, for these episodes and later ones.
+        options : dict, optional
+            Not used.
+
+        Returns
+        -------
+        observations : ndarray, (num_envs, observations)
+            Observations.
+        info : dict
+            Empty.
+
+        Raises
+        ------
+        TypeError
+            `seed` is a list.
+        """
         if isinstance(seed, list):
             raise TypeError("one seed for all environments: they share a generator")
         super().reset(seed=seed)
@@ -143,7 +247,33 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
     def step(
         self, actions: NDArray[Any]
     ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
-        """Moves all; environments that ended at the last step start anew instead, with reward 0."""
+        """Take one control step in every environment.
+
+        Environments that ended in the last step restart instead, with reward 0.
+
+        Parameters
+        ----------
+        actions : array_like, (num_envs, actions)
+            Actions, which are clipped to [−1, 1].
+
+        Returns
+        -------
+        observations : ndarray, (num_envs, observations)
+            Observations.
+        rewards : ndarray, (num_envs,)
+            Rewards.
+        terminated : ndarray of bool, (num_envs,)
+            Whether the state diverged.
+        truncated : ndarray of bool, (num_envs,)
+            Whether the episode reached `horizon`.
+        info : dict
+            Empty.
+
+        Raises
+        ------
+        ValueError
+            `actions` has the wrong shape.
+        """
         given = np.asarray(actions, np.float64)
         if given.shape != self.action_space.shape:
             raise ValueError(f"actions have shape {given.shape}, they must have {self.action_space.shape}")
@@ -179,37 +309,52 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         return self.observe().astype(np.float32), rewards, lost, truncated & ~lost, {}
 
     def _written(self) -> NDArray[np.bool_]:
-        """Where somebody has written q or v since the last step."""
+        """Environments whose q or v was written since the last step."""
         q, v = self._known
         written: NDArray[np.bool_] = (self.q != q).any(axis=1) | (self.v != v).any(axis=1)
         return written
 
-    def _restart(self, which: NDArray[np.bool_]) -> None:
-        self.start(which)
-        self.simulations.reset(self.q[which], self.v[which], where=which)
+    def _restart(self, mask: NDArray[np.bool_]) -> None:
+        self.start(mask)
+        self.simulations.reset(self.q[mask], self.v[mask], where=mask)
         self._known = (self.q.copy(), self.v.copy())
-        self._age[which], self._ended[which] = 0, False
+        self._age[mask], self._ended[mask] = 0, False
 
 
 def _control_range(robot: Robot, names: Sequence[str]) -> NDArray[np.float64]:
-    """Least and largest control of actuators (names, 2)."""
+    """Smallest and largest control of each actuator (names, 2)."""
     ranges = {actuator["name"]: actuator["control_range"] for actuator in robot.describe()["actuators"]}
     table = np.array([ranges[name] or (-np.inf, np.inf) for name in names], np.float64).reshape(-1, 2)
     endless = [name for name, limits in zip(names, table, strict=True) if not np.isfinite(limits).all()]
     if endless:
         raise DescriptionError(
-            f"robot `{robot.name}` has actuators without a range of control, {endless[0]!r} for one: give them one in the file, "
-            'or switch them off by without=["actuators"]'
+            f"robot `{robot.name}` has actuators without a control range, for example {endless[0]!r}: give them one in the file, "
+            'or disable them with without=["actuators"]'
         )
     return table
 
 
 class SwingUp(RobotEnv):
-    """A pendulum that is to be swung up and held there by a motor too weak to lift it.
+    """Task to swing up a pendulum and hold it upright, with a motor that is too weak to lift it.
 
-    Observation: cos and sin of the angle from upright, and v/8 s. Reward of a step: −(angle² + 0.1 v² + 0.001
-    τ²), the classic one, at most 0. `robot` is any with one joint that hangs at q = 0. Episodes start at
-    angles up to `within` from hanging, at up to 1 rad/s: anywhere, or with a small one at the bottom.
+    The observation is cos and sin of the angle from upright, and v/(8 rad/s). The reward of a step is
+    −(angle² + 0.1 v² + 0.001 τ²), as usual for this task.
+
+    Parameters
+    ----------
+    num_envs : int
+        Number of environments.
+    robot : Robot, optional
+        Robot with one joint that hangs at q = 0; default: `PENDULUM`.
+    within : float
+        Largest initial angle from hanging [rad]; the initial speed is at most 1 rad/s.
+    **options
+        Options of `RobotEnv`.
+
+    Raises
+    ------
+    DescriptionError
+        The robot does not have exactly one degree of freedom.
     """
 
     def __init__(
@@ -217,17 +362,17 @@ class SwingUp(RobotEnv):
     ) -> None:
         robot = loads(PENDULUM) if robot is None else robot
         if (robot.nq, robot.nv) != (1, 1):
-            raise DescriptionError(f"robot `{robot.name}` has {robot.nv} degrees of freedom, a pendulum has one")
+            raise DescriptionError(f"robot `{robot.name}` has {robot.nv} degrees of freedom, but a pendulum has one")
         super().__init__(num_envs, robot, observations=3, **options)
         self.within = within
 
-    def start(self, which: NDArray[np.bool_]) -> None:
-        """Somewhere, at some speed."""
-        angle, speed = self.np_random.uniform(-1.0, 1.0, (2, int(which.sum()), 1))
-        self.q[which], self.v[which] = self.within * angle, speed
+    def start(self, mask: NDArray[np.bool_]) -> None:
+        """Start at random angles and speeds."""
+        angle, speed = self.np_random.uniform(-1.0, 1.0, (2, int(mask.sum()), 1))
+        self.q[mask], self.v[mask] = self.within * angle, speed
 
     def observe(self) -> NDArray[np.float64]:
-        """cos, sin, v/8."""
+        """cos and sin of the angle from upright, and v/8."""
         away = self.q - np.pi
         return np.concatenate([np.cos(away), np.sin(away), self.v / 8.0], axis=1)
 
@@ -240,12 +385,27 @@ class SwingUp(RobotEnv):
 
 
 class Reach(RobotEnv):
-    """An arm whose frame is to come to a target and stay there; the motors carry the arm's weight beside the
-    action.
+    """Task to move a frame of an arm to a target and keep it there.
 
-    Observation: q, v/5, and from the frame to the target [m]. Reward of a step: −distance [m] −
-    0.01 |action|²/nv. Targets are where the frame is in random configurations, so that each can be reached.
-    Robots without quaternions.
+    The motors carry the weight of the arm in addition to the action. The observation is q, v/5, and the
+    vector from the frame to the target [m]. The reward of a step is −distance [m] − 0.01 |action|²/nv.
+    Targets are positions of the frame in random configurations, so each can be reached.
+
+    Parameters
+    ----------
+    num_envs : int
+        Number of environments.
+    robot : Robot, optional
+        Robot without quaternions; default: ``rd.example("two_r")``.
+    frame : str, optional
+        Name of the frame; default: the last one.
+    **options
+        Options of `RobotEnv`.
+
+    Raises
+    ------
+    DescriptionError
+        The robot has quaternions.
     """
 
     def __init__(
@@ -253,32 +413,38 @@ class Reach(RobotEnv):
     ) -> None:
         robot = example("two_r") if robot is None else robot
         if robot.nq != robot.nv:
-            raise DescriptionError(f"robot `{robot.name}` has quaternions among its coordinates, an arm to reach has none")
+            raise DescriptionError(f"robot `{robot.name}` has quaternions; this task needs an arm without them")
         self.frame = robot.frame_names[-1] if frame is None else frame
         super().__init__(num_envs, robot, observations=2 * robot.nv + 3, **options)
         self.target = np.zeros((num_envs, 3))
-        """Where to, in the world (num_envs, 3) [m]."""
+        """Targets in the world (num_envs, 3) [m]."""
 
     def tip(self) -> NDArray[np.float64]:
-        """Where the frame is, (num_envs, 3) [m]."""
+        """Positions of the frame in the world.
+
+        Returns
+        -------
+        ndarray, (num_envs, 3)
+            Positions [m].
+        """
         where: NDArray[np.float64] = self.robot.frame_pose(self.q, self.frame)[:, :3, 3]
         return where
 
-    def start(self, which: NDArray[np.bool_]) -> None:
-        """Anywhere, at rest, with a target elsewhere."""
-        count = int(which.sum())
+    def start(self, mask: NDArray[np.bool_]) -> None:
+        """Start at rest in random configurations, with random targets."""
+        count = int(mask.sum())
         seed = int(self.np_random.integers(2**32))
         start, goal = np.split(self.robot.random_configuration(2 * count, seed=seed), 2)
-        self.q[which], self.v[which] = start, 0.0
-        self.target[which] = self.robot.frame_pose(goal, self.frame)[:, :3, 3]
+        self.q[mask], self.v[mask] = start, 0.0
+        self.target[mask] = self.robot.frame_pose(goal, self.frame)[:, :3, 3]
 
     def torques(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The arm's weight, and shares of the effort limits; within these together."""
+        """Torques that carry the weight, plus fractions of the effort limits, clipped to these limits."""
         wanted = self.robot.gravity(self.q) + super().torques(actions)
         return np.clip(wanted, -self.effort, self.effort)
 
     def observe(self) -> NDArray[np.float64]:
-        """q, v/5, and from the frame to the target."""
+        """q, v/5, and the vector from the frame to the target."""
         return np.concatenate([self.q, self.v / 5.0, self.target - self.tip()], axis=1)
 
     def reward(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,13 +1,16 @@
-"""JAX: the dynamics as functions of arrays, under `jit`, `vmap`, `grad`, `jvp`, `vjp`, `scan`; on the CPU.
+"""JAX: the dynamics as functions of arrays, under `jit`, `vmap`, `grad`, `jvp`, `vjp` and `scan`, on the CPU.
 
-XLA calls the library itself, without Python. Arrays are float64 (``jax_enable_x64``) or float32 and may have
-any leading dimensions, which broadcast as everywhere in this package. Reverse mode is vector-Jacobian
-products in O(n), without a Jacobian or M; forward mode multiplies with the slopes. A gradient by q is by its
-nq numbers; of a quaternion it is that of a function that depends on its direction alone, so an optimiser's
-step has to be normalised (`Robot.normalize`). Second derivatives are refused. Results of an invalid state
-(not finite, a quaternion not of unit length, a singular M) are NaN, and those of the other states are right;
-so it is for parameters that are not finite. A mistake in a whole program raises an error of this package. A
-robot that was called stays in memory; Ctrl-C is heard when a call has ended.
+XLA calls the library without Python. Arrays are float64 (``jax_enable_x64``) or float32. Their leading
+dimensions broadcast as everywhere in this package.
+
+Reverse mode computes vector-Jacobian products in O(n), without a Jacobian or M. Forward mode multiplies with
+the derivatives. Second derivatives raise an error. A gradient by q has its nq numbers. The functions depend
+on the direction of a quaternion only, so an optimiser must normalise q after its step (`Robot.normalize`).
+
+Results are NaN for an invalid state (not finite, a quaternion not of unit length, a singular M) and for
+parameters that are not finite. Results of the other states are valid. Errors in the arguments raise an
+exception of this package. A robot stays in memory after its first call. Ctrl-C takes effect at the end of a
+call.
 
     import jax, jax.numpy as jnp
     import robot_dynamics as rd
@@ -21,7 +24,7 @@ robot that was called stays in memory; Ctrl-C is heard when a call has ended.
         rest = jnp.zeros(7)
         return (inverse_dynamics(robot, q, rest, rest) ** 2).sum()
 
-    jax.grad(effort)(jnp.zeros((1000, 7)))     # (1000, 7): where to bend to hold less
+    jax.grad(effort)(jnp.zeros((1000, 7)))     # (1000, 7)
 """
 
 from __future__ import annotations
@@ -40,10 +43,34 @@ if TYPE_CHECKING:
 def inverse_dynamics(
     robot: Robot, q: jax.Array, v: jax.Array, a: jax.Array, *, parameters: jax.Array | None = None
 ) -> jax.Array:
-    """τ = M(q) a + C(q, v) v + g(q), (..., nv) [N·m or N], differentiable by q, v, a and parameters.
+    """Inverse dynamics τ = M(q) a + C(q, v) v + g(q), differentiable by q, v, a and parameters.
 
-    q (..., nq), v (..., nv), a (..., nv), `parameters` (n,) or (..., n): those of the robot that is computed,
-    as `Robot.parameters()` lists them; `robot` gives the geometry.
+    Parameters
+    ----------
+    robot : Robot
+        Robot, whose geometry is used.
+    q : jax.Array, (..., nq)
+        Configuration.
+    v : jax.Array, (..., nv)
+        Velocity [rad/s or m/s].
+    a : jax.Array, (..., nv)
+        Acceleration [rad/s² or m/s²].
+    parameters : jax.Array, (n,) or (..., n), optional
+        Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
+
+    Returns
+    -------
+    jax.Array, (..., nv)
+        Torques τ [N·m or N]; NaN for invalid states.
+
+    Raises
+    ------
+    ImportError
+        JAX is missing.
+    ShapeError
+        An array has the wrong shape.
+    DTypeError
+        An array has an unsupported dtype, or float64 and float32 are mixed.
     """
     return _first(robot, "inverse_dynamics", ("q", "v", "a"), (q, v, a), parameters)
 
@@ -51,20 +78,93 @@ def inverse_dynamics(
 def forward_dynamics(
     robot: Robot, q: jax.Array, v: jax.Array, tau: jax.Array, *, parameters: jax.Array | None = None
 ) -> jax.Array:
-    """a = M⁻¹(τ − C v − g), (..., nv) [rad/s² or m/s²], differentiable by q, v, τ and parameters.
+    """Forward dynamics a = M⁻¹(τ − C v − g), differentiable by q, v, τ and parameters.
 
-    q (..., nq), v (..., nv), tau (..., nv) [N·m or N], `parameters` as for `inverse_dynamics`.
+    Parameters
+    ----------
+    robot : Robot
+        Robot, whose geometry is used.
+    q : jax.Array, (..., nq)
+        Configuration.
+    v : jax.Array, (..., nv)
+        Velocity [rad/s or m/s].
+    tau : jax.Array, (..., nv)
+        Torques [N·m or N].
+    parameters : jax.Array, (n,) or (..., n), optional
+        Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
+
+    Returns
+    -------
+    jax.Array, (..., nv)
+        Acceleration a [rad/s² or m/s²]; NaN for invalid states and singular M.
+
+    Raises
+    ------
+    ImportError
+        JAX is missing.
+    ShapeError
+        An array has the wrong shape.
+    DTypeError
+        An array has an unsupported dtype, or float64 and float32 are mixed.
     """
     return _first(robot, "forward_dynamics", ("q", "v", "tau"), (q, v, tau), parameters)
 
 
 def mass_matrix(robot: Robot, q: jax.Array) -> jax.Array:
-    """M(q), (..., nv, nv) [kg·m², kg·m, kg], differentiable by q (..., nq)."""
+    """Mass matrix M(q), differentiable by q.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot.
+    q : jax.Array, (..., nq)
+        Configuration.
+
+    Returns
+    -------
+    jax.Array, (..., nv, nv)
+        M(q) [kg·m², kg·m, kg]; NaN for invalid states.
+
+    Raises
+    ------
+    ImportError
+        JAX is missing.
+    ShapeError
+        An array has the wrong shape.
+    DTypeError
+        An array has an unsupported dtype, or float64 and float32 are mixed.
+    """
     return _first(robot, "mass_matrix", ("q",), (q,))
 
 
 def frame_pose(robot: Robot, q: jax.Array, frame: str | int) -> jax.Array:
-    """`world_from_frame` as a homogeneous matrix [R p; 0 1], (..., 4, 4), differentiable by q (..., nq)."""
+    """Pose of a frame in the world as a matrix [R p; 0 1], differentiable by q.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot.
+    q : jax.Array, (..., nq)
+        Configuration.
+    frame : str or int
+        Name or number of the frame.
+
+    Returns
+    -------
+    jax.Array, (..., 4, 4)
+        `world_from_frame`, p in metres; NaN for invalid states.
+
+    Raises
+    ------
+    ImportError
+        JAX is missing.
+    ShapeError
+        An array has the wrong shape.
+    DTypeError
+        An array has an unsupported dtype, or float64 and float32 are mixed.
+    FrameError
+        The frame does not exist.
+    """
     index = robot.frame_names.index(frame) if isinstance(frame, str) and frame in robot.frame_names else frame
     if not isinstance(index, int) or not 0 <= index < len(robot.frame_names):
         from robot_dynamics.errors import FrameError
@@ -74,16 +174,16 @@ def frame_pose(robot: Robot, q: jax.Array, frame: str | int) -> jax.Array:
 
 
 class Rollout(NamedTuple):
-    """The motions of many states."""
+    """Motions of many states."""
 
     q: jax.Array
-    """Where they end, (..., nq)."""
+    """Final configurations (..., nq)."""
     v: jax.Array
-    """(..., nv)"""
+    """Final velocities (..., nv) [rad/s or m/s]."""
     q_trajectory: jax.Array
-    """The states after each `stride` steps, (..., samples, nq)."""
+    """Configurations after each `stride` steps (..., samples, nq)."""
     v_trajectory: jax.Array
-    """(..., samples, nv)"""
+    """Velocities after each `stride` steps (..., samples, nv) [rad/s or m/s]."""
 
 
 def rollout(
@@ -101,13 +201,56 @@ def rollout(
     stride: int = 0,
     parameters: jax.Array | None = None,
 ) -> Rollout:
-    """`Robot.rollout` of arrays, differentiable by q, v, tau and parameters: one call of XLA's for all steps.
+    """`Robot.rollout`, differentiable by q, v, tau and parameters.
 
-    q (..., nq), v (..., nv) or none for 0, tau (..., nv) held over all steps or (..., steps, nv), with one
-    dimension more than the states. `parameters` (n,) or (..., n) are those of the robot that moves, as
-    `Robot.parameters()` lists them: inertias, damping, friction, springs, gravity; friction's sign is held.
-    Reverse mode computes the states again from √steps checkpoints. Effects act as in
-    `Robot.rollout_pullback`; those without gradients are left out or refused.
+    Reverse mode computes the states again from √steps checkpoints. The sign of friction is held. The effects
+    act as in `Robot.rollout_pullback`: those without gradients are left out or raise an error.
+
+    One call of XLA computes all steps.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot, whose geometry is used.
+    q : jax.Array, (..., nq)
+        Initial configurations.
+    v : jax.Array, (..., nv), optional
+        Initial velocities [rad/s or m/s]; default: 0.
+    tau : jax.Array, (..., nv) or (..., steps, nv), optional
+        Torques [N·m or N], held over all steps or given for each step; default: 0. With one dimension more
+        than the states, they are given for each step.
+    steps : int
+        Number of steps.
+    dt : float
+        Step size [s].
+    integrator : str
+        Explicit method; see `Robot.simulate`.
+    conservative : bool
+        Whether to leave out damping, friction, limits, actuators and contact.
+    without : sequence of str
+        Effects to leave out; see `Robot.simulate`.
+    dissipation : bool
+        Whether damping and friction act.
+    stride : int
+        Number of steps between samples of the trajectory; 0 for no trajectory.
+    parameters : jax.Array, (n,) or (..., n), optional
+        Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
+
+    Returns
+    -------
+    Rollout
+        Final states and trajectories; NaN for invalid states.
+
+    Raises
+    ------
+    ImportError
+        JAX is missing.
+    ShapeError
+        An array has the wrong shape.
+    DTypeError
+        An array has an unsupported dtype, or float64 and float32 are mixed.
+    ValueError
+        An effect has no gradients, or `tau` does not have `steps` rows.
     """
     import jax.numpy as jnp
 
@@ -139,7 +282,7 @@ def rollout(
         robot,
         given=_spread(given, own, lead),
         own=tuple(own),
-        course=calls.Course(torques, steps, dt, row, dissipates, stride if samples else 0),
+        settings=calls.RolloutSettings(torques, steps, dt, row, dissipates, stride if samples else 0),
         parameters=parameters,
     )
     nothing = [jnp.zeros((*lead, 0, width), q.dtype) for width in (robot.nq, robot.nv)]
@@ -159,10 +302,48 @@ def step(
     dissipation: bool = True,
     parameters: jax.Array | None = None,
 ) -> tuple[jax.Array, jax.Array]:
-    """q and v after one step of `dt` seconds, differentiable by q, v, tau and parameters; as `rollout` of
-    one step.
+    """One step, differentiable by q, v, tau and parameters; see `rollout`.
 
-    q (..., nq), v (..., nv), tau (..., nv).
+    Parameters
+    ----------
+    robot : Robot
+        Robot, whose geometry is used.
+    q : jax.Array, (..., nq)
+        Configuration.
+    v : jax.Array, (..., nv)
+        Velocity [rad/s or m/s].
+    tau : jax.Array, (..., nv), optional
+        Torques [N·m or N]; default: 0.
+    dt : float
+        Step size [s].
+    integrator : str
+        Explicit method; see `Robot.simulate`.
+    conservative : bool
+        Whether to leave out damping, friction, limits, actuators and contact.
+    without : sequence of str
+        Effects to leave out; see `Robot.simulate`.
+    dissipation : bool
+        Whether damping and friction act.
+    parameters : jax.Array, (n,) or (..., n), optional
+        Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
+
+    Returns
+    -------
+    q : jax.Array, (..., nq)
+        Configuration after the step.
+    v : jax.Array, (..., nv)
+        Velocity after the step [rad/s or m/s].
+
+    Raises
+    ------
+    ImportError
+        JAX is missing.
+    ShapeError
+        An array has the wrong shape.
+    DTypeError
+        An array has an unsupported dtype, or float64 and float32 are mixed.
+    ValueError
+        An effect has no gradients.
     """
     import jax.numpy as jnp
 
@@ -183,7 +364,7 @@ def _first(
     parameters: Any = None,
     **attributes: int,
 ) -> jax.Array:
-    """The one result of a row of the table."""
+    """Result of a row of the table with one result."""
     from robot_dynamics.xla import calls
 
     arrays = [_array(own, array) for own, array in zip(names, given, strict=True)]
@@ -203,14 +384,14 @@ def _first(
 
 
 def _of_states(parameters: Any, lead: tuple[int, ...]) -> Any:
-    """Parameters of each state, or as they are where all states share them."""
+    """Parameters of each state, or one array that all states share."""
     import jax.numpy as jnp
 
     return parameters if parameters.ndim == 1 else jnp.broadcast_to(parameters, (*lead, parameters.shape[-1]))
 
 
 def _array(name: str, given: Any) -> Any:
-    """An array of JAX of float64 or float32."""
+    """JAX array of float64 or float32."""
     try:
         import jax.numpy as jnp
     except ImportError as error:
@@ -220,12 +401,12 @@ def _array(name: str, given: Any) -> Any:
     if jnp.issubdtype(array.dtype, jnp.integer):
         return array.astype(jnp.result_type(float))
     if array.dtype not in (jnp.float32, jnp.float64):
-        raise DTypeError(f"{name} has dtype {array.dtype}; float64 and float32 are computed with: convert it yourself")
+        raise DTypeError(f"{name} has dtype {array.dtype}; only float64 and float32 are supported: convert it yourself")
     return array
 
 
 def _lead(given: list[tuple[str, Any, tuple[int, ...]]], robot: Robot) -> tuple[int, ...]:
-    """The dimensions of the batch, broadcast as in numpy."""
+    """Leading dimensions of the batch, broadcast as in NumPy."""
     import jax.numpy as jnp
 
     leads = []
@@ -245,7 +426,7 @@ def _lead(given: list[tuple[str, Any, tuple[int, ...]]], robot: Robot) -> tuple[
 
 
 def _spread(arrays: list[Any], own: list[int], lead: tuple[int, ...]) -> list[Any]:
-    """The arrays with the dimensions of the whole batch."""
+    """Arrays broadcast to the dimensions of the whole batch."""
     import jax.numpy as jnp
 
     return [

@@ -1,18 +1,16 @@
-"""Ray: a robot's quantities, rollouts and control by sampling, on all machines of a cluster.
+"""Ray: a robot's quantities, rollouts and sampling-based control, on all machines of a cluster.
 
-Needs Ray (``pip install robot-dynamics[ray]``), which starts, feeds and restarts the workers. Each is a
-process of one thread that keeps the robot; it was sent once. What is computed depends on the states alone, so
-results have the same bits for any number of workers, on processors with the same instructions. A worker that
-dies is started again and its work done once more, by others where there is no machine for it: nothing is
-lost.
+Needs Ray (``pip install robot-dynamics[ray]``), which starts, feeds and restarts the workers. Each worker is
+a process with one thread that keeps the robot. Results depend on the states alone. So they have the same bits
+for any number of workers, on processors with the same instructions. Ray restarts a worker that dies and
+repeats its work, on another machine if necessary.
 
     import ray
     from robot_dynamics.ray import Workers, compute
 
     states = ray.data.read_parquet("s3://recordings")       # columns q, v, a, tau
-    torques = compute(states, robot, "inverse_dynamics")     # any quantity, and `audit`; nothing is computed
-    yet torques.write_parquet("s3://torques")                    # streams: no more in memory than is under
-    way
+    torques = compute(states, robot, "inverse_dynamics")     # lazy; any quantity, also `audit`
+    torques.write_parquet("s3://torques")                    # streams with bounded memory
 
     workers = Workers(robot)
     ends = workers.rollout(q, v, tau, steps=1000, dt=1e-3)
@@ -51,15 +49,19 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 _remote: Any = ray.remote
 _PATIENCE = 10.0
-"""After so many seconds without an answer what was asked is asked again, of others [s]."""
+"""Time without an answer after which calls are repeated on other workers [s]."""
 
 
 class Compute:
-    """What `compute` maps over the batches of a data set: a `Computation` by one thread, of which Ray keeps
-    copies.
+    """Callable that `compute` maps over the batches of a data set, with one thread. Ray creates copies of it.
 
-    For pipelines of your own: ``dataset.map_batches(Compute, fn_constructor_args=[computation],
+    For your own pipelines: ``dataset.map_batches(Compute, fn_constructor_args=[computation],
     batch_format="pyarrow", ...)``.
+
+    Parameters
+    ----------
+    computation : Computation
+        Quantities to compute.
     """
 
     def __init__(self, computation: Computation) -> None:
@@ -67,17 +69,44 @@ class Compute:
         self._computation = computation
 
     def __call__(self, batch: Any) -> Any:
-        """The quantities of a batch, which is only read."""
+        """Compute the quantities of a batch.
+
+        Parameters
+        ----------
+        batch : pyarrow.Table
+            States.
+
+        Returns
+        -------
+        pyarrow.Table
+            The kept columns, then the results.
+        """
         return self._computation(batch)
 
 
 def compute(dataset: Any, robot: Robot, *quantities: str, workers: int | None = None, **options: Any) -> Any:
-    """Quantities of the rows of a `ray.data.Dataset`, as one; `options` as in
-    `robot_dynamics.arrow.Computation`.
+    """Compute quantities of the rows of a data set, lazily as usual for pipelines of Ray.
 
-    Lazy, as pipelines of Ray are. By `workers` processes, as many as there are cores where not given. The
-    order of the rows is Ray's; `keep` a column that tells them apart, or set `preserve_order` in Ray's
-    execution options.
+    Ray determines the order of the rows. `keep` a column that identifies them, or set `preserve_order` in
+    Ray's execution options.
+
+    Parameters
+    ----------
+    dataset : ray.data.Dataset
+        States.
+    robot : Robot
+        Robot to compute the quantities of.
+    *quantities : str
+        Names of quantities; see `robot_dynamics.arrow.Computation`.
+    workers : int, optional
+        Number of processes; default: up to the number of cores.
+    **options
+        Options of `robot_dynamics.arrow.Computation`.
+
+    Returns
+    -------
+    ray.data.Dataset
+        The kept columns, then the results.
     """
     computation = Computation(robot, quantities, **{"threads": 1, **options})
     pool = (
@@ -97,10 +126,16 @@ def compute(dataset: Any, robot: Robot, *quantities: str, workers: int | None = 
 
 
 class Workers:
-    """Processes of a cluster that keep a robot, for rollouts and for functions of your own.
+    """Processes of a cluster that keep a robot, for rollouts and for your own functions.
 
-    As many as there are cores where `workers` is not given. A worker that dies is started again, its work
-    done again.
+    A worker that dies is restarted and its work is repeated.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot that the workers keep.
+    workers : int, optional
+        Number of workers; default: the number of cores.
     """
 
     def __init__(self, robot: Robot, workers: int | None = None) -> None:
@@ -111,14 +146,33 @@ class Workers:
         return len(self._workers)
 
     def processes(self) -> list[int]:
-        """The workers' process numbers."""
+        """Process numbers of the workers.
+
+        Returns
+        -------
+        list of int
+            Process numbers.
+        """
         found: list[int] = ray.get([worker.process.remote() for worker in self._workers])
         return found
 
     def map(self, function: Callable[..., T], items: Sequence[tuple[Any, ...]]) -> list[T]:
-        """function(robot, *item) of each item, in their order; arrays come in read-only.
+        """Call a function for each item, in parallel.
 
-        Who is done gets the next. Random numbers should be seeded by the item, not by the worker.
+        A worker gets its next item when it is done. Random numbers should depend on a seed in the item, not
+        on the worker.
+
+        Parameters
+        ----------
+        function : callable
+            Function f(robot, *item).
+        items : sequence of tuple
+            Arguments of the calls. Arrays are read-only in the workers.
+
+        Returns
+        -------
+        list
+            Results in the order of the items.
         """
         sent = ray.put(function)
         results: dict[int, T] = {}
@@ -129,10 +183,32 @@ class Workers:
     def rollout(
         self, q: Numbers, v: Numbers | None = None, tau: Numbers | None = None, *, group: int = 4096, **options: Any
     ) -> Rollout:
-        """`Robot.rollout` of many states q (n, nq), v (n, nv), by all workers, a `group` at a time: the same
-        bits.
+        """`Robot.rollout` of many states by all workers, with the same bits.
 
-        tau is (nv,) or (n, nv), held over all steps, or (n, steps, nv), one for each; `options` as there.
+        Parameters
+        ----------
+        q : array_like, (n, nq)
+            Initial configurations.
+        v : array_like, (n, nv), optional
+            Initial velocities [rad/s or m/s]; default: 0.
+        tau : array_like, (nv,), (n, nv) or (n, steps, nv), optional
+            Torques [N·m or N], held over all steps or given for each step; default: 0.
+        group : int
+            Number of states in a call of a worker.
+        **options
+            Options of `Robot.rollout`.
+
+        Returns
+        -------
+        Rollout
+            Final states and trajectories.
+
+        Raises
+        ------
+        BadStatesError
+            Some states have no valid motion; `result` has the others.
+        ShapeError
+            `q` or `tau` has the wrong shape.
         """
         states = np.asarray(q)
         if states.ndim != 2:
@@ -158,14 +234,14 @@ class Workers:
         return whole
 
     def close(self) -> None:
-        """Ends the workers."""
+        """End the workers."""
         for worker in self._workers:
             ray.kill(worker)
         self._workers = []
 
 
 class _Worker:
-    """One process with one thread and its robot."""
+    """Process with one thread that keeps a robot."""
 
     def __init__(self, pickled: bytes) -> None:
         rd.set_num_threads(1)
@@ -179,7 +255,7 @@ class _Worker:
 
 
 class _PartWorker:
-    """One process with one thread that writes parts of a job."""
+    """Process with one thread that writes parts of a job."""
 
     def __init__(self, pickled: bytes) -> None:
         rd.set_num_threads(1)
@@ -190,10 +266,23 @@ class _PartWorker:
 
 
 def by_actors(workers: int | None, address: str, count: Counter | None = None) -> Runner:
-    """A runner for `robot_dynamics.parquet.run` on the Ray cluster at an address; ``local`` starts one on
-    this machine.
+    """Create a runner for `robot_dynamics.parquet.run` that uses a Ray cluster.
 
-    The files have to be where every machine of the cluster finds them, under the same path.
+    Every machine of the cluster must find the files under the same path.
+
+    Parameters
+    ----------
+    workers : int or None
+        Number of workers; default: the number of cores.
+    address : str
+        Address of the cluster; ``local`` starts one on this machine.
+    count : callable, optional
+        Function that is called with numbers of new rows.
+
+    Returns
+    -------
+    callable
+        Runner for `robot_dynamics.parquet.run`.
     """
 
     def runner(job: Job, parts: list[Part]) -> Generator[Part, None, None]:
@@ -209,7 +298,7 @@ def by_actors(workers: int | None, address: str, count: Counter | None = None) -
                 if count is not None:
                     count(parts[number].rows)
         finally:
-            for worker in pool:  # now, whoever still knows of them: others need the cores
+            for worker in pool:  # kill at once, even if other references exist: other jobs need the cores
                 ray.kill(worker)
             if is_ours:
                 ray.shutdown()
@@ -218,9 +307,10 @@ def by_actors(workers: int | None, address: str, count: Counter | None = None) -
 
 
 def _started(kind: type, kept: Any, count: int) -> list[Any]:
-    """Workers that keep something, and are started again whenever they die.
+    """Workers that keep an object, and restart if they die.
 
-    It is pickled once, and travels with the orders to start: these outlive any machine's shared memory.
+    The object is pickled once and sent with the request to start a worker. Ray keeps that request longer than
+    any machine's shared memory.
     """
     pickled = pickle.dumps(kept)
     actor = _remote(num_cpus=1, max_restarts=-1, max_task_retries=-1)(kind)
@@ -228,11 +318,11 @@ def _started(kind: type, kept: Any, count: int) -> list[Any]:
 
 
 def _served(workers: Sequence[Any], calls: Iterable[tuple[str, tuple[Any, ...]]]) -> Iterator[tuple[int, Any]]:
-    """Calls methods of the workers, and gives number and result of each call as it is done; two wait at each
-    worker.
+    """Call methods of the workers, and yield the number and the result of each call when it is done.
 
-    A worker whose machine is gone, or that never found one, answers when there is another. Meanwhile what it
-    was given is given to others that have nothing to do: whoever is first counts, the results are the same.
+    Each worker has up to two calls at a time. A worker may never start, or its machine may disappear: it
+    answers when there is another machine. Meanwhile idle workers repeat its calls, and the first answer
+    counts. The results are the same.
     """
     every = list(calls)
     waiting, left = deque(range(len(every))), dict.fromkeys(range(len(every)))
@@ -256,7 +346,7 @@ def _served(workers: Sequence[Any], calls: Iterable[tuple[str, tuple[Any, ...]]]
         for reference in done:
             number, worker, sent = busy.pop(reference)
             load[worker] -= 1
-            if worker in answered:  # the first answer has the start of the process in it
+            if worker in answered:  # the time of the first answer includes the start of the process
                 longest = max(longest, now - max(sent, answered[worker]))
             answered[worker] = heard = now
             if number in left:
@@ -270,7 +360,7 @@ def _served(workers: Sequence[Any], calls: Iterable[tuple[str, tuple[Any, ...]]]
 
 
 def _got(reference: Any) -> Any:
-    """A result, or the error as it was raised in the worker."""
+    """Result of a call, or the exception that the worker raised."""
     try:
         return ray.get(reference)
     except ray.exceptions.RayTaskError as error:
@@ -278,7 +368,7 @@ def _got(reference: Any) -> Any:
 
 
 def _rolled_out(robot: Robot, q: Any, v: Any, tau: Any, options: dict[str, Any]) -> tuple[Rollout, Any, str]:
-    """Where states come, those of them that are bad, and why."""
+    """Rollout of states, the indices of invalid ones, and the reason."""
     try:
         ends = robot.rollout(q, v, tau, **{"threads": 1, **options})
     except rd.BadStatesError as error:
@@ -291,7 +381,7 @@ def _joined(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
 
 
 def _cores() -> int:
-    """The cores of the cluster."""
+    """Number of cores of the cluster."""
     if not ray.is_initialized():
         ray.init()
     resources: Any = ray.cluster_resources  # untyped

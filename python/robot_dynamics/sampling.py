@@ -1,4 +1,4 @@
-"""Control by sampling: model predictive path integrals."""
+"""Sampling-based control: model predictive path integrals."""
 
 from __future__ import annotations
 
@@ -14,32 +14,70 @@ from robot_dynamics.robot import Robot
 
 Array: TypeAlias = NDArray[np.float64]
 Cost: TypeAlias = Callable[[Array, Array, Array], Array]
-"""The costs (n,) of motions q (n, horizon, nq), v (n, horizon, nv) under torques (n, horizon, nv)."""
+"""Costs (n,) of motions q (n, horizon, nq) and v (n, horizon, nv) under torques (n, horizon, nv)."""
 Map: TypeAlias = Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], list[Any]]
-"""Calls f(robot, *item) for each item and gives the results in their order."""
+"""Function that calls f(robot, *item) for each item and returns the results in order."""
 
 
 class Mppi:
-    """Torques that bring a robot where a cost is small, by weighing random ones (MPPI).
+    """Torques of least cost by a weighted average of random samples (MPPI).
 
-    Around planned torques u (horizon, nv) so many `samples` are drawn, uₖ = u + εₖ with the standard
-    deviations `noise` (nv,), cut off at `limits` (nv,), those of the robot where not given; each is rolled
-    out from the robot's state, and u becomes Σ wₖ uₖ / Σ wₖ with wₖ = exp(−(cost − least cost) /
-    `temperature`).
+    Samples uₖ = u + εₖ surround the planned torques u (horizon, nv). Their standard deviations are `noise`,
+    and they are clipped to `limits`. Each is rolled out from the state of the robot. Then u becomes Σ wₖ uₖ /
+    Σ wₖ with wₖ = exp(−(cost − least cost) / `temperature`).
 
-    `cost` is a function of q (n, horizon, nq), v and tau (n, horizon, nv), the states being those after each
-    step; a motion whose cost is not finite weighs nothing. Samples are drawn, rolled out and added up in
-    groups of `group`, each with random numbers of its own: the plan has the same bits whoever computes a
-    group. `run` computes them, all cores of this process where it is not given;
-    `robot_dynamics.ray.Workers.map` is a cluster.
+    Samples are drawn, rolled out and summed in groups, each with separate random numbers. So the plan has the
+    same bits wherever a group is computed.
 
-    The effects and the method are as in `Robot.rollout`. Where everything that matters is smooth,
-    ``integrator="semi-implicit-euler"`` is the quickest: it moves many samples at once, without position
+    The effects and the method are those of `Robot.rollout`. If everything that matters is smooth,
+    ``integrator="semi-implicit-euler"`` is fastest. It integrates many samples at once, without position
     limits and contact.
 
-    Williams, Aldrich, Theodorou, *Model Predictive Path Integral Control*, 2017, without its price on the
-    noise.
+    The method is that of Williams, Aldrich, Theodorou, *Model Predictive Path Integral Control*, 2017,
+    without its cost of the noise.
 
+    Parameters
+    ----------
+    robot : Robot
+        Robot to control.
+    cost : callable
+        Function of the states after each step, q (n, horizon, nq) and v (n, horizon, nv), and of the torques
+        (n, horizon, nv). It returns the costs (n,). A motion with a cost that is not finite has weight 0.
+    horizon : int
+        Number of steps of a plan.
+    dt : float
+        Step size [s].
+    samples : int
+        Number of samples of each round.
+    noise : array_like, (nv,) or scalar
+        Standard deviations of the samples [N·m or N].
+    temperature : float
+        Difference of costs that changes a weight by the factor e.
+    seed : int
+        Seed of the random numbers.
+    limits : array_like, (nv,), optional
+        Limits of |τ| [N·m or N]; default: the effort limits of the robot.
+    integrator : str, optional
+        Method; see `Robot.simulate`.
+    conservative : bool
+        Whether to leave out damping, friction, limits, actuators and contact.
+    without : sequence of str
+        Effects to leave out; see `Robot.simulate`.
+    dissipation : bool
+        Whether damping and friction act.
+    group : int
+        Number of samples of a group.
+    run : callable, optional
+        Function that computes the groups, such as `robot_dynamics.ray.Workers.map` for a cluster. Default:
+        all cores of this process.
+
+    Raises
+    ------
+    ValueError
+        A number that must be positive is not.
+
+    Examples
+    --------
     >>> from robot_dynamics.sampling import Mppi
     >>> robot = rd.example("two_r")
     >>> def cost(q, v, tau):  # upright and at rest
@@ -75,33 +113,52 @@ class Mppi:
             raise ValueError("horizon, samples, group, temperature and dt must be positive")
         self.robot = robot
         self.torques: Array = np.zeros((horizon, robot.nv))
-        """The plan, (horizon, nv) [N·m or N]; write another start into it."""
+        """Current plan (horizon, nv) [N·m or N], which may be changed."""
         self.least_cost = np.inf
-        """Of the samples of the last plan."""
+        """Least cost of the samples of the last round."""
         bound = robot.limits.effort if limits is None else np.asarray(limits, np.float64)
         deviations = np.broadcast_to(np.asarray(noise, np.float64), (robot.nv,))
         options: dict[str, Any] = {"steps": horizon, "dt": dt, "integrator": integrator, "dissipation": dissipation}
-        # `limits` are those of the samples.
+        # The samples are clipped to `limits` instead.
         options |= {"conservative": conservative, "without": [*without, "effort-limits"]}
-        self._sampled = _Sampled(cost, deviations, np.broadcast_to(bound, (robot.nv,)), temperature, options)
+        self._sample_group = _SampleGroup(cost, deviations, np.broadcast_to(bound, (robot.nv,)), temperature, options)
         self._sizes = [min(group, samples - start) for start in range(0, samples, group)]
         self._seed, self._round = seed, 0
         self._temperature = temperature
         self._run = self._here if run is None else run
 
     def plan(self, q: Numbers, v: Numbers) -> Array:
-        """Improves the plan for a robot at q (nq,), v (nv,) by one round of samples; gives it, (horizon,
-        nv)."""
+        """Improve the plan for a state by one round of samples.
+
+        Parameters
+        ----------
+        q : array_like, (nq,)
+            Configuration.
+        v : array_like, (nv,)
+            Velocity [rad/s or m/s].
+
+        Returns
+        -------
+        ndarray, (horizon, nv)
+            The plan [N·m or N].
+
+        Raises
+        ------
+        ArithmeticError
+            No sample has a finite cost.
+        ValueError
+            The cost function returns a wrong shape.
+        """
         start = (np.asarray(q, np.float64), np.asarray(v, np.float64), self.torques)
         groups = [(*start, (self._seed, self._round, k), size) for k, size in enumerate(self._sizes)]
-        results = self._run(self._sampled, groups)
+        results = self._run(self._sample_group, groups)
         self._round += 1
         self.least_cost = min(least for least, _, _ in results)
         if not np.isfinite(self.least_cost):
             raise ArithmeticError(
-                f"none of {sum(self._sizes)} samples has a finite cost: less noise, or a shorter step"
+                f"none of {sum(self._sizes)} samples has a finite cost; use less noise or a shorter step"
             )
-        # Always in the order of the groups: sums have the same bits then.
+        # The fixed order of the groups gives the sums the same bits.
         weight, total = 0.0, np.zeros_like(self.torques)
         for least, own_weight, own_total in results:
             factor = np.exp((self.least_cost - least) / self._temperature)
@@ -111,43 +168,80 @@ class Mppi:
         return self.torques.copy()
 
     def act(self, q: Numbers, v: Numbers) -> Array:
-        """The torques (nv,) for the next step: plans, and shifts the plan by a step, whose last torques
-        stay."""
+        """Torques of the next step: improve the plan, and shift it by one step. The last torques are
+        repeated.
+
+        Parameters
+        ----------
+        q : array_like, (nq,)
+            Configuration.
+        v : array_like, (nv,)
+            Velocity [rad/s or m/s].
+
+        Returns
+        -------
+        ndarray, (nv,)
+            Torques [N·m or N].
+
+        Raises
+        ------
+        ArithmeticError
+            No sample has a finite cost.
+        """
         first: Array = self.plan(q, v)[0]
         self.torques = np.concatenate([self.torques[1:], self.torques[-1:]])
         return first
 
     def motion(self, q: Numbers, v: Numbers, torques: Numbers | None = None) -> tuple[Array, Array, Array]:
-        """q, v after each step, and the torques, of a plan: this one, or those given."""
+        """Motion under a plan.
+
+        Parameters
+        ----------
+        q : array_like, (nq,)
+            Initial configuration.
+        v : array_like, (nv,)
+            Initial velocity [rad/s or m/s].
+        torques : array_like, (horizon, nv), optional
+            Plan [N·m or N]; default: the current one.
+
+        Returns
+        -------
+        q : ndarray, (horizon, nq)
+            Configurations after each step.
+        v : ndarray, (horizon, nv)
+            Velocities after each step [rad/s or m/s].
+        tau : ndarray, (horizon, nv)
+            The plan [N·m or N].
+        """
         tau = self.torques if torques is None else np.asarray(torques, np.float64)
-        states = self.robot.rollout(q, v, tau, stride=1, **self._sampled.options)
+        states = self.robot.rollout(q, v, tau, stride=1, **self._sample_group.options)
         return states.q_trajectory, states.v_trajectory, tau
 
     def _here(self, function: Callable[..., Any], items: Sequence[tuple[Any, ...]]) -> list[Any]:
         return [function(self.robot, *item) for item in items]
 
 
-class _Sampled:
-    """One group of samples, as a function that travels."""
+class _SampleGroup:
+    """Function that computes one group of samples. It can be pickled."""
 
     def __init__(self, cost: Cost, noise: Array, limits: Array, temperature: float, options: dict[str, Any]) -> None:
         self.cost, self.noise, self.limits, self.temperature, self.options = cost, noise, limits, temperature, options
 
     def __call__(self, robot: Robot, q: Array, v: Array, plan: Array, seed: Sequence[int], size: int) -> Any:
-        """The least cost c of the group, Σ w and Σ w u with w = exp(−(cost − c) / temperature)."""
+        """Least cost c of the group, Σ w and Σ w u, with w = exp(−(cost − c) / temperature)."""
         noise = np.random.default_rng(seed).standard_normal((size, *plan.shape)) * self.noise
         if seed[-1] == 0:
-            noise[0] = 0.0  # the plan itself is a sample
+            noise[0] = 0.0  # the first sample is the plan itself
         tau = np.clip(plan + noise, -self.limits, self.limits)
         states = np.broadcast_to(q, (size, len(q)))
         try:
             moved = robot.rollout(states, v, tau, stride=1, **self.options)
-        except BadStatesError as error:  # some flew off to infinity, and are NaN
+        except BadStatesError as error:  # diverged samples are NaN
             moved = error.result
         with np.errstate(invalid="ignore", over="ignore"):
             costs = np.asarray(self.cost(moved.q_trajectory, moved.v_trajectory, tau), np.float64)
         if costs.shape != (size,):
-            raise ValueError(f"cost gave shape {costs.shape} for {size} motions: it has to give ({size},)")
+            raise ValueError(f"cost gave shape {costs.shape} for {size} motions: it must give ({size},)")
         costs = np.where(np.isfinite(costs), costs, np.inf)
         least = float(costs.min())
         if least == np.inf:

@@ -1,11 +1,14 @@
 """PyTorch: the dynamics as differentiable functions of tensors.
 
-Tensors are on the CPU, float64 or float32, and may have any leading dimensions, which broadcast as everywhere
-in this package. Gradients are vector-Jacobian products in O(n), without a Jacobian or M; `torch.func.vmap`
-and `torch.func.grad` work. A gradient by q is by its nq numbers; of a quaternion it is that of a function
-that depends on its direction alone, so an optimiser's step has to be normalised (`Robot.normalize`). Second
-derivatives are refused. Results of an invalid state (not finite, a quaternion not of unit length, a singular
-M) are NaN, and those of the other states are right; so it is for parameters that are not finite.
+Tensors are on the CPU, float64 or float32. Their leading dimensions broadcast as everywhere in this package.
+
+Gradients are vector-Jacobian products in O(n), without a Jacobian or M. `torch.func.vmap` and
+`torch.func.grad` work. Second derivatives raise an error. A gradient by q has its nq numbers. The functions
+depend on the direction of a quaternion only, so an optimiser must normalise q after its step
+(`Robot.normalize`).
+
+Results are NaN for an invalid state (not finite, a quaternion not of unit length, a singular M) and for
+parameters that are not finite. Results of the other states are valid.
 
     import torch
     import robot_dynamics as rd
@@ -15,11 +18,11 @@ M) are NaN, and those of the other states are right; so it is for parameters tha
     q = torch.zeros(1000, 7, dtype=torch.float64, requires_grad=True)
     rest = torch.zeros(7, dtype=torch.float64)
     effort = inverse_dynamics(robot, q, rest, rest).square().sum()
-    effort.backward()                       # q.grad (1000, 7): where to bend to hold less
+    effort.backward()                       # q.grad (1000, 7)
 
-`step` and `rollout` move states, with gradients by the start and by the torques. All four take `parameters`,
-with gradients: `Robot.parameters()`, the robot's inertias, armatures, damping, friction, springs and gravity.
-Friction's sign is held.
+`step` and `rollout` integrate states, with gradients by the initial state and the torques. All four functions
+take `parameters` with gradients, in the order of `Robot.parameters()`: inertias, armatures, damping,
+friction, springs and gravity. The sign of friction is held.
 """
 
 from __future__ import annotations
@@ -47,10 +50,32 @@ def inverse_dynamics(
     *,
     parameters: torch.Tensor | None = None,
 ) -> torch.Tensor:
-    """τ = M(q) a + C(q, v) v + g(q), (..., nv) [N·m or N], differentiable by q, v, a and parameters.
+    """Inverse dynamics τ = M(q) a + C(q, v) v + g(q), differentiable by q, v, a and parameters.
 
-    q (..., nq), v (..., nv), a (..., nv). `parameters` (n,) are those of the robot that is computed, as
-    `Robot.parameters()` lists them: `robot` gives the geometry.
+    Parameters
+    ----------
+    robot : Robot
+        Robot, whose geometry is used.
+    q : torch.Tensor, (..., nq)
+        Configuration.
+    v : torch.Tensor, (..., nv)
+        Velocity [rad/s or m/s].
+    a : torch.Tensor, (..., nv)
+        Acceleration [rad/s² or m/s²].
+    parameters : torch.Tensor, (n,), optional
+        Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
+
+    Returns
+    -------
+    torch.Tensor, (..., nv)
+        Torques τ [N·m or N]; NaN for invalid states.
+
+    Raises
+    ------
+    ImportError
+        PyTorch is missing.
+    TypeError
+        An argument is not a tensor on the CPU.
     """
     forces: torch.Tensor = _functions()[0].apply(robot, q, v, a, parameters)
     return forces
@@ -64,25 +89,48 @@ def forward_dynamics(
     *,
     parameters: torch.Tensor | None = None,
 ) -> torch.Tensor:
-    """a = M⁻¹(τ − C v − g), (..., nv) [rad/s² or m/s²], differentiable by q, v, τ and parameters.
+    """Forward dynamics a = M⁻¹(τ − C v − g), differentiable by q, v, τ and parameters.
 
-    q (..., nq), v (..., nv), tau (..., nv) [N·m or N], `parameters` as for `inverse_dynamics`.
+    Parameters
+    ----------
+    robot : Robot
+        Robot, whose geometry is used.
+    q : torch.Tensor, (..., nq)
+        Configuration.
+    v : torch.Tensor, (..., nv)
+        Velocity [rad/s or m/s].
+    tau : torch.Tensor, (..., nv)
+        Torques [N·m or N].
+    parameters : torch.Tensor, (n,), optional
+        Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
+
+    Returns
+    -------
+    torch.Tensor, (..., nv)
+        Acceleration a [rad/s² or m/s²]; NaN for invalid states and singular M.
+
+    Raises
+    ------
+    ImportError
+        PyTorch is missing.
+    TypeError
+        An argument is not a tensor on the CPU.
     """
     acceleration: torch.Tensor = _functions()[1].apply(robot, q, v, tau, parameters)
     return acceleration
 
 
 class Rollout(NamedTuple):
-    """The motions of many states."""
+    """Motions of many states."""
 
     q: torch.Tensor
-    """Where they end, (..., nq)."""
+    """Final configurations (..., nq)."""
     v: torch.Tensor
-    """(..., nv)"""
+    """Final velocities (..., nv) [rad/s or m/s]."""
     q_trajectory: torch.Tensor
-    """The states after each `stride` steps, (..., samples, nq)."""
+    """Configurations after each `stride` steps (..., samples, nq)."""
     v_trajectory: torch.Tensor
-    """(..., samples, nv)"""
+    """Velocities after each `stride` steps (..., samples, nv) [rad/s or m/s]."""
 
 
 def rollout(
@@ -100,12 +148,53 @@ def rollout(
     stride: int = 0,
     parameters: torch.Tensor | None = None,
 ) -> Rollout:
-    """`Robot.rollout` of tensors, differentiable by q, v, tau and parameters.
+    """`Robot.rollout`, differentiable by q, v, tau and parameters.
 
-    q (..., nq), v (..., nv) or none for 0, tau (..., nv) held over all steps or (..., steps, nv), with one
-    dimension more than the states. `parameters` (n,) are those of the robot to move, as `Robot.parameters()`
-    lists them: `robot` gives the geometry. The way back computes the states again from √steps checkpoints, in
-    O(n) a step. Effects act as in `Robot.rollout_pullback`; those without gradients are left out or refused.
+    The backward pass computes the states again from √steps checkpoints, in O(n) a step. The sign of friction
+    is held. The effects act as in `Robot.rollout_pullback`: those without gradients are left out or raise an
+    error.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot, whose geometry is used.
+    q : torch.Tensor, (..., nq)
+        Initial configurations.
+    v : torch.Tensor, (..., nv), optional
+        Initial velocities [rad/s or m/s]; default: 0.
+    tau : torch.Tensor, (..., nv) or (..., steps, nv), optional
+        Torques [N·m or N], held over all steps or given for each step; default: 0. With one dimension more
+        than the states, they are given for each step.
+    steps : int
+        Number of steps.
+    dt : float
+        Step size [s].
+    integrator : str
+        Explicit method; see `Robot.simulate`.
+    conservative : bool
+        Whether to leave out damping, friction, limits, actuators and contact.
+    without : sequence of str
+        Effects to leave out; see `Robot.simulate`.
+    dissipation : bool
+        Whether damping and friction act.
+    stride : int
+        Number of steps between samples of the trajectory; 0 for no trajectory.
+    parameters : torch.Tensor, (n,), optional
+        Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
+
+    Returns
+    -------
+    Rollout
+        Final states and trajectories; NaN for invalid states.
+
+    Raises
+    ------
+    ImportError
+        PyTorch is missing.
+    TypeError
+        An argument is not a tensor on the CPU.
+    ValueError
+        An effect has no gradients, or `tau` does not have `steps` rows.
     """
     _check_torch()
     import torch
@@ -122,7 +211,8 @@ def rollout(
     off = disabled_effects(without, dissipation, stops=True)
     how = {"steps": steps, "dt": dt, "integrator": integrator, "stride": stride}
     how |= {"conservative": conservative, "without": off}
-    robot._differentiable_row(dt=dt, integrator=integrator, conservative=conservative, without=off)  # or an error
+    # This raises an error for effects without gradients.
+    robot._differentiable_row(dt=dt, integrator=integrator, conservative=conservative, without=off)
     q, v = q.broadcast_to(*lead, q.shape[-1]), v.broadcast_to(*lead, v.shape[-1])
     return Rollout(*_motions()[0].apply(robot, how, q, v, tau, parameters))
 
@@ -140,10 +230,46 @@ def step(
     dissipation: bool = True,
     parameters: torch.Tensor | None = None,
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """q and v after one step of `dt` seconds, differentiable by q, v, tau and parameters; as `rollout` of
-    one step.
+    """One step, differentiable by q, v, tau and parameters; see `rollout`.
 
-    q (..., nq), v (..., nv), tau (..., nv).
+    Parameters
+    ----------
+    robot : Robot
+        Robot, whose geometry is used.
+    q : torch.Tensor, (..., nq)
+        Configuration.
+    v : torch.Tensor, (..., nv)
+        Velocity [rad/s or m/s].
+    tau : torch.Tensor, (..., nv), optional
+        Torques [N·m or N]; default: 0.
+    dt : float
+        Step size [s].
+    integrator : str
+        Explicit method; see `Robot.simulate`.
+    conservative : bool
+        Whether to leave out damping, friction, limits, actuators and contact.
+    without : sequence of str
+        Effects to leave out; see `Robot.simulate`.
+    dissipation : bool
+        Whether damping and friction act.
+    parameters : torch.Tensor, (n,), optional
+        Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
+
+    Returns
+    -------
+    q : torch.Tensor, (..., nq)
+        Configuration after the step.
+    v : torch.Tensor, (..., nv)
+        Velocity after the step [rad/s or m/s].
+
+    Raises
+    ------
+    ImportError
+        PyTorch is missing.
+    TypeError
+        An argument is not a tensor on the CPU.
+    ValueError
+        An effect has no gradients.
     """
     _check_torch()
     import torch
@@ -156,14 +282,14 @@ def step(
 
 
 def _check_torch() -> None:
-    """This package does not depend on torch, which is a gigabyte; whoever calls this module needs it."""
+    """Import torch, which is too large to be a dependency of this package."""
     try:
         import torch  # noqa: F401
     except ImportError as error:
         raise ImportError("robot_dynamics.torch needs PyTorch: pip install torch") from error
 
 
-_ONE_ROBOT = "parameters are mapped over: one robot moves all states; loop over robots"
+_ONE_ROBOT = "parameters are mapped over, but all states share one robot: loop over robots"
 
 
 @lru_cache(maxsize=8)
@@ -172,7 +298,7 @@ def _with_parameters(robot: Robot, numbers: bytes) -> Robot:
 
 
 def _of(robot: Robot, parameters: Any) -> Robot:
-    """The robot with these parameters, if any."""
+    """Robot with these parameters, if there are any."""
     if parameters is None:
         return robot
     if parameters.ndim != 1:
@@ -184,8 +310,8 @@ Arrays: TypeAlias = tuple[Any, ...]
 
 
 def _computed(robot: Robot, name: str, own: Any, /, *given: Any, **options: Any) -> Arrays:
-    """The results of a method of the robot, or of one with `own` parameters; NaN in the rows of invalid
-    states."""
+    """Results of a method of the robot, or of one with `own` parameters; NaN in the rows of invalid states.
+    """
     if own is not None and not np.isfinite(_array(own)).all():
         return tuple(x if x is None else np.full_like(x, np.nan) for x in _computed(robot, name, None, *given, **options))
     method = getattr(_of(robot, own), name)
@@ -194,7 +320,7 @@ def _computed(robot: Robot, name: str, own: Any, /, *given: Any, **options: Any)
     except BadStatesError as error:
         return _parts(error.result)
     except (SimulationError, SingularMassError, StateError):
-        # One state; as a batch of one it has a row.
+        # One state, computed as a batch of one, which has a row for NaN.
         batch = [_lifted(x) for x in given]
         named = {key: _lifted(x) for key, x in options.items()}
         try:
@@ -209,7 +335,7 @@ def _lifted(x: Any) -> Any:
 
 
 def _parts(found: Any) -> Arrays:
-    """The arrays of a result."""
+    """Arrays of a result."""
     if isinstance(found, np.ndarray):
         return (found,)
     return tuple(found) if isinstance(found, tuple) else (found.q, found.v, found.q_trajectory, found.v_trajectory)
@@ -223,8 +349,7 @@ def _motions() -> tuple[Any, Any]:
 
 
     class Pullback(torch.autograd.Function):
-        """Gradients by the start, the torques and the parameters, those of each state; empty for what is not
-        there."""
+        """Gradients of each state by its start, torques and parameters; empty for absent arguments."""
 
         @staticmethod
         def forward(
@@ -251,7 +376,7 @@ def _motions() -> tuple[Any, Any]:
 
         @staticmethod
         def backward(ctx: Any, *cotangents: Any) -> Any:
-            raise RuntimeError("rollout: its second derivatives are not known here, only the first")
+            raise RuntimeError("rollout: second derivatives are not available, only first ones")
 
         @staticmethod
         def vmap(info: Any, dims: Any, robot: Any, how: Any, by_parameters: bool, *given: Any) -> Any:
@@ -277,7 +402,7 @@ def _motions() -> tuple[Any, Any]:
             by_parameters = ctx.needs_input_grad[5]
             found = Pullback.apply(ctx.robot, ctx.how, by_parameters, q, v, tau, parameters, *rest, *cotangents)
             by_q, by_v, by_tau, by_each = found
-            # One robot moves all states.
+            # All states share one robot.
             own = None
             if parameters is not None and by_parameters:
                 own = by_each.reshape(-1, by_each.shape[-1]).sum(dim=0).to(parameters.dtype)
@@ -296,7 +421,7 @@ def _refuse_mapped(axis: int | None) -> None:
 
 
 def _in_front(given: Any, dims: Any, size: int) -> list[Any]:
-    """q, v, tau, parameters and more, all but the parameters with the mapped axis first."""
+    """q, v, tau, parameters and others, all but the parameters with the mapped axis first."""
     _refuse_mapped(dims[3])
     return [
         each
@@ -310,13 +435,13 @@ def _in_front(given: Any, dims: Any, size: int) -> list[Any]:
 
 @cache
 def _functions() -> tuple[Any, Any]:
-    """The two as classes of torch, made when they are first needed."""
+    """Inverse and forward dynamics as classes of torch, created on first use."""
     _check_torch()
     import torch
 
 
     class Pullback(torch.autograd.Function):
-        """Gradients of a solution as a function of their own, for `vmap`."""
+        """Gradients of a solution as a separate function, for `vmap`."""
 
         @staticmethod
         def forward(
@@ -327,9 +452,9 @@ def _functions() -> tuple[Any, Any]:
             by_q, by_v, by_x, *rest = _computed(robot, pullback, parameters, *state)
             (by_q,) = _computed(robot, "cotangent_to_coordinates", None, state[0], by_q)
             gradients = (torch.as_tensor(each) for each in (by_q, by_v, by_x))
-            # What went with a whole batch has the sum.
+            # An argument that all states share gets the sum.
             own = [own.sum_to_size(of.shape) for own, of in zip(gradients, (q, v, x), strict=True)]
-            # Of each state: the mapped ones want theirs apart.
+            # The gradient of each state, because mapped parameters need them separately.
             return *own, torch.as_tensor(rest[0]) if rest else q.new_zeros((*by_q.shape[:-1], 0))
 
         @staticmethod
@@ -338,7 +463,7 @@ def _functions() -> tuple[Any, Any]:
 
         @staticmethod
         def backward(ctx: Any, *cotangents: Any) -> Any:
-            raise RuntimeError(f"{ctx.solution}: its second derivatives are not known here, only the first")
+            raise RuntimeError(f"{ctx.solution}: second derivatives are not available, only first ones")
 
         @staticmethod
         def vmap(
@@ -368,7 +493,7 @@ def _functions() -> tuple[Any, Any]:
                 *own, by_each = Pullback.apply(ctx.robot, solution, wanted, parameters, q, v, x, cotangent)
                 if parameters is None or not wanted:
                     return None, *own, None
-                # One robot is of all states.
+                # All states share one robot.
                 return None, *own, by_each.reshape(-1, by_each.shape[-1]).sum(dim=0).to(parameters.dtype)
 
             @staticmethod
@@ -383,17 +508,16 @@ def _functions() -> tuple[Any, Any]:
 
 
 def _array(tensor: Any) -> np.ndarray[Any, Any]:
-    """The numbers of a tensor, where they lie."""
+    """Array on the memory of a tensor."""
     if not hasattr(tensor, "detach"):
-        raise TypeError(f"expected a tensor, found {type(tensor).__name__}; torch.as_tensor makes one of an array")
+        raise TypeError(f"expected a tensor, found {type(tensor).__name__}; torch.as_tensor converts an array")
     if tensor.device.type != "cpu":
         raise TypeError(f"the tensor is on {tensor.device}, this package computes on the CPU: give it tensor.cpu()")
     return np.asarray(tensor.detach())
 
 
 def _aligned(state: Any, dims: Any, size: int) -> list[tuple[Any, tuple[int, ...]]]:
-    """Each tensor with the mapped axis first and as many others as the rest have, and its shape without
-    these."""
+    """Tensors with the mapped axis first and equally many axes, and their shapes before the alignment."""
     moved = [
         tensor.unsqueeze(0).expand(size, *tensor.shape) if axis is None else tensor.movedim(axis, 0)
         for tensor, axis in zip(state, dims, strict=True)

@@ -1,4 +1,4 @@
-"""A robot in the browser, with meshcat: its visual shapes and meshes, or its inertias as boxes."""
+"""Robot in the browser, with meshcat: its visual shapes and meshes, or its inertias as boxes."""
 
 from __future__ import annotations
 
@@ -15,30 +15,56 @@ from robot_dynamics import _native
 if TYPE_CHECKING:
     from robot_dynamics.robot import Robot
 
-# Pictures a second.
+# Frames per second.
 _RATE = 30.0
 
-# Where the file gives no colour: red, green, blue and opacity.
+# Default colours: red, green, blue and opacity.
 _GREY = (0.62, 0.66, 0.72, 1.0)
 _INERTIA = (0.95, 0.60, 0.25, 0.85)
 
-# Half the length of the drawn part of a plane without end [m].
+# Half the length of the drawn part of an infinite plane [m].
 _ENDLESS = 5.0
 
 
 class Drawn(NamedTuple):
-    """A thing that is drawn on a link."""
+    """Drawn object on a link."""
 
     link: str
+    """Name of the link."""
     link_from_shape: NDArray[np.float64]
-    """(4, 4), its size as drawn included."""
+    """Pose of the object in the link, with its scale (4, 4)."""
     geometry: Any
-    """meshcat's."""
+    """Geometry of meshcat."""
     color: tuple[float, float, float, float]
+    """Red, green, blue and opacity, from 0 to 1."""
 
 
 def show(robot: Robot, trajectory: Any, *, dt: float | None, open_browser: bool) -> Any:
-    """Shows it; see `Robot.show`."""
+    """Show a robot in the browser; see `Robot.show`.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot to show.
+    trajectory : Motion, TimedPath or array_like, (n, nq) or (nq,), optional
+        Configurations; default: the neutral one.
+    dt : float or None
+        Time between configurations of an array [s].
+    open_browser : bool
+        Whether to open a browser.
+
+    Returns
+    -------
+    meshcat.Visualizer
+        The viewer.
+
+    Raises
+    ------
+    ImportError
+        meshcat is missing.
+    ValueError
+        The trajectory has the wrong shape, or `dt` is missing.
+    """
     try:
         import meshcat
         from meshcat import animation
@@ -65,11 +91,21 @@ def show(robot: Robot, trajectory: Any, *, dt: float | None, open_browser: bool)
 
 
 def drawn(robot: Robot) -> list[Drawn]:
-    """The drawn shapes: the visual shapes of each link, or its collision shapes where it has none.
+    """Objects to draw: the visual shapes of each link, or its collision shapes if it has none.
 
-    The box of a link's inertia is drawn for a link with nothing but meshes that cannot be drawn, and for all
-    links of a robot without shapes. A mesh cannot be drawn if its file was not found or has a format that
-    meshcat does not read; a warning names it.
+    A link whose meshes all cannot be drawn is drawn as the box of its inertia. So are all links of a robot
+    without shapes. A mesh cannot be drawn if its file is missing, or if meshcat does not read its format. A
+    warning names it.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot to draw.
+
+    Returns
+    -------
+    list of Drawn
+        Objects.
     """
     description = robot.describe()
     of_links: dict[str, dict[str, list[Drawn]]] = {}
@@ -94,7 +130,7 @@ def _of_shape(shape: Any) -> Iterator[Drawn]:
 
     (form, size), pose = next(iter(shape["shape"].items())), _matrix(shape["link_from_shape"])
     color = tuple(shape["color"] or _GREY)
-    along_z = _turned_about_x(np.pi / 2)  # meshcat's cylinders lie along y
+    along_z = _rotation_about_x(np.pi / 2)  # cylinders of meshcat are along y
 
     def thing(made: Any, own: NDArray[np.float64] | None = None) -> Drawn:
         return Drawn(shape["link"], pose if own is None else pose @ own, made, color)
@@ -124,7 +160,7 @@ def _of_shape(shape: Any) -> Iterator[Drawn]:
 
 
 def _mesh(file: str | None) -> Any:
-    """The mesh of a file as the browser reads it; `None` where it cannot."""
+    """Mesh of a file as meshcat reads it, or `None`."""
     from meshcat import geometry
 
     if file is None or not Path(file).is_file():
@@ -146,7 +182,7 @@ def _material(thing: Drawn) -> Any:
 
     red, green, blue = (round(255 * min(max(part, 0.0), 1.0)) for part in thing.color[:3])
     opacity = thing.color[3]
-    # Normals of STL files are often 0, which would be black: those of the triangles are right.
+    # STL files often have normals of 0, which meshcat draws black. Flat shading uses those of the triangles.
     flat = getattr(thing.geometry, "mesh_format", None) == "stl"
     return geometry.MeshPhongMaterial(
         color=red << 16 | green << 8 | blue, opacity=opacity, transparent=opacity < 1.0, flatShading=flat, shininess=20
@@ -154,36 +190,48 @@ def _material(thing: Drawn) -> Any:
 
 
 def _look(viewer: Any, robot: Robot, things: list[Drawn], configurations: NDArray[np.float64]) -> None:
-    """Moves the camera, which looks at the world's origin, as near as shows all links in the first and the
-    last configuration."""
+    """Move the camera so that all links are visible in the first and the last configuration.
+
+    The camera looks at the world's origin.
+    """
     links = sorted({thing.link for thing in things})
     if not links:
         return
     ends = robot.frame_poses(configurations[[0, -1]], links)[..., :3, 3].reshape(-1, 3)
     reach = float(np.clip(np.linalg.norm(ends, axis=1).max(), 0.3, 20.0))
     x, y, z = (reach + 0.2) * np.array([1.1, -0.9, 0.6])
-    viewer["/Cameras/default/rotated/<object>"].set_property("position", [x, z, -y])  # its frame has y upwards
+    # The y axis of the camera frame points up.
+    viewer["/Cameras/default/rotated/<object>"].set_property("position", [x, z, -y])
 
 
 def _matrix(pose: Any) -> NDArray[np.float64]:
-    """(4, 4) of a pose of the description."""
+    """Homogeneous matrix (4, 4) of a pose of the description."""
     matrix = np.eye(4)
     matrix[:3, :3], matrix[:3, 3] = pose["rotation"], pose["translation"]
     return matrix
 
 
-def _turned_about_x(angle: float) -> NDArray[np.float64]:
+def _rotation_about_x(angle: float) -> NDArray[np.float64]:
     matrix = np.eye(4)
     matrix[1:3, 1:3] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
     return matrix
 
 
 def boxes(robot: Robot) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """For each link with inertia the homogeneous box of the same mass and moments: link_from_box (4, 4),
-    edges (3,) [m].
+    """Homogeneous box with the same mass and moments as each link.
 
-    m (b² + c²)/12 = I₁ and its like, solved for the edges; of moments that no body has, the edge is as short
-    as a picture needs.
+    The edges solve m (b² + c²)/12 = I₁ and its cyclic permutations. For moments that no rigid body has, an
+    edge gets a small positive length.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot.
+
+    Returns
+    -------
+    dict of str to tuple
+        For each link with inertia, link_from_box (4, 4) and the edges (3,) [m].
     """
     found = {}
     for link in robot.describe()["links"]:
@@ -217,7 +265,7 @@ def _configurations(
         return trajectory.times, trajectory.q
     configurations = np.atleast_2d(np.asarray(trajectory, np.float64))
     if configurations.ndim != 2 or configurations.shape[1] != robot.nq:
-        raise ValueError(f"a trajectory has shape (n, {robot.nq}), got {configurations.shape}")
+        raise ValueError(f"a trajectory must have shape (n, {robot.nq}), got {configurations.shape}")
     if len(configurations) > 1 and dt is None:
         raise ValueError("pass `dt`, the time between configurations [s]")
     times: NDArray[np.float64] = np.arange(len(configurations), dtype=np.float64) * (dt or 0.0)

@@ -1,7 +1,7 @@
-"""The calls and their tangents.
+"""Calls and their tangents.
 
-With λ the cotangent of a result: forward mode is J δ, from the slopes; reverse mode is Jᵀλ by the pullbacks,
-which form no J.
+λ is the cotangent of a result. Forward mode is J δ, from the derivatives. Reverse mode is Jᵀλ, from the
+pullbacks, which form no J.
 """
 
 from __future__ import annotations
@@ -23,7 +23,26 @@ Arrays = Sequence[Any]
 
 
 def row(robot: Robot, name: str, given: Arrays, parameters: Any = None, **attributes: int) -> Arrays:
-    """The results of a row of the table of algorithms, of the robot or of one with other parameters."""
+    """Results of a row of the table of algorithms, for the robot or one with other parameters.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot.
+    name : str
+        Name of the row.
+    given : sequence of jax.Array
+        State, with the leading dimensions of the whole batch.
+    parameters : jax.Array, (n,) or (..., n), optional
+        Other parameters, in the order of `Robot.parameters()`.
+    **attributes : int
+        Attributes of the call, such as the number of a frame.
+
+    Returns
+    -------
+    sequence of jax.Array
+        Results.
+    """
     vector, square, every = (robot.nv,), (robot.nv, robot.nv), (len(robot.parameter_names),)
     results = {
         "mass_matrix": (square,),
@@ -46,39 +65,84 @@ def row(robot: Robot, name: str, given: Arrays, parameters: Any = None, **attrib
 
 
 def times(matrix: Any, vector: Any) -> Any:
-    """M x of each state."""
+    """M x for each state.
+
+    Parameters
+    ----------
+    matrix : jax.Array, (..., m, n)
+        M.
+    vector : jax.Array, (..., n)
+        x.
+
+    Returns
+    -------
+    jax.Array, (..., m)
+        M x.
+    """
     return jnp.einsum("...ij,...j->...i", matrix, vector)
 
 
 def linear_of(call: Call, operands: Arrays, changes: Arrays, forward: Any, transpose: Any) -> Arrays:
-    """The tangent whose first change is that of a configuration, by displacements."""
+    """Tangent of a call whose first operand is a configuration, by displacements.
+
+    Parameters
+    ----------
+    call : Call
+        The call.
+    operands : sequence of jax.Array
+        Its operands.
+    changes : sequence of jax.Array
+        Changes of the operands; the first is a change of the numbers of q.
+    forward, transpose : callable
+        Functions of `Linear`.
+
+    Returns
+    -------
+    sequence of jax.Array
+        Changes of the results.
+    """
     moved = [displacement(call.robot, operands[0], changes[0]), *changes[1:]]
     own = call.own + call.own[: len(changes)]
     by_parameters = call.has_parameters and len(changes) == len(operands)
     return tangent(Linear(call, len(operands), own, forward, transpose, by_parameters), operands, moved)
 
 
-def parted(call: Call, at: Arrays) -> tuple[Arrays, Any]:
-    """The operands of the state, and the parameters or none."""
+def split_parameters(call: Call, at: Arrays) -> tuple[Arrays, Any]:
+    """Operands of the state, and the parameters or `None`.
+
+    Parameters
+    ----------
+    call : Call
+        The call.
+    at : sequence of jax.Array
+        Its operands.
+
+    Returns
+    -------
+    sequence of jax.Array
+        State.
+    jax.Array or None
+        Parameters.
+    """
     return (at[:-1], at[-1]) if call.has_parameters else (at, None)
 
 
-# τ(q, v, a) and a(q, v, τ), of a robot with parameters p or without.
+# τ(q, v, a) and a(q, v, τ), of the robot or of one with other parameters p.
 
 
 def _solution_forward(call: Call, at: Arrays, changes: Arrays) -> Arrays:
-    state, parameters = parted(call, at)
-    slopes = row(call.robot, f"{call.name}_derivatives", state, parameters)
+    state, parameters = split_parameters(call, at)
+    derivatives = row(call.robot, f"{call.name}_derivatives", state, parameters)
     if call.name == "inverse_dynamics":
-        slopes = [*slopes, *row(call.robot, "mass_matrix", state[:1], parameters)]
-    moved = sum(times(slope, change) for slope, change in zip(slopes, changes, strict=False))
-    if len(changes) > len(slopes):
+        derivatives = [*derivatives, *row(call.robot, "mass_matrix", state[:1], parameters)]
+    moved = sum(times(each, change) for each, change in zip(derivatives, changes, strict=False))
+    if len(changes) > len(derivatives):
         moved = moved + times(_by_parameters(call, state, parameters), changes[-1])
     return [moved]
 
 
 def _by_parameters(call: Call, state: Arrays, parameters: Any) -> Any:
-    """The slope by the parameters (..., nv, parameters): row i is the pullback of the unit vector i."""
+    """Derivative by the parameters (..., nv, parameters): row i is the pullback of the unit vector i."""
     nv = call.robot.nv
     each = [jnp.broadcast_to(x[..., jnp.newaxis, :], (*x.shape[:-1], nv, x.shape[-1])) for x in state]
     unit = jnp.broadcast_to(jnp.eye(nv, dtype=state[0].dtype), (*state[0].shape[:-1], nv, nv))
@@ -89,12 +153,12 @@ def _by_parameters(call: Call, state: Arrays, parameters: Any) -> Any:
 
 
 def _solution_transpose(call: Call, at: Arrays, cotangents: Arrays) -> Arrays:
-    state, parameters = parted(call, at)
+    state, parameters = split_parameters(call, at)
     return row(call.robot, f"{call.name}_pullback", [*state, *cotangents], parameters)
 
 
 def _solution_transpose_with_parameters(call: Call, at: Arrays, cotangents: Arrays) -> Arrays:
-    state, parameters = parted(call, at)
+    state, parameters = split_parameters(call, at)
     return row(call.robot, f"{call.name}_pullback_with_parameters", [*state, *cotangents], parameters)
 
 
@@ -143,19 +207,29 @@ def _pose(call: Call, operands: Arrays, changes: Arrays, results: Arrays) -> Arr
 
 
 @dataclass(frozen=True)
-class Course:
-    """How a rollout goes."""
+class RolloutSettings:
+    """Settings of a rollout."""
 
     torques: str
-    """``none``, ``held`` over all steps, or of ``each`` step."""
+    """``none``, ``held`` over all steps, or given for ``each`` step."""
     steps: int
+    """Number of steps."""
     dt: float
     integrator: str
+    """Explicit method."""
     dissipation: bool
+    """Whether damping and friction act."""
     stride: int
+    """Number of steps between samples of the trajectory; 0 for no trajectory."""
 
     def attributes(self) -> tuple[tuple[str, Any], ...]:
-        """As XLA passes them on."""
+        """Attributes of the foreign function.
+
+        Returns
+        -------
+        tuple of tuple (str, value)
+            Attributes by name.
+        """
         return (
             ("torques", self.torques),
             ("steps", np.int64(self.steps)),
@@ -166,7 +240,18 @@ class Course:
         )
 
     def shapes(self, of_q: int, of_v: int) -> tuple[tuple[int, ...], ...]:
-        """Of the ends, and of the trajectories if there are such."""
+        """Shapes of the final states and, if there are any, of the trajectories.
+
+        Parameters
+        ----------
+        of_q, of_v : int
+            Numbers of q and of v.
+
+        Returns
+        -------
+        tuple of tuple of int
+            Shapes for one state.
+        """
         ends: tuple[tuple[int, ...], ...] = ((of_q,), (of_v,))
         if self.stride == 0:
             return ends
@@ -174,13 +259,32 @@ class Course:
         return (*ends, (samples, of_q), (samples, of_v))
 
 
-def rollout(robot: Robot, given: Arrays, own: tuple[int, ...], course: Course, parameters: Any = None) -> Arrays:
-    """The ends' q and v, and the trajectories' if there are such."""
-    shapes = course.shapes(robot.nq, robot.nv)
+def rollout(robot: Robot, given: Arrays, own: tuple[int, ...], settings: RolloutSettings, parameters: Any = None) -> Arrays:
+    """Final q and v, and the trajectories if there are any.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot.
+    given : sequence of jax.Array
+        Initial states and torques, with the leading dimensions of the whole batch.
+    own : tuple of int
+        Number of axes of each array that belong to one state.
+    settings : RolloutSettings
+        Settings.
+    parameters : jax.Array, (n,) or (..., n), optional
+        Other parameters, in the order of `Robot.parameters()`.
+
+    Returns
+    -------
+    sequence of jax.Array
+        Results.
+    """
+    shapes = settings.shapes(robot.nq, robot.nv)
     operands, has_parameters = [*given], parameters is not None
     if has_parameters:
         operands, own = [*operands, parameters], (*own, 1)
-    call = Call("rollout", "robot_dynamics_rollout", robot, course.attributes(), own, shapes, has_parameters)
+    call = Call("rollout", "robot_dynamics_rollout", robot, settings.attributes(), own, shapes, has_parameters)
     return bind(call, operands)
 
 
@@ -189,7 +293,7 @@ def _ends(call: Call, width: int) -> tuple[tuple[int, ...], ...]:
 
 
 def _rollout_forward(call: Call, at: Arrays, changes: Arrays) -> Arrays:
-    state, parameters = parted(call, at)
+    state, parameters = split_parameters(call, at)
     own, changed = call.own[: len(state)], [*changes]
     if len(changes) > len(state):
         changed[-1] = jnp.broadcast_to(changes[-1], (*at[0].shape[:-1], changes[-1].shape[-1]))
@@ -204,7 +308,7 @@ def _rollout_forward(call: Call, at: Arrays, changes: Arrays) -> Arrays:
 
 
 def _pulled_back(call: Call, at: Arrays, cotangents: Arrays, by_parameters: bool) -> Arrays:
-    state, parameters = parted(call, at)
+    state, parameters = split_parameters(call, at)
     own = call.own[: len(state)]
     results = tuple(x.shape[x.ndim - axes : -1] + (call.robot.nv,) for x, axes in zip(state, own, strict=True))
     gradients = replace(
