@@ -1,8 +1,8 @@
 //! The chapter's closed-form models, and one simulation per widget.
 
+mod arm_drawing;
 mod brick;
 mod closed_form;
-mod drawn_arm;
 mod falling_arm;
 mod knife_edge;
 mod lab_arm;

@@ -1,31 +1,37 @@
 //! Robots from files.
 
-// Descriptions of a robot for the page.
+// Data for the page, and the robot's own.
 mod account;
+mod choice;
+mod control_line;
 mod coordinate;
-mod drawn;
+mod drawing;
 mod files;
+mod hand;
+mod step;
+mod text;
 mod torques;
 
 // The robot and its operations.
-mod beginning;
-mod choice;
 mod contacts;
 mod controls;
-mod hand;
+mod grip;
 mod loops;
 mod meshes;
 mod motion;
 mod robot;
+mod setup;
+mod start;
 
 mod parity;
 
 pub use account::{RobotBooks, RobotCounts};
 pub use controls::{RobotControl, RobotPose};
 pub use coordinate::RobotCoordinate;
-pub use drawn::{DrawnBody, DrawnJoint, DrawnShape};
+pub use drawing::{DrawnBody, DrawnJoint, DrawnShape};
 pub use files::RobotFiles;
-pub use hand::FeltMass;
+pub use grip::FeltMass;
 pub use parity::robot_parity_values;
-pub use robot::{Robot, one_line_text};
+pub use robot::Robot;
+pub use text::one_line_text;
 pub use torques::RobotTorques;

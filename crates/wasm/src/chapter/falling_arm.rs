@@ -4,8 +4,8 @@ use dynamics::{Dynamics, EnergyLedger, Integrator, PlanarArm, SystemEnergy, Syst
 use nalgebra::{Vector2, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
 
+use super::arm_drawing::{tip_mobility, weights};
 use super::closed_form::{elbow_and_tip, two_rods};
-use super::drawn_arm::{tip_mobility, weights};
 use super::lab_arm::LabArm;
 use crate::LabError;
 use crate::input::{integrator, not_negative, positive, vector};

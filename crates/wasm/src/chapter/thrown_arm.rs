@@ -7,7 +7,7 @@ use dynamics::{
 use nalgebra::{SMatrix, Vector2, Vector3, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use super::drawn_arm::{link_ends, mobility, tip_mobility, weights};
+use super::arm_drawing::{link_ends, mobility, tip_mobility, weights};
 use crate::LabError;
 use crate::input::{finite, number, positive};
 use crate::samples::Samples;

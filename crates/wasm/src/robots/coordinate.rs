@@ -3,7 +3,8 @@
 use robot_dynamics::description::{JointKind, Measure};
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use super::robot::{Robot, shown};
+use super::robot::Robot;
+use super::text::shown;
 
 /// One entry of v, with its limits.
 #[wasm_bindgen(getter_with_clone)]

@@ -4,7 +4,8 @@ use robot_dynamics::constraints::{ConstraintOptions, project_position, project_v
 use robot_dynamics::simulation::Effect;
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use super::robot::{Robot, shown};
+use super::robot::Robot;
+use super::text::shown;
 
 /// Tolerance of |φ| at the start \[m or rad\].
 const TOLERANCE: f64 = 1e-10;

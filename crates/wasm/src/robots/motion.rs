@@ -9,7 +9,7 @@ use robot_dynamics::simulation::{Controller, GravityCompensatedPd};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::{Hold, INTERVAL, KEPT, Robot};
-use super::torques::Step;
+use super::step::Step;
 use crate::LabError;
 use crate::input::{finite, not_negative};
 use crate::samples::Samples;

@@ -8,15 +8,16 @@ use robot_dynamics::constraints::ConstraintSet;
 use robot_dynamics::description::{Base, Finding, LoadReport};
 use robot_dynamics::model::{Model, Workspace, lock_massless};
 use robot_dynamics::simulation::{Effect, RunOptions, Simulation, SimulationBuilder};
-use robot_dynamics::text::{file_stem, one_line};
+use robot_dynamics::text::file_stem;
 use robot_dynamics::{LoadedDescription, Options, describe_among, describe_text};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::choice::Choice;
-use super::controls::ControlLine;
+use super::control_line::ControlLine;
 use super::files::RobotFiles;
 use super::hand::Hand;
-use super::torques::Step;
+use super::step::Step;
+use super::text::shown;
 use crate::LabError;
 use crate::samples::Samples;
 
@@ -203,17 +204,6 @@ impl Robot {
             simulation.run(steps, RunOptions::new().sample_every(0)).map_err(|failure| failure.error)?;
         Ok(run.q)
     }
-}
-
-/// A name from the file, on one line, for the page.
-pub(crate) fn shown(name: &str) -> String {
-    one_line(name).into_owned()
-}
-
-/// Any text on one line with invisible characters escaped, for names of files from the user.
-#[wasm_bindgen(js_name = oneLine)]
-pub fn one_line_text(text: &str) -> String {
-    shown(text)
 }
 
 fn options(floating_base: bool, repair_inertia: bool) -> Options {

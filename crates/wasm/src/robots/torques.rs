@@ -6,18 +6,6 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::Robot;
 
-/// A completed step.
-#[derive(Clone, Debug)]
-pub(crate) struct Step {
-    /// q and v before the step.
-    pub(crate) q: Vec<f64>,
-    pub(crate) v: Vec<f64>,
-    /// The torque of motors and hand, constant over the step.
-    pub(crate) tau: Vec<f64>,
-    /// Its length \[s\].
-    pub(crate) h: f64,
-}
-
 /// The terms of each coordinate's equation, nv numbers for each term \[N·m or N\], averaged over the last
 /// step, to second order. Before the first step they are those of the pose at rest.
 #[wasm_bindgen(getter_with_clone)]

@@ -5,7 +5,8 @@ use robot_dynamics::algorithms::frame_poses;
 use robot_dynamics::description::{JointKind, LinkShape, Shape, ShapeRole};
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use super::robot::{Robot, shown};
+use super::robot::Robot;
+use super::text::shown;
 
 /// A shape on a link.
 #[wasm_bindgen(getter_with_clone)]
