@@ -14,7 +14,7 @@ use crate::failure::{Failure, Outcome};
 use crate::output::{print, print_json};
 use crate::robot_file::{LoadedRobot, RobotFile};
 use crate::size::refuse_beyond_memory;
-use crate::table::{Table, short};
+use crate::table::{Table, short_or_exponent};
 
 /// Check a robot's file and its dynamics against independent derivations.
 ///
@@ -84,8 +84,8 @@ fn text(
     for check in checks {
         table.row([
             check.law.clone(),
-            shown(check.found),
-            format!("≤ {}", shown(check.allowed)),
+            short_or_exponent(check.found),
+            format!("≤ {}", short_or_exponent(check.allowed)),
             if check.verdict == Verdict::Ok { "ok".into() } else { "FAILED".into() },
             check.place.clone(),
         ]);
@@ -108,14 +108,4 @@ fn text(
         table.text(),
         suspect::text(suspicions)
     )
-}
-
-/// Formats a number for the table: fixed point between 0.01 and 10 000, an exponent otherwise.
-pub(super) fn shown(x: f64) -> String {
-    match x {
-        x if x.is_nan() => "NaN".into(),
-        x if x.is_infinite() => "∞".into(),
-        x if x == 0.0 || (0.01..10_000.0).contains(&x.abs()) => short(x),
-        x => format!("{x:.1e}"),
-    }
 }

@@ -6,6 +6,7 @@ mod entry;
 mod json;
 mod machine;
 mod report;
+mod results;
 mod single;
 mod states;
 
@@ -13,11 +14,11 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use robot_dynamics::model::Model;
 
 use self::batch::Batch;
 use self::entry::{Entry, Precision, Task, median};
 use self::machine::Machine;
+use self::results::Results;
 use self::single::Single;
 use self::states::{States, tip};
 use crate::failure::{Failure, Outcome};
@@ -52,20 +53,6 @@ pub(crate) struct Arguments {
     /// Largest number of threads; 0 for all hardware threads.
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-}
-
-/// The data of the report.
-struct Results<'a> {
-    model: &'a Model,
-    file: String,
-    machine: Machine,
-    tip: String,
-    states: u32,
-    seed: u64,
-    rounds: usize,
-    threads: Vec<usize>,
-    entries: Vec<Entry>,
-    interrupted: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {

@@ -9,11 +9,11 @@ use robot_dynamics::quantity::{Input, Inputs, Quantity, QuantityMemory, ResultSh
 use robot_dynamics::text::json;
 
 use crate::failure::{Context, Failure, Outcome};
-use crate::inspect::count;
 use crate::joint_values::UNIT_TOLERANCE;
 use crate::output::print_line;
 use crate::robot_file::RobotFile;
 use crate::singular_poses::advice;
+use crate::table::count;
 
 /// Compute M, C, g, torques and accelerations for states read as JSON lines.
 ///

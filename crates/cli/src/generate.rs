@@ -11,10 +11,10 @@ use robot_dynamics_generate::{
 
 use crate::destination::refuse_clashes;
 use crate::failure::{Failure, Outcome};
-use crate::inspect::count;
 use crate::interruption;
 use crate::output::{print, print_line};
 use crate::robot_file::{LoadedRobot, RobotFile};
+use crate::table::count;
 
 /// Generate code for one robot in Rust, C, WGSL or CUDA from the library's recursions.
 ///

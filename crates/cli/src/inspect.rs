@@ -17,7 +17,7 @@ use crate::inspection::Inspection;
 use crate::output::{print, print_json};
 use crate::robot_file::{LoadedRobot, RobotFile};
 use crate::singular_poses::SingularPoses;
-use crate::table::{Table, short};
+use crate::table::{Table, count, short};
 
 pub(crate) use self::machine_code::MachineCode;
 pub(crate) use self::simulation::DefaultSimulation;
@@ -60,11 +60,6 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         print_load_report(&report, arguments.all)?;
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// `1 link`, `2 links`.
-pub(crate) fn count(number: usize, noun: &str) -> String {
-    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
 }
 
 fn head(model: &Model) -> String {

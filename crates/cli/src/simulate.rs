@@ -1,5 +1,6 @@
 //! `dynamics simulate`: simulates a robot and checks its energy balance.
 
+mod arguments;
 mod csv;
 mod drive;
 mod files;
@@ -7,6 +8,7 @@ mod ground;
 mod hold;
 mod loops;
 mod method;
+mod option_values;
 mod plot;
 mod recorder;
 mod run;
@@ -24,115 +26,24 @@ use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{Controller, Effect, Method, StepInfo};
 use robot_dynamics::text::one_line;
 
+pub(crate) use self::arguments::Arguments;
 use self::csv::OptionalColumns;
 use self::files::Files;
-use self::ground::{Floor, GroundOption};
-use self::hold::{Gains, Hold};
+use self::ground::Floor;
+use self::hold::Hold;
+use self::option_values::TOLERANCE;
 use self::plot::Plot;
 use self::recorder::Recorder;
 use self::run::RunResult;
 use self::setup::Setup;
 use self::start::Start;
 use self::summary::Summary;
-use crate::arguments::positive;
 use crate::failure::{Failure, Outcome};
 use crate::interruption;
-use crate::joint_values::{JointValues, NameOrValues, Numbers, set};
+use crate::joint_values::{Numbers, set};
 use crate::output::{print, print_error};
-use crate::robot_file::{LoadedRobot, RobotFile};
+use crate::robot_file::LoadedRobot;
 use crate::table::short;
-
-/// Simulate a robot from a pose, passively or with a controller, and check the energy balance.
-///
-/// Integrates M a + C v + g = τ. Everything in the robot's file acts: damping, friction, position limits as
-/// stops, springs, actuators, equalities, and contact with the world and between links. --without switches
-/// effects off by name. With --conservative no effect adds or removes energy. E = K + V is then constant, and
-/// its drift is the integrator's error. With --ground the robot falls on ground.
-///
-/// Ctrl-C ends the run early and keeps the results so far (exit code 130; 143 after SIGTERM, 129 after
-/// SIGHUP). Files of a run that ended early, or that do not fit on the disk, are named
-/// NAME.partial.EXTENSION. An older NAME.EXTENSION then stays. No output replaces a file that the robot is
-/// read from.
-#[derive(clap::Args)]
-#[allow(clippy::struct_excessive_bools)] // one for each option without a value
-pub(crate) struct Arguments {
-    #[command(flatten)]
-    robot: RobotFile,
-    /// Initial configuration by joint name, as in joint1=0.5,joint4=-1.2 [rad, m], or the name of a pose in
-    /// the robot's file. A joint of several numbers takes them in a row: floating_base=x,y,z,qx,qy,qz,qw.
-    #[arg(long, value_name = "JOINT=NUMBER,…")]
-    pose: Vec<NameOrValues>,
-    /// Initial velocity by joint name [rad/s, m/s].
-    #[arg(long, value_name = "JOINT=NUMBER,…")]
-    velocity: Vec<JointValues>,
-    /// Simulated time in s.
-    #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = positive)]
-    #[arg(allow_negative_numbers = true)]
-    duration: f64,
-    /// Time step, control period and sampling period in s.
-    #[arg(long, default_value_t = 1e-3, value_name = "SECONDS", value_parser = positive)]
-    #[arg(allow_negative_numbers = true)]
-    step: f64,
-    /// Integrator. Fixed steps of --step: explicit-euler, semi-implicit-euler, rk4, variational-midpoint,
-    /// variational-yoshida4, implicit, mujoco. Only implicit and mujoco support limits and contact: implicit
-    /// with rigid contact, stiction and stops, mujoco with MuJoCo's soft constraints. Variable steps within
-    /// --tolerance: adaptive, of order 9, or implicit of order 5 for stiff damping. [default: rk4 if all
-    /// forces are smooth and not stiff, else implicit].
-    #[arg(long, value_name = "NAME")]
-    integrator: Option<Method>,
-    /// Simulate without damping, friction, limits, actuators and contact.
-    #[arg(long, conflicts_with_all = ["controls", "ground"])]
-    conservative: bool,
-    /// Switch off effects of the file: dissipation, limits, effort-limits, springs, actuators, equalities,
-    /// contacts, link-contacts.
-    #[arg(long, value_name = "EFFECT,…", value_delimiter = ',')]
-    without: Vec<Effect>,
-    /// Disable contact of the pairs of links in <disable_collisions> of this SRDF file.
-    #[arg(long, value_name = "FILE.srdf")]
-    srdf: Option<PathBuf>,
-    /// Allowed error of each step of --integrator adaptive, relative and absolute, 1e-13 to 1e-2 [default:
-    /// 1e-9].
-    #[arg(long, value_name = "ERROR", value_parser = method::tolerance, allow_negative_numbers = true)]
-    tolerance: Option<f64>,
-    /// End the run when a joint reaches a position limit.
-    #[arg(long)]
-    stop_at_limits: bool,
-    /// Constant controls of the file's actuators by name. Actuators that are not named keep the control of
-    /// the named pose, or 0.
-    #[arg(long, value_name = "ACTUATOR=NUMBER,…", num_args = 0..=1, default_missing_value = "", conflicts_with_all = ["hold", "goal"])]
-    controls: Option<String>,
-    /// Add ground with rigid frictional contact. z is its height in m, slope its angle along x in rad. With
-    /// `file` the command fails unless the MJCF file has a ground plane or a height field, which act in any
-    /// case.
-    #[arg(long, value_name = "z=NUMBER,slope=NUMBER|file", num_args = 0..=1)]
-    #[allow(clippy::option_option)] // given, and with a value
-    ground: Option<Option<GroundOption>>,
-    /// Friction coefficient of all contacts, instead of that of the shapes.
-    #[arg(long, value_name = "NUMBER", value_parser = ground::friction, allow_negative_numbers = true)]
-    friction: Option<f64>,
-    /// Place the lowest point of a floating robot on the ground at the start.
-    #[arg(long)]
-    standing: bool,
-    /// Hold the initial pose by motors: PD control with gravity compensation, within the effort limits.
-    #[arg(long)]
-    hold: bool,
-    /// Move to this pose and hold it, by joint name. Joints that are not named keep their position.
-    #[arg(long, value_name = "JOINT=NUMBER,…")]
-    goal: Vec<JointValues>,
-    #[command(flatten)]
-    gains: Gains,
-    /// Write time, q, v, τ and energies as comma-separated values with a header. With - they go to standard
-    /// output, and the summary to standard error.
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
-    /// Number of steps between rows of the CSV file.
-    #[arg(long, default_value_t = 1, value_name = "STEPS", value_parser = clap::value_parser!(u32).range(1..))]
-    every: u32,
-    /// Plot joint coordinates, energies, the energy error, energy losses and ground forces to FILE.svg or
-    /// FILE.png.
-    #[arg(long, value_name = "FILE", value_parser = plot::path)]
-    plot: Option<PathBuf>,
-}
 
 /// Largest number of steps, which only a mistyped step exceeds.
 const MAX_STEPS: f64 = 1e9;
@@ -271,7 +182,7 @@ fn caption(
     let partial = if is_whole { String::new() } else { format!(" · ends early at {time:.3} s") };
     let name = one_line(model.name());
     let steps = match setup.method() {
-        Method::Adaptive => format!("tolerance {:e}", arguments.tolerance.unwrap_or(method::TOLERANCE)),
+        Method::Adaptive => format!("tolerance {:e}", arguments.tolerance.unwrap_or(TOLERANCE)),
         _ => format!("h = {} s", arguments.step),
     };
     format!("{name}: {motors}, {damping} · {}, {steps}{partial}", setup.method())

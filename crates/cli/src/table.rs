@@ -1,4 +1,4 @@
-//! Plain-text tables with columns padded to their widest cell.
+//! Plain-text tables with columns padded to their widest cell, and numbers as text.
 
 use robot_dynamics::text::one_line;
 
@@ -75,4 +75,19 @@ pub(crate) fn short(x: f64) -> String {
     let exponent: i32 = rounded.rsplit_once('e').and_then(|(_, digits)| digits.parse().ok()).unwrap_or(0);
     let text = format!("{x:.*}", usize::try_from(3 - exponent).unwrap_or(0));
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
+/// Formats a number for the table: fixed point between 0.01 and 10 000, an exponent otherwise.
+pub(crate) fn short_or_exponent(x: f64) -> String {
+    match x {
+        x if x.is_nan() => "NaN".into(),
+        x if x.is_infinite() => "∞".into(),
+        x if x == 0.0 || (0.01..10_000.0).contains(&x.abs()) => short(x),
+        x => format!("{x:.1e}"),
+    }
+}
+
+/// `1 link`, `2 links`.
+pub(crate) fn count(number: usize, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
 }

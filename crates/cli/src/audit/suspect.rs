@@ -3,8 +3,7 @@
 use robot_dynamics::plausibility::Suspicion;
 use serde::Serialize;
 
-use super::shown;
-use crate::table::Table;
+use crate::table::{Table, short_or_exponent};
 
 /// Number of places that the text lists for one suspicion; JSON lists all.
 const MAX_PLACES: usize = 3;
@@ -34,14 +33,14 @@ pub(crate) fn text(suspicions: &[Suspicion]) -> String {
     let mut table = Table::new(&["quantity", ">found", ">expected", "verdict", "where", "possible cause"]);
     for suspicion in suspicions {
         let expected = match suspicion.expected {
-            (Some(low), Some(high)) => format!("{} … {}", shown(low), shown(high)),
-            (Some(low), None) => format!("≥ {}", shown(low)),
-            (None, Some(high)) => format!("≤ {}", shown(high)),
+            (Some(low), Some(high)) => format!("{} … {}", short_or_exponent(low), short_or_exponent(high)),
+            (Some(low), None) => format!("≥ {}", short_or_exponent(low)),
+            (None, Some(high)) => format!("≤ {}", short_or_exponent(high)),
             (None, None) => String::new(),
         };
         table.row([
             suspicion.quantity.to_string(),
-            shown(suspicion.found),
+            short_or_exponent(suspicion.found),
             expected,
             "suspect".into(),
             places(suspicion),

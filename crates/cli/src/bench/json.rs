@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
-use super::Results;
 use super::batch::Work;
 use super::entry::{Task, Time};
 use super::machine::Machine;
+use super::results::Results;
 
 /// The first line.
 #[derive(Serialize)]

@@ -6,9 +6,9 @@ use robot_dynamics::text::one_line;
 use super::batch::Work;
 use super::entry::{Entry, Precision, SCALING_WORK, Task, Time};
 use super::machine::IS_DEBUG;
-use super::{Results, batch, single};
-use crate::inspect::count;
-use crate::table::Table;
+use super::results::Results;
+use super::{batch, single};
+use crate::table::{Table, count};
 
 /// Three significant digits, with spaces between thousands: 25.3, 190, 12 300.
 fn three(x: f64) -> String {

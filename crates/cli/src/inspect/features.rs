@@ -7,8 +7,7 @@ use robot_dynamics::description::{Equality, RobotDescription, SensorObject, Shap
 use robot_dynamics::model::Model;
 use robot_dynamics::text::one_line;
 
-use super::count;
-use crate::table::{Table, short};
+use crate::table::{Table, count, short};
 
 /// One text for each kind of feature in the file.
 pub(super) fn parts(model: &Model) -> Vec<String> {

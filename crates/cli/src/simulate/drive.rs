@@ -3,7 +3,7 @@
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::Effect;
 
-use super::Arguments;
+use super::arguments::Arguments;
 use super::setup::Setup;
 use super::start::Start;
 use crate::failure::Failure;
@@ -57,6 +57,6 @@ pub(crate) fn choose(
     let shown = names.iter().zip(&controls).filter(|(_, control)| **control != 0.0);
     let shown: Vec<String> = shown.map(|(name, control)| format!("{name}={control}")).collect();
     let at = if shown.is_empty() { "all controls 0".into() } else { shown.join(", ") };
-    let described = format!("{}, {at}", crate::inspect::count(names.len(), "actuator"));
+    let described = format!("{}, {at}", crate::table::count(names.len(), "actuator"));
     Ok(Some(ActuatorControls { controls, described }))
 }

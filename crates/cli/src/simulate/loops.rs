@@ -8,7 +8,7 @@ use robot_dynamics::constraints::{
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::simulation::{Effect, Method};
 
-use super::Arguments;
+use super::arguments::Arguments;
 use super::setup::Setup;
 use super::start::Start;
 use crate::failure::{Context, Failure};

@@ -9,7 +9,7 @@ use robot_dynamics::simulation::{
     StepFailure, StepInfo,
 };
 
-use super::Arguments;
+use super::arguments::Arguments;
 use super::drive::ActuatorControls;
 use super::setup::Setup;
 use super::start::Start;

@@ -4,8 +4,8 @@ use robot_dynamics::contact::HeightField;
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{AdaptiveOptions, ControlTiming, Effect, Method, Simulation};
 
-use super::Arguments;
-use super::method::TOLERANCE;
+use super::arguments::Arguments;
+use super::option_values::TOLERANCE;
 use crate::failure::{Context, Failure};
 use crate::interruption;
 

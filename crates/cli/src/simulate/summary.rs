@@ -8,18 +8,18 @@ use robot_dynamics::model::{Model, difference};
 use robot_dynamics::simulation::{AdaptiveMethod, AdaptiveRecord, Effect, Method, Run};
 use robot_dynamics::text::one_line;
 
-use super::Arguments;
+use super::arguments::Arguments;
 use super::drive::ActuatorControls;
 use super::files::WrittenFiles;
 use super::ground::{Floor, touching_links};
 use super::hold::{Hold, driven};
-use super::method::TOLERANCE;
+use super::option_values::TOLERANCE;
 use super::recorder::Recorder;
 use super::run::RunResult;
 use super::setup::Setup;
 use super::start::Start;
 use crate::columns;
-use crate::inspect::count;
+use crate::table::count;
 use crate::table::{Table, short};
 
 /// The data of a summary.
