@@ -2,10 +2,10 @@
 
 use robot_dynamics_core::Model;
 
-use super::compiled_once::Quantity;
-use super::compute::Tables;
-use super::recursions::Forces;
-use super::{BadStates, BatchFloat, BatchWorkspace};
+use crate::computation::recursions::Forces;
+use crate::float::Quantity;
+use crate::tables::Tables;
+use crate::{BadStates, BatchFloat, BatchWorkspace};
 
 /// τ = M(q) a + C(q,v) v + g(q) of each state; see [`inverse_dynamics`](robot_dynamics_core::inverse_dynamics).
 ///

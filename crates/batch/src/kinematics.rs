@@ -1,87 +1,16 @@
 //! Poses and Jacobians of frames on batches.
 
-use robot_dynamics_core::algorithms::jacobian::{FrameJacobian, Seen};
+use robot_dynamics_core::algorithms::jacobian::Seen;
 use robot_dynamics_core::algorithms::kinematics;
-use robot_dynamics_core::algorithms::kinematics::pose_of;
-use robot_dynamics_core::kinematics::place::place_all_in_world;
-use robot_dynamics_core::model::native::NativeTask;
-use robot_dynamics_core::{FrameId, FramePose, Model, NativeFunction, Workspace};
-use robot_dynamics_number::StateLanes;
-use robot_dynamics_number::dispatch::Hardware;
+use robot_dynamics_core::{FrameId, Model};
 
-use super::block::Operation;
-use super::compiled_once::Quantity;
-use super::compute::Tables;
-use super::within::call;
-use super::{BadStates, BatchFloat, BatchWorkspace};
+use crate::computation::frames::{Jacobian, Poses};
+use crate::float::Quantity;
+use crate::tables::Tables;
+use crate::{BadStates, BatchFloat, BatchWorkspace};
 
 /// The number of entries in one pose.
 pub const NUMBERS_PER_POSE: usize = kinematics::NUMBERS_PER_POSE;
-
-#[derive(Clone, Copy)]
-pub struct Poses<'a> {
-    frames: &'a [FrameId],
-}
-
-impl<T> Operation<T> for Poses<'_> {
-    fn width(self, _: &Model) -> usize {
-        NUMBERS_PER_POSE * self.frames.len()
-    }
-
-    /// Machine code may exist for one frame and for all frames in order, not for other lists.
-    fn native_task(self, model: &Model) -> Option<NativeTask> {
-        if let [frame] = *self.frames {
-            return Some(NativeFunction::FramePose.of_frame(frame));
-        }
-        let is_whole = self.frames.iter().map(|frame| frame.index).eq(0..model.frames.len());
-        is_whole.then(|| NativeFunction::FramePoses.into())
-    }
-
-    #[inline(always)]
-    fn run<N: StateLanes<Float = T>, H: Hardware>(
-        self,
-        model: &Model,
-        workspace: &mut Workspace<N>,
-        [q, ..]: [&[N]; 3],
-        poses: &mut [N],
-    ) {
-        place_all_in_world(model, &mut workspace.tree, q);
-        for (frame, to) in self.frames.iter().zip(poses.chunks_exact_mut(NUMBERS_PER_POSE)) {
-            let FramePose { rotation, translation } =
-                pose_of(&workspace.tree.screws.world, model.frame_of(*frame));
-            to[..9].copy_from_slice(rotation.as_flattened());
-            to[9..].copy_from_slice(&translation);
-        }
-    }
-}
-
-#[derive(Clone, Copy)]
-pub struct Jacobian {
-    frame: FrameId,
-    seen: Seen,
-}
-
-impl<T> Operation<T> for Jacobian {
-    fn width(self, model: &Model) -> usize {
-        6 * model.nv
-    }
-
-    fn native_task(self, _: &Model) -> Option<NativeTask> {
-        Some(self.seen.native().of_frame(self.frame))
-    }
-
-    #[inline(always)]
-    fn run<N: StateLanes<Float = T>, H: Hardware>(
-        self,
-        model: &Model,
-        workspace: &mut Workspace<N>,
-        [q, ..]: [&[N]; 3],
-        jacobian: &mut [N],
-    ) {
-        let Self { frame, seen } = self;
-        call::<H, _, _>(&mut workspace.tree, FrameJacobian { model, q, frame, seen, jacobian });
-    }
-}
 
 /// `world_from_frame` of some frames in each state; see [`frame_pose`](robot_dynamics_core::frame_pose).
 ///

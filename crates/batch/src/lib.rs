@@ -24,27 +24,37 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// Tables, blocks and threads,
 mod bad_states;
 mod block;
-mod compiled_once;
-mod compute;
+mod kernel_call;
+mod tables;
+mod threads;
+mod workspace;
+
+// the division of a batch, and machine code,
+mod distribution;
+mod native;
+
+// the algorithms, compiled once for each float,
+mod computation;
+mod float;
+
+// and the public functions.
+mod construction;
 mod derivatives;
 mod equation;
 mod kinematics;
-mod native;
 mod pullback;
 mod quantity;
-mod recursions;
 mod related_mass;
 mod rollout;
-mod share;
 mod simulations;
-mod within;
-mod workspace;
 
 pub use bad_states::BadStates;
 pub use derivatives::{forward_dynamics_derivatives, inverse_dynamics_derivatives};
 pub use equation::{bias, forward_dynamics, gravity, inverse_dynamics, inverse_mass_matrix, mass_matrix};
+pub use float::BatchFloat;
 pub use kinematics::{
     NUMBERS_PER_POSE, frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
     frame_poses,
@@ -58,4 +68,5 @@ pub use rollout::{
     rollout_by_stepper, rollout_pullback,
 };
 pub use simulations::SimulationBatch;
-pub use workspace::{BatchFloat, BatchOptions, BatchWorkspace, ThreadError, Threads};
+pub use threads::{ThreadError, Threads};
+pub use workspace::{BatchOptions, BatchWorkspace};

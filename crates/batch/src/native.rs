@@ -14,13 +14,14 @@ mod compute {
     use robot_dynamics_core::Model;
     use robot_dynamics_core::model::native::NativeTask;
     use robot_dynamics_native::{Kernel, best_instructions};
+    use robot_dynamics_number::Float;
 
     use super::Number;
     use crate::bad_states::BadStateSet;
-    use crate::compute::Tables;
-    use crate::share::for_each_part;
+    use crate::distribution::for_each_part;
+    use crate::tables::Tables;
     use crate::workspace::BlockMemory;
-    use crate::{BadStates, BatchFloat, BatchWorkspace};
+    use crate::{BadStates, BatchWorkspace};
 
     /// The number of states per call of machine code; their rows stay in the cache until they are checked.
     const STATES: usize = 128;
@@ -32,7 +33,7 @@ mod compute {
     const SUMS: usize = 8;
 
     /// The machine code of a function for batches, unless the workspace is limited to older instructions.
-    pub(crate) fn kernel<'a, T: BatchFloat + Number>(
+    pub(crate) fn kernel<'a, T: Float + Number>(
         model: &'a Model,
         workspace: &BatchWorkspace<T>,
         task: impl Into<NativeTask>,
@@ -44,7 +45,7 @@ mod compute {
     /// Computes the function of each state, or returns the result tables if there is no machine code. If an
     /// angle is outside the range of the code's sine, `again` computes that state by the recursion and
     /// returns whether the result is valid.
-    pub(crate) fn natively<'a, T: BatchFloat + Number, const A: usize, const K: usize>(
+    pub(crate) fn natively<'a, T: Float + Number, const A: usize, const K: usize>(
         model: &Model,
         workspace: &BatchWorkspace<T>,
         task: impl Into<NativeTask>,
@@ -102,7 +103,7 @@ mod compute {
     }
 
     /// Whether all numbers are finite.
-    fn are_finite<T: BatchFloat>(numbers: &[T]) -> bool {
+    fn are_finite<T: Float>(numbers: &[T]) -> bool {
         let mut sums = [T::zero(); SUMS];
         let (eights, rest) = numbers.as_chunks::<SUMS>();
         for eight in eights {
@@ -121,16 +122,17 @@ mod compute {
 mod absent {
     use robot_dynamics_core::Model;
     use robot_dynamics_core::model::native::NativeTask;
+    use robot_dynamics_number::Float;
 
-    use crate::compute::Tables;
+    use crate::tables::Tables;
     use crate::workspace::BlockMemory;
-    use crate::{BadStates, BatchFloat, BatchWorkspace};
+    use crate::{BadStates, BatchWorkspace};
 
     pub(crate) trait Number {}
     impl Number for f64 {}
     impl Number for f32 {}
 
-    pub(crate) fn natively<'a, T: BatchFloat, const A: usize, const K: usize>(
+    pub(crate) fn natively<'a, T: Float, const A: usize, const K: usize>(
         _: &Model,
         _: &BatchWorkspace<T>,
         _: impl Into<NativeTask>,

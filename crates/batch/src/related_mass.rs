@@ -1,72 +1,10 @@
 //! The structurally nonzero entries of M.
 
-use robot_dynamics_core::algorithms::mass_matrix::{CompositeBodies, Entries, is_plain, related_end};
-use robot_dynamics_core::workspace::buffers::Dense;
-use robot_dynamics_core::{Model, NativeFunction, Workspace};
-use robot_dynamics_number::dispatch::Hardware;
-use robot_dynamics_number::{Scalar, StateLanes};
+use robot_dynamics_core::Model;
 
-use super::block::{Operation, add_poison};
-use super::compiled_once::Quantity;
-use super::compute::Tables;
-use super::within::call;
-use super::{BadStates, BatchFloat, BatchWorkspace};
-
-/// The entries of M that [`mass_matrix_related`].
-#[derive(Clone, Copy)]
-pub(super) struct RelatedMass;
-
-impl<T> Operation<T> for RelatedMass {
-    fn width(self, model: &Model) -> usize {
-        (0..model.nv).map(|i| related_end(model, i) - i).sum()
-    }
-
-    fn native(self) -> Option<NativeFunction> {
-        Some(NativeFunction::MassMatrixRelated)
-    }
-
-    /// |M_ij|² ≤ M_ii M_jj, so the diagonal entries suffice, the first of each row.
-    #[inline(always)]
-    fn watch<N: StateLanes<Float = T>>(self, model: &Model, packed: &[N], poison: &mut N) {
-        let mut k = 0;
-        for i in 0..model.nv {
-            add_poison(poison, &packed[k..=k], 1);
-            k += related_end(model, i) - i;
-        }
-    }
-
-    #[inline(always)]
-    fn run<N: StateLanes<Float = T>, H: Hardware>(
-        self,
-        model: &Model,
-        workspace: &mut Workspace<N>,
-        [q, ..]: [&[N]; 3],
-        packed: &mut [N],
-    ) {
-        if is_plain(model) {
-            call::<H, _, _>(
-                &mut workspace.tree,
-                CompositeBodies { model, q, mass: packed, entries: Entries::Packed },
-            );
-            return;
-        }
-        let Workspace { tree, dense: Dense { matrix, .. }, .. } = workspace;
-        let (mass, entries) = (&mut matrix[..], Entries::RelatedAbove);
-        call::<H, _, _>(tree, CompositeBodies { model, q, mass, entries });
-        pack(model, matrix, packed);
-    }
-}
-
-#[inline(always)]
-fn pack<N: Scalar>(model: &Model, matrix: &[N], packed: &mut [N]) {
-    let mut k = 0;
-    for i in 0..model.nv {
-        for j in i..related_end(model, i) {
-            packed[k] = matrix[i * model.nv + j];
-            k += 1;
-        }
-    }
-}
+use crate::float::Quantity;
+use crate::tables::Tables;
+use crate::{BadStates, BatchFloat, BatchWorkspace};
 
 /// The structurally nonzero entries of M(q) of each state on and above the diagonal. These are the M_ij of
 /// two degrees of freedom of which one is an ancestor of the other.

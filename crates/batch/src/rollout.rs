@@ -1,131 +1,29 @@
 //! Rollouts of batches.
 
-mod by_stepper;
+mod error;
+mod job;
 #[cfg(feature = "native")]
 mod native;
-pub(super) mod pullback;
+mod outcome;
+mod progress;
+pub(crate) mod pullback;
+pub(crate) mod states;
 mod step;
+mod stepper;
 mod torques;
 
-pub use by_stepper::{StepperRollout, rollout_by_stepper};
-pub use pullback::rollout_pullback;
+pub use error::RolloutError;
+pub(crate) use progress::Progress;
+pub use progress::RolloutProgress;
+pub use robot_dynamics_simulation::Rollout;
+pub use stepper::{StepperRollout, rollout_by_stepper};
 pub use torques::{PolicyInput, Torques};
 
-use std::ops::{ControlFlow, Range};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
-
 use robot_dynamics_core::Model;
-use robot_dynamics_integrators::{Integrator, Stage, StepScheme};
-use robot_dynamics_simulation::motion::integrate::explicit::explicit_names;
-use thiserror::Error;
 
-use self::step::Advance;
-use super::bad_states::BadStateSet;
-use super::compiled_once::{Motion, Progress};
-use super::compute::{check_table, check_workspace};
-use super::native::Number;
-use super::share::for_each_block;
-use super::workspace::BlockMemory;
-use super::{BadStates, BatchFloat, BatchWorkspace, block};
-
-pub use robot_dynamics_simulation::Rollout;
-
-/// The progress of a rollout.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct RolloutProgress {
-    /// Completed steps over all states.
-    pub done: u64,
-    /// The total number of steps over all states.
-    pub total: u64,
-}
-
-impl RolloutProgress {
-    /// The progress of a rollout that is computed outside this crate.
-    ///
-    /// ```
-    /// assert_eq!(robot_dynamics::batch::RolloutProgress::new(64, 1000).done, 64);
-    /// ```
-    pub const fn new(done: u64, total: u64) -> Self {
-        Self { done, total }
-    }
-}
-
-/// The error of a rollout that some states did not complete.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum RolloutError {
-    /// Some states became invalid; all others are valid.
-    #[error(transparent)]
-    BadStates(#[from] BadStates),
-    /// The progress callback cancelled the rollout.
-    #[error("the rollout was cancelled: {} of {batch} states are as they were", .unfinished.len())]
-    Cancelled {
-        /// The indices of the unchanged states, ascending; all others are at the end of the rollout.
-        unfinished: Vec<usize>,
-        /// The number of states in the batch.
-        batch: usize,
-    },
-    /// The step is not positive and finite.
-    #[error("the step must be positive and finite, got {step} s")]
-    BadStep {
-        /// The given step \[s\].
-        step: f64,
-    },
-    /// The row solves an equation in each step.
-    #[error(
-        "{integrator} solves an equation at each step; batches move by explicit rows: {}",
-        explicit_names()
-    )]
-    Implicit {
-        /// The requested row.
-        integrator: Integrator,
-    },
-    /// A policy gives the torques of a rollout whose pullback is requested.
-    #[error(
-        "a policy's torques depend on the state in a way that is not known here: keep the torques it gave, pull the \
-         rollout back with `Torques::EachStep`, and add what the policy's own slopes make of `by_force`"
-    )]
-    Policy,
-}
-
-/// One block's part of every table.
-struct Job<'a, T> {
-    first: usize,
-    states: usize,
-    q: &'a mut [T],
-    v: &'a mut [T],
-    q_trajectory: &'a mut [T],
-    v_trajectory: &'a mut [T],
-}
-
-/// The data that all threads of a rollout share.
-struct Shared<'a> {
-    progress: &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync),
-    done: AtomicU64,
-    total: u64,
-    cancelled: AtomicBool,
-}
-
-impl<'a> Shared<'a> {
-    /// For one step of one state, whose progress is not counted.
-    #[cfg(feature = "native")]
-    fn of_one_step(progress: &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync)) -> Self {
-        Self { progress, done: AtomicU64::new(0), total: 1, cancelled: AtomicBool::new(false) }
-    }
-
-    /// Counts completed steps; returns whether to continue.
-    fn go_on(&self, steps: u64) -> bool {
-        let done = self.done.fetch_add(steps, Ordering::Relaxed) + steps;
-        if !self.cancelled.load(Ordering::Relaxed)
-            && (self.progress)(RolloutProgress { done, total: self.total }).is_break()
-        {
-            self.cancelled.store(true, Ordering::Relaxed);
-        }
-        !self.cancelled.load(Ordering::Relaxed)
-    }
-}
+use self::pullback::PullbackInputs;
+use self::states::StateTables;
+use crate::{BatchFloat, BatchWorkspace};
 
 /// Advances each state (q, v) in place over `rollout.steps` steps.
 ///
@@ -169,112 +67,81 @@ pub fn rollout<T: BatchFloat>(
     q: &mut [T],
     v: &mut [T],
     trajectory: (&mut [T], &mut [T]),
-    progress: &(dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync),
+    progress: &(dyn Fn(RolloutProgress) -> std::ops::ControlFlow<()> + Sync),
 ) -> Result<(), RolloutError> {
-    T::rollout(model, workspace, rollout, torques, Motion { q, v, trajectory }, progress)
+    T::rollout(model, workspace, rollout, torques, StateTables { q, v, trajectory }, progress)
 }
 
-/// The implementation of [`rollout`], compiled in this crate.
+/// The gradient of a loss along each state's rollout; see
+/// [`rollout_pullback`](robot_dynamics_simulation::rollout_pullback). It maps cotangents of the rollout's
+/// states to those of the initial state, the forces and the parameters.
+///
+/// - (`q`, `v`) are the initial states, \[batch\]\[nq\] and \[batch\]\[nv\].
+/// - `by_position` and `by_velocity`, \[batch\]\[nv\], hold the gradients by the final states, and receive
+///   those by the initial states.
+/// - `trajectory` holds the gradients by the recorded states, \[batch\]\[samples\]\[nv\] each; empty without
+///   a stride.
+/// - `by_force` is overwritten. It has the shape of the torques: \[batch\]\[nv\] if they are held,
+///   \[batch\]\[steps\]\[nv\] if each step has its own, and empty without torques.
+/// - `parameters` is empty or \[batch\]\[[`parameter_count`](robot_dynamics_core::parameter_count)\], one row per state, and overwritten.
+///
+/// Cotangents of configurations have nv numbers, along the displacements of [`integrate`](robot_dynamics_core::integrate())
+/// at that configuration.
+///
+/// The states are recomputed from a checkpoint at every `spacing`-th step; 0 selects √steps, and `spacing` =
+/// steps stores all states. See
+/// [`RolloutPullbackWorkspace::new`](robot_dynamics_simulation::RolloutPullbackWorkspace::new), which gives
+/// the memory per state. A thread holds one block of lanes, or 32 states with machine code. The states are
+/// those of [`rollout`](crate::rollout), bit for bit if machine code takes the steps of both or of neither.
+/// With cotangents of parameters the recursions take the steps here, and the states may differ by rounding.
+///
+/// `progress` is called occasionally from any thread. If it breaks, the states that are not complete keep
+/// their `by_position` and `by_velocity`, and their other results are unspecified.
+///
+/// ```
+/// use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques, rollout_pullback};
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::Model;
+/// use robot_dynamics::simulation::Integrator;
+/// use std::ops::ControlFlow;
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let integrator = Integrator::SemiImplicitEuler;
+/// let how = Rollout::new(integrator, 0.01, 50).with_dissipation(false);
+/// // The final speed of three swings, by the torque held over each.
+/// let (q, v, tau) = ([0.0, 0.5, 1.0], [0.0; 3], [0.1; 3]);
+/// let (mut by_q, mut by_v, mut by_tau) = ([0.0; 3], [1.0; 3], [0.0; 3]);
+/// let (w, go_on) = (&mut BatchWorkspace::<f64>::new(&model), |_| ControlFlow::Continue(()));
+/// let (held, results) = (Torques::Held(&tau), (&mut by_q[..], &mut by_v[..]));
+/// rollout_pullback(
+///     &model, w, &how, 0, held, &q, &v, (&[], &[]), results, &mut by_tau, &mut [], &go_on,
+/// )?;
+/// assert!(by_tau.iter().all(|x| *x > 0.0 && *x < 50.0 * 0.01 / 0.5)); // h/(m l²) per step at most, reduced by gravity
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`RolloutError`]; all states that it does not list are valid. [`RolloutError::Policy`] if a policy gives
+/// the torques, because its derivatives by the state are unknown.
+///
+/// # Panics
+/// Panics if a table has the wrong length, or the workspace belongs to another model.
+#[allow(clippy::too_many_arguments)] // the arguments of a rollout, its cotangents and results
 #[track_caller]
-pub(super) fn move_states<T: BatchFloat + Number>(
+pub fn rollout_pullback<T: BatchFloat>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
     rollout: &Rollout,
+    spacing: usize,
     torques: Torques<'_, T>,
-    Motion { q, v, trajectory: (q_trajectory, v_trajectory) }: Motion<'_, T>,
-    progress: Progress<'_>,
+    q: &[T],
+    v: &[T],
+    trajectory: (&[T], &[T]),
+    (by_position, by_velocity): (&mut [T], &mut [T]),
+    by_force: &mut [T],
+    parameters: &mut [T],
+    progress: &(dyn Fn(RolloutProgress) -> std::ops::ControlFlow<()> + Sync),
 ) -> Result<(), RolloutError> {
-    check_workspace(model, workspace);
-    let (h, nq, nv) = (rollout.step, model.nq, model.nv);
-    if !(h > 0.0 && h.is_finite()) {
-        return Err(RolloutError::BadStep { step: h });
-    }
-    let integrator = rollout.integrator;
-    let StepScheme::Explicit(stages) = integrator.scheme() else {
-        return Err(RolloutError::Implicit { integrator });
-    };
-    assert!(q.len().is_multiple_of(nq.max(1)), "q has {} numbers, not a multiple of nq = {nq}", q.len());
-    let batch = q.len() / nq.max(1);
-    check_table("v", v.len(), batch, nv);
-    check_table("the trajectory of q", q_trajectory.len(), batch, rollout.samples() * nq);
-    check_table("the trajectory of v", v_trajectory.len(), batch, rollout.samples() * nv);
-    torques.check(batch, rollout.steps, nv);
-    if batch == 0 {
-        return Ok(());
-    }
-    if rollout.steps == 0 {
-        let is_bad = |i: &usize| {
-            let numbers = q[i * nq..(i + 1) * nq].iter().chain(&v[i * nv..(i + 1) * nv]);
-            !numbers.copied().all(T::is_finite)
-        };
-        return Ok(BadStates::unless_empty((0..batch).filter(is_bad).collect(), batch)?);
-    }
-    let shared = Shared {
-        progress,
-        done: AtomicU64::new(0),
-        total: batch as u64 * rollout.steps as u64,
-        cancelled: AtomicBool::new(false),
-    };
-    let outcome = Outcome::default();
-    let tables = [q, v, q_trajectory, v_trajectory];
-    #[cfg(feature = "native")]
-    let tables = {
-        let how = (&shared, &outcome);
-        match native::move_natively(model, workspace, (rollout, stages), torques, tables, how) {
-            Ok(()) => return outcome.into_result(batch),
-            Err(tables) => tables,
-        }
-    };
-    for_each_block(workspace, batch, 1, tables, &|block, first, states, tables| {
-        let [q, v, q_trajectory, v_trajectory] = tables;
-        let job = Job { first, states, q, v, q_trajectory, v_trajectory };
-        let (mut bits, mut finished) = (0, false);
-        if !shared.cancelled.load(Ordering::Relaxed) {
-            (bits, finished) = advance(block, model, (rollout, stages), torques, job, &shared);
-        }
-        outcome.add(bits, finished, first..first + states);
-    });
-    outcome.into_result(batch)
-}
-
-/// The outcome of each state.
-#[derive(Default)]
-struct Outcome {
-    bad: BadStateSet,
-    unfinished: Mutex<Vec<usize>>,
-}
-
-impl Outcome {
-    /// Records a block that is complete or cancelled, with a bit for each bad state.
-    fn add(&self, bits: u32, finished: bool, states: Range<usize>) {
-        if finished {
-            self.bad.add(bits, states.start);
-        } else {
-            self.unfinished.lock().unwrap_or_else(PoisonError::into_inner).extend(states);
-        }
-    }
-
-    fn into_result(self, batch: usize) -> Result<(), RolloutError> {
-        let mut unfinished = self.unfinished.into_inner().unwrap_or_else(PoisonError::into_inner);
-        if !unfinished.is_empty() {
-            unfinished.sort_unstable();
-            return Err(RolloutError::Cancelled { unfinished, batch });
-        }
-        Ok(self.bad.into_result(batch)?)
-    }
-}
-
-/// A bit for each bad state, and whether all reached the end.
-fn advance<T: BatchFloat>(
-    block: &mut BlockMemory,
-    model: &Model,
-    (rollout, stages): (&Rollout, &[Stage]),
-    torques: Torques<'_, T>,
-    job: Job<'_, T>,
-    shared: &Shared<'_>,
-) -> (u32, bool) {
-    let (mut bad, mut finished) = (0, false);
-    let outputs = (&mut bad, &mut finished);
-    block::run(block, Advance { model, rollout, stages, torques, job, shared, outputs });
-    (bad, finished)
+    let given = PullbackInputs { spacing, torques, q, v, trajectory };
+    let results = [by_position, by_velocity, by_force, parameters];
+    T::rollout_pullback(model, workspace, rollout, &given, results, progress)
 }

@@ -4,8 +4,9 @@
 mod absent;
 #[cfg(feature = "native")]
 mod kernels;
+mod steps;
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -15,8 +16,9 @@ use robot_dynamics_simulation::simulator::{Simulation, StepFailure};
 use self::absent::{SIDE_BY_SIDE, StepKernels, advance_side_by_side, kernels_for};
 #[cfg(feature = "native")]
 use self::kernels::{SIDE_BY_SIDE, StepKernels, advance_side_by_side, kernels_for};
-use super::Threads;
-use super::compute::check_table;
+use self::steps::advance;
+use crate::Threads;
+use crate::tables::check_table;
 
 /// Simulations of one robot, each with its own state, inputs and contacts, stepped together on threads.
 ///
@@ -260,9 +262,3 @@ impl SimulationBatch {
 
 /// Sets the state (q, v) of a simulation.
 type Place = fn(&mut Simulation, &[f64], &[f64]) -> Result<(), StepFailure>;
-
-/// Takes `steps` steps, unless `cancelled` is set during the call.
-fn advance(simulation: &mut Simulation, steps: usize, cancelled: &AtomicBool) -> Result<(), StepFailure> {
-    let go_on = |_: &usize| !cancelled.load(Ordering::Relaxed);
-    (0..steps).take_while(go_on).try_for_each(|_| simulation.step())
-}

@@ -1,25 +1,28 @@
 //! Rollouts by machine code, with one call of a kernel per step.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::Ordering;
 
 use robot_dynamics_core::model::native::Number;
 use robot_dynamics_core::{Model, NativeFunction};
 use robot_dynamics_integrators::Stage;
 use robot_dynamics_native::Kernel;
+use robot_dynamics_number::Float;
 use robot_dynamics_simulation::Rollout;
 
+use super::job::Job;
+use super::outcome::Outcome;
+use super::progress::{RolloutProgress, Shared};
 use super::step::{Advance, STEPS_PER_LOOK};
-use super::{Job, Outcome, PolicyInput, RolloutProgress, Shared, Torques};
-use crate::share::for_each_part;
+use super::torques::{PolicyInput, Torques};
+use crate::distribution::for_each_part;
 use crate::workspace::{BlockMemory, ThreadMemory};
-use crate::{BatchFloat, BatchWorkspace, block, native};
+use crate::{BatchWorkspace, block, native};
 
 /// The number of states that a thread advances at once, with one bit each for bad states.
 const STATES: usize = u32::BITS as usize;
 
 /// Advances all states, or returns the tables if there is no machine code of the step.
-pub(super) fn move_natively<'a, T: BatchFloat + Number>(
+pub(super) fn move_natively<'a, T: Float + Number>(
     model: &Model,
     workspace: &BatchWorkspace<T>,
     (rollout, stages): (&Rollout, &[Stage]),
@@ -35,7 +38,7 @@ pub(super) fn move_natively<'a, T: BatchFloat + Number>(
         let [q, v, q_trajectory, v_trajectory] = tables;
         let mut job = Job { first, states, q, v, q_trajectory, v_trajectory };
         let (mut bits, mut finished) = (0, false);
-        if !shared.cancelled.load(Ordering::Relaxed) {
+        if !shared.is_cancelled() {
             let moving = KernelSteps { kernel, model, rollout, stages, torques };
             (bits, finished) = moving.advance(memory, &mut job, shared);
         }
@@ -53,7 +56,7 @@ struct KernelSteps<'a, T> {
     torques: Torques<'a, T>,
 }
 
-impl<T: BatchFloat + Number> KernelSteps<'_, T> {
+impl<T: Float + Number> KernelSteps<'_, T> {
     /// A bit for each bad state, and whether all reached the end.
     fn advance(
         &self,
@@ -124,7 +127,7 @@ impl<T: BatchFloat + Number> KernelSteps<'_, T> {
         let mut bad = 0;
         for state in 0..states {
             let (q, v) = (&mut q[state * nq..][..nq], &mut v[state * nv..][..nv]);
-            if !q.iter().chain(&*v).copied().all(robot_dynamics_number::Float::is_finite) {
+            if !q.iter().chain(&*v).copied().all(Float::is_finite) {
                 bad |= 1 << state;
                 q.fill(T::from_f64(f64::NAN));
                 v.fill(T::from_f64(f64::NAN));
@@ -138,7 +141,7 @@ impl<T: BatchFloat + Number> KernelSteps<'_, T> {
 }
 
 /// One step of one state with an angle outside the range of the code's sine.
-pub(super) fn step_by_recursion<T: BatchFloat>(
+pub(super) fn step_by_recursion<T: Float>(
     (model, rollout, stages): (&Model, &Rollout, &[Stage]),
     block: &mut BlockMemory,
     tau: &[T],

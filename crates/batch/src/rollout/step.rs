@@ -12,10 +12,11 @@ use robot_dynamics_number::{Float, Scalar, StateLanes};
 use robot_dynamics_simulation::Rollout;
 use robot_dynamics_simulation::motion::integrate::explicit::{Motion, StageMemory, explicit_step};
 
-use super::torques::PolicyRows;
-use super::{Job, PolicyInput, Shared, Torques};
+use super::job::Job;
+use super::progress::Shared;
+use super::torques::{PolicyInput, PolicyRows, Torques};
 use crate::block::{Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all};
-use crate::recursions::accelerate;
+use crate::computation::recursions::accelerate;
 
 /// The number of steps between calls of the progress callback.
 pub(super) const STEPS_PER_LOOK: usize = 64;

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::compute::check_table;
+use crate::tables::check_table;
 
 /// Generalized forces of the motors.
 #[derive(Clone, Copy)]

@@ -10,7 +10,7 @@ use robot_dynamics_native::Kernel;
 use robot_dynamics_simulation::simulator::side_by_side::StepStart;
 use robot_dynamics_simulation::simulator::{Simulation, StepFailure};
 
-use super::advance;
+use super::steps::advance;
 use crate::Threads;
 
 /// The number of simulations in one call.

@@ -1,27 +1,31 @@
 //! The pullback of rollouts by machine code, with one kernel per forward step and one per backward step.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::Ordering;
 
 use robot_dynamics_core::model::native::Number;
 use robot_dynamics_core::{Model, NativeFunction};
 use robot_dynamics_integrators::Stage;
 use robot_dynamics_native::Kernel;
+use robot_dynamics_number::Float;
 use robot_dynamics_simulation::Rollout;
 
-use super::{Backward, PullbackInputs, spoil};
+use super::backward::Backward;
+use super::bad_rows::spoil;
+use super::inputs::PullbackInputs;
+use crate::distribution::for_each_part;
 use crate::rollout::native::step_by_recursion;
-use crate::rollout::{Outcome, RolloutProgress, Shared, Torques};
-use crate::share::for_each_part;
+use crate::rollout::outcome::Outcome;
+use crate::rollout::progress::{RolloutProgress, Shared};
+use crate::rollout::torques::Torques;
 use crate::workspace::{BlockMemory, ThreadMemory};
-use crate::{BatchFloat, BatchWorkspace, block, native};
+use crate::{BatchWorkspace, block, native};
 
 /// The number of states that a thread processes at once, with one bit each for bad states.
 const STATES: usize = u32::BITS as usize;
 
 /// Pulls all states back. Returns the result tables if cotangents of parameters are requested, or if there is
 /// no machine code.
-pub(super) fn pull_back_natively<'a, T: BatchFloat + Number>(
+pub(super) fn pull_back_natively<'a, T: Float + Number>(
     model: &Model,
     workspace: &BatchWorkspace<T>,
     (rollout, stages, spacing): (&Rollout, &[Stage], usize),
@@ -42,7 +46,7 @@ pub(super) fn pull_back_natively<'a, T: BatchFloat + Number>(
     let batch = results[0].len() / model.nv;
     for_each_part(workspace, batch, (STATES, 1), results, &|memory, first, states, results| {
         let (mut bits, mut finished) = (0, false);
-        if !shared.cancelled.load(Ordering::Relaxed) {
+        if !shared.is_cancelled() {
             let way = KernelWay { step, pullback, model, rollout, stages, spacing, given, first, states };
             (bits, finished) = way.run(memory, results, shared);
         }
@@ -85,7 +89,7 @@ struct Memory<'a, T> {
     scratch: &'a mut [T],
 }
 
-impl<'a, T: BatchFloat + Number> Memory<'a, T> {
+impl<'a, T: Float + Number> Memory<'a, T> {
     fn new(way: &KernelWay<'_, T>, numbers: &'a mut Vec<T>) -> Self {
         let KernelWay { step, pullback, model, rollout, spacing, states, .. } = *way;
         let (of_state, nv) = (states * (model.nq + model.nv), states * model.nv);
@@ -111,7 +115,7 @@ impl<'a, T: BatchFloat + Number> Memory<'a, T> {
     }
 }
 
-impl<T: BatchFloat + Number> KernelWay<'_, T> {
+impl<T: Float + Number> KernelWay<'_, T> {
     /// A bit for each bad state, and whether all reached the start.
     fn run(&self, memory: &mut ThreadMemory<T>, results: [&mut [T]; 4], shared: &Shared<'_>) -> (u32, bool) {
         let Self { model, rollout, spacing, given, first, states, .. } = *self;
@@ -294,7 +298,7 @@ impl<T: BatchFloat + Number> KernelWay<'_, T> {
 }
 
 /// A bit for each state with a number in one of the tables that is not finite.
-fn bad_rows<T: BatchFloat>(tables: &[&[T]], states: usize) -> u32 {
+fn bad_rows<T: Float>(tables: &[&[T]], states: usize) -> u32 {
     let is_bad = |&state: &usize| {
         tables.iter().any(|table| {
             let width = table.len() / states;

@@ -11,8 +11,8 @@ use robot_dynamics_core::{Model, NativeFunction, Workspace};
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, StateLanes, View};
 
-use super::block::Operation;
-use super::within::call;
+use crate::block::Operation;
+use crate::kernel_call::call;
 
 /// The forces that the Newton–Euler recursion computes.
 #[derive(Clone, Copy)]
@@ -58,7 +58,7 @@ impl<T> Operation<T> for Forces {
 
 /// a = M⁻¹(τ − C v − g).
 #[derive(Clone, Copy)]
-pub(super) struct Acceleration;
+pub(crate) struct Acceleration;
 
 impl<T> Operation<T> for Acceleration {
     fn width(self, model: &Model) -> usize {
@@ -83,7 +83,7 @@ impl<T> Operation<T> for Acceleration {
 
 /// Forward dynamics of a block.
 #[inline(always)]
-pub(super) fn accelerate<N: StateLanes, H: Hardware>(
+pub(crate) fn accelerate<N: StateLanes, H: Hardware>(
     model: &Model,
     workspace: &mut Workspace<N>,
     q: &[N],
@@ -128,7 +128,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for FactoredMass<'_, S> {
 
 /// M⁻¹.
 #[derive(Clone, Copy)]
-pub(super) struct InverseMass;
+pub(crate) struct InverseMass;
 
 impl<T> Operation<T> for InverseMass {
     fn width(self, model: &Model) -> usize {
@@ -166,7 +166,7 @@ impl<T> Operation<T> for InverseMass {
 
 /// M.
 #[derive(Clone, Copy)]
-pub(super) struct Mass;
+pub(crate) struct Mass;
 
 impl<T> Operation<T> for Mass {
     fn width(self, model: &Model) -> usize {

@@ -1,20 +1,23 @@
-//! The batch algorithms for `f64` and `f32`, compiled once in this crate.
+//! The numbers of batches, `f64` and `f32`, and the batch algorithms compiled once for each in this crate.
 //!
 //! A generic function is compiled in every program that calls it, and each of these takes seconds for each
 //! instruction set. The methods below are not generic, so programs call the compiled code of this library.
 
-use core::ops::ControlFlow;
-
 use robot_dynamics_core::Model;
+use robot_dynamics_number::Float;
 use robot_dynamics_simulation::Rollout;
 
-use super::compute::{self, Tables};
-use super::kinematics::{Jacobian, Poses};
-use super::recursions::{Acceleration, Forces, InverseMass, Mass};
-use super::related_mass::RelatedMass;
-use super::rollout::{RolloutError, RolloutProgress, Torques};
-use super::workspace::{BatchOptions, Pool};
-use super::{BadStates, BatchWorkspace, derivatives, pullback, rollout};
+use crate::computation::frames::{Jacobian, Poses};
+use crate::computation::operation::compute;
+use crate::computation::recursions::{Acceleration, Forces, InverseMass, Mass};
+use crate::computation::related_mass::RelatedMass;
+use crate::computation::{derivatives, pullback};
+use crate::rollout::pullback::{PullbackInputs, compute as pull_rollout_back};
+use crate::rollout::states::{StateTables, move_states};
+use crate::rollout::{Progress, RolloutError, Torques};
+use crate::tables::Tables;
+use crate::threads::Pool;
+use crate::{BadStates, BatchOptions, BatchWorkspace};
 
 /// A quantity with one table of results.
 #[derive(Clone, Copy)]
@@ -28,22 +31,12 @@ pub enum Quantity<'a> {
     Jacobian(Jacobian),
 }
 
-/// The states of a rollout, start and end in place, and their trajectories.
-pub struct Motion<'a, T> {
-    pub q: &'a mut [T],
-    pub v: &'a mut [T],
-    pub trajectory: (&'a mut [T], &'a mut [T]),
-}
+/// A number type of batches: `f64` or `f32`.
+pub trait BatchFloat: Float {
+    #[doc(hidden)]
+    fn workspace(model: &Model, pool: Pool, options: BatchOptions) -> BatchWorkspace<Self>;
 
-/// A callback for progress, called occasionally from any thread.
-pub(super) type Progress<'a> = &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync);
-
-/// The compiled algorithms of a number type. `f64` and `f32` implement it; no other type can.
-pub trait CompiledOnce: Sized {
-    fn workspace(model: &Model, pool: Pool, options: BatchOptions) -> BatchWorkspace<Self>
-    where
-        Self: super::BatchFloat;
-
+    #[doc(hidden)]
     fn compute(
         model: &Model,
         workspace: &mut BatchWorkspace<Self>,
@@ -51,56 +44,50 @@ pub trait CompiledOnce: Sized {
         tables: &Tables<'_, Self>,
         result: &str,
         output: &mut [Self],
-    ) -> Result<(), BadStates>
-    where
-        Self: super::BatchFloat;
+    ) -> Result<(), BadStates>;
 
+    #[doc(hidden)]
     fn derivatives(
         model: &Model,
         workspace: &mut BatchWorkspace<Self>,
         is_forward: bool,
         tables: &Tables<'_, Self>,
         results: [&mut [Self]; 3],
-    ) -> Result<(), BadStates>
-    where
-        Self: super::BatchFloat;
+    ) -> Result<(), BadStates>;
 
+    #[doc(hidden)]
     fn rollout(
         model: &Model,
         workspace: &mut BatchWorkspace<Self>,
         rollout: &Rollout,
         torques: Torques<'_, Self>,
-        motion: Motion<'_, Self>,
+        motion: StateTables<'_, Self>,
         progress: Progress<'_>,
-    ) -> Result<(), RolloutError>
-    where
-        Self: super::BatchFloat;
+    ) -> Result<(), RolloutError>;
 
+    #[doc(hidden)]
     fn pullback(
         model: &Model,
         workspace: &mut BatchWorkspace<Self>,
         is_forward: bool,
         tables: &Tables<'_, Self, 4>,
         results: [&mut [Self]; 5],
-    ) -> Result<(), BadStates>
-    where
-        Self: super::BatchFloat;
+    ) -> Result<(), BadStates>;
 
+    #[doc(hidden)]
     fn rollout_pullback(
         model: &Model,
         workspace: &mut BatchWorkspace<Self>,
         rollout: &Rollout,
-        given: &rollout::pullback::PullbackInputs<'_, Self>,
+        given: &PullbackInputs<'_, Self>,
         results: [&mut [Self]; 4],
         progress: Progress<'_>,
-    ) -> Result<(), RolloutError>
-    where
-        Self: super::BatchFloat;
+    ) -> Result<(), RolloutError>;
 }
 
-macro_rules! compiled_once {
+macro_rules! batch_float {
     ($float:ty) => {
-        impl CompiledOnce for $float {
+        impl BatchFloat for $float {
             fn workspace(model: &Model, pool: Pool, options: BatchOptions) -> BatchWorkspace<Self> {
                 BatchWorkspace::on(model, pool, options)
             }
@@ -115,24 +102,14 @@ macro_rules! compiled_once {
                 output: &mut [Self],
             ) -> Result<(), BadStates> {
                 match quantity {
-                    Quantity::Forces(forces) => {
-                        compute::compute(model, workspace, forces, tables, result, output)
-                    }
-                    Quantity::Acceleration => {
-                        compute::compute(model, workspace, Acceleration, tables, result, output)
-                    }
-                    Quantity::Mass => compute::compute(model, workspace, Mass, tables, result, output),
-                    Quantity::RelatedMass => {
-                        compute::compute(model, workspace, RelatedMass, tables, result, output)
-                    }
-                    Quantity::InverseMass => {
-                        compute::compute(model, workspace, InverseMass, tables, result, output)
-                    }
-                    Quantity::Poses(poses) => {
-                        compute::compute(model, workspace, poses, tables, result, output)
-                    }
+                    Quantity::Forces(forces) => compute(model, workspace, forces, tables, result, output),
+                    Quantity::Acceleration => compute(model, workspace, Acceleration, tables, result, output),
+                    Quantity::Mass => compute(model, workspace, Mass, tables, result, output),
+                    Quantity::RelatedMass => compute(model, workspace, RelatedMass, tables, result, output),
+                    Quantity::InverseMass => compute(model, workspace, InverseMass, tables, result, output),
+                    Quantity::Poses(poses) => compute(model, workspace, poses, tables, result, output),
                     Quantity::Jacobian(jacobian) => {
-                        compute::compute(model, workspace, jacobian, tables, result, output)
+                        compute(model, workspace, jacobian, tables, result, output)
                     }
                 }
             }
@@ -158,10 +135,10 @@ macro_rules! compiled_once {
                 workspace: &mut BatchWorkspace<Self>,
                 rollout: &Rollout,
                 torques: Torques<'_, Self>,
-                motion: Motion<'_, Self>,
+                motion: StateTables<'_, Self>,
                 progress: Progress<'_>,
             ) -> Result<(), RolloutError> {
-                rollout::move_states(model, workspace, rollout, torques, motion, progress)
+                move_states(model, workspace, rollout, torques, motion, progress)
             }
 
             #[track_caller]
@@ -184,14 +161,14 @@ macro_rules! compiled_once {
                 model: &Model,
                 workspace: &mut BatchWorkspace<Self>,
                 rollout: &Rollout,
-                given: &rollout::pullback::PullbackInputs<'_, Self>,
+                given: &PullbackInputs<'_, Self>,
                 results: [&mut [Self]; 4],
                 progress: Progress<'_>,
             ) -> Result<(), RolloutError> {
-                rollout::pullback::compute(model, workspace, rollout, given, results, progress)
+                pull_rollout_back(model, workspace, rollout, given, results, progress)
             }
         }
     };
 }
-compiled_once!(f64);
-compiled_once!(f32);
+batch_float!(f64);
+batch_float!(f32);

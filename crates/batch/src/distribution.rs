@@ -2,12 +2,14 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::workspace::{BlockMemory, ThreadMemory};
-use super::{BatchFloat, BatchWorkspace};
+use robot_dynamics_number::Float;
+
+use crate::BatchWorkspace;
+use crate::workspace::{BlockMemory, ThreadMemory};
 
 /// Calls `run` for each block with its memory, its first state, the number of states, and their rows of the
 /// results. A thread takes at most `blocks` blocks at once, and then the next ones.
-pub(super) fn for_each_block<T: BatchFloat, const K: usize>(
+pub(super) fn for_each_block<T: Float, const K: usize>(
     workspace: &BatchWorkspace<T>,
     batch: usize,
     blocks: usize,
@@ -21,7 +23,7 @@ pub(super) fn for_each_block<T: BatchFloat, const K: usize>(
 }
 
 /// As [`for_each_block`], for parts of `lanes` states; a thread takes at most `blocks` parts at once.
-pub(super) fn for_each_part<T: BatchFloat, const K: usize>(
+pub(super) fn for_each_part<T: Float, const K: usize>(
     workspace: &BatchWorkspace<T>,
     batch: usize,
     (lanes, blocks): (usize, usize),
@@ -47,7 +49,7 @@ pub(super) fn for_each_part<T: BatchFloat, const K: usize>(
 
 /// Calls `run` for each state with its rows of the results and the value that `memory` creates for the
 /// thread. A thread takes one state at a time, which suits long computations.
-pub(super) fn for_each_state<T: BatchFloat, M, const K: usize>(
+pub(super) fn for_each_state<T: Float, M, const K: usize>(
     workspace: &BatchWorkspace<T>,
     batch: usize,
     results: [&mut [T]; K],

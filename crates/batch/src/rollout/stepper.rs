@@ -1,15 +1,15 @@
 //! Rollouts of batches by any stepper, state by state: stiff joints, stops, friction and contact.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-
 use robot_dynamics_core::Model;
 use robot_dynamics_simulation::{StepForces, StepWorkspace, Stepper};
 
-use super::{Outcome, RolloutError, Shared, Torques};
+use super::error::RolloutError;
+use super::outcome::Outcome;
+use super::progress::{Progress, Shared};
+use super::torques::Torques;
 use crate::BatchWorkspace;
-use crate::compiled_once::Progress;
-use crate::compute::{check_table, check_workspace};
-use crate::share::for_each_state;
+use crate::distribution::for_each_state;
+use crate::tables::check_table;
 
 /// The number of steps of one state between checks of the progress.
 const STEPS_PER_LOOK: usize = 64;
@@ -105,7 +105,7 @@ pub fn rollout_by_stepper<S: Stepper + Clone + Sync>(
     (q_trajectory, v_trajectory): (&mut [f64], &mut [f64]),
     progress: Progress<'_>,
 ) -> Result<(), RolloutError> {
-    check_workspace(model, workspace);
+    workspace.check(model);
     let (h, nq, nv) = (rollout.step, model.nq(), model.nv());
     if !(h > 0.0 && h.is_finite()) {
         return Err(RolloutError::BadStep { step: h });
@@ -116,12 +116,7 @@ pub fn rollout_by_stepper<S: Stepper + Clone + Sync>(
     check_table("the trajectory of q", q_trajectory.len(), batch, rollout.samples() * nq);
     check_table("the trajectory of v", v_trajectory.len(), batch, rollout.samples() * nv);
     torques.check(batch, rollout.steps, nv);
-    let shared = Shared {
-        progress,
-        done: AtomicU64::new(0),
-        total: batch as u64 * rollout.steps as u64,
-        cancelled: AtomicBool::new(false),
-    };
+    let shared = Shared::new(progress, batch as u64 * rollout.steps as u64);
     let outcome = Outcome::default();
     for_each_state(
         workspace,
@@ -133,7 +128,7 @@ pub fn rollout_by_stepper<S: Stepper + Clone + Sync>(
             start: vec![0.0; nq + nv],
         },
         &|mover: &mut StepperMemory, state, tables| {
-            let finished = !shared.cancelled.load(Ordering::Relaxed);
+            let finished = !shared.is_cancelled();
             let moved = if finished {
                 mover.advance_state(model, rollout, torques, (state, tables), &shared)
             } else {
