@@ -54,9 +54,9 @@ from robot_dynamics.errors import (
     SingularMassError,
     StateError,
 )
-from robot_dynamics.files import LeftOut, RobotText
+from robot_dynamics.files import RobotText, UnsupportedFeature
 from robot_dynamics.ground import Ground, HeightField
-from robot_dynamics.identification import Identified
+from robot_dynamics.identification import IdentificationResult
 from robot_dynamics.loading import example, load, loads, random_robot
 from robot_dynamics.motion import EnergyLedger, Event, LinearizedStep, Motion, Rollout, StepStatistics
 from robot_dynamics.planning import TimedPath
@@ -109,7 +109,7 @@ __all__ = [
     "Ground",
     "HeightField",
     "IdentificationError",
-    "Identified",
+    "IdentificationResult",
     "InverseDynamicsDerivatives",
     "InverseDynamicsPullback",
     "InverseDynamicsPullbackWithParameters",
@@ -117,7 +117,6 @@ __all__ = [
     "InverseKinematicsSolution",
     "Joint",
     "JointMap",
-    "LeftOut",
     "LinearizedStep",
     "LoadError",
     "LoadReport",
@@ -147,6 +146,7 @@ __all__ = [
     "Support",
     "TaskControl",
     "TimedPath",
+    "UnsupportedFeature",
     "dlqr",
     "example",
     "load",

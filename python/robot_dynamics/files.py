@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from robot_dynamics.robot import Robot
 
 
-class LeftOut(NamedTuple):
+class UnsupportedFeature(NamedTuple):
     """Feature of a robot that a file format cannot express, or expresses in another way."""
 
     place: str
@@ -29,7 +29,7 @@ class RobotText(NamedTuple):
 
     text: str
     """Content of the file."""
-    left_out: tuple[LeftOut, ...]
+    left_out: tuple[UnsupportedFeature, ...]
     """Features that the text lacks."""
 
 
@@ -72,10 +72,10 @@ def to_text(
     True
     """
     text, left_out = robot._to_text(format, folder)
-    return RobotText(text, tuple(LeftOut(*found) for found in left_out))
+    return RobotText(text, tuple(UnsupportedFeature(*found) for found in left_out))
 
 
-def write(robot: Robot, path: str | PathLike[str]) -> tuple[LeftOut, ...]:
+def write(robot: Robot, path: str | PathLike[str]) -> tuple[UnsupportedFeature, ...]:
     """Write the robot's file, as a whole or not at all.
 
     Parameters
@@ -85,7 +85,7 @@ def write(robot: Robot, path: str | PathLike[str]) -> tuple[LeftOut, ...]:
 
     Returns
     -------
-    tuple of LeftOut
+    tuple of UnsupportedFeature
         Features that the file lacks.
 
     Raises

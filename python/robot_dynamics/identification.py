@@ -21,7 +21,7 @@ Array: TypeAlias = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Identified:
+class IdentificationResult:
     """Result of an identification."""
 
     values: Array
@@ -87,7 +87,7 @@ def identify(
     base: BaseParameters | None = None,
     *,
     dissipation: bool = True,
-) -> Identified:
+) -> IdentificationResult:
     """Identify β from recorded motion by least squares.
 
     Parameters
@@ -108,7 +108,7 @@ def identify(
 
     Returns
     -------
-    Identified
+    IdentificationResult
         β with its standard deviations.
 
     Raises
@@ -126,7 +126,7 @@ def identify(
     >>> bool(np.allclose(found.values, found.base.values(robot.inertial_parameters)))
     True
     """
-    return Identified(**robot._identify(q, v, a, tau, base, dissipation=dissipation))
+    return IdentificationResult(**robot._identify(q, v, a, tau, base, dissipation=dissipation))
 
 
 def physical_consistency(robot: Robot, parameters: Numbers) -> tuple[LinkConsistency, ...]:
