@@ -27,7 +27,7 @@ def test_identify(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert found["residual"] == pytest.approx(0.2, rel=0.05)
     np.testing.assert_allclose(found["found"], 0.2, rtol=0.15)
     assert found["file"].max() > 5.0
-    assert "43 combinations of 70 parameters show" in capsys.readouterr().out
+    assert "43 identifiable combinations of 70 parameters" in capsys.readouterr().out
 
 
 def test_swing_up(tmp_path: Path) -> None:
