@@ -121,7 +121,7 @@ class Computation:
         unread = [name for name in self.columns if name not in read]
         if unread:
             raise ColumnError(f"columns names {unread}, but {list(self.quantities)} read {list(read)}")
-        self.sources = {name: _source(self.columns.get(name, name)) for name in read}
+        self.sources = {name: _parse_source(self.columns.get(name, name)) for name in read}
         """Column and slice of its lists, for each argument."""
         twice = sorted(set(self.keep) & {name for each in self._quantities for name in each.names})
         if twice:
@@ -168,7 +168,7 @@ class Computation:
         else:
             whole = pa.Table.from_batches(results, self.schema(schema))
         if bad and self.bad_states == "raise":
-            raise self.complaint(bad, first, whole)
+            raise self.bad_rows_error(bad, first, whole)
         return whole
 
     def schema(self, schema: Any) -> Any:
@@ -189,7 +189,7 @@ class Computation:
         ColumnError
             A column is missing or has the wrong type.
         """
-        return self.rows(_empty(schema))[0].schema
+        return self.rows(_empty_batch(schema))[0].schema
 
     def rows(self, batch: Any, first: int = 0) -> tuple[Any, list[tuple[str, int, str]]]:
         """Quantities of a batch, null in rows without a valid result.
@@ -249,7 +249,7 @@ class Computation:
             return str(error)
         return "no valid result"
 
-    def complaint(self, bad: list[tuple[str, int, str]], rows: int, result: Any) -> BadStatesError:
+    def bad_rows_error(self, bad: list[tuple[str, int, str]], rows: int, result: Any) -> BadStatesError:
         """Exception for rows without a valid result.
 
         Parameters
@@ -356,7 +356,7 @@ def stream(robot: Robot, data: Any, *quantities: str, **options: Any) -> Any:
             result, bad = computation.rows(batch, first)
             first += batch.num_rows
             if bad and computation.bad_states == "raise":
-                raise computation.complaint(bad, first, result)
+                raise computation.bad_rows_error(bad, first, result)
             yield result
 
     return pa.RecordBatchReader.from_batches(computation.schema(reader.schema), results())
@@ -365,7 +365,7 @@ def stream(robot: Robot, data: Any, *quantities: str, **options: Any) -> Any:
 _WIDTHS = {"q": "nq", "q0": "nq", "q1": "nq", "coordinates": "nq", "s": "1"}
 
 
-def _source(text: str) -> tuple[str, slice]:
+def _parse_source(text: str) -> tuple[str, slice]:
     """Column and slice of its lists: ``state[0:7]`` or ``state``."""
     found = re.fullmatch(r"(.+)\[(\d*):(\d*)\]", text)
     if not found:
@@ -374,6 +374,6 @@ def _source(text: str) -> tuple[str, slice]:
     return found[1], slice(start, stop)
 
 
-def _empty(schema: Any) -> Any:
+def _empty_batch(schema: Any) -> Any:
     """Batch without rows."""
     return pa.RecordBatch.from_arrays([pa.nulls(0, field.type) for field in schema], schema=schema)

@@ -75,15 +75,15 @@ def external(robot: Robot, function: str, *, folder: str | PathLike[str] | None 
     name = f"robot_{robot.fingerprint:016x}"
     source = robot.generate("casadi", [function], name=name)[f"{name}.c"]
     (symbol,) = re.findall(rf"^CASADI_SYMBOL_EXPORT int ({name}_\w+)\(const casadi_real", source, re.MULTILINE)
-    place = _scratch() if folder is None else Path(folder)
+    place = _temporary_folder() if folder is None else Path(folder)
     for suffix in (".c", ".so"):
         refuse_file_read(robot, place / f"{symbol}{suffix}")
-    library = _compiled(source, place / f"{symbol}.c")
+    library = _compile(source, place / f"{symbol}.c")
     loaded: casadi.Function = casadi.external(symbol, str(library.resolve()))
     return loaded
 
 
-def _compiled(source: str, path: Path) -> Path:
+def _compile(source: str, path: Path) -> Path:
     """Compiled library of a source; compiled again unless it exists with the same source."""
     library = path.with_suffix(".so")
     if library.exists() and path.exists() and path.read_text(encoding="utf-8") == source:
@@ -112,7 +112,7 @@ def _compiler() -> str:
 
 
 @cache
-def _scratch() -> Path:
+def _temporary_folder() -> Path:
     """Temporary folder of the process."""
     folder = tempfile.mkdtemp(prefix="robot_dynamics_casadi_")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)

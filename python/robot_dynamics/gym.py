@@ -40,7 +40,7 @@ Its motor has 2 N·m; gravity pulls with up to 4.9 N·m.
 """
 
 
-RUNAWAY = 1e4
+DIVERGED_SPEED = 1e4
 """Speed [rad/s or m/s] beyond which a state counts as diverged."""
 
 
@@ -139,8 +139,8 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         self.v = self.simulations.v
         """Velocities (num_envs, nv)."""
         self._age = np.zeros(num_envs, np.int64)
-        self._ended = np.zeros(num_envs, bool)
-        self._known = (self.q.copy(), self.v.copy())
+        self._has_ended = np.zeros(num_envs, bool)
+        self._last_states = (self.q.copy(), self.v.copy())
 
     def start(self, mask: NDArray[np.bool_]) -> None:
         """Write initial states of environments to `q` and `v`. Subclasses implement it.
@@ -277,15 +277,15 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         given = np.asarray(actions, np.float64)
         if given.shape != self.action_space.shape:
             raise ValueError(f"actions have shape {given.shape}, they must have {self.action_space.shape}")
-        again, lost = self._ended.copy(), np.zeros(self.num_envs, bool)
+        again, lost = self._has_ended.copy(), np.zeros(self.num_envs, bool)
         clipped = np.clip(given, -1.0, 1.0)
-        written = self._written() & ~again
+        written = self._changed_states() & ~again
         if written.any():
             try:
                 self.simulations.set_state(self.q[written], self.v[written], where=written)
             except BadSimulationsError as error:
                 lost[list(error.errors)] = True
-                self.q[lost] = self._known[0][lost]
+                self.q[lost] = self._last_states[0][lost]
         moved = ~(again | lost)
         if moved.any():
             self.simulations.torques, self.simulations.controls = self.torques(clipped), self.controls(clipped)
@@ -294,31 +294,31 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
             except BadSimulationsError as error:
                 lost[list(error.errors)] = True
             q, v = self.simulations.q, self.simulations.v
-            lost |= moved & ~(np.abs(v) <= RUNAWAY).all(axis=1)
+            lost |= moved & ~(np.abs(v) <= DIVERGED_SPEED).all(axis=1)
             kept = moved & ~lost
             self.q[kept], self.v[kept] = q[kept], v[kept]
         self.v[lost] = 0.0
-        self._known = (self.q.copy(), self.v.copy())
+        self._last_states = (self.q.copy(), self.v.copy())
         self._age += 1
         rewards = self.reward(clipped)
         truncated = self._age >= self.horizon
         if again.any():
             self._restart(again)
             rewards[again], truncated[again], lost[again] = 0.0, False, False
-        self._ended = lost | truncated
+        self._has_ended = lost | truncated
         return self.observe().astype(np.float32), rewards, lost, truncated & ~lost, {}
 
-    def _written(self) -> NDArray[np.bool_]:
+    def _changed_states(self) -> NDArray[np.bool_]:
         """Environments whose q or v was written since the last step."""
-        q, v = self._known
+        q, v = self._last_states
         written: NDArray[np.bool_] = (self.q != q).any(axis=1) | (self.v != v).any(axis=1)
         return written
 
     def _restart(self, mask: NDArray[np.bool_]) -> None:
         self.start(mask)
         self.simulations.reset(self.q[mask], self.v[mask], where=mask)
-        self._known = (self.q.copy(), self.v.copy())
-        self._age[mask], self._ended[mask] = 0, False
+        self._last_states = (self.q.copy(), self.v.copy())
+        self._age[mask], self._has_ended[mask] = 0, False
 
 
 def _control_range(robot: Robot, names: Sequence[str]) -> NDArray[np.float64]:

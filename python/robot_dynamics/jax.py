@@ -72,7 +72,7 @@ def inverse_dynamics(
     DTypeError
         An array has an unsupported dtype, or float64 and float32 are mixed.
     """
-    return _first(robot, "inverse_dynamics", ("q", "v", "a"), (q, v, a), parameters)
+    return _compute_row(robot, "inverse_dynamics", ("q", "v", "a"), (q, v, a), parameters)
 
 
 def forward_dynamics(
@@ -107,7 +107,7 @@ def forward_dynamics(
     DTypeError
         An array has an unsupported dtype, or float64 and float32 are mixed.
     """
-    return _first(robot, "forward_dynamics", ("q", "v", "tau"), (q, v, tau), parameters)
+    return _compute_row(robot, "forward_dynamics", ("q", "v", "tau"), (q, v, tau), parameters)
 
 
 def mass_matrix(robot: Robot, q: jax.Array) -> jax.Array:
@@ -134,7 +134,7 @@ def mass_matrix(robot: Robot, q: jax.Array) -> jax.Array:
     DTypeError
         An array has an unsupported dtype, or float64 and float32 are mixed.
     """
-    return _first(robot, "mass_matrix", ("q",), (q,))
+    return _compute_row(robot, "mass_matrix", ("q",), (q,))
 
 
 def frame_pose(robot: Robot, q: jax.Array, frame: str | int) -> jax.Array:
@@ -170,7 +170,7 @@ def frame_pose(robot: Robot, q: jax.Array, frame: str | int) -> jax.Array:
         from robot_dynamics.errors import FrameError
 
         raise FrameError(f"robot `{robot.name}` has no frame {frame!r}; see `frame_names`")
-    return _first(robot, "frame_pose", ("q",), (q,), frame=index)
+    return _compute_row(robot, "frame_pose", ("q",), (q,), frame=index)
 
 
 class Rollout(NamedTuple):
@@ -261,13 +261,13 @@ def rollout(
     row, dissipates = robot._differentiable_row(dt=dt, integrator=integrator, conservative=conservative, without=off)
     q = _array("q", q)
     v = jnp.zeros(robot.nv, q.dtype) if v is None else _array("v", v)
-    lead = _lead([("q", q, (robot.nq,)), ("v", v, (robot.nv,))], robot)
+    lead = _batch_shape([("q", q, (robot.nq,)), ("v", v, (robot.nv,))], robot)
     given, own, torques = [q, v], [1, 1], "none"
     if tau is not None:
         tau = _array("tau", tau)
         torques = "each" if tau.ndim > len(lead) + 1 else "held"
         last = (steps, robot.nv) if torques == "each" else (robot.nv,)
-        lead = jnp.broadcast_shapes(lead, _lead([("q", q, (robot.nq,)), ("tau", tau, last)], robot))
+        lead = jnp.broadcast_shapes(lead, _batch_shape([("q", q, (robot.nq,)), ("tau", tau, last)], robot))
         limits = effort_limits(robot, conservative, off)
         if limits is not None:
             tau = jnp.clip(tau, -limits.astype(tau.dtype), limits.astype(tau.dtype))
@@ -275,12 +275,12 @@ def rollout(
     if parameters is not None:
         parameters = _array("parameters", parameters)
         count = len(robot.parameter_names)
-        lead = jnp.broadcast_shapes(lead, _lead([("q", q, (robot.nq,)), ("parameters", parameters, (count,))], robot))
-        parameters = _of_states(parameters, lead)
+        lead = jnp.broadcast_shapes(lead, _batch_shape([("q", q, (robot.nq,)), ("parameters", parameters, (count,))], robot))
+        parameters = _broadcast_parameters(parameters, lead)
     samples = steps // stride if stride > 0 else 0
     ends = calls.rollout(
         robot,
-        given=_spread(given, own, lead),
+        given=_broadcast(given, own, lead),
         own=tuple(own),
         settings=calls.RolloutSettings(torques, steps, dt, row, dissipates, stride if samples else 0),
         parameters=parameters,
@@ -356,7 +356,7 @@ def step(
     return end.q, end.v
 
 
-def _first(
+def _compute_row(
     robot: Robot,
     name: str,
     names: tuple[str, ...],
@@ -375,15 +375,15 @@ def _first(
     if parameters is not None:
         parameters = _array("parameters", parameters)
         every.append(("parameters", parameters, (len(robot.parameter_names),)))
-    lead = _lead(every, robot)
-    spread = _spread(arrays, [1] * len(arrays), lead)
+    lead = _batch_shape(every, robot)
+    spread = _broadcast(arrays, [1] * len(arrays), lead)
     if parameters is not None:
-        parameters = _of_states(parameters, lead)
+        parameters = _broadcast_parameters(parameters, lead)
     result: jax.Array = calls.row(robot, name, spread, parameters, **attributes)[0]
     return result
 
 
-def _of_states(parameters: Any, lead: tuple[int, ...]) -> Any:
+def _broadcast_parameters(parameters: Any, lead: tuple[int, ...]) -> Any:
     """Parameters of each state, or one array that all states share."""
     import jax.numpy as jnp
 
@@ -405,7 +405,7 @@ def _array(name: str, given: Any) -> Any:
     return array
 
 
-def _lead(given: list[tuple[str, Any, tuple[int, ...]]], robot: Robot) -> tuple[int, ...]:
+def _batch_shape(given: list[tuple[str, Any, tuple[int, ...]]], robot: Robot) -> tuple[int, ...]:
     """Leading dimensions of the batch, broadcast as in NumPy."""
     import jax.numpy as jnp
 
@@ -425,7 +425,7 @@ def _lead(given: list[tuple[str, Any, tuple[int, ...]]], robot: Robot) -> tuple[
         raise ShapeError(f"{shapes}: the leading dimensions do not broadcast") from None
 
 
-def _spread(arrays: list[Any], own: list[int], lead: tuple[int, ...]) -> list[Any]:
+def _broadcast(arrays: list[Any], own: list[int], lead: tuple[int, ...]) -> list[Any]:
     """Arrays broadcast to the dimensions of the whole batch."""
     import jax.numpy as jnp
 

@@ -139,7 +139,7 @@ class Job:
         """
         parts: list[Part] = []
         for path in self.paths:
-            first, footer = 0, _opened(path).metadata
+            first, footer = 0, _read_footer(path).metadata
             for group in range(footer.num_row_groups):
                 rows = footer.row_group(group).num_rows
                 parts.append(Part(len(parts), path, group, first, rows))
@@ -158,11 +158,12 @@ class Job:
         found: Any = None
         for path in self.paths:
             try:
-                schema = self.computation.schema(_opened(path).schema_arrow)
+                schema = self.computation.schema(_read_footer(path).schema_arrow)
             except ColumnError as error:
                 raise ColumnError(f"{path}: {error}") from None
             if found is not None and not schema.equals(found):
-                raise ColumnError(f"{path}: its results are {_kinds(schema)}, and those of {self.paths[0]} {_kinds(found)}")
+                own, first = _describe_columns(schema), _describe_columns(found)
+                raise ColumnError(f"{path}: its results are {own}, and those of {self.paths[0]} {first}")
             found = schema
         return found.with_metadata({JOB: self.fingerprint})
 
@@ -175,7 +176,7 @@ class Job:
         """
         own = self.computation
         options = [own.quantities, own.columns, own.keep, own.dtype, own.bad_states]
-        known = [_native.__version__, own.robot.fingerprint, options, [_identity(path) for path in self.paths]]
+        known = [_native.__version__, own.robot.fingerprint, options, [_file_state(path) for path in self.paths]]
         return hashlib.blake2b(json.dumps(known).encode(), digest_size=16).hexdigest()
 
     def for_worker(self) -> Job:
@@ -218,7 +219,7 @@ class Job:
         bool
             Whether the part is finished.
         """
-        return self._is_own(self.file(part), part.rows)
+        return self._is_result(self.file(part), part.rows)
 
     def is_done(self) -> bool:
         """Whether the output is already the result of this job.
@@ -230,10 +231,10 @@ class Job:
         """
         if self.output.is_dir():
             files = [self.output / self.file(part).name for part in self.parts]
-            return all(self._is_own(path, part.rows) for path, part in zip(files, self.parts, strict=True))
-        return self._is_own(self.output, sum(part.rows for part in self.parts))
+            return all(self._is_result(path, part.rows) for path, part in zip(files, self.parts, strict=True))
+        return self._is_result(self.output, sum(part.rows for part in self.parts))
 
-    def _is_own(self, path: Path, rows: int) -> bool:
+    def _is_result(self, path: Path, rows: int) -> bool:
         try:
             with pq.ParquetFile(path) as file:
                 known = (file.schema_arrow.metadata or {}).get(JOB)
@@ -275,7 +276,7 @@ class Job:
         try:
             with pq.ParquetFile(part.path) as file, self._writer(unfinished) as writer:
                 width = sum(
-                    _bytes(field.type) for field in (*self.schema, *(file.schema_arrow.field(name) for name in read))
+                    _value_size(field.type) for field in (*self.schema, *(file.schema_arrow.field(name) for name in read))
                 )
                 size = min(max(_BATCH_BYTES // max(width, 1), 256), 1 << 16)
                 batches = file.iter_batches(size, row_groups=[part.row_group], columns=read, use_threads=False)
@@ -287,7 +288,7 @@ class Job:
                     except ColumnError as error:
                         raise ColumnError(f"{part.path}: {error}") from None
                     if bad and own.bad_states == "raise":
-                        raise _complaint(part, bad, result)
+                        raise _bad_rows_error(part, bad, result)
                     writer.write_batch(result.cast(self.schema))
                     first += batch.num_rows
                     if count is not None:
@@ -383,7 +384,7 @@ def run(job: Job, runner: Runner, on_start: Callable[[int], None] = lambda _: No
     if job.output.suffix != ".parquet" and job.output.exists() and (job.output.is_file() or any(job.output.iterdir())):
         raise FileExistsError(f"{job.output}: exists with other content; choose another output, or remove it")
     job.folder.mkdir(exist_ok=True)
-    with _alone(job.folder):
+    with _lock_folder(job.folder):
         try:
             _run(job, runner, on_start, known)
         except BaseException:
@@ -406,7 +407,7 @@ def _run(job: Job, runner: Runner, on_start: Callable[[int], None], known: set[s
 
 
 @contextmanager
-def _alone(folder: Path) -> Iterator[None]:
+def _lock_folder(folder: Path) -> Iterator[None]:
     """Lock the folder against other processes, on systems with locks that end with their process."""
     if fcntl is None:
         yield
@@ -453,7 +454,7 @@ def by_threads(workers: int, count: Counter | None = None) -> Runner:
     return runner
 
 
-def _complaint(part: Part, bad: list[tuple[str, int, str]], result: Any) -> BadStatesError:
+def _bad_rows_error(part: Part, bad: list[tuple[str, int, str]], result: Any) -> BadStatesError:
     name, row, reason = bad[0]
     rows = sorted({row for _, row, _ in bad})
     return BadStatesError(
@@ -461,7 +462,7 @@ def _complaint(part: Part, bad: list[tuple[str, int, str]], result: Any) -> BadS
     )
 
 
-def _opened(path: str) -> Any:
+def _read_footer(path: str) -> Any:
     try:
         with pq.ParquetFile(path) as file:
             return _Footer(file.metadata, file.schema_arrow)
@@ -475,7 +476,7 @@ class _Footer:
     schema_arrow: Any
 
 
-def _identity(path: str) -> list[Any]:
+def _file_state(path: str) -> list[Any]:
     state = os.stat(path)
     with open(path, "rb") as file:
         file.seek(max(state.st_size - 8, 0))
@@ -485,15 +486,15 @@ def _identity(path: str) -> list[Any]:
     return [os.path.abspath(path), state.st_size, state.st_mtime_ns, footer]
 
 
-def _bytes(kind: Any) -> int:
+def _value_size(kind: Any) -> int:
     """Approximate size of a value [bytes]."""
     if pa.types.is_fixed_size_list(kind):
-        return int(kind.list_size) * _bytes(kind.value_type)
+        return int(kind.list_size) * _value_size(kind.value_type)
     try:
         return max(int(kind.bit_width) // 8, 1)
     except ValueError:
         return 64
 
 
-def _kinds(schema: Any) -> str:
+def _describe_columns(schema: Any) -> str:
     return ", ".join(f"{field.name}: {field.type}" for field in schema)

@@ -11,11 +11,11 @@ if TYPE_CHECKING:
     from robot_dynamics.planning import TimedPath
 
 
-LEGENDS = 12
+LONGEST_LEGEND = 12
 """Most names in a legend; of more curves the legend names the first and states the total."""
 
 
-def _axes(axes: Any, count: int) -> Any:
+def _make_axes(axes: Any, count: int) -> Any:
     """Given axes, or those of a new figure."""
     if axes is not None:
         if len(axes) != count:
@@ -29,7 +29,7 @@ def _axes(axes: Any, count: int) -> Any:
     return axes
 
 
-def _curves(axis: Any, times: Any, table: Any, names: tuple[str, ...], label: str) -> list[Any]:
+def _draw_curves(axis: Any, times: Any, table: Any, names: tuple[str, ...], label: str) -> list[Any]:
     """Draw a curve for each column, in ten colours and three line styles; returns the lines."""
     drawn = []
     for k, (column, name) in enumerate(zip(table.T, names, strict=True)):
@@ -42,7 +42,7 @@ def _curves(axis: Any, times: Any, table: Any, names: tuple[str, ...], label: st
     return drawn
 
 
-def _limits(axis: Any, lines: list[Any], limits: Any) -> None:
+def _draw_limits(axis: Any, lines: list[Any], limits: Any) -> None:
     """Draw the position limits of each curve as thin lines of its colour.
 
     Limits farther from the curves than their range are left out.
@@ -60,9 +60,9 @@ def _label(name: str) -> str:
     return _native._visible(name, False).replace("$", r"\$")
 
 
-def _name_curves(axis: Any, lines: list[Any]) -> None:
+def _add_legend(axis: Any, lines: list[Any]) -> None:
     """Add the legend beside an axis."""
-    named = lines if len(lines) <= LEGENDS else lines[: LEGENDS - 1]
+    named = lines if len(lines) <= LONGEST_LEGEND else lines[: LONGEST_LEGEND - 1]
     title = f"the first {len(named)} of {len(lines)}" if len(named) < len(lines) else None
     axis.legend(
         handles=named, title=title, title_fontsize="x-small", fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0)
@@ -91,19 +91,19 @@ def plot_motion(motion: Motion, axes: Any = None) -> Any:
     ValueError
         `axes` does not have four entries.
     """
-    axes = _axes(axes, 4)
-    lines = _curves(axes[0], motion.times, motion.q, motion.configuration_names, "q [rad or m]")
+    axes = _make_axes(axes, 4)
+    lines = _draw_curves(axes[0], motion.times, motion.q, motion.configuration_names, "q [rad or m]")
     if motion.position_limits is not None:
-        _limits(axes[0], lines, motion.position_limits)
-    _name_curves(axes[0], lines)
-    lines = _curves(axes[1], motion.times, motion.v, motion.coordinates, "v [rad/s or m/s]")
+        _draw_limits(axes[0], lines, motion.position_limits)
+    _add_legend(axes[0], lines)
+    lines = _draw_curves(axes[1], motion.times, motion.v, motion.coordinates, "v [rad/s or m/s]")
     if motion.configuration_names != motion.coordinates:
-        _name_curves(axes[1], lines)
-    _curves(axes[2], motion.times, motion.tau, motion.coordinates, "τ [N·m or N]")
+        _add_legend(axes[1], lines)
+    _draw_curves(axes[2], motion.times, motion.tau, motion.coordinates, "τ [N·m or N]")
     energies = [("K", motion.kinetic), ("V", motion.potential), ("E = K + V", motion.energy)]
     drawn = [axes[3].plot(motion.times, values, linewidth=1.0, label=name)[0] for name, values in energies]
     axes[3].set_ylabel("energy [J]")
-    _name_curves(axes[3], drawn)
+    _add_legend(axes[3], drawn)
     for event in motion.events:
         for axis in axes:
             axis.axvline(event.time, color="0.5", linewidth=0.6, linestyle=":")
@@ -133,8 +133,8 @@ def plot_timed_path(path: TimedPath, axes: Any = None) -> Any:
     ValueError
         `axes` does not have two entries.
     """
-    axes = _axes(axes, 2)
-    _name_curves(axes[0], _curves(axes[0], path.times, path.v, path.coordinates, "v [rad/s or m/s]"))
-    _curves(axes[1], path.times, path.tau, path.coordinates, "τ [N·m or N]")
+    axes = _make_axes(axes, 2)
+    _add_legend(axes[0], _draw_curves(axes[0], path.times, path.v, path.coordinates, "v [rad/s or m/s]"))
+    _draw_curves(axes[1], path.times, path.tau, path.coordinates, "τ [N·m or N]")
     axes[-1].set_xlabel("t [s]")
     return axes

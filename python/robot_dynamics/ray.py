@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 _remote: Any = ray.remote
-_PATIENCE = 10.0
+_ANSWER_LIMIT = 10.0
 """Time without an answer after which calls are repeated on other workers [s]."""
 
 
@@ -112,7 +112,7 @@ def compute(dataset: Any, robot: Robot, *quantities: str, workers: int | None = 
     pool = (
         ray.data.ActorPoolStrategy(size=workers)
         if workers
-        else ray.data.ActorPoolStrategy(min_size=1, max_size=_cores())
+        else ray.data.ActorPoolStrategy(min_size=1, max_size=_core_count())
     )
     return dataset.map_batches(
         Compute,
@@ -140,7 +140,7 @@ class Workers:
 
     def __init__(self, robot: Robot, workers: int | None = None) -> None:
         self.robot = robot
-        self._workers = _started(_Worker, robot, workers or _cores())
+        self._workers = _start_workers(_Worker, robot, workers or _core_count())
 
     def __len__(self) -> int:
         return len(self._workers)
@@ -176,7 +176,7 @@ class Workers:
         """
         sent = ray.put(function)
         results: dict[int, T] = {}
-        for number, result in _served(self._workers, [("call", (sent, *item)) for item in items]):
+        for number, result in _run_calls(self._workers, [("call", (sent, *item)) for item in items]):
             results[number] = result
         return [results[number] for number in range(len(items))]
 
@@ -223,9 +223,9 @@ class Workers:
             raise rd.ShapeError(f"tau has shape {forces.shape} for {count} states")
         cuts = [slice(start, start + group) for start in range(0, max(count, 1), group)]
         items = [(states[cut], velocities[cut], None if forces is None else forces[cut], options) for cut in cuts]
-        parts = self.map(_rolled_out, items)
+        parts = self.map(_rollout_group, items)
         names = [field.name for field in fields(Rollout)]
-        whole = Rollout(*(_joined([getattr(ends, name) for ends, _, _ in parts]) for name in names))
+        whole = Rollout(*(_concatenate([getattr(ends, name) for ends, _, _ in parts]) for name in names))
         bad = np.concatenate([cut.start + rows for cut, (_, rows, _) in zip(cuts, parts, strict=True)])
         if len(bad):
             reason = next(reason for _, _, reason in parts if reason)
@@ -292,8 +292,8 @@ def by_actors(workers: int | None, address: str, count: Counter | None = None) -
             ray.init(log_to_driver=False, logging_level=logging.ERROR, **here)
         pool: list[Any] = []
         try:
-            pool = _started(_PartWorker, job.for_worker(), min(workers or _cores(), max(len(parts), 1)))
-            for number, part in _served(pool, [("write", (part,)) for part in parts]):
+            pool = _start_workers(_PartWorker, job.for_worker(), min(workers or _core_count(), max(len(parts), 1)))
+            for number, part in _run_calls(pool, [("write", (part,)) for part in parts]):
                 yield part
                 if count is not None:
                     count(parts[number].rows)
@@ -306,7 +306,7 @@ def by_actors(workers: int | None, address: str, count: Counter | None = None) -
     return runner
 
 
-def _started(kind: type, kept: Any, count: int) -> list[Any]:
+def _start_workers(kind: type, kept: Any, count: int) -> list[Any]:
     """Workers that keep an object, and restart if they die.
 
     The object is pickled once and sent with the request to start a worker. Ray keeps that request longer than
@@ -317,7 +317,7 @@ def _started(kind: type, kept: Any, count: int) -> list[Any]:
     return [actor.remote(pickled) for _ in range(count)]
 
 
-def _served(workers: Sequence[Any], calls: Iterable[tuple[str, tuple[Any, ...]]]) -> Iterator[tuple[int, Any]]:
+def _run_calls(workers: Sequence[Any], calls: Iterable[tuple[str, tuple[Any, ...]]]) -> Iterator[tuple[int, Any]]:
     """Call methods of the workers, and yield the number and the result of each call when it is done.
 
     Each worker has up to two calls at a time. A worker may never start, or its machine may disappear: it
@@ -351,15 +351,15 @@ def _served(workers: Sequence[Any], calls: Iterable[tuple[str, tuple[Any, ...]]]
             answered[worker] = heard = now
             if number in left:
                 del left[number]
-                yield number, _got(reference)
-        if answered and now - heard > max(_PATIENCE, 3.0 * longest):
+                yield number, _result_of(reference)
+        if answered and now - heard > max(_ANSWER_LIMIT, 3.0 * longest):
             idle = [worker for worker in range(len(workers)) if load[worker] == 0]
             for number, worker in zip(left, idle, strict=False):
                 send(number, worker)
             heard = now
 
 
-def _got(reference: Any) -> Any:
+def _result_of(reference: Any) -> Any:
     """Result of a call, or the exception that the worker raised."""
     try:
         return ray.get(reference)
@@ -367,7 +367,7 @@ def _got(reference: Any) -> Any:
         raise error.cause from None
 
 
-def _rolled_out(robot: Robot, q: Any, v: Any, tau: Any, options: dict[str, Any]) -> tuple[Rollout, Any, str]:
+def _rollout_group(robot: Robot, q: Any, v: Any, tau: Any, options: dict[str, Any]) -> tuple[Rollout, Any, str]:
     """Rollout of states, the indices of invalid ones, and the reason."""
     try:
         ends = robot.rollout(q, v, tau, **{"threads": 1, **options})
@@ -376,11 +376,11 @@ def _rolled_out(robot: Robot, q: Any, v: Any, tau: Any, options: dict[str, Any])
     return ends, np.zeros(0, np.intp), ""
 
 
-def _joined(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+def _concatenate(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
     return np.concatenate(parts) if len(parts) > 1 else parts[0]
 
 
-def _cores() -> int:
+def _core_count() -> int:
     """Number of cores of the cluster."""
     if not ray.is_initialized():
         ray.init()

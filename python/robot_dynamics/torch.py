@@ -77,7 +77,7 @@ def inverse_dynamics(
     TypeError
         An argument is not a tensor on the CPU.
     """
-    forces: torch.Tensor = _functions()[0].apply(robot, q, v, a, parameters)
+    forces: torch.Tensor = _dynamics_functions()[0].apply(robot, q, v, a, parameters)
     return forces
 
 
@@ -116,7 +116,7 @@ def forward_dynamics(
     TypeError
         An argument is not a tensor on the CPU.
     """
-    acceleration: torch.Tensor = _functions()[1].apply(robot, q, v, tau, parameters)
+    acceleration: torch.Tensor = _dynamics_functions()[1].apply(robot, q, v, tau, parameters)
     return acceleration
 
 
@@ -214,7 +214,7 @@ def rollout(
     # This raises an error for effects without gradients.
     robot._differentiable_row(dt=dt, integrator=integrator, conservative=conservative, without=off)
     q, v = q.broadcast_to(*lead, q.shape[-1]), v.broadcast_to(*lead, v.shape[-1])
-    return Rollout(*_motions()[0].apply(robot, how, q, v, tau, parameters))
+    return Rollout(*_rollout_functions()[0].apply(robot, how, q, v, tau, parameters))
 
 
 def step(
@@ -297,7 +297,7 @@ def _with_parameters(robot: Robot, numbers: bytes) -> Robot:
     return robot.with_parameters(np.frombuffer(numbers), as_written=True)
 
 
-def _of(robot: Robot, parameters: Any) -> Robot:
+def _changed_robot(robot: Robot, parameters: Any) -> Robot:
     """Robot with these parameters, if there are any."""
     if parameters is None:
         return robot
@@ -309,32 +309,32 @@ def _of(robot: Robot, parameters: Any) -> Robot:
 Arrays: TypeAlias = tuple[Any, ...]
 
 
-def _computed(robot: Robot, name: str, own: Any, /, *given: Any, **options: Any) -> Arrays:
+def _compute(robot: Robot, name: str, own: Any, /, *given: Any, **options: Any) -> Arrays:
     """Results of a method of the robot, or of one with `own` parameters; NaN in the rows of invalid states.
     """
     if own is not None and not np.isfinite(_array(own)).all():
-        return tuple(x if x is None else np.full_like(x, np.nan) for x in _computed(robot, name, None, *given, **options))
-    method = getattr(_of(robot, own), name)
+        return tuple(x if x is None else np.full_like(x, np.nan) for x in _compute(robot, name, None, *given, **options))
+    method = getattr(_changed_robot(robot, own), name)
     try:
-        return _parts(method(*given, **options))
+        return _result_arrays(method(*given, **options))
     except BadStatesError as error:
-        return _parts(error.result)
+        return _result_arrays(error.result)
     except (SimulationError, SingularMassError, StateError):
         # One state, computed as a batch of one, which has a row for NaN.
-        batch = [_lifted(x) for x in given]
-        named = {key: _lifted(x) for key, x in options.items()}
+        batch = [_add_batch_axis(x) for x in given]
+        named = {key: _add_batch_axis(x) for key, x in options.items()}
         try:
             found = method(*batch, **named)
         except BadStatesError as error:
             found = error.result
-        return tuple(x if x is None else x[0] for x in _parts(found))
+        return tuple(x if x is None else x[0] for x in _result_arrays(found))
 
 
-def _lifted(x: Any) -> Any:
+def _add_batch_axis(x: Any) -> Any:
     return x[np.newaxis] if isinstance(x, np.ndarray) else x
 
 
-def _parts(found: Any) -> Arrays:
+def _result_arrays(found: Any) -> Arrays:
     """Arrays of a result."""
     if isinstance(found, np.ndarray):
         return (found,)
@@ -342,7 +342,7 @@ def _parts(found: Any) -> Arrays:
 
 
 @cache
-def _motions() -> tuple[Any, Any]:
+def _rollout_functions() -> tuple[Any, Any]:
     """Rollouts and their gradients as classes of torch."""
     _check_torch()
     import torch
@@ -357,15 +357,15 @@ def _motions() -> tuple[Any, Any]:
         ) -> Any:
             start, speed, q_end, q_way, *cotangents = (_array(each) for each in (q, v, *rest))
             by_end, by_end_velocity, by_way, by_way_velocity = cotangents
-            (by_position,) = _computed(robot, "cotangent_from_coordinates", None, q_end, by_end)
+            (by_position,) = _compute(robot, "cotangent_from_coordinates", None, q_end, by_end)
             given = {"by_position": by_position, "by_velocity": by_end_velocity}
             if how["stride"]:
-                (by_way,) = _computed(robot, "cotangent_from_coordinates", None, q_way, by_way)
+                (by_way,) = _compute(robot, "cotangent_from_coordinates", None, q_way, by_way)
                 given |= {"by_position_trajectory": by_way, "by_velocity_trajectory": by_way_velocity}
             forces = None if tau is None else _array(tau)
             options = {"parameters": by_parameters, **given, **how}
-            by_start, *rest_of = _computed(robot, "rollout_pullback", parameters, start, speed, forces, **options)
-            (by_q,) = _computed(robot, "cotangent_to_coordinates", None, start, by_start)
+            by_start, *rest_of = _compute(robot, "rollout_pullback", parameters, start, speed, forces, **options)
+            (by_q,) = _compute(robot, "cotangent_to_coordinates", None, start, by_start)
             results = (by_q, *rest_of)
             nothing = q.new_zeros((*q.shape[:-1], 0))
             return tuple(nothing.clone() if each is None else torch.as_tensor(each) for each in results)
@@ -380,13 +380,13 @@ def _motions() -> tuple[Any, Any]:
 
         @staticmethod
         def vmap(info: Any, dims: Any, robot: Any, how: Any, by_parameters: bool, *given: Any) -> Any:
-            return Pullback.apply(robot, how, by_parameters, *_in_front(given, dims[3:], info.batch_size)), (0, 0, 0, 0)
+            return Pullback.apply(robot, how, by_parameters, *_batch_axis_first(given, dims[3:], info.batch_size)), (0, 0, 0, 0)
 
     class Motion(torch.autograd.Function):
         @staticmethod
         def forward(robot: Any, how: Any, q: Any, v: Any, tau: Any, parameters: Any) -> Any:
             state: list[Any] = [None if each is None else _array(each) for each in (q, v, tau)]
-            return tuple(map(torch.as_tensor, _computed(robot, "rollout", parameters, *state, **how)))
+            return tuple(map(torch.as_tensor, _compute(robot, "rollout", parameters, *state, **how)))
 
         @staticmethod
         def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
@@ -410,7 +410,7 @@ def _motions() -> tuple[Any, Any]:
 
         @staticmethod
         def vmap(info: Any, dims: Any, robot: Any, how: Any, *given: Any) -> Any:
-            return Motion.apply(robot, how, *_in_front(given, dims[2:], info.batch_size)), (0, 0, 0, 0)
+            return Motion.apply(robot, how, *_batch_axis_first(given, dims[2:], info.batch_size)), (0, 0, 0, 0)
 
     return Motion, Pullback
 
@@ -420,7 +420,7 @@ def _refuse_mapped(axis: int | None) -> None:
         raise ValueError(_ONE_ROBOT)
 
 
-def _in_front(given: Any, dims: Any, size: int) -> list[Any]:
+def _batch_axis_first(given: Any, dims: Any, size: int) -> list[Any]:
     """q, v, tau, parameters and others, all but the parameters with the mapped axis first."""
     _refuse_mapped(dims[3])
     return [
@@ -434,7 +434,7 @@ def _in_front(given: Any, dims: Any, size: int) -> list[Any]:
 
 
 @cache
-def _functions() -> tuple[Any, Any]:
+def _dynamics_functions() -> tuple[Any, Any]:
     """Inverse and forward dynamics as classes of torch, created on first use."""
     _check_torch()
     import torch
@@ -449,8 +449,8 @@ def _functions() -> tuple[Any, Any]:
         ) -> Any:
             state = [_array(each) for each in (q, v, x, cotangent)]
             pullback = f"{solution}_pullback_with_parameters" if by_parameters else f"{solution}_pullback"
-            by_q, by_v, by_x, *rest = _computed(robot, pullback, parameters, *state)
-            (by_q,) = _computed(robot, "cotangent_to_coordinates", None, state[0], by_q)
+            by_q, by_v, by_x, *rest = _compute(robot, pullback, parameters, *state)
+            (by_q,) = _compute(robot, "cotangent_to_coordinates", None, state[0], by_q)
             gradients = (torch.as_tensor(each) for each in (by_q, by_v, by_x))
             # An argument that all states share gets the sum.
             own = [own.sum_to_size(of.shape) for own, of in zip(gradients, (q, v, x), strict=True)]
@@ -470,7 +470,7 @@ def _functions() -> tuple[Any, Any]:
             info: Any, dims: Any, robot: Any, solution: str, by_parameters: bool, parameters: Any, *state: Any
         ) -> Any:
             _refuse_mapped(dims[3])
-            aligned = _aligned(state, dims[4:], info.batch_size)
+            aligned = _align_axes(state, dims[4:], info.batch_size)
             found = Pullback.apply(robot, solution, by_parameters, parameters, *(tensor for tensor, _ in aligned))
             own = tuple(each.reshape(shape) for each, (_, shape) in zip(found[:3], aligned, strict=False))
             return (*own, found[3]), (0, 0, 0, 0)
@@ -479,7 +479,7 @@ def _functions() -> tuple[Any, Any]:
         class Solution(torch.autograd.Function):
             @staticmethod
             def forward(robot: Any, q: Any, v: Any, x: Any, parameters: Any) -> Any:
-                return torch.as_tensor(_computed(robot, solution, parameters, *map(_array, (q, v, x)))[0])
+                return torch.as_tensor(_compute(robot, solution, parameters, *map(_array, (q, v, x)))[0])
 
             @staticmethod
             def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
@@ -499,7 +499,7 @@ def _functions() -> tuple[Any, Any]:
             @staticmethod
             def vmap(info: Any, dims: Any, robot: Any, q: Any, v: Any, x: Any, parameters: Any) -> Any:
                 _refuse_mapped(dims[4])
-                aligned = _aligned((q, v, x), dims[1:4], info.batch_size)
+                aligned = _align_axes((q, v, x), dims[1:4], info.batch_size)
                 return Solution.apply(robot, *(tensor for tensor, _ in aligned), parameters), 0
 
         return Solution
@@ -516,7 +516,7 @@ def _array(tensor: Any) -> np.ndarray[Any, Any]:
     return np.asarray(tensor.detach())
 
 
-def _aligned(state: Any, dims: Any, size: int) -> list[tuple[Any, tuple[int, ...]]]:
+def _align_axes(state: Any, dims: Any, size: int) -> list[tuple[Any, tuple[int, ...]]]:
     """Tensors with the mapped axis first and equally many axes, and their shapes before the alignment."""
     moved = [
         tensor.unsqueeze(0).expand(size, *tensor.shape) if axis is None else tensor.movedim(axis, 0)

@@ -26,7 +26,7 @@ _INERTIA = (0.95, 0.60, 0.25, 0.85)
 _ENDLESS = 5.0
 
 
-class Drawn(NamedTuple):
+class DrawnShape(NamedTuple):
     """Drawn object on a link."""
 
     link: str
@@ -72,25 +72,25 @@ def show(robot: Robot, trajectory: Any, *, dt: float | None, open_browser: bool)
         raise ImportError("the viewer needs meshcat: pip install robot-dynamics[view]") from error
     times, configurations = _configurations(robot, trajectory, dt)
     viewer = meshcat.Visualizer()
-    things = drawn(robot)
+    things = drawn_shapes(robot)
     paths = [f"{robot.name}/{k}" for k in range(len(things))]
     for path, thing in zip(paths, things, strict=True):
         viewer[path].set_object(thing.geometry, _material(thing))
-    _place(viewer, robot, things, paths, configurations[0])
-    _look(viewer, robot, things, configurations)
+    _set_poses(viewer, robot, things, paths, configurations[0])
+    _set_camera(viewer, robot, things, configurations)
     if len(configurations) > 1:
         film = animation.Animation(default_framerate=_RATE)
         for k in range(int(np.floor(times[-1] * _RATE)) + 1):
             nearest = int(np.abs(times - k / _RATE).argmin())
             with film.at_frame(viewer, k) as frame:
-                _place(frame, robot, things, paths, configurations[nearest])
+                _set_poses(frame, robot, things, paths, configurations[nearest])
         viewer.set_animation(film)
     if open_browser:
         viewer.open()
     return viewer
 
 
-def drawn(robot: Robot) -> list[Drawn]:
+def drawn_shapes(robot: Robot) -> list[DrawnShape]:
     """Objects to draw: the visual shapes of each link, or its collision shapes if it has none.
 
     A link whose meshes all cannot be drawn is drawn as the box of its inertia. So are all links of a robot
@@ -104,14 +104,14 @@ def drawn(robot: Robot) -> list[Drawn]:
 
     Returns
     -------
-    list of Drawn
+    list of DrawnShape
         Objects.
     """
     description = robot.describe()
-    of_links: dict[str, dict[str, list[Drawn]]] = {}
+    of_links: dict[str, dict[str, list[DrawnShape]]] = {}
     missing: dict[str, str] = {}
     for shape in description["shapes"]:
-        parts = list(_of_shape(shape))
+        parts = list(_draw_shape(shape))
         if parts:
             of_links.setdefault(shape["link"], {}).setdefault(shape["role"], []).extend(parts)
         elif "mesh" in shape["shape"]:
@@ -122,18 +122,18 @@ def drawn(robot: Robot) -> list[Drawn]:
         warnings.warn(_native._visible(text, False), stacklevel=4)
     things = [thing for roles in of_links.values() for thing in roles.get("visual", roles.get("collision", []))]
     without = set(missing.values()) - set(of_links)
-    return things + [thing for thing in _inertias(robot) if not things or thing.link in without]
+    return things + [thing for thing in _draw_inertias(robot) if not things or thing.link in without]
 
 
-def _of_shape(shape: Any) -> Iterator[Drawn]:
+def _draw_shape(shape: Any) -> Iterator[DrawnShape]:
     from meshcat import geometry
 
     (form, size), pose = next(iter(shape["shape"].items())), _matrix(shape["link_from_shape"])
     color = tuple(shape["color"] or _GREY)
     along_z = _rotation_about_x(np.pi / 2)  # cylinders of meshcat are along y
 
-    def thing(made: Any, own: NDArray[np.float64] | None = None) -> Drawn:
-        return Drawn(shape["link"], pose if own is None else pose @ own, made, color)
+    def thing(made: Any, own: NDArray[np.float64] | None = None) -> DrawnShape:
+        return DrawnShape(shape["link"], pose if own is None else pose @ own, made, color)
 
     if form == "box":
         yield thing(geometry.Box(size["size"]))
@@ -170,14 +170,14 @@ def _mesh(file: str | None) -> Any:
     return None if kind is None else getattr(geometry, kind).from_file(file)
 
 
-def _inertias(robot: Robot) -> Iterator[Drawn]:
+def _draw_inertias(robot: Robot) -> Iterator[DrawnShape]:
     from meshcat import geometry
 
-    for link, (pose, edges) in boxes(robot).items():
-        yield Drawn(link, pose, geometry.Box(list(edges)), _INERTIA)
+    for link, (pose, edges) in inertia_boxes(robot).items():
+        yield DrawnShape(link, pose, geometry.Box(list(edges)), _INERTIA)
 
 
-def _material(thing: Drawn) -> Any:
+def _material(thing: DrawnShape) -> Any:
     from meshcat import geometry
 
     red, green, blue = (round(255 * min(max(part, 0.0), 1.0)) for part in thing.color[:3])
@@ -189,7 +189,7 @@ def _material(thing: Drawn) -> Any:
     )
 
 
-def _look(viewer: Any, robot: Robot, things: list[Drawn], configurations: NDArray[np.float64]) -> None:
+def _set_camera(viewer: Any, robot: Robot, things: list[DrawnShape], configurations: NDArray[np.float64]) -> None:
     """Move the camera so that all links are visible in the first and the last configuration.
 
     The camera looks at the world's origin.
@@ -217,7 +217,7 @@ def _rotation_about_x(angle: float) -> NDArray[np.float64]:
     return matrix
 
 
-def boxes(robot: Robot) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+def inertia_boxes(robot: Robot) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
     """Homogeneous box with the same mass and moments as each link.
 
     The edges solve m (b² + c²)/12 = I₁ and its cyclic permutations. For moments that no rigid body has, an
@@ -250,7 +250,7 @@ def boxes(robot: Robot) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float
     return found
 
 
-def _place(viewer: Any, robot: Robot, things: list[Drawn], paths: list[str], q: NDArray[np.float64]) -> None:
+def _set_poses(viewer: Any, robot: Robot, things: list[DrawnShape], paths: list[str], q: NDArray[np.float64]) -> None:
     poses = robot.frame_poses(q, [thing.link for thing in things])
     for path, thing, pose in zip(paths, things, poses, strict=True):
         viewer[path].set_transform(pose @ thing.link_from_shape)

@@ -119,7 +119,7 @@ def test_what_is_mapped_keeps_its_order_and_its_error(tmp_path: Path) -> None:
 def test_workers_without_a_machine_keep_nobody_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
     from robot_dynamics import ray as module
 
-    monkeypatch.setattr(module, "_PATIENCE", 1.0)
+    monkeypatch.setattr(module, "_ANSWER_LIMIT", 1.0)
     workers = module.Workers(PANDA, 5)  # with three cores, two of the workers never start
     found = workers.map(lambda robot, number: (number, os.getpid()), [(k,) for k in range(30)])
     assert [number for number, _ in found] == list(range(30)) and len({process for _, process in found}) <= 3

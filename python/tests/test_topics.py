@@ -241,10 +241,10 @@ def test_html_has_the_tree_and_escapes_names() -> None:
 
 
 def test_boxes_have_the_moments_of_the_links(panda: rd.Robot) -> None:
-    from robot_dynamics.viewer import boxes
+    from robot_dynamics.viewer import inertia_boxes
 
     links = {link["name"]: link["mass_properties"] for link in panda.describe()["links"]}
-    found = boxes(panda)
+    found = inertia_boxes(panda)
     assert set(found) == {name for name, body in links.items() if body}
     for name, (pose, edges) in found.items():
         body = links[name]
@@ -258,7 +258,7 @@ def test_boxes_have_the_moments_of_the_links(panda: rd.Robot) -> None:
 
 def test_meshes_are_drawn_where_they_are_found(tmp_path: Path) -> None:
     pytest.importorskip("meshcat.geometry")
-    from robot_dynamics.viewer import drawn
+    from robot_dynamics.viewer import drawn_shapes
 
     corners = ("0 0 0", "1 0 0", "0 1 0")
     (tmp_path / "plate.stl").write_text(
@@ -275,7 +275,7 @@ def test_meshes_are_drawn_where_they_are_found(tmp_path: Path) -> None:
         + "</robot>"
     )
     with pytest.warns(UserWarning, match=r"robot `arm`: 1 mesh cannot be drawn: 'gone.stl'"):
-        things = drawn(rd.load(tmp_path / "arm.urdf"))
+        things = drawn_shapes(rd.load(tmp_path / "arm.urdf"))
     assert [(thing.link, type(thing.geometry).__name__) for thing in things] == [
         ("a", "MeshGeometry"), ("c", "Cylinder"), ("c", "Sphere"), ("c", "Sphere"), ("b", "Box"),
     ]  # fmt: skip
@@ -285,4 +285,4 @@ def test_meshes_are_drawn_where_they_are_found(tmp_path: Path) -> None:
     assert_allclose(things[1].link_from_shape @ [0.0, 0.3, 0.0, 1.0], [0.0, 0.0, 0.8, 1.0], atol=1e-12)
     assert_allclose([thing.link_from_shape[2, 3] for thing in things[2:4]], [0.2, 0.8])
     # A robot without shapes is drawn by its inertias.
-    assert {type(thing.geometry).__name__ for thing in drawn(rd.example("panda"))} == {"Box"}
+    assert {type(thing.geometry).__name__ for thing in drawn_shapes(rd.example("panda"))} == {"Box"}

@@ -215,6 +215,7 @@ class RolloutSettings:
     steps: int
     """Number of steps."""
     dt: float
+    """Step size [s]."""
     integrator: str
     """Explicit method."""
     dissipation: bool

@@ -140,13 +140,13 @@ def _linear(*operands: Any, linear: Linear) -> Sequence[Any]:
     return linear.forward(linear.call, operands[: linear.residuals], operands[linear.residuals :])
 
 
-def _refused(name: str) -> Exception:
+def _no_second_derivative(name: str) -> Exception:
     return NotImplementedError(f"{name}: second derivatives are not available, only first ones")
 
 
 def _jvp_of_call(operands: Sequence[Any], changes: Sequence[Any], *, call: Call) -> tuple[Any, Any]:
     if call.name not in RULES:
-        raise _refused(call.name)
+        raise _no_second_derivative(call.name)
     results = call_p.bind(*operands, call=call)
     if call.has_parameters and type(changes[-1]) is ad.Zero:
         changes = changes[:-1]  # constant parameters need no tangent
@@ -157,7 +157,7 @@ def _jvp_of_call(operands: Sequence[Any], changes: Sequence[Any], *, call: Call)
 def _jvp_of_linear(operands: Sequence[Any], changes: Sequence[Any], *, linear: Linear) -> tuple[Any, Any]:
     residuals, rest = operands[: linear.residuals], changes[linear.residuals :]
     if any(type(change) is not ad.Zero for change in changes[: linear.residuals]):
-        raise _refused(linear.call.name)
+        raise _no_second_derivative(linear.call.name)
     results = linear_p.bind(*operands, linear=linear)
     return results, linear_p.bind(*residuals, *map(ad.instantiate_zeros, rest), linear=linear)
 
@@ -174,7 +174,7 @@ def _transpose(cotangents: Sequence[Any], *operands: Any, linear: Linear) -> lis
     return [None] * linear.residuals + of_changes
 
 
-def _shared(call: Call | None = None, linear: Linear | None = None) -> set[int]:
+def _shared_operands(call: Call | None = None, linear: Linear | None = None) -> set[int]:
     """Operands that may lack the dimensions of the batch: the parameters and their change."""
     if linear is None:
         return {len(call.own) - 1} if call is not None and call.has_parameters else set()
@@ -182,12 +182,12 @@ def _shared(call: Call | None = None, linear: Linear | None = None) -> set[int]:
     return places | ({len(linear.own) - 1} if linear.of_parameters else set())
 
 
-def _batch(primitive: Primitive, operands: Sequence[Any], axes: Sequence[Any], **parameters: Any) -> tuple[Any, Any]:
+def _batch_rule(primitive: Primitive, operands: Sequence[Any], axes: Sequence[Any], **parameters: Any) -> tuple[Any, Any]:
     size = next(x.shape[axis] for x, axis in zip(operands, axes, strict=True) if axis is not None)
     own = (parameters.get("linear") or parameters["call"]).own
     lead = operands[0].shape if axes[0] is None else np.delete(operands[0].shape, axes[0])
     lead = tuple(int(length) for length in lead[: len(lead) - own[0]])
-    shared = _shared(**parameters)
+    shared = _shared_operands(**parameters)
 
     def moved_of(k: int, x: Any, axis: int | None) -> Any:
         if axis is None:
@@ -202,15 +202,15 @@ def _batch(primitive: Primitive, operands: Sequence[Any], axes: Sequence[Any], *
     return results, [0] * len(results)
 
 
-def _shapes(function: Callable[..., Sequence[Any]], *operands: Any, **parameters: Any) -> Any:
+def _abstract_results(function: Callable[..., Sequence[Any]], *operands: Any, **parameters: Any) -> Any:
     shapes = jax.eval_shape(partial(function, **parameters), *(jax.ShapeDtypeStruct(x.shape, x.dtype) for x in operands))
     return [jax.core.ShapedArray(each.shape, each.dtype) for each in shapes]
 
 
 for primitive, function in ((call_p, _call), (linear_p, _linear)):
     primitive.def_impl(partial(xla.apply_primitive, primitive))
-    primitive.def_abstract_eval(partial(_shapes, function))
-    batching.primitive_batchers[primitive] = partial(_batch, primitive)
+    primitive.def_abstract_eval(partial(_abstract_results, function))
+    batching.primitive_batchers[primitive] = partial(_batch_rule, primitive)
     mlir.register_lowering(primitive, mlir.lower_fun(function, multiple_results=True), platform="cpu")
 
 ad.primitive_jvps[call_p] = _jvp_of_call
