@@ -7,7 +7,7 @@ use crate::tidy::root;
 pub(crate) const LAYERS: &[(&str, &[&str])] = &[
     ("number", &[]),
     ("description", &["nalgebra", "number", "serde", "strsim", "thiserror"]),
-    ("integrators", &["nalgebra"]),
+    ("integrators", &["nalgebra", "number"]),
     ("expression", &["number"]),
     ("native", &["expression", "memmap2", "number", "thiserror"]),
     (
@@ -41,7 +41,7 @@ pub(crate) const LAYERS: &[(&str, &[&str])] = &[
     ("dynamics", &["core", "description", "integrators", "nalgebra", "number", "thiserror", "verification"]),
     ("xml", &["roxmltree", "thiserror"]),
     ("mesh", &["nalgebra", "robust", "stl_io", "tobj"]),
-    ("urdf", &["core", "description", "nalgebra", "thiserror", "xml"]),
+    ("urdf", &["core", "description", "nalgebra", "number", "thiserror", "xml"]),
     ("mjcf", &["core", "description", "mesh", "nalgebra", "thiserror", "xml"]),
     ("functions", &["core", "description", "expression", "integrators", "number", "simulation", "thiserror"]),
     (

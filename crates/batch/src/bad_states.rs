@@ -1,5 +1,6 @@
 //! Reports of the states in a batch without a valid result.
 
+use robot_dynamics_number::{Classified, ErrorKind};
 use std::sync::{Mutex, PoisonError};
 
 use thiserror::Error;
@@ -19,6 +20,12 @@ pub struct BadStates {
     pub states: Vec<usize>,
     /// The number of states in the batch.
     pub batch: usize,
+}
+
+impl Classified for BadStates {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::InvalidInput
+    }
 }
 
 impl BadStates {

@@ -1,5 +1,6 @@
 //! Threads for batches.
 
+use robot_dynamics_number::{Classified, ErrorKind};
 use std::sync::{Arc, OnceLock};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -15,6 +16,12 @@ pub struct ThreadError {
     /// The error of the thread pool.
     #[source]
     pub cause: rayon::ThreadPoolBuildError,
+}
+
+impl Classified for ThreadError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::System
+    }
 }
 
 #[derive(Debug)]

@@ -9,9 +9,7 @@ mod options;
 pub use error::InverseKinematicsError;
 pub use options::{FrameTarget, InverseKinematicsOptions, InverseKinematicsSolution};
 
-use robot_dynamics_core::{
-    FrameId, Model, MotionError, Workspace, check_configuration, random_within_limits,
-};
+use robot_dynamics_core::{FrameId, Model, Workspace, check_configuration, random_within_limits};
 use robot_dynamics_number::SplitMix64;
 
 use self::attempt::{Attempt, IterationBudget};
@@ -78,7 +76,7 @@ pub fn inverse_kinematics(
     let name = &model.frame_of(frame).name;
     check_options(options)?;
     check_target(&target)?;
-    check_configuration(model, start).map_err(MotionError::from)?;
+    check_configuration(model, start).map_err(|error| error.of("the start's q"))?;
 
     let mut attempt = Attempt::new(model, frame, &target, options);
     let mut best = attempt.run(workspace, start, IterationBudget::Short);

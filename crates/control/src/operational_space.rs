@@ -15,15 +15,14 @@ pub use target::{PoseReference, TaskReference, TaskTarget};
 pub use task::{TaskControl, TaskGains};
 
 use nalgebra::{DMatrix, DVector};
-use robot_dynamics_core::algorithms::motion_error::{check_result, check_vector};
 use robot_dynamics_core::{
-    FrameId, Model, MotionError, Workspace, bias, check_configuration, check_rank,
+    FrameId, Model, Workspace, bias, check_configuration, check_rank, check_vector,
     frame_bias_acceleration_world_aligned, frame_jacobian_world_aligned,
 };
 use robot_dynamics_description::check_length;
+use robot_dynamics_number::{check_finite, check_result};
 use robot_dynamics_simulation::motion::integrate::MassFactor;
-use robot_dynamics_simulation::motion::operational_space_error::check_entries;
-use robot_dynamics_simulation::{OperationalSpaceError, SpatialAxis};
+use robot_dynamics_simulation::{ControllerError, SpatialAxis};
 
 use self::actuated_part::ActuatedPart;
 use self::mobility::{MOST_ROWS, Mobility};
@@ -119,7 +118,7 @@ impl OperationalSpaceWorkspace {
 /// ```
 ///
 /// # Errors
-/// [`OperationalSpaceError`] if q is an invalid configuration, v is not finite, M or J M⁻¹Jᵀ is singular, or
+/// [`ControllerError`] if q is an invalid configuration, v is not finite, M or J M⁻¹Jᵀ is singular, or
 /// a result overflows.
 ///
 /// # Panics
@@ -132,7 +131,7 @@ pub fn operational_space(
     v: &[f64],
     frame: FrameId,
     rows: &[SpatialAxis],
-) -> Result<OperationalSpace, OperationalSpaceError> {
+) -> Result<OperationalSpace, ControllerError> {
     workspace.check_inputs(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
@@ -173,7 +172,7 @@ pub fn operational_space_into(
     frame: FrameId,
     rows: &[SpatialAxis],
     space: &mut OperationalSpace,
-) -> Result<(), OperationalSpaceError> {
+) -> Result<(), ControllerError> {
     let OperationalSpaceWorkspace { dynamics, scratch } = workspace;
     compute(model, dynamics, scratch, q, v, frame, rows, space)
 }
@@ -188,20 +187,20 @@ fn compute(
     frame: FrameId,
     rows: &[SpatialAxis],
     space: &mut OperationalSpace,
-) -> Result<(), OperationalSpaceError> {
+) -> Result<(), ControllerError> {
     let (nv, count) = (model.nv(), rows.len());
     assert!((1..=MOST_ROWS).contains(&count), "an operational space has one to six rows, not {count}");
     check_length("the operational space", space.inertia.nrows(), count);
     check_length("a row of the operational space's J", space.jacobian.ncols(), nv);
-    check_configuration(model, q).map_err(MotionError::from)?;
+    check_configuration(model, q)?;
     check_vector(model, "v", v)?;
     let Scratch { jacobian: full, force, mass, part, damping } = scratch;
     frame_jacobian_world_aligned(model, workspace, q, frame, full);
     let rate = frame_bias_acceleration_world_aligned(model, workspace, q, v, frame);
     bias(model, workspace, q, v, force);
-    check_rank(model, workspace, q).map_err(MotionError::from)?;
+    check_rank(model, workspace, q)?;
     if mass.factor(model, workspace, q).is_err() {
-        return Err(singular_mass(model, q).into());
+        return Err(singular_mass(model, q));
     }
 
     let OperationalSpace { inertia, jacobian, consistent_inverse, bias_acceleration, bias_force } = space;
@@ -235,7 +234,7 @@ fn compute(
         None => mobility.factor(LEAST_MOBILITY).map(|_| ()),
     };
     if let Err((row, pivot)) = factored {
-        return Err(OperationalSpaceError::Singular { row: rows[row].name(), pivot });
+        return Err(ControllerError::SingularPose { row: rows[row].name(), pivot });
     }
     mobility.invert(inertia);
     for i in 0..nv {
@@ -274,12 +273,12 @@ impl OperationalSpace {
     /// [`torque_with_posture`](Self::torque_with_posture). It allocates.
     ///
     /// # Errors
-    /// [`OperationalSpaceError`] if ẍ is not finite, or τ overflows.
+    /// [`ControllerError`] if ẍ is not finite, or τ overflows.
     ///
     /// # Panics
     /// Panics if ẍ has the wrong length.
     #[track_caller]
-    pub fn torque(&self, acceleration: &[f64]) -> Result<DVector<f64>, OperationalSpaceError> {
+    pub fn torque(&self, acceleration: &[f64]) -> Result<DVector<f64>, ControllerError> {
         let mut tau = DVector::zeros(self.jacobian.ncols());
         self.add_force(&self.force(acceleration)?, tau.as_mut_slice())?;
         Ok(tau)
@@ -288,12 +287,12 @@ impl OperationalSpace {
     /// (1 − JᵀJ̄ᵀ) τ₀: a torque without its component that accelerates the frame. It allocates.
     ///
     /// # Errors
-    /// [`OperationalSpaceError`] if τ₀ is not finite, or the result overflows.
+    /// [`ControllerError`] if τ₀ is not finite, or the result overflows.
     ///
     /// # Panics
     /// Panics if τ₀ has the wrong length.
     #[track_caller]
-    pub fn null_torque(&self, tau: &[f64]) -> Result<DVector<f64>, OperationalSpaceError> {
+    pub fn null_torque(&self, tau: &[f64]) -> Result<DVector<f64>, ControllerError> {
         let mut rest = DVector::zeros(self.jacobian.ncols());
         self.with_null_torque([0.0; MOST_ROWS], tau, rest.as_mut_slice())?;
         Ok(rest)
@@ -332,7 +331,7 @@ impl OperationalSpace {
     /// ```
     ///
     /// # Errors
-    /// [`OperationalSpaceError`] if ẍ or τ₀ is not finite, or τ overflows; τ is then unspecified.
+    /// [`ControllerError`] if ẍ or τ₀ is not finite, or τ overflows; τ is then unspecified.
     ///
     /// # Panics
     /// Panics if a slice has the wrong length.
@@ -342,15 +341,15 @@ impl OperationalSpace {
         acceleration: &[f64],
         posture: &[f64],
         tau: &mut [f64],
-    ) -> Result<(), OperationalSpaceError> {
+    ) -> Result<(), ControllerError> {
         self.with_null_torque(self.force(acceleration)?, posture, tau)
     }
 
     /// F = Λ ẍ + μ + p.
-    fn force(&self, acceleration: &[f64]) -> Result<[f64; MOST_ROWS], OperationalSpaceError> {
+    fn force(&self, acceleration: &[f64]) -> Result<[f64; MOST_ROWS], ControllerError> {
         let count = self.inertia.nrows();
         check_length("the acceleration", acceleration.len(), count);
-        check_entries("the acceleration", acceleration)?;
+        check_finite("the acceleration", acceleration)?;
         let mut force = [0.0; MOST_ROWS];
         for k in 0..count {
             let push: f64 = (0..count).map(|j| self.inertia[(k, j)] * acceleration[j]).sum();
@@ -365,11 +364,11 @@ impl OperationalSpace {
         mut force: [f64; MOST_ROWS],
         posture: &[f64],
         tau: &mut [f64],
-    ) -> Result<(), OperationalSpaceError> {
+    ) -> Result<(), ControllerError> {
         let nv = self.jacobian.ncols();
         check_length("the posture's torque", posture.len(), nv);
         check_length("tau", tau.len(), nv);
-        check_entries("the posture's torque", posture)?;
+        check_finite("the posture's torque", posture)?;
         for (force, column) in force.iter_mut().zip(self.consistent_inverse.column_iter()) {
             *force -= column.iter().zip(posture).map(|(j, tau)| j * tau).sum::<f64>();
         }
@@ -378,10 +377,10 @@ impl OperationalSpace {
     }
 
     /// τ ← τ + JᵀF.
-    fn add_force(&self, force: &[f64; MOST_ROWS], tau: &mut [f64]) -> Result<(), OperationalSpaceError> {
+    fn add_force(&self, force: &[f64; MOST_ROWS], tau: &mut [f64]) -> Result<(), ControllerError> {
         for (tau, column) in tau.iter_mut().zip(self.jacobian.column_iter()) {
             *tau += column.iter().zip(force).map(|(j, f)| j * f).sum::<f64>();
         }
-        Ok(check_result("the torque", tau)?)
+        Ok(check_result("the torque", &*tau)?)
     }
 }

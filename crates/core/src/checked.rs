@@ -6,9 +6,9 @@ mod pullback;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use robot_dynamics_description::Pose;
+use robot_dynamics_number::check_result;
 
-use crate::algorithms::motion_error::{check_result, check_vector};
-use crate::{CentroidalMomentum, FrameId, Model, MotionError, Workspace, check_configuration};
+use crate::{CentroidalMomentum, FrameId, Model, MotionError, Workspace, check_configuration, check_vector};
 
 pub use pullback::{ForwardPullback, InversePullback};
 
@@ -50,7 +50,7 @@ type Result<T> = core::result::Result<T, MotionError>;
 /// invert M return [`MotionError::SingularMass`] with the joints that move no inertia.
 ///
 /// ```
-/// use robot_dynamics::algorithms::MotionError;
+/// use robot_dynamics::ErrorKind;
 /// use robot_dynamics::description::{RandomRobotOptions, random_robot};
 /// use robot_dynamics::model::{Model, neutral};
 /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
@@ -61,7 +61,9 @@ type Result<T> = core::result::Result<T, MotionError>;
 /// let mut wrong = v;
 /// wrong[2] = f64::NAN;
 /// let error = model.bias(&q, &wrong).unwrap_err();
-/// assert!(matches!(error, MotionError::NotFinite { quantity: "v", index: 2, .. }));
+/// let error = robot_dynamics::Error::from(error);
+/// assert_eq!(error.kind(), ErrorKind::InvalidInput);
+/// assert!(error.to_string().starts_with("v[2]"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[allow(clippy::missing_errors_doc)] // documented on the block
@@ -162,14 +164,16 @@ impl Model {
     pub fn kinetic_energy(&self, q: &[f64], v: &[f64]) -> Result<f64> {
         self.check_state(q, v)?;
         let energy = crate::kinetic_energy(self, &mut Workspace::new(self), q, v);
-        check_result("the kinetic energy", &[energy]).map(|()| energy)
+        check_result("the kinetic energy", &[energy])?;
+        Ok(energy)
     }
 
     /// V \[J\]; see [`potential_energy`](crate::potential_energy).
     pub fn potential_energy(&self, q: &[f64]) -> Result<f64> {
         check_configuration(self, q)?;
         let energy = crate::potential_energy(self, &mut Workspace::new(self), q);
-        check_result("the potential energy", &[energy]).map(|()| energy)
+        check_result("the potential energy", &[energy])?;
+        Ok(energy)
     }
 
     /// The centre of mass of the moving bodies in the world \[m\]; see
@@ -178,7 +182,8 @@ impl Model {
         check_configuration(self, q)?;
         self.check_has_mass()?;
         let center = crate::center_of_mass(self, &mut Workspace::new(self), q);
-        check_result("the centre of mass", &center).map(|()| center.into())
+        check_result("the centre of mass", &center)?;
+        Ok(center.into())
     }
 
     /// ċ = J v, 3×nv; see [`center_of_mass_jacobian`](crate::center_of_mass_jacobian).
@@ -193,7 +198,8 @@ impl Model {
         self.check_state(q, v)?;
         self.check_has_mass()?;
         let momentum = crate::centroidal_momentum(self, &mut Workspace::new(self), q, v);
-        check_result("the momentum", &[momentum.linear, momentum.angular].concat()).map(|()| momentum)
+        check_result("the momentum", &[momentum.linear, momentum.angular].concat())?;
+        Ok(momentum)
     }
 
     /// A_G, 6×nv; see [`centroidal_momentum_matrix`](crate::centroidal_momentum_matrix).
@@ -320,7 +326,7 @@ impl Model {
 
     fn check_state(&self, q: &[f64], v: &[f64]) -> Result<()> {
         check_configuration(self, q)?;
-        check_vector(self, "v", v)
+        Ok(check_vector(self, "v", v)?)
     }
 
     fn check_has_mass(&self) -> Result<()> {
@@ -337,7 +343,8 @@ impl Model {
     ) -> Result<DVector<f64>> {
         let mut vector = DVector::zeros(self.nv);
         compute(&mut Workspace::new(self), vector.as_mut_slice());
-        check_result(quantity, vector.as_slice()).map(|()| vector)
+        check_result(quantity, vector.as_slice())?;
+        Ok(vector)
     }
 
     fn matrix(

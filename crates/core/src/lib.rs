@@ -107,8 +107,8 @@ pub use checked::{ForwardDynamicsDerivatives, ForwardPullback, InverseDynamicsDe
 pub use configuration::cotangent::{cotangent_from_coordinates, cotangent_to_coordinates};
 pub use configuration::joint_map::{JointMap, JointMapError};
 pub use configuration::manifold::{
-    ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,
-    normalize_quaternions, random_within_limits,
+    check_configuration, check_vector, difference, integrate, interpolate, neutral, normalize_quaternions,
+    random_within_limits,
 };
 pub use derivatives::{
     PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError, center_of_mass_velocity_derivative,

@@ -1,5 +1,6 @@
 //! Changes of a description before it is compiled: lock joints, attach loads, scale gravity.
 
+use robot_dynamics_number::{Classified, ErrorKind};
 use thiserror::Error;
 
 use crate::joint::JointDescription;
@@ -46,6 +47,17 @@ pub enum EditError {
     /// The factor is not finite.
     #[error("gravity cannot be scaled by {0}; give a finite factor")]
     BadFactor(f64),
+}
+
+impl Classified for EditError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NoSuch { .. } => ErrorKind::UnknownName,
+            Self::BadPosition { .. } | Self::BadFactor(_) => ErrorKind::InvalidInput,
+            Self::Follows { .. } => ErrorKind::Unsupported,
+            Self::Model(error) => error.kind(),
+        }
+    }
 }
 
 impl RobotDescription {

@@ -1,5 +1,6 @@
 //! Errors of a robot description.
 
+use robot_dynamics_number::{Classified, ErrorKind};
 use thiserror::Error;
 
 /// The plural of a sort.
@@ -104,6 +105,12 @@ pub enum ModelError {
     },
 }
 
+impl Classified for ModelError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Description
+    }
+}
+
 /// The robot has no frame of this name.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("robot `{robot}` has no frame or link `{name}`{}", .similar.as_ref().map(|similar| format!("; did you mean `{similar}`?")).unwrap_or_default())]
@@ -115,6 +122,12 @@ pub struct NoSuchFrame {
     pub name: String,
     /// The most similar name of the robot, if there is one.
     pub similar: Option<String>,
+}
+
+impl Classified for NoSuchFrame {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::UnknownName
+    }
 }
 
 impl NoSuchFrame {

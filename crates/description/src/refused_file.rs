@@ -3,6 +3,8 @@
 use core::error::Error;
 use core::fmt;
 
+use robot_dynamics_number::{Classified, ErrorKind};
+
 use crate::LoadReport;
 
 /// All errors of a robot file, in the order of its lines, with its other findings. E is an error of the
@@ -70,5 +72,11 @@ impl<E: fmt::Display> fmt::Display for RefusedFile<E> {
 impl<E: Error + 'static> Error for RefusedFile<E> {
     fn source(&self) -> Option<&(dyn Error + 'static)> {
         self.errors.first().map(|error| error as _)
+    }
+}
+
+impl<E: Error + Send + Sync + 'static> Classified for RefusedFile<E> {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::File
     }
 }

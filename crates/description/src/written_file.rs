@@ -1,5 +1,6 @@
 //! The text of a robot's file, with a list of what the format cannot represent.
 
+use robot_dynamics_number::{Classified, ErrorKind};
 use thiserror::Error;
 
 use crate::ModelError;
@@ -63,4 +64,13 @@ pub enum WriteError {
     /// The format cannot represent its tree; lists every reason.
     #[error("{}", .0.join("; "))]
     Unwritable(Vec<String>),
+}
+
+impl Classified for WriteError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Model(error) => error.kind(),
+            Self::Unwritable(_) => ErrorKind::Unsupported,
+        }
+    }
 }

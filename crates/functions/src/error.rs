@@ -2,6 +2,7 @@
 
 use robot_dynamics_core::SingularMass;
 use robot_dynamics_description::NoSuchFrame;
+use robot_dynamics_number::{Classified, ErrorKind};
 use thiserror::Error;
 
 use crate::Function;
@@ -37,6 +38,16 @@ pub enum FunctionError {
         /// The motions that move no inertia.
         cause: SingularMass,
     },
+}
+
+impl Classified for FunctionError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Unknown { .. } | Self::NoSlopes { .. } => ErrorKind::UnknownName,
+            Self::NoSuchFrame(error) => error.kind(),
+            Self::Singular { .. } => ErrorKind::Singular,
+        }
+    }
 }
 
 fn plain_names() -> String {

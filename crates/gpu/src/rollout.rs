@@ -1,5 +1,6 @@
 //! Rollouts: the states stay on the device from step to step.
 
+use robot_dynamics::InvalidInput;
 use robot_dynamics::batch::{BadStates, RolloutError, RolloutProgress, Torques};
 use robot_dynamics::derivatives::Rollout;
 use robot_dynamics::simulation::Integrator;
@@ -89,8 +90,11 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
     /// The step in the device's precision, and the function that computes it.
     fn check_rollout(rollout: &Rollout) -> Result<(T, Function), DeviceError> {
         let h = T::from_f64(rollout.step);
+        // A step that is positive in f64 may be 0 or infinite in f32.
         if !(h.is_finite() && h > T::zero()) {
-            return Err(RolloutError::BadStep { step: rollout.step }.into());
+            let range = format!("positive and finite in {}", std::any::type_name::<T>());
+            let error = InvalidInput::out_of_range("the step", rollout.step, "s", range);
+            return Err(RolloutError::from(error).into());
         }
         let integrator = rollout.integrator;
         Ok((h, step_of(integrator).ok_or(DeviceError::NoStep { integrator })?))

@@ -1,6 +1,7 @@
 //! Errors of steps and runs.
 
 use core::fmt;
+use robot_dynamics_number::{Classified, ErrorKind};
 
 use crate::Integrator;
 
@@ -22,6 +23,15 @@ pub enum DynamicsError {
         /// The pivot there, in the units of M's diagonal; it must be positive.
         pivot: f64,
     },
+}
+
+impl Classified for DynamicsError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NonFinite { .. } => ErrorKind::Diverged,
+            Self::SingularMass { .. } => ErrorKind::Singular,
+        }
+    }
 }
 
 impl fmt::Display for DynamicsError {
@@ -83,6 +93,20 @@ pub enum IntegratorError {
         /// The name as given.
         name: String,
     },
+}
+
+impl Classified for IntegratorError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Dynamics(error) => error.kind(),
+            Self::NotConverged { .. } => ErrorKind::NotConverged,
+            Self::EnergyNotFinite { .. } => ErrorKind::Diverged,
+            Self::BadStep { .. } => ErrorKind::InvalidInput,
+            Self::OffConstraint { .. } => ErrorKind::Constraint,
+            Self::Interrupted => ErrorKind::Interrupted,
+            Self::UnknownName { .. } => ErrorKind::UnknownName,
+        }
+    }
 }
 
 impl fmt::Display for IntegratorError {

@@ -1,6 +1,6 @@
 //! Errors of compilation to machine code.
 
-use robot_dynamics_number::InstructionSet;
+use robot_dynamics_number::{Classified, ErrorKind, InstructionSet};
 
 /// The reason why a graph was not compiled.
 #[derive(Debug, thiserror::Error)]
@@ -77,4 +77,15 @@ pub enum CompileError {
         /// The value by the graph.
         expected: f64,
     },
+}
+
+impl Classified for CompileError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NotOnThisProcessor { .. } | Self::Refused { .. } | Self::Differs { .. } => {
+                ErrorKind::System
+            }
+            _ => ErrorKind::Unsupported,
+        }
+    }
 }

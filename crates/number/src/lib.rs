@@ -59,9 +59,17 @@ pub mod dispatch;
 // The seeded generator of test states.
 mod random;
 
+// Invalid numbers, and the kinds of all errors.
+mod error_kind;
+mod invalid_input;
+
 pub use dual::Dual;
+pub use error_kind::{Classified, ErrorKind};
 pub use float::Float;
 pub use instruction_set::InstructionSet;
+pub use invalid_input::{
+    InputProblem, InvalidInput, check_finite, check_number, check_positive, check_result,
+};
 pub use random::SplitMix64;
 pub use scalar::Scalar;
 #[doc(hidden)]

@@ -7,7 +7,7 @@
 //! let (q, rest) = (robot_dynamics::model::neutral(model), vec![0.0; model.nv()]);
 //! let hold = model.inverse_dynamics(&q, &rest, &rest)?; // the torques that hold it still
 //! assert_eq!(hold, model.gravity_forces(&q)?);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! # Ok::<(), robot_dynamics::Error>(())
 //! ```
 //!
 //! | module | contents |
@@ -29,8 +29,11 @@
 //! | [`mesh_corners`], [`height_field`] | points of a shape's mesh file, and height fields, for contact |
 //! | `json`, with the feature `json` | states and results as lines of JSON |
 //! | [`urdf`], [`mjcf`] | the readers of each format, with their own reports |
+//! | [`Error`], [`ErrorKind`] | the error that every error of the library converts to, and its kind |
+//! | [`InvalidInput`] | an argument of the wrong length, not finite, or out of its range |
 //! | [`prelude`] | the names that most programs use |
 
+mod error;
 mod height_field;
 #[cfg(feature = "json")]
 pub mod json;
@@ -45,7 +48,9 @@ pub use robot_dynamics_urdf as urdf;
 
 pub use robot_dynamics_core::conventions;
 pub use robot_dynamics_description::{plausibility, text};
+pub use robot_dynamics_number::{Classified, ErrorKind, InputProblem, InvalidInput};
 
+pub use error::Error;
 pub use height_field::height_field;
 pub use load::{
     FileError, LoadError, LoadedDescription, Robot, describe, describe_among, describe_text, load, load_with,
@@ -78,8 +83,8 @@ pub mod description {
 /// The compiled model, its configuration space and its memory.
 pub mod model {
     pub use robot_dynamics_core::{
-        ConfigurationError, Frame, FrameId, InstructionSet, Joint, JointMap, JointMapError, Model,
-        NativeCode, NativeFunction, NativeReport, NativeUse, RandomState, Workspace, check_configuration,
+        Frame, FrameId, InstructionSet, Joint, JointMap, JointMapError, Model, NativeCode, NativeFunction,
+        NativeReport, NativeUse, RandomState, Workspace, check_configuration, check_vector,
         cotangent_from_coordinates, cotangent_to_coordinates, difference, integrate, interpolate,
         lock_massless, neutral, normalize_quaternions, random_state, random_within_limits,
     };
@@ -164,15 +169,13 @@ pub mod simulation {
     pub use robot_dynamics_simulation::{
         ActuatedStepError, Actuation, ActuationWorkspace, CallbackError, ConstantTorque, Controller,
         ControllerError, DivergenceCause, Event, EventOccurrence, GravityAt, GravityCompensatedPd, Implicit,
-        IntoCallbackResult, Losses, MujocoEuler, OperationalSpaceError, PointForce, Run, RunError,
-        RunFailure, Sample, SensorInputs, SensorMemory, SensorSet, StepError, StepFault, StepForces,
-        StepInfo, StepStagesWorkspace, StepWorkspace, Stepper, Trajectory, ZeroTorque, energy_ledger,
-        record_step, step, step_stages,
+        IntoCallbackResult, Losses, MujocoEuler, PointForce, Run, RunError, RunFailure, Sample, SensorInputs,
+        SensorMemory, SensorSet, StepError, StepFault, StepForces, StepInfo, StepStagesWorkspace,
+        StepWorkspace, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step, step, step_stages,
     };
     #[cfg(feature = "adaptive")]
     pub use robot_dynamics_simulation::{
-        AdaptiveMethod, AdaptiveOptions, AdaptiveOptionsError, AdaptiveRecord, AdaptiveStepError,
-        ControlTiming, StepStatistics,
+        AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, AdaptiveStepError, ControlTiming, StepStatistics,
     };
 }
 
@@ -217,6 +220,7 @@ pub mod verification {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub mod prelude {
+    pub use crate::ErrorKind;
     pub use crate::algorithms::{
         bias, coriolis_matrix, forward_dynamics, frame_jacobian_world_aligned, frame_pose, gravity,
         inverse_dynamics, kinetic_energy, mass_matrix, potential_energy,
@@ -224,6 +228,7 @@ pub mod prelude {
     pub use crate::description::{
         JointDescription, JointKind, LinkDescription, MassProperties, Pose, RobotDescription, pendulum,
     };
+    pub use crate::error::Error;
     pub use crate::load::{Robot, load};
     pub use crate::model::{Model, Workspace, difference, integrate, neutral};
     pub use crate::simulation::{Simulation, SimulationBuilder};

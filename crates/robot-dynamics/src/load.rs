@@ -1,5 +1,6 @@
 //! Loads robot files of all formats.
 
+use robot_dynamics_number::{Classified, ErrorKind};
 use std::path::Path;
 
 use robot_dynamics_mjcf::FileSet;
@@ -91,6 +92,15 @@ pub enum LoadError {
     Model(#[from] ModelError),
 }
 
+impl Classified for LoadError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::File(error) => error.kind(),
+            Self::Model(error) => error.kind(),
+        }
+    }
+}
+
 /// The reason for which a robot file is refused, by its format.
 ///
 /// ```
@@ -108,6 +118,12 @@ pub enum FileError {
     /// A file with the outermost element `<mujoco>`.
     #[error(transparent)]
     Mjcf(#[from] robot_dynamics_mjcf::LoadError),
+}
+
+impl Classified for FileError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::File
+    }
 }
 
 impl FileError {

@@ -1,5 +1,6 @@
 //! Writes output files: no input is overwritten, and either all files are written or none.
 
+use robot_dynamics_number::{Classified, ErrorKind};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -233,6 +234,12 @@ pub struct NotWritten {
     pub path: PathBuf,
     /// The cause.
     pub cause: io::Error,
+}
+
+impl Classified for NotWritten {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::File
+    }
 }
 
 /// Temporary files, and folders that were created for them. Drop removes those that have not been renamed.

@@ -44,7 +44,6 @@ pub use motion::linearize_step::{
     DifferenceError, LinearizeStepError, LinearizeStepWorkspace, linearize_by_differences, linearize_step,
 };
 pub use motion::mujoco_euler::MujocoEuler;
-pub use motion::operational_space_error::OperationalSpaceError;
 pub use motion::pullback::{
     PullbackError, Rollout, RolloutPullbackWorkspace, StepPullbackWorkspace, rollout_pullback, step_pullback,
 };
@@ -55,7 +54,6 @@ pub use motion::simulate::{
 };
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{
-    AdaptiveMethod, AdaptiveOptions, AdaptiveOptionsError, AdaptiveRecord, AdaptiveStepError, ControlTiming,
-    StepStatistics,
+    AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, AdaptiveStepError, ControlTiming, StepStatistics,
 };
 pub use sensors::{PointForce, SensorInputs, SensorMemory, SensorSet};

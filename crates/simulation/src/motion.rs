@@ -5,6 +5,5 @@ pub mod implicit;
 pub mod integrate;
 pub mod linearize_step;
 pub(crate) mod mujoco_euler;
-pub mod operational_space_error;
 pub mod pullback;
 pub mod simulate;

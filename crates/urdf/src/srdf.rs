@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use robot_dynamics_description::RobotDescription;
+use robot_dynamics_number::{Classified, ErrorKind};
 use robot_dynamics_xml::roxmltree::Node;
 use robot_dynamics_xml::{Lines, XmlError, excerpt};
 use thiserror::Error;
@@ -28,6 +29,12 @@ pub enum SrdfError {
     /// The name of a link is missing.
     #[error("line {line}: <{element}> lacks the attribute `{attribute}`, the name of a link")]
     MissingAttribute { line: usize, element: String, attribute: &'static str },
+}
+
+impl Classified for SrdfError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::File
+    }
 }
 
 /// The pairs of links for which an SRDF file disables collisions, each once. `links` are the robot's links.

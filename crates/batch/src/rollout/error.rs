@@ -1,6 +1,7 @@
 //! Errors of rollouts.
 
 use robot_dynamics_integrators::Integrator;
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 use robot_dynamics_simulation::motion::integrate::explicit::explicit_names;
 use thiserror::Error;
 
@@ -22,11 +23,8 @@ pub enum RolloutError {
         batch: usize,
     },
     /// The step is not positive and finite.
-    #[error("the step must be positive and finite, got {step} s")]
-    BadStep {
-        /// The given step \[s\].
-        step: f64,
-    },
+    #[error(transparent)]
+    Input(#[from] InvalidInput),
     /// The row solves an equation in each step.
     #[error(
         "{integrator} solves an equation at each step; batches move by explicit rows: {}",
@@ -42,4 +40,15 @@ pub enum RolloutError {
          rollout back with `Torques::EachStep`, and add what the policy's own slopes make of `by_force`"
     )]
     Policy,
+}
+
+impl Classified for RolloutError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::BadStates(error) => error.kind(),
+            Self::Cancelled { .. } => ErrorKind::Interrupted,
+            Self::Input(error) => error.kind(),
+            Self::Implicit { .. } | Self::Policy => ErrorKind::Unsupported,
+        }
+    }
 }

@@ -8,7 +8,7 @@ mod native;
 
 use robot_dynamics_core::{Model, parameter_count};
 use robot_dynamics_integrators::StepScheme;
-use robot_dynamics_number::Float;
+use robot_dynamics_number::{Float, check_positive};
 use robot_dynamics_simulation::Rollout;
 
 use self::backward::Backward;
@@ -36,9 +36,7 @@ pub(crate) fn compute<T: Float + Number>(
 ) -> Result<(), RolloutError> {
     workspace.check(model);
     let (h, nq, nv, integrator) = (rollout.step, model.nq, model.nv, rollout.integrator);
-    if !(h > 0.0 && h.is_finite()) {
-        return Err(RolloutError::BadStep { step: h });
-    }
+    check_positive("the step", h, "s")?;
     let StepScheme::Explicit(stages) = integrator.scheme() else {
         return Err(RolloutError::Implicit { integrator });
     };

@@ -2,7 +2,7 @@
 
 use robot_dynamics_core::Model;
 use robot_dynamics_integrators::{Stage, StepScheme};
-use robot_dynamics_number::Float;
+use robot_dynamics_number::{Float, check_positive};
 use robot_dynamics_simulation::Rollout;
 
 use super::error::RolloutError;
@@ -38,9 +38,7 @@ pub(crate) fn move_states<T: Float + Number>(
 ) -> Result<(), RolloutError> {
     workspace.check(model);
     let (h, nq, nv) = (rollout.step, model.nq, model.nv);
-    if !(h > 0.0 && h.is_finite()) {
-        return Err(RolloutError::BadStep { step: h });
-    }
+    check_positive("the step", h, "s")?;
     let integrator = rollout.integrator;
     let StepScheme::Explicit(stages) = integrator.scheme() else {
         return Err(RolloutError::Implicit { integrator });

@@ -1,6 +1,7 @@
 //! Rollouts of batches by any stepper, state by state: stiff joints, stops, friction and contact.
 
 use robot_dynamics_core::Model;
+use robot_dynamics_number::check_positive;
 use robot_dynamics_simulation::{StepForces, StepWorkspace, Stepper};
 
 use super::error::RolloutError;
@@ -107,9 +108,7 @@ pub fn rollout_by_stepper<S: Stepper + Clone + Sync>(
 ) -> Result<(), RolloutError> {
     workspace.check(model);
     let (h, nq, nv) = (rollout.step, model.nq(), model.nv());
-    if !(h > 0.0 && h.is_finite()) {
-        return Err(RolloutError::BadStep { step: h });
-    }
+    check_positive("the step", h, "s")?;
     assert!(q.len().is_multiple_of(nq.max(1)), "q has {} numbers, not a multiple of nq = {nq}", q.len());
     let batch = q.len() / nq.max(1);
     check_table("v", v.len(), batch, nv);

@@ -5,9 +5,9 @@ use core::fmt;
 use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::factorization::singular_values::SingularValues;
 use robot_dynamics_core::{Model, Workspace, joint_torque_regressor, random_state};
-use robot_dynamics_number::SplitMix64;
+use robot_dynamics_number::{SplitMix64, check_finite, check_result};
 
-use super::error::{check_entries, check_results};
+use super::error::check_inertial_parameters;
 use super::{IdentificationError, MotionRecord, inertial_parameter_names};
 
 /// A column is dependent if its part independent of the earlier columns is below this fraction of its length.
@@ -167,12 +167,9 @@ impl BaseParameters {
     /// [`IdentificationError`] if the list has the wrong length or an entry that is not finite.
     pub fn values(&self, parameters: &[f64]) -> Result<DVector<f64>, IdentificationError> {
         let expected = self.combinations.ncols();
-        if parameters.len() != expected {
-            return Err(IdentificationError::WrongLength { found: parameters.len(), expected });
-        }
-        check_entries("the inertial parameters", parameters)?;
+        check_inertial_parameters(parameters, expected)?;
         let values = &self.combinations * DVector::from_column_slice(parameters);
-        check_results("β", values.iter())?;
+        check_result("β", values.iter())?;
         Ok(values)
     }
 
@@ -230,7 +227,7 @@ impl BaseParameters {
             (left.norm_squared() / freedom * sum).sqrt() / lengths[i]
         };
         let values = DVector::from_fn(unknowns, |i, _| scaled[i] / lengths[i]);
-        check_results("β", values.iter().chain([&residual]))?;
+        check_result("β", values.iter().chain([&residual]))?;
         Ok(IdentificationResult {
             standard_deviations: DVector::from_fn(unknowns, |i, _| spread(i)),
             values,
@@ -257,7 +254,7 @@ impl BaseParameters {
         prior: &[f64],
     ) -> Result<DVector<f64>, IdentificationError> {
         assert_eq!(values.len(), self.len(), "{} base values, the robot has {}", values.len(), self.len());
-        check_entries("the base values", values.as_slice())?;
+        check_finite("the base values", values.as_slice())?;
         let missing = values - self.values(prior)?;
         let scale = DVector::from_fn(prior.len(), |i, _| {
             let link = &prior
@@ -275,7 +272,7 @@ impl BaseParameters {
         // B has full row rank and D is positive.
         let solved = gram.cholesky().map_or_else(|| DVector::zeros(missing.len()), |g| g.solve(&missing));
         let nearest = DVector::from_column_slice(prior) + weighted.tr_mul(&solved);
-        check_results("the nearest parameters", nearest.iter())?;
+        check_result("the nearest parameters", nearest.iter())?;
         Ok(nearest)
     }
 }

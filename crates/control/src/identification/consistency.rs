@@ -2,9 +2,10 @@
 
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use robot_dynamics_core::{Model, PARAMETERS_PER_LINK};
+use robot_dynamics_number::check_result;
 
 use super::IdentificationError;
-use super::error::{check_entries, check_results};
+use super::error::check_inertial_parameters;
 
 /// J = \[Σ h; hᵀ m\] with Σ = ½ tr(I) 1 − I: the pseudo-inertia of a link's ten parameters.
 ///
@@ -78,10 +79,7 @@ pub fn physical_consistency(
     parameters: &[f64],
 ) -> Result<Vec<LinkConsistency>, IdentificationError> {
     let expected = PARAMETERS_PER_LINK * model.moving_links().count();
-    if parameters.len() != expected {
-        return Err(IdentificationError::WrongLength { found: parameters.len(), expected });
-    }
-    check_entries("the inertial parameters", parameters)?;
+    check_inertial_parameters(parameters, expected)?;
     let (links, _) = parameters.as_chunks::<PARAMETERS_PER_LINK>();
     let verdict = |(link, parameters): (&str, &[f64; PARAMETERS_PER_LINK])| {
         let eigenvalues = pseudo_inertia(parameters).symmetric_eigenvalues();
@@ -93,6 +91,6 @@ pub fn physical_consistency(
         }
     };
     let verdicts: Vec<LinkConsistency> = model.moving_links().zip(links).map(verdict).collect();
-    check_results("a pseudo-inertia", verdicts.iter().flat_map(|link| [&link.smallest, &link.largest]))?;
+    check_result("a pseudo-inertia", verdicts.iter().flat_map(|link| [&link.smallest, &link.largest]))?;
     Ok(verdicts)
 }

@@ -1,5 +1,6 @@
 //! Errors of parameter identification.
 
+use robot_dynamics_number::{Classified, ErrorKind, InputProblem, InvalidInput, check_finite};
 use thiserror::Error;
 
 /// An error of parameter identification.
@@ -20,28 +21,12 @@ pub enum IdentificationError {
         coordinates: usize,
     },
     /// A sample has an invalid configuration or a number that is not finite.
-    #[error("sample {sample}: {reason}")]
+    #[error("sample {sample}: {source}")]
     BadSample {
         /// The index of the sample.
         sample: usize,
         /// The problem with the sample.
-        reason: String,
-    },
-    /// A given number is NaN or infinite.
-    #[error("{quantity}[{index}] is {value}; every number must be finite")]
-    NotFinite {
-        /// The name of the quantity.
-        quantity: &'static str,
-        /// The index of the entry.
-        index: usize,
-        /// The value of the entry.
-        value: f64,
-    },
-    /// The given numbers are finite, but a result is not.
-    #[error("{quantity} is not finite: the numbers given are too large to compute it; check their units")]
-    Overflow {
-        /// The name of the result.
-        quantity: &'static str,
+        source: InvalidInput,
     },
     /// The data do not excite all of the base parameters.
     #[error(
@@ -55,29 +40,27 @@ pub enum IdentificationError {
         /// The base parameter that is determined worst.
         missing: String,
     },
-    /// A list of parameters has the wrong length.
-    #[error("{found} inertial parameters, the robot has {expected}")]
-    WrongLength {
-        /// The given length.
-        found: usize,
-        /// The required length.
-        expected: usize,
-    },
+    /// A list of parameters has the wrong length or a number that is not finite, or a result overflows.
+    #[error(transparent)]
+    Input(#[from] InvalidInput),
 }
 
-/// Checks that numbers are finite.
-pub(super) fn check_entries(quantity: &'static str, x: &[f64]) -> Result<(), IdentificationError> {
-    match x.iter().position(|x| !x.is_finite()) {
-        Some(index) => Err(IdentificationError::NotFinite { quantity, index, value: x[index] }),
-        None => Ok(()),
+impl Classified for IdentificationError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::BadSample { source, .. } => source.kind(),
+            Self::Input(error) => error.kind(),
+            Self::TooFewData { .. } | Self::NotExcited { .. } => ErrorKind::Infeasible,
+        }
     }
 }
 
-/// Checks that results are finite.
-pub(super) fn check_results<'a>(
-    quantity: &'static str,
-    x: impl IntoIterator<Item = &'a f64>,
-) -> Result<(), IdentificationError> {
-    let finite = x.into_iter().all(|x| x.is_finite());
-    if finite { Ok(()) } else { Err(IdentificationError::Overflow { quantity }) }
+/// Checks that a list has ten finite inertial parameters for each moving link.
+pub(super) fn check_inertial_parameters(parameters: &[f64], expected: usize) -> Result<(), InvalidInput> {
+    let (found, hint) = (parameters.len(), ", ten for each moving link");
+    if found != expected {
+        let problem = InputProblem::WrongLength { found, expected, owner: "the robot".into(), hint };
+        return Err(InvalidInput::new("the list of inertial parameters", problem));
+    }
+    check_finite("the inertial parameters", parameters)
 }

@@ -1,14 +1,13 @@
 //! Records of measured motions.
 
 use nalgebra::{DMatrix, DVector};
-use robot_dynamics_core::algorithms::motion_error::check_vector;
 use robot_dynamics_core::{
-    Model, PARAMETERS_PER_LINK, Workspace, check_configuration, dissipation, inertial_parameters,
-    inverse_dynamics, joint_torque_regressor,
+    Model, PARAMETERS_PER_LINK, Workspace, check_configuration, check_vector, dissipation,
+    inertial_parameters, inverse_dynamics, joint_torque_regressor,
 };
+use robot_dynamics_number::check_result;
 
 use super::IdentificationError;
-use super::error::check_results;
 
 /// Samples (q, v, a, τ) of one robot, as equations W π = τ.
 ///
@@ -41,14 +40,11 @@ impl<'a> MotionRecord<'a> {
     pub fn push(&mut self, q: &[f64], v: &[f64], a: &[f64], tau: &[f64]) -> Result<(), IdentificationError> {
         let nv = self.model.nv();
         let sample = self.len();
-        check_configuration(self.model, q)
-            .map_err(|error| error.to_string())
-            .and_then(|()| {
-                [("v", v), ("a", a), ("tau", tau)].into_iter().try_for_each(|(name, values)| {
-                    check_vector(self.model, name, values).map_err(|error| error.to_string())
-                })
-            })
-            .map_err(|reason| IdentificationError::BadSample { sample, reason })?;
+        let bad_sample = |source| IdentificationError::BadSample { sample, source };
+        check_configuration(self.model, q).map_err(bad_sample)?;
+        for (name, values) in [("v", v), ("a", a), ("tau", tau)] {
+            check_vector(self.model, name, values).map_err(bad_sample)?;
+        }
         let regressor = self.regressor(q, v, a);
         // τ − (ID − Y π): the passive forces of the joints are the difference of inverse dynamics and Y π.
         let mut passive = DVector::zeros(nv);
@@ -60,9 +56,7 @@ impl<'a> MotionRecord<'a> {
             passive += friction;
         }
         let torques = DVector::from_column_slice(tau) - passive;
-        if let Err(error) = check_results("Y π − τ", regressor.iter().chain(torques.iter())) {
-            return Err(IdentificationError::BadSample { sample, reason: error.to_string() });
-        }
+        check_result("Y π − τ", regressor.iter().chain(torques.iter())).map_err(bad_sample)?;
         self.torques.extend(torques.iter());
         self.rows.extend(regressor.transpose().iter());
         Ok(())

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use nalgebra::{Cholesky, DMatrix, Dyn};
+use robot_dynamics_number::{Classified, ErrorKind};
 
 /// An error of [`dlqr`](crate::dlqr).
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +70,16 @@ pub enum DlqrError {
     },
     /// The Riccati equation was not solved to rounding, or its gain leaves a mode that does not decay.
     NotConverged,
+}
+
+impl Classified for DlqrError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NotStabilizable { .. } | Self::NotDetectable { .. } => ErrorKind::Infeasible,
+            Self::NotConverged => ErrorKind::NotConverged,
+            _ => ErrorKind::InvalidInput,
+        }
+    }
 }
 
 impl fmt::Display for DlqrError {

@@ -1,7 +1,8 @@
 //! The dynamics of the actuated coordinates after elimination of the others.
 
 use robot_dynamics_core::factorization::cholesky;
-use robot_dynamics_core::{Model, MotionError, Workspace, check_rank, mass_matrix};
+use robot_dynamics_core::{Model, Workspace, check_rank, mass_matrix};
+use robot_dynamics_simulation::ControllerError;
 
 use super::singular_mass::singular_mass;
 
@@ -44,13 +45,13 @@ impl ActuatedPart {
     /// Factors M_uu at q.
     ///
     /// # Errors
-    /// [`MotionError`] if M is singular.
+    /// [`ControllerError`] if M is singular.
     pub(super) fn factor(
         &mut self,
         model: &Model,
         workspace: &mut Workspace,
         q: &[f64],
-    ) -> Result<(), MotionError> {
+    ) -> Result<(), ControllerError> {
         check_rank(model, workspace, q)?;
         mass_matrix(model, workspace, q, &mut self.mass);
         let (nv, count) = (model.nv(), self.unactuated.len());

@@ -2,9 +2,8 @@
 
 use std::borrow::Borrow;
 
-use robot_dynamics_core::algorithms::motion_error::check_vector;
 use robot_dynamics_core::{
-    Model, MotionError, Workspace, check_configuration, difference, dissipation, inverse_dynamics,
+    Model, Workspace, check_configuration, check_vector, difference, dissipation, inverse_dynamics,
 };
 use robot_dynamics_simulation::motion::simulate::{check_controller_input, check_torque};
 use robot_dynamics_simulation::{Controller, ControllerError, IntoCallbackResult};
@@ -118,11 +117,9 @@ where
         let model: &Model = self.model.borrow();
         check_controller_input(model, t, q, v)?;
         let Reference { q: q_wanted, v: v_wanted, a } = (self.reference)(t).outcome()?;
-        check_configuration(model, &q_wanted)
-            .map_err(MotionError::from)
-            .and_then(|()| check_vector(model, "v", &v_wanted))
-            .and_then(|()| check_vector(model, "a", &a))
-            .map_err(ControllerError::Reference)?;
+        check_configuration(model, &q_wanted).map_err(|error| error.of("the reference's q"))?;
+        check_vector(model, "the reference's v", &v_wanted)?;
+        check_vector(model, "the reference's a", &a)?;
         let nv = model.nv();
         difference(model, q, &q_wanted, &mut self.error);
         for k in 0..nv {
@@ -141,6 +138,6 @@ where
         if let Some(part) = &mut self.part {
             part.reduce(tau);
         }
-        check_torque(tau)
+        Ok(check_torque(tau)?)
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use robot_dynamics_core::{FramePose, Twist};
 use robot_dynamics_description::{Pose, Quaternion};
-use robot_dynamics_simulation::motion::simulate::check_finite;
+use robot_dynamics_number::{InputProblem, InvalidInput, check_finite};
 use robot_dynamics_simulation::{CallbackError, ControllerError, IntoCallbackResult, SpatialAxis};
 
 use super::mobility::MOST_ROWS;
@@ -98,7 +98,7 @@ impl TaskTarget for PoseReference {
         check_finite("the reference angular acceleration", &acceleration.angular)?;
         let defect = wanted.rotation_defect();
         if defect.is_nan() || defect > 1e-6 {
-            return Err(ControllerError::NotARotation { defect });
+            return Err(InvalidInput::new("the reference", InputProblem::NotARotation { defect }).into());
         }
         let position = TaskReference {
             position: wanted.translation,

@@ -3,11 +3,12 @@
 use std::borrow::Borrow;
 
 use robot_dynamics_core::{
-    FrameId, Model, MotionError, check_configuration, difference, frame_pose, frame_velocity_world_aligned,
+    FrameId, Model, check_configuration, difference, frame_pose, frame_velocity_world_aligned,
     inverse_dynamics,
 };
 use robot_dynamics_description::check_length;
-use robot_dynamics_simulation::motion::simulate::{check_controller_input, check_number, check_torque};
+use robot_dynamics_number::check_number;
+use robot_dynamics_simulation::motion::simulate::{check_controller_input, check_torque};
 use robot_dynamics_simulation::{Controller, ControllerError, SpatialAxis};
 
 use super::mobility::MOST_ROWS;
@@ -92,7 +93,7 @@ where
     /// Follows `reference(t)`, which returns a target or a `Result` of one.
     ///
     /// # Errors
-    /// [`ControllerError::BadNumber`] if a gain is not finite.
+    /// [`ControllerError::Motion`] if a gain is not finite.
     pub fn new(
         model: &'a Model,
         frame: FrameId,
@@ -177,7 +178,7 @@ where
     /// # Errors
     /// [`ControllerError`] if q\* is an invalid configuration, or kr is not finite.
     pub fn with_posture(mut self, posture: &[f64], stiffness: f64) -> Result<Self, ControllerError> {
-        check_configuration(self.model.borrow(), posture).map_err(MotionError::from)?;
+        check_configuration(self.model.borrow(), posture)?;
         check_number("the posture's stiffness", stiffness)?;
         self.posture = Some((posture.to_vec(), stiffness));
         Ok(self)

@@ -2,6 +2,7 @@
 
 use robot_dynamics_core::Model;
 use robot_dynamics_description::check_length;
+use robot_dynamics_number::{Classified, ErrorKind};
 use thiserror::Error;
 
 use crate::inverse_kinematics::bounds::Bounds;
@@ -163,4 +164,13 @@ pub enum ParameterizationError {
         /// The path parameter.
         s: f64,
     },
+}
+
+impl Classified for ParameterizationError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::BadLimit { .. } | Self::NotFinite { .. } | Self::BadSpeed { .. } => ErrorKind::InvalidInput,
+            _ => ErrorKind::Infeasible,
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! A cubic spline through waypoints.
 
+use robot_dynamics_number::{Classified, ErrorKind};
 use thiserror::Error;
 
 use super::{TreePath, TreePathPoint};
@@ -44,6 +45,12 @@ pub enum SplineError {
         /// The index of the second of the two.
         index: usize,
     },
+}
+
+impl Classified for SplineError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::InvalidInput
+    }
 }
 
 /// The natural cubic spline through waypoints, twice continuously differentiable, for plain coordinates only.

@@ -186,7 +186,7 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// [`MotionError::Configuration`] if q is an invalid configuration.
+    /// [`MotionError::Input`] if q is an invalid configuration.
     pub fn singular_motions(&self, q: &[f64]) -> Result<Vec<SingularMotion>, MotionError> {
         match self.check_rank(q) {
             Ok(()) => Ok(Vec::new()),
@@ -199,7 +199,7 @@ impl Model {
     ///
     /// # Errors
     /// [`MotionError::SingularMass`] names the joints whose motion moves no inertia.
-    /// [`MotionError::Configuration`] reports an invalid configuration q.
+    /// [`MotionError::Input`] reports an invalid configuration q.
     pub fn check_rank(&self, q: &[f64]) -> Result<(), MotionError> {
         check_configuration(self, q)?;
         self.check_mass(q)

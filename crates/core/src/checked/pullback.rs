@@ -1,9 +1,9 @@
 //! The pullbacks as methods of [`Model`], which check their input and allocate their memory.
 
 use nalgebra::DVector;
+use robot_dynamics_number::check_result;
 
-use crate::algorithms::motion_error::{check_result, check_vector};
-use crate::{Model, MotionError, Workspace, check_configuration, parameter_count};
+use crate::{Model, MotionError, Workspace, check_configuration, check_vector, parameter_count};
 
 /// The gradient of λᵀτ(q, v, a).
 #[derive(Clone, Debug, PartialEq)]

@@ -1,9 +1,10 @@
 //! Maps between the coordinates of a robot and of the same robot with some joints locked.
 
 use robot_dynamics_description::{Pose, check_length, moved_by, similar};
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 use thiserror::Error;
 
-use crate::configuration::manifold::{ConfigurationError, check_configuration};
+use crate::configuration::manifold::check_configuration;
 use crate::model::identity::Identity;
 use crate::{Joint, Model};
 
@@ -16,7 +17,7 @@ const SAME_PLACE: f64 = 1e-9;
 pub enum JointMapError {
     /// The reference is an invalid configuration of the full model.
     #[error("the reference: {0}")]
-    Reference(#[from] ConfigurationError),
+    Reference(#[from] InvalidInput),
     /// The full model lacks a moving joint of the reduced model.
     #[error(
         "joint `{joint}` of the reduced robot `{reduced}` is none of `{full}`{}",
@@ -56,6 +57,16 @@ pub enum JointMapError {
         /// The largest difference of an entry of its child's placement.
         distance: f64,
     },
+}
+
+impl Classified for JointMapError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Reference(error) => error.kind(),
+            Self::NoSuchJoint { .. } => ErrorKind::UnknownName,
+            Self::DifferentJoint { .. } | Self::LockedElsewhere { .. } => ErrorKind::Description,
+        }
+    }
 }
 
 /// The indices in a full model's q and v of the numbers of a reduced one.

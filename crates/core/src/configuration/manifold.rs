@@ -8,7 +8,7 @@
 mod check;
 mod random;
 
-pub use check::{ConfigurationError, check_configuration};
+pub use check::{check_configuration, check_vector};
 pub use random::random_within_limits;
 
 use robot_dynamics_description::{Quaternion, check_length, exp_motion, log_motion};

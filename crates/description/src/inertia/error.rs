@@ -1,6 +1,7 @@
 //! Errors of mass properties.
 
 use core::fmt;
+use robot_dynamics_number::{Classified, ErrorKind};
 
 /// The reason why mass properties are invalid.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +55,15 @@ pub enum InertiaError {
     },
     /// A composite body without parts.
     NoParts,
+}
+
+impl Classified for InertiaError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NonFinite { .. } | Self::NotPositive { .. } => ErrorKind::InvalidInput,
+            _ => ErrorKind::Description,
+        }
+    }
 }
 
 impl fmt::Display for InertiaError {

@@ -62,7 +62,7 @@ fn unsupported_rollouts_are_rejected() {
     };
     let rk4 = Rollout::new(Integrator::RungeKutta4, 1e-3, 10);
     let error = refused(Rollout::new(Integrator::RungeKutta4, f64::NAN, 10), Torques::Zero);
-    assert!(matches!(error, DeviceError::Rollout(RolloutError::BadStep { .. })), "{error}");
+    assert!(matches!(error, DeviceError::Rollout(RolloutError::Input(_))), "{error}");
     let error = refused(Rollout::new(Integrator::VariationalMidpoint, 1e-3, 10), Torques::Zero);
     let integrator = Integrator::VariationalMidpoint;
     assert!(matches!(error, DeviceError::NoStep { integrator: refused } if refused == integrator), "{error}");

@@ -173,7 +173,7 @@ impl Setup {
             correction_of(&self.correction)?;
         }
         let simulation = py.detach(|| builder.build()).map_err(|error| match error {
-            SimulationError::Step { .. } | SimulationError::Adaptive(_) => Class::Simulation.error(py, error),
+            SimulationError::Input(_) => Class::Simulation.error(py, error),
             other => PyValueError::new_err(other.to_string()),
         })?;
         self.warn_of_left_out(py, &simulation)?;

@@ -1,5 +1,6 @@
 //! Errors of constraints, and of motions with constraints.
 
+use robot_dynamics_number::{Classified, ErrorKind};
 use thiserror::Error;
 
 /// An invalid constraint of a robot.
@@ -56,6 +57,18 @@ pub enum ConstraintSetError {
         /// Its value.
         value: f64,
     },
+}
+
+impl Classified for ConstraintSetError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::UnknownFrame { .. } | Self::UnknownCoordinate { .. } => ErrorKind::UnknownName,
+            Self::BadNumber { .. } => ErrorKind::InvalidInput,
+            Self::ForeignFrame { .. } | Self::DuplicateName { .. } | Self::BadRows { .. } => {
+                ErrorKind::Constraint
+            }
+        }
+    }
 }
 
 /// The name of a constraint row that depends on the rows before it.
@@ -200,6 +213,26 @@ pub enum ConstrainedMotionError {
         /// The error.
         error: f64,
     },
+}
+
+impl Classified for ConstrainedMotionError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NotFinite { .. }
+            | Self::BadNumber { .. }
+            | Self::BadSupport { .. }
+            | Self::BadSupportWeight { .. }
+            | Self::BadStep { .. } => ErrorKind::InvalidInput,
+            Self::SingularMass(error) => error.kind(),
+            Self::NonFiniteRow { .. }
+            | Self::DependentRows { .. }
+            | Self::Inconsistent { .. }
+            | Self::NearlyDependentRow { .. }
+            | Self::OffConstraint { .. } => ErrorKind::Constraint,
+            Self::StabilizedVariationalStep => ErrorKind::Unsupported,
+            Self::StepNotConverged { .. } | Self::NotConverged { .. } => ErrorKind::NotConverged,
+        }
+    }
 }
 
 /// Returns an error if an entry of the vector is not finite.

@@ -1,6 +1,7 @@
 //! Steps with constraints, and their drift.
 
 use robot_dynamics_core::{Model, SingularMass, Workspace};
+use robot_dynamics_number::{Classified, ErrorKind};
 
 use super::step::step_in;
 use super::{ConstrainedMotionError, ConstraintDrift, ConstraintOptions, ConstraintSet, DriftCorrection};
@@ -84,6 +85,10 @@ impl Stepper for ConstrainedStepper {
 }
 
 impl StepError for ConstrainedMotionError {
+    fn kind(&self) -> ErrorKind {
+        Classified::kind(self)
+    }
+
     fn fault(self, _: &Model) -> StepFault<Self> {
         match self {
             Self::NotFinite { quantity, index } => StepFault::NotFinite { quantity, index },

@@ -4,6 +4,7 @@ use core::f64::consts::FRAC_PI_2;
 
 use nalgebra::Vector3;
 use robot_dynamics_description::Surface;
+use robot_dynamics_number::{Classified, ErrorKind};
 
 /// A half-space that bodies do not enter: { x : n·x < d }.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -177,6 +178,17 @@ pub enum ContactError {
         /// The given coefficient.
         restitution: f64,
     },
+}
+
+impl Classified for ContactError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Pair { .. } => ErrorKind::Description,
+            Self::NoSuchLink { .. } => ErrorKind::UnknownName,
+            Self::RestitutionUnderSoftLaw { .. } => ErrorKind::Unsupported,
+            _ => ErrorKind::InvalidInput,
+        }
+    }
 }
 
 impl core::fmt::Display for ContactError {

@@ -15,6 +15,7 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::{
     DynamicsError, Integrator, IntegratorError, Stage, StepScheme, check_finite,
 };
+use robot_dynamics_number::{Classified, ErrorKind};
 
 use self::displacement::{rate_change, retraction_change};
 use self::product::multiply_changes;
@@ -37,6 +38,16 @@ pub enum LinearizeStepError {
         /// The requested row.
         integrator: Integrator,
     },
+}
+
+impl Classified for LinearizeStepError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Step(error) => error.kind(),
+            Self::SingularMass(error) => error.kind(),
+            Self::Implicit { .. } => ErrorKind::Unsupported,
+        }
+    }
 }
 
 impl fmt::Display for LinearizeStepError {

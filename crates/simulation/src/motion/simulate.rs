@@ -23,13 +23,13 @@ mod trajectory;
 pub use actuated::{ActuatedStepError, ActuatedStepper};
 #[cfg(feature = "adaptive")]
 pub use adaptive::{
-    AdaptiveMethod, AdaptiveOptions, AdaptiveOptionsError, AdaptiveRecord, AdaptiveRun, AdaptiveStepError,
-    AdaptiveStepper, ControlTiming, ExternalInputs, StepStatistics,
+    AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, AdaptiveRun, AdaptiveStepError, AdaptiveStepper,
+    ControlTiming, ExternalInputs, StepStatistics,
 };
 pub use between::Between;
 pub use callback::{CallbackError, IntoCallbackResult};
 pub use control::{ConstantTorque, Controller, ZeroTorque};
-pub use control_error::{ControllerError, check_controller_input, check_finite, check_number, check_torque};
+pub use control_error::{ControllerError, check_controller_input, check_torque};
 pub use divergence::{DivergenceCause, add_passive_gains};
 pub use error::{RunError, RunFailure};
 pub use event::{Event, EventDetector, EventOccurrence};

@@ -1,5 +1,6 @@
 //! Assembles a simulation from its builder.
 
+use robot_dynamics_number::check_positive;
 use std::sync::Arc;
 
 use super::acting::Kinds;
@@ -19,9 +20,7 @@ impl SimulationBuilder<'_> {
     /// [`SimulationError`] if the step, a ground, a surface or a set of constraints is invalid, or if the
     /// method does not support a request.
     pub fn build(mut self) -> Result<Simulation, SimulationError> {
-        if !(self.step > 0.0 && self.step.is_finite()) {
-            return Err(SimulationError::Step { step: self.step });
-        }
+        check_positive("the step", self.step, "s")?;
         let model = Arc::clone(&self.model);
         let mut left_out = Vec::new();
         #[cfg_attr(not(feature = "adaptive"), allow(unused_mut))]

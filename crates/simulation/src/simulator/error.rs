@@ -3,6 +3,7 @@
 use robot_dynamics_core::Model;
 use robot_dynamics_description::ModelError;
 use robot_dynamics_integrators::{DynamicsError, IntegratorError};
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 use thiserror::Error;
 
 use crate::constraints::{ConstrainedMotionError, ConstraintSetError};
@@ -13,12 +14,9 @@ use crate::{CallbackError, ContactError};
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SimulationError {
-    /// The step is not positive and finite.
-    #[error("the step must be positive and finite, got {step} s")]
-    Step {
-        /// The invalid step \[s\].
-        step: f64,
-    },
+    /// The step, or the tolerance or the control period of adaptive steps, is out of its range.
+    #[error(transparent)]
+    Input(#[from] InvalidInput),
     /// A ground, a surface or a height field has an invalid number.
     #[error(transparent)]
     Contact(#[from] ContactError),
@@ -44,10 +42,6 @@ pub enum SimulationError {
         /// The shapes that are left out, each with the reason.
         left_out: Vec<String>,
     },
-    /// The tolerance or the control period of adaptive steps is invalid.
-    #[cfg(feature = "adaptive")]
-    #[error(transparent)]
-    Adaptive(#[from] crate::AdaptiveOptionsError),
     /// The dynamics of the method could not be set up.
     #[error(transparent)]
     Law(#[from] DynamicsError),
@@ -55,6 +49,20 @@ pub enum SimulationError {
     /// switched off.
     #[error("a ground was given, but contacts are switched off; leave one of the two out")]
     GroundWithoutContacts,
+}
+
+impl Classified for SimulationError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Input(error) => error.kind(),
+            Self::Contact(error) => error.kind(),
+            Self::Equalities(error) => error.kind(),
+            Self::Model(error) => error.kind(),
+            Self::Law(error) => error.kind(),
+            Self::Method { .. } | Self::GroundWithoutContacts => ErrorKind::Unsupported,
+            Self::NothingTouches { .. } => ErrorKind::Description,
+        }
+    }
 }
 
 fn because(left_out: &[String]) -> String {
@@ -86,7 +94,24 @@ pub enum MethodError {
     Adaptive(#[from] crate::AdaptiveStepError),
 }
 
+impl Classified for MethodError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Integrator(error) => Classified::kind(error),
+            Self::Actuated(error) => Classified::kind(error),
+            Self::Constrained(error) => Classified::kind(error),
+            Self::Own(error) => Classified::kind(error),
+            #[cfg(feature = "adaptive")]
+            Self::Adaptive(error) => Classified::kind(error),
+        }
+    }
+}
+
 impl StepError for MethodError {
+    fn kind(&self) -> ErrorKind {
+        Classified::kind(self)
+    }
+
     fn is_interruption(&self) -> bool {
         match self {
             Self::Integrator(error) => error.is_interruption(),

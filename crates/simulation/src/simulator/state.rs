@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use robot_dynamics_core::Model;
+use robot_dynamics_number::{Classified, ErrorKind};
 use thiserror::Error;
 
 use super::error::StepFailure;
@@ -41,6 +42,15 @@ pub enum PoseError {
     /// The pose is an invalid start.
     #[error(transparent)]
     State(#[from] StepFailure),
+}
+
+impl Classified for PoseError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NoSuchPose { .. } => ErrorKind::UnknownName,
+            Self::State(error) => error.kind(),
+        }
+    }
 }
 
 fn listed(names: &[String]) -> String {

@@ -15,7 +15,7 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{InstructionSet, Model, Workspace, lock_massless, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
-    Effect, Integrator, Method, OperationalSpaceError, RunError, RunOptions, SimulationBuilder, StepForces,
+    ControllerError, Effect, Integrator, Method, RunError, RunOptions, SimulationBuilder, StepForces,
 };
 
 use crate::common::families;
@@ -329,7 +329,7 @@ fn functions_with_inverse_name_singular_joints() {
     let workspace = &mut Workspace::new(&model);
     let frame = model.frame("link1").unwrap();
     let error = operational_space(&model, workspace, &q, &v, frame, &[SpatialAxis::X]).unwrap_err();
-    let OperationalSpaceError::Motion(MotionError::SingularMass(mass)) = &error else { panic!("{error}") };
+    let ControllerError::Motion(MotionError::SingularMass(mass)) = &error else { panic!("{error}") };
     assert_eq!(mass.joints(), names);
     let set = ConstraintSet::new(&model, [("pin", FrameConstraint::point_contact(frame, [0.0; 3]).into())])
         .unwrap();

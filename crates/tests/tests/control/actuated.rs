@@ -16,7 +16,7 @@ use robot_dynamics::description::{
 };
 use robot_dynamics::model::{Model, Workspace, difference, random_state};
 use robot_dynamics::number::SplitMix64;
-use robot_dynamics::simulation::{Controller, ControllerError, GravityCompensatedPd, OperationalSpaceError};
+use robot_dynamics::simulation::{Controller, ControllerError, GravityCompensatedPd};
 
 type Tested = Result<(), Box<dyn Error>>;
 
@@ -232,9 +232,7 @@ fn planar_arm_follows_two_rows() -> Tested {
             TaskControl::new(&model, tip, at_rest, gains)?.with_rows(&rows).torque(0.0, &q, &v, &mut tau);
         let name = rows.iter().find(|row| [Y, Rx].contains(row)).expect("one of them").name();
         let error = error.unwrap_err();
-        let ControllerError::OperationalSpace(OperationalSpaceError::Singular { row, .. }) = error else {
-            panic!("{error}")
-        };
+        let ControllerError::SingularPose { row, .. } = error else { panic!("{error}") };
         assert_eq!(row, name);
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! Inverse kinematics against forward kinematics: targets in reach are found, other targets are approximated.
 
 use nalgebra::Matrix3;
-use robot_dynamics::algorithms::{MotionError, frame_pose};
+use robot_dynamics::algorithms::frame_pose;
 use robot_dynamics::control::{
     FrameTarget, InverseKinematicsError, InverseKinematicsOptions, InverseKinematicsSolution,
     inverse_kinematics,
@@ -10,10 +10,9 @@ use robot_dynamics::description::{
     Base, JointDescription, JointKind, JointKinds, Limits, LinkDescription, MassProperties, Mimic, Pose,
     RandomRobotOptions, RobotDescription, random_robot,
 };
-use robot_dynamics::model::{
-    ConfigurationError, FrameId, Model, Workspace, check_configuration, neutral, random_within_limits,
-};
+use robot_dynamics::model::{FrameId, Model, Workspace, check_configuration, neutral, random_within_limits};
 use robot_dynamics::number::SplitMix64;
+use robot_dynamics::{InputProblem, InvalidInput};
 
 type Options = InverseKinematicsOptions;
 type Error = InverseKinematicsError;
@@ -251,27 +250,37 @@ fn invalid_input_is_an_error() {
     let failed = |target: FrameTarget, start: &[f64], options: &Options| {
         solve(&model, hand, target, start, options).expect_err("invalid input")
     };
+    let refused = |target: FrameTarget, start: &[f64], options: &Options| {
+        let Error::Input(InvalidInput { quantity, problem, .. }) = failed(target, start, options) else {
+            panic!("not an invalid input")
+        };
+        (quantity, problem)
+    };
     let (good, start) = (FrameTarget::Position([1.0, 0.5, 0.0]), [0.1, 0.2]);
     assert!(solve(&model, hand, good, &start, &Options::default()).is_ok());
     let nan = FrameTarget::Position([0.0, f64::NAN, 0.0]);
-    let error = failed(nan, &start, &Options::default());
-    let Error::NotFinite { quantity: "position", index: 1, .. } = error else { panic!("{error}") };
+    let (quantity, problem) = refused(nan, &start, &Options::default());
+    assert_eq!(quantity, "the target's position");
+    assert!(matches!(problem, InputProblem::NotFinite { index: Some(1), .. }), "{problem:?}");
     let mut pose = Pose::IDENTITY;
     pose.rotation[2][1] = f64::INFINITY;
-    let error = failed(pose.into(), &start, &Options::default());
-    assert_eq!(error, Error::NotFinite { quantity: "rotation", index: 7, value: f64::INFINITY });
+    let (quantity, problem) = refused(pose.into(), &start, &Options::default());
+    assert_eq!(quantity, "the target's rotation");
+    let (index, coordinate, value) = (Some(7), None, f64::INFINITY);
+    assert_eq!(problem, InputProblem::NotFinite { index, coordinate, value });
     pose.rotation[2][1] = 0.1;
-    let error = failed(pose.into(), &start, &Options::default());
-    assert!(matches!(error, Error::NotARotation { .. }), "{error}");
-    let error = failed(good, &[0.1, f64::NAN], &Options::default());
-    let Error::Start(MotionError::Configuration(error)) = error else { panic!("{error}") };
-    assert!(matches!(error, ConfigurationError::NotFinite { index: 1, .. }), "{error}");
-    let error = failed(good, &[0.1], &Options::default());
-    let Error::Start(MotionError::Configuration(error)) = error else { panic!("{error}") };
-    assert!(matches!(error, ConfigurationError::WrongLength { found: 1, expected: 2, .. }), "{error}");
+    let (_, problem) = refused(pose.into(), &start, &Options::default());
+    assert!(matches!(problem, InputProblem::NotARotation { .. }), "{problem:?}");
+    let (quantity, problem) = refused(good, &[0.1, f64::NAN], &Options::default());
+    assert_eq!(quantity, "the start's q");
+    assert!(matches!(problem, InputProblem::NotFinite { index: Some(1), .. }), "{problem:?}");
+    let (quantity, problem) = refused(good, &[0.1], &Options::default());
+    assert_eq!(quantity, "the start's q");
+    assert!(matches!(problem, InputProblem::WrongLength { found: 1, expected: 2, .. }), "{problem:?}");
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error = failed(good, &start, &Options::default().with_tolerances(1e-6, bad));
-        assert!(matches!(error, Error::BadTolerance { option: "angle tolerance", .. }), "{error}");
+        let (quantity, problem) = refused(good, &start, &Options::default().with_tolerances(1e-6, bad));
+        assert_eq!(quantity, "the angle tolerance");
+        assert!(matches!(problem, InputProblem::OutOfRange { .. }), "{problem:?}");
     }
     let error = failed(FrameTarget::Position([3.0, 0.0, 0.0]), &start, &Options::default());
     let Error::NoSolution { frame, robot, best } = &error else { panic!("{error}") };

@@ -4,6 +4,7 @@ use std::error::Error;
 use std::ops::ControlFlow;
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use robot_dynamics::InputProblem;
 use robot_dynamics::algorithms::{
     MotionError, Twist, bias, forward_dynamics, frame_classical_acceleration_world_aligned, frame_pose,
     frame_velocity_world_aligned,
@@ -17,11 +18,11 @@ use robot_dynamics::description::{
     JointDescription, JointKind, JointKinds, LinkDescription, Pose, Quaternion, RandomRobotOptions,
     RobotDescription, random_robot,
 };
-use robot_dynamics::model::{ConfigurationError, Model, Workspace, random_state};
+use robot_dynamics::model::{Model, Workspace, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
-    Controller, ControllerError, Effect, Integrator, Method, OperationalSpaceError, RunError, RunOptions,
-    Simulation, SimulationBuilder,
+    Controller, ControllerError, Effect, Integrator, Method, RunError, RunOptions, Simulation,
+    SimulationBuilder,
 };
 
 use crate::common::{Family, families};
@@ -194,10 +195,10 @@ fn singular_poses_are_errors() -> Tested {
     let w = &mut Workspace::new(&model);
     let (q, v) = (vec![0.3; model.nv()], vec![0.0; model.nv()]);
     let error = operational_space(&model, w, &q, &v, first, &[SpatialAxis::Z]).unwrap_err();
-    assert!(matches!(error, OperationalSpaceError::Singular { row: "z", .. }), "{error}");
+    assert!(matches!(error, ControllerError::SingularPose { row: "z", .. }), "{error}");
     let error = operational_space(&model, w, &[f64::NAN; 6], &v, first, &[SpatialAxis::Z]).unwrap_err();
-    let OperationalSpaceError::Motion(MotionError::Configuration(error)) = error else { panic!("{error}") };
-    assert!(matches!(error, ConfigurationError::NotFinite { index: 0, .. }), "{error}");
+    let ControllerError::Motion(MotionError::Input(error)) = error else { panic!("{error}") };
+    assert!(matches!(error.problem, InputProblem::NotFinite { index: Some(0), .. }), "{error}");
     Ok(())
 }
 
@@ -460,7 +461,7 @@ fn failed_task_ends_run() -> Tested {
     );
     let failure = ran.unwrap_err();
     let RunError::Controller { step: 0, time: 0.0, source } = &failure.error else { panic!("{failure}") };
-    assert!(matches!(source, ControllerError::OperationalSpace(OperationalSpaceError::Singular { .. })));
+    assert!(matches!(source, ControllerError::SingularPose { .. }));
 
     let camera =
         |t: f64| if t < 0.0045 { Ok(PoseReference::at_rest(pose)) } else { Err("the camera sees no mark") };
@@ -482,10 +483,9 @@ fn failed_task_ends_run() -> Tested {
     let stretched = Pose { rotation: [[1.0, 0.0, 0.0], [0.0, 1.1, 0.0], [0.0, 0.0, 1.0]], ..pose };
     let mut control = TaskControl::new(&model, hand, |_| PoseReference::at_rest(stretched), gains)?;
     let error = control.torque(0.0, &READY, &rest, &mut [0.0; 7]).unwrap_err();
-    assert!(
-        matches!(error, ControllerError::NotARotation { defect } if (defect - 0.21).abs() < 1e-12),
-        "{error}"
-    );
+    let ControllerError::Motion(MotionError::Input(error)) = error else { panic!("{error}") };
+    let InputProblem::NotARotation { defect } = error.problem else { panic!("{error}") };
+    assert!((defect - 0.21).abs() < 1e-12, "{error}");
     Ok(())
 }
 

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 use std::thread;
 
+use robot_dynamics::InputProblem;
 use robot_dynamics::algorithms::MotionError;
 use robot_dynamics::control::{ComputedTorque, PoseReference, Reference, TaskControl, TaskGains};
 use robot_dynamics::description::{JointKinds, Pose, RandomRobotOptions, random_robot};
@@ -109,18 +110,18 @@ fn struct_holds_robot_and_controller() {
 fn invalid_gains_are_errors() {
     let (model, hand) = arm();
     let error = GravityCompensatedPd::owning(Arc::clone(&model), &Q, &[f64::NAN; 7], &[1.0; 7]).unwrap_err();
-    let ControllerError::Motion(MotionError::NotFinite { quantity: "the stiffness", index: 0, .. }) = error
-    else {
-        panic!("{error}")
-    };
+    let ControllerError::Motion(MotionError::Input(error)) = error else { panic!("{error}") };
+    assert_eq!(error.quantity, "the stiffness");
+    assert!(matches!(error.problem, InputProblem::NotFinite { index: Some(0), .. }), "{error}");
     let error =
         ComputedTorque::owning(Arc::clone(&model), ahead, &[1.0; 6], &[1.0; 7]).err().expect("an error");
-    let ControllerError::Motion(MotionError::WrongLength { quantity, found: 6, expected: 7, .. }) = error
-    else {
-        panic!("{error}")
-    };
-    assert_eq!(quantity, "the stiffness");
+    let ControllerError::Motion(MotionError::Input(error)) = error else { panic!("{error}") };
+    assert_eq!(error.quantity, "the stiffness");
+    assert!(matches!(error.problem, InputProblem::WrongLength { found: 6, expected: 7, .. }), "{error}");
     let gains = TaskGains { damping: f64::INFINITY, ..GAINS };
     let error = TaskControl::owning(model, hand, here, gains).err().expect("an error");
-    assert_eq!(error, ControllerError::BadNumber { quantity: "the damping", value: f64::INFINITY });
+    let ControllerError::Motion(MotionError::Input(error)) = error else { panic!("{error}") };
+    assert_eq!(error.quantity, "the damping");
+    let (index, coordinate, value) = (None, None, f64::INFINITY);
+    assert_eq!(error.problem, InputProblem::NotFinite { index, coordinate, value });
 }

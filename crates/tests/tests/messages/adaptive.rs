@@ -7,7 +7,7 @@ use robot_dynamics::simulation::{
 use crate::Section;
 
 pub(crate) fn options() -> Section {
-    let mut section = Section::new("AdaptiveOptionsError");
+    let mut section = Section::new("InvalidInput of AdaptiveOptions");
     let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
     let options = AdaptiveOptions { tolerance: 1e-20, ..AdaptiveOptions::default() };
     let error = SimulationBuilder::new(&model).adaptive(options).build().expect_err("a tolerance");

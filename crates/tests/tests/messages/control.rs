@@ -1,3 +1,4 @@
+use robot_dynamics::constraints::SpatialAxis;
 use robot_dynamics::control::{
     ComputedTorque, CubicSpline, FrameTarget, InverseKinematicsError, InverseKinematicsOptions, MotionLimits,
     MotionRecord, ParameterizationError, PoseReference, Reference, TaskControl, TaskGains, TimeOptimal,
@@ -5,7 +6,7 @@ use robot_dynamics::control::{
 };
 use robot_dynamics::description::Pose;
 use robot_dynamics::model::{Model, Workspace};
-use robot_dynamics::simulation::{ControllerError, GravityCompensatedPd};
+use robot_dynamics::simulation::{Controller, GravityCompensatedPd};
 
 use crate::Section;
 use crate::robots::planar_arm;
@@ -23,7 +24,13 @@ pub(crate) fn controller_error() -> Section {
     let here = |_| PoseReference::at_rest(Pose::IDENTITY);
     let error = TaskControl::new(&model, tip, here, TaskGains { damping: f64::INFINITY, ..gains });
     section.row("infinite damping", error.err().expect("infinite"));
-    section.row("a stretched pose", ControllerError::NotARotation { defect: 0.5 });
+    let mut stretched = Pose::IDENTITY;
+    stretched.rotation[1][1] = 1.5;
+    let mut control = TaskControl::new(&model, tip, |_| PoseReference::at_rest(stretched), gains)
+        .expect("gains")
+        .with_rows(&[SpatialAxis::X]);
+    let error = control.torque(0.0, &[0.1, 0.2], &[0.0; 2], &mut [0.0; 2]);
+    section.row("a stretched pose", error.expect_err("stretched"));
     section
 }
 

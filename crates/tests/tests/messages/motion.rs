@@ -1,5 +1,4 @@
-use robot_dynamics::algorithms::MotionError;
-use robot_dynamics::batch::{BatchWorkspace, Rollout, RolloutError, Torques, rollout};
+use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques, rollout};
 use robot_dynamics::constraints::{
     ConstrainedMotionError, ConstraintOptions, ConstraintSet, ContactSupport, FrameConstraint, LoopClosure,
     RedundantRows, SpatialAxis, SupportProblem, constrained_forward_dynamics, supported_inverse_dynamics,
@@ -9,14 +8,14 @@ use robot_dynamics::derivatives::{PullbackError, StepPullbackWorkspace, step_pul
 use robot_dynamics::description::{LinkDescription, MassProperties, pendulum};
 use robot_dynamics::model::{Model, Workspace, check_configuration, neutral};
 use robot_dynamics::simulation::{
-    Integrator, IntegratorError, OperationalSpaceError, StepForces, StepWorkspace, step,
+    ControllerError, Integrator, IntegratorError, StepForces, StepWorkspace, step,
 };
 
 use crate::Section;
 use crate::robots::{arm, floating_arm, gimbal, planar_arm};
 
 pub(crate) fn configuration_error() -> Section {
-    let mut section = Section::new("ConfigurationError");
+    let mut section = Section::new("InvalidInput of q");
     let model = Model::new(floating_arm()).expect("a robot");
     let mut q = neutral(&model);
     section.row("one number too few", check_configuration(&model, &q[1..]).expect_err("length"));
@@ -35,7 +34,7 @@ pub(crate) fn motion_error() -> Section {
     section.row("an infinite torque", error);
     section.row("4 velocities for 3", model.bias(&good, &[0.0; 4]).expect_err("length"));
     section.row("q of NaN", model.mass_matrix(&[0.0, f64::NAN, 0.0]).expect_err("NaN"));
-    section.row("v of 1e200", MotionError::Overflow { quantity: "C v", value: f64::INFINITY });
+    section.row("v of 1e200", model.velocity_product(&good, &[1e200; 3]).expect_err("overflow"));
     let error = model.forward_dynamics(&zero, &zero, &zero).expect_err("singular");
     section.row("two joints with one axis", error);
     let solve = |robot| {
@@ -114,13 +113,13 @@ pub(crate) fn constrained_motion_error() -> Section {
 }
 
 pub(crate) fn operational_space_error() -> Section {
-    let mut section = Section::new("OperationalSpaceError");
+    let mut section = Section::new("ControllerError of operational_space");
     let model = Model::new(planar_arm()).expect("a robot");
     let tip = model.frame_named("tip").expect("a frame");
     let w = &mut Workspace::new(&model);
     let error = operational_space(&model, w, &[f64::NAN, 0.0], &[0.0; 2], tip, &[SpatialAxis::Z]);
     section.row("q of NaN", error.expect_err("NaN"));
-    section.row("out of its plane", OperationalSpaceError::Singular { row: "y", pivot: 0.0 });
+    section.row("out of its plane", ControllerError::SingularPose { row: "y", pivot: 0.0 });
     section
 }
 
@@ -164,6 +163,9 @@ pub(crate) fn rollout_error() -> Section {
     let (w, paths) = (&mut BatchWorkspace::<f64>::new(&model), (&mut [][..], &mut [][..]));
     let error = rollout(&model, w, &how, Torques::Zero, &mut [0.0], &mut [0.0], paths, &go_on);
     section.row("an implicit row", error.expect_err("implicit"));
-    section.row("an infinite step", RolloutError::BadStep { step: f64::INFINITY });
+    let how = Rollout::new(Integrator::RungeKutta4, f64::INFINITY, 5);
+    let paths = (&mut [][..], &mut [][..]);
+    let error = rollout(&model, w, &how, Torques::Zero, &mut [0.0], &mut [0.0], paths, &go_on);
+    section.row("an infinite step", error.expect_err("infinite"));
     section
 }

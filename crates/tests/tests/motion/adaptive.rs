@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{Matrix3, Vector3};
+use robot_dynamics::InvalidInput;
 use robot_dynamics::description::{
     Base, JointDescription, JointKind, Limits, LinkDescription, MassProperties, PassiveForces, Pose,
     RobotDescription,
@@ -13,10 +14,9 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{Model, difference, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
-    AdaptiveMethod, AdaptiveOptions, AdaptiveOptionsError, AdaptiveStepError, ConstantTorque, ControlTiming,
-    Controller, Effect, Event, GravityCompensatedPd, Integrator, Method, MethodError, Run, RunError,
-    RunFailure, RunOptions, Simulation, SimulationBuilder, SimulationError, StepInfo, StepStatistics,
-    ZeroTorque,
+    AdaptiveMethod, AdaptiveOptions, AdaptiveStepError, ConstantTorque, ControlTiming, Controller, Effect,
+    Event, GravityCompensatedPd, Integrator, Method, MethodError, Run, RunError, RunFailure, RunOptions,
+    Simulation, SimulationBuilder, SimulationError, StepInfo, StepStatistics, ZeroTorque,
 };
 
 use crate::common::damped_tree;
@@ -465,8 +465,8 @@ fn errors_keep_the_run_until_then() {
     };
     let good = to(1e-9);
     let refused = SimulationBuilder::new(&model).adaptive(to(1e-20)).build().unwrap_err();
-    let least_and_most = AdaptiveOptionsError::Tolerance { tolerance: 1e-20, least: 1e-13, most: 1e-2 };
-    assert_eq!(refused, SimulationError::Adaptive(least_and_most));
+    let bad = InvalidInput::out_of_range("the tolerance", 1e-20, "", "between 1e-13 and 1e-2");
+    assert_eq!(refused, SimulationError::Input(bad));
     let bounded = AdaptiveOptions { max_steps: 5, ..good };
     let failure = attempt(bounded, 9.0, 1, &mut ZeroTorque);
     let RunError::Step { source: MethodError::Adaptive(source), .. } = &failure.error else {
@@ -511,10 +511,8 @@ fn errors_keep_the_run_until_then() {
     for period in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let held = AdaptiveOptions { control: ControlTiming::Held { period }, ..good };
         let refused = SimulationBuilder::new(&model).adaptive(held).build().unwrap_err();
-        assert!(
-            matches!(refused, SimulationError::Adaptive(AdaptiveOptionsError::Period { .. })),
-            "{refused}"
-        );
+        let SimulationError::Input(error) = refused else { panic!("{refused}") };
+        assert_eq!(error.quantity, "the control period");
     }
 
     // A motor whose torque grows with the speed squared: q grows without bound in finite time.

@@ -4,11 +4,13 @@ use std::ops::ControlFlow;
 
 use dynamics::{PdHold, Reach2R, hold};
 use nalgebra::{Matrix3, Vector3, vector};
+use robot_dynamics::InputProblem;
+use robot_dynamics::algorithms::MotionError;
 use robot_dynamics::algorithms::gravity;
 use robot_dynamics::description::{
     JointDescription, JointKind, Limits, LinkDescription, PassiveForces, Pose, RobotDescription,
 };
-use robot_dynamics::model::{ConfigurationError, Model, neutral, random_state};
+use robot_dynamics::model::{Model, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
     ConstantTorque, Controller, ControllerError, Effect, GravityAt, GravityCompensatedPd, Integrator, Method,
@@ -282,10 +284,12 @@ fn failing_controller_ends_run() {
     let failure = simulation
         .run_from(&[0.1, 0.2], &[0.0, 0.0], 1, RunOptions::new().sample_every(10).controller(&mut outer))
         .unwrap_err();
-    let RunError::Controller { source: ControllerError::NotFinite { index: 0, .. }, .. } = &failure.error
+    let RunError::Controller { source: ControllerError::Motion(MotionError::Input(error)), .. } =
+        &failure.error
     else {
         panic!("{failure}")
     };
+    assert!(matches!(error.problem, InputProblem::NotFinite { index: Some(0), .. }), "{error}");
 }
 
 #[test]
@@ -297,8 +301,8 @@ fn run_from_invalid_configuration_is_an_error() {
     let failure = simulation(&model, Integrator::RungeKutta4, 0.01)
         .run_from(&q, &v, 10, RunOptions::new().sample_every(10))
         .unwrap_err();
-    let RunError::Configuration(error) = &failure.error else { panic!("{failure}") };
-    assert!(matches!(error, ConfigurationError::NotAUnitQuaternion { first: 3, .. }), "{error}");
+    let RunError::Input(error) = &failure.error else { panic!("{failure}") };
+    assert!(matches!(error.problem, InputProblem::NotAUnitQuaternion { first: 3, .. }), "{error}");
     assert!(failure.until.trajectory.is_empty() && failure.until.steps == 0);
 }
 

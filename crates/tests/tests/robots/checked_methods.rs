@@ -6,7 +6,8 @@ use robot_dynamics::algorithms::MotionError;
 use robot_dynamics::description::{
     JointDescription, JointKind, LinkDescription, MassProperties, Pose, RobotDescription,
 };
-use robot_dynamics::model::{ConfigurationError, FrameId, Model, Workspace};
+use robot_dynamics::model::{FrameId, Model, Workspace};
+use robot_dynamics::{InputProblem, InvalidInput};
 
 use crate::common::families;
 
@@ -115,26 +116,35 @@ fn singular_mass_names_its_joints() {
 #[test]
 fn errors_name_quantity_and_coordinate() {
     let model = gimbal();
+    let input = |error| match error {
+        MotionError::Input(error) => error,
+        other => panic!("{other}"),
+    };
     let (good, zero) = ([0.1, 0.2, 0.3], [0.0; 3]);
     let error = model.inverse_dynamics(&good, &[0.0, f64::NAN, 0.0], &zero).unwrap_err();
+    let InvalidInput { quantity, problem, .. } = input(error);
+    assert_eq!(quantity, "v");
     assert!(
-        matches!(&error, MotionError::NotFinite { quantity: "v", index: 1, coordinate, value }
+        matches!(&problem, InputProblem::NotFinite { index: Some(1), coordinate: Some(coordinate), value }
             if coordinate == "pitch" && value.is_nan()),
-        "{error}"
+        "{problem:?}"
     );
-    let error = model.forward_dynamics(&good, &zero, &[0.0, 0.0, f64::INFINITY]).unwrap_err();
-    let (coordinate, value) = ("spin".to_owned(), f64::INFINITY);
-    assert_eq!(error, MotionError::NotFinite { quantity: "tau", index: 2, coordinate, value });
-    let error = model.bias(&good, &[0.0; 4]).unwrap_err();
-    let robot = "gimbal".to_owned();
-    assert_eq!(error, MotionError::WrongLength { quantity: "v", robot, found: 4, expected: 3 });
-    let error = model.mass_matrix(&[0.0, f64::NAN, 0.0]).unwrap_err();
-    assert!(
-        matches!(error, MotionError::Configuration(ConfigurationError::NotFinite { index: 1, .. })),
-        "{error}"
-    );
-    let error = model.velocity_product(&good, &[1e200; 3]).unwrap_err();
-    assert!(matches!(error, MotionError::Overflow { quantity: "C v", .. }), "{error}");
+    let error = input(model.forward_dynamics(&good, &zero, &[0.0, 0.0, f64::INFINITY]).unwrap_err());
+    let (index, coordinate, value) = (Some(2), Some("spin".to_owned()), f64::INFINITY);
+    assert_eq!(error, InvalidInput::new("tau", InputProblem::NotFinite { index, coordinate, value }));
+    let InvalidInput { quantity, problem, .. } = input(model.bias(&good, &[0.0; 4]).unwrap_err());
+    assert_eq!(quantity, "v");
+    let InputProblem::WrongLength { found: 4, expected: 3, owner, .. } = problem else {
+        panic!("{problem:?}")
+    };
+    assert_eq!(owner, "robot `gimbal`");
+    let InvalidInput { quantity, problem, .. } = input(model.mass_matrix(&[0.0, f64::NAN, 0.0]).unwrap_err());
+    assert_eq!(quantity, "q");
+    assert!(matches!(problem, InputProblem::NotFinite { index: Some(1), .. }), "{problem:?}");
+    let InvalidInput { quantity, problem, .. } =
+        input(model.velocity_product(&good, &[1e200; 3]).unwrap_err());
+    assert_eq!(quantity, "C v");
+    assert!(matches!(problem, InputProblem::Overflow { .. }), "{problem:?}");
 }
 
 /// The mass and the centre of mass count the same links: the links that move, or all links if those that move

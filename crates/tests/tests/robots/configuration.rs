@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Matrix4, Rotation3, UnitQuaternion, Vector3};
+use robot_dynamics::InputProblem;
 use robot_dynamics::algorithms::kinetic_energy;
 use robot_dynamics::conventions;
 use robot_dynamics::description::{
@@ -10,8 +11,8 @@ use robot_dynamics::description::{
     RobotDescription, random_robot,
 };
 use robot_dynamics::model::{
-    ConfigurationError, Model, check_configuration, difference, integrate, interpolate, neutral,
-    normalize_quaternions, random_state, random_within_limits,
+    Model, check_configuration, difference, integrate, interpolate, neutral, normalize_quaternions,
+    random_state, random_within_limits,
 };
 use robot_dynamics::number::SplitMix64;
 
@@ -272,11 +273,11 @@ fn invalid_configurations_are_errors() {
     let mut q = neutral(&model);
     check_configuration(&model, &q).unwrap();
     let error = check_configuration(&model, &q[..6]).unwrap_err();
-    assert!(matches!(error, ConfigurationError::WrongLength { found: 6, expected: 7, .. }), "{error}");
+    assert!(matches!(error.problem, InputProblem::WrongLength { found: 6, expected: 7, .. }), "{error}");
 
     q[6] = 1.0 + 2e-6;
     let error = check_configuration(&model, &q).unwrap_err();
-    let ConfigurationError::NotAUnitQuaternion { first: 3, joint, .. } = &error else { panic!("{error}") };
+    let InputProblem::NotAUnitQuaternion { first: 3, joint, .. } = &error.problem else { panic!("{error}") };
     assert_eq!(joint, "floating_base");
     normalize_quaternions(&model, &mut q);
     check_configuration(&model, &q).unwrap();
@@ -284,7 +285,8 @@ fn invalid_configurations_are_errors() {
     q[3..].fill(0.0);
     assert!(check_configuration(&model, &q).is_err());
     normalize_quaternions(&model, &mut q);
-    assert!(matches!(check_configuration(&model, &q), Err(ConfigurationError::NotFinite { index: 3, .. })));
+    let error = check_configuration(&model, &q).unwrap_err();
+    assert!(matches!(error.problem, InputProblem::NotFinite { index: Some(3), .. }), "{error}");
 }
 
 /// A mimic joint has no coordinate of its own in q.

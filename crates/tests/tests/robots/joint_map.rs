@@ -2,11 +2,10 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use robot_dynamics::InputProblem;
 use robot_dynamics::algorithms::{forward_dynamics, frame_pose, inverse_dynamics, mass_matrix};
 use robot_dynamics::description::{Base, JointKind, RandomRobotOptions, RobotDescription, random_robot};
-use robot_dynamics::model::{
-    ConfigurationError, JointMap, JointMapError, Model, Workspace, lock_massless, neutral,
-};
+use robot_dynamics::model::{JointMap, JointMapError, Model, Workspace, lock_massless, neutral};
 
 use crate::common::{Robot, dot, families, max_difference, size};
 
@@ -209,10 +208,9 @@ fn invalid_reductions_name_the_joint() {
 
     reference[at] = f64::NAN;
     let error = map(&lock, &reference).unwrap_err();
-    let JointMapError::Reference(ConfigurationError::NotFinite { index, .. }) = error else {
-        panic!("{error}")
-    };
-    assert_eq!(index, at);
+    let JointMapError::Reference(error) = error else { panic!("{error}") };
+    let InputProblem::NotFinite { index, .. } = error.problem else { panic!("{error}") };
+    assert_eq!(index, Some(at));
 }
 
 /// A base can be fixed only at the origin, where the fixed robot is placed.

@@ -1,5 +1,6 @@
 //! Active effects, the chosen method, and the features that a method leaves out.
 
+use robot_dynamics::InvalidInput;
 use robot_dynamics::contact::Ground;
 use robot_dynamics::description::{
     ActuatorDescription, Base, Equality, EqualityDescription, Limits, LinkDescription, LinkShape,
@@ -224,7 +225,10 @@ fn conflicting_options_are_errors() {
     let ground = SimulationBuilder::new(&model).conservative().ground(Ground::level(0.0)).build();
     assert_eq!(ground.expect_err("no contacts"), SimulationError::GroundWithoutContacts);
     let step = SimulationBuilder::new(&model).step(0.0).build();
-    assert_eq!(step.expect_err("no step"), SimulationError::Step { step: 0.0 });
+    assert_eq!(
+        step.expect_err("no step"),
+        InvalidInput::out_of_range("the step", 0.0, "s", "positive and finite").into()
+    );
     let mujoco = SimulationBuilder::new(&model).method(Method::Mujoco).without(Effect::Limits).build();
     assert!(matches!(mujoco.expect_err("limits"), SimulationError::Method { .. }));
     assert_eq!("rk5".parse::<Method>().expect_err("no method").name, "rk5");

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use nalgebra::Vector3;
+use robot_dynamics::InvalidInput;
 use robot_dynamics::batch::{
     BatchOptions, BatchWorkspace, PolicyInput, RolloutError, RolloutProgress, StepperRollout, Torques,
     rollout_by_stepper,
@@ -149,5 +150,6 @@ fn bad_and_cancelled_states_are_named() {
     let how = StepperRollout::new(&implicit, -1.0, 1);
     let error =
         rollout_by_stepper(&model, &w, &how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on);
-    assert_eq!(error, Err(RolloutError::BadStep { step: -1.0 }));
+    let bad_step = InvalidInput::out_of_range("the step", -1.0, "s", "positive and finite");
+    assert_eq!(error, Err(RolloutError::Input(bad_step)));
 }

@@ -395,7 +395,7 @@ fn invalid_rollout_pullbacks_are_errors() {
     let (_, refused) = call(&rk4, Torques::Policy(&policy), &states);
     assert_eq!(refused, Err(RolloutError::Policy));
     let (_, refused) = call(&Rollout::new(Integrator::RungeKutta4, f64::NAN, 4), Torques::Zero, &states);
-    assert!(matches!(refused, Err(RolloutError::BadStep { .. })));
+    assert!(matches!(refused, Err(RolloutError::Input(_))));
     // A bad state in each table, and in the torques of a step.
     let (expected, _) = call(&rk4, Torques::Zero, &states);
     for table in 0..4 {

@@ -3,6 +3,8 @@
 use core::fmt;
 use std::collections::HashSet;
 
+use robot_dynamics_number::{Classified, ErrorKind};
+
 use super::vanished::Vanished;
 use crate::Model;
 
@@ -124,6 +126,12 @@ impl fmt::Display for SingularMass {
 }
 
 impl core::error::Error for SingularMass {}
+
+impl Classified for SingularMass {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Singular
+    }
+}
 
 /// Formats the list as "`a`, `b` and 3 more".
 fn listed(names: &[String]) -> String {

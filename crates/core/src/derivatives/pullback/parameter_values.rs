@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_description::{InertiaError, JointKind, MassProperties, PassiveForces, RobotDescription};
+use robot_dynamics_number::{Classified, ErrorKind, InputProblem, InvalidInput, check_finite};
 use thiserror::Error;
 
 use super::parameters::{PASSIVE_PARAMETERS_PER_JOINT, parameter_count};
@@ -11,22 +12,9 @@ use crate::{Model, PARAMETERS_PER_LINK, inertial_parameters};
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ParameterError {
-    /// Wrong number of parameters.
-    #[error("the robot has {expected} parameters, got {found}")]
-    Count {
-        /// [`parameter_count`].
-        expected: usize,
-        /// Numbers given.
-        found: usize,
-    },
-    /// A parameter is not finite.
-    #[error("parameter {index} is {value}; every number must be finite")]
-    NonFinite {
-        /// Its index.
-        index: usize,
-        /// Its value.
-        value: f64,
-    },
+    /// The number of parameters is not [`parameter_count`], or a parameter is not finite.
+    #[error(transparent)]
+    Input(#[from] InvalidInput),
     /// A nonzero passive force of a floating base, which has none.
     #[error("`{joint}` is the floating base: it has no passive forces, its five parameters must be 0")]
     FloatingBase {
@@ -58,6 +46,18 @@ pub enum ParameterError {
         /// The moving link.
         link: String,
     },
+}
+
+impl Classified for ParameterError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Input(error) => error.kind(),
+            Self::FloatingBase { .. }
+            | Self::Inertia { .. }
+            | Self::Carried { .. }
+            | Self::MomentWithoutMass { .. } => ErrorKind::Description,
+        }
+    }
 }
 
 /// The parameters of a robot as described: π of the moving links, the passive forces of the joints, gravity.
@@ -107,11 +107,11 @@ pub fn parameter_values(model: &Model) -> Vec<f64> {
 pub fn with_parameters(model: &Model, values: &[f64]) -> Result<RobotDescription, ParameterError> {
     let expected = parameter_count(model);
     if values.len() != expected {
-        return Err(ParameterError::Count { expected, found: values.len() });
+        let (owner, hint) = (format!("robot `{}`", model.name()), "");
+        let problem = InputProblem::WrongLength { found: values.len(), expected, owner, hint };
+        return Err(InvalidInput::new("the list of parameters", problem).into());
     }
-    if let Some(index) = values.iter().position(|x| !x.is_finite()) {
-        return Err(ParameterError::NonFinite { index, value: values[index] });
-    }
+    check_finite("parameters", values)?;
     let mut description = model.description().clone();
     let moving: Vec<&str> = model.moving_links().collect();
     let (inertial, rest) = values.split_at(PARAMETERS_PER_LINK * moving.len());

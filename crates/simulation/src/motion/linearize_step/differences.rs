@@ -4,8 +4,9 @@ use core::fmt;
 
 use robot_dynamics_core::{Model, difference, integrate, mass_matrix};
 use robot_dynamics_description::check_length;
+use robot_dynamics_number::{Classified, ErrorKind};
 
-use crate::{StepForces, StepWorkspace, Stepper};
+use crate::{StepError, StepForces, StepWorkspace, Stepper};
 
 /// The increment of a coordinate or a velocity to either side \[rad, m, rad/s, m/s\]. The error of a smooth
 /// step is half its square times the third derivative, 1e-10. The error of the steps themselves, about 1e-11
@@ -54,6 +55,15 @@ impl<E: fmt::Display> fmt::Display for DifferenceError<E> {
 }
 
 impl<E: core::error::Error> core::error::Error for DifferenceError<E> {}
+
+impl<E: StepError + Send + Sync + 'static> Classified for DifferenceError<E> {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Step(error) => error.kind(),
+            Self::Discontinuous { .. } => ErrorKind::Infeasible,
+        }
+    }
+}
 
 /// A and B of one step of any [`Stepper`], by central differences: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ. They
 /// include contact, stops and dry friction.

@@ -4,7 +4,7 @@ use core::fmt;
 
 use robot_dynamics_core::{Model, SingularMass, Workspace, check_rank};
 use robot_dynamics_integrators::{DynamicsError, Integrator, IntegratorError};
-use robot_dynamics_number::{AsFloat, Float, Form, Scalar};
+use robot_dynamics_number::{AsFloat, Classified, ErrorKind, Float, Form, Scalar};
 
 use crate::motion::integrate::explicit::explicit_names;
 
@@ -21,6 +21,16 @@ pub enum PullbackError {
         /// The requested row.
         integrator: Integrator,
     },
+}
+
+impl Classified for PullbackError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Step(error) => error.kind(),
+            Self::SingularMass(error) => error.kind(),
+            Self::Implicit { .. } => ErrorKind::Unsupported,
+        }
+    }
 }
 
 impl fmt::Display for PullbackError {

@@ -6,6 +6,7 @@ use robot_dynamics_core::{Model, Workspace, dissipation, integrate};
 use robot_dynamics_integrators::{
     DynamicsError, EnergyLedger, Integrator, IntegratorError, Stage, StepScheme,
 };
+use robot_dynamics_number::{Classified, ErrorKind};
 
 use super::divergence::{add_actuation_gains, add_passive_gains};
 use super::ledger::end_energies;
@@ -33,6 +34,15 @@ pub enum ActuatedStepError {
     Step(#[from] IntegratorError),
 }
 
+impl Classified for ActuatedStepError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NotExplicit { .. } => ErrorKind::Unsupported,
+            Self::Step(error) => Classified::kind(error),
+        }
+    }
+}
+
 impl From<DynamicsError> for ActuatedStepError {
     fn from(error: DynamicsError) -> Self {
         Self::Step(error.into())
@@ -40,6 +50,10 @@ impl From<DynamicsError> for ActuatedStepError {
 }
 
 impl StepError for ActuatedStepError {
+    fn kind(&self) -> ErrorKind {
+        Classified::kind(self)
+    }
+
     fn fault(self, model: &Model) -> StepFault<Self> {
         match self {
             Self::Step(error) => match error.fault(model) {

@@ -13,7 +13,7 @@ pub use error::AdaptiveStepError;
 pub use method::AdaptiveMethod;
 pub use motion::ExternalInputs;
 pub(crate) use motion::HeldActuation;
-pub use options::{AdaptiveOptions, AdaptiveOptionsError, ControlTiming};
+pub use options::{AdaptiveOptions, ControlTiming};
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

@@ -4,6 +4,8 @@ use std::error::Error;
 use std::fmt;
 use std::sync::Arc;
 
+use robot_dynamics_number::{Classified, ErrorKind};
+
 /// An error of a callback, stored without change.
 ///
 /// Two errors are equal if their messages are equal.
@@ -31,6 +33,12 @@ impl fmt::Display for CallbackError {
 impl Error for CallbackError {
     fn source(&self) -> Option<&(dyn Error + 'static)> {
         self.0.source()
+    }
+}
+
+impl Classified for CallbackError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Callback
     }
 }
 

@@ -1,9 +1,10 @@
 //! Controllers: sources of the torques.
 
 use robot_dynamics_description::check_length;
+use robot_dynamics_number::check_finite;
 
 use super::callback::IntoCallbackResult;
-use super::control_error::{ControllerError, check_finite};
+use super::control_error::ControllerError;
 
 /// A source of generalized forces, called once at the start of every step.
 ///

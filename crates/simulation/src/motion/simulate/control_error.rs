@@ -1,52 +1,55 @@
 //! Errors of controllers.
 
-use robot_dynamics_core::algorithms::motion_error::{check_result, check_vector};
-use robot_dynamics_core::{Model, MotionError, check_configuration};
+use robot_dynamics_core::{Model, MotionError, SingularMass, check_configuration, check_vector};
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput, check_number, check_result};
 use thiserror::Error;
 
 use super::callback::CallbackError;
-use crate::OperationalSpaceError;
 
-/// An error of creating or calling a controller.
+/// An error of creating or calling a controller, or of the operational-space dynamics that it uses.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
+#[doc(alias = "OperationalSpaceError")]
 pub enum ControllerError {
-    /// The state, a gain or a given pose is invalid, or a torque overflows.
+    /// The state, the reference, a gain or a given pose is invalid, M is singular, or a result overflows.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// The reference motion is invalid.
-    #[error("the reference: {0}")]
-    Reference(#[source] MotionError),
-    /// The frame cannot have the required acceleration.
-    #[error(transparent)]
-    OperationalSpace(#[from] OperationalSpaceError),
-    /// An entry of a vector is NaN or infinite.
-    #[error("{quantity}[{index}] is {value}; every number must be finite")]
-    NotFinite {
-        /// The name of the vector.
-        quantity: &'static str,
-        /// The index of the entry.
-        index: usize,
-        /// The value of the entry.
-        value: f64,
-    },
-    /// A number is NaN or infinite.
-    #[error("{quantity} is {value}; it must be finite")]
-    BadNumber {
-        /// The name of the number.
-        quantity: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// The matrix of a reference orientation is not a rotation.
-    #[error("the reference's rotation matrix is not orthonormal with determinant 1 (off by {defect:e})")]
-    NotARotation {
-        /// The larger of max |RᵀR − 1| and |det R − 1|.
-        defect: f64,
+    /// The frame cannot accelerate in every chosen direction in this pose.
+    #[error(
+        "the frame cannot accelerate in every chosen direction: beside the later ones, `{row}` has the \
+         mobility {pivot:e}; choose fewer rows, or leave the singular pose"
+    )]
+    SingularPose {
+        /// The row at which the factorization failed.
+        row: &'static str,
+        /// The remaining mobility (J M⁻¹Jᵀ) of that row \[1/kg or 1/(kg·m²)\].
+        pivot: f64,
     },
     /// An error of a callback.
     #[error(transparent)]
     Callback(CallbackError),
+}
+
+impl Classified for ControllerError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Motion(error) => error.kind(),
+            Self::SingularPose { .. } => ErrorKind::Singular,
+            Self::Callback(error) => error.kind(),
+        }
+    }
+}
+
+impl From<InvalidInput> for ControllerError {
+    fn from(error: InvalidInput) -> Self {
+        Self::Motion(error.into())
+    }
+}
+
+impl From<SingularMass> for ControllerError {
+    fn from(error: SingularMass) -> Self {
+        Self::Motion(error.into())
+    }
 }
 
 impl From<CallbackError> for ControllerError {
@@ -59,27 +62,14 @@ impl From<CallbackError> for ControllerError {
     }
 }
 
-/// Checks that a number is finite.
-pub fn check_number(quantity: &'static str, value: f64) -> Result<(), ControllerError> {
-    if value.is_finite() { Ok(()) } else { Err(ControllerError::BadNumber { quantity, value }) }
-}
-
-/// Checks that all entries of a vector are finite.
-pub fn check_finite(quantity: &'static str, x: &[f64]) -> Result<(), ControllerError> {
-    match x.iter().position(|x| !x.is_finite()) {
-        Some(index) => Err(ControllerError::NotFinite { quantity, index, value: x[index] }),
-        None => Ok(()),
-    }
-}
-
 /// Checks the time, the configuration and the velocity of a call of a controller.
-pub fn check_controller_input(model: &Model, t: f64, q: &[f64], v: &[f64]) -> Result<(), ControllerError> {
+pub fn check_controller_input(model: &Model, t: f64, q: &[f64], v: &[f64]) -> Result<(), InvalidInput> {
     check_number("t", t)?;
-    check_configuration(model, q).map_err(MotionError::from)?;
-    Ok(check_vector(model, "v", v)?)
+    check_configuration(model, q)?;
+    check_vector(model, "v", v)
 }
 
 /// Checks that the torque is finite.
-pub fn check_torque(tau: &[f64]) -> Result<(), ControllerError> {
-    Ok(check_result("the controller's torque", tau)?)
+pub fn check_torque(tau: &[f64]) -> Result<(), InvalidInput> {
+    check_result("the controller's torque", tau)
 }

@@ -2,26 +2,21 @@
 
 use std::error::Error;
 
-use robot_dynamics_core::{ConfigurationError, SingularMass};
+use robot_dynamics_core::SingularMass;
 use robot_dynamics_integrators::IntegratorError;
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 
 use super::divergence::DivergenceCause;
 use super::event::{Cause, NoValue};
-use super::{CallbackError, ControllerError, Run};
+use super::{CallbackError, ControllerError, Run, StepError};
 
 /// An error of a run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError<E = IntegratorError> {
-    /// The step is not positive and finite.
-    #[error("the step must be positive and finite, got {step} s")]
-    BadStep {
-        /// The given step \[s\].
-        step: f64,
-    },
-    /// The initial configuration is invalid.
+    /// The step is not positive and finite, or the initial configuration is invalid.
     #[error("the run cannot start: {0}")]
-    Configuration(#[source] ConfigurationError),
+    Input(#[from] InvalidInput),
     /// A number is NaN or infinite.
     #[error(
         "{quantity} is not finite at coordinate `{coordinate}`, t = {time} s (step {step}); \
@@ -114,8 +109,7 @@ impl<E> RunError<E> {
     #[cfg_attr(not(feature = "adaptive"), allow(dead_code))]
     pub fn map<F>(self, of: impl FnOnce(E) -> F) -> RunError<F> {
         match self {
-            Self::BadStep { step } => RunError::BadStep { step },
-            Self::Configuration(source) => RunError::Configuration(source),
+            Self::Input(source) => RunError::Input(source),
             Self::NotFinite { quantity, coordinate, step, time } => {
                 RunError::NotFinite { quantity, coordinate, step, time }
             }
@@ -127,6 +121,19 @@ impl<E> RunError<E> {
             Self::EventNotFinite { name, time, value } => RunError::EventNotFinite { name, time, value },
             Self::Event { name, time, source } => RunError::Event { name, time, source },
             Self::Step { step, time, source } => RunError::Step { step, time, source: of(source) },
+        }
+    }
+}
+
+impl<E: StepError + Send + Sync + 'static> Classified for RunError<E> {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Input(error) => error.kind(),
+            Self::NotFinite { .. } | Self::Diverged { .. } => ErrorKind::Diverged,
+            Self::SingularMass { source, .. } => source.kind(),
+            Self::Controller { source, .. } => source.kind(),
+            Self::EventNotFinite { .. } | Self::Event { .. } => ErrorKind::Callback,
+            Self::Step { source, .. } => source.kind(),
         }
     }
 }
@@ -150,4 +157,10 @@ pub struct RunFailure<E: Error + 'static = IntegratorError> {
     pub error: RunError<E>,
     /// The run up to the last good state.
     pub until: Run,
+}
+
+impl<E: StepError + Send + Sync + 'static> Classified for RunFailure<E> {
+    fn kind(&self) -> ErrorKind {
+        self.error.kind()
+    }
 }

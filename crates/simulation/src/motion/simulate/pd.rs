@@ -2,8 +2,7 @@
 
 use std::borrow::Borrow;
 
-use robot_dynamics_core::algorithms::motion_error::check_vector;
-use robot_dynamics_core::{Model, MotionError, Workspace, check_configuration, difference, gravity};
+use robot_dynamics_core::{Model, Workspace, check_configuration, check_vector, difference, gravity};
 use robot_dynamics_description::check_length;
 
 use super::{Controller, ControllerError, check_controller_input, check_torque};
@@ -92,7 +91,7 @@ impl<R: Borrow<Model>> GravityCompensatedPd<R> {
         damping: &[f64],
     ) -> Result<Self, ControllerError> {
         let model: &Model = robot.borrow();
-        check_configuration(model, target).map_err(MotionError::from)?;
+        check_configuration(model, target)?;
         check_vector(model, "the stiffness", stiffness)?;
         check_vector(model, "the damping", damping)?;
         let nv = model.nv();

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use robot_dynamics_core::{Model, SingularMass, check_configuration};
 use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::EnergyLedger;
+use robot_dynamics_number::check_positive;
 
 use super::ledger::{fastest, open_start};
 use super::{EventOccurrence, Losses, RunError, StepError, StepFault, Stepper, Trajectory};
@@ -159,10 +160,8 @@ impl RunLoop<'_> {
         (q0, v0): (&[f64], &[f64]),
         steps: usize,
     ) -> Result<(), RunError<S::Error>> {
-        if !(self.step > 0.0 && self.step.is_finite()) {
-            return Err(RunError::BadStep { step: self.step });
-        }
-        check_configuration(self.model, q0).map_err(RunError::Configuration)?;
+        check_positive("the step", self.step, "s")?;
+        check_configuration(self.model, q0)?;
         if let Some(index) = v0.iter().position(|v| !v.is_finite()) {
             return Err(self.blow_up("v", index, 0));
         }

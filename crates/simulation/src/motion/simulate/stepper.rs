@@ -4,6 +4,7 @@ use std::error::Error;
 
 use robot_dynamics_core::{Model, SingularMass, Workspace, check_rank};
 use robot_dynamics_integrators::{DynamicsError, EnergyLedger, Integrator, IntegratorError};
+use robot_dynamics_number::{Classified, ErrorKind};
 
 use super::divergence::add_passive_gains;
 use super::{CallbackError, Losses, record_step};
@@ -286,15 +287,28 @@ pub trait StepError: Error + Sized {
         StepFault::Other(self)
     }
 
+    /// The kind of the error.
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Callback
+    }
+
     /// Whether an interrupt ended the step; the run then ends as if its observer had stopped it.
     fn is_interruption(&self) -> bool {
         false
     }
 }
 
-impl StepError for CallbackError {}
+impl StepError for CallbackError {
+    fn kind(&self) -> ErrorKind {
+        Classified::kind(self)
+    }
+}
 
 impl StepError for IntegratorError {
+    fn kind(&self) -> ErrorKind {
+        Classified::kind(self)
+    }
+
     fn is_interruption(&self) -> bool {
         *self == Self::Interrupted
     }

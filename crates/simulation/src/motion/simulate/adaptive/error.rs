@@ -2,6 +2,7 @@
 
 use robot_dynamics_core::Model;
 use robot_dynamics_integrators::IntegratorError;
+use robot_dynamics_number::{Classified, ErrorKind};
 use thiserror::Error;
 
 use super::super::{StepError, StepFault};
@@ -52,7 +53,21 @@ pub enum AdaptiveStepError {
     Step(#[from] IntegratorError),
 }
 
+impl Classified for AdaptiveStepError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::StepTooSmall { .. } | Self::TooManySteps { .. } => ErrorKind::NotConverged,
+            Self::Diverged { .. } => ErrorKind::Diverged,
+            Self::Step(error) => Classified::kind(error),
+        }
+    }
+}
+
 impl StepError for AdaptiveStepError {
+    fn kind(&self) -> ErrorKind {
+        Classified::kind(self)
+    }
+
     fn is_interruption(&self) -> bool {
         matches!(self, Self::Step(error) if error.is_interruption())
     }

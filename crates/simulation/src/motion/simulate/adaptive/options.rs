@@ -1,6 +1,6 @@
 //! Options of adaptive steps.
 
-use thiserror::Error;
+use robot_dynamics_number::{InvalidInput, check_positive};
 
 use super::AdaptiveMethod;
 
@@ -61,38 +61,15 @@ pub enum ControlTiming {
     },
 }
 
-/// An error of the options of adaptive steps.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum AdaptiveOptionsError {
-    /// The tolerance is outside its range.
-    #[error("the tolerance must lie between {least:e} and {most:e}, got {tolerance:e}")]
-    Tolerance {
-        /// The given tolerance.
-        tolerance: f64,
-        /// The smallest tolerance.
-        least: f64,
-        /// The largest tolerance.
-        most: f64,
-    },
-    /// The control period is invalid.
-    #[error("the control period must be positive and finite, got {period} s")]
-    Period {
-        /// The given period \[s\].
-        period: f64,
-    },
-}
-
 impl AdaptiveOptions {
-    pub fn check(&self) -> Result<(), AdaptiveOptionsError> {
-        if let ControlTiming::Held { period } = self.control
-            && !(period > 0.0 && period.is_finite())
-        {
-            return Err(AdaptiveOptionsError::Period { period });
+    pub fn check(&self) -> Result<(), InvalidInput> {
+        if let ControlTiming::Held { period } = self.control {
+            check_positive("the control period", period, "s")?;
         }
         let (least, most) = TOLERANCES;
         if !(least..=most).contains(&self.tolerance) {
-            return Err(AdaptiveOptionsError::Tolerance { tolerance: self.tolerance, least, most });
+            let requirement = format!("between {least:e} and {most:e}");
+            return Err(InvalidInput::out_of_range("the tolerance", self.tolerance, "", requirement));
         }
         Ok(())
     }

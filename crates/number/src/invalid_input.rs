@@ -1,0 +1,233 @@
+//! Invalid arguments: the error that names them, and the checks that find them.
+
+use std::error::Error;
+use std::fmt;
+
+use crate::{Classified, ErrorKind};
+
+/// An argument with an invalid value.
+///
+/// ```
+/// use robot_dynamics_number::{InputProblem, check_finite};
+/// let error = check_finite("v", &[0.0, f64::INFINITY]).expect_err("an infinite velocity");
+/// assert_eq!(error.quantity, "v");
+/// assert!(matches!(error.problem, InputProblem::NotFinite { index: Some(1), .. }));
+/// assert_eq!(error.to_string(), "v[1] is inf; every number must be finite");
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+#[doc(alias = "ConfigurationError")]
+#[doc(alias = "AdaptiveOptionsError")]
+pub struct InvalidInput {
+    /// The argument: `q`, `v`, `the step`, `the stiffness`, ...
+    pub quantity: String,
+    /// The problem with its value.
+    pub problem: InputProblem,
+}
+
+/// The problem with the value of an argument.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum InputProblem {
+    /// Too many or too few numbers.
+    WrongLength {
+        /// Numbers given.
+        found: usize,
+        /// Numbers needed.
+        expected: usize,
+        /// The object that determines the length, for example ``robot `arm` ``.
+        owner: String,
+        /// A hint after the message, or an empty text.
+        hint: &'static str,
+    },
+    /// A number is NaN or infinite.
+    #[doc(alias = "NonFinite")]
+    NotFinite {
+        /// The index of the entry; `None` if the argument is a single number.
+        index: Option<usize>,
+        /// The joint of an entry of q, or the coordinate of an entry of v, a or τ.
+        coordinate: Option<String>,
+        /// Its value.
+        value: f64,
+    },
+    /// A number is out of its range.
+    OutOfRange {
+        /// Its value.
+        value: f64,
+        /// Its unit, or an empty text.
+        unit: &'static str,
+        /// The requirement, for example `positive and finite`.
+        requirement: String,
+    },
+    /// A quaternion in q does not have unit length.
+    NotAUnitQuaternion {
+        /// The index of the first of its four numbers.
+        first: usize,
+        /// Its joint.
+        joint: String,
+        /// Its length.
+        norm: f64,
+    },
+    /// A matrix is not a rotation.
+    NotARotation {
+        /// The larger of max |RᵀR − 1| and |det R − 1|.
+        defect: f64,
+    },
+    /// A result is not finite although all arguments are.
+    Overflow {
+        /// The value computed.
+        value: f64,
+    },
+}
+
+impl InvalidInput {
+    /// The error of an argument with this problem.
+    pub fn new(quantity: impl Into<String>, problem: InputProblem) -> Self {
+        Self { quantity: quantity.into(), problem }
+    }
+
+    /// The error of a number out of its range. `requirement` completes "it must be …"; `unit` may be empty.
+    ///
+    /// ```
+    /// use robot_dynamics_number::InvalidInput;
+    /// let error = InvalidInput::out_of_range("the restitution", 2.0, "", "between 0 and 1");
+    /// assert_eq!(error.to_string(), "the restitution must be between 0 and 1, got 2");
+    /// ```
+    pub fn out_of_range(
+        quantity: impl Into<String>,
+        value: f64,
+        unit: &'static str,
+        requirement: impl Into<String>,
+    ) -> Self {
+        Self::new(quantity, InputProblem::OutOfRange { value, unit, requirement: requirement.into() })
+    }
+
+    /// The same error of an argument with another name.
+    #[must_use]
+    pub fn of(self, quantity: impl Into<String>) -> Self {
+        Self { quantity: quantity.into(), ..self }
+    }
+}
+
+impl fmt::Display for InvalidInput {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let quantity = &self.quantity;
+        match &self.problem {
+            InputProblem::WrongLength { found, expected, owner, hint } => {
+                write!(f, "{quantity} has {found} numbers, {owner} needs {expected}{hint}")
+            }
+            InputProblem::NotFinite { index: None, value, .. } => {
+                write!(f, "{quantity} is {value}; it must be finite")
+            }
+            InputProblem::NotFinite { index: Some(index), coordinate, value } => {
+                write!(f, "{quantity}[{index}]")?;
+                if let Some(coordinate) = coordinate {
+                    write!(f, " (coordinate `{coordinate}`)")?;
+                }
+                write!(f, " is {value}; every number must be finite")
+            }
+            InputProblem::OutOfRange { value, unit, requirement } => {
+                let space = if unit.is_empty() { "" } else { " " };
+                let is_plain = *value == 0.0 || !value.is_finite() || (1e-4..1e7).contains(&value.abs());
+                let value = if is_plain { format!("{value}") } else { format!("{value:e}") };
+                write!(f, "{quantity} must be {requirement}, got {value}{space}{unit}")
+            }
+            InputProblem::NotAUnitQuaternion { first, joint, norm } => write!(
+                f,
+                "{quantity}[{first}..{}] (joint `{joint}`) is a quaternion x y z w of length {norm}, not 1; \
+                 normalise it, and check its order",
+                first + 4
+            ),
+            InputProblem::NotARotation { defect } => write!(
+                f,
+                "{quantity}: the rotation matrix is not orthonormal with determinant 1 (off by {defect:e})"
+            ),
+            InputProblem::Overflow { value } => write!(
+                f,
+                "{quantity} is {value}: the numbers given are too large to compute it; check their units"
+            ),
+        }
+    }
+}
+
+impl Error for InvalidInput {}
+
+impl Classified for InvalidInput {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::InvalidInput
+    }
+}
+
+/// Checks that all entries are finite.
+///
+/// ```
+/// use robot_dynamics_number::check_finite;
+/// assert!(check_finite("q", &[0.0, 1.0]).is_ok());
+/// assert!(check_finite("q", &[0.0, f64::NAN]).is_err());
+/// ```
+///
+/// # Errors
+/// [`InputProblem::NotFinite`] with the first entry that is NaN or infinite.
+pub fn check_finite(quantity: &str, values: &[f64]) -> Result<(), InvalidInput> {
+    match values.iter().position(|x| !x.is_finite()) {
+        Some(index) => {
+            let problem =
+                InputProblem::NotFinite { index: Some(index), coordinate: None, value: values[index] };
+            Err(InvalidInput::new(quantity, problem))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Checks that a single number is finite.
+///
+/// ```
+/// use robot_dynamics_number::check_number;
+/// let error = check_number("the damping", f64::NAN).expect_err("NaN");
+/// assert_eq!(error.to_string(), "the damping is NaN; it must be finite");
+/// ```
+///
+/// # Errors
+/// [`InputProblem::NotFinite`].
+pub fn check_number(quantity: &str, value: f64) -> Result<(), InvalidInput> {
+    if value.is_finite() {
+        return Ok(());
+    }
+    Err(InvalidInput::new(quantity, InputProblem::NotFinite { index: None, coordinate: None, value }))
+}
+
+/// Checks that a number is positive and finite. `unit` may be empty.
+///
+/// ```
+/// use robot_dynamics_number::check_positive;
+/// let error = check_positive("the step", 0.0, "s").expect_err("a step of 0 s");
+/// assert_eq!(error.to_string(), "the step must be positive and finite, got 0 s");
+/// ```
+///
+/// # Errors
+/// [`InputProblem::OutOfRange`].
+pub fn check_positive(quantity: &str, value: f64, unit: &'static str) -> Result<(), InvalidInput> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(InvalidInput::out_of_range(quantity, value, unit, "positive and finite"))
+}
+
+/// Checks that results of finite arguments are finite.
+///
+/// ```
+/// use robot_dynamics_number::check_result;
+/// assert!(check_result("C v", &[1e200 * 1e200]).is_err());
+/// ```
+///
+/// # Errors
+/// [`InputProblem::Overflow`].
+pub fn check_result<'a>(
+    quantity: &str,
+    results: impl IntoIterator<Item = &'a f64>,
+) -> Result<(), InvalidInput> {
+    match results.into_iter().find(|x| !x.is_finite()) {
+        Some(&value) => Err(InvalidInput::new(quantity, InputProblem::Overflow { value })),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,148 @@
+//! Every error of the facade converts to `Error`, which has the kind and the text of the original.
+
+use std::error::Error as _;
+
+use robot_dynamics::ErrorKind::{self, *};
+use robot_dynamics::algorithms::{MotionError, SingularMass};
+use robot_dynamics::constraints::{ConstrainedMotionError, ConstraintSetError};
+use robot_dynamics::contact::ContactError;
+use robot_dynamics::control::{
+    DlqrError, IdentificationError, InverseKinematicsError, ParameterizationError, SplineError,
+};
+use robot_dynamics::derivatives::{DifferenceError, LinearizeStepError, ParameterError, PullbackError};
+use robot_dynamics::description::{EditError, InertiaError, ModelError, NoSuchFrame, WriteError, pendulum};
+use robot_dynamics::model::{JointMapError, Model};
+use robot_dynamics::simulation::{
+    ActuatedStepError, CallbackError, ControllerError, DynamicsError, Integrator, IntegratorError,
+    MethodError, PoseError, RunError, RunFailure, SimulationError, StepFailure,
+};
+use robot_dynamics::{
+    Classified, Error, FileError, InputProblem, InvalidInput, LoadError, Options, describe_text,
+};
+
+/// Checks the kind, and that the conversion keeps text and source.
+#[track_caller]
+fn check<E: Classified>(error: E, kind: ErrorKind) {
+    let (text, source) = (error.to_string(), error.source().map(ToString::to_string));
+    let error = Error::from(error);
+    assert_eq!(error.kind(), kind, "{error}");
+    assert_eq!((error.to_string(), format!("{error:?}")), (text.clone(), text));
+    assert_eq!(error.source().map(ToString::to_string), source);
+    assert!(error.downcast_ref::<E>().is_some());
+    assert!(error.downcast::<E>().is_ok());
+}
+
+fn bad_input() -> InvalidInput {
+    InvalidInput::new("v", InputProblem::Overflow { value: f64::INFINITY })
+}
+
+fn singular_mass() -> SingularMass {
+    let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
+    SingularMass::at(&model, 0, 0.0)
+}
+
+fn name() -> String {
+    "elbow".to_owned()
+}
+
+#[test]
+fn errors_of_files_and_descriptions() {
+    let refused = describe_text("<robot/>", &Options::default()).expect_err("no links");
+    check(refused, File);
+    let refused = describe_text("<robot/>", &Options::default()).expect_err("no links");
+    check(LoadError::from(refused), File);
+    check(LoadError::from(ModelError::NoLinks), Description);
+    let refused = describe_text("<mujoco><worldbody><joint/></worldbody></mujoco>", &Options::default())
+        .expect_err("a joint");
+    assert!(matches!(refused, FileError::Mjcf(_)));
+    check(refused, File);
+    check(std::io::Error::other("no disk"), File);
+    check(robot_dynamics::urdf::disabled_collisions("<robot", &[]).expect_err("not XML"), File);
+    check(ModelError::NoLinks, Description);
+    check(EditError::NoSuch { sort: "joint", name: name() }, UnknownName);
+    check(EditError::BadFactor(f64::NAN), InvalidInput);
+    check(EditError::Follows { joint: name(), leader: name() }, Unsupported);
+    check(InertiaError::NegativeMass { value: -1.0 }, Description);
+    check(InertiaError::NonFinite { quantity: "mass", index: 0 }, InvalidInput);
+    check(WriteError::from(ModelError::NoLinks), Description);
+    check(WriteError::Unwritable(vec![name()]), Unsupported);
+    let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
+    let missing: NoSuchFrame = model.frame_named("gripper").expect_err("no gripper");
+    check(missing, UnknownName);
+    check(JointMapError::LockedElsewhere { joint: name(), distance: 1.0 }, Description);
+    check(ParameterError::MomentWithoutMass { link: name() }, Description);
+}
+
+#[test]
+fn errors_of_states_and_motions() {
+    check(bad_input(), InvalidInput);
+    check(MotionError::from(bad_input()), InvalidInput);
+    check(MotionError::NoMass { robot: name() }, Infeasible);
+    check(MotionError::from(singular_mass()), Singular);
+    check(singular_mass(), Singular);
+    check(JointMapError::from(bad_input()), InvalidInput);
+    check(ParameterError::from(bad_input()), InvalidInput);
+    check(LinearizeStepError::Implicit { integrator: Integrator::VariationalMidpoint }, Unsupported);
+    check(LinearizeStepError::from(singular_mass()), Singular);
+    check(PullbackError::from(singular_mass()), Singular);
+    check(DifferenceError::<MethodError>::Discontinuous { quantity: "q", coordinate: name() }, Infeasible);
+}
+
+#[test]
+fn errors_of_control() {
+    check(ControllerError::from(bad_input()), InvalidInput);
+    check(ControllerError::SingularPose { row: "z", pivot: 0.0 }, Singular);
+    check(ControllerError::Callback(CallbackError::new("no answer")), Callback);
+    check(InverseKinematicsError::from(bad_input()), InvalidInput);
+    check(IdentificationError::TooFewData { equations: 0, unknowns: 1, coordinates: 1 }, Infeasible);
+    check(IdentificationError::BadSample { sample: 1, source: bad_input() }, InvalidInput);
+    check(DlqrError::NotConverged, NotConverged);
+    check(DlqrError::NotStabilizable { modulus: 1.0, angle: 0.0 }, Infeasible);
+    check(DlqrError::Empty { matrix: "A" }, InvalidInput);
+    check(SplineError::Repeated { index: 1 }, InvalidInput);
+    check(ParameterizationError::Standstill { s: 0.0 }, Infeasible);
+    check(ParameterizationError::NotFinite { s: 0.0 }, InvalidInput);
+}
+
+#[test]
+fn errors_of_simulations() {
+    check(SimulationError::from(bad_input()), InvalidInput);
+    check(SimulationError::GroundWithoutContacts, Unsupported);
+    check(ContactError::Slope { angle: 2.0 }, InvalidInput);
+    check(ContactError::RestitutionUnderSoftLaw { restitution: 0.5 }, Unsupported);
+    check(ConstraintSetError::DuplicateName { name: name() }, Constraint);
+    check(ConstraintSetError::UnknownCoordinate { name: name(), robot: name() }, UnknownName);
+    check(ConstrainedMotionError::StabilizedVariationalStep, Unsupported);
+    check(ConstrainedMotionError::NonFiniteRow { name: name() }, Constraint);
+    check(ConstrainedMotionError::NotConverged { iterations: 1, name: name(), error: 1.0 }, NotConverged);
+    check(ActuatedStepError::NotExplicit { integrator: "variational" }, Unsupported);
+    check(DynamicsError::NonFinite { quantity: "q", index: 0 }, Diverged);
+    check(IntegratorError::Interrupted, Interrupted);
+    check(MethodError::from(IntegratorError::EnergyNotFinite { steps_done: 1 }), Diverged);
+    check(PoseError::NoSuchPose { robot: name(), pose: name(), names: Vec::new() }, UnknownName);
+    check(StepFailure::Input(bad_input()), InvalidInput);
+    let source = MethodError::from(IntegratorError::Interrupted);
+    check(StepFailure::Step { step: 1, time: 0.1, source }, Interrupted);
+    check(
+        RunError::<IntegratorError>::SingularMass { step: 1, time: 0.1, source: singular_mass() },
+        Singular,
+    );
+    check(RunError::<IntegratorError>::EventNotFinite { name: name(), time: 0.1, value: f64::NAN }, Callback);
+
+    let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
+    let mut simulation = robot_dynamics::simulation(&model).build().expect("a simulation");
+    simulation.set_torques(&[f64::NAN]);
+    let failure: Box<RunFailure<MethodError>> = simulation
+        .run_from(&[f64::NAN], &[0.0], 1, robot_dynamics::simulation::RunOptions::new())
+        .unwrap_err();
+    check(*failure, InvalidInput);
+}
+
+#[cfg(feature = "batch")]
+#[test]
+fn errors_of_batches() {
+    use robot_dynamics::batch::RolloutError;
+    check(RolloutError::Policy, Unsupported);
+    check(RolloutError::Cancelled { unfinished: vec![0], batch: 1 }, Interrupted);
+    check(RolloutError::from(bad_input()), InvalidInput);
+}
