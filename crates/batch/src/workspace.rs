@@ -77,7 +77,7 @@ impl<T: Float> BatchWorkspace<T> {
     /// Panics if the workspace belongs to another model.
     #[track_caller]
     pub(super) fn check(&self, model: &Model) {
-        self.robot.check(model, "the batch's workspace");
+        model.check_identity(&self.robot, "the batch's workspace");
     }
 
     /// The number of threads.

@@ -1,12 +1,15 @@
 //! The compiled robot: from a description to the arrays of the recursions.
 
 pub mod actuated;
+pub mod body;
 pub mod compile;
 pub mod frame;
 pub mod identity;
+pub mod joint;
 pub mod mass;
 pub mod massless;
 pub mod native;
+mod placed_link;
 pub mod random_state;
 pub(crate) mod reference_point;
 pub(crate) mod regroup;
@@ -15,5 +18,7 @@ pub mod robot;
 pub mod rotor;
 pub mod segment;
 
+pub use body::{Body, Dof, WORLD};
 pub use frame::{Frame, FrameId};
-pub use robot::{Body, Dof, Joint, Model, WORLD};
+pub use joint::Joint;
+pub use robot::Model;

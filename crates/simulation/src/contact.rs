@@ -304,7 +304,7 @@ impl ContactSet {
     #[track_caller]
     pub fn clearance(&self, model: &Model, workspace: &mut Workspace, q: &[f64]) -> Option<f64> {
         workspace.check_inputs(model, q);
-        self.robot.check(model, "the contact set");
+        model.check_identity(&self.robot, "the contact set");
         let mut placement = Placement::new(model);
         placement.set(model, workspace, q);
         let mut least = None;

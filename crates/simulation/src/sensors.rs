@@ -236,7 +236,7 @@ impl SensorSet {
     /// If the model belongs to another robot.
     #[track_caller]
     pub fn memory(&self, model: &Model) -> SensorMemory {
-        self.robot.check(model, "the sensor set");
+        model.check_identity(&self.robot, "the sensor set");
         let links = model.segments.list.len();
         SensorMemory {
             dynamics: Workspace::new(model),

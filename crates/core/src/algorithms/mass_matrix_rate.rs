@@ -42,7 +42,7 @@ pub fn mass_matrix_rate<S: Scalar>(
     v: &[S],
     rate: &mut [S],
 ) {
-    workspace.robot.check(model, "the workspace");
+    model.check_identity(&workspace.robot, "the workspace");
     check_length("q", q.len(), model.nq);
     check_length("v", v.len(), model.nv);
     check_length("the rate of the mass matrix", rate.len(), model.nv * model.nv);

@@ -193,8 +193,8 @@ impl JointMap {
     /// If one of the two is another robot. The message has both names.
     #[track_caller]
     pub fn check(&self, full: &Model, reduced: &Model) {
-        self.full.check(full, "the joint map's full side");
-        self.reduced.check(reduced, "the joint map's reduced side");
+        full.check_identity(&self.full, "the joint map's full side");
+        reduced.check_identity(&self.reduced, "the joint map's reduced side");
     }
 
     /// The full model's q for the reduced one's, with locked joints at the reference. No allocation.

@@ -11,15 +11,39 @@ use robot_dynamics_description::{
 use robot_dynamics_number::algebra::{padded, padded_columns};
 
 use crate::joint::{Chart, PrimitiveJoint};
+use crate::model::frame::frames;
 use crate::model::identity::Identity;
 use crate::model::mass::fixed_first_moment;
-use crate::model::native::Native;
+use crate::model::placed_link::PlacedLink;
 use crate::model::reference_point::{choose_points, travels_far};
+use crate::model::robot::Native;
 use crate::model::rotor::Rotor;
 use crate::model::segment::Segments;
-use crate::model::{Body, Dof, Frame, Joint, Model, WORLD};
+use crate::model::{Body, Dof, Joint, Model, WORLD};
 
-pub fn compile(description: RobotDescription) -> Result<Model, ModelError> {
+impl Model {
+    /// Checks a description and compiles it.
+    ///
+    /// ```
+    /// use robot_dynamics::description::{ModelError, pendulum};
+    /// use robot_dynamics::model::Model;
+    /// assert_eq!(Model::new(pendulum(2.0, 0.5))?.nv(), 1);
+    /// let mut headless = pendulum(2.0, 0.5);
+    /// headless.joints[0].child = "bob".into(); // an unknown link
+    /// assert!(Model::new(headless).unwrap_err().to_string().contains("bob"));
+    /// # Ok::<(), ModelError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ModelError`] names the link or joint at fault. The causes are duplicate or unknown names, a link
+    /// with two parents, several roots, cycles, a zero axis, and an invalid mimic joint. Joints that move no
+    /// inertia are not an error: see [`Model::massless_joints`].
+    pub fn new(description: RobotDescription) -> Result<Self, ModelError> {
+        compile(description)
+    }
+}
+
+fn compile(description: RobotDescription) -> Result<Model, ModelError> {
     let tree = validate(&description)?;
     let mut compiler = Compiler::new(&description);
     compiler.place_root(tree.root);
@@ -80,13 +104,6 @@ fn first_angle(bodies: &[Body], nq: usize) -> Option<usize> {
     let first = nq.checked_sub(bodies.len())?;
     let in_line = |(i, body): (usize, &Body)| body.motion.nv() > 1 || body.q_index == first + i;
     bodies.iter().enumerate().all(in_line).then_some(first)
-}
-
-/// The body (or the world) of a link, and the link's constant placement on it.
-#[derive(Clone, Copy)]
-pub struct PlacedLink {
-    pub body: Option<usize>,
-    pub body_from_link: Pose,
 }
 
 struct Compiler<'a> {
@@ -366,22 +383,4 @@ impl<'a> Compiler<'a> {
             Chart::Placement => has_mass && turns,
         }
     }
-}
-
-fn frames(
-    description: &RobotDescription,
-    link_index: &HashMap<&str, usize>,
-    links: &[PlacedLink],
-) -> Vec<Frame> {
-    let of_links = description.links.iter().zip(links).enumerate();
-    let of_links = of_links.map(|(index, (link, placed))| {
-        Frame::new(link.name.clone(), index, placed.body, placed.body_from_link)
-    });
-    let of_equalities = description.equality_frames();
-    let declared = description.frames.iter().chain(&of_equalities).map(|frame| {
-        let link = link_index[frame.link.as_str()];
-        let body_from_frame = links[link].body_from_link.compose(&frame.link_from_frame);
-        Frame::new(frame.name.clone(), link, links[link].body, body_from_frame)
-    });
-    of_links.chain(declared).collect()
 }

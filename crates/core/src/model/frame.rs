@@ -1,9 +1,11 @@
 //! Frames of a compiled robot, by name and by id.
 
-use robot_dynamics_description::Pose;
+use std::collections::HashMap;
+
+use robot_dynamics_description::{Pose, RobotDescription};
 use robot_dynamics_number::algebra::{Padded, PaddedColumns, padded, padded_columns};
 
-use crate::Model;
+use crate::model::placed_link::PlacedLink;
 
 /// A named frame: a link of the description, or a frame declared there.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,7 +31,8 @@ impl Frame {
     }
 }
 
-/// The id of a frame of one robot. Look it up once with [`Model::frame`]; using it with another robot panics.
+/// The id of a frame of one robot. Look it up once with [`Model::frame`](crate::Model::frame). Using it with
+/// another robot panics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FrameId {
     pub index: usize,
@@ -40,6 +43,25 @@ pub struct FrameId {
 #[cold]
 #[inline(never)]
 #[track_caller]
-pub(crate) fn refuse_frame(model: &Model) -> ! {
-    panic!("the frame is another robot's, not one of `{}`: look it up by name in this model", model.name());
+pub(crate) fn refuse_frame(robot: &str) -> ! {
+    panic!("the frame is another robot's, not one of `{robot}`: look it up by name in this model");
+}
+
+/// The frames of a robot: its links, then those that the description declares and those of its equalities.
+pub(super) fn frames(
+    description: &RobotDescription,
+    link_index: &HashMap<&str, usize>,
+    links: &[PlacedLink],
+) -> Vec<Frame> {
+    let of_links = description.links.iter().zip(links).enumerate();
+    let of_links = of_links.map(|(index, (link, placed))| {
+        Frame::new(link.name.clone(), index, placed.body, placed.body_from_link)
+    });
+    let of_equalities = description.equality_frames();
+    let declared = description.frames.iter().chain(&of_equalities).map(|frame| {
+        let link = link_index[frame.link.as_str()];
+        let body_from_frame = links[link].body_from_link.compose(&frame.link_from_frame);
+        Frame::new(frame.name.clone(), link, links[link].body, body_from_frame)
+    });
+    of_links.chain(declared).collect()
 }

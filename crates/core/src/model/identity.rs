@@ -4,8 +4,6 @@ use std::sync::Arc;
 
 use robot_dynamics_description::{RobotDescription, fingerprint};
 
-use crate::Model;
-
 /// Identifies a robot by its content. It is equal for clones of a model and for models of equal descriptions.
 /// It differs as soon as any name or number differs that affects the motion.
 ///
@@ -26,39 +24,14 @@ impl Identity {
         self.hash
     }
 
-    /// Panics with both names if `what` belongs to another robot.
-    #[inline(always)]
-    #[track_caller]
-    pub fn check(&self, model: &Model, what: &str) {
-        if self.hash != model.identity.hash {
-            self.refuse(model, what);
-        }
-    }
-
+    /// Panics with both names: `what` belongs to the robot `owner`, not to this one.
     #[cold]
     #[inline(never)]
     #[track_caller]
-    fn refuse(&self, model: &Model, what: &str) -> ! {
-        let (own, other) = (&self.name, &model.identity.name);
+    pub(super) fn refuse(&self, owner: &Self, what: &str) -> ! {
+        let (own, other) = (&owner.name, &self.name);
         let same = if own == other { " of the same name" } else { "" };
         panic!("{what} is for robot `{own}`, not for `{other}`{same}: make one for this model");
-    }
-}
-
-impl Model {
-    /// A hash of the description without its shapes, sensors and poses: equal if every name and every digit
-    /// is. Workspaces and frames of one robot panic when used with a robot of another fingerprint.
-    ///
-    /// ```
-    /// use robot_dynamics::description::pendulum;
-    /// use robot_dynamics::model::Model;
-    /// let robot = Model::new(pendulum(2.0, 0.5))?;
-    /// assert_eq!(robot.fingerprint(), Model::new(pendulum(2.0, 0.5))?.fingerprint());
-    /// assert_ne!(robot.fingerprint(), Model::new(pendulum(2.0_f64.next_up(), 0.5))?.fingerprint());
-    /// # Ok::<(), robot_dynamics::description::ModelError>(())
-    /// ```
-    pub fn fingerprint(&self) -> u64 {
-        self.identity.hash()
     }
 }
 

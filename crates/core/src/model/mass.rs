@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_description::RobotDescription;
 
 use crate::Model;
-use crate::model::compile::PlacedLink;
+use crate::model::placed_link::PlacedLink;
 
 impl Model {
     /// The mass \[kg\] of the links that [`center_of_mass`](crate::center_of_mass) counts: those of the

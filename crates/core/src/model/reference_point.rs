@@ -21,7 +21,7 @@
 use robot_dynamics_description::Limits;
 
 use crate::joint::{Chart, PrimitiveJoint};
-use crate::model::{Body, WORLD};
+use crate::model::body::{Body, WORLD};
 
 /// The reference points of a model.
 #[derive(Clone, Copy, Debug)]

@@ -4,16 +4,23 @@
 //! on fixed joints into their parent's body; they stay as named frames. It rotates every body frame so that
 //! the joint moves about or along z. A [`Model`] is immutable and `Sync`; share it by reference or `Arc`.
 
-use robot_dynamics_description::{
-    JointKind, Limits, ModelError, NoSuchFrame, PassiveForces, Pose, RobotDescription,
-};
-use robot_dynamics_number::algebra::{Padded, PaddedColumns};
+#[cfg(feature = "native")]
+use std::sync::Arc;
 
-use crate::joint::PrimitiveJoint;
-use crate::model::compile::compile;
+use robot_dynamics_description::{Limits, NoSuchFrame, RobotDescription};
+#[cfg(feature = "native")]
+use robot_dynamics_expression::Arithmetic;
+
+use crate::model::body::{Body, Dof};
 use crate::model::frame::{Frame, FrameId, refuse_frame};
 use crate::model::identity::Identity;
-use crate::model::native::Native;
+use crate::model::joint::Joint;
+#[cfg(not(feature = "native"))]
+pub(crate) use crate::model::native::absent::Native;
+#[cfg(feature = "native")]
+use crate::model::native::slots::Kernels;
+#[cfg(feature = "native")]
+use crate::model::native::{NativeFunction, NativeTrace};
 use crate::model::reference_point::ReferencePoints;
 use crate::model::rotor::Rotor;
 use crate::model::segment::Segments;
@@ -52,118 +59,27 @@ pub struct Model {
     pub native: Native,
 }
 
-/// A joint of the model, with its indices in q and v.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Joint {
-    /// The joint's name.
-    pub name: String,
-    /// Its kind, with its axes in the joint's frame.
-    pub kind: JointKind,
-    /// The parent link; `world` for a floating base.
-    pub parent: String,
-    /// The child link.
-    pub child: String,
-    /// First entry in q.
-    pub q_index: usize,
-    /// Entries in q; 0 for fixed and mimic joints.
-    pub nq: usize,
-    /// First entry in v.
-    pub v_index: usize,
-    /// Entries in v; 0 for fixed and mimic joints.
-    pub nv: usize,
-    /// The leader of a mimic joint, with ratio and offset.
-    pub mimic: Option<robot_dynamics_description::Mimic>,
-    /// Limits, per degree of freedom.
-    pub limits: Limits,
-    /// Armature, damping, friction and stiffness, per degree of freedom.
-    pub passive: PassiveForces,
-}
+/// Returns the expression of a model's function, or the reason for a missing one. The name is that of the
+/// frame, for [`NativeFunction::OF_FRAMES`].
+#[cfg(feature = "native")]
+pub type Tracer = fn(&Model, NativeFunction, Option<&str>, Arithmetic) -> Result<NativeTrace, String>;
 
-impl Joint {
-    /// The names of its coordinates.
-    pub fn coordinate_names(&self) -> Vec<String> {
-        self.kind.velocities().iter().map(|coordinate| coordinate.of_joint(&self.name)).collect()
-    }
-}
+#[cfg(feature = "native")]
+/// The machine code of a model, if it has a tracer.
+#[derive(Clone, Debug, Default)]
+pub struct Native(pub(super) Option<Arc<Code>>);
 
-/// The parent index of bodies attached to the world.
-pub const WORLD: usize = usize::MAX;
-
-/// One moving body with its joint. Constants are in the rotated body frame.
-#[derive(Clone, Debug)]
-pub struct Body {
-    /// Index of the parent body, smaller than the body's own, or [`WORLD`].
-    pub parent: usize,
-    pub motion: PrimitiveJoint,
-    /// The reference point of its placement (module `reference_point`).
-    pub point: usize,
-    /// The reference point of its tree's root.
-    pub tree: usize,
-    /// Whether `point` is this body's own origin.
-    pub is_point: bool,
-    /// Whether that point differs from the parent's and the parent can rotate, so that quantities passing the
-    /// joint are shifted.
-    pub shifts_reference_point: bool,
-    /// First entry of this body in q; that of the leader for a mimic joint.
-    pub q_index: usize,
-    /// First entry of this body among the tree's degrees of freedom ([`Model::dofs`]).
-    pub dof: usize,
-    /// `parent_from_body` at q = 0.
-    pub rotation: PaddedColumns,
-    pub translation: Padded,
-    pub mass: f64,
-    /// h = m c \[kg·m\].
-    pub first_moment: Padded,
-    /// Rotational inertia about the body frame's origin \[kg·m²\].
-    pub inertia: PaddedColumns,
-    /// ∫ r rᵀ dm = ½ tr(I) 1 − I about the body frame's origin \[kg·m²\].
-    pub second_moment: PaddedColumns,
-    /// The link in whose frame the public functions report this body's quantities.
-    pub link: usize,
-    /// `body_from_link`: from the link's frame to the rotated body frame.
-    pub body_from_link: Pose,
-}
-
-/// One degree of freedom of the tree: tree value = ratio · v\[coordinate\] (+ offset, for positions).
-#[derive(Clone, Copy, Debug)]
-pub struct Dof {
-    /// Entry in v.
-    pub coordinate: usize,
-    /// The ratio of a mimic joint, else 1.
-    pub ratio: f64,
-    /// The offset of a mimic joint, added to q; else 0.
-    pub offset: f64,
-    /// The body this degree of freedom moves.
-    pub body: usize,
-    /// Its joint, in [`Model::joints`].
-    pub joint: usize,
-    /// One past the last DoF in the subtree of `body`, whose DoFs are contiguous.
-    pub end: usize,
-    pub passive: PassiveForces,
+#[cfg(feature = "native")]
+/// All machine code of a model.
+#[derive(Debug)]
+pub struct Code {
+    pub(super) tracer: Tracer,
+    pub(super) is_on: bool,
+    pub(super) f64: Kernels<f64>,
+    pub(super) f32: Kernels<f32>,
 }
 
 impl Model {
-    /// Checks a description and compiles it.
-    ///
-    /// ```
-    /// use robot_dynamics::description::{ModelError, pendulum};
-    /// use robot_dynamics::model::Model;
-    /// assert_eq!(Model::new(pendulum(2.0, 0.5))?.nv(), 1);
-    /// let mut headless = pendulum(2.0, 0.5);
-    /// headless.joints[0].child = "bob".into(); // an unknown link
-    /// assert!(Model::new(headless).unwrap_err().to_string().contains("bob"));
-    /// # Ok::<(), ModelError>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`ModelError`] names the link or joint at fault. The causes are duplicate or unknown names, a link
-    /// with two parents, several roots, cycles, a zero axis, and an invalid mimic joint. Joints that move no
-    /// inertia are not an error: see [`Model::massless_joints`].
-    pub fn new(description: RobotDescription) -> Result<Self, ModelError> {
-        compile(description)
-    }
-
     /// The description of this model. To change the robot, edit a copy and compile it again.
     ///
     /// ```
@@ -319,7 +235,7 @@ impl Model {
     #[track_caller]
     pub fn frame_of(&self, frame: FrameId) -> &Frame {
         if !self.has_frame(frame) {
-            refuse_frame(self);
+            refuse_frame(self.name());
         }
         &self.frames[frame.index]
     }
@@ -377,6 +293,30 @@ impl Model {
     /// ```
     pub fn coordinate_names(&self) -> Vec<String> {
         self.joints.iter().filter(|joint| joint.nv > 0).flat_map(Joint::coordinate_names).collect()
+    }
+
+    /// A hash of the description without its shapes, sensors and poses: equal if every name and every digit
+    /// is. Workspaces and frames of one robot panic when used with a robot of another fingerprint.
+    ///
+    /// ```
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// let robot = Model::new(pendulum(2.0, 0.5))?;
+    /// assert_eq!(robot.fingerprint(), Model::new(pendulum(2.0, 0.5))?.fingerprint());
+    /// assert_ne!(robot.fingerprint(), Model::new(pendulum(2.0_f64.next_up(), 0.5))?.fingerprint());
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    pub fn fingerprint(&self) -> u64 {
+        self.identity.hash()
+    }
+
+    /// Panics with both names if `what` belongs to another robot, `owner`.
+    #[inline(always)]
+    #[track_caller]
+    pub fn check_identity(&self, owner: &Identity, what: &str) {
+        if owner.hash() != self.identity.hash() {
+            self.identity.refuse(owner, what);
+        }
     }
 
     /// The joint of a coordinate, O(log n).

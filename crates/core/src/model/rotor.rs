@@ -3,7 +3,8 @@
 use robot_dynamics_description::RobotDescription;
 use robot_dynamics_number::Scalar;
 
-use crate::model::robot::{Dof, Joint};
+use crate::model::body::Dof;
+use crate::model::joint::Joint;
 
 /// A rotor that turns with ℓ = Σ cᵢ qᵢ. Its kinetic energy is ½ armature ℓ̇², and it adds armature·c cᵀ to M.
 /// c is constant, so the rotor adds nothing to C and g.

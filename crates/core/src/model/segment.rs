@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use robot_dynamics_description::{Base, RobotDescription};
 use robot_dynamics_number::algebra::{Padded, PaddedColumns, padded, padded_columns};
 
-use crate::model::compile::PlacedLink;
-use crate::model::robot::Joint;
+use crate::model::joint::Joint;
+use crate::model::placed_link::PlacedLink;
 
 /// All links, each after its parent. The links of a subtree are contiguous.
 #[derive(Clone, Debug)]

@@ -104,7 +104,7 @@ impl<S: Scalar> Workspace<S> {
     #[inline(always)]
     #[track_caller]
     pub fn check_inputs(&self, model: &Model, q: &[S]) {
-        self.robot.check(model, "the workspace");
+        model.check_identity(&self.robot, "the workspace");
         check_length("q", q.len(), model.nq);
     }
 

@@ -148,7 +148,7 @@ impl Actuation {
         v: &[f64],
         forces: &mut [f64],
     ) {
-        self.robot.check(model, "the actuation");
+        model.check_identity(&self.robot, "the actuation");
         check_length("the controls", u.len(), self.actuators.len());
         check_length("the forces", forces.len(), self.actuators.len());
         self.evaluate(model, workspace, u, q, v);
@@ -303,7 +303,7 @@ impl Actuation {
 
     #[track_caller]
     fn check(&self, model: &Model, q: &[f64], v: &[f64], tau: &[f64]) {
-        self.robot.check(model, "the actuation");
+        model.check_identity(&self.robot, "the actuation");
         check_length("q", q.len(), model.nq);
         check_length("v", v.len(), model.nv);
         check_length("tau", tau.len(), model.nv);

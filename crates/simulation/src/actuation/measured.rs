@@ -37,7 +37,7 @@ impl Actuation {
         q: &[f64],
         tau: &mut [f64],
     ) {
-        self.robot.check(model, "the actuation");
+        model.check_identity(&self.robot, "the actuation");
         check_length("q", q.len(), model.nq);
         check_length("tau", tau.len(), model.nv);
         check_length("the forces", forces.len(), self.actuators.len());

@@ -189,7 +189,7 @@ impl ConstraintSet {
     #[track_caller]
     pub(super) fn check_robot(&self, model: &Model) {
         if let Some(robot) = &self.robot {
-            robot.check(model, "the constraint set");
+            model.check_identity(&robot, "the constraint set");
         }
     }
 

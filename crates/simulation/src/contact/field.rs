@@ -329,7 +329,7 @@ impl ContactSet {
         model: &Model,
         mut field_of: impl FnMut(&LinkShape) -> Result<HeightField, String>,
     ) -> Result<Self, ContactError> {
-        self.robot.check(model, "the contact set");
+        model.check_identity(&self.robot, "the contact set");
         for shape in &model.description().shapes {
             let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { continue };
             if !matches!(shape.shape, Shape::HeightField { .. }) || !takes_part(model, shape) {

@@ -124,7 +124,7 @@ impl Active {
 
 impl ContactImpulses {
     pub fn new(model: &Model, mut set: ContactSet) -> Self {
-        set.robot.check(model, "the contact set");
+        model.check_identity(&set.robot, "the contact set");
         set.look_only((0..set.shapes.len()).map(|_| true));
         let most = set.count().min(64);
         Self {

@@ -40,7 +40,7 @@ impl ContactSet {
         model: &Model,
         pairs: &[(String, String)],
     ) -> Result<Self, ContactError> {
-        self.robot.check(model, "the contact set");
+        model.check_identity(&self.robot, "the contact set");
         let listed = both_ways(model, pairs)?;
         self.retain_pairs(|set, pair| !listed.contains(&set.links_of(pair.shapes)));
         let numbers = self.numbers_of(&listed);
@@ -85,7 +85,7 @@ impl ContactSet {
         model: &Model,
         pairs: &[(String, String)],
     ) -> Result<Self, ContactError> {
-        self.robot.check(model, "the contact set");
+        model.check_identity(&self.robot, "the contact set");
         let listed = both_ways(model, pairs)?;
         self.retain_pairs(|set, pair| listed.contains(&set.links_of(pair.shapes)));
         let numbers = self.numbers_of(&listed);

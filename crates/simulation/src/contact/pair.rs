@@ -84,7 +84,7 @@ impl ContactSet {
     /// If the set belongs to another robot.
     #[track_caller]
     pub fn with_links(mut self, model: &Model) -> Self {
-        self.robot.check(model, "the contact set");
+        model.check_identity(&self.robot, "the contact set");
         let mut placement = Placement::new(model);
         placement.set(model, &mut Workspace::new(model), &neutral(model));
         let carriers: Vec<usize> = self.shapes.iter().map(|shape| self.carrier(model, shape.body)).collect();
@@ -143,7 +143,7 @@ impl ContactSet {
     /// ```
     #[track_caller]
     pub fn with_pair(mut self, model: &Model, links: [&str; 2], friction: f64) -> Result<Self, ContactError> {
-        self.robot.check(model, "the contact set");
+        model.check_identity(&self.robot, "the contact set");
         if !(friction >= 0.0 && friction.is_finite()) {
             return Err(ContactError::Friction { friction });
         }

@@ -88,7 +88,7 @@ impl ContactSet {
     /// If the set belongs to another robot.
     #[track_caller]
     pub fn with_described_planes(mut self, model: &Model) -> Result<Self, ContactError> {
-        self.robot.check(model, "the contact set");
+        model.check_identity(&self.robot, "the contact set");
         for shape in &model.description().shapes {
             let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { continue };
             if !matches!(shape.shape, Shape::Plane { .. }) || !takes_part(model, shape) {

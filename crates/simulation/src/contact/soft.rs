@@ -209,7 +209,7 @@ impl SoftConstraints {
     /// If the set belongs to another robot.
     #[track_caller]
     pub fn with_ground(self, model: &Model, ground: ContactSet) -> Result<Self, ContactError> {
-        ground.robot.check(model, "the contact set");
+        model.check_identity(&ground.robot, "the contact set");
         if let Some(restitution) = ground.restitutions().find(|restitution| *restitution != 0.0) {
             return Err(ContactError::RestitutionUnderSoftLaw { restitution });
         }
@@ -242,7 +242,7 @@ impl SoftConstraints {
         contacts: &[SoftContact],
         acceleration: &mut [f64],
     ) -> Result<(), DynamicsError> {
-        self.robot.check(model, "the constraints");
+        model.check_identity(&self.robot, "the constraints");
         workspace.check_inputs(model, q);
         for (what, slice) in [("v", v), ("the forces", tau), ("the accelerations", &*acceleration)] {
             check_length(what, slice.len(), model.nv);
@@ -346,6 +346,6 @@ impl SoftConstraints {
 
     #[track_caller]
     pub fn check(&self, model: &Model) {
-        self.robot.check(model, "the constraints");
+        model.check_identity(&self.robot, "the constraints");
     }
 }

@@ -27,7 +27,7 @@ impl SensorSet {
         inputs: &SensorInputs<'_>,
         values: &mut [f64],
     ) {
-        self.robot.check(model, "the sensor set");
+        model.check_identity(&self.robot, "the sensor set");
         self.check_inputs(model, memory, inputs, values.len());
         let SensorInputs { q, v, a, actuator_forces, .. } = *inputs;
         let energy = if self.needs.energy { energies(model, &mut memory.dynamics, q, v) } else { (0.0, 0.0) };

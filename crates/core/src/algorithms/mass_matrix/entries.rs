@@ -3,7 +3,7 @@
 use robot_dynamics_number::Scalar;
 
 use crate::Model;
-use crate::model::robot::Dof;
+use crate::model::Dof;
 
 /// Row and column of the entries of M on and above the diagonal that are not always zero. The order is that
 /// of `batch::mass_matrix_related`: row by row, and by column within a row; row ≤ column.

@@ -1,7 +1,6 @@
 //! Replacement without the feature `native`: no model has machine code.
 
-use super::NativeReport;
-use crate::Model;
+use super::report::NativeReport;
 
 /// An empty value.
 #[derive(Clone, Debug, Default)]
@@ -11,7 +10,7 @@ pub struct Native(());
 impl Native {
     pub(super) fn switch(&mut self, _: bool) {}
 
-    pub(super) fn report(&self, _: &Model) -> NativeReport {
+    pub(super) fn report<M>(&self, _: &M) -> NativeReport {
         NativeReport { reason: Some("the feature `native` is off".into()), functions: Vec::new() }
     }
 }

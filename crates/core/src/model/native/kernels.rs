@@ -1,37 +1,16 @@
 //! The machine code of a model: a kernel for each function, scalar type and width.
 
-mod slots;
-
 use std::sync::{Arc, OnceLock};
 
 use robot_dynamics_expression::Arithmetic;
 use robot_dynamics_native::{Kernel, Width, best_instructions};
 
-use self::slots::{Slot, Slots};
+use super::NativeTask;
 use super::report::{NativeCode, NativeReport, NativeUse};
 use super::size::{estimated_operations, most_operations};
-use super::{NativeTask, Tracer};
+use super::slots::{Counts, Kernels, Slot, tasks};
+use crate::model::robot::{Code, Native, Tracer};
 use crate::{InstructionSet, Model};
-
-/// The machine code of a model, if it has a tracer.
-#[derive(Clone, Debug, Default)]
-pub struct Native(Option<Arc<Code>>);
-
-/// All machine code of a model.
-#[derive(Debug)]
-pub struct Code {
-    tracer: Tracer,
-    is_on: bool,
-    f64: Kernels<f64>,
-    f32: Kernels<f32>,
-}
-
-/// The kernels over one scalar type.
-#[derive(Debug)]
-pub struct Kernels<T> {
-    one: Slots<T>,
-    rows: Slots<T>,
-}
 
 /// A scalar type of kernels.
 pub trait Number: robot_dynamics_native::Float {
@@ -96,6 +75,11 @@ fn is_refused() -> bool {
     *REFUSED.get_or_init(|| std::env::var("ROBOT_DYNAMICS_NATIVE").is_ok_and(|value| value == "0"))
 }
 
+/// The sizes of a model that limit its kernels of frames.
+fn counts(model: &Model) -> Counts {
+    Counts { frames: model.frames.len(), bodies: model.bodies.len() }
+}
+
 impl Code {
     fn new(tracer: Tracer, on: bool) -> Self {
         let is_on = on && !is_refused();
@@ -107,13 +91,13 @@ impl Code {
     #[inline]
     pub fn one<T: Number>(&self, model: &Model, task: impl Into<NativeTask>) -> Option<&Kernel<T>> {
         let task = task.into();
-        T::kernels(self).one.kernel(model, task, || self.compile(model, task, Width::One))
+        T::kernels(self).one.kernel(task, || counts(model), || self.compile(model, task, Width::One))
     }
 
     /// The same for several states.
     pub fn rows<T: Number>(&self, model: &Model, task: impl Into<NativeTask>) -> Option<&Kernel<T>> {
         let task = task.into();
-        T::kernels(self).rows.kernel(model, task, || self.compile(model, task, Width::Lanes))
+        T::kernels(self).rows.kernel(task, || counts(model), || self.compile(model, task, Width::Lanes))
     }
 
     #[cold]
@@ -152,12 +136,7 @@ impl Code {
             )
         };
         let has_frames = one.has_frames() || rows.has_frames();
-        slots::tasks(model, has_frames).flat_map(of)
-    }
-}
-
-impl<T> Kernels<T> {
-    fn new() -> Self {
-        Self { one: Slots::new(), rows: Slots::new() }
+        let frames = if has_frames { model.frames.len() } else { 0 };
+        tasks(frames, model.identity.hash()).flat_map(of)
     }
 }

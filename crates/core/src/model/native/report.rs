@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use crate::{InstructionSet, NativeFunction};
+use super::function::NativeFunction;
+use crate::InstructionSet;
 
 /// For each called function, whether machine code or a recursion computes it.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,15 +1,15 @@
-//! Storage of the kernels over one scalar type and of one width.
+//! Storage of the kernels.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use robot_dynamics_native::Kernel;
 
-use crate::model::native::{NativeFunction, NativeTask};
-use crate::{FrameId, Model};
+use super::function::{NativeFunction, NativeTask};
+use crate::FrameId;
 
 /// A kernel, or the reason why the function has no code.
-pub(super) type Slot<T> = Result<Kernel<T>, String>;
+pub(in crate::model) type Slot<T> = Result<Kernel<T>, String>;
 
 /// The largest number of frame kernels that a model keeps for each scalar type and width, as each takes a
 /// page of memory or more.
@@ -22,11 +22,30 @@ const LEAST_OF_FRAMES: usize = 16;
 /// each.
 const MOST_BODIES: usize = 10_000;
 
+/// The kernels over one scalar type.
+#[derive(Debug)]
+pub struct Kernels<T> {
+    pub(in crate::model) one: Slots<T>,
+    pub(in crate::model) rows: Slots<T>,
+}
+
+impl<T> Kernels<T> {
+    pub(in crate::model) fn new() -> Self {
+        Self { one: Slots::new(), rows: Slots::new() }
+    }
+}
+
 /// A kernel for each function, and one for each frame and function of a frame.
 #[derive(Debug)]
-pub(super) struct Slots<T> {
+pub(in crate::model) struct Slots<T> {
     functions: [OnceLock<Slot<T>>; NativeFunction::ALL.len()],
     frames: OnceLock<OfFrames<T>>,
+}
+
+/// The sizes of a model that limit its kernels of frames.
+pub(in crate::model) struct Counts {
+    pub frames: usize,
+    pub bodies: usize,
 }
 
 /// Functions of one frame are contiguous, frame after frame.
@@ -38,22 +57,22 @@ struct OfFrames<T> {
 }
 
 impl<T> Slots<T> {
-    pub(super) fn new() -> Self {
+    pub(in crate::model) fn new() -> Self {
         Self { functions: core::array::from_fn(|_| OnceLock::new()), frames: OnceLock::new() }
     }
 
     /// The kernel of a task, compiled at the first call.
     #[inline]
-    pub(super) fn kernel(
+    pub(in crate::model) fn kernel(
         &self,
-        model: &Model,
         task: NativeTask,
+        counts: impl FnOnce() -> Counts,
         compile: impl FnOnce() -> Slot<T>,
     ) -> Option<&Kernel<T>> {
         let slot = match task.frame {
             None => self.functions[task.function as usize].get_or_init(compile),
             Some(frame) => {
-                let frames = self.frames.get_or_init(|| OfFrames::new(model));
+                let frames = self.frames.get_or_init(|| OfFrames::new(counts()));
                 frames.kernels[place(task.function, frame)].get_or_init(|| frames.limited(compile))
             }
         };
@@ -61,7 +80,7 @@ impl<T> Slots<T> {
     }
 
     /// The kernel of a task, if it was called before.
-    pub(super) fn get(&self, task: NativeTask) -> Option<&Slot<T>> {
+    pub(in crate::model) fn get(&self, task: NativeTask) -> Option<&Slot<T>> {
         match task.frame {
             None => self.functions[task.function as usize].get(),
             Some(frame) => self.frames.get()?.kernels[place(task.function, frame)].get().map(Box::as_ref),
@@ -69,17 +88,17 @@ impl<T> Slots<T> {
     }
 
     /// Whether a function of a frame was called.
-    pub(super) fn has_frames(&self) -> bool {
+    pub(in crate::model) fn has_frames(&self) -> bool {
         self.frames.get().is_some()
     }
 }
 
 impl<T> OfFrames<T> {
     #[cold]
-    fn new(model: &Model) -> Self {
-        let count = model.frames.len() * NativeFunction::OF_FRAMES.len();
+    fn new(Counts { frames, bodies }: Counts) -> Self {
+        let count = frames * NativeFunction::OF_FRAMES.len();
         let kernels = core::iter::repeat_with(OnceLock::new).take(count).collect();
-        let most = (MOST_BODIES / model.bodies.len().max(1)).clamp(LEAST_OF_FRAMES, MOST_OF_FRAMES);
+        let most = (MOST_BODIES / bodies.max(1)).clamp(LEAST_OF_FRAMES, MOST_OF_FRAMES);
         Self { kernels, compiled: AtomicUsize::new(0), most }
     }
 
@@ -92,11 +111,10 @@ impl<T> OfFrames<T> {
     }
 }
 
-/// All functions, with the functions of all frames if requested.
-pub(super) fn tasks(model: &Model, has_frames: bool) -> impl Iterator<Item = NativeTask> + use<> {
+/// All functions, and the functions of this many frames of the robot with this identity.
+pub(in crate::model) fn tasks(frames: usize, robot: u64) -> impl Iterator<Item = NativeTask> {
     let is_plain = |function: &NativeFunction| !NativeFunction::OF_FRAMES.contains(function);
     let plain = NativeFunction::ALL.into_iter().filter(is_plain).map(NativeTask::from);
-    let (frames, robot) = (if has_frames { model.frames.len() } else { 0 }, model.identity.hash());
     let of_frame =
         move |index| NativeFunction::OF_FRAMES.map(|function| function.of_frame(FrameId { index, robot }));
     plain.chain((0..frames).flat_map(of_frame))
