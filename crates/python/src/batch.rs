@@ -9,9 +9,10 @@ use robot_dynamics::batch::{BadStates, BatchQuantity, BatchWorkspace};
 use robot_dynamics::model::FrameId;
 use robot_dynamics::quantity::{Inputs, Quantity};
 
-use crate::ffi::Number;
+use crate::number::Number;
+use crate::results::MOST_RESULTS;
 use crate::robot::Robot;
-use crate::row::{MOST_RESULTS, Row, Width, Work};
+use crate::row::{Row, Width, Work};
 use crate::single::{self, homogeneous};
 use crate::threads;
 

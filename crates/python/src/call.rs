@@ -5,11 +5,13 @@ use robot_dynamics::model::FrameId;
 
 use crate::batch::{self, Rows};
 use crate::errors::Class;
-use crate::ffi::{self, Array, Kind, Number};
+use crate::ffi::{self, Array, Kind};
+use crate::number::Number;
 use crate::operand::{Given, common_kind, common_lead, given, shown, spread};
 use crate::outcome::{Outcome, bad_states};
+use crate::results::MOST_RESULTS;
 use crate::robot::Robot;
-use crate::row::{MOST_RESULTS, Row, Width};
+use crate::row::{Row, Width};
 use crate::{single, threads};
 
 /// States up to which one thread is as quick as several.

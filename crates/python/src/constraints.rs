@@ -14,19 +14,11 @@ use robot_dynamics::constraints::{
 use robot_dynamics::model::Workspace;
 use robot_dynamics::simulation::Integrator;
 
+pub(crate) use crate::constraint_set::Constraints;
 use crate::errors::Class;
 use crate::numbers::{array, array_of, configuration, object, pose_of, record, vector, vector_or_zeros};
 use crate::outcome;
 use crate::robot::Robot;
-
-/// Constraints of one robot, by name.
-#[pyclass(frozen, module = "robot_dynamics._native")]
-#[derive(Debug)]
-pub(crate) struct Constraints {
-    set: ConstraintSet,
-    fingerprint: u64,
-    robot: String,
-}
 
 /// A constraint as the Python half describes it: name, kind, frames or coordinates, numbers, rows.
 type Fields = (String, String, Vec<String>, Vec<f64>, Vec<String>);

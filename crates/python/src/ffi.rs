@@ -6,6 +6,7 @@
 
 #![allow(unsafe_code)]
 
+pub(crate) mod handlers;
 pub(crate) mod xla;
 
 use numpy::npyffi::{
@@ -15,9 +16,7 @@ use numpy::npyffi::{
 use pyo3::prelude::*;
 use robot_dynamics::batch::BatchFloat;
 
-use crate::robot::Robot;
-use crate::row::MOST_RESULTS;
-use crate::scratch::{Batch, Slots};
+use crate::results::MOST_RESULTS;
 
 /// What an array holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,15 +26,14 @@ pub(crate) enum Kind {
     Other,
 }
 
-/// A number that arrays hold and batches are computed in.
-pub(crate) trait Number: BatchFloat + numpy::Element {
+/// A number that arrays hold.
+pub(crate) trait ArrayNumber: BatchFloat + numpy::Element {
     const KIND: Kind;
     fn of(x: f64) -> Self;
     fn double(self) -> f64;
-    fn batches(robot: &Robot) -> &Slots<Batch<Self>>;
 }
 
-impl Number for f64 {
+impl ArrayNumber for f64 {
     const KIND: Kind = Kind::F64;
     fn of(x: f64) -> Self {
         x
@@ -43,12 +41,9 @@ impl Number for f64 {
     fn double(self) -> f64 {
         self
     }
-    fn batches(robot: &Robot) -> &Slots<Batch<Self>> {
-        &robot.batches_f64
-    }
 }
 
-impl Number for f32 {
+impl ArrayNumber for f32 {
     const KIND: Kind = Kind::F32;
     #[allow(clippy::cast_possible_truncation)] // the numbers asked for are of this type
     fn of(x: f64) -> Self {
@@ -56,9 +51,6 @@ impl Number for f32 {
     }
     fn double(self) -> f64 {
         f64::from(self)
-    }
-    fn batches(robot: &Robot) -> &Slots<Batch<Self>> {
-        &robot.batches_f32
     }
 }
 
@@ -126,7 +118,7 @@ impl<'a> Array<'a> {
         }
     }
 
-    fn is_slice_of<T: Number>(&self) -> bool {
+    fn is_slice_of<T: ArrayNumber>(&self) -> bool {
         self.len == 0 || (self.is_plain && self.kind == T::KIND)
     }
 
@@ -143,7 +135,7 @@ pub(crate) type Slices<'a, T> = ([&'a [T]; 4], [&'a mut [T]; MOST_RESULTS]);
 /// The arrays' numbers, some to read and some to write; none where an array is not a slice of T, is not to be
 /// written to, or where what is written lies over something else.
 #[inline]
-pub(crate) fn slices<'a, T: Number>(
+pub(crate) fn slices<'a, T: ArrayNumber>(
     read: &[Array<'a>; 4],
     written: &[Array<'a>; MOST_RESULTS],
 ) -> Option<Slices<'a, T>> {

@@ -20,6 +20,7 @@ mod scratch;
 mod threads;
 
 // the robot;
+mod number;
 mod robot;
 
 // one call of an algorithm: what it reads, what it gives, on one state and on many,
@@ -27,6 +28,7 @@ mod batch;
 mod call;
 mod operand;
 mod outcome;
+mod results;
 mod row;
 mod single;
 
@@ -36,6 +38,7 @@ mod rows;
 // what is of one state, or of whole motions.
 mod checks;
 mod clock;
+mod constraint_set;
 mod constraints;
 mod control;
 mod controllers;

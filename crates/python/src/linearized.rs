@@ -12,10 +12,10 @@ use crate::errors::Class;
 use crate::ffi::{self, Array};
 use crate::numbers::{configuration, vector, vector_or_zeros};
 use crate::outcome;
+use crate::results::MOST_RESULTS;
 use crate::robot::Robot;
-use crate::row::MOST_RESULTS;
+use crate::simulation::options::Setup;
 use crate::simulation::set_controls;
-use crate::simulation::setup::Setup;
 
 #[pymethods]
 impl Robot {

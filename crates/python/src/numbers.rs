@@ -11,8 +11,8 @@ use crate::errors::Class;
 use crate::ffi::{self, Array, Kind};
 use crate::operand::{as_array, as_floats, shown};
 use crate::outcome;
+use crate::results::MOST_RESULTS;
 use crate::robot::Robot;
-use crate::row::MOST_RESULTS;
 
 /// The numbers of an argument, and its shape.
 pub(crate) fn numbers(

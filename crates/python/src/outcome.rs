@@ -8,17 +8,17 @@ use pyo3::types::{PyDict, PySequence, PyTuple};
 use robot_dynamics::model::Model;
 
 use crate::errors::Class;
-use crate::ffi::{Array, Kind, Number};
+use crate::ffi::{Array, ArrayNumber, Kind};
 use crate::operand::{dtype, numpy, shown};
 use crate::row::Row;
 
 /// A new array of zeros.
-pub(crate) fn new<'py, T: Number>(py: Python<'py>, shape: &[usize]) -> Bound<'py, PyAny> {
+pub(crate) fn new<'py, T: ArrayNumber>(py: Python<'py>, shape: &[usize]) -> Bound<'py, PyAny> {
     PyArrayDyn::<T>::zeros(py, IxDyn(shape), false).into_any()
 }
 
 /// A new array of these numbers.
-pub(crate) fn filled<'py, T: Number>(
+pub(crate) fn filled<'py, T: ArrayNumber>(
     py: Python<'py>,
     shape: &[usize],
     numbers: &[T],
@@ -50,7 +50,7 @@ pub(crate) struct Outcome<'py> {
 
 impl<'py> Outcome<'py> {
     /// Arrays for the results of a batch of these dimensions, `out=` where it can be written to as it is.
-    pub(crate) fn of<T: Number>(
+    pub(crate) fn of<T: ArrayNumber>(
         py: Python<'py>,
         model: &Model,
         row: &Row,
@@ -86,7 +86,7 @@ impl<'py> Outcome<'py> {
     }
 
     /// Writes into new arrays instead: those of `out=` lie over something that is read.
-    pub(crate) fn set_apart<T: Number>(&mut self, py: Python<'py>) {
+    pub(crate) fn set_apart<T: ArrayNumber>(&mut self, py: Python<'py>) {
         let apart =
             |array: &Bound<'py, PyAny>| new::<T>(py, Array::of(array).map_or(&[][..], |header| header.shape));
         self.arrays = self.arrays.iter().map(apart).collect();

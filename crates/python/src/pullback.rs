@@ -6,8 +6,8 @@ use robot_dynamics::derivatives::{
 };
 use robot_dynamics::model::{Model, Workspace};
 
-use crate::ffi::Number;
-use crate::row::{MOST_RESULTS, Results};
+use crate::ffi::ArrayNumber;
+use crate::results::{MOST_RESULTS, Results};
 
 /// Of which.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +63,7 @@ impl Pullback {
     }
 
     /// Of many.
-    pub(crate) fn of_many<T: Number>(
+    pub(crate) fn of_many<T: ArrayNumber>(
         self,
         model: &Model,
         workspace: &mut BatchWorkspace<T>,

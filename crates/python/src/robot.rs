@@ -14,9 +14,9 @@ use robot_dynamics::simulation::{SensorSet, Simulation};
 use robot_dynamics::{LoadedDescription, Options, describe, describe_text, with_native_code};
 
 use crate::errors::Class;
-use crate::ffi::Number;
+use crate::ffi::ArrayNumber;
 use crate::scratch::{Batch, Scratch, Slots};
-use crate::simulation::setup::Setup;
+use crate::simulation::options::Setup;
 
 /// A robot: immutable, to be used by any number of threads at once. `robot_dynamics.load` makes one.
 #[pyclass(frozen, subclass, module = "robot_dynamics._native")]
@@ -129,7 +129,7 @@ impl Robot {
 
     /// Whether each quaternion in a configuration has unit length, to 1e-6 as the library asks.
     #[inline]
-    pub(crate) fn has_unit_quaternions<T: Number>(&self, q: &[T]) -> bool {
+    pub(crate) fn has_unit_quaternions<T: ArrayNumber>(&self, q: &[T]) -> bool {
         self.quaternions.iter().all(|&first| {
             let squared: f64 = q[first..first + 4].iter().map(|x| x.double() * x.double()).sum();
             (squared.sqrt() - 1.0).abs() <= 1e-6

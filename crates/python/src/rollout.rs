@@ -9,13 +9,14 @@ use robot_dynamics::batch::{self, Rollout, RolloutError, StepperRollout, rollout
 use robot_dynamics::simulation::{Integrator, RunOptions, Simulation, Stepper};
 
 use crate::errors::Class;
-use crate::ffi::{self, Array, Kind, Number, Slices};
+use crate::ffi::{self, Array, Kind, Slices};
 use crate::interrupts::{FEW_STEPS, interruptible, until};
+use crate::number::Number;
 use crate::operand::{common_kind, given, shown};
 use crate::robot::Robot;
 use crate::row::{Operand, Width};
+use crate::simulation::options::Setup;
 use crate::simulation::set_controls;
-use crate::simulation::setup::Setup;
 use crate::simulation::torques::Torques;
 use crate::{numbers, outcome, threads};
 

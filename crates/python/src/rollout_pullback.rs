@@ -10,13 +10,15 @@ use robot_dynamics::derivatives::{
 use robot_dynamics::simulation::{Effect, Integrator, Method};
 
 use crate::errors::Class;
-use crate::ffi::{self, Array, Kind, Number};
+use crate::ffi::{self, Array, Kind};
 use crate::interrupts::{FEW_STEPS, interruptible, until};
+use crate::number::Number;
 use crate::operand::{Given, common_kind, given};
+use crate::results::MOST_RESULTS;
 use crate::robot::Robot;
 use crate::rollout::{NOT_FINITE, describe_bad, threads_for};
-use crate::row::{MOST_RESULTS, Operand, Width};
-use crate::simulation::setup::Setup;
+use crate::row::{Operand, Width};
+use crate::simulation::options::Setup;
 use crate::{numbers, outcome, threads};
 
 #[pymethods]

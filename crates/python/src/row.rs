@@ -6,13 +6,8 @@ use robot_dynamics::model::{FrameId, Model};
 use robot_dynamics::quantity::Quantity;
 
 use crate::pullback::Pullback;
+use crate::results::Results;
 use crate::scratch::Scratch;
-
-/// The most results that an algorithm has.
-pub(crate) const MOST_RESULTS: usize = 4;
-
-/// What is written of one state, one slice a result.
-pub(crate) type Results<'a> = [&'a mut [f64]; MOST_RESULTS];
 
 /// A row.
 #[derive(Debug)]

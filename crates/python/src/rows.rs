@@ -7,79 +7,13 @@ mod dynamics;
 mod kinematics;
 mod pullbacks;
 mod space;
+mod table;
 mod wrenches;
 
 use pyo3::prelude::*;
 use robot_dynamics::quantity::{Input, Quantity};
 
 use crate::row::Row;
-
-/// An argument as an operand of the row.
-macro_rules! operand {
-    (q) => {
-        $crate::row::Operand { name: "q", width: $crate::row::Width::Nq }
-    };
-    (q0) => {
-        $crate::row::Operand { name: "q0", width: $crate::row::Width::Nq }
-    };
-    (q1) => {
-        $crate::row::Operand { name: "q1", width: $crate::row::Width::Nq }
-    };
-    (coordinates) => {
-        $crate::row::Operand { name: "coordinates", width: $crate::row::Width::Coordinates }
-    };
-    (s) => {
-        $crate::row::Operand { name: "s", width: $crate::row::Width::One }
-    };
-    ($vector:ident) => {
-        $crate::row::Operand { name: stringify!($vector), width: $crate::row::Width::Nv }
-    };
-}
-
-/// A method for each line: `name(operands) at frame => [shapes of the results] work`.
-macro_rules! rows {
-    ($(
-        $(#[$doc:meta])*
-        $name:ident($($operand:ident),*) $(at $frame:ident)? => [$($shape:expr),*] $work:expr;
-    )*) => {
-        /// The rows of this file, by their methods' names.
-        #[allow(non_upper_case_globals)]
-        mod table {
-            #[allow(clippy::wildcard_imports)] // what the lines are written with
-            use super::*;
-            $(
-                pub(super) static $name: $crate::row::Row = $crate::row::Row {
-                    name: stringify!($name),
-                    operands: &[$($crate::rows::operand!($operand)),*],
-                    results: &[$($shape),*],
-                    work: $work,
-                };
-            )*
-            pub(in crate::rows) static ALL: &[&$crate::row::Row] = &[$(&$name),*];
-        }
-        pub(in crate::rows) use table::ALL;
-
-        #[pyo3::pymethods]
-        impl $crate::robot::Robot {
-            $(
-                $(#[$doc])*
-                #[pyo3(signature = ($($operand,)* $($frame,)? *, out=None, threads=None))]
-                fn $name<'py>(
-                    &self,
-                    py: pyo3::Python<'py>,
-                    $($operand: &pyo3::Bound<'py, pyo3::PyAny>,)*
-                    $($frame: &pyo3::Bound<'py, pyo3::PyAny>,)?
-                    out: Option<&pyo3::Bound<'py, pyo3::PyAny>>,
-                    threads: Option<&pyo3::Bound<'py, pyo3::PyAny>>,
-                ) -> pyo3::PyResult<pyo3::Bound<'py, pyo3::PyAny>> {
-                    let frames = &[$(self.frame_of(py, $frame)?)?];
-                    $crate::call::call(py, self, &table::$name, &[$($operand),*], frames, out, threads)
-                }
-            )*
-        }
-    };
-}
-use {operand, rows};
 
 /// A row by its method's name.
 pub(crate) fn row_named(name: &str) -> Option<&'static Row> {
@@ -103,10 +37,4 @@ pub(crate) fn quantities() -> Vec<(&'static str, Vec<&'static str>, usize)> {
         (quantity.name(), read, quantity.results().len())
     };
     Quantity::ALL.into_iter().map(row).collect()
-}
-
-/// Linear, then angular.
-fn six(out: &mut [f64], linear: [f64; 3], angular: [f64; 3]) {
-    out[..3].copy_from_slice(&linear);
-    out[3..].copy_from_slice(&angular);
 }

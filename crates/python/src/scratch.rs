@@ -10,7 +10,7 @@ use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::number::Dual;
 use robot_dynamics::simulation::{SensorMemory, SensorSet};
 
-use crate::ffi::Number;
+use crate::ffi::ArrayNumber;
 use crate::threads;
 
 /// For one state.
@@ -51,13 +51,13 @@ impl Scratch {
 
 /// For batches, by so many threads of one process.
 #[derive(Debug)]
-pub(crate) struct Batch<T: Number> {
+pub(crate) struct Batch<T: ArrayNumber> {
     process: u32,
     threads: usize,
     pub(crate) workspace: BatchWorkspace<T>,
 }
 
-impl<T: Number> Batch<T> {
+impl<T: ArrayNumber> Batch<T> {
     fn start(model: &Model, threads: usize) -> PyResult<Self> {
         let workspace = if threads == 1 {
             let mut options = BatchOptions::default();
@@ -106,7 +106,7 @@ impl Slots<Scratch> {
     }
 }
 
-impl<T: Number> Slots<Batch<T>> {
+impl<T: ArrayNumber> Slots<Batch<T>> {
     /// Takes memory for batches by so many threads.
     pub(crate) fn take(&self, model: &Model, threads: usize) -> PyResult<Box<Batch<T>>> {
         let process = std::process::id();

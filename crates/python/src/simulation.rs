@@ -3,6 +3,7 @@
 pub(crate) mod batch;
 mod books;
 mod ground;
+pub(crate) mod options;
 pub(crate) mod setup;
 pub(crate) mod stepping;
 pub(crate) mod torques;
@@ -21,7 +22,8 @@ use robot_dynamics::simulation::{
 };
 
 use self::books::{ledger_of, losses_of, statistics_of};
-use self::setup::{Setup, controls_of};
+use self::options::Setup;
+use self::setup::controls_of;
 use self::torques::Torques;
 use crate::errors::Class;
 use crate::interrupts::interruptible_by;

@@ -6,10 +6,12 @@ use robot_dynamics::model::{FrameId, check_configuration};
 use robot_dynamics::quantity::{Input, Inputs, Quantity};
 
 use crate::errors::Class;
-use crate::ffi::{self, Array, Number};
+use crate::ffi::{self, Array};
+use crate::number::Number;
 use crate::outcome;
+use crate::results::{MOST_RESULTS, Results};
 use crate::robot::Robot;
-use crate::row::{MOST_RESULTS, Results, Row, Shape, Width, Work};
+use crate::row::{Row, Shape, Width, Work};
 use crate::scratch::Scratch;
 
 /// The quickest way: all arguments are arrays of one state as they should be. None where one is not, or

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use robot_dynamics::control::Reference;
 
-use super::{Followed, Law, check_own, parts, torque};
+use super::law::{Followed, Law, check_own, parts, torque};
 use crate::errors::Class;
 use crate::numbers::{configuration, vector};
 use crate::robot::Robot;

@@ -4,7 +4,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use robot_dynamics::simulation::GravityAt;
 
-use super::{check_own, torque};
+use super::law::{check_own, torque};
 use crate::errors::Class;
 use crate::numbers::{configuration, shaped, vector};
 use crate::robot::Robot;

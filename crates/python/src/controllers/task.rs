@@ -7,7 +7,7 @@ use robot_dynamics::constraints::SpatialAxis;
 use robot_dynamics::control::{PoseReference, TaskGains, TaskReference};
 use robot_dynamics::model::FrameId;
 
-use super::{Followed, Law, check_own, parts, torque};
+use super::law::{Followed, Law, check_own, parts, torque};
 use crate::constraints::closure_rows;
 use crate::errors::Class;
 use crate::numbers::{configuration, numbers, pose_of, shaped};

@@ -15,7 +15,7 @@ use self::layout::{
     API_MAJOR, API_MINOR, BUFFER, Buffers, ByteSpan, EXECUTE, ErrorArguments, F32, F64, INTERNAL,
     INVALID_ARGUMENT, METADATA, MetadataExtension, PRED, RawBuffer, S64, SCALAR, STRING, ScalarValue, U64,
 };
-use super::{Kind, Number};
+use super::{ArrayNumber, Kind};
 
 pub(crate) use self::layout::{CallFrame, Failure};
 
@@ -101,7 +101,7 @@ impl<'a> XlaCall<'a> {
 
     /// The numbers, to read and to write; none where one is of another type. They are taken out once.
     #[allow(clippy::type_complexity)] // two lists
-    pub(crate) fn take<T: Number>(&mut self) -> Option<(Vec<&'a [T]>, Vec<&'a mut [T]>)> {
+    pub(crate) fn take<T: ArrayNumber>(&mut self) -> Option<(Vec<&'a [T]>, Vec<&'a mut [T]>)> {
         let fits = |buffer: &Buffer<'_>| {
             buffer.kind == T::KIND && (buffer.len == 0 || buffer.data.cast::<T>().is_aligned())
         };
@@ -219,7 +219,7 @@ pub(crate) type Work = fn(XlaCall<'_>) -> Result<(), String>;
 ///
 /// # Safety
 /// The frame is one that XLA calls a handler with.
-unsafe fn handle(frame: *mut CallFrame, work: Work) -> *mut Failure {
+pub(super) unsafe fn handle(frame: *mut CallFrame, work: Work) -> *mut Failure {
     // SAFETY: XLA's frame and what it points at live until the handler returns, and nobody else writes there.
     // An extension of kind `METADATA` is a `MetadataExtension`, whose metadata has at least the fields above.
     unsafe {
@@ -264,27 +264,6 @@ unsafe fn handle(frame: *mut CallFrame, work: Work) -> *mut Failure {
 
 /// A handler as XLA calls it.
 pub(crate) type Handler = unsafe extern "C" fn(*mut CallFrame) -> *mut Failure;
-
-/// A C function of each piece of work.
-macro_rules! handlers {
-    ($($name:ident: $work:path;)*) => {
-        /// The handlers by the names of their targets.
-        pub(crate) const HANDLERS: &[(&str, Handler)] = &[$((stringify!($name), $name)),*];
-        $(
-            unsafe extern "C" fn $name(frame: *mut CallFrame) -> *mut Failure {
-                // SAFETY: only XLA has the pointer, see `capsule`.
-                unsafe { handle(frame, $work) }
-            }
-        )*
-    };
-}
-
-handlers! {
-    robot_dynamics_row: crate::xla::row;
-    robot_dynamics_rollout: crate::xla::rollout;
-    robot_dynamics_rollout_tangent: crate::xla::rollout_tangent;
-    robot_dynamics_rollout_pullback: crate::xla::rollout_pullback;
-}
 
 /// The name of capsules with a handler, by which XLA knows them.
 const CAPSULE: &CStr = c"xla._CUSTOM_CALL_TARGET";

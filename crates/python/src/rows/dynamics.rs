@@ -2,7 +2,7 @@
 
 use robot_dynamics::quantity::Quantity;
 
-use super::rows;
+use super::table::rows;
 use crate::row::Shape::{Cube, Parameters, Regressor, Scalar, Six, Square, Vector};
 use crate::row::Work::{Each, Quantity as Of};
 
@@ -248,7 +248,7 @@ rows! {
     /// True
     centroidal_momentum(q, v) => [Six] Each(|m, s, x, _, [out, ..]| {
         let h = robot_dynamics::algorithms::centroidal_momentum(m, &mut s.workspace, x[0], x[1]);
-        crate::rows::six(out, h.linear, h.angular);
+        crate::rows::table::six(out, h.linear, h.angular);
     });
 
     /// ḣ, the rate of the centroidal momentum: gravity and all forces from outside.
@@ -261,7 +261,7 @@ rows! {
     /// True
     centroidal_momentum_rate(q, v, a) => [Six] Each(|m, s, x, _, [out, ..]| {
         let h = robot_dynamics::algorithms::centroidal_momentum_rate(m, &mut s.workspace, x[0], x[1], x[2]);
-        crate::rows::six(out, h.linear, h.angular);
+        crate::rows::table::six(out, h.linear, h.angular);
     });
 
     /// Ȧ_G v: the rate of the centroidal momentum without accelerations.
@@ -273,6 +273,6 @@ rows! {
     /// np.float64(0.0)
     centroidal_momentum_bias_rate(q, v) => [Six] Each(|m, s, x, _, [out, ..]| {
         let h = robot_dynamics::algorithms::centroidal_momentum_bias_rate(m, &mut s.workspace, x[0], x[1]);
-        crate::rows::six(out, h.linear, h.angular);
+        crate::rows::table::six(out, h.linear, h.angular);
     });
 }

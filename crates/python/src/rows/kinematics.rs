@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use robot_dynamics::quantity::Quantity;
 
-use super::{operand, rows, six};
+use super::table::{operand, rows, six};
 use crate::call::call;
 use crate::robot::Robot;
 use crate::row::Shape::{Point, Pose, Poses, Rows, Six};

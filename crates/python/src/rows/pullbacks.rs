@@ -1,7 +1,7 @@
 //! Gradients without Jacobians: what a change of a result is worth, as what changes of its arguments are
 //! worth.
 
-use super::rows;
+use super::table::rows;
 use crate::pullback::Pullback;
 use crate::row::Shape::{AllParameters, Configuration, Vector};
 use crate::row::Work::{Each, Pullback as Of};

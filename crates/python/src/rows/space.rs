@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use robot_dynamics::number::SplitMix64;
 
-use super::rows;
+use super::table::rows;
 use crate::outcome;
 use crate::robot::Robot;
 use crate::row::Shape::{Configuration, Vector};

@@ -8,7 +8,7 @@ use pyo3::types::{PyDict, PyTuple};
 use robot_dynamics::batch::SimulationBatch as Stepped;
 use robot_dynamics::simulation::{Simulation as Single, StepFailure};
 
-use super::setup::Setup;
+use super::options::Setup;
 use super::stepping::Simulation;
 use crate::errors::Class;
 use crate::interrupts::{FEW_STEPS, interruptible};

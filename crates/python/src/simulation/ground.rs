@@ -1,21 +1,9 @@
 //! The ground of a simulation, by the arguments of the Python half.
 
-use pyo3::prelude::*;
 use robot_dynamics::contact::{ContactError, ContactSet};
 use robot_dynamics::height_field;
 
 use crate::robot::Robot;
-
-/// The ground, by the fields of the Python classes.
-#[derive(Debug, PartialEq, FromPyObject)]
-pub(crate) enum GroundFields {
-    /// z \[m\], slope \[rad\], friction and restitution.
-    Plane(f64, f64, Option<f64>, f64),
-    /// Rows, columns, half lengths \[m\], heights \[m\], position \[m\]; friction and restitution.
-    Hills(usize, usize, [f64; 2], Vec<f64>, [f64; 3], (Option<f64>, f64)),
-    /// `file`: the height fields of the robot's file.
-    Named(String),
-}
 
 /// Refuses a robot whose file has neither height fields nor planes in its world.
 pub(super) fn check_file_ground(robot: &Robot) -> Result<(), String> {

@@ -3,11 +3,9 @@
 use std::collections::HashMap;
 use std::ffi::CString;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use robot_dynamics::constraints::DriftCorrection;
 use robot_dynamics::contact::{Ground, HeightField};
 use robot_dynamics::description::Pose;
@@ -16,122 +14,12 @@ use robot_dynamics::simulation::{
     SimulationBuilder, SimulationError, StepFailure,
 };
 
-use super::ground::GroundFields;
-use crate::constraints::{Constraints, options_of};
+use super::options::{GroundFields, Setup};
+use crate::constraints::options_of;
 use crate::errors::Class;
 use crate::robot::Robot;
 
-/// The arguments that `simulate` and `Simulation` share.
-#[derive(Debug)]
-pub(crate) struct Setup {
-    dt: f64,
-    integrator: Option<String>,
-    without: Vec<String>,
-    conservative: bool,
-    ground: Option<GroundFields>,
-    constraints: Option<Py<Constraints>>,
-    stabilization: Option<f64>,
-    correction: String,
-    tolerance: Option<f64>,
-    control_period: Option<f64>,
-    interrupt: Option<Arc<AtomicBool>>,
-    ignored_pairs: Vec<(String, String)>,
-    only_pairs: Option<Vec<(String, String)>>,
-}
-
-impl PartialEq for Setup {
-    fn eq(&self, other: &Self) -> bool {
-        let own = |setup: &Self| setup.constraints.as_ref().map(Py::as_ptr);
-        let Self { dt, integrator, without, conservative, ground, stabilization, correction, .. } = self;
-        let Self { ignored_pairs, only_pairs, .. } = self;
-        let steps = |setup: &Self| (setup.tolerance, setup.control_period);
-        steps(self) == steps(other)
-            && own(self) == own(other)
-            && (*dt, *conservative, *stabilization) == (other.dt, other.conservative, other.stabilization)
-            && (integrator, without, ground) == (&other.integrator, &other.without, &other.ground)
-            && (correction, ignored_pairs, only_pairs)
-                == (&other.correction, &other.ignored_pairs, &other.only_pairs)
-    }
-}
-
 impl Setup {
-    pub(crate) fn of(options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let mut setup = Self {
-            dt: 1e-3,
-            integrator: None,
-            without: Vec::new(),
-            conservative: false,
-            ground: None,
-            constraints: None,
-            stabilization: None,
-            correction: "position".into(),
-            tolerance: None,
-            control_period: None,
-            interrupt: None,
-            ignored_pairs: Vec::new(),
-            only_pairs: None,
-        };
-        for (name, value) in options.into_iter().flat_map(PyDictMethods::iter) {
-            match name.extract::<String>()?.as_str() {
-                "dt" => setup.dt = value.extract()?,
-                "integrator" => setup.integrator = value.extract()?,
-                "without" => setup.without = value.extract()?,
-                "conservative" => setup.conservative = value.extract()?,
-                "ground" => setup.ground = value.extract()?,
-                "constraints" => setup.constraints = value.extract()?,
-                "stabilization" => setup.stabilization = value.extract()?,
-                "correction" => setup.correction = value.extract()?,
-                "tolerance" => setup.tolerance = value.extract()?,
-                "control_period" => setup.control_period = value.extract()?,
-                "ignore_contacts" => setup.ignored_pairs = value.extract()?,
-                "only_contacts" => setup.only_pairs = value.extract()?,
-                other => return Err(PyValueError::new_err(format!("a simulation has no option {other:?}"))),
-            }
-        }
-        Ok(setup)
-    }
-
-    /// The same without contacts, which explicit methods do not know: they need not be set up.
-    pub(crate) fn without_contacts(mut self) -> Self {
-        self.without.push(Effect::Contacts.name().into());
-        self
-    }
-
-    pub(crate) fn dt(&self) -> f64 {
-        self.dt
-    }
-
-    pub(crate) fn is_adaptive(&self) -> bool {
-        self.integrator.as_deref() == Some(Method::Adaptive.name())
-    }
-
-    /// Refuses steps as long as a tolerance allows, where each step has the length `dt`.
-    pub(crate) fn refuse_adaptive(self, py: Python<'_>) -> PyResult<Self> {
-        if !self.is_adaptive() {
-            return Ok(self);
-        }
-        let names: Vec<&str> = Method::names().filter(|name| *name != Method::Adaptive.name()).collect();
-        Err(Class::Simulation.error(
-            py,
-            format!(
-                "integrator='adaptive' has steps as long as its tolerance allows: `Robot.simulate` runs it; there are {}",
-                names.join(", ")
-            ),
-        ))
-    }
-
-    /// With torques that are held for so long \[s\], unless the arguments say how long.
-    pub(crate) fn holding(mut self, period: Option<f64>) -> Self {
-        self.control_period = self.control_period.or(period);
-        self
-    }
-
-    /// With a flag that ends adaptive steps.
-    pub(crate) fn interrupted_by(mut self, flag: Arc<AtomicBool>) -> Self {
-        self.interrupt = Some(flag);
-        self
-    }
-
     /// The simulation. On a ground that was given, what does not touch it is told in one warning.
     pub(crate) fn build(&self, py: Python<'_>, robot: &Robot) -> PyResult<Simulation> {
         let mut builder = robot_dynamics::simulation(&robot.model).step(self.dt);

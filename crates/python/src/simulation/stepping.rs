@@ -8,7 +8,8 @@ use pyo3::types::{PyDict, PyTuple};
 use robot_dynamics::simulation::{AppliedWrench, ReferenceFrame, Simulation as Stepped, Snapshot as Kept};
 
 use super::books::{ledger_of, losses_of};
-use super::setup::{Setup, controls_of, failed_step};
+use super::options::Setup;
+use super::setup::{controls_of, failed_step};
 use crate::errors::Class;
 use crate::numbers::{array, configuration, shaped, vector, vector_or_zeros};
 use crate::robot::Robot;

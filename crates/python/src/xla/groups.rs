@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use robot_dynamics::derivatives::with_parameters;
 use robot_dynamics::model::Model;
 
-use crate::ffi::Number;
+use crate::number::Number;
 use crate::robot::Robot;
 use crate::single::is_finite;
 use crate::threads;

@@ -10,10 +10,12 @@ use robot_dynamics::derivatives::{
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace, step};
 
+use super::calls::{NOT_FLOATS, length, parameters_of, robot_of};
 use super::groups::{Tables, by_groups, fill_with_nan};
-use super::{NOT_FLOATS, length, parameters_of, robot_of};
+
+use crate::ffi::Kind;
 use crate::ffi::xla::XlaCall;
-use crate::ffi::{Kind, Number};
+use crate::number::Number;
 use crate::robot::Robot;
 use crate::rollout::threads_for;
 use crate::threads;

@@ -1,0 +1,7 @@
+//! The numbers that an algorithm writes for one state.
+
+/// The most results that an algorithm has.
+pub(crate) const MOST_RESULTS: usize = 4;
+
+/// What is written of one state, one slice a result.
+pub(crate) type Results<'a> = [&'a mut [f64]; MOST_RESULTS];
