@@ -3,5 +3,5 @@
 /// The most results that an algorithm has.
 pub(crate) const MOST_RESULTS: usize = 4;
 
-/// What is written of one state, one slice a result.
+/// The results of one state, a slice for each.
 pub(crate) type Results<'a> = [&'a mut [f64]; MOST_RESULTS];

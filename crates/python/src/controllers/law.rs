@@ -43,13 +43,13 @@ pub(super) fn torque<'py>(
     }
 }
 
-/// What Python itself had raised in a law's reference.
+/// The exception that Python raised in a law's reference.
 fn raised(py: Python<'_>, error: &robot_dynamics::simulation::ControllerError) -> Option<PyErr> {
     let robot_dynamics::simulation::ControllerError::Callback(callback) = error else { return None };
     callback.downcast_ref::<PyErr>().map(|own| own.clone_ref(py))
 }
 
-/// What a law follows at a time: the place, and velocity and acceleration where they are given.
+/// The parts of a reference at one time: the position, and the velocity and acceleration if they are given.
 #[allow(clippy::type_complexity)] // a place, and maybe two more
 pub(super) fn parts<'py>(
     given: &Bound<'py, PyAny>,
@@ -62,7 +62,7 @@ pub(super) fn parts<'py>(
     }
 }
 
-/// What a law follows: the same all the time, or what a function of t gives.
+/// The reference of a law: a constant, or a function of t.
 pub(crate) enum Followed<T> {
     Constant(T),
     Called(Py<PyAny>),
@@ -73,7 +73,7 @@ impl<T: Clone> Followed<T> {
         matches!(self, Self::Called(_))
     }
 
-    /// What is followed at a time.
+    /// The reference at a time.
     pub(super) fn at(&self, t: f64, read: impl Fn(&Bound<'_, PyAny>) -> PyResult<T>) -> PyResult<T> {
         match self {
             Self::Constant(value) => Ok(value.clone()),

@@ -31,7 +31,7 @@ macro_rules! rows {
         /// The rows of this file, by their methods' names.
         #[allow(non_upper_case_globals)]
         mod table {
-            #[allow(clippy::wildcard_imports)] // what the lines are written with
+            #[allow(clippy::wildcard_imports)] // the lines use the names of the file
             use super::*;
             $(
                 pub(super) static $name: $crate::row::Row = $crate::row::Row {
