@@ -104,7 +104,7 @@ class WithDLPack(Wrapped):
 
 
 @pytest.mark.parametrize("kind", [WithArray, WithDLPack])
-def test_what_offers_an_array_is_one(kind: type[WithArray | WithDLPack]) -> None:
+def test_objects_with_array_interfaces_are_arrays(kind: type[WithArray | WithDLPack]) -> None:
     q = states(PANDA, 5).q
     for dtype in (np.float64, np.float32):
         own = q.astype(dtype)
@@ -127,7 +127,7 @@ def test_types_are_not_mixed_silently() -> None:
     assert PANDA.interpolate(q.astype("f4"), q.astype("f4"), 0.5).dtype == np.float32
 
 
-def test_what_is_no_array_is_refused() -> None:
+def test_objects_without_numbers_raise_errors() -> None:
     for nonsense in ("abc", None, object(), {"q": 1}, [[0.0] * 7, [0.0] * 6]):
         with pytest.raises((rd.DTypeError, rd.ShapeError)):
             PANDA.gravity(nonsense)  # type: ignore[call-overload]

@@ -83,7 +83,7 @@ def test_results_do_not_depend_on_how_a_table_is_cut(sizes: list[int], offset: i
     assert streamed.read_all().combine_chunks().equals(expected.combine_chunks())
 
 
-def test_what_comes_from_polars_goes_back() -> None:
+def test_tables_of_polars_are_read_and_written() -> None:
     s = states(PANDA, 50)
     frame = pl.DataFrame({"q": s.q, "v": s.v, "a": s.a, "name": [f"state {k}" for k in range(50)]})
     assert frame.schema["q"] == pl.Array(pl.Float64, 7)
@@ -98,7 +98,7 @@ def test_what_comes_from_polars_goes_back() -> None:
     assert pl.DataFrame(arrow.stream(PANDA, both, "inverse_dynamics", keep=["name"])).equals(found)
 
 
-def test_what_comes_from_duckdb() -> None:
+def test_tables_of_duckdb_are_read() -> None:
     duckdb = pytest.importorskip("duckdb")
     given_table = table(PANDA, 50)
     connection = duckdb.connect()

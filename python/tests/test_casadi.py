@@ -37,7 +37,7 @@ def test_values_and_jacobians_are_the_librarys(name: str, tmp_path: Path) -> Non
             assert_allclose(found, expected, rtol=0, atol=1e-9 * max(1.0, np.abs(expected).max()))
 
 
-def test_what_is_compiled_is_kept_and_robots_are_told_apart(tmp_path: Path) -> None:
+def test_compiled_code_is_cached_for_each_robot(tmp_path: Path) -> None:
     robot = load("two_r")
     heavy, q = robot.with_gravity_scaled(2.0), [0.3, 1.2]
     first = rdc.external(robot, "gravity", folder=tmp_path)
@@ -54,7 +54,7 @@ def test_what_is_compiled_is_kept_and_robots_are_told_apart(tmp_path: Path) -> N
     assert_allclose(np.array(rotation).ravel(), pose[:3, :3].ravel(), atol=1e-14)
 
 
-def test_what_cannot_be_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_missing_functions_and_compilers_raise_errors(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     robot = load("two_r")
     with pytest.raises(rd.GenerateError, match="wisdom"):
         rdc.external(robot, "wisdom")

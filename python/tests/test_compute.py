@@ -86,7 +86,7 @@ LONG = ("--quantity", "christoffel_symbols", "forward_dynamics_derivatives", "--
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 @pytest.mark.parametrize("kill", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL], ids=lambda kill: kill.name)
-def test_who_is_ended_goes_on_where_it_stopped(tmp_path: Path, kill: signal.Signals) -> None:
+def test_an_interrupted_job_resumes(tmp_path: Path, kill: signal.Signals) -> None:
     source = recording(tmp_path / "states.parquet", 40, 800)
     environment = {**os.environ, "PYTHONPATH": str(Path(rd.__file__).parents[1])}
     output, parts = tmp_path / "out.parquet", tmp_path / "out.parquet.parts"

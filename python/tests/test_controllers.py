@@ -83,7 +83,7 @@ def test_a_frame_is_led_along_a_path(panda: rd.Robot) -> None:
     assert np.abs(places - [path(t)[0] for t in motion.times]).max() < 1e-3
 
 
-def test_what_a_law_cannot_do_is_said(panda: rd.Robot) -> None:
+def test_invalid_controllers_raise_errors(panda: rd.Robot) -> None:
     gains = np.full(7, 10.0), np.full(7, 2.0)
     law = rd.ComputedTorque(panda, swing, *gains)
     with pytest.raises(rd.ControlError, match="of robot `panda`, not of this `two_r`"):

@@ -177,7 +177,7 @@ def test_gradients_are_those_of_the_same_motion() -> None:
     assert_allclose(gradient, [(loss(k, d) - loss(k, -d)) / (2 * d) for k in range(6)], rtol=1e-6, atol=1e-8)
 
 
-def test_what_has_no_gradients_is_refused_by_name() -> None:
+def test_effects_without_gradients_are_named() -> None:
     arm = rd.load(ROBOTS / "arm.xml")
     q, v = arm.neutral(), np.zeros(arm.nv)
     how: dict[str, Any] = {"steps": 2, "dt": STEP, "by_velocity": np.ones(arm.nv)}

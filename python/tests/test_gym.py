@@ -121,7 +121,7 @@ def test_the_motor_cannot_lift_it() -> None:
     assert 0.5 < highest < np.pi / 2
 
 
-def test_what_blows_up_ends_alone() -> None:
+def test_diverged_states_end_alone() -> None:
     envs = SwingUp(4)
     envs.reset(seed=1)
     envs.v[0], envs.v[2] = 2e4, 1e200

@@ -350,7 +350,7 @@ def test_invalid_states_are_nan_alone(panda: rd.Robot) -> None:
     assert np.isnan(found[2]).all() and np.isfinite(found[:2]).all()
 
 
-def test_what_goes_wrong_is_said_in_our_words(panda: rd.Robot) -> None:
+def test_errors_have_the_messages_of_this_package(panda: rd.Robot) -> None:
     q, v, a = given(panda, "inverse_dynamics")
     with pytest.raises(Exception, match="variational-midpoint solves an equation at each step"):
         jax.block_until_ready(rdj.step(panda, q, v, dt=1e-3, integrator="variational-midpoint"))

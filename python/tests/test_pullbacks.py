@@ -161,7 +161,7 @@ def test_float32_is_computed_in_float32(panda: rd.Robot) -> None:
             assert_allclose(own, double[pick], rtol=0, atol=1e-3 * np.abs(double).max())
 
 
-def test_what_cannot_be_pulled_back_is_said(panda: rd.Robot) -> None:
+def test_unsupported_pullbacks_raise_errors(panda: rd.Robot) -> None:
     s = states(panda, 4)
     with pytest.raises(rd.SimulationError, match="variational-midpoint solves an equation at each step"):
         panda.step_pullback(s.q[0], s.v[0], dt=H, integrator="variational-midpoint")

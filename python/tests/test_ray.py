@@ -89,7 +89,7 @@ def test_rollouts_are_the_same_bits_and_survive_a_kill(tmp_path: Path) -> None:
         workers.close()
 
 
-def test_what_is_mapped_keeps_its_order_and_its_error(tmp_path: Path) -> None:
+def test_map_keeps_the_order_and_raises_the_error_of_a_worker(tmp_path: Path) -> None:
     from robot_dynamics.ray import Workers
 
     workers = Workers(PANDA, 2)

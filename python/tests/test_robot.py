@@ -62,7 +62,7 @@ def test_the_last_digit_makes_another_robot(panda: rd.Robot) -> None:
     assert other != panda and other.fingerprint != panda.fingerprint
 
 
-def test_what_is_suspicious_is_a_warning_of_the_caller() -> None:
+def test_warnings_of_suspicious_files_point_at_the_caller() -> None:
     path = FAULTS / "effort_zero.urdf"
     with pytest.warns(rd.LoadWarning, match=r"effort_zero.urdf: line \d+") as caught:
         robot = rd.load(path)

@@ -66,7 +66,7 @@ def test_samples_that_fly_off_weigh_nothing() -> None:
         mine.plan([1.0, 0.2], [1e200, 0.0])
 
 
-def test_what_is_wrong_is_said() -> None:
+def test_invalid_options_raise_errors() -> None:
     with pytest.raises(ValueError, match="positive"):
         control(horizon=0)
     options: Any = {"horizon": 2, "dt": 0.1, "samples": 4, "noise": 1.0, "temperature": 1.0, "seed": 1}

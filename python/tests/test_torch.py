@@ -117,7 +117,7 @@ def test_a_loss_is_made_small() -> None:
     assert efforts[-1] < 0.1 * efforts[0]
 
 
-def test_what_is_not_known_is_refused() -> None:
+def test_second_derivatives_and_invalid_tensors_raise_errors() -> None:
     robot = load("two_r")
     q, v, a = given(robot, "inverse_dynamics")
     (gradient,) = torch.autograd.grad(inverse_dynamics(robot, q, v, a).sum(), q, create_graph=True)
