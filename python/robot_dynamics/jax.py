@@ -249,6 +249,8 @@ def rollout(
         An array has the wrong shape.
     DTypeError
         An array has an unsupported dtype, or float64 and float32 are mixed.
+    SimulationError
+        The integrator or the step is invalid.
     ValueError
         An effect has no gradients, or `tau` does not have `steps` rows.
     """
@@ -342,6 +344,8 @@ def step(
         An array has the wrong shape.
     DTypeError
         An array has an unsupported dtype, or float64 and float32 are mixed.
+    SimulationError
+        The integrator or the step is invalid.
     ValueError
         An effect has no gradients.
     """

@@ -135,6 +135,8 @@ def rollout_pullback(
         Some states have no valid motion; `result` has the others.
     SingularMassError
         M(q) of one state is singular.
+    SimulationError
+        The integrator or the step is invalid, or the integrator has no gradients.
     ShapeError
         A gradient does not broadcast to the shape of its states.
     ValueError
@@ -257,6 +259,8 @@ def step_pullback(
         Some states have no valid motion; `result` has the others.
     SingularMassError
         M(q) of one state is singular.
+    SimulationError
+        The integrator or the step is invalid, or the integrator has no gradients.
     ValueError
         An effect has no gradients.
 

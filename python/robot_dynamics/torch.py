@@ -193,6 +193,8 @@ def rollout(
         PyTorch is missing.
     TypeError
         An argument is not a tensor on the CPU.
+    SimulationError
+        The integrator or the step is invalid, or the integrator has no gradients.
     ValueError
         An effect has no gradients, or `tau` does not have `steps` rows.
     """
@@ -268,6 +270,8 @@ def step(
         PyTorch is missing.
     TypeError
         An argument is not a tensor on the CPU.
+    SimulationError
+        The integrator or the step is invalid, or the integrator has no gradients.
     ValueError
         An effect has no gradients.
     """
