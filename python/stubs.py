@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import disjoint_base
 
-from robot_dynamics.numbers import Followed, Numbers
+from robot_dynamics.numbers import Followed, Numbers, ReferenceFrame
 from robot_dynamics.results import {classes}
 
 _F = TypeVar("_F", np.float64, np.float32)
@@ -38,6 +38,7 @@ _F = TypeVar("_F", np.float64, np.float32)
 ARGUMENTS = {
     "frame": "str | int",
     "frames": "Sequence[str | int] | None",
+    "reference_frame": "ReferenceFrame",
     "threads": "int | None",
     "seed": "int",
     "size": "int | Sequence[int] | None",

@@ -223,8 +223,8 @@ def pytorch_kinematics(robot: rd.Robot, path: Path, state: dict[str, Any], round
             rounds,
         )
         row(
-            "pytorch_kinematics, frame_jacobian_world_aligned",
-            lambda: robot.frame_jacobian_world_aligned(state["q"], frame, threads=1),
+            "pytorch_kinematics, frame_jacobian",
+            lambda: robot.frame_jacobian(state["q"], frame, threads=1),
             lambda: chain.jacobian(q[:1]),
             lambda: chain.jacobian(q),
             len(q),

@@ -50,6 +50,7 @@ def single(robot: rd.Robot, q: Any, v: Any, a: Any, tau: Any, rounds: int) -> No
     """The table of single calls."""
     vector, matrix = np.zeros(robot.nv), np.zeros((robot.nv, robot.nv))
     frame = len(robot.frame_names) - 1
+    # The names of the native quantities; a Jacobian's ends with its reference frame.
     rows: list[tuple[str, tuple[Any, ...], Any]] = [
         ("inverse_dynamics", (q, v, a), vector),
         ("forward_dynamics", (q, v, tau), vector),
@@ -57,8 +58,8 @@ def single(robot: rd.Robot, q: Any, v: Any, a: Any, tau: Any, rounds: int) -> No
         ("gravity", (q,), vector),
         ("mass_matrix", (q,), matrix),
         ("coriolis_matrix", (q, v), matrix),
-        ("frame_jacobian_world_aligned", (q, frame), np.zeros((6, robot.nv))),
-        ("frame_jacobian_in_frame", (q, frame), np.zeros((6, robot.nv))),
+        ("frame_jacobian_local_world_aligned", (q, frame), np.zeros((6, robot.nv))),
+        ("frame_jacobian_local", (q, frame, "local"), np.zeros((6, robot.nv))),
         ("center_of_mass", (q,), np.zeros(3)),
         ("center_of_mass_jacobian", (q,), np.zeros((3, robot.nv))),
     ]
@@ -68,7 +69,7 @@ def single(robot: rd.Robot, q: Any, v: Any, a: Any, tau: Any, rounds: int) -> No
     print(f"{'':30}{'Rust':>8}{'out=':>8}{'over':>8}{'new':>8}" + "".join(f"{name:>12}" for name in names))
     for name, arguments, out in rows:
         rust = _native._nanoseconds(robot, name, [q, v, a, tau], rounds)
-        method = getattr(robot, name)
+        method = robot.frame_jacobian if name.startswith("frame_jacobian") else getattr(robot, name)
         given = least(method, *arguments, rounds=rounds, out=out)
         fresh = least(method, *arguments, rounds=rounds)
         line = f"{name:30}{rust:8.0f}{given:8.0f}{given - rust:8.0f}{fresh:8.0f}"
@@ -110,13 +111,13 @@ def peer_calls(robot: rd.Robot, q: Any, v: Any, a: Any, tau: Any) -> dict[str, d
             }
             name = robot.frame_names[-1]
             frame = model.getFrameId(name)
-            for method, seen in (
-                ("frame_jacobian_world_aligned", pin.LOCAL_WORLD_ALIGNED),
-                ("frame_jacobian_in_frame", pin.LOCAL),
-            ):
+            for reference in ("local_world_aligned", "local"):
+                seen = getattr(pin, reference.upper())
                 jacobian = pin.computeFrameJacobian(model, data, q, frame, seen)
-                np.testing.assert_allclose(jacobian, getattr(robot, method)(q, name), atol=1e-9)
-                found["pin"][method] = (pin.computeFrameJacobian, model, data, q, frame, seen)
+                np.testing.assert_allclose(jacobian, robot.frame_jacobian(q, name, reference), atol=1e-9)
+                found["pin"][f"frame_jacobian_{reference}"] = (
+                    pin.computeFrameJacobian, model, data, q, frame, seen,
+                )
     try:
         import mujoco
     except ImportError:

@@ -14,8 +14,8 @@ pub const MEASURED: [Quantity; 9] = [
     Quantity::MassMatrix,
     Quantity::CoriolisMatrix,
     Quantity::FramePoses,
-    Quantity::FrameJacobianWorldAligned,
-    Quantity::FrameJacobianInFrame,
+    Quantity::FrameJacobianLocalWorldAligned,
+    Quantity::FrameJacobianLocal,
     Quantity::InverseDynamicsDerivatives,
     Quantity::ForwardDynamicsDerivatives,
 ];
@@ -24,8 +24,8 @@ pub const MEASURED: [Quantity; 9] = [
 /// Jacobians.
 pub fn key(quantity: Quantity) -> &'static str {
     match quantity {
-        Quantity::FrameJacobianWorldAligned => "jacobian",
-        Quantity::FrameJacobianInFrame => "jacobian_in_frame",
+        Quantity::FrameJacobianLocalWorldAligned => "jacobian",
+        Quantity::FrameJacobianLocal => "jacobian_in_frame",
         other => other.name(),
     }
 }

@@ -170,7 +170,7 @@ def follow(robot: rd.Robot, solver: Any, duration: float) -> tuple[Array, Array,
     away, torques, times = [], [], []
     for k in range(count):
         if k == count // 2:
-            jacobian = robot.frame_jacobian_world_aligned(q, "panda_link8")[:3]
+            jacobian = robot.frame_jacobian(q, "panda_link8")[:3]
             v = v + np.linalg.solve(robot.mass_matrix(q), jacobian.T @ BLOW)
         tau = solver.solve_for_x0(np.append(q, v), fail_on_nonzero_status=True)
         times.append(float(solver.get_stats("time_tot")))

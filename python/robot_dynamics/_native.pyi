@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import disjoint_base
 
-from robot_dynamics.numbers import Followed, Numbers
+from robot_dynamics.numbers import Followed, Numbers, ReferenceFrame
 from robot_dynamics.results import DissipationPullback, ForwardDynamicsDerivatives, ForwardDynamicsPullback, ForwardDynamicsPullbackWithParameters, FrameAccelerationDerivatives, InverseDynamicsDerivatives, InverseDynamicsPullback, InverseDynamicsPullbackWithParameters
 
 _F = TypeVar("_F", np.float64, np.float32)
@@ -548,113 +548,74 @@ class Robot:
         True
         """
     @overload
-    def frame_acceleration_derivatives_in_frame(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], frame: str | int, *, out: tuple[NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> FrameAccelerationDerivatives[_F]: ...
+    def frame_acceleration(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
-    def frame_acceleration_derivatives_in_frame(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, *, out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> FrameAccelerationDerivatives[np.float64]:
-        """∂(frame_spatial_acceleration_in_frame) by q and by v; by a it is the Jacobian.
+    def frame_acceleration(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """A frame's acceleration: the time derivative of the numbers of `frame_velocity` in the same reference
+        frame, J a + J̇ v. It does not include gravity.
+
+        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
+        ``"local_world_aligned"`` is the classical acceleration p̈ of the frame's origin p. ``"local"`` is the
+        spatial acceleration p̈ − ω × ṗ along the frame's axes, ``"world"`` that at the world's origin. They
+        equal Pinocchio's ``getFrameAcceleration``. Its ``getFrameAcceleration(LOCAL_WORLD_ALIGNED)`` is
+        p̈ − ω × ṗ; its ``getFrameClassicalAcceleration(LOCAL_WORLD_ALIGNED)`` equals this function.
+
+        >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
+        >>> robot.frame_acceleration(zero, [1.0, 0.0], zero, "tip").round(12)[:2]  # −ω² r
+        array([-2.,  0.])
+        >>> robot.frame_acceleration(zero, zero, [1.0, 0.0], "tip", "local").round(12)
+        array([ 0.,  0.,  2.,  0., -1.,  0.])
+        >>> robot.frame_acceleration(zero, zero, [1.0, 0.0], "tip", "world").round(12)
+        array([ 0.,  0.,  0.,  0., -1.,  0.])
+        """
+    @overload
+    def frame_acceleration_derivatives(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: tuple[NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> FrameAccelerationDerivatives[_F]: ...
+    @overload
+    def frame_acceleration_derivatives(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> FrameAccelerationDerivatives[np.float64]:
+        """∂/∂q and ∂/∂v of `frame_acceleration` in the same reference frame; ∂/∂a is `frame_jacobian`.
 
         q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., 6, nv).
 
         >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
-        >>> robot.frame_acceleration_derivatives_in_frame(zero, zero, [1.0, 0.0], "tip").by_position[0].round(12)
+        >>> robot.frame_acceleration_derivatives(zero, [1.0, 0.0], zero, "tip").by_velocity[0].round(12)
+        array([-4., -2.])
+        >>> robot.frame_acceleration_derivatives(zero, zero, [1.0, 0.0], "tip", "local").by_position[0].round(12)
         array([0., 1.])
         """
     @overload
-    def frame_acceleration_derivatives_world_aligned(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], frame: str | int, *, out: tuple[NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> FrameAccelerationDerivatives[_F]: ...
+    def frame_bias_acceleration(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
-    def frame_acceleration_derivatives_world_aligned(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, *, out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> FrameAccelerationDerivatives[np.float64]:
-        """∂(frame_classical_acceleration_world_aligned) by q and by v; by a it is the Jacobian.
-
-        q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., 6, nv).
-
-        >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
-        >>> robot.frame_acceleration_derivatives_world_aligned(zero, [1.0, 0.0], zero, "tip").by_velocity[0].round(12)
-        array([-4., -2.])
-        """
-    @overload
-    def frame_bias_acceleration_in_frame(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
-    @overload
-    def frame_bias_acceleration_in_frame(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """J̇ v of `frame_jacobian_in_frame`.
+    def frame_bias_acceleration(self, q: Numbers, v: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """J̇ v of `frame_jacobian` in the same reference frame: `frame_acceleration` at a = 0.
 
         q (..., nq), v (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
 
-        >>> rd.example("two_r").frame_bias_acceleration_in_frame([0.0, 0.0], [0.0, 0.0], "tip") @ np.ones(6)
+        >>> robot = rd.example("two_r")
+        >>> robot.frame_bias_acceleration([0.0, 0.0], [1.0, 0.0], "tip").round(12)[:2]
+        array([-2.,  0.])
+        >>> robot.frame_bias_acceleration([0.0, 0.0], [0.0, 0.0], "tip", "local") @ np.ones(6)
         np.float64(0.0)
         """
     @overload
-    def frame_bias_acceleration_in_world(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    def frame_jacobian(self, q: NDArray[_F], frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
-    def frame_bias_acceleration_in_world(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """J̇ v of `frame_jacobian_in_world`.
+    def frame_jacobian(self, q: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """A frame's Jacobian J: `frame_velocity` is J v in the same reference frame.
 
-        q (..., nq), v (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
-
-        >>> rd.example("two_r").frame_bias_acceleration_in_world([0.0, 0.0], [0.0, 0.0], "tip") @ np.ones(6)
-        np.float64(0.0)
-        """
-    @overload
-    def frame_bias_acceleration_world_aligned(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
-    @overload
-    def frame_bias_acceleration_world_aligned(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """J̇ v of `frame_jacobian_world_aligned`: a frame's acceleration without a.
-
-        q (..., nq), v (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
-
-        >>> rd.example("two_r").frame_bias_acceleration_world_aligned([0.0, 0.0], [1.0, 0.0], "tip").round(12)[:2]
-        array([-2.,  0.])
-        """
-    @overload
-    def frame_classical_acceleration_world_aligned(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
-    @overload
-    def frame_classical_acceleration_world_aligned(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """A frame's acceleration as an observer in the world sees it, p̈ and ω̇ along the world's axes.
-
-        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not
-        in it.
-
-        >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
-        >>> robot.frame_classical_acceleration_world_aligned(zero, [1.0, 0.0], zero, "tip").round(12)[:2]  # −ω² r
-        array([-2.,  0.])
-        """
-    @overload
-    def frame_jacobian_in_frame(self, q: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
-    @overload
-    def frame_jacobian_in_frame(self, q: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """A frame's Jacobian along its own axes, of its origin (LOCAL).
-
-        q (..., nq) → (..., 6, nv), rows linear then angular.
+        q (..., nq) → (..., 6, nv), rows linear then angular. `reference_frame`: ``"local"`` is the frame's
+        axes and its origin, ``"world"`` the world's axes and the world's origin, ``"local_world_aligned"``
+        the world's axes and the frame's origin. Pinocchio has the same names.
 
         >>> robot, q = rd.example("two_r"), [0.0, np.pi / 2]
-        >>> R = robot.frame_pose(q, "tip")[:3, :3]
-        >>> own, world = robot.frame_jacobian_in_frame(q, "tip"), robot.frame_jacobian_world_aligned(q, "tip")
-        >>> bool(np.allclose(R @ own[:3], world[:3]))
-        True
-        """
-    @overload
-    def frame_jacobian_in_world(self, q: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
-    @overload
-    def frame_jacobian_in_world(self, q: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """The Jacobian of the point of a frame's body that passes the world's origin, along the world's axes
-        (WORLD).
-
-        q (..., nq) → (..., 6, nv), rows linear then angular.
-
-        >>> rd.example("two_r").frame_jacobian_in_world([0.0, np.pi / 2], "tip")[4]  # both turn about −y
-        array([-1., -1.])
-        """
-    @overload
-    def frame_jacobian_world_aligned(self, q: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
-    @overload
-    def frame_jacobian_world_aligned(self, q: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """A frame's Jacobian along the world's axes, of the frame's origin (LOCAL_WORLD_ALIGNED).
-
-        q (..., nq) → (..., 6, nv), rows linear then angular.
-
-        >>> robot, q = rd.example("two_r"), [0.0, np.pi / 2]
-        >>> robot.frame_jacobian_world_aligned(q, "tip")[[0, 2]].round(12) + 0.0  # along x, and up
+        >>> robot.frame_jacobian(q, "tip")[[0, 2]].round(12) + 0.0  # along x, and up
         array([[-1., -1.],
                [ 1.,  0.]])
+        >>> R = robot.frame_pose(q, "tip")[:3, :3]
+        >>> own, world = robot.frame_jacobian(q, "tip", "local"), robot.frame_jacobian(q, "tip")
+        >>> bool(np.allclose(R @ own[:3], world[:3]))
+        True
+        >>> robot.frame_jacobian(q, "tip", "world")[4]  # both joints rotate about −y
+        array([-1., -1.])
         """
     @property
     def frame_names(self) -> list[str]:
@@ -686,88 +647,36 @@ class Robot:
         array([1., 0., 1.])
         """
     @overload
-    def frame_spatial_acceleration_in_frame(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    def frame_velocity(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
-    def frame_spatial_acceleration_in_frame(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """A frame's spatial acceleration along its own axes: the rate of its velocity there (LOCAL).
+    def frame_velocity(self, q: Numbers, v: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """A frame's velocity: J v with J of `frame_jacobian` in the same reference frame.
 
-        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not
-        in it.
-
-        >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
-        >>> robot.frame_spatial_acceleration_in_frame(zero, zero, [1.0, 0.0], "tip").round(12)
-        array([ 0.,  0.,  2.,  0., -1.,  0.])
-        """
-    @overload
-    def frame_spatial_acceleration_in_world(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
-    @overload
-    def frame_spatial_acceleration_in_world(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """A frame's spatial acceleration about the world's origin, along the world's axes (WORLD).
-
-        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not
-        in it.
-
-        >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
-        >>> robot.frame_spatial_acceleration_in_world(zero, zero, [1.0, 0.0], "tip").round(12)
-        array([ 0.,  0.,  0.,  0., -1.,  0.])
-        """
-    @overload
-    def frame_velocity_derivative_in_frame(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
-    @overload
-    def frame_velocity_derivative_in_frame(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """∂(frame_velocity_in_frame)/∂q.
-
-        q (..., nq), v (..., nv) → (..., 6, nv), by q as displacements q ⊕ δq; by v it is the Jacobian.
-
-        >>> rd.example("two_r").frame_velocity_derivative_in_frame([0.0, 0.0], [1.0, 0.0], "tip")[0].round(12)
-        array([0., 1.])
-        """
-    @overload
-    def frame_velocity_derivative_world_aligned(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
-    @overload
-    def frame_velocity_derivative_world_aligned(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """∂(frame_velocity_world_aligned)/∂q.
-
-        q (..., nq), v (..., nv) → (..., 6, nv), by q as displacements q ⊕ δq; by v it is the Jacobian.
-
-        >>> rd.example("two_r").frame_velocity_derivative_world_aligned([0.0, 0.0], [1.0, 0.0], "tip")[0].round(12)
-        array([-2., -1.])
-        """
-    @overload
-    def frame_velocity_in_frame(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
-    @overload
-    def frame_velocity_in_frame(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """A frame's velocity along its own axes, of its origin (LOCAL).
-
-        q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s].
-
-        >>> rd.example("two_r").frame_velocity_in_frame([0.0, 0.0], [1.0, 0.0], "tip").round(12)
-        array([ 0.,  0.,  2.,  0., -1.,  0.])
-        """
-    @overload
-    def frame_velocity_in_world(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
-    @overload
-    def frame_velocity_in_world(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """The velocity of the point of a frame's body that passes the world's origin, along the world's axes
-        (WORLD).
-
-        q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s].
-
-        >>> rd.example("two_r").frame_velocity_in_world([0.0, 0.0], [1.0, 0.0], "tip").round(12)
-        array([ 0.,  0.,  0.,  0., -1.,  0.])
-        """
-    @overload
-    def frame_velocity_world_aligned(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
-    @overload
-    def frame_velocity_world_aligned(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """A frame's velocity along the world's axes, of its origin (LOCAL_WORLD_ALIGNED).
-
-        q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s].
+        q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s]. `reference_frame`: ``"local"``
+        is ṗ of the frame's origin p and ω along the frame's axes, ``"local_world_aligned"`` both along the
+        world's axes, ``"world"`` ṗ − ω × p and ω along the world's axes.
 
         >>> robot, q, v = rd.example("two_r"), [0.0, np.pi / 2], [1.0, 0.5]
-        >>> J = robot.frame_jacobian_world_aligned(q, "tip")
-        >>> bool(np.allclose(robot.frame_velocity_world_aligned(q, v, "tip"), J @ v))
+        >>> bool(np.allclose(robot.frame_velocity(q, v, "tip"), robot.frame_jacobian(q, "tip") @ v))
         True
+        >>> robot.frame_velocity([0.0, 0.0], [1.0, 0.0], "tip", "local").round(12)
+        array([ 0.,  0.,  2.,  0., -1.,  0.])
+        >>> robot.frame_velocity([0.0, 0.0], [1.0, 0.0], "tip", "world").round(12)
+        array([ 0.,  0.,  0.,  0., -1.,  0.])
+        """
+    @overload
+    def frame_velocity_derivative(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_velocity_derivative(self, q: Numbers, v: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """∂/∂q of `frame_velocity` in the same reference frame; ∂/∂v is `frame_jacobian`.
+
+        q (..., nq), v (..., nv) → (..., 6, nv), by q as displacements q ⊕ δq.
+
+        >>> robot = rd.example("two_r")
+        >>> robot.frame_velocity_derivative([0.0, 0.0], [1.0, 0.0], "tip")[0].round(12)
+        array([-2., -1.])
+        >>> robot.frame_velocity_derivative([0.0, 0.0], [1.0, 0.0], "tip", "local")[0].round(12)
+        array([0., 1.])
         """
     @overload
     def gravity(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...

@@ -56,8 +56,9 @@ class Computation:
     robot : Robot
         Robot to compute the quantities of.
     quantities : sequence of str
-        Names of methods of `Robot`; a frame follows a colon (``frame_pose:panda_link8``). ``audit`` is the
-        audit of recorded motion, see `robot_dynamics.quantities.AUDIT`.
+        Names of methods of `Robot`; a frame follows a colon (``frame_pose:panda_link8``), and a reference
+        frame another one (``frame_velocity:panda_link8:local``). ``audit`` is the audit of recorded motion,
+        see `robot_dynamics.quantities.AUDIT`.
     columns : mapping of str to str, optional
         Column of each argument whose column has another name; ``state[0:7]`` is a slice of its lists.
     keep : iterable of str

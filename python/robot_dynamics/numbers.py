@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Literal, Protocol, TypeAlias
 
 from numpy.typing import ArrayLike
 
@@ -22,3 +22,7 @@ Numbers: TypeAlias = ArrayLike | SupportsDLPack
 
 Followed: TypeAlias = Numbers | tuple[Numbers, Numbers, Numbers]
 """Reference of a controller: a position at rest, or a position with its velocity and acceleration."""
+
+ReferenceFrame: TypeAlias = Literal["local", "world", "local_world_aligned"]
+"""The axes of a frame's velocity, acceleration, Jacobian or wrench, and its reference point: the frame's own
+axes and origin, the world's axes and origin, or the world's axes and the frame's origin."""

@@ -6,15 +6,19 @@ import difflib
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics import _native
 from robot_dynamics.errors import BadStatesError, FrameError, QuantityError, StateError
+from robot_dynamics.numbers import ReferenceFrame
 from robot_dynamics.results import BY_ALGORITHM
 from robot_dynamics.robot import Robot
+
+REFERENCE_FRAMES: tuple[str, ...] = get_args(ReferenceFrame)
+"""The reference frames of a frame's velocity, acceleration and Jacobian; the last is the default."""
 
 AUDIT = ("kinetic_energy", "potential_energy", "power", "dissipated_power", "torque_residual")
 """Columns of the audit of recorded motion q, v, a, tau, row by row.
@@ -74,7 +78,8 @@ class Quantity:
 def quantity_names() -> tuple[str, ...]:
     """List the names of all quantities.
 
-    A name that ends in ``:FRAME`` takes a frame.
+    A name that contains ``:FRAME`` takes a frame. ``:local`` or ``:world`` after the frame is its reference
+    frame; the default is ``local_world_aligned``.
 
     Returns
     -------
@@ -84,10 +89,14 @@ def quantity_names() -> tuple[str, ...]:
     Examples
     --------
     >>> from robot_dynamics.quantities import quantity_names
-    >>> {"inverse_dynamics", "mass_matrix", "frame_pose:FRAME", "audit"} <= set(quantity_names())
+    >>> {"inverse_dynamics", "frame_pose:FRAME", "frame_jacobian:FRAME:local", "audit"} <= set(quantity_names())
     True
     """
-    names = [f"{name}:FRAME" if "frame" in reads else name for name, reads in _METHODS.items()]
+    names = []
+    for name, reads in _METHODS.items():
+        names.append(f"{name}:FRAME" if "frame" in reads else name)
+        if "reference_frame" in reads:
+            names += [f"{name}:FRAME:{reference}" for reference in REFERENCE_FRAMES[:-1]]
     return (*sorted(names), "audit", "audit:dissipation")
 
 
@@ -128,6 +137,10 @@ def quantity(robot: Robot, asked: str) -> Quantity:
         )
         raise QuantityError(f"no quantity `{asked}`: {hint}")
     arguments: dict[str, Any] = {}
+    if "reference_frame" in reads and argument not in robot.frame_names:
+        frame, _, reference = argument.rpartition(":")
+        if reference in REFERENCE_FRAMES:
+            argument, arguments["reference_frame"] = frame, reference
     if "frame" in reads:
         if argument not in robot.frame_names:
             near = difflib.get_close_matches(argument, robot.frame_names, 3, 0.4) or list(robot.frame_names)
@@ -139,7 +152,7 @@ def quantity(robot: Robot, asked: str) -> Quantity:
         raise QuantityError(f"`{asked}`: {name} has no frame")
     fields = getattr(BY_ALGORITHM.get(name), "_fields", ())
     names = tuple(f"{asked}.{field}" for field in fields) or (asked,)
-    arrays = tuple(each for each in reads if each != "frame")
+    arrays = tuple(each for each in reads if each not in ("frame", "reference_frame"))
     return Quantity(asked, arrays, names, _Method(robot, name, arguments))
 
 

@@ -106,7 +106,6 @@ BY_ALGORITHM: dict[str, Any] = {
     "dissipation_pullback": DissipationPullback,
     "inverse_dynamics_derivatives_with_wrenches": InverseDynamicsDerivatives,
     "forward_dynamics_derivatives_with_wrenches": ForwardDynamicsDerivatives,
-    "frame_acceleration_derivatives_in_frame": FrameAccelerationDerivatives,
-    "frame_acceleration_derivatives_world_aligned": FrameAccelerationDerivatives,
+    "frame_acceleration_derivatives": FrameAccelerationDerivatives,
 }
 """Result class of each method with several results."""

@@ -10,29 +10,33 @@ from numpy.testing import assert_allclose
 import robot_dynamics as rd
 from conftest import states
 from robot_dynamics import _native
+from robot_dynamics.quantities import REFERENCE_FRAMES
 
 ARRAYS = ("q", "v", "a", "tau", "cotangent", "coordinates")
 
 
 def rows() -> list[tuple[str, list[str]]]:
-    """Every computing method: its name and its arguments."""
+    """Every computing method: its name and its arguments, in each reference frame."""
     found = []
     for name, value in vars(_native.Robot).items():
         if inspect.ismethoddescriptor(value) and not name.startswith("_"):
             arguments = list(inspect.signature(value).parameters)
             if "out" in arguments:
-                found.append((name, [own for own in arguments if own not in ("self", "out", "threads")]))
+                own = [each for each in arguments if each not in ("self", "out", "threads", "reference_frame")]
+                references = [[each] for each in REFERENCE_FRAMES] if "reference_frame" in arguments else [[]]
+                found += [(name, own + reference) for reference in references]
     return found
 
 
 ROWS = rows()
-COMPUTED = [(name, names) for name, names in ROWS if set(names) <= {*ARRAYS, "frame", "frames"}]
+COMPUTED = [(name, names) for name, names in ROWS if set(names) <= {*ARRAYS, "frame", "frames", *REFERENCE_FRAMES}]
 
 
 def arguments(robot: rd.Robot, names: list[str], pick: Any = slice(None), dtype: Any = np.float64) -> list[Any]:
     """The arguments of a method: states, and the last frame."""
     own = states(robot)
-    last = {"frame": robot.frame_names[-1], "frames": robot.frame_names[-2:]}
+    last: dict[str, Any] = {"frame": robot.frame_names[-1], "frames": robot.frame_names[-2:]}
+    last |= {reference: reference for reference in REFERENCE_FRAMES}
     return [last[name] if name in last else getattr(own, name)[pick].astype(dtype) for name in names]
 
 
@@ -42,11 +46,17 @@ def parts(result: Any) -> list[Any]:
 
 
 def test_every_row_of_the_table_is_a_method_with_its_arguments() -> None:
-    methods = dict(ROWS)
     for name, read, results in _native.quantities():
-        expected = [*read, "frames"] if name == "frame_poses" else read
-        assert methods[name] == expected, f"rows of crates/python/src/rows: `{name}` reads {expected}"
+        method, expected = name, [*read, "frames"] if name == "frame_poses" else read
+        if name.startswith("frame_jacobian_"):
+            method, expected = "frame_jacobian", [*read, name.removeprefix("frame_jacobian_")]
+        assert (method, expected) in ROWS, f"rows of crates/python/src/rows: `{method}` reads {expected}"
         assert (results > 1) == (name in rd.results.BY_ALGORITHM)
+
+
+def test_an_unknown_reference_frame_names_the_valid_ones(panda: rd.Robot) -> None:
+    with pytest.raises(ValueError, match="reference_frame must be 'local', 'world' or 'local_world_aligned'"):
+        panda.frame_jacobian(panda.neutral(), "panda_link8", "body")  # type: ignore[call-overload]
 
 
 @pytest.mark.parametrize(("name", "names"), COMPUTED)
@@ -186,9 +196,9 @@ def test_gradients_by_the_numbers_of_q_are_differences(robot: rd.Robot) -> None:
 def test_jacobians_move_frames(robot: rd.Robot) -> None:
     s = states(robot)
     for frame in (0, robot.frame_names[-1]):
-        jacobian = robot.frame_jacobian_world_aligned(s.q, frame)
+        jacobian = robot.frame_jacobian(s.q, frame)
         moved = np.einsum("nij,nj->ni", jacobian, s.v)
-        assert_allclose(robot.frame_velocity_world_aligned(s.q, s.v, frame), moved, rtol=0, atol=1e-11)
+        assert_allclose(robot.frame_velocity(s.q, s.v, frame), moved, rtol=0, atol=1e-11)
     poses = robot.frame_poses(s.q)
     assert_allclose(poses[:, -1], robot.frame_pose(s.q, robot.frame_names[-1]), rtol=0, atol=1e-13)
     assert_allclose(poses[..., 3, :], np.broadcast_to([0.0, 0.0, 0.0, 1.0], poses.shape[:2] + (4,)))
@@ -201,7 +211,7 @@ def test_wrenches_act_through_the_jacobian(robot: rd.Robot) -> None:
     pushes = {frame: random.uniform(-1, 1, (37, 6)) for frame in frames}
     pushes[frames[0]] = pushes[frames[0]][0]  # one row for all states
     through = sum(
-        np.einsum("nij,ni->nj", robot.frame_jacobian_in_frame(s.q, frame), np.broadcast_to(push, (37, 6)))
+        np.einsum("nij,ni->nj", robot.frame_jacobian(s.q, frame, "local"), np.broadcast_to(push, (37, 6)))
         for frame, push in pushes.items()
     )
     tau = robot.inverse_dynamics_with_wrenches(s.q, s.v, s.a, dict(pushes))

@@ -151,7 +151,7 @@ def test_targets_can_be_reached() -> None:
     envs.reset(seed=5)
     start = np.linalg.norm(envs.target - envs.tip(), axis=1)
     for _ in range(400):
-        jacobian = envs.robot.frame_jacobian_world_aligned(envs.q, envs.frame)[:, :3]
+        jacobian = envs.robot.frame_jacobian(envs.q, envs.frame)[:, :3]
         gram = jacobian @ jacobian.transpose(0, 2, 1) + 1e-2 * np.eye(3)
         wanted = np.linalg.solve(gram, 2.0 * (envs.target - envs.tip())[..., np.newaxis])
         error = (jacobian.transpose(0, 2, 1) @ wanted)[..., 0] - envs.v

@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 import robot_dynamics as rd
 from conftest import NAMES, ROBOTS, states
+from robot_dynamics.quantities import REFERENCE_FRAMES
 
 pin = pytest.importorskip("pinocchio")
 
@@ -69,10 +70,7 @@ def test_frames(pair: tuple[rd.Robot, Any, Any]) -> None:
         q[iq] = s.q[k]
         pin.framesForwardKinematics(model, data, q)
         assert_allclose(robot.frame_pose(s.q[k], name), data.oMf[frame].homogeneous, rtol=0, atol=1e-12)
-        for reference, method in (
-            (pin.LOCAL, robot.frame_jacobian_in_frame),
-            (pin.WORLD, robot.frame_jacobian_in_world),
-            (pin.LOCAL_WORLD_ALIGNED, robot.frame_jacobian_world_aligned),
-        ):
-            expected = pin.computeFrameJacobian(model, data, q, frame, reference)[:, iv]
-            assert_allclose(method(s.q[k], name), expected, rtol=0, atol=1e-11)
+        for reference in REFERENCE_FRAMES:
+            of_pinocchio = getattr(pin, reference.upper())
+            expected = pin.computeFrameJacobian(model, data, q, frame, of_pinocchio)[:, iv]
+            assert_allclose(robot.frame_jacobian(s.q[k], name, reference), expected, rtol=0, atol=1e-11)

@@ -34,7 +34,7 @@ def test_sensors_of_a_file_have_names_kinds_and_values(arm: rd.Robot) -> None:
     tip = arm.frame_poses(q, ["pad"])[0]
     pressed = rd.PointForce("tool", tip[:3, 3], [0.0, 0.0, 7.0], normal=[0.0, 0.0, 1.0])
     shown = arm.sensor_values(q, v, a, actuator_forces=[0.5], wrenches=[pressed])
-    rate = arm.frame_classical_acceleration_world_aligned(q, v, a, "pad")[:3]
+    rate = arm.frame_acceleration(q, v, a, "pad")[:3]
     assert_allclose(shown["imu"], tip[:3, :3].T @ (rate + [0, 0, 9.81]), rtol=0, atol=1e-12)
     assert_allclose([shown["touch"][0], shown["drive"][0], shown["torque"][0]], [7.0, 0.5, 1.5], rtol=0, atol=1e-12)
     assert arm.sensor_values(q, v, a)["touch"] == 0.0

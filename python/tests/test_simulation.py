@@ -226,7 +226,7 @@ def test_wrong_inputs_are_named() -> None:
         sim.step()
     with pytest.raises(rd.FrameError, match="nose"):
         sim.apply_wrench("nose")
-    with pytest.raises(ValueError, match="there are 'local', 'world' and 'local_world_aligned'"):
+    with pytest.raises(ValueError, match="axes must be 'local', 'world' or 'local_world_aligned'"):
         sim.apply_wrench("panda_link8", axes="body")  # type: ignore[arg-type]
     arm = rd.Simulation(rd.loads(LINKAGE))
     with pytest.raises(ValueError, match='no actuator "servo"; it has motor'):

@@ -101,7 +101,7 @@ def test_operational_space_accelerates_the_hand_as_asked(panda: rd.Robot) -> Non
     wanted = np.array([0.3, -0.2, 0.1])
     tau = space.torque(wanted) + space.null_torque(s.tau[0])
     a = panda.forward_dynamics(q, v, tau)
-    reached = panda.frame_classical_acceleration_world_aligned(q, v, a, "panda_link8")[:3]
+    reached = panda.frame_acceleration(q, v, a, "panda_link8")[:3]
     assert_allclose(reached, wanted, rtol=0, atol=1e-9)
 
 
@@ -172,7 +172,7 @@ def test_an_audit_is_a_table_and_a_verdict(robot: rd.Robot) -> None:
 def test_a_payload_weighs_what_it_weighs(panda: rd.Robot) -> None:
     s = states(panda, 5)
     loaded = panda.with_payload("panda_link8", 1.5, [0.0, 0.0, 0.1], np.diag([0.01, 0.01, 0.02]))
-    jacobian = panda.frame_jacobian_in_frame(s.q, "panda_link8")
+    jacobian = panda.frame_jacobian(s.q, "panda_link8", "local")
     up = panda.frame_pose(s.q, "panda_link8")[:, 2, :3]
     force = 1.5 * 9.81 * up  # the load on the arm, along the link's axes
     wrench = np.concatenate([force, np.cross([0.0, 0.0, 0.1], force)], axis=1)

@@ -29,7 +29,7 @@ const BLOCK: usize = if cfg!(target_family = "wasm") { 256 } else { 32 };
 const RECURSIONS: [Quantity; 3] =
     [Quantity::InverseDynamics, Quantity::ForwardDynamics, Quantity::MassMatrix];
 const KINEMATICS: [Quantity; 3] =
-    [Quantity::CoriolisMatrix, Quantity::FramePoses, Quantity::FrameJacobianWorldAligned];
+    [Quantity::CoriolisMatrix, Quantity::FramePoses, Quantity::FrameJacobianLocalWorldAligned];
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);

@@ -1,8 +1,7 @@
 //! Poses and Jacobians of frames on batches.
 
-use robot_dynamics_core::algorithms::jacobian::Seen;
 use robot_dynamics_core::algorithms::kinematics;
-use robot_dynamics_core::{FrameId, Model};
+use robot_dynamics_core::{FrameId, Model, ReferenceFrame};
 
 use crate::computation::frames::{Jacobian, Poses};
 use crate::float::Quantity;
@@ -50,46 +49,44 @@ pub fn frame_poses<T: BatchFloat>(
     T::compute(model, workspace, Quantity::Poses(Poses { frames }), &tables, "the poses", poses)
 }
 
-macro_rules! jacobian {
-    ($(#[$doc:meta])* $name:ident, $seen:ident) => {
-        $(#[$doc])*
-        ///
-        /// q is \[batch\]\[nq\]; the Jacobians are \[batch\]\[6\]\[nv\].
-        ///
-        /// # Errors
-        /// [`BadStates`] lists the states without a valid result; all other results are valid.
-        ///
-        /// # Panics
-        /// Panics if a table has the wrong length, or the workspace or the frame belongs to another model.
-        pub fn $name<T: BatchFloat>(
-            model: &Model,
-            workspace: &mut BatchWorkspace<T>,
-            q: &[T],
-            frame: FrameId,
-            jacobian: &mut [T],
-        ) -> Result<(), BadStates> {
-            model.frame_of(frame);
-            let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-            let operation = Quantity::Jacobian(Jacobian { frame, seen: Seen::$seen });
-            T::compute(model, workspace, operation, &tables, "the Jacobian", jacobian)
-        }
-    };
+/// J of a frame in each state; see [`frame_jacobian`](robot_dynamics_core::frame_jacobian).
+///
+/// q is \[batch\]\[nq\]; the Jacobians are \[batch\]\[6\]\[nv\].
+///
+/// ```
+/// use robot_dynamics::algorithms::ReferenceFrame;
+/// use robot_dynamics::batch;
+/// use robot_dynamics::batch::BatchWorkspace;
+/// use robot_dynamics::description::pendulum;
+/// use robot_dynamics::model::Model;
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (q, tip, mut jacobians) = ([0.0, 0.3], model.frame_named("tip")?, [0.0; 2 * 6]);
+/// let workspace = &mut BatchWorkspace::<f64>::new(&model);
+/// batch::frame_jacobian(&model, workspace, &q, tip, ReferenceFrame::Local, &mut jacobians)?;
+/// // In the rod's axes the tip moves along −z at every angle.
+/// assert!((jacobians[2] + 0.5).abs() < 1e-15 && (jacobians[8] + 0.5).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`BadStates`] lists the states without a valid result; all other results are valid.
+///
+/// # Panics
+/// Panics if a table has the wrong length, or the workspace or the frame belongs to another model.
+#[doc(alias = "frame_jacobian_in_frame")]
+#[doc(alias = "frame_jacobian_in_world")]
+#[doc(alias = "frame_jacobian_world_aligned")]
+#[track_caller]
+pub fn frame_jacobian<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    q: &[T],
+    frame: FrameId,
+    reference_frame: ReferenceFrame,
+    jacobian: &mut [T],
+) -> Result<(), BadStates> {
+    model.frame_of(frame);
+    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
+    let operation = Quantity::Jacobian(Jacobian { frame, reference_frame });
+    T::compute(model, workspace, operation, &tables, "the Jacobian", jacobian)
 }
-jacobian!(
-    /// J of a frame along the world's axes in each state; see
-    /// [`frame_jacobian_world_aligned`](robot_dynamics_core::frame_jacobian_world_aligned).
-    frame_jacobian_world_aligned,
-    WorldAligned
-);
-jacobian!(
-    /// J of a frame along its own axes in each state; see
-    /// [`frame_jacobian_in_frame`](robot_dynamics_core::frame_jacobian_in_frame).
-    frame_jacobian_in_frame,
-    InFrame
-);
-jacobian!(
-    /// J of the point of the frame's link at the world's origin in each state; see
-    /// [`frame_jacobian_in_world`](robot_dynamics_core::frame_jacobian_in_world).
-    frame_jacobian_in_world,
-    InWorld
-);

@@ -55,10 +55,7 @@ pub use bad_states::BadStates;
 pub use derivatives::{forward_dynamics_derivatives, inverse_dynamics_derivatives};
 pub use equation::{bias, forward_dynamics, gravity, inverse_dynamics, inverse_mass_matrix, mass_matrix};
 pub use float::BatchFloat;
-pub use kinematics::{
-    NUMBERS_PER_POSE, frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
-    frame_poses,
-};
+pub use kinematics::{NUMBERS_PER_POSE, frame_jacobian, frame_poses};
 pub use pullback::{forward_dynamics_pullback, inverse_dynamics_pullback};
 pub use quantity::BatchQuantity;
 pub use related_mass::mass_matrix_related;

@@ -1,6 +1,6 @@
 //! Batches of the quantities in the table of algorithms.
 
-use robot_dynamics_core::{Inputs, Model, Quantity};
+use robot_dynamics_core::{Inputs, Model, Quantity, ReferenceFrame};
 
 use crate::{BadStates, BatchFloat, BatchWorkspace};
 
@@ -79,8 +79,15 @@ batches! {
     ForwardDynamics => crate::forward_dynamics(model, workspace, q, v, tau, x),
     InverseMassMatrix => crate::inverse_mass_matrix(model, workspace, q, x),
     FramePoses => crate::frame_poses(model, workspace, q, frames, x),
-    FrameJacobianWorldAligned => crate::frame_jacobian_world_aligned(model, workspace, q, frames[0], x),
-    FrameJacobianInFrame => crate::frame_jacobian_in_frame(model, workspace, q, frames[0], x),
+    FrameJacobianLocalWorldAligned => {
+        crate::frame_jacobian(model, workspace, q, frames[0], ReferenceFrame::LocalWorldAligned, x)
+    },
+    FrameJacobianLocal => {
+        crate::frame_jacobian(model, workspace, q, frames[0], ReferenceFrame::Local, x)
+    },
+    FrameJacobianWorld => {
+        crate::frame_jacobian(model, workspace, q, frames[0], ReferenceFrame::World, x)
+    },
     InverseDynamicsDerivatives => crate::inverse_dynamics_derivatives(model, workspace, q, v, a, x, y),
     ForwardDynamicsDerivatives => {
         crate::forward_dynamics_derivatives(model, workspace, q, v, tau, x, y, z)

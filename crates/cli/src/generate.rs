@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_parser = target_parser())]
     target: String,
     /// Functions to generate. Functions of a frame or link: frame_pose:NAME,
-    /// frame_jacobian_world_aligned:NAME, frame_jacobian_in_frame:NAME, frame_jacobian_in_world:NAME.
+    /// frame_jacobian_local_world_aligned:NAME, frame_jacobian_local:NAME, frame_jacobian_world:NAME.
     /// Derivatives of any of these: NAME_derivatives and NAME_pullback.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = parse_function)]
     #[arg(default_values = ["inverse_dynamics", "forward_dynamics", "mass_matrix"])]

@@ -16,8 +16,8 @@ pub use task::{TaskControl, TaskGains};
 
 use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::{
-    FrameId, Model, Workspace, bias, check_configuration, check_rank, check_vector,
-    frame_bias_acceleration_world_aligned, frame_jacobian_world_aligned,
+    FrameId, Model, ReferenceFrame, Workspace, bias, check_configuration, check_rank, check_vector,
+    frame_bias_acceleration, frame_jacobian,
 };
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::{check_finite, check_result};
@@ -195,8 +195,8 @@ fn compute(
     check_configuration(model, q)?;
     check_vector(model, "v", v)?;
     let Scratch { jacobian: full, force, mass, part, damping } = scratch;
-    frame_jacobian_world_aligned(model, workspace, q, frame, full);
-    let rate = frame_bias_acceleration_world_aligned(model, workspace, q, v, frame);
+    frame_jacobian(model, workspace, q, frame, ReferenceFrame::LocalWorldAligned, full);
+    let rate = frame_bias_acceleration(model, workspace, q, v, frame, ReferenceFrame::LocalWorldAligned);
     bias(model, workspace, q, v, force);
     check_rank(model, workspace, q)?;
     if mass.factor(model, workspace, q).is_err() {
@@ -311,7 +311,7 @@ impl OperationalSpace {
     ///
     /// ```
     /// use robot_dynamics::algorithms::forward_dynamics;
-    /// use robot_dynamics::algorithms::frame_classical_acceleration_world_aligned;
+    /// use robot_dynamics::algorithms::{ReferenceFrame, frame_acceleration};
     /// use robot_dynamics::constraints::SpatialAxis;
     /// use robot_dynamics::control::operational_space;
     /// use robot_dynamics::description::{JointKinds, RandomRobotOptions, random_robot};
@@ -325,7 +325,7 @@ impl OperationalSpace {
     /// let (mut tau, mut a) = (vec![0.0; 7], vec![0.0; 7]);
     /// space.torque_with_posture(&[0.1, 0.2, 0.3], &vec![5.0; 7], &mut tau)?;
     /// forward_dynamics(&model, w, &q, &v, &tau, &mut a);
-    /// let moved = frame_classical_acceleration_world_aligned(&model, w, &q, &v, &a, hand).linear;
+    /// let moved = frame_acceleration(&model, w, &q, &v, &a, hand, ReferenceFrame::LocalWorldAligned).linear;
     /// assert!((moved[1] - 0.2).abs() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

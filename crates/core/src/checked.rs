@@ -8,7 +8,10 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use robot_dynamics_description::Pose;
 use robot_dynamics_number::check_result;
 
-use crate::{CentroidalMomentum, FrameId, Model, MotionError, Workspace, check_configuration, check_vector};
+use crate::{
+    CentroidalMomentum, FrameId, Model, MotionError, ReferenceFrame, Workspace, check_configuration,
+    check_vector,
+};
 
 pub use pullback::{ForwardPullback, InversePullback};
 
@@ -226,31 +229,29 @@ impl Model {
         Ok(Pose { rotation: pose.rotation, translation: pose.translation })
     }
 
-    /// J, 6×nv, linear then angular; see [`frame_jacobian_world_aligned`](crate::frame_jacobian_world_aligned).
+    /// J, 6×nv, linear then angular; see [`frame_jacobian`](crate::frame_jacobian).
     ///
     /// ```
+    /// use robot_dynamics::algorithms::ReferenceFrame;
     /// use robot_dynamics::description::pendulum;
     /// use robot_dynamics::model::Model;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
-    /// let jacobian = model.frame_jacobian_world_aligned(&[0.3], model.frame_named("tip")?)?; // 6×1
+    /// let tip = model.frame_named("tip")?;
+    /// let jacobian = model.frame_jacobian(&[0.3], tip, ReferenceFrame::LocalWorldAligned)?; // 6×1
     /// assert!((jacobian[(2, 0)] + 0.5 * 0.3_f64.cos()).abs() < 1e-15 && jacobian[(4, 0)] == 1.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn frame_jacobian_world_aligned(&self, q: &[f64], frame: FrameId) -> Result<DMatrix<f64>> {
+    #[doc(alias = "frame_jacobian_in_frame")]
+    #[doc(alias = "frame_jacobian_in_world")]
+    #[doc(alias = "frame_jacobian_world_aligned")]
+    pub fn frame_jacobian(
+        &self,
+        q: &[f64],
+        frame: FrameId,
+        reference_frame: ReferenceFrame,
+    ) -> Result<DMatrix<f64>> {
         check_configuration(self, q)?;
-        self.matrix("J", 6, |w, m| crate::frame_jacobian_world_aligned(self, w, q, frame, m))
-    }
-
-    /// J, 6×nv, linear then angular; see [`frame_jacobian_in_frame`](crate::frame_jacobian_in_frame).
-    pub fn frame_jacobian_in_frame(&self, q: &[f64], frame: FrameId) -> Result<DMatrix<f64>> {
-        check_configuration(self, q)?;
-        self.matrix("J", 6, |w, m| crate::frame_jacobian_in_frame(self, w, q, frame, m))
-    }
-
-    /// J, 6×nv, linear then angular; see [`frame_jacobian_in_world`](crate::frame_jacobian_in_world).
-    pub fn frame_jacobian_in_world(&self, q: &[f64], frame: FrameId) -> Result<DMatrix<f64>> {
-        check_configuration(self, q)?;
-        self.matrix("J", 6, |w, m| crate::frame_jacobian_in_world(self, w, q, frame, m))
+        self.matrix("J", 6, |w, m| crate::frame_jacobian(self, w, q, frame, reference_frame, m))
     }
 
     /// Y with τ = Y π, nv×10·links; see [`joint_torque_regressor`](crate::joint_torque_regressor).

@@ -35,10 +35,7 @@ pub use center_of_mass::center_of_mass_velocity_derivative;
 pub use forward_dynamics::{
     ForwardDynamicsSlopes, forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches,
 };
-pub use frames::{
-    frame_acceleration_derivatives_in_frame, frame_acceleration_derivatives_world_aligned,
-    frame_velocity_derivative_in_frame, frame_velocity_derivative_world_aligned,
-};
+pub use frames::{frame_acceleration_derivatives, frame_velocity_derivative};
 pub use gravity::gravity_derivative;
 pub use inverse_dynamics::{
     InverseDynamicsSlopes, inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches,

@@ -77,20 +77,12 @@ pub use algorithms::energy::{kinetic_energy, potential_energy};
 pub use algorithms::forward_dynamics::inverse_pivots;
 pub use algorithms::forward_dynamics::{forward_dynamics, forward_dynamics_with_wrenches};
 pub use algorithms::forward_dynamics_by_cholesky::forward_dynamics_by_cholesky;
-pub use algorithms::frame_motion::{
-    Twist, frame_classical_acceleration_world_aligned, frame_spatial_acceleration_in_frame,
-    frame_spatial_acceleration_in_world, frame_velocity_in_frame, frame_velocity_in_world,
-    frame_velocity_world_aligned,
-};
+pub use algorithms::frame_motion::{Twist, frame_acceleration, frame_velocity};
 pub use algorithms::inverse_dynamics::{
     bias, gravity, inverse_dynamics, inverse_dynamics_with_wrenches, velocity_product,
 };
 pub use algorithms::inverse_mass_matrix::inverse_mass_matrix;
-pub use algorithms::jacobian::{
-    frame_bias_acceleration_in_frame, frame_bias_acceleration_in_world,
-    frame_bias_acceleration_world_aligned, frame_jacobian_in_frame, frame_jacobian_in_world,
-    frame_jacobian_world_aligned,
-};
+pub use algorithms::jacobian::{frame_bias_acceleration, frame_jacobian};
 pub use algorithms::joint_reactions::joint_reactions;
 pub use algorithms::kinematics::{FramePose, frame_pose, frame_poses};
 pub use algorithms::mass_matrix::{mass_matrix, mass_matrix_related_entries};
@@ -113,10 +105,9 @@ pub use configuration::manifold::{
 pub use derivatives::{
     PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError, center_of_mass_velocity_derivative,
     dissipation_pullback, forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches,
-    forward_dynamics_pullback, forward_dynamics_pullback_with_parameters,
-    frame_acceleration_derivatives_in_frame, frame_acceleration_derivatives_world_aligned,
-    frame_velocity_derivative_in_frame, frame_velocity_derivative_world_aligned, gravity_derivative,
-    inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches, inverse_dynamics_pullback,
+    forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, frame_acceleration_derivatives,
+    frame_velocity_derivative, gravity_derivative, inverse_dynamics_derivatives,
+    inverse_dynamics_derivatives_with_wrenches, inverse_dynamics_pullback,
     inverse_dynamics_pullback_with_parameters, parameter_count, parameter_values, with_parameters,
 };
 pub use kinematics::wrench::FrameWrench;
@@ -125,6 +116,6 @@ pub use model::native::{NativeCode, NativeFunction, NativeReport, NativeUse};
 #[cfg(feature = "native")]
 pub use model::native::{NativeTrace, Tracer};
 pub use model::random_state::{RandomState, random_state};
-pub use model::{Frame, FrameId, Joint, Model};
+pub use model::{Frame, FrameId, Joint, Model, ReferenceFrame};
 pub use quantity::{Input, Inputs, Quantity, QuantityMemory, QuantityResult, ResultShape};
 pub use workspace::buffers::Workspace;

@@ -199,14 +199,8 @@ fn compute<S: Scalar>(
             one.copy_from_slice(rotation.as_flattened());
             others[0].copy_from_slice(&translation);
         }
-        Function::FrameJacobianWorldAligned(_) => {
-            robot_dynamics_core::frame_jacobian_world_aligned(model, w, x, required(frame), one);
-        }
-        Function::FrameJacobianInFrame(_) => {
-            robot_dynamics_core::frame_jacobian_in_frame(model, w, x, required(frame), one);
-        }
-        Function::FrameJacobianInWorld(_) => {
-            robot_dynamics_core::frame_jacobian_in_world(model, w, x, required(frame), one);
+        Function::FrameJacobian(reference_frame, _) => {
+            robot_dynamics_core::frame_jacobian(model, w, x, required(frame), *reference_frame, one);
         }
         Function::Derivatives(_) | Function::Pullback(_) => {
             unreachable!("derived from the trace of another function")

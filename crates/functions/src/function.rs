@@ -2,6 +2,7 @@
 
 mod signature;
 
+use robot_dynamics_core::ReferenceFrame;
 use robot_dynamics_integrators::Integrator;
 
 pub use self::signature::{Argument, Outcome};
@@ -62,12 +63,11 @@ pub enum Function {
     FramePoses,
     /// `world_from_frame` of a frame.
     FramePose(String),
-    /// A frame's Jacobian along the world's axes.
-    FrameJacobianWorldAligned(String),
-    /// A frame's Jacobian along its own axes.
-    FrameJacobianInFrame(String),
-    /// The Jacobian of that point of a frame's body which coincides with the world's origin.
-    FrameJacobianInWorld(String),
+    /// A frame's Jacobian.
+    #[doc(alias = "FrameJacobianInFrame")]
+    #[doc(alias = "FrameJacobianInWorld")]
+    #[doc(alias = "FrameJacobianWorldAligned")]
+    FrameJacobian(ReferenceFrame, String),
     /// ∂results/∂argument for each argument of another function. See [`Function::derivatives`].
     Derivatives(Box<Self>),
     /// λᵀ ∂results/∂argument for each argument of another function. See [`Function::pullback`].
@@ -126,7 +126,7 @@ impl Function {
 
     /// The names of the functions of one frame; each is followed by a colon and the frame's name.
     pub const OF_FRAMES: [&'static str; 4] =
-        ["frame_pose", "frame_jacobian_world_aligned", "frame_jacobian_in_frame", "frame_jacobian_in_world"];
+        ["frame_pose", "frame_jacobian_local_world_aligned", "frame_jacobian_local", "frame_jacobian_world"];
 
     /// The functions of one frame, as [`OF_FRAMES`](Self::OF_FRAMES) names them.
     ///
@@ -136,13 +136,13 @@ impl Function {
     /// ```
     #[must_use]
     pub fn of_frame(frame: &str) -> [Self; 4] {
+        let jacobian = |reference_frame| Self::FrameJacobian(reference_frame, frame.to_owned());
         [
-            Self::FramePose,
-            Self::FrameJacobianWorldAligned,
-            Self::FrameJacobianInFrame,
-            Self::FrameJacobianInWorld,
+            Self::FramePose(frame.to_owned()),
+            jacobian(ReferenceFrame::LocalWorldAligned),
+            jacobian(ReferenceFrame::Local),
+            jacobian(ReferenceFrame::World),
         ]
-        .map(|of| of(frame.to_owned()))
     }
 
     /// Its derivatives: for each argument, a matrix by rows with a row for each number of the results, one
@@ -271,9 +271,9 @@ impl Function {
             Self::Rk4Step => "rk4_step",
             Self::FramePoses => "frame_poses",
             Self::FramePose(_) => Self::OF_FRAMES[0],
-            Self::FrameJacobianWorldAligned(_) => Self::OF_FRAMES[1],
-            Self::FrameJacobianInFrame(_) => Self::OF_FRAMES[2],
-            Self::FrameJacobianInWorld(_) => Self::OF_FRAMES[3],
+            Self::FrameJacobian(ReferenceFrame::LocalWorldAligned, _) => Self::OF_FRAMES[1],
+            Self::FrameJacobian(ReferenceFrame::Local, _) => Self::OF_FRAMES[2],
+            Self::FrameJacobian(ReferenceFrame::World, _) => Self::OF_FRAMES[3],
         }
     }
 
@@ -285,10 +285,7 @@ impl Function {
     /// ```
     pub fn frame(&self) -> Option<&str> {
         match self {
-            Self::FramePose(frame)
-            | Self::FrameJacobianWorldAligned(frame)
-            | Self::FrameJacobianInFrame(frame)
-            | Self::FrameJacobianInWorld(frame) => Some(frame),
+            Self::FramePose(frame) | Self::FrameJacobian(_, frame) => Some(frame),
             Self::Derivatives(function) | Self::Pullback(function) => function.frame(),
             _ => None,
         }

@@ -1,6 +1,8 @@
 //! What an algorithm reads and gives: a row of the table that Python's methods are made of.
 
-use robot_dynamics::algorithms::PARAMETERS_PER_LINK;
+use pyo3::PyResult;
+use pyo3::exceptions::PyValueError;
+use robot_dynamics::algorithms::{PARAMETERS_PER_LINK, ReferenceFrame};
 use robot_dynamics::derivatives::parameter_count;
 use robot_dynamics::model::{FrameId, Model};
 use robot_dynamics::quantity::Quantity;
@@ -157,11 +159,30 @@ pub(crate) enum Work {
     Poses,
     /// A vector-Jacobian product.
     Pullback(Pullback),
+    /// One state after the other, of one frame in a reference frame.
+    OfFrame(OfFrame, ReferenceFrame),
 }
 
 /// An algorithm on one state: what it reads in the order of the row's operands, the frames of the call, what
 /// it writes.
 pub(crate) type Each = fn(&Model, &mut Scratch, &[&[f64]; 4], &[FrameId], Results<'_>);
+
+/// An algorithm on one state of a frame in a reference frame.
+pub(crate) type OfFrame = fn(&Model, &mut Scratch, &[&[f64]; 4], FrameId, ReferenceFrame, Results<'_>);
+
+/// The work in each reference frame, in the order of [`ReferenceFrame::ALL`].
+pub(crate) const fn of_frame(work: OfFrame) -> [Work; 3] {
+    let [local, world, aligned] = ReferenceFrame::ALL;
+    [Work::OfFrame(work, local), Work::OfFrame(work, world), Work::OfFrame(work, aligned)]
+}
+
+/// The reference frame of a name, which `argument` has.
+pub(crate) fn reference_frame_of(argument: &str, name: &str) -> PyResult<ReferenceFrame> {
+    ReferenceFrame::ALL.into_iter().find(|reference_frame| reference_frame.name() == name).ok_or_else(|| {
+        let [local, world, aligned] = ReferenceFrame::ALL.map(ReferenceFrame::name);
+        PyValueError::new_err(format!("{argument} must be '{local}', '{world}' or '{aligned}', got {name:?}"))
+    })
+}
 
 impl Row {
     /// Whether it has no value where M is singular.

@@ -15,9 +15,11 @@ use robot_dynamics::quantity::{Input, Quantity};
 
 use crate::row::Row;
 
-/// A row by its method's name.
+/// A row by its method's name, in the default reference frame if it has one.
 pub(crate) fn row_named(name: &str) -> Option<&'static Row> {
-    let all = [dynamics::ALL, pullbacks::ALL, kinematics::ALL, space::ALL].into_iter().flatten();
+    let all = [dynamics::ALL, pullbacks::ALL, kinematics::ALL, kinematics::FRAMES, space::ALL]
+        .into_iter()
+        .flatten();
     all.copied().find(|row| row.name == name)
 }
 

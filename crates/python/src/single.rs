@@ -149,6 +149,7 @@ pub(crate) fn compute(
     match row.work {
         Work::Quantity(quantity) => of_table(robot, quantity, scratch, x, frames, results),
         Work::Each(each) => each(&robot.model, scratch, x, frames, results),
+        Work::OfFrame(work, seen) => work(&robot.model, scratch, x, frames[0], seen, results),
         Work::Poses => poses(robot, row, scratch, x[0], frames, results),
         Work::Pullback(pullback) => pullback.of_one(&robot.model, &mut scratch.workspace, x, results),
     }

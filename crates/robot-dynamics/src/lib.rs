@@ -95,21 +95,17 @@ pub mod model {
 /// The recursions: each quantity of the equation of motion, kinematics, energies and regressors.
 pub mod algorithms {
     pub use robot_dynamics_core::{
-        CentroidalMomentum, FramePose, FrameWrench, MotionError, PARAMETERS_PER_LINK, SingularMass,
-        SingularMotion, Twist, bias, center_of_mass, center_of_mass_bias_acceleration,
+        CentroidalMomentum, FramePose, FrameWrench, MotionError, PARAMETERS_PER_LINK, ReferenceFrame,
+        SingularMass, SingularMotion, Twist, bias, center_of_mass, center_of_mass_bias_acceleration,
         center_of_mass_jacobian, center_of_mass_velocity, centroidal_momentum, centroidal_momentum_bias_rate,
         centroidal_momentum_matrix, centroidal_momentum_rate, check_rank, christoffel_symbols,
         coriolis_matrix, dissipation, dissipation_derivative, forward_dynamics, forward_dynamics_by_cholesky,
-        forward_dynamics_with_wrenches, frame_bias_acceleration_in_frame, frame_bias_acceleration_in_world,
-        frame_bias_acceleration_world_aligned, frame_classical_acceleration_world_aligned,
-        frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned, frame_pose,
-        frame_poses, frame_spatial_acceleration_in_frame, frame_spatial_acceleration_in_world,
-        frame_velocity_in_frame, frame_velocity_in_world, frame_velocity_world_aligned, gravity,
-        inertial_parameters, inverse_dynamics, inverse_dynamics_with_wrenches, inverse_mass_matrix,
-        joint_reactions, joint_torque_regressor, kinetic_energy, kinetic_energy_gradient,
-        kinetic_energy_regressor, mass_matrix, mass_matrix_factor, mass_matrix_rate,
-        mass_matrix_related_entries, mass_rank, momentum, potential_energy, potential_energy_regressor,
-        velocity_product,
+        forward_dynamics_with_wrenches, frame_acceleration, frame_bias_acceleration, frame_jacobian,
+        frame_pose, frame_poses, frame_velocity, gravity, inertial_parameters, inverse_dynamics,
+        inverse_dynamics_with_wrenches, inverse_mass_matrix, joint_reactions, joint_torque_regressor,
+        kinetic_energy, kinetic_energy_gradient, kinetic_energy_regressor, mass_matrix, mass_matrix_factor,
+        mass_matrix_rate, mass_matrix_related_entries, mass_rank, momentum, potential_energy,
+        potential_energy_regressor, velocity_product,
     };
 }
 
@@ -120,11 +116,10 @@ pub mod derivatives {
         PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError,
         center_of_mass_velocity_derivative, dissipation_pullback, forward_dynamics_derivatives,
         forward_dynamics_derivatives_with_wrenches, forward_dynamics_pullback,
-        forward_dynamics_pullback_with_parameters, frame_acceleration_derivatives_in_frame,
-        frame_acceleration_derivatives_world_aligned, frame_velocity_derivative_in_frame,
-        frame_velocity_derivative_world_aligned, gravity_derivative, inverse_dynamics_derivatives,
-        inverse_dynamics_derivatives_with_wrenches, inverse_dynamics_pullback,
-        inverse_dynamics_pullback_with_parameters, parameter_count, parameter_values, with_parameters,
+        forward_dynamics_pullback_with_parameters, frame_acceleration_derivatives, frame_velocity_derivative,
+        gravity_derivative, inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches,
+        inverse_dynamics_pullback, inverse_dynamics_pullback_with_parameters, parameter_count,
+        parameter_values, with_parameters,
     };
     pub use robot_dynamics_simulation::{
         DifferenceError, LinearizeStepError, LinearizeStepWorkspace, PullbackError, Rollout,
@@ -222,7 +217,7 @@ pub mod verification {
 pub mod prelude {
     pub use crate::ErrorKind;
     pub use crate::algorithms::{
-        bias, coriolis_matrix, forward_dynamics, frame_jacobian_world_aligned, frame_pose, gravity,
+        ReferenceFrame, bias, coriolis_matrix, forward_dynamics, frame_jacobian, frame_pose, gravity,
         inverse_dynamics, kinetic_energy, mass_matrix, potential_energy,
     };
     pub use crate::description::{

@@ -7,10 +7,10 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use robot_dynamics::algorithms::{
-    FramePose, bias, center_of_mass, center_of_mass_jacobian, centroidal_momentum_matrix, coriolis_matrix,
-    forward_dynamics, frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
-    frame_pose, frame_poses, gravity, inverse_dynamics, inverse_mass_matrix, kinetic_energy, mass_matrix,
-    mass_matrix_factor, momentum, potential_energy, velocity_product,
+    FramePose, ReferenceFrame, bias, center_of_mass, center_of_mass_jacobian, centroidal_momentum_matrix,
+    coriolis_matrix, forward_dynamics, frame_jacobian, frame_pose, frame_poses, gravity, inverse_dynamics,
+    inverse_mass_matrix, kinetic_energy, mass_matrix, mass_matrix_factor, momentum, potential_energy,
+    velocity_product,
 };
 use robot_dynamics::batch::{self, BatchFloat, BatchOptions, BatchWorkspace, Rollout, Torques};
 use robot_dynamics::derivatives::{
@@ -794,9 +794,9 @@ fn compute_frames<T: BatchFloat>(model: &Model, q: &[T], frame: FrameId) -> Vec<
     let mut results =
         vec![poses.iter().flat_map(numbers_of).collect(), numbers_of(&frame_pose(model, w, q, frame))];
     results.extend(core::iter::repeat_n(vec![zero; 6 * nv], 3));
-    frame_jacobian_world_aligned(model, w, q, frame, &mut results[2]);
-    frame_jacobian_in_frame(model, w, q, frame, &mut results[3]);
-    frame_jacobian_in_world(model, w, q, frame, &mut results[4]);
+    frame_jacobian(model, w, q, frame, ReferenceFrame::LocalWorldAligned, &mut results[2]);
+    frame_jacobian(model, w, q, frame, ReferenceFrame::Local, &mut results[3]);
+    frame_jacobian(model, w, q, frame, ReferenceFrame::World, &mut results[4]);
     if model.total_mass() > 0.0 {
         let mut jacobian = vec![zero; 3 * nv];
         center_of_mass_jacobian(model, w, q, &mut jacobian);
@@ -816,9 +816,10 @@ fn compute_frames_of_batch<T: BatchFloat>(model: &Model, q: &[T], frame: FrameId
     let [all, one, aligned, own, world, two] = &mut results[..] else { unreachable!("six") };
     batch::frame_poses(model, w, q, &frames, all).expect("good states");
     batch::frame_poses(model, w, q, &[frame], one).expect("good states");
-    batch::frame_jacobian_world_aligned(model, w, q, frame, aligned).expect("good states");
-    batch::frame_jacobian_in_frame(model, w, q, frame, own).expect("good states");
-    batch::frame_jacobian_in_world(model, w, q, frame, world).expect("good states");
+    batch::frame_jacobian(model, w, q, frame, ReferenceFrame::LocalWorldAligned, aligned)
+        .expect("good states");
+    batch::frame_jacobian(model, w, q, frame, ReferenceFrame::Local, own).expect("good states");
+    batch::frame_jacobian(model, w, q, frame, ReferenceFrame::World, world).expect("good states");
     batch::frame_poses(model, w, q, &[frame, frames[0]], two).expect("good states");
     results
 }
@@ -894,7 +895,8 @@ fn bad_states_and_far_angles_of_frames_are_those_of_the_recursions() {
     let compute = |model: &Model| {
         let (mut jacobian, mut pose) = (vec![0.0; 60 * 6 * nq], vec![0.0; 60 * 12]);
         let w = &mut BatchWorkspace::new(model);
-        let bad = batch::frame_jacobian_in_frame(model, w, &q, frame, &mut jacobian).expect_err("bad states");
+        let bad = batch::frame_jacobian(model, w, &q, frame, ReferenceFrame::Local, &mut jacobian)
+            .expect_err("bad states");
         assert_eq!(batch::frame_poses(model, w, &q, &[frame], &mut pose), Err(bad.clone()));
         (jacobian, pose, bad)
     };
@@ -918,12 +920,12 @@ fn reports_name_frames() {
     frame_pose(&model, &mut Workspace::limited(&model, InstructionSet::Portable), &q, tip);
     assert_eq!(model.native().functions.len(), 0);
     frame_pose(&model, w, &q, tip);
-    frame_jacobian_in_world(&model, w, &q, tip, &mut [0.0; 6]);
+    frame_jacobian(&model, w, &q, tip, ReferenceFrame::World, &mut [0.0; 6]);
     let report = model.native();
     assert!(!has_encoder() || report.functions.iter().all(|used| used.frame.as_deref() == Some("tip")));
     assert!(
         !has_encoder()
-            || report.to_string().contains("frame_jacobian_in_world of `tip`, f64, one state: machine code")
+            || report.to_string().contains("frame_jacobian_world of `tip`, f64, one state: machine code")
     );
     assert_eq!(report.functions.len(), if has_encoder() { 2 } else { 0 });
 }

@@ -42,4 +42,4 @@ pub use run_options::RunOptions;
 pub use state::{PoseError, Snapshot};
 pub use stepping::Simulation;
 pub use unsupported::UnsupportedFeatures;
-pub use wrench::{AppliedWrench, ReferenceFrame};
+pub use wrench::AppliedWrench;

@@ -14,7 +14,7 @@ use std::ops::ControlFlow;
 
 use common::{Robot, chain, families};
 use nalgebra::{Matrix3, Vector3};
-use robot_dynamics::algorithms::FrameWrench;
+use robot_dynamics::algorithms::{FrameWrench, ReferenceFrame};
 use robot_dynamics::batch::{BatchOptions, BatchWorkspace};
 use robot_dynamics::constraints::FrameConstraint;
 use robot_dynamics::contact::{ContactSet, Ground, HeightField};
@@ -130,7 +130,14 @@ fn machine_code_allocates_in_first_call_only() {
         }
         let (mut jacobian, frame) = (vec![0.0; 6 * model.nv()], frames[0]);
         let mut call = || {
-            robot_dynamics::algorithms::frame_jacobian_in_world(model, &mut w, q, frame, &mut jacobian);
+            robot_dynamics::algorithms::frame_jacobian(
+                model,
+                &mut w,
+                q,
+                frame,
+                ReferenceFrame::World,
+                &mut jacobian,
+            );
             robot_dynamics::algorithms::frame_pose(model, &mut w, q, frame)
         };
         call();
@@ -154,7 +161,7 @@ fn machine_code_allocates_in_first_call_only() {
         let go_on = |_| ControlFlow::Continue(());
         let mut call = || {
             let (q, v) = (&mut end.0, &mut end.1);
-            let of_frame = batch::frame_jacobian_in_frame(model, w, q, frame, &mut jacobian);
+            let of_frame = batch::frame_jacobian(model, w, q, frame, ReferenceFrame::Local, &mut jacobian);
             let bad = of_frame
                 .and_then(|()| batch::inverse_dynamics(model, w, q, v, a, &mut force))
                 .and_then(|()| {
@@ -220,17 +227,14 @@ fn hot_calls_allocate_nothing() {
             allocations(|| robot_dynamics::algorithms::christoffel_symbols(model, w, q, symbols)),
         );
         nothing("frame_pose", allocations(|| robot_dynamics::algorithms::frame_pose(model, w, q, frame)));
-        let call = || robot_dynamics::algorithms::frame_velocity_world_aligned(model, w, q, v, frame);
-        nothing("frame_velocity_world_aligned", allocations(call));
-        let call = || robot_dynamics::algorithms::frame_velocity_in_frame(model, w, q, v, frame);
-        nothing("frame_velocity_in_frame", allocations(call));
-        let call = || {
-            robot_dynamics::algorithms::frame_classical_acceleration_world_aligned(model, w, q, v, a, frame)
-        };
-        nothing("frame_classical_acceleration_world_aligned", allocations(call));
-        let call =
-            || robot_dynamics::algorithms::frame_bias_acceleration_world_aligned(model, w, q, v, frame);
-        nothing("frame_bias_acceleration_world_aligned", allocations(call));
+        for seen in ReferenceFrame::ALL {
+            let call = || robot_dynamics::algorithms::frame_velocity(model, w, q, v, frame, seen);
+            nothing("frame_velocity", allocations(call));
+            let call = || robot_dynamics::algorithms::frame_acceleration(model, w, q, v, a, frame, seen);
+            nothing("frame_acceleration", allocations(call));
+            let call = || robot_dynamics::algorithms::frame_bias_acceleration(model, w, q, v, frame, seen);
+            nothing("frame_bias_acceleration", allocations(call));
+        }
         nothing(
             "center_of_mass_velocity",
             allocations(|| robot_dynamics::algorithms::center_of_mass_velocity(model, w, q, v)),
@@ -298,24 +302,17 @@ fn derivatives_allocate_nothing() {
         };
         let call = || robot_dynamics::algorithms::dissipation_derivative(model, x);
         nothing("dissipation_derivative", allocations(call));
-        let call =
-            || robot_dynamics::derivatives::frame_velocity_derivative_in_frame(model, w, q, v, frame, j);
-        nothing("frame_velocity_derivative_in_frame", allocations(call));
-        let call =
-            || robot_dynamics::derivatives::frame_velocity_derivative_world_aligned(model, w, q, v, frame, j);
-        nothing("frame_velocity_derivative_world_aligned", allocations(call));
-        let call = || {
-            robot_dynamics::derivatives::frame_acceleration_derivatives_in_frame(
-                model, w, q, v, a, frame, j, k,
-            );
-        };
-        nothing("frame_acceleration_derivatives_in_frame", allocations(call));
-        let call = || {
-            robot_dynamics::derivatives::frame_acceleration_derivatives_world_aligned(
-                model, w, q, v, a, frame, j, k,
-            );
-        };
-        nothing("frame_acceleration_derivatives_world_aligned", allocations(call));
+        for seen in ReferenceFrame::ALL {
+            let call =
+                || robot_dynamics::derivatives::frame_velocity_derivative(model, w, q, v, frame, seen, j);
+            nothing("frame_velocity_derivative", allocations(call));
+            let call = || {
+                robot_dynamics::derivatives::frame_acceleration_derivatives(
+                    model, w, q, v, a, frame, seen, j, k,
+                );
+            };
+            nothing("frame_acceleration_derivatives", allocations(call));
+        }
         let call = || {
             robot_dynamics::derivatives::center_of_mass_velocity_derivative(model, w, q, v, &mut j[..3 * nv]);
         };

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::sync::Once;
 
 use robot_dynamics::algorithms::{
-    frame_jacobian_world_aligned, frame_pose, gravity, kinetic_energy, mass_matrix, mass_rank,
+    ReferenceFrame, frame_jacobian, frame_pose, gravity, kinetic_energy, mass_matrix, mass_rank,
 };
 use robot_dynamics::batch;
 use robot_dynamics::batch::BatchWorkspace;
@@ -81,7 +81,9 @@ fn frame_of_another_robot_panics() {
     let mut workspace = Workspace::new(&light);
     assert_names(&message(|| frame_pose(&light, &mut workspace, &q, frame)), &["light"]);
     let mut jacobian = vec![0.0; 6 * light.nv()];
-    let call = || frame_jacobian_world_aligned(&light, &mut workspace, &q, frame, &mut jacobian);
+    let call = || {
+        frame_jacobian(&light, &mut workspace, &q, frame, ReferenceFrame::LocalWorldAligned, &mut jacobian)
+    };
     assert_names(&message(call), &["light"]);
     let set = ConstraintSet::new(&light, [("pin", FrameConstraint::point_contact(frame, [0.0; 3]).into())]);
     let foreign = ConstraintSetError::ForeignFrame { constraint: "pin".into(), robot: "light".into() };

@@ -241,7 +241,7 @@ export function yourRobot(): Widget {
     equations: [
       { name: 'hold', code: 'algorithms::gravity', says: 'by Newton–Euler recursion' },
       { name: 'forward', code: 'algorithms::forward_dynamics', says: 'by articulated bodies, O(n)' },
-      { name: 'pull', code: 'algorithms::frame_jacobian_world_aligned', says: 'a spring and a damper at your hand' },
+      { name: 'pull', code: 'algorithms::frame_jacobian', says: 'a spring and a damper at your hand' },
       { name: 'felt', code: 'algorithms::inverse_mass_matrix', says: 'the effective mass at your hand' },
       { name: 'contact', code: 'contact::ContactSet', says: 'unilateral contact with Coulomb friction' },
       { name: 'ledger', code: 'simulation::EnergyLedger', says: 'the energy balance' },

@@ -48,7 +48,7 @@ def row(robot: Robot, name: str, given: Arrays, parameters: Any = None, **attrib
         "mass_matrix": (square,),
         "mass_matrix_rate": (square,),
         "frame_pose": ((4, 4),),
-        "frame_jacobian_world_aligned": ((6, robot.nv),),
+        "frame_jacobian": ((6, robot.nv),),
         "inverse_dynamics_derivatives": (square, square),
         "forward_dynamics_derivatives": (square, square, square),
         "inverse_dynamics_pullback": (vector, vector, vector),
@@ -196,7 +196,7 @@ def _mass(call: Call, operands: Arrays, changes: Arrays, _: Arrays) -> Arrays:
 
 def _pose(call: Call, operands: Arrays, changes: Arrays, results: Arrays) -> Arrays:
     frame = dict(call.attributes)["frame"]
-    (jacobian,) = row(call.robot, "frame_jacobian_world_aligned", operands, frame=frame)
+    (jacobian,) = row(call.robot, "frame_jacobian", operands, frame=frame)
     twist = times(jacobian, displacement(call.robot, operands[0], changes[0]))
     turned = jnp.cross(twist[..., jnp.newaxis, 3:], jnp.swapaxes(results[0][..., :3, :3], -1, -2))
     upper = jnp.concatenate([jnp.swapaxes(turned, -1, -2), twist[..., :3, jnp.newaxis]], axis=-1)

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::ops::ControlFlow;
 
-use robot_dynamics::algorithms::{frame_jacobian_world_aligned, frame_pose};
+use robot_dynamics::algorithms::{ReferenceFrame, frame_jacobian, frame_pose};
 use robot_dynamics::batch::{
     BatchOptions, BatchWorkspace, Rollout, Torques, forward_dynamics_derivatives, rollout,
 };
@@ -253,7 +253,14 @@ fn payload() -> Outcome {
     let model = panda()?;
     let hand = model.frame_named(HAND)?;
     let mut jacobian = vec![0.0; 6 * 7];
-    frame_jacobian_world_aligned(&model, &mut Workspace::new(&model), &READY, hand, &mut jacobian);
+    frame_jacobian(
+        &model,
+        &mut Workspace::new(&model),
+        &READY,
+        hand,
+        ReferenceFrame::LocalWorldAligned,
+        &mut jacobian,
+    );
     let more = loaded.gravity_forces(&READY)? - model.gravity_forces(&READY)?;
     for (i, more) in more.iter().enumerate() {
         let expected = 2.0 * 9.81 * jacobian[2 * 7 + i];

@@ -1,10 +1,10 @@
 //! Poses and Jacobians of frames of a block.
 
-use robot_dynamics_core::algorithms::jacobian::{FrameJacobian, Seen};
+use robot_dynamics_core::algorithms::jacobian::FrameJacobian;
 use robot_dynamics_core::algorithms::kinematics::{NUMBERS_PER_POSE, pose_of};
 use robot_dynamics_core::kinematics::place::place_all_in_world;
 use robot_dynamics_core::model::native::NativeTask;
-use robot_dynamics_core::{FrameId, FramePose, Model, NativeFunction, Workspace};
+use robot_dynamics_core::{FrameId, FramePose, Model, NativeFunction, ReferenceFrame, Workspace};
 use robot_dynamics_number::StateLanes;
 use robot_dynamics_number::dispatch::Hardware;
 
@@ -53,7 +53,7 @@ impl<T> Operation<T> for Poses<'_> {
 #[derive(Clone, Copy)]
 pub struct Jacobian {
     pub(crate) frame: FrameId,
-    pub(crate) seen: Seen,
+    pub(crate) reference_frame: ReferenceFrame,
 }
 
 impl<T> Operation<T> for Jacobian {
@@ -62,7 +62,7 @@ impl<T> Operation<T> for Jacobian {
     }
 
     fn native_task(self, _: &Model) -> Option<NativeTask> {
-        Some(self.seen.native().of_frame(self.frame))
+        Some(NativeFunction::frame_jacobian(self.reference_frame).of_frame(self.frame))
     }
 
     #[inline(always)]
@@ -73,7 +73,8 @@ impl<T> Operation<T> for Jacobian {
         [q, ..]: [&[N]; 3],
         jacobian: &mut [N],
     ) {
-        let Self { frame, seen } = self;
-        call::<H, _, _>(&mut workspace.tree, FrameJacobian { model, q, frame, seen, jacobian });
+        let Self { frame, reference_frame } = self;
+        let kernel = FrameJacobian { model, q, frame, reference_frame, jacobian };
+        call::<H, _, _>(&mut workspace.tree, kernel);
     }
 }

@@ -26,7 +26,7 @@ pub(super) const QUANTITIES: [Quantity; 6] = [
     Quantity::MassMatrix,
     Quantity::InverseMassMatrix,
     Quantity::FramePoses,
-    Quantity::FrameJacobianWorldAligned,
+    Quantity::FrameJacobianLocalWorldAligned,
 ];
 
 /// The integrators of the rollouts.

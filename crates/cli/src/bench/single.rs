@@ -18,7 +18,7 @@ pub(super) const QUANTITIES: [Quantity; 9] = [
     Quantity::CoriolisMatrix,
     Quantity::InverseMassMatrix,
     Quantity::FramePoses,
-    Quantity::FrameJacobianWorldAligned,
+    Quantity::FrameJacobianLocalWorldAligned,
     Quantity::InverseDynamicsDerivatives,
     Quantity::ForwardDynamicsDerivatives,
 ];

@@ -15,7 +15,7 @@ const SINGLE: [&str; 9] = [
     "coriolis_matrix",
     "inverse_mass_matrix",
     "frame_poses",
-    "frame_jacobian_world_aligned",
+    "frame_jacobian_local_world_aligned",
     "inverse_dynamics_derivatives",
     "forward_dynamics_derivatives",
 ];
@@ -25,7 +25,7 @@ const BATCH: [&str; 6] = [
     "mass_matrix",
     "inverse_mass_matrix",
     "frame_poses",
-    "frame_jacobian_world_aligned",
+    "frame_jacobian_local_world_aligned",
 ];
 const ROLLOUT: [&str; 2] = ["semi_implicit_euler", "rk4"];
 

@@ -169,7 +169,7 @@ const REFUSED: &str = "
     inspect gripper.urdf --lock thumb_turn
     inspect panda.urdf --lock panda_joint8
 
-    compute panda.urdf --terms frame_jacobian_world_aligned
+    compute panda.urdf --terms frame_jacobian_local_world_aligned
     compute panda.urdf --terms forward_dynamics_derivatives --dissipation
     compute panda.urdf --frame hand
     compute panda.urdf --terms torque

@@ -1,9 +1,7 @@
 //! The iteration from one start.
 
 use nalgebra::{Matrix6, Vector6};
-use robot_dynamics_core::{
-    FrameId, Model, Workspace, frame_jacobian_in_frame, frame_jacobian_world_aligned, frame_pose, integrate,
-};
+use robot_dynamics_core::{FrameId, Model, ReferenceFrame, Workspace, frame_jacobian, frame_pose, integrate};
 use robot_dynamics_description::Pose;
 
 use super::bounds::Bounds;
@@ -196,12 +194,19 @@ impl<'a> Attempt<'a> {
         let (nv, rows) = (self.model.nv(), &mut self.jacobian);
         let by_twist = match self.target {
             FrameTarget::Pose(_) => {
-                frame_jacobian_in_frame(self.model, workspace, &self.q, self.frame, rows);
+                frame_jacobian(self.model, workspace, &self.q, self.frame, ReferenceFrame::Local, rows);
                 let derivative = error.relative.log_derivative();
                 Matrix6::from_fn(|i, j| derivative[i][j])
             }
             FrameTarget::Position(_) => {
-                frame_jacobian_world_aligned(self.model, workspace, &self.q, self.frame, rows);
+                frame_jacobian(
+                    self.model,
+                    workspace,
+                    &self.q,
+                    self.frame,
+                    ReferenceFrame::LocalWorldAligned,
+                    rows,
+                );
                 Matrix6::from_diagonal(&Vector6::new(1.0, 1.0, 1.0, 0.0, 0.0, 0.0))
             }
         };

@@ -3,7 +3,7 @@
 use std::borrow::Borrow;
 
 use robot_dynamics_core::{
-    FrameId, Model, check_configuration, difference, frame_pose, frame_velocity_world_aligned,
+    FrameId, Model, ReferenceFrame, check_configuration, difference, frame_pose, frame_velocity,
     inverse_dynamics,
 };
 use robot_dynamics_description::check_length;
@@ -202,7 +202,7 @@ where
         operational_space_into(model, workspace, q, v, *frame, &self.rows, space)?;
         let OperationalSpaceWorkspace { dynamics, scratch } = workspace;
         let pose = frame_pose(model, dynamics, q, *frame);
-        let velocity = frame_velocity_world_aligned(model, dynamics, q, v, *frame);
+        let velocity = frame_velocity(model, dynamics, q, v, *frame, ReferenceFrame::LocalWorldAligned);
         let command = (self.reference)(t).acceleration(&pose, &velocity, stiffness, damping)?;
 
         let rest = &mut self.rest_acceleration[..];

@@ -1,10 +1,4 @@
 //! Velocities and accelerations of frames. Cost: O(n).
-//!
-//! The name of each function states the reference point and the axes:
-//! - *world aligned*: the velocity of the frame's origin and ω, along the world's axes;
-//! - *in frame*: the same two vectors along the frame's own axes (the body twist, MR §3.3.2);
-//! - *in world*: ω, and the velocity of the point of the moving body that coincides with the world's origin
-//!   (the spatial twist, MR §3.3.2).
 
 use robot_dynamics_description::{Pose, check_length};
 use robot_dynamics_number::Scalar;
@@ -15,7 +9,7 @@ use crate::kinematics::screws::{accelerate_screws, move_screws, place_screws, sh
 use crate::kinematics::shifts::in_world;
 use crate::spatial::screw::{Screw, Transform};
 use crate::workspace::tree::TreeMemory;
-use crate::{Frame, FrameId, Model, Workspace};
+use crate::{Frame, FrameId, Model, ReferenceFrame, Workspace};
 
 /// A velocity \[m/s, rad/s\] or an acceleration \[m/s², rad/s²\] of a frame. The function that returns it
 /// states the reference point of the linear part and the axes of both parts.
@@ -27,206 +21,108 @@ pub struct Twist<S = f64> {
     pub angular: [S; 3],
 }
 
-/// The velocity of the frame's origin and ω, along the world's axes \[m/s, rad/s\].
+/// The velocity of a frame \[m/s, rad/s\], J v with J of [`frame_jacobian`](crate::frame_jacobian).
+///
+/// | reference frame | linear part | angular part | axes |
+/// | --- | --- | --- | --- |
+/// | `Local` | ṗ of the frame's origin p | ω | the frame's |
+/// | `World` | ṗ − ω × p | ω | the world's |
+/// | `LocalWorldAligned` | ṗ | ω | the world's |
 ///
 /// ```
-/// use robot_dynamics::algorithms::frame_velocity_world_aligned;
+/// use robot_dynamics::algorithms::{ReferenceFrame, frame_velocity};
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
-/// let (w, tip) = (&mut Workspace::new(&model), model.frame_named("tip")?);
-/// let velocity = frame_velocity_world_aligned(&model, w, &[0.3], &[3.0], tip);
-/// assert!((velocity.linear[0] + 0.5 * 3.0 * 0.3_f64.sin()).abs() < 1e-14); // l v, across the rod
-/// assert!((velocity.linear[2] + 0.5 * 3.0 * 0.3_f64.cos()).abs() < 1e-14);
-/// assert!((velocity.angular[1] - 3.0).abs() < 1e-14);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Panics
-/// If a slice has the wrong length, or the frame belongs to another model.
-#[doc(alias = "LOCAL_WORLD_ALIGNED")]
-#[inline]
-#[track_caller]
-pub fn frame_velocity_world_aligned<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    v: &[S],
-    frame: FrameId,
-) -> Twist<S> {
-    workspace.check_inputs(model, q);
-    model.frame_of(frame);
-    check_length("v", v.len(), model.nv);
-    Moving::moved(model, &mut workspace.tree, q, v, frame).velocity_world_aligned()
-}
-
-/// The velocity of the frame's origin and ω, along the frame's own axes \[m/s, rad/s\].
-///
-/// ```
-/// use robot_dynamics::algorithms::frame_velocity_in_frame;
-/// use robot_dynamics::description::pendulum;
-/// use robot_dynamics::model::{Model, Workspace};
-/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
+/// let mut velocity = |seen| frame_velocity(&model, w, &[0.3], &[3.0], tip, seen);
+/// let aligned = velocity(ReferenceFrame::LocalWorldAligned);
+/// assert!((aligned.linear[0] + 0.5 * 3.0 * 0.3_f64.sin()).abs() < 1e-14); // l v, across the rod
+/// assert!((aligned.linear[2] + 0.5 * 3.0 * 0.3_f64.cos()).abs() < 1e-14);
+/// assert!((aligned.angular[1] - 3.0).abs() < 1e-14);
 /// // In the rod's axes the tip moves along −z at every angle.
-/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
-/// let velocity = frame_velocity_in_frame(&model, w, &[0.3], &[3.0], tip);
-/// assert!(velocity.linear[0].abs() < 1e-14 && (velocity.linear[2] + 0.5 * 3.0).abs() < 1e-14);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Panics
-/// If a slice has the wrong length, or the frame belongs to another model.
-#[doc(alias = "LOCAL")]
-#[inline]
-#[track_caller]
-pub fn frame_velocity_in_frame<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    v: &[S],
-    frame: FrameId,
-) -> Twist<S> {
-    workspace.check_inputs(model, q);
-    model.frame_of(frame);
-    check_length("v", v.len(), model.nv);
-    let moving = Moving::moved(model, &mut workspace.tree, q, v, frame);
-    moving.along_own_axes(&moving.velocity_world_aligned())
-}
-
-/// ω, and the velocity of the point of the frame's body that coincides with the world's origin, along the
-/// world's axes \[m/s, rad/s\].
-///
-/// ```
-/// use robot_dynamics::algorithms::frame_velocity_in_world;
-/// use robot_dynamics::description::pendulum;
-/// use robot_dynamics::model::{Model, Workspace};
-/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let local = velocity(ReferenceFrame::Local);
+/// assert!(local.linear[0].abs() < 1e-14 && (local.linear[2] + 0.5 * 3.0).abs() < 1e-14);
 /// // The rod's point at the world's origin is the hinge, which does not move.
-/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
-/// let velocity = frame_velocity_in_world(&model, w, &[0.3], &[3.0], tip);
-/// assert!(velocity.linear.iter().all(|x| x.abs() < 1e-14) && (velocity.angular[1] - 3.0).abs() < 1e-14);
+/// let world = velocity(ReferenceFrame::World);
+/// assert!(world.linear.iter().all(|x| x.abs() < 1e-14) && (world.angular[1] - 3.0).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Panics
 /// If a slice has the wrong length, or the frame belongs to another model.
-#[doc(alias = "WORLD")]
+#[doc(alias = "frame_velocity_in_frame")]
+#[doc(alias = "frame_velocity_in_world")]
+#[doc(alias = "frame_velocity_world_aligned")]
 #[inline]
 #[track_caller]
-pub fn frame_velocity_in_world<S: Scalar>(
+pub fn frame_velocity<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     v: &[S],
     frame: FrameId,
+    reference_frame: ReferenceFrame,
 ) -> Twist<S> {
     workspace.check_inputs(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
-    let moving = Moving::moved(model, &mut workspace.tree, q, v, frame);
-    moving.at_world_origin(&moving.twist)
+    Moving::moved(model, &mut workspace.tree, q, v, frame).velocity(reference_frame)
 }
 
-/// The classical acceleration p̈ of the frame's origin, and ω̇, along the world's axes \[m/s², rad/s²\]. It
-/// is the rate of [`frame_velocity_world_aligned`] and does not include gravity.
+/// The acceleration of a frame \[m/s², rad/s²\]: the time derivative of the numbers of [`frame_velocity`] in
+/// the same reference frame, J a + J̇ v. It does not include gravity. **(RBDA §2.11)**
+///
+/// | reference frame | linear part | angular part | axes |
+/// | --- | --- | --- | --- |
+/// | `Local` | spatial, p̈ − ω × ṗ | ω̇ | the frame's |
+/// | `World` | spatial, p̈ − ω̇ × p − ω × ṗ | ω̇ | the world's |
+/// | `LocalWorldAligned` | classical, p̈ | ω̇ | the world's |
+///
+/// `Local` and `World` agree with Pinocchio's `getFrameAcceleration`. `LocalWorldAligned` agrees with its
+/// `getFrameClassicalAcceleration(LOCAL_WORLD_ALIGNED)`. Its `getFrameAcceleration(LOCAL_WORLD_ALIGNED)`
+/// differs by ω × ṗ: it returns the spatial acceleration along the world's axes.
 ///
 /// ```
-/// use robot_dynamics::algorithms::frame_classical_acceleration_world_aligned;
+/// use robot_dynamics::algorithms::{ReferenceFrame, frame_acceleration};
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
+/// let mut acceleration = |q, seen| frame_acceleration(&model, w, &[q], &[3.0], &[2.0], tip, seen);
 /// // Horizontal: l v² towards the hinge, l a downwards.
-/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
-/// let p = frame_classical_acceleration_world_aligned(&model, w, &[0.0], &[3.0], &[2.0], tip).linear;
+/// let p = acceleration(0.0, ReferenceFrame::LocalWorldAligned).linear;
 /// assert!((p[0] + 0.5 * 3.0 * 3.0).abs() < 1e-14 && (p[2] + 0.5 * 2.0).abs() < 1e-14);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Panics
-/// If a slice has the wrong length, or the frame belongs to another model.
-#[inline]
-#[track_caller]
-pub fn frame_classical_acceleration_world_aligned<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    v: &[S],
-    a: &[S],
-    frame: FrameId,
-) -> Twist<S> {
-    workspace.check_inputs(model, q);
-    model.frame_of(frame);
-    check_length("v", v.len(), model.nv);
-    check_length("a", a.len(), model.nv);
-    Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame).classical_world_aligned()
-}
-
-/// The spatial acceleration at the frame's origin, p̈ − ω × ṗ, and ω̇, along the frame's own axes \[m/s²,
-/// rad/s²\]. It is the rate of the components of [`frame_velocity_in_frame`]. **(RBDA §2.11)**
-///
-/// ```
-/// use robot_dynamics::algorithms::frame_spatial_acceleration_in_frame;
-/// use robot_dynamics::description::pendulum;
-/// use robot_dynamics::model::{Model, Workspace};
-/// let model = Model::new(pendulum(2.0, 0.5))?;
 /// // In the rod's axes the tip's velocity, l v along −z, changes by l a. The rod's rotation does not count.
-/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
-/// let rate = frame_spatial_acceleration_in_frame(&model, w, &[0.3], &[3.0], &[2.0], tip);
+/// let rate = acceleration(0.3, ReferenceFrame::Local);
 /// assert!(rate.linear[0].abs() < 1e-14 && (rate.linear[2] + 0.5 * 2.0).abs() < 1e-14);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Panics
-/// If a slice has the wrong length, or the frame belongs to another model.
-#[inline]
-#[track_caller]
-pub fn frame_spatial_acceleration_in_frame<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    v: &[S],
-    a: &[S],
-    frame: FrameId,
-) -> Twist<S> {
-    workspace.check_inputs(model, q);
-    model.frame_of(frame);
-    check_length("v", v.len(), model.nv);
-    check_length("a", a.len(), model.nv);
-    Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame).spatial_in_frame()
-}
-
-/// The spatial acceleration at the world's origin, along the world's axes \[m/s², rad/s²\]. It is the rate of
-/// [`frame_velocity_in_world`]. **(RBDA §2.11)**
-///
-/// ```
-/// use robot_dynamics::algorithms::frame_spatial_acceleration_in_world;
-/// use robot_dynamics::description::pendulum;
-/// use robot_dynamics::model::{Model, Workspace};
-/// let model = Model::new(pendulum(2.0, 0.5))?;
 /// // The rod's point at the world's origin is the hinge, which stays at rest.
-/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
-/// let rate = frame_spatial_acceleration_in_world(&model, w, &[0.3], &[3.0], &[2.0], tip);
+/// let rate = acceleration(0.3, ReferenceFrame::World);
 /// assert!(rate.linear.iter().all(|x| x.abs() < 1e-14) && (rate.angular[1] - 2.0).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Panics
 /// If a slice has the wrong length, or the frame belongs to another model.
+#[doc(alias = "frame_classical_acceleration_world_aligned")]
+#[doc(alias = "frame_spatial_acceleration_in_frame")]
+#[doc(alias = "frame_spatial_acceleration_in_world")]
 #[inline]
 #[track_caller]
-pub fn frame_spatial_acceleration_in_world<S: Scalar>(
+pub fn frame_acceleration<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     v: &[S],
     a: &[S],
     frame: FrameId,
+    reference_frame: ReferenceFrame,
 ) -> Twist<S> {
     workspace.check_inputs(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
-    Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame).spatial_in_world()
+    Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame).acceleration(reference_frame)
 }
 
 /// A frame and its body's motion, in the body's inertial frame of [`place_screws`].
@@ -295,6 +191,26 @@ impl<S: Scalar> Moving<S> {
         Self::new(model, tree, frame)
     }
 
+    /// The velocity of [`frame_velocity`].
+    #[inline(always)]
+    pub fn velocity(&self, reference_frame: ReferenceFrame) -> Twist<S> {
+        match reference_frame {
+            ReferenceFrame::Local => self.along_own_axes(&self.velocity_world_aligned()),
+            ReferenceFrame::World => self.at_world_origin(&self.twist),
+            ReferenceFrame::LocalWorldAligned => self.velocity_world_aligned(),
+        }
+    }
+
+    /// The acceleration of [`frame_acceleration`].
+    #[inline(always)]
+    pub fn acceleration(&self, reference_frame: ReferenceFrame) -> Twist<S> {
+        match reference_frame {
+            ReferenceFrame::Local => self.spatial_in_frame(),
+            ReferenceFrame::World => self.at_world_origin(&self.rate),
+            ReferenceFrame::LocalWorldAligned => self.classical_world_aligned(),
+        }
+    }
+
     /// ṗ = u + ω × p.
     #[inline(always)]
     pub fn velocity_world_aligned(&self) -> Twist<S> {
@@ -312,14 +228,9 @@ impl<S: Scalar> Moving<S> {
     }
 
     #[inline(always)]
-    pub fn spatial_in_frame(&self) -> Twist<S> {
+    fn spatial_in_frame(&self) -> Twist<S> {
         let Screw { linear, angular } = shifted(&self.rate, self.place.translation);
         self.along_own_axes(&Twist { linear: linear.array(), angular: angular.array() })
-    }
-
-    #[inline(always)]
-    pub fn spatial_in_world(&self) -> Twist<S> {
-        self.at_world_origin(&self.rate)
     }
 
     /// A motion in the inertial frame, about the frame's origin and along the frame's own axes.
@@ -337,8 +248,14 @@ impl<S: Scalar> Moving<S> {
     }
 
     #[inline(always)]
-    fn at_world_origin(&self, twist: &Screw<S>) -> Twist<S> {
-        let Screw { linear, angular } = shifted(twist, -self.origin);
+    fn at_world_origin(&self, motion: &Screw<S>) -> Twist<S> {
+        let Screw { linear, angular } = self.screw_in_world(motion);
         Twist { linear: linear.array(), angular: angular.array() }
+    }
+
+    /// A motion in the inertial frame, about the world's origin.
+    #[inline(always)]
+    pub fn screw_in_world(&self, motion: &Screw<S>) -> Screw<S> {
+        shifted(motion, -self.origin)
     }
 }

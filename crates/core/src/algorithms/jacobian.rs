@@ -1,7 +1,7 @@
-//! Frame Jacobians: 6×nv matrices J with twist = J v, and the bias accelerations J̇ v. Cost: O(n).
+//! Frame Jacobians: 6×nv matrices J with velocity = J v, and the bias accelerations J̇ v. Cost: O(n).
 //!
-//! Matrices are row-major; the rows are linear x y z, then angular x y z. The three forms are those of
-//! [`Twist`]: world aligned, in the frame, in the world. **(MR §5.1)**
+//! Matrices are row-major; the rows are linear x y z, then angular x y z. [`ReferenceFrame`] states the axes
+//! and the reference point.
 
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
@@ -16,131 +16,58 @@ use crate::spatial::screw::{Screw, Transform};
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
 use crate::workspace::tree::{OverNumber, TreeMemory};
-use crate::{FrameId, Model, Workspace};
+use crate::{FrameId, Model, ReferenceFrame, Workspace};
 
-/// J of [`frame_velocity_world_aligned`](crate::frame_velocity_world_aligned): the velocity of the frame's
-/// origin and ω along the world's axes, 6×nv.
+/// J of [`frame_velocity`](crate::frame_velocity) in the same reference frame, 6×nv: velocity = J v.
+///
+/// The body Jacobian is that in [`ReferenceFrame::Local`], the space Jacobian that in
+/// [`ReferenceFrame::World`]. **(MR §5.1)**
 ///
 /// ```
-/// use robot_dynamics::algorithms::frame_jacobian_world_aligned;
+/// use robot_dynamics::algorithms::{ReferenceFrame, frame_jacobian};
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
-/// let (tip, mut jacobian) = (model.frame_named("tip")?, [0.0; 6]);
-/// frame_jacobian_world_aligned(&model, &mut Workspace::new(&model), &[0.3], tip, &mut jacobian);
-/// let expected = [-0.5 * 0.3_f64.sin(), 0.0, -0.5 * 0.3_f64.cos(), 0.0, 1.0, 0.0];
-/// assert!(jacobian.iter().zip(expected).all(|(j, expected)| (j - expected).abs() < 1e-15));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Panics
-/// If a slice has the wrong length, or the frame belongs to another model.
-#[inline]
-#[track_caller]
-pub fn frame_jacobian_world_aligned<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    frame: FrameId,
-    jacobian: &mut [S],
-) {
-    write_jacobian(workspace, FrameJacobian { model, q, frame, seen: Seen::WorldAligned, jacobian });
-}
-
-/// J of [`frame_velocity_in_frame`](crate::frame_velocity_in_frame): the velocity of the frame's origin and ω
-/// along the frame's own axes, 6×nv. The body Jacobian. **(MR §5.1.2)**
-///
-/// ```
-/// use robot_dynamics::algorithms::frame_jacobian_in_frame;
-/// use robot_dynamics::description::pendulum;
-/// use robot_dynamics::model::{Model, Workspace};
-/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
+/// let mut close = |reference_frame, expected: [f64; 6]| {
+///     let mut jacobian = [0.0; 6];
+///     frame_jacobian(&model, w, &[0.3], tip, reference_frame, &mut jacobian);
+///     jacobian.iter().zip(expected).all(|(j, expected)| (j - expected).abs() < 1e-15)
+/// };
+/// let across = [-0.5 * 0.3_f64.sin(), 0.0, -0.5 * 0.3_f64.cos(), 0.0, 1.0, 0.0];
+/// assert!(close(ReferenceFrame::LocalWorldAligned, across));
 /// // In the rod's axes the tip moves along −z at every angle.
-/// let (tip, mut jacobian) = (model.frame_named("tip")?, [0.0; 6]);
-/// frame_jacobian_in_frame(&model, &mut Workspace::<f64>::new(&model), &[0.3], tip, &mut jacobian);
-/// let expected = [0.0, 0.0, -0.5, 0.0, 1.0, 0.0];
-/// assert!(jacobian.iter().zip(expected).all(|(j, expected)| (j - expected).abs() < 1e-15));
+/// assert!(close(ReferenceFrame::Local, [0.0, 0.0, -0.5, 0.0, 1.0, 0.0]));
+/// // The hinge is at the world's origin: the rod's point there does not move, at every angle.
+/// assert!(close(ReferenceFrame::World, [0.0, 0.0, 0.0, 0.0, 1.0, 0.0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Panics
 /// If a slice has the wrong length, or the frame belongs to another model.
 #[doc(alias = "body Jacobian")]
-#[inline]
-#[track_caller]
-pub fn frame_jacobian_in_frame<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    frame: FrameId,
-    jacobian: &mut [S],
-) {
-    write_jacobian(workspace, FrameJacobian { model, q, frame, seen: Seen::InFrame, jacobian });
-}
-
-/// J of [`frame_velocity_in_world`](crate::frame_velocity_in_world): ω and the velocity of the point that
-/// coincides with the world's origin, along the world's axes, 6×nv. The space Jacobian. **(MR §5.1.1)**
-///
-/// ```
-/// use robot_dynamics::algorithms::frame_jacobian_in_world;
-/// use robot_dynamics::description::pendulum;
-/// use robot_dynamics::model::{Model, Workspace};
-/// let model = Model::new(pendulum(2.0, 0.5))?;
-/// // The hinge is at the world's origin: the rod's point there does not move, at every angle.
-/// let (tip, mut jacobian) = (model.frame_named("tip")?, [0.0; 6]);
-/// frame_jacobian_in_world(&model, &mut Workspace::<f64>::new(&model), &[0.3], tip, &mut jacobian);
-/// let expected = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-/// assert!(jacobian.iter().zip(expected).all(|(j, expected)| (j - expected).abs() < 1e-15));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Panics
-/// If a slice has the wrong length, or the frame belongs to another model.
 #[doc(alias = "space Jacobian")]
+#[doc(alias = "frame_jacobian_in_frame")]
+#[doc(alias = "frame_jacobian_in_world")]
+#[doc(alias = "frame_jacobian_world_aligned")]
 #[inline]
 #[track_caller]
-pub fn frame_jacobian_in_world<S: Scalar>(
+pub fn frame_jacobian<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     frame: FrameId,
+    reference_frame: ReferenceFrame,
     jacobian: &mut [S],
 ) {
-    write_jacobian(workspace, FrameJacobian { model, q, frame, seen: Seen::InWorld, jacobian });
-}
-
-/// Checks the arguments, and writes the Jacobian by machine code or by the recursion.
-#[inline]
-#[track_caller]
-fn write_jacobian<S: Scalar>(workspace: &mut Workspace<S>, task: FrameJacobian<'_, S>) {
-    let FrameJacobian { model, q, frame, seen, jacobian } = task;
     workspace.check_inputs(model, q);
     model.frame_of(frame);
     check_length("the Jacobian", jacobian.len(), 6 * model.nv);
-    let native = &mut workspace.tree.native;
-    if computed_natively(model, native, seen.native().of_frame(frame), &[q], &mut [&mut *jacobian]) {
+    let (native, function) = (&mut workspace.tree.native, NativeFunction::frame_jacobian(reference_frame));
+    if computed_natively(model, native, function.of_frame(frame), &[q], &mut [&mut *jacobian]) {
         return;
     }
-    run(&mut workspace.tree, FrameJacobian { model, q, frame, seen, jacobian });
-}
-
-/// The axes and the reference point of a Jacobian.
-#[derive(Clone, Copy)]
-pub enum Seen {
-    WorldAligned,
-    InFrame,
-    InWorld,
-}
-
-impl Seen {
-    /// The native function of this form, which may have machine code.
-    pub fn native(self) -> NativeFunction {
-        match self {
-            Self::WorldAligned => NativeFunction::FrameJacobianWorldAligned,
-            Self::InFrame => NativeFunction::FrameJacobianInFrame,
-            Self::InWorld => NativeFunction::FrameJacobianInWorld,
-        }
-    }
+    run(&mut workspace.tree, FrameJacobian { model, q, frame, reference_frame, jacobian });
 }
 
 /// The arguments of a frame Jacobian.
@@ -148,7 +75,7 @@ pub struct FrameJacobian<'a, S> {
     pub model: &'a Model,
     pub q: &'a [S],
     pub frame: FrameId,
-    pub seen: Seen,
+    pub reference_frame: ReferenceFrame,
     pub jacobian: &'a mut [S],
 }
 
@@ -159,7 +86,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for FrameJacobian<'_, S> {
     /// Columns of mimic joints add to their leaders'. The other columns are zero.
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
-        let Self { model, q, frame, seen, jacobian } = self;
+        let Self { model, q, frame, reference_frame, jacobian } = self;
         let (q, jacobian) = (N::view(q), N::view_mut(jacobian));
         jacobian.fill(N::zero());
         let frame = model.frame_of(frame);
@@ -169,7 +96,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for FrameJacobian<'_, S> {
         let own = tree.screws.world[tip].then(&constant(frame));
         // The reference point. Its distance to each axis is computed directly, from a point near the robot,
         // so that accuracy does not suffer far from the world's origin.
-        let mut point = if let Seen::InWorld = seen { -origin } else { own.translation };
+        let mut point = if let ReferenceFrame::World = reference_frame { -origin } else { own.translation };
         let mut at = tip;
         while at != WORLD {
             let body = &model.bodies[at];
@@ -177,7 +104,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for FrameJacobian<'_, S> {
             let from_point = Transform { rotation: world.rotation, translation: world.translation - point };
             for k in 0..body.motion.nv() {
                 let mut column = body.motion.screw(k, &from_point);
-                if let Seen::InFrame = seen {
+                if let ReferenceFrame::Local = reference_frame {
                     column.linear = own.rotation.transpose_mul(column.linear);
                     column.angular = own.rotation.transpose_mul(column.angular);
                 }
@@ -221,77 +148,15 @@ pub fn add_column<S: Scalar>(model: &Model, matrix: &mut [S], index: usize, colu
     }
 }
 
-/// J̇ v of [`frame_jacobian_world_aligned`]: the classical acceleration p̈ of the frame's origin, and ω̇, at
-/// a = 0, along the world's axes \[m/s², rad/s²\].
+/// J̇ v of [`frame_jacobian`] in the same reference frame \[m/s², rad/s²\]:
+/// [`frame_acceleration`](crate::frame_acceleration) at a = 0.
 ///
-/// ```
-/// use robot_dynamics::algorithms::frame_bias_acceleration_world_aligned;
-/// use robot_dynamics::description::pendulum;
-/// use robot_dynamics::model::{Model, Workspace};
-/// let model = Model::new(pendulum(2.0, 0.5))?;
-/// // At constant speed the tip accelerates towards the hinge, l v².
-/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
-/// let bias = frame_bias_acceleration_world_aligned(&model, w, &[0.0], &[3.0], tip);
-/// assert!((bias.linear[0] + 0.5 * 3.0 * 3.0).abs() < 1e-14);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Panics
-/// If a slice has the wrong length, or the frame belongs to another model.
-#[inline]
-#[track_caller]
-pub fn frame_bias_acceleration_world_aligned<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    v: &[S],
-    frame: FrameId,
-) -> Twist<S> {
-    workspace.check_inputs(model, q);
-    model.frame_of(frame);
-    check_length("v", v.len(), model.nv);
-    Moving::accelerated(model, &mut workspace.tree, q, v, None, frame).classical_world_aligned()
-}
-
-/// J̇ v of [`frame_jacobian_in_frame`]: the spatial acceleration at the frame's origin at a = 0, along the
-/// frame's own axes \[m/s², rad/s²\].
-///
-/// ```
-/// use robot_dynamics::algorithms::frame_bias_acceleration_in_frame;
-/// use robot_dynamics::description::pendulum;
-/// use robot_dynamics::model::{Model, Workspace};
-/// let model = Model::new(pendulum(2.0, 0.5))?;
-/// // In the rod's axes the tip's velocity, l v along −z, does not change.
-/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
-/// let bias = frame_bias_acceleration_in_frame(&model, w, &[0.3], &[3.0], tip);
-/// assert!(bias.linear.iter().chain(&bias.angular).all(|x| x.abs() < 1e-14));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Panics
-/// If a slice has the wrong length, or the frame belongs to another model.
-#[inline]
-#[track_caller]
-pub fn frame_bias_acceleration_in_frame<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    v: &[S],
-    frame: FrameId,
-) -> Twist<S> {
-    workspace.check_inputs(model, q);
-    model.frame_of(frame);
-    check_length("v", v.len(), model.nv);
-    Moving::accelerated(model, &mut workspace.tree, q, v, None, frame).spatial_in_frame()
-}
-
-/// J̇ v of [`frame_jacobian_in_world`]: the spatial acceleration at the world's origin at a = 0, along the
-/// world's axes \[m/s², rad/s²\].
+/// It is the classical acceleration in [`ReferenceFrame::LocalWorldAligned`], and the spatial acceleration in
+/// the other two.
 ///
 /// ```
 /// use nalgebra::DVector;
-/// use robot_dynamics::algorithms::frame_bias_acceleration_in_world;
-/// use robot_dynamics::algorithms::frame_spatial_acceleration_in_world;
+/// use robot_dynamics::algorithms::{ReferenceFrame, frame_acceleration, frame_bias_acceleration};
 /// use robot_dynamics::model::Workspace;
 /// # use robot_dynamics::algorithms::bias;
 /// # use robot_dynamics::description::{RandomRobotOptions, random_robot};
@@ -300,26 +165,32 @@ pub fn frame_bias_acceleration_in_frame<S: Scalar>(
 /// # let RandomState { q, v, a, tau } = random_state(&model, &mut robot_dynamics::number::SplitMix64::new(1));
 /// // The acceleration is J a + J̇ v.
 /// let (w, hand) = (&mut Workspace::new(&model), model.frame_named("link9")?);
-/// let bias = frame_bias_acceleration_in_world(&model, w, &q, &v, hand);
-/// let by_a = model.frame_jacobian_in_world(&q, hand)? * DVector::from_column_slice(&a);
-/// let acceleration = frame_spatial_acceleration_in_world(&model, w, &q, &v, &a, hand);
-/// assert!((0..3).all(|i| (acceleration.linear[i] - by_a[i] - bias.linear[i]).abs() < 1e-11));
+/// for seen in ReferenceFrame::ALL {
+///     let bias = frame_bias_acceleration(&model, w, &q, &v, hand, seen);
+///     let by_a = model.frame_jacobian(&q, hand, seen)? * DVector::from_column_slice(&a);
+///     let acceleration = frame_acceleration(&model, w, &q, &v, &a, hand, seen);
+///     assert!((0..3).all(|i| (acceleration.linear[i] - by_a[i] - bias.linear[i]).abs() < 1e-11));
+/// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Panics
 /// If a slice has the wrong length, or the frame belongs to another model.
+#[doc(alias = "frame_bias_acceleration_in_frame")]
+#[doc(alias = "frame_bias_acceleration_in_world")]
+#[doc(alias = "frame_bias_acceleration_world_aligned")]
 #[inline]
 #[track_caller]
-pub fn frame_bias_acceleration_in_world<S: Scalar>(
+pub fn frame_bias_acceleration<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     v: &[S],
     frame: FrameId,
+    reference_frame: ReferenceFrame,
 ) -> Twist<S> {
     workspace.check_inputs(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
-    Moving::accelerated(model, &mut workspace.tree, q, v, None, frame).spatial_in_world()
+    Moving::accelerated(model, &mut workspace.tree, q, v, None, frame).acceleration(reference_frame)
 }

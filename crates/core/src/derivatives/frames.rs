@@ -5,7 +5,7 @@
 //! ∂V/∂q_j = S_j × V + ψ_j, ∂A/∂q_j = S_j × A + ψ_j × V + ψ′_j,
 //! ∂V/∂v_j = ∂A/∂a_j = S_j, ∂A/∂v_j = Ṡ_j + ψ_j + S_j × V.
 //!
-//! Along axes that rotate with the frame, the products with S_j vanish. Cost: O(n).
+//! Along axes that rotate with the frame (`ReferenceFrame::Local`), the products with S_j vanish. Cost: O(n).
 
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::Scalar;
@@ -17,7 +17,7 @@ use crate::kinematics::screws::{motion_cross, shifted};
 use crate::model::WORLD;
 use crate::spatial::screw::{Force, Screw};
 use crate::workspace::tree::TreeMemory;
-use crate::{FrameId, Model, Workspace};
+use crate::{FrameId, Model, ReferenceFrame, Workspace};
 
 /// A DoF between the root and a frame, about the reference point of the frame's body.
 struct Carrier<S: Scalar> {
@@ -69,15 +69,15 @@ fn sum<S: Scalar>(a: &Screw<S>, b: &Screw<S>) -> Screw<S> {
     Screw { linear: a.linear + b.linear, angular: a.angular + b.angular }
 }
 
-/// ∂/∂q, 6×nv, of [`frame_velocity_in_frame`](crate::frame_velocity_in_frame). ∂/∂v is
-/// [`frame_jacobian_in_frame`](crate::frame_jacobian_in_frame).
+/// ∂/∂q, 6×nv, of [`frame_velocity`](crate::frame_velocity) in the same reference frame. ∂/∂v is
+/// [`frame_jacobian`](crate::frame_jacobian).
 ///
 /// For a quaternion joint, column j is the rate along [`integrate`](crate::integrate)(q, δ eⱼ).
 ///
 /// ```
 /// use nalgebra::{DMatrix, DVector};
-/// use robot_dynamics::algorithms::frame_bias_acceleration_in_frame;
-/// use robot_dynamics::derivatives::frame_velocity_derivative_in_frame;
+/// use robot_dynamics::algorithms::{ReferenceFrame, frame_bias_acceleration};
+/// use robot_dynamics::derivatives::frame_velocity_derivative;
 /// use robot_dynamics::model::Workspace;
 /// # use robot_dynamics::algorithms::bias;
 /// # use robot_dynamics::description::{RandomRobotOptions, random_robot};
@@ -87,23 +87,28 @@ fn sum<S: Scalar>(a: &Screw<S>, b: &Screw<S>) -> Screw<S> {
 /// // At constant v, the velocity J v changes along the motion by (∂(J v)/∂q) v = J̇ v.
 /// let (w, hand) = (&mut Workspace::new(&model), model.frame_named("link9")?);
 /// let mut by_position = vec![0.0; 6 * model.nv()];
-/// frame_velocity_derivative_in_frame(&model, w, &q, &v, hand, &mut by_position);
-/// let rate = DMatrix::from_row_slice(6, model.nv(), &by_position) * DVector::from_column_slice(&v);
-/// let bias = frame_bias_acceleration_in_frame(&model, w, &q, &v, hand);
-/// assert!((0..3).all(|i| (rate[i] - bias.linear[i]).abs() < 1e-11));
+/// for seen in ReferenceFrame::ALL {
+///     frame_velocity_derivative(&model, w, &q, &v, hand, seen, &mut by_position);
+///     let rate = DMatrix::from_row_slice(6, model.nv(), &by_position) * DVector::from_column_slice(&v);
+///     let bias = frame_bias_acceleration(&model, w, &q, &v, hand, seen);
+///     assert!((0..3).all(|i| (rate[i] - bias.linear[i]).abs() < 1e-11));
+/// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Panics
 /// If a slice has the wrong length, or the frame belongs to another model.
+#[doc(alias = "frame_velocity_derivative_in_frame")]
+#[doc(alias = "frame_velocity_derivative_world_aligned")]
 #[inline]
 #[track_caller]
-pub fn frame_velocity_derivative_in_frame<S: Scalar>(
+pub fn frame_velocity_derivative<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     v: &[S],
     frame: FrameId,
+    reference_frame: ReferenceFrame,
     by_position: &mut [S],
 ) {
     workspace.check_inputs(model, q);
@@ -112,72 +117,41 @@ pub fn frame_velocity_derivative_in_frame<S: Scalar>(
     check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
     let moving = Moving::moved(model, &mut workspace.tree, q, v, frame);
     by_position.fill(S::zero());
-    for_each_carrier(model, &workspace.tree, frame, |Carrier { dof, s, velocity, .. }| {
-        let carried = motion_cross(velocity, s);
-        add_column(model, by_position, *dof, &moving.screw_in_frame(&carried));
-    });
+    let (tree, twist, point) = (&workspace.tree, &moving.twist, moving.place.translation);
+    match reference_frame {
+        ReferenceFrame::Local => {
+            for_each_carrier(model, tree, frame, |Carrier { dof, s, velocity, .. }| {
+                let carried = motion_cross(velocity, s);
+                add_column(model, by_position, *dof, &moving.screw_in_frame(&carried));
+            })
+        }
+        ReferenceFrame::World => {
+            for_each_carrier(model, tree, frame, |Carrier { dof, s, velocity, .. }| {
+                let change = sum(&motion_cross(s, twist), &motion_cross(velocity, s));
+                add_column(model, by_position, *dof, &moving.screw_in_world(&change));
+            })
+        }
+        // ∂ṗ = ∂u + ∂ω × p + ω × ∂p with ∂p = s + σ × p.
+        ReferenceFrame::LocalWorldAligned => {
+            for_each_carrier(model, tree, frame, |Carrier { dof, s, velocity, .. }| {
+                let change = sum(&motion_cross(s, twist), &motion_cross(velocity, s));
+                let mut change = shifted(&change, point);
+                change.linear += twist.angular.cross(shifted(s, point).linear);
+                add_column(model, by_position, *dof, &change);
+            });
+        }
+    }
 }
 
-/// ∂/∂q, 6×nv, of [`frame_velocity_world_aligned`](crate::frame_velocity_world_aligned). ∂/∂v is
-/// [`frame_jacobian_world_aligned`](crate::frame_jacobian_world_aligned).
-///
-/// For the frame's origin p, ṗ = u + ω × p gives
-///
-/// ∂ṗ/∂q_j = ∂u + ∂ω × p + ω × ∂p, ∂p = s_j + σ_j × p.
-///
-/// For a quaternion joint, column j is the rate along [`integrate`](crate::integrate)(q, δ eⱼ).
-///
-/// ```
-/// use robot_dynamics::derivatives::frame_velocity_derivative_world_aligned;
-/// use robot_dynamics::description::pendulum;
-/// use robot_dynamics::model::{Model, Workspace};
-/// let model = Model::new(pendulum(2.0, 0.5))?;
-/// // ṗ = l v (−sin q, 0, −cos q), and ω = v about y at every q.
-/// let (w, tip, mut by_position) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?, [0.0; 6]);
-/// frame_velocity_derivative_world_aligned(&model, w, &[0.3], &[3.0], tip, &mut by_position);
-/// let expected = [-1.5 * 0.3_f64.cos(), 0.0, 1.5 * 0.3_f64.sin(), 0.0, 0.0, 0.0];
-/// assert!(by_position.iter().zip(expected).all(|(slope, expected)| (slope - expected).abs() < 1e-14));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Panics
-/// If a slice has the wrong length, or the frame belongs to another model.
-#[inline]
-#[track_caller]
-pub fn frame_velocity_derivative_world_aligned<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    v: &[S],
-    frame: FrameId,
-    by_position: &mut [S],
-) {
-    workspace.check_inputs(model, q);
-    model.frame_of(frame);
-    check_length("v", v.len(), model.nv);
-    check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
-    let moving = Moving::moved(model, &mut workspace.tree, q, v, frame);
-    by_position.fill(S::zero());
-    let point = moving.place.translation;
-    for_each_carrier(model, &workspace.tree, frame, |Carrier { dof, s, velocity, .. }| {
-        let mut change = motion_cross(s, &moving.twist);
-        change.add(&motion_cross(velocity, s));
-        let mut change = shifted(&change, point);
-        change.linear += moving.twist.angular.cross(shifted(s, point).linear);
-        add_column(model, by_position, *dof, &change);
-    });
-}
-
-/// ∂/∂q and ∂/∂v, 6×nv each, of
-/// [`frame_spatial_acceleration_in_frame`](crate::frame_spatial_acceleration_in_frame). ∂/∂a is
-/// [`frame_jacobian_in_frame`](crate::frame_jacobian_in_frame).
+/// ∂/∂q and ∂/∂v, 6×nv each, of [`frame_acceleration`](crate::frame_acceleration) in the same reference frame.
+/// ∂/∂a is [`frame_jacobian`](crate::frame_jacobian).
 ///
 /// For a quaternion joint, column j of ∂/∂q is the rate along [`integrate`](crate::integrate)(q, δ eⱼ).
 ///
 /// ```
 /// use nalgebra::{DMatrix, DVector};
-/// use robot_dynamics::algorithms::frame_bias_acceleration_in_frame;
-/// use robot_dynamics::derivatives::frame_acceleration_derivatives_in_frame;
+/// use robot_dynamics::algorithms::{ReferenceFrame, frame_bias_acceleration};
+/// use robot_dynamics::derivatives::frame_acceleration_derivatives;
 /// use robot_dynamics::model::Workspace;
 /// # use robot_dynamics::algorithms::bias;
 /// # use robot_dynamics::description::{RandomRobotOptions, random_robot};
@@ -186,26 +160,31 @@ pub fn frame_velocity_derivative_world_aligned<S: Scalar>(
 /// # let RandomState { q, v, a, tau } = random_state(&model, &mut robot_dynamics::number::SplitMix64::new(1));
 /// // J̇ v is quadratic in v, so its derivative times v is twice J̇ v.
 /// let (w, hand) = (&mut Workspace::new(&model), model.frame_named("link9")?);
-/// let (mut by_position, mut by_velocity) = (vec![0.0; 6 * model.nv()], vec![0.0; 6 * model.nv()]);
-/// frame_acceleration_derivatives_in_frame(&model, w, &q, &v, &a, hand, &mut by_position, &mut by_velocity);
-/// let twice = DMatrix::from_row_slice(6, model.nv(), &by_velocity) * DVector::from_column_slice(&v);
-/// let bias = frame_bias_acceleration_in_frame(&model, w, &q, &v, hand);
-/// assert!((0..3).all(|i| (twice[i] - 2.0 * bias.linear[i]).abs() < 1e-11));
+/// let (mut by_q, mut by_v) = (vec![0.0; 6 * model.nv()], vec![0.0; 6 * model.nv()]);
+/// for seen in ReferenceFrame::ALL {
+///     frame_acceleration_derivatives(&model, w, &q, &v, &a, hand, seen, &mut by_q, &mut by_v);
+///     let twice = DMatrix::from_row_slice(6, model.nv(), &by_v) * DVector::from_column_slice(&v);
+///     let bias = frame_bias_acceleration(&model, w, &q, &v, hand, seen);
+///     assert!((0..3).all(|i| (twice[i] - 2.0 * bias.linear[i]).abs() < 1e-11));
+/// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Panics
 /// If a slice has the wrong length, or the frame belongs to another model.
+#[doc(alias = "frame_acceleration_derivatives_in_frame")]
+#[doc(alias = "frame_acceleration_derivatives_world_aligned")]
 #[allow(clippy::too_many_arguments)] // as the acceleration, with two results
 #[inline]
 #[track_caller]
-pub fn frame_acceleration_derivatives_in_frame<S: Scalar>(
+pub fn frame_acceleration_derivatives<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     v: &[S],
     a: &[S],
     frame: FrameId,
+    reference_frame: ReferenceFrame,
     by_position: &mut [S],
     by_velocity: &mut [S],
 ) {
@@ -218,7 +197,33 @@ pub fn frame_acceleration_derivatives_in_frame<S: Scalar>(
     let moving = Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame);
     by_position.fill(S::zero());
     by_velocity.fill(S::zero());
-    for_each_carrier(model, &workspace.tree, frame, |Carrier { dof, s, turned, velocity, acceleration }| {
+    let (tree, derivatives) = (&workspace.tree, FrameAccelerationDerivatives { model, moving: &moving });
+    match reference_frame {
+        ReferenceFrame::Local => for_each_carrier(model, tree, frame, |carrier| {
+            derivatives.add_local(carrier, by_position, by_velocity);
+        }),
+        ReferenceFrame::World => for_each_carrier(model, tree, frame, |carrier| {
+            derivatives.add_world(carrier, by_position, by_velocity);
+        }),
+        ReferenceFrame::LocalWorldAligned => {
+            let own = shifted(&moving.twist, moving.place.translation);
+            for_each_carrier(model, tree, frame, |carrier| {
+                derivatives.add_local_world_aligned(carrier, &own, by_position, by_velocity);
+            });
+        }
+    }
+}
+
+/// The columns of [`frame_acceleration_derivatives`] for one DoF.
+struct FrameAccelerationDerivatives<'a, S: Scalar> {
+    model: &'a Model,
+    moving: &'a Moving<S>,
+}
+
+impl<S: Scalar> FrameAccelerationDerivatives<'_, S> {
+    #[inline(always)]
+    fn add_local(&self, carrier: &Carrier<S>, by_position: &mut [S], by_velocity: &mut [S]) {
+        let (Self { model, moving }, Carrier { dof, s, turned, velocity, acceleration }) = (self, carrier);
         let once = motion_cross(velocity, s);
         let mut change = motion_cross(&once, &moving.twist);
         change.add(&motion_cross(acceleration, s));
@@ -227,76 +232,52 @@ pub fn frame_acceleration_derivatives_in_frame<S: Scalar>(
         let mut change = sum(turned, &once);
         change.add(&motion_cross(s, &moving.twist));
         add_column(model, by_velocity, *dof, &moving.screw_in_frame(&change));
-    });
-}
+    }
 
-/// ∂/∂q and ∂/∂v, 6×nv each, of
-/// [`frame_classical_acceleration_world_aligned`](crate::frame_classical_acceleration_world_aligned). ∂/∂a is
-/// [`frame_jacobian_world_aligned`](crate::frame_jacobian_world_aligned).
-///
-/// The frame's origin p has p̈ = u̇ + ω̇ × p + ω × ṗ. For a quaternion joint, column j of ∂/∂q is the rate
-/// along [`integrate`](crate::integrate)(q, δ eⱼ).
-///
-/// ```
-/// use robot_dynamics::derivatives::frame_acceleration_derivatives_world_aligned;
-/// use robot_dynamics::description::pendulum;
-/// use robot_dynamics::model::{Model, Workspace};
-/// let model = Model::new(pendulum(2.0, 0.5))?;
-/// // At q = 0, p̈ = l (−v², 0, −a): it rotates with the rod, and ∂(−v²)/∂v = −2 v.
-/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
-/// let (mut by_q, mut by_v) = ([0.0; 6], [0.0; 6]);
-/// frame_acceleration_derivatives_world_aligned(&model, w, &[0.0], &[3.0], &[2.0], tip, &mut by_q, &mut by_v);
-/// assert!((by_q[0] + 0.5 * 2.0).abs() < 1e-14 && (by_q[2] - 0.5 * 9.0).abs() < 1e-14);
-/// assert!((by_v[0] + 0.5 * 2.0 * 3.0).abs() < 1e-14 && by_v[2].abs() < 1e-14);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Panics
-/// If a slice has the wrong length, or the frame belongs to another model.
-#[allow(clippy::too_many_arguments)] // as the acceleration, with two results
-#[inline]
-#[track_caller]
-pub fn frame_acceleration_derivatives_world_aligned<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    v: &[S],
-    a: &[S],
-    frame: FrameId,
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-) {
-    workspace.check_inputs(model, q);
-    model.frame_of(frame);
-    check_length("v", v.len(), model.nv);
-    check_length("a", a.len(), model.nv);
-    check_length("the derivative by q", by_position.len(), 6 * model.nv);
-    check_length("the derivative by v", by_velocity.len(), 6 * model.nv);
-    let moving = Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame);
-    by_position.fill(S::zero());
-    by_velocity.fill(S::zero());
-    let (twist, rate) = (&moving.twist, &moving.rate);
-    let point = moving.place.translation;
-    let own = shifted(twist, point);
-    for_each_carrier(model, &workspace.tree, frame, |Carrier { dof, s, turned, velocity, acceleration }| {
+    #[inline(always)]
+    fn add_world(&self, carrier: &Carrier<S>, by_position: &mut [S], by_velocity: &mut [S]) {
+        let (Self { model, moving }, dof) = (self, carrier.dof);
+        let [by_q, by_v] = self.spatial(carrier, &motion_cross(&carrier.velocity, &carrier.s));
+        add_column(model, by_position, dof, &moving.screw_in_world(&by_q));
+        add_column(model, by_velocity, dof, &moving.screw_in_world(&by_v));
+    }
+
+    /// The derivative of each factor of p̈ = u̇ + ω̇ × p + ω × ṗ; `own` is ṗ and ω.
+    #[inline(always)]
+    fn add_local_world_aligned(
+        &self,
+        carrier: &Carrier<S>,
+        own: &Screw<S>,
+        by_position: &mut [S],
+        by_velocity: &mut [S],
+    ) {
+        let (Self { model, moving }, Carrier { dof, s, velocity, .. }) = (self, carrier);
+        let (twist, rate, point) = (&moving.twist, &moving.rate, moving.place.translation);
         let once = motion_cross(velocity, s);
         let moved = shifted(s, point).linear;
-        // ∂V and ∂A at the inertial frame's origin, then the derivative of each factor of p̈.
         let twist_change = sum(&motion_cross(s, twist), &once);
-        let mut change = motion_cross(s, rate);
-        change.add(&motion_cross(&once, twist));
-        change.add(&motion_cross(acceleration, s));
-        change.add(&motion_cross(velocity, &once));
         let velocity_change = shifted(&twist_change, point).linear + twist.angular.cross(moved);
-        let mut change = shifted(&change, point);
+        let [by_q, by_v] = self.spatial(carrier, &once);
+        let mut change = shifted(&by_q, point);
         change.linear += rate.angular.cross(moved)
             + twist_change.angular.cross(own.linear)
             + twist.angular.cross(velocity_change);
         add_column(model, by_position, *dof, &change);
-        let mut change = sum(turned, &once);
-        change.add(&motion_cross(s, twist));
-        let mut change = shifted(&change, point);
+        let mut change = shifted(&by_v, point);
         change.linear += s.angular.cross(own.linear) + twist.angular.cross(moved);
         add_column(model, by_velocity, *dof, &change);
-    });
+    }
+
+    /// ∂A/∂q and ∂A/∂v at the inertial frame's origin, along the world's axes; `once` is ψ.
+    #[inline(always)]
+    fn spatial(&self, carrier: &Carrier<S>, once: &Screw<S>) -> [Screw<S>; 2] {
+        let (twist, Carrier { s, turned, velocity, acceleration, .. }) = (&self.moving.twist, carrier);
+        let mut by_q = motion_cross(s, &self.moving.rate);
+        by_q.add(&motion_cross(once, twist));
+        by_q.add(&motion_cross(acceleration, s));
+        by_q.add(&motion_cross(velocity, once));
+        let mut by_v = sum(turned, once);
+        by_v.add(&motion_cross(s, twist));
+        [by_q, by_v]
+    }
 }

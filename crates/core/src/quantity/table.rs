@@ -4,7 +4,7 @@ use Input::{Acceleration, Force, Frame, Velocity};
 
 use super::arguments::ResultShape::{Point, Poses, Rows, Scalar, Square, Vector};
 use super::arguments::{Input, Inputs, QuantityResult};
-use crate::{FramePose, Model, Workspace};
+use crate::{FramePose, Model, ReferenceFrame, Workspace};
 
 /// Generates the enum, its list and its calls from the rows.
 macro_rules! table {
@@ -155,14 +155,21 @@ table! {
         one |m, w, i, out, poses| crate::frame_poses(m, w, i.q, poses);
     }
 
-    /// A frame's Jacobian along the world's axes, \[linear, angular\].
-    FrameJacobianWorldAligned("frame_jacobian_world_aligned", "Jacobian of a frame, world axes") [Frame] => ["": Rows(6)] {
-        one |m, w, i, out, _p| crate::frame_jacobian_world_aligned(m, w, i.q, i.frames[0], out[0]);
+    /// A frame's Jacobian in `ReferenceFrame::LocalWorldAligned`, \[linear, angular\].
+    FrameJacobianLocalWorldAligned("frame_jacobian_local_world_aligned", "Jacobian of a frame, its origin, world axes") [Frame] => ["": Rows(6)] {
+        one |m, w, i, out, _p| {
+            crate::frame_jacobian(m, w, i.q, i.frames[0], ReferenceFrame::LocalWorldAligned, out[0]);
+        };
     }
 
-    /// A frame's Jacobian along its own axes, \[linear, angular\].
-    FrameJacobianInFrame("frame_jacobian_in_frame", "Jacobian of a frame, own axes") [Frame] => ["": Rows(6)] {
-        one |m, w, i, out, _p| crate::frame_jacobian_in_frame(m, w, i.q, i.frames[0], out[0]);
+    /// A frame's Jacobian in `ReferenceFrame::Local`, \[linear, angular\].
+    FrameJacobianLocal("frame_jacobian_local", "Jacobian of a frame, its origin, own axes") [Frame] => ["": Rows(6)] {
+        one |m, w, i, out, _p| crate::frame_jacobian(m, w, i.q, i.frames[0], ReferenceFrame::Local, out[0]);
+    }
+
+    /// A frame's Jacobian in `ReferenceFrame::World`, \[linear, angular\].
+    FrameJacobianWorld("frame_jacobian_world", "Jacobian of a frame, world origin, world axes") [Frame] => ["": Rows(6)] {
+        one |m, w, i, out, _p| crate::frame_jacobian(m, w, i.q, i.frames[0], ReferenceFrame::World, out[0]);
     }
 
     /// ∂τ/∂q and ∂τ/∂v.

@@ -9,8 +9,8 @@ impl Pose {
     /// The 6×6 matrix D, by rows, with log(T exp η) = log T + D η + O(η²), where T is this placement.
     ///
     /// η and log T are six numbers, linear before angular; η is a displacement along the moving frame's axes.
-    /// With J of `frame_jacobian_in_frame`, J δ is the displacement of the frame, and D J δ the change of
-    /// log(`target_from_frame`). D is the inverse of the right Jacobian of SE(3),
+    /// With J of `frame_jacobian` along the frame's axes, J δ is the displacement of the frame. D J δ is the
+    /// change of log(`target_from_frame`). D is the inverse of the right Jacobian of SE(3),
     ///
     /// > D = \[N, X; 0, N\], N = 1 + ½φ̂ + E φ̂², X = (½p̂ − E((φ×p)^ + φ̂ p̂) + 2E′ (φ×(φ×p)) φᵀ) N
     ///

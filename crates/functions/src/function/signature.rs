@@ -1,6 +1,6 @@
 //! Arguments and results of each function: names, shapes, units.
 
-use robot_dynamics_core::Model;
+use robot_dynamics_core::{Model, ReferenceFrame};
 
 use super::{DerivativeKind, Function};
 
@@ -174,13 +174,13 @@ impl Function {
             }
             Self::FramePoses => "world_from_frame of all frames: x_world = R x_frame + p",
             Self::FramePose(_) => "world_from_frame: x_world = R x_frame + p",
-            Self::FrameJacobianWorldAligned(_) => {
+            Self::FrameJacobian(ReferenceFrame::LocalWorldAligned, _) => {
                 "J v = velocity of the frame's origin, angular velocity; world axes"
             }
-            Self::FrameJacobianInFrame(_) => {
+            Self::FrameJacobian(ReferenceFrame::Local, _) => {
                 "J v = velocity of the frame's origin, angular velocity; its own axes"
             }
-            Self::FrameJacobianInWorld(_) => {
+            Self::FrameJacobian(ReferenceFrame::World, _) => {
                 "J v = velocity of the body's point at the world's origin, angular velocity; world axes"
             }
         }
@@ -267,9 +267,7 @@ impl Function {
             | Self::CenterOfMassJacobian
             | Self::FramePoses
             | Self::FramePose(_)
-            | Self::FrameJacobianWorldAligned(_)
-            | Self::FrameJacobianInFrame(_)
-            | Self::FrameJacobianInWorld(_) => &[Q],
+            | Self::FrameJacobian(..) => &[Q],
         }
     }
 
@@ -374,9 +372,7 @@ impl Function {
                 ("rotation", Size::Fixed(3), Size::Fixed(3), "R, the frame's axes are its columns"),
                 ("translation", Size::Fixed(3), Size::One, "p, the frame's origin [m]"),
             ],
-            Self::FrameJacobianWorldAligned(_)
-            | Self::FrameJacobianInFrame(_)
-            | Self::FrameJacobianInWorld(_) => JACOBIAN,
+            Self::FrameJacobian(..) => JACOBIAN,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Derivatives through the graph agree with those of the recursions, of dual numbers and of differences.
 
+use robot_dynamics::algorithms::ReferenceFrame;
 use robot_dynamics_expression::interpret;
 
 use super::*;
@@ -36,9 +37,10 @@ fn tangents_agree_with_the_recursions() {
 fn tangents_are_the_limits_of_differences() {
     let (model, arithmetic) = (free_robot(), Arithmetic::default());
     let frame = model.frames().last().unwrap().name.clone();
-    for function in [Function::FramePose(frame.clone()), Function::FrameJacobianInFrame(frame)]
-        .iter()
-        .chain(&Function::PLAIN)
+    for function in
+        [Function::FramePose(frame.clone()), Function::FrameJacobian(ReferenceFrame::Local, frame)]
+            .iter()
+            .chain(&Function::PLAIN)
     {
         if *function == Function::Dissipation {
             continue; // friction jumps with the sign of v

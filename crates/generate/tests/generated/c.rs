@@ -2,6 +2,7 @@
 
 use std::process::Command;
 
+use robot_dynamics::algorithms::ReferenceFrame;
 use robot_dynamics::model::Model;
 use robot_dynamics_generate::{
     Arithmetic, Function, GenerateError, Precision, Request, Sine, Target, generate,
@@ -87,7 +88,7 @@ fn every_robot_has_the_bits_of_the_library() {
             Function::MassMatrix,
             Function::Dissipation,
             Function::FramePose(frame.clone()),
-            Function::FrameJacobianInFrame(frame),
+            Function::FrameJacobian(ReferenceFrame::Local, frame),
         ];
         let output = test(&format!("c_{name}"), &model, functions, Arithmetic::default(), &["-O0"]);
         assert_eq!(output, summary(6, true), "{name}");

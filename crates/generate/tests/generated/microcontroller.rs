@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use robot_dynamics::algorithms::ReferenceFrame;
 use robot_dynamics::model::Model;
 use robot_dynamics_generate::{Arithmetic, Function, Precision, Request, Target, generate};
 use serde_json::Value;
@@ -50,7 +51,7 @@ fn cases(model: &Model, functions: &[Function]) -> String {
 #[ignore = "needs the target thumbv7em-none-eabihf and qemu-system-arm, which `cargo xtask test machines` installs"]
 fn a_microcontroller_has_the_bits_of_the_library() {
     let model = robots::named("panda.urdf");
-    let frame = Function::FrameJacobianWorldAligned("panda_link8".into());
+    let frame = Function::FrameJacobian(ReferenceFrame::LocalWorldAligned, "panda_link8".into());
     let functions = [Function::InverseDynamics, Function::Gravity, frame];
     let request = Request::new(Target::Rust, functions.to_vec())
         .with_arithmetic(Arithmetic::new(Precision::Single))

@@ -1,14 +1,22 @@
-//! Frames and the centre of mass: places, velocities, accelerations, Jacobians, their slopes.
+//! Poses, velocities, accelerations and Jacobians of frames, and those of the centre of mass.
 
 use pyo3::prelude::*;
+use robot_dynamics::algorithms::{
+    ReferenceFrame, frame_acceleration as acceleration, frame_bias_acceleration as bias,
+    frame_velocity as velocity,
+};
+use robot_dynamics::derivatives::{
+    frame_acceleration_derivatives as acceleration_derivatives,
+    frame_velocity_derivative as velocity_derivative,
+};
 use robot_dynamics::quantity::Quantity;
 
-use super::table::{operand, rows, six};
+use super::table::{frame_rows, operand, rows, six};
 use crate::call::call;
 use crate::robot::Robot;
 use crate::row::Shape::{Point, Pose, Poses, Rows, Six};
 use crate::row::Work::{Each, Quantity as Of};
-use crate::row::{Row, Work};
+use crate::row::{Row, Work, of_frame};
 
 #[pymethods]
 impl Robot {
@@ -45,197 +53,6 @@ rows! {
     /// >>> rd.example("two_r").frame_pose([0.0, np.pi / 2], "tip")[:3, 3].round(12)
     /// array([1., 0., 1.])
     frame_pose(q) at frame => [Pose] Work::Poses;
-
-    /// A frame's Jacobian along the world's axes, of the frame's origin (LOCAL_WORLD_ALIGNED).
-    ///
-    /// q (..., nq) → (..., 6, nv), rows linear then angular.
-    ///
-    /// >>> robot, q = rd.example("two_r"), [0.0, np.pi / 2]
-    /// >>> robot.frame_jacobian_world_aligned(q, "tip")[[0, 2]].round(12) + 0.0  # along x, and up
-    /// array([[-1., -1.],
-    ///        [ 1.,  0.]])
-    frame_jacobian_world_aligned(q) at frame => [Rows(6)] Of(Quantity::FrameJacobianWorldAligned);
-
-    /// A frame's Jacobian along its own axes, of its origin (LOCAL).
-    ///
-    /// q (..., nq) → (..., 6, nv), rows linear then angular.
-    ///
-    /// >>> robot, q = rd.example("two_r"), [0.0, np.pi / 2]
-    /// >>> R = robot.frame_pose(q, "tip")[:3, :3]
-    /// >>> own, world = robot.frame_jacobian_in_frame(q, "tip"), robot.frame_jacobian_world_aligned(q, "tip")
-    /// >>> bool(np.allclose(R @ own[:3], world[:3]))
-    /// True
-    frame_jacobian_in_frame(q) at frame => [Rows(6)] Of(Quantity::FrameJacobianInFrame);
-
-    /// The Jacobian of the point of a frame's body that passes the world's origin, along the world's axes
-    /// (WORLD).
-    ///
-    /// q (..., nq) → (..., 6, nv), rows linear then angular.
-    ///
-    /// >>> rd.example("two_r").frame_jacobian_in_world([0.0, np.pi / 2], "tip")[4]  # both turn about −y
-    /// array([-1., -1.])
-    frame_jacobian_in_world(q) at frame => [Rows(6)] Each(|m, s, x, f, [out, ..]| {
-        robot_dynamics::algorithms::frame_jacobian_in_world(m, &mut s.workspace, x[0], f[0], out);
-    });
-
-    /// A frame's velocity along the world's axes, of its origin (LOCAL_WORLD_ALIGNED).
-    ///
-    /// q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s].
-    ///
-    /// >>> robot, q, v = rd.example("two_r"), [0.0, np.pi / 2], [1.0, 0.5]
-    /// >>> J = robot.frame_jacobian_world_aligned(q, "tip")
-    /// >>> bool(np.allclose(robot.frame_velocity_world_aligned(q, v, "tip"), J @ v))
-    /// True
-    frame_velocity_world_aligned(q, v) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let twist = robot_dynamics::algorithms::frame_velocity_world_aligned(m, &mut s.workspace, x[0], x[1], f[0]);
-        six(out, twist.linear, twist.angular);
-    });
-
-    /// A frame's velocity along its own axes, of its origin (LOCAL).
-    ///
-    /// q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s].
-    ///
-    /// >>> rd.example("two_r").frame_velocity_in_frame([0.0, 0.0], [1.0, 0.0], "tip").round(12)
-    /// array([ 0.,  0.,  2.,  0., -1.,  0.])
-    frame_velocity_in_frame(q, v) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let twist = robot_dynamics::algorithms::frame_velocity_in_frame(m, &mut s.workspace, x[0], x[1], f[0]);
-        six(out, twist.linear, twist.angular);
-    });
-
-    /// The velocity of the point of a frame's body that passes the world's origin, along the world's axes
-    /// (WORLD).
-    ///
-    /// q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s].
-    ///
-    /// >>> rd.example("two_r").frame_velocity_in_world([0.0, 0.0], [1.0, 0.0], "tip").round(12)
-    /// array([ 0.,  0.,  0.,  0., -1.,  0.])
-    frame_velocity_in_world(q, v) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let twist = robot_dynamics::algorithms::frame_velocity_in_world(m, &mut s.workspace, x[0], x[1], f[0]);
-        six(out, twist.linear, twist.angular);
-    });
-
-    /// A frame's acceleration as an observer in the world sees it, p̈ and ω̇ along the world's axes.
-    ///
-    /// q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not
-    /// in it.
-    ///
-    /// >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
-    /// >>> robot.frame_classical_acceleration_world_aligned(zero, [1.0, 0.0], zero, "tip").round(12)[:2]  # −ω² r
-    /// array([-2.,  0.])
-    frame_classical_acceleration_world_aligned(q, v, a) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let w = &mut s.workspace;
-        let rate = robot_dynamics::algorithms::frame_classical_acceleration_world_aligned(m, w, x[0], x[1], x[2], f[0]);
-        six(out, rate.linear, rate.angular);
-    });
-
-    /// A frame's spatial acceleration along its own axes: the rate of its velocity there (LOCAL).
-    ///
-    /// q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not
-    /// in it.
-    ///
-    /// >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
-    /// >>> robot.frame_spatial_acceleration_in_frame(zero, zero, [1.0, 0.0], "tip").round(12)
-    /// array([ 0.,  0.,  2.,  0., -1.,  0.])
-    frame_spatial_acceleration_in_frame(q, v, a) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let w = &mut s.workspace;
-        let rate = robot_dynamics::algorithms::frame_spatial_acceleration_in_frame(m, w, x[0], x[1], x[2], f[0]);
-        six(out, rate.linear, rate.angular);
-    });
-
-    /// A frame's spatial acceleration about the world's origin, along the world's axes (WORLD).
-    ///
-    /// q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not
-    /// in it.
-    ///
-    /// >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
-    /// >>> robot.frame_spatial_acceleration_in_world(zero, zero, [1.0, 0.0], "tip").round(12)
-    /// array([ 0.,  0.,  0.,  0., -1.,  0.])
-    frame_spatial_acceleration_in_world(q, v, a) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let w = &mut s.workspace;
-        let rate = robot_dynamics::algorithms::frame_spatial_acceleration_in_world(m, w, x[0], x[1], x[2], f[0]);
-        six(out, rate.linear, rate.angular);
-    });
-
-    /// J̇ v of `frame_jacobian_world_aligned`: a frame's acceleration without a.
-    ///
-    /// q (..., nq), v (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
-    ///
-    /// >>> rd.example("two_r").frame_bias_acceleration_world_aligned([0.0, 0.0], [1.0, 0.0], "tip").round(12)[:2]
-    /// array([-2.,  0.])
-    frame_bias_acceleration_world_aligned(q, v) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let rate = robot_dynamics::algorithms::frame_bias_acceleration_world_aligned(m, &mut s.workspace, x[0], x[1], f[0]);
-        six(out, rate.linear, rate.angular);
-    });
-
-    /// J̇ v of `frame_jacobian_in_frame`.
-    ///
-    /// q (..., nq), v (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
-    ///
-    /// >>> rd.example("two_r").frame_bias_acceleration_in_frame([0.0, 0.0], [0.0, 0.0], "tip") @ np.ones(6)
-    /// np.float64(0.0)
-    frame_bias_acceleration_in_frame(q, v) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let rate = robot_dynamics::algorithms::frame_bias_acceleration_in_frame(m, &mut s.workspace, x[0], x[1], f[0]);
-        six(out, rate.linear, rate.angular);
-    });
-
-    /// J̇ v of `frame_jacobian_in_world`.
-    ///
-    /// q (..., nq), v (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
-    ///
-    /// >>> rd.example("two_r").frame_bias_acceleration_in_world([0.0, 0.0], [0.0, 0.0], "tip") @ np.ones(6)
-    /// np.float64(0.0)
-    frame_bias_acceleration_in_world(q, v) at frame => [Six] Each(|m, s, x, f, [out, ..]| {
-        let rate = robot_dynamics::algorithms::frame_bias_acceleration_in_world(m, &mut s.workspace, x[0], x[1], f[0]);
-        six(out, rate.linear, rate.angular);
-    });
-
-    /// ∂(frame_velocity_world_aligned)/∂q.
-    ///
-    /// q (..., nq), v (..., nv) → (..., 6, nv), by q as displacements q ⊕ δq; by v it is the Jacobian.
-    ///
-    /// >>> rd.example("two_r").frame_velocity_derivative_world_aligned([0.0, 0.0], [1.0, 0.0], "tip")[0].round(12)
-    /// array([-2., -1.])
-    frame_velocity_derivative_world_aligned(q, v) at frame => [Rows(6)] Each(|m, s, x, f, [out, ..]| {
-        let w = &mut s.workspace;
-        robot_dynamics::derivatives::frame_velocity_derivative_world_aligned(m, w, x[0], x[1], f[0], out);
-    });
-
-    /// ∂(frame_velocity_in_frame)/∂q.
-    ///
-    /// q (..., nq), v (..., nv) → (..., 6, nv), by q as displacements q ⊕ δq; by v it is the Jacobian.
-    ///
-    /// >>> rd.example("two_r").frame_velocity_derivative_in_frame([0.0, 0.0], [1.0, 0.0], "tip")[0].round(12)
-    /// array([0., 1.])
-    frame_velocity_derivative_in_frame(q, v) at frame => [Rows(6)] Each(|m, s, x, f, [out, ..]| {
-        let w = &mut s.workspace;
-        robot_dynamics::derivatives::frame_velocity_derivative_in_frame(m, w, x[0], x[1], f[0], out);
-    });
-
-    /// ∂(frame_classical_acceleration_world_aligned) by q and by v; by a it is the Jacobian.
-    ///
-    /// q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., 6, nv).
-    ///
-    /// >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
-    /// >>> robot.frame_acceleration_derivatives_world_aligned(zero, [1.0, 0.0], zero, "tip").by_velocity[0].round(12)
-    /// array([-4., -2.])
-    frame_acceleration_derivatives_world_aligned(q, v, a) at frame => [Rows(6), Rows(6)]
-        Each(|m, s, x, f, [by_q, by_v, ..]| {
-            let w = &mut s.workspace;
-            robot_dynamics::derivatives::frame_acceleration_derivatives_world_aligned(m, w, x[0], x[1], x[2], f[0], by_q, by_v);
-        });
-
-    /// ∂(frame_spatial_acceleration_in_frame) by q and by v; by a it is the Jacobian.
-    ///
-    /// q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., 6, nv).
-    ///
-    /// >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
-    /// >>> robot.frame_acceleration_derivatives_in_frame(zero, zero, [1.0, 0.0], "tip").by_position[0].round(12)
-    /// array([0., 1.])
-    frame_acceleration_derivatives_in_frame(q, v, a) at frame => [Rows(6), Rows(6)]
-        Each(|m, s, x, f, [by_q, by_v, ..]| {
-            let w = &mut s.workspace;
-            robot_dynamics::derivatives::frame_acceleration_derivatives_in_frame(m, w, x[0], x[1], x[2], f[0], by_q, by_v);
-        });
 
     /// The centre of mass, in the world.
     ///
@@ -282,5 +99,108 @@ rows! {
     /// array([-1. , -0.2])
     center_of_mass_velocity_derivative(q, v) => [Rows(3)] Each(|m, s, x, _, [out, ..]| {
         robot_dynamics::derivatives::center_of_mass_velocity_derivative(m, &mut s.workspace, x[0], x[1], out);
+    });
+}
+
+frame_rows! {
+    /// A frame's Jacobian J: `frame_velocity` is J v in the same reference frame.
+    ///
+    /// q (..., nq) → (..., 6, nv), rows linear then angular. `reference_frame`: ``"local"`` is the frame's
+    /// axes and its origin, ``"world"`` the world's axes and the world's origin, ``"local_world_aligned"``
+    /// the world's axes and the frame's origin. Pinocchio has the same names.
+    ///
+    /// >>> robot, q = rd.example("two_r"), [0.0, np.pi / 2]
+    /// >>> robot.frame_jacobian(q, "tip")[[0, 2]].round(12) + 0.0  # along x, and up
+    /// array([[-1., -1.],
+    ///        [ 1.,  0.]])
+    /// >>> R = robot.frame_pose(q, "tip")[:3, :3]
+    /// >>> own, world = robot.frame_jacobian(q, "tip", "local"), robot.frame_jacobian(q, "tip")
+    /// >>> bool(np.allclose(R @ own[:3], world[:3]))
+    /// True
+    /// >>> robot.frame_jacobian(q, "tip", "world")[4]  # both joints rotate about −y
+    /// array([-1., -1.])
+    frame_jacobian(q) => [Rows(6)] [
+        Of(Quantity::FrameJacobianLocal),
+        Of(Quantity::FrameJacobianWorld),
+        Of(Quantity::FrameJacobianLocalWorldAligned),
+    ];
+
+    /// A frame's velocity: J v with J of `frame_jacobian` in the same reference frame.
+    ///
+    /// q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s]. `reference_frame`: ``"local"``
+    /// is ṗ of the frame's origin p and ω along the frame's axes, ``"local_world_aligned"`` both along the
+    /// world's axes, ``"world"`` ṗ − ω × p and ω along the world's axes.
+    ///
+    /// >>> robot, q, v = rd.example("two_r"), [0.0, np.pi / 2], [1.0, 0.5]
+    /// >>> bool(np.allclose(robot.frame_velocity(q, v, "tip"), robot.frame_jacobian(q, "tip") @ v))
+    /// True
+    /// >>> robot.frame_velocity([0.0, 0.0], [1.0, 0.0], "tip", "local").round(12)
+    /// array([ 0.,  0.,  2.,  0., -1.,  0.])
+    /// >>> robot.frame_velocity([0.0, 0.0], [1.0, 0.0], "tip", "world").round(12)
+    /// array([ 0.,  0.,  0.,  0., -1.,  0.])
+    frame_velocity(q, v) => [Six] of_frame(|m, s, x, f, seen, [out, ..]| {
+        let twist = velocity(m, &mut s.workspace, x[0], x[1], f, seen);
+        six(out, twist.linear, twist.angular);
+    });
+
+    /// A frame's acceleration: the time derivative of the numbers of `frame_velocity` in the same reference
+    /// frame, J a + J̇ v. It does not include gravity.
+    ///
+    /// q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
+    /// ``"local_world_aligned"`` is the classical acceleration p̈ of the frame's origin p. ``"local"`` is the
+    /// spatial acceleration p̈ − ω × ṗ along the frame's axes, ``"world"`` that at the world's origin. They
+    /// equal Pinocchio's ``getFrameAcceleration``. Its ``getFrameAcceleration(LOCAL_WORLD_ALIGNED)`` is
+    /// p̈ − ω × ṗ; its ``getFrameClassicalAcceleration(LOCAL_WORLD_ALIGNED)`` equals this function.
+    ///
+    /// >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
+    /// >>> robot.frame_acceleration(zero, [1.0, 0.0], zero, "tip").round(12)[:2]  # −ω² r
+    /// array([-2.,  0.])
+    /// >>> robot.frame_acceleration(zero, zero, [1.0, 0.0], "tip", "local").round(12)
+    /// array([ 0.,  0.,  2.,  0., -1.,  0.])
+    /// >>> robot.frame_acceleration(zero, zero, [1.0, 0.0], "tip", "world").round(12)
+    /// array([ 0.,  0.,  0.,  0., -1.,  0.])
+    frame_acceleration(q, v, a) => [Six] of_frame(|m, s, x, f, seen, [out, ..]| {
+        let rate = acceleration(m, &mut s.workspace, x[0], x[1], x[2], f, seen);
+        six(out, rate.linear, rate.angular);
+    });
+
+    /// J̇ v of `frame_jacobian` in the same reference frame: `frame_acceleration` at a = 0.
+    ///
+    /// q (..., nq), v (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
+    ///
+    /// >>> robot = rd.example("two_r")
+    /// >>> robot.frame_bias_acceleration([0.0, 0.0], [1.0, 0.0], "tip").round(12)[:2]
+    /// array([-2.,  0.])
+    /// >>> robot.frame_bias_acceleration([0.0, 0.0], [0.0, 0.0], "tip", "local") @ np.ones(6)
+    /// np.float64(0.0)
+    frame_bias_acceleration(q, v) => [Six] of_frame(|m, s, x, f, seen, [out, ..]| {
+        let rate = bias(m, &mut s.workspace, x[0], x[1], f, seen);
+        six(out, rate.linear, rate.angular);
+    });
+
+    /// ∂/∂q of `frame_velocity` in the same reference frame; ∂/∂v is `frame_jacobian`.
+    ///
+    /// q (..., nq), v (..., nv) → (..., 6, nv), by q as displacements q ⊕ δq.
+    ///
+    /// >>> robot = rd.example("two_r")
+    /// >>> robot.frame_velocity_derivative([0.0, 0.0], [1.0, 0.0], "tip")[0].round(12)
+    /// array([-2., -1.])
+    /// >>> robot.frame_velocity_derivative([0.0, 0.0], [1.0, 0.0], "tip", "local")[0].round(12)
+    /// array([0., 1.])
+    frame_velocity_derivative(q, v) => [Rows(6)] of_frame(|m, s, x, f, seen, [out, ..]| {
+        velocity_derivative(m, &mut s.workspace, x[0], x[1], f, seen, out);
+    });
+
+    /// ∂/∂q and ∂/∂v of `frame_acceleration` in the same reference frame; ∂/∂a is `frame_jacobian`.
+    ///
+    /// q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., 6, nv).
+    ///
+    /// >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
+    /// >>> robot.frame_acceleration_derivatives(zero, [1.0, 0.0], zero, "tip").by_velocity[0].round(12)
+    /// array([-4., -2.])
+    /// >>> robot.frame_acceleration_derivatives(zero, zero, [1.0, 0.0], "tip", "local").by_position[0].round(12)
+    /// array([0., 1.])
+    frame_acceleration_derivatives(q, v, a) => [Rows(6), Rows(6)] of_frame(|m, s, x, f, seen, [by_q, by_v, ..]| {
+        acceleration_derivatives(m, &mut s.workspace, x[0], x[1], x[2], f, seen, by_q, by_v);
     });
 }

@@ -65,7 +65,63 @@ macro_rules! rows {
         }
     };
 }
-pub(super) use {operand, rows};
+/// A method with a frame and a reference frame for each line: `name(operands) => [shapes of the results]
+/// work`, with the work in each of [`ReferenceFrame::ALL`].
+macro_rules! frame_rows {
+    ($(
+        $(#[$doc:meta])*
+        $name:ident($($operand:ident),*) => [$($shape:expr),*] $work:expr;
+    )*) => {
+        /// The rows of this file in each reference frame, by their methods' names.
+        #[allow(non_upper_case_globals)]
+        mod frame_table {
+            #[allow(clippy::wildcard_imports)] // the lines use the names of the file
+            use super::*;
+            $(
+                pub(super) static $name: [$crate::row::Row; 3] = {
+                    const fn of(work: Work) -> $crate::row::Row {
+                        $crate::row::Row {
+                            name: stringify!($name),
+                            operands: &[$($crate::rows::table::operand!($operand)),*],
+                            results: &[$($shape),*],
+                            work,
+                        }
+                    }
+                    let [local, world, aligned]: [Work; 3] = $work;
+                    [of(local), of(world), of(aligned)]
+                };
+            )*
+            /// The rows in the default reference frame.
+            pub(in crate::rows) static FRAMES: &[&$crate::row::Row] =
+                &[$(&$name[ReferenceFrame::LocalWorldAligned as usize]),*];
+        }
+        pub(in crate::rows) use frame_table::FRAMES;
+
+        #[pyo3::pymethods]
+        impl $crate::robot::Robot {
+            $(
+                $(#[$doc])*
+                #[pyo3(signature = (
+                    $($operand,)* frame, reference_frame="local_world_aligned", *, out=None, threads=None
+                ))]
+                fn $name<'py>(
+                    &self,
+                    py: pyo3::Python<'py>,
+                    $($operand: &pyo3::Bound<'py, pyo3::PyAny>,)*
+                    frame: &pyo3::Bound<'py, pyo3::PyAny>,
+                    reference_frame: &str,
+                    out: Option<&pyo3::Bound<'py, pyo3::PyAny>>,
+                    threads: Option<&pyo3::Bound<'py, pyo3::PyAny>>,
+                ) -> pyo3::PyResult<pyo3::Bound<'py, pyo3::PyAny>> {
+                    let seen = $crate::row::reference_frame_of("reference_frame", reference_frame)?;
+                    let (row, frames) = (&frame_table::$name[seen as usize], &[self.frame_of(py, frame)?]);
+                    $crate::call::call(py, self, row, &[$($operand),*], frames, out, threads)
+                }
+            )*
+        }
+    };
+}
+pub(super) use {frame_rows, operand, rows};
 
 /// Linear, then angular.
 pub(super) fn six(out: &mut [f64], linear: [f64; 3], angular: [f64; 3]) {

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use robot_dynamics::simulation::{AppliedWrench, ReferenceFrame, Simulation as Stepped, Snapshot as Kept};
+use robot_dynamics::simulation::{AppliedWrench, Simulation as Stepped, Snapshot as Kept};
 
 use super::books::{ledger_of, losses_of};
 use super::options::Setup;
@@ -13,6 +13,7 @@ use super::setup::{controls_of, failed_step};
 use crate::errors::Class;
 use crate::numbers::{array, configuration, shaped, vector, vector_or_zeros};
 use crate::robot::Robot;
+use crate::row::reference_frame_of;
 
 /// The native half of `robot_dynamics.Simulation`.
 #[pyclass(subclass, module = "robot_dynamics._native")]
@@ -201,16 +202,7 @@ impl Simulation {
         moment: [f64; 3],
         axes: &str,
     ) -> PyResult<()> {
-        let axes = match axes {
-            "local" => ReferenceFrame::Local,
-            "world" => ReferenceFrame::World,
-            "local_world_aligned" => ReferenceFrame::LocalWorldAligned,
-            other => {
-                return Err(PyValueError::new_err(format!(
-                    "axes={other:?}: there are 'local', 'world' and 'local_world_aligned'"
-                )));
-            }
-        };
+        let axes = reference_frame_of("axes", axes)?;
         let frame = self.robot.get().frame_of(py, frame)?;
         self.wrenches.push(AppliedWrench { frame, axes, force, moment });
         self.stepped.set_wrenches(&self.wrenches);

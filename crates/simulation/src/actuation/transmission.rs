@@ -3,7 +3,7 @@
 use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::configuration::manifold::coordinate_ranges;
 use robot_dynamics_core::joint::Chart;
-use robot_dynamics_core::{FrameId, Model, Workspace, frame_jacobian_in_frame};
+use robot_dynamics_core::{FrameId, Model, ReferenceFrame, Workspace, frame_jacobian};
 use robot_dynamics_description::{Quaternion, Transmission};
 
 use super::tendon::Tendon;
@@ -24,7 +24,7 @@ impl FrameMemory {
     /// J in the frame, 6×nv.
     fn jacobian(&mut self, model: &Model, q: &[f64], frame: FrameId) -> &[f64] {
         let dynamics = self.dynamics.get_or_insert_with(|| Workspace::new(model));
-        frame_jacobian_in_frame(model, dynamics, q, frame, &mut self.jacobian);
+        frame_jacobian(model, dynamics, q, frame, ReferenceFrame::Local, &mut self.jacobian);
         &self.jacobian
     }
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, Matrix3, RowDVector, Vector3};
 use robot_dynamics_core::{
-    FrameId, FramePose, Model, Twist, Workspace, frame_bias_acceleration_world_aligned,
-    frame_jacobian_world_aligned, frame_pose, frame_velocity_world_aligned,
+    FrameId, FramePose, Model, ReferenceFrame, Twist, Workspace, frame_bias_acceleration, frame_jacobian,
+    frame_pose, frame_velocity,
 };
 use robot_dynamics_description::Pose;
 
@@ -60,9 +60,10 @@ impl FrameMotion {
         let nv = model.nv();
         let FramePose { rotation, translation } = frame_pose(model, workspace, q, frame);
         let mut jacobian = vec![0.0; 6 * nv];
-        frame_jacobian_world_aligned(model, workspace, q, frame, &mut jacobian);
-        let Twist { linear, angular } = frame_velocity_world_aligned(model, workspace, q, v, frame);
-        let bias = frame_bias_acceleration_world_aligned(model, workspace, q, v, frame);
+        frame_jacobian(model, workspace, q, frame, ReferenceFrame::LocalWorldAligned, &mut jacobian);
+        let Twist { linear, angular } =
+            frame_velocity(model, workspace, q, v, frame, ReferenceFrame::LocalWorldAligned);
+        let bias = frame_bias_acceleration(model, workspace, q, v, frame, ReferenceFrame::LocalWorldAligned);
         Self {
             position: translation.into(),
             rotation: from_rows(&rotation),

@@ -2,7 +2,7 @@
 
 use nalgebra::RowDVector;
 use robot_dynamics_core::{
-    FrameId, Model, Workspace, frame_bias_acceleration_in_frame, frame_jacobian_in_frame,
+    FrameId, Model, ReferenceFrame, Workspace, frame_bias_acceleration, frame_jacobian,
 };
 
 use super::SpatialAxis;
@@ -36,8 +36,8 @@ impl NoSlip {
     ) {
         let nv = model.nv();
         let mut jacobian = vec![0.0; 6 * nv];
-        frame_jacobian_in_frame(model, workspace, q, self.frame, &mut jacobian);
-        let bias = frame_bias_acceleration_in_frame(model, workspace, q, v, self.frame);
+        frame_jacobian(model, workspace, q, self.frame, ReferenceFrame::Local, &mut jacobian);
+        let bias = frame_bias_acceleration(model, workspace, q, v, self.frame, ReferenceFrame::Local);
         let bias = [bias.linear, bias.angular].concat();
         for &row in &self.rows {
             let k = row as usize;

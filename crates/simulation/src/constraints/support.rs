@@ -3,7 +3,7 @@
 use nalgebra::{DVector, Matrix3, Vector3};
 use robot_dynamics_core::factorization::sparse;
 use robot_dynamics_core::{
-    FrameId, Model, Workspace, frame_jacobian_world_aligned, frame_pose, inverse_dynamics,
+    FrameId, Model, ReferenceFrame, Workspace, frame_jacobian, frame_pose, inverse_dynamics,
 };
 use robot_dynamics_description::check_length;
 
@@ -209,7 +209,7 @@ fn add_support(
 ) {
     let nv = model.nv();
     let mut jacobian = vec![0.0; 6 * nv];
-    frame_jacobian_world_aligned(model, workspace, q, support.frame, &mut jacobian);
+    frame_jacobian(model, workspace, q, support.frame, ReferenceFrame::LocalWorldAligned, &mut jacobian);
     let [x, y, z] = frame_pose(model, workspace, q, support.frame).rotation;
     let lever = Matrix3::from_rows(&[x.into(), y.into(), z.into()]) * Vector3::from(support.point);
     problem.push(Set::Cone(support.friction), 3, 0..nv);

@@ -3,7 +3,9 @@
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_core::{FrameId, FrameWrench, Model, Workspace, frame_pose, joint_reactions};
 
-use super::{AppliedWrench, ReferenceFrame, Simulation};
+use robot_dynamics_core::ReferenceFrame;
+
+use super::{AppliedWrench, Simulation};
 use crate::{PointForce, SensorInputs, SensorSet, Stepper};
 
 impl Simulation {

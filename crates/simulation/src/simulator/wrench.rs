@@ -1,20 +1,6 @@
 //! Wrenches on frames as inputs of a step.
 
-use robot_dynamics_core::{
-    FrameId, Model, Workspace, frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
-};
-
-/// The axes and the reference point of a wrench on a frame or of a frame's velocity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ReferenceFrame {
-    /// The frame's own axes, at its origin.
-    Local,
-    /// The world's axes, at the world's origin.
-    World,
-    /// The world's axes, at the frame's origin.
-    #[default]
-    LocalWorldAligned,
-}
+use robot_dynamics_core::{FrameId, Model, ReferenceFrame, Workspace, frame_jacobian};
 
 /// A force and a moment on the link that carries a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,13 +45,7 @@ impl AppliedWrench {
         jacobian: &mut [f64],
         tau: &mut [f64],
     ) {
-        match self.axes {
-            ReferenceFrame::Local => frame_jacobian_in_frame(model, workspace, q, self.frame, jacobian),
-            ReferenceFrame::World => frame_jacobian_in_world(model, workspace, q, self.frame, jacobian),
-            ReferenceFrame::LocalWorldAligned => {
-                frame_jacobian_world_aligned(model, workspace, q, self.frame, jacobian);
-            }
-        }
+        frame_jacobian(model, workspace, q, self.frame, self.axes, jacobian);
         let nv = tau.len();
         for (row, w) in self.force.iter().chain(&self.moment).enumerate().filter(|(_, w)| **w != 0.0) {
             for (tau, j) in tau.iter_mut().zip(&jacobian[row * nv..(row + 1) * nv]) {

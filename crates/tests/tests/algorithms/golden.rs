@@ -8,11 +8,10 @@ use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
 use robot_dynamics::algorithms::{
-    bias, center_of_mass, center_of_mass_velocity, centroidal_momentum, centroidal_momentum_matrix,
-    coriolis_matrix, forward_dynamics, forward_dynamics_by_cholesky, frame_bias_acceleration_in_frame,
-    frame_bias_acceleration_in_world, frame_bias_acceleration_world_aligned, frame_jacobian_in_frame,
-    frame_jacobian_in_world, frame_jacobian_world_aligned, frame_pose, gravity, inverse_dynamics,
-    inverse_mass_matrix, joint_torque_regressor, kinetic_energy, mass_matrix, potential_energy,
+    ReferenceFrame, bias, center_of_mass, center_of_mass_velocity, centroidal_momentum,
+    centroidal_momentum_matrix, coriolis_matrix, forward_dynamics, forward_dynamics_by_cholesky,
+    frame_bias_acceleration, frame_jacobian, frame_pose, gravity, inverse_dynamics, inverse_mass_matrix,
+    joint_torque_regressor, kinetic_energy, mass_matrix, potential_energy,
 };
 use robot_dynamics::derivatives::{forward_dynamics_derivatives, inverse_dynamics_derivatives};
 use robot_dynamics::description::{Base, RobotDescription};
@@ -306,16 +305,16 @@ fn frames_match_pinocchio() {
                 let of = |field: &str| state.columns(&numbers(&state.fields[field][form]));
                 let bias = match form {
                     "world" => {
-                        frame_jacobian_in_world(model, w, q, tip, &mut jacobian);
-                        frame_bias_acceleration_in_world(model, w, q, v, tip)
+                        frame_jacobian(model, w, q, tip, ReferenceFrame::World, &mut jacobian);
+                        frame_bias_acceleration(model, w, q, v, tip, ReferenceFrame::World)
                     }
                     "local" => {
-                        frame_jacobian_in_frame(model, w, q, tip, &mut jacobian);
-                        frame_bias_acceleration_in_frame(model, w, q, v, tip)
+                        frame_jacobian(model, w, q, tip, ReferenceFrame::Local, &mut jacobian);
+                        frame_bias_acceleration(model, w, q, v, tip, ReferenceFrame::Local)
                     }
                     _ => {
-                        frame_jacobian_world_aligned(model, w, q, tip, &mut jacobian);
-                        frame_bias_acceleration_world_aligned(model, w, q, v, tip)
+                        frame_jacobian(model, w, q, tip, ReferenceFrame::LocalWorldAligned, &mut jacobian);
+                        frame_bias_acceleration(model, w, q, v, tip, ReferenceFrame::LocalWorldAligned)
                     }
                 };
                 state.close(&format!("J {form}"), &jacobian, &of("tip_jacobian"), TOLERANCE);

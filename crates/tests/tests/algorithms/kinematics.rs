@@ -5,11 +5,8 @@
 //! roundings.
 
 use robot_dynamics::algorithms::{
-    FramePose, Twist, frame_bias_acceleration_in_frame, frame_bias_acceleration_in_world,
-    frame_bias_acceleration_world_aligned, frame_classical_acceleration_world_aligned,
-    frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned, frame_pose, frame_poses,
-    frame_spatial_acceleration_in_frame, frame_spatial_acceleration_in_world, frame_velocity_in_frame,
-    frame_velocity_in_world, frame_velocity_world_aligned,
+    FramePose, ReferenceFrame, Twist, frame_acceleration, frame_bias_acceleration, frame_jacobian,
+    frame_pose, frame_poses, frame_velocity,
 };
 use robot_dynamics::model::{FrameId, Model, Workspace};
 use robot_dynamics::number::{Dual, Scalar};
@@ -157,11 +154,19 @@ fn velocities_and_accelerations_are_derivatives_of_poses() {
             let first = [
                 (
                     "ṗ, ω world aligned",
-                    frame_velocity_world_aligned(model, w, q, v, frame),
+                    frame_velocity(model, w, q, v, frame, ReferenceFrame::LocalWorldAligned),
                     oracle.world_aligned,
                 ),
-                ("ṗ, ω in the frame", frame_velocity_in_frame(model, w, q, v, frame), oracle.in_frame),
-                ("u, ω in the world", frame_velocity_in_world(model, w, q, v, frame), oracle.in_world),
+                (
+                    "ṗ, ω in the frame",
+                    frame_velocity(model, w, q, v, frame, ReferenceFrame::Local),
+                    oracle.in_frame,
+                ),
+                (
+                    "u, ω in the world",
+                    frame_velocity(model, w, q, v, frame, ReferenceFrame::World),
+                    oracle.in_world,
+                ),
             ];
             for (law, twist, oracle) in first {
                 let defect = max_difference(&numbers(&twist), &value(oracle));
@@ -170,17 +175,17 @@ fn velocities_and_accelerations_are_derivatives_of_poses() {
             let second = [
                 (
                     "classical acceleration",
-                    frame_classical_acceleration_world_aligned(model, w, q, v, a, frame),
+                    frame_acceleration(model, w, q, v, a, frame, ReferenceFrame::LocalWorldAligned),
                     oracle.world_aligned,
                 ),
                 (
                     "spatial acceleration in the frame",
-                    frame_spatial_acceleration_in_frame(model, w, q, v, a, frame),
+                    frame_acceleration(model, w, q, v, a, frame, ReferenceFrame::Local),
                     oracle.in_frame,
                 ),
                 (
                     "spatial acceleration in the world",
-                    frame_spatial_acceleration_in_world(model, w, q, v, a, frame),
+                    frame_acceleration(model, w, q, v, a, frame, ReferenceFrame::World),
                     oracle.in_world,
                 ),
             ];
@@ -222,18 +227,16 @@ fn jacobians_map_velocities_and_accelerations() {
                 let defect = max_difference(&sum, &numbers(acceleration));
                 robot.require("J a + J̇ v", defect, ROUNDING * reach(model) * surge);
             };
-            frame_jacobian_world_aligned(model, w, q, frame, &mut jacobian);
-            let acceleration = frame_classical_acceleration_world_aligned(model, w, q, v, a, frame);
-            let bias = frame_bias_acceleration_world_aligned(model, w, q, v, frame);
-            check("J world aligned", &jacobian, &acceleration, &bias, 0);
-            frame_jacobian_in_frame(model, w, q, frame, &mut jacobian);
-            let acceleration = frame_spatial_acceleration_in_frame(model, w, q, v, a, frame);
-            let bias = frame_bias_acceleration_in_frame(model, w, q, v, frame);
-            check("J in the frame", &jacobian, &acceleration, &bias, 1);
-            frame_jacobian_in_world(model, w, q, frame, &mut jacobian);
-            let acceleration = frame_spatial_acceleration_in_world(model, w, q, v, a, frame);
-            let bias = frame_bias_acceleration_in_world(model, w, q, v, frame);
-            check("J in the world", &jacobian, &acceleration, &bias, 2);
+            for (law, seen, form) in [
+                ("J world aligned", ReferenceFrame::LocalWorldAligned, 0),
+                ("J in the frame", ReferenceFrame::Local, 1),
+                ("J in the world", ReferenceFrame::World, 2),
+            ] {
+                frame_jacobian(model, w, q, frame, seen, &mut jacobian);
+                let acceleration = frame_acceleration(model, w, q, v, a, frame, seen);
+                let bias = frame_bias_acceleration(model, w, q, v, frame, seen);
+                check(law, &jacobian, &acceleration, &bias, form);
+            }
         }
     }
 }

@@ -2,17 +2,15 @@
 
 use nalgebra::Matrix3;
 use robot_dynamics::algorithms::{
-    bias, center_of_mass_jacobian, christoffel_symbols, coriolis_matrix, forward_dynamics,
-    forward_dynamics_by_cholesky, frame_bias_acceleration_in_frame, frame_bias_acceleration_world_aligned,
-    frame_jacobian_in_frame, frame_jacobian_world_aligned, frame_velocity_in_frame, inverse_dynamics,
+    ReferenceFrame, bias, center_of_mass_jacobian, christoffel_symbols, coriolis_matrix, forward_dynamics,
+    forward_dynamics_by_cholesky, frame_bias_acceleration, frame_jacobian, frame_velocity, inverse_dynamics,
     joint_torque_regressor, kinetic_energy_gradient, kinetic_energy_regressor, mass_matrix, mass_matrix_rate,
     momentum, velocity_product,
 };
 use robot_dynamics::control::inertial_parameter_names;
 use robot_dynamics::derivatives::{
-    center_of_mass_velocity_derivative, forward_dynamics_derivatives,
-    frame_acceleration_derivatives_in_frame, frame_velocity_derivative_world_aligned, gravity_derivative,
-    inverse_dynamics_derivatives,
+    center_of_mass_velocity_derivative, forward_dynamics_derivatives, frame_acceleration_derivatives,
+    frame_velocity_derivative, gravity_derivative, inverse_dynamics_derivatives,
 };
 use robot_dynamics::description::{
     Base, JointDescription, JointKind, Limits, LinkDescription, MassProperties, Pose, RandomRobotOptions,
@@ -148,19 +146,29 @@ fn quantities(
     for frame in model.frames().iter().filter(|frame| frame.name != "link 0") {
         let frame = model.frame(&frame.name).unwrap();
         let (mut six, mut other) = (vec![0.0; 6 * n], vec![0.0; 6 * n]);
-        frame_jacobian_world_aligned(model, workspace, q, frame, &mut six);
+        frame_jacobian(model, workspace, q, frame, ReferenceFrame::LocalWorldAligned, &mut six);
         add("J world aligned", [0, 0], six.clone());
-        frame_jacobian_in_frame(model, workspace, q, frame, &mut six);
+        frame_jacobian(model, workspace, q, frame, ReferenceFrame::Local, &mut six);
         add("J in frame", [0, 0], six.clone());
-        let twist = frame_velocity_in_frame(model, workspace, q, v, frame);
+        let twist = frame_velocity(model, workspace, q, v, frame, ReferenceFrame::Local);
         add("velocity", [0, 0], [twist.linear, twist.angular].concat());
-        let twist = frame_bias_acceleration_in_frame(model, workspace, q, v, frame);
+        let twist = frame_bias_acceleration(model, workspace, q, v, frame, ReferenceFrame::Local);
         add("spatial acceleration", [0, 0], [twist.linear, twist.angular].concat());
-        let twist = frame_bias_acceleration_world_aligned(model, workspace, q, v, frame);
+        let twist = frame_bias_acceleration(model, workspace, q, v, frame, ReferenceFrame::LocalWorldAligned);
         add("acceleration", [0, 0], [twist.linear, twist.angular].concat());
-        frame_velocity_derivative_world_aligned(model, workspace, q, v, frame, &mut six);
+        frame_velocity_derivative(model, workspace, q, v, frame, ReferenceFrame::LocalWorldAligned, &mut six);
         add("∂velocity/∂q", [0, 0], six.clone());
-        frame_acceleration_derivatives_in_frame(model, workspace, q, v, a, frame, &mut six, &mut other);
+        frame_acceleration_derivatives(
+            model,
+            workspace,
+            q,
+            v,
+            a,
+            frame,
+            ReferenceFrame::Local,
+            &mut six,
+            &mut other,
+        );
         add("∂acceleration/∂q", [0, 0], six);
         add("∂acceleration/∂v", [0, 0], other);
     }
@@ -363,8 +371,8 @@ fn long_slides_within_tree_keep_accuracy() {
             for frame in model.frames() {
                 let frame = model.frame(&frame.name).unwrap();
                 let mut jacobian = vec![0.0; 6 * n];
-                frame_jacobian_in_frame(&model, workspace, q, frame, &mut jacobian);
-                let twist = frame_velocity_in_frame(&model, workspace, q, &v, frame);
+                frame_jacobian(&model, workspace, q, frame, ReferenceFrame::Local, &mut jacobian);
+                let twist = frame_velocity(&model, workspace, q, &v, frame, ReferenceFrame::Local);
                 let found = [twist.linear, twist.angular].concat();
                 // A lever is accurate to the rounding of the size of the links, 1 m, or of itself.
                 for part in [0..3, 3..6] {

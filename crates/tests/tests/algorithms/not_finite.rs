@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use dynamics::{PdHold, Reach2R, hold};
 use nalgebra::{DVector, SVector};
-use robot_dynamics::algorithms::Twist;
+use robot_dynamics::algorithms::{ReferenceFrame, Twist};
 use robot_dynamics::batch;
 use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques};
 use robot_dynamics::constraints::{
@@ -160,10 +160,10 @@ fn methods_of_model_reject_non_finite() {
     probe("frame_pose", &[q()], |x| {
         text(m.frame_pose(&x[0], frame)).map(|p| [p.rotation.as_flattened(), &p.translation].concat())
     });
-    for jacobian in
-        [Model::frame_jacobian_world_aligned, Model::frame_jacobian_in_frame, Model::frame_jacobian_in_world]
-    {
-        probe("a frame's J", &[q()], |x| text(jacobian(m, &x[0], frame)).map(|j| j.as_slice().to_vec()));
+    for seen in ReferenceFrame::ALL {
+        probe("a frame's J", &[q()], |x| {
+            text(m.frame_jacobian(&x[0], frame, seen)).map(|j| j.as_slice().to_vec())
+        });
     }
     probe("inverse_dynamics_derivatives", &[q(), v(), argument("a", a.clone())], |x| {
         let slopes = text(m.inverse_dynamics_derivatives(&x[0], &x[1], &x[2]))?;
@@ -662,14 +662,10 @@ fn batches_reject_non_finite() {
     calls! { states(); inverse_dynamics(0, 1, 2) -> nv; forward_dynamics(0, 1, 2) -> nv; }
     calls! { states()[..2]; bias(0, 1) -> nv; }
     calls! { only_q; gravity(0) -> nv; mass_matrix(0) -> nv * nv; inverse_mass_matrix(0) -> nv * nv; }
-    for jacobian in [
-        batch::frame_jacobian_world_aligned::<f64>,
-        batch::frame_jacobian_in_frame::<f64>,
-        batch::frame_jacobian_in_world::<f64>,
-    ] {
+    for seen in ReferenceFrame::ALL {
         probe("batch J", &only_q, |x| {
             let mut out = vec![0.0; count * 6 * nv];
-            text(jacobian(m, w, &x[0], frame, &mut out)).map(|()| out)
+            text(batch::frame_jacobian(m, w, &x[0], frame, seen, &mut out)).map(|()| out)
         });
     }
     probe("batch::frame_poses", &only_q, |x| {

@@ -5,7 +5,7 @@
 //! derivatives. Solving with M adds κ(M) ε of the solution, times a modest count.
 
 use robot_dynamics::InputProblem;
-use robot_dynamics::algorithms::PARAMETERS_PER_LINK;
+use robot_dynamics::algorithms::{PARAMETERS_PER_LINK, ReferenceFrame};
 use robot_dynamics::derivatives::{
     ParameterCotangents, ParameterError, parameter_count, parameter_values, with_parameters,
 };
@@ -425,8 +425,14 @@ fn cotangent_of_wrench_is_frame_velocity() {
                 &mut with,
             );
             robot_dynamics::algorithms::inverse_dynamics(model, w, q, v, a, &mut without);
-            let twist =
-                robot_dynamics::algorithms::frame_velocity_in_frame(model, w, q, &lambda, wrench.frame);
+            let twist = robot_dynamics::algorithms::frame_velocity(
+                model,
+                w,
+                q,
+                &lambda,
+                wrench.frame,
+                ReferenceFrame::Local,
+            );
             let found =
                 -dot(&twist.linear, &wrench.force_in_frame) - dot(&twist.angular, &wrench.moment_in_frame);
             let allowed = ROUNDING * robot.force_size(a) * size(&lambda) * n as f64;

@@ -5,7 +5,7 @@
 //! h = 1e-5 have 1e-7: their error is h² times a third derivative and 1e-16/h of rounding.
 
 use robot_dynamics::algorithms::{
-    FrameWrench, center_of_mass, centroidal_momentum, frame_classical_acceleration_world_aligned, frame_pose,
+    FrameWrench, ReferenceFrame, center_of_mass, centroidal_momentum, frame_acceleration, frame_pose,
     joint_reactions, kinetic_energy, potential_energy,
 };
 use robot_dynamics::description::{ModelError, SensorDescription, SensorKind, SensorObject};
@@ -101,7 +101,8 @@ fn accelerometers_forces_and_torques_match_frame_functions() {
         for (at, name) in frames.iter().enumerate() {
             let frame = model.frame(name).expect("its frame");
             let pose = frame_pose(model, w, q, frame);
-            let mut rate = frame_classical_acceleration_world_aligned(model, w, q, v, a, frame).linear;
+            let mut rate =
+                frame_acceleration(model, w, q, v, a, frame, ReferenceFrame::LocalWorldAligned).linear;
             for (rate, gravity) in rate.iter_mut().zip(model.gravity()) {
                 *rate -= gravity;
             }

@@ -5,8 +5,8 @@ use std::error::Error;
 
 use nalgebra::DMatrix;
 use robot_dynamics::algorithms::{
-    Twist, forward_dynamics, frame_classical_acceleration_world_aligned, frame_jacobian_world_aligned,
-    frame_pose, frame_velocity_world_aligned, gravity,
+    ReferenceFrame, Twist, forward_dynamics, frame_acceleration, frame_jacobian, frame_pose, frame_velocity,
+    gravity,
 };
 use robot_dynamics::control::{
     ComputedTorque, PoseReference, Reference, TaskControl, TaskGains, TaskReference,
@@ -56,7 +56,14 @@ fn least_mobility(model: &Model, q: &[f64], frame: robot_dynamics::model::FrameI
     let driven: Vec<usize> = (0..nv).filter(|&k| model.actuated_dofs()[k]).collect();
     let inverse = model.inverse_mass_matrix(q).expect("M⁻¹");
     let mut jacobian = vec![0.0; 6 * nv];
-    frame_jacobian_world_aligned(model, &mut Workspace::new(model), q, frame, &mut jacobian);
+    frame_jacobian(
+        model,
+        &mut Workspace::new(model),
+        q,
+        frame,
+        ReferenceFrame::LocalWorldAligned,
+        &mut jacobian,
+    );
     let jacobian = DMatrix::from_row_slice(6, nv, &jacobian).rows(0, 3).into_owned();
     let responses = (jacobian * &inverse).select_columns(&driven);
     let part = inverse.select_rows(&driven).select_columns(&driven).try_inverse().expect("M̃");
@@ -108,7 +115,7 @@ fn frame_follows_without_torque_on_base() -> Tested {
         let hand = model.frame_named(&model.frames().last().expect("a frame").name.clone())?;
         let w = &mut Workspace::new(model);
         let pose = frame_pose(model, w, &state.q, hand);
-        let velocity = frame_velocity_world_aligned(model, w, &state.q, &state.v, hand);
+        let velocity = frame_velocity(model, w, &state.q, &state.v, hand, ReferenceFrame::LocalWorldAligned);
         let target = pose.translation.map(|x| x + random.uniform(-0.1, 0.1));
         let still = TaskReference { position: target, velocity: [0.0; 3], acceleration: [0.0; 3] };
         let gains = TaskGains { stiffness: 40.0, damping: 9.0, null_damping: 3.0 };
@@ -119,7 +126,9 @@ fn frame_follows_without_torque_on_base() -> Tested {
             continue; // the robot's joints cannot move this frame in three directions
         }
         let a = accelerate(model, &state.q, &state.v, &tau);
-        let moved = frame_classical_acceleration_world_aligned(model, w, &state.q, &state.v, &a, hand).linear;
+        let moved =
+            frame_acceleration(model, w, &state.q, &state.v, &a, hand, ReferenceFrame::LocalWorldAligned)
+                .linear;
         let size = largest(&a).max(largest(&tau));
         if least_mobility(model, &state.q, hand) < 2e-3 {
             continue; // near a singular pose, where the law is damped
@@ -204,7 +213,7 @@ fn planar_arm_follows_two_rows() -> Tested {
     let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 0.0 };
     let wanted = [1.2, 5.0, 0.8];
     let pose = frame_pose(&model, w, &q, tip);
-    let velocity = frame_velocity_world_aligned(&model, w, &q, &v, tip);
+    let velocity = frame_velocity(&model, w, &q, &v, tip, ReferenceFrame::LocalWorldAligned);
     let position = |_| TaskReference { position: wanted, velocity: [0.0; 3], acceleration: [0.0; 3] };
     let at_rest = |_| {
         let rest = Twist { linear: [0.0; 3], angular: [0.0; 3] };
@@ -213,7 +222,7 @@ fn planar_arm_follows_two_rows() -> Tested {
     let mut tau = [0.0; 2];
     TaskControl::new(&model, tip, position, gains)?.with_rows(&[X, Z]).torque(0.0, &q, &v, &mut tau)?;
     let a = accelerate(&model, &q, &v, &tau);
-    let moved = frame_classical_acceleration_world_aligned(&model, w, &q, &v, &a, tip).linear;
+    let moved = frame_acceleration(&model, w, &q, &v, &a, tip, ReferenceFrame::LocalWorldAligned).linear;
     for k in [0, 2] {
         let expected = 100.0 * (wanted[k] - pose.translation[k]) - 20.0 * velocity.linear[k];
         assert!((moved[k] - expected).abs() < 1e-9 * largest(&a), "{moved:?} {expected}");
@@ -221,7 +230,7 @@ fn planar_arm_follows_two_rows() -> Tested {
     // The forearm is at an angle of 1.2 about −y; the reference is at 0.
     TaskControl::new(&model, tip, at_rest, gains)?.with_rows(&[Ry, Z]).torque(0.0, &q, &v, &mut tau)?;
     let a = accelerate(&model, &q, &v, &tau);
-    let moved = frame_classical_acceleration_world_aligned(&model, w, &q, &v, &a, tip);
+    let moved = frame_acceleration(&model, w, &q, &v, &a, tip, ReferenceFrame::LocalWorldAligned);
     let turn = 100.0 * 1.2 - 20.0 * velocity.angular[1];
     assert!((moved.angular[1] - turn).abs() < 1e-9 * largest(&a), "{moved:?} {turn}");
     let lift = 100.0 * (wanted[2] - pose.translation[2]) - 20.0 * velocity.linear[2];

@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use robot_dynamics::InputProblem;
 use robot_dynamics::algorithms::{
-    MotionError, Twist, bias, forward_dynamics, frame_classical_acceleration_world_aligned, frame_pose,
-    frame_velocity_world_aligned,
+    MotionError, ReferenceFrame, Twist, bias, forward_dynamics, frame_acceleration, frame_pose,
+    frame_velocity,
 };
 use robot_dynamics::constraints::SpatialAxis;
 use robot_dynamics::control::{
@@ -64,7 +64,7 @@ fn operational_space_laws_on_random_trees() {
             let mut a = vec![0.0; model.nv()];
             forward_dynamics(model, w, q, v, tau, &mut a);
             let size = a.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
-            (pick(frame_classical_acceleration_world_aligned(model, w, q, v, &a, frame)), size)
+            (pick(frame_acceleration(model, w, q, v, &a, frame, ReferenceFrame::LocalWorldAligned)), size)
         };
         let wanted = DVector::from_fn(rows.len(), |_, _| random.uniform(-3.0, 3.0));
         let tau = space.torque(wanted.as_slice()).unwrap();
@@ -183,7 +183,9 @@ fn task_control_has_linear_errors() -> Tested {
         // The held torque has a delay of ½h: O(h) of the path of 5 cm.
         assert!((found[k] - expected).abs() < 1e-4, "{k}: {} {expected}", found[k]);
     }
-    assert!(frame_velocity_world_aligned(&model, w, &run.q, &run.v, frame).linear[0] > 0.0);
+    assert!(
+        frame_velocity(&model, w, &run.q, &run.v, frame, ReferenceFrame::LocalWorldAligned).linear[0] > 0.0
+    );
     Ok(())
 }
 
@@ -267,7 +269,8 @@ fn posture_holds_elbow() -> Tested {
         let mut control = |_: f64, q: &[f64], v: &[f64], tau: &mut [f64]| -> Result<(), ControllerError> {
             operational_space_into(&model, &mut memory, q, v, hand, &position, &mut space)?;
             let x = frame_pose(&model, &mut scratch, q, hand).translation;
-            let rate = frame_velocity_world_aligned(&model, &mut scratch, q, v, hand).linear;
+            let rate =
+                frame_velocity(&model, &mut scratch, q, v, hand, ReferenceFrame::LocalWorldAligned).linear;
             let wanted: [f64; 3] = std::array::from_fn(|k| 400.0 * (place[k] - x[k]) - 40.0 * rate[k]);
             match posture {
                 Posture::None => tau0.fill(0.0),

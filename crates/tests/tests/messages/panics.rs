@@ -1,6 +1,6 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use robot_dynamics::algorithms::{frame_jacobian_world_aligned, frame_pose, gravity};
+use robot_dynamics::algorithms::{ReferenceFrame, frame_jacobian, frame_pose, gravity};
 use robot_dynamics::batch::{self, BatchWorkspace};
 use robot_dynamics::constraints::{ConstraintSet, FrameConstraint, SpatialAxis};
 use robot_dynamics::control::{
@@ -44,7 +44,8 @@ pub(crate) fn foreign_objects() -> Section {
     let foreign = &mut BatchWorkspace::<f64>::new(&heavy);
     section.row("a workspace of batches", message(|| batch::gravity(&model, foreign, &q, &mut out[..2])));
     section.row("a frame", message(|| frame_pose(&model, w, &q, frame)));
-    let jacobian = message(|| frame_jacobian_world_aligned(&model, w, &q, frame, &mut out));
+    let jacobian =
+        message(|| frame_jacobian(&model, w, &q, frame, ReferenceFrame::LocalWorldAligned, &mut out));
     section.row("a frame of a Jacobian", jacobian);
     let pin = FrameConstraint::point_contact(frame, [0.0; 3]);
     let set = ConstraintSet::new(&heavy, [("pin", pin.into())]).expect("a set");

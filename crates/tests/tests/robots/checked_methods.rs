@@ -2,7 +2,7 @@
 //! input.
 
 use nalgebra::{DMatrix, Vector3};
-use robot_dynamics::algorithms::MotionError;
+use robot_dynamics::algorithms::{MotionError, ReferenceFrame};
 use robot_dynamics::description::{
     JointDescription, JointKind, LinkDescription, MassProperties, Pose, RobotDescription,
 };
@@ -63,12 +63,10 @@ fn methods_match_free_functions() {
             model.frame_pose(q, frame).unwrap().rotation,
             robot_dynamics::algorithms::frame_pose(model, w, q, frame).rotation
         );
-        robot_dynamics::algorithms::frame_jacobian_in_frame(model, w, q, frame, &mut j);
-        assert_eq!(rows(&model.frame_jacobian_in_frame(q, frame).unwrap()), j);
-        robot_dynamics::algorithms::frame_jacobian_in_world(model, w, q, frame, &mut j);
-        assert_eq!(rows(&model.frame_jacobian_in_world(q, frame).unwrap()), j);
-        robot_dynamics::algorithms::frame_jacobian_world_aligned(model, w, q, frame, &mut j);
-        assert_eq!(rows(&model.frame_jacobian_world_aligned(q, frame).unwrap()), j);
+        for seen in ReferenceFrame::ALL {
+            robot_dynamics::algorithms::frame_jacobian(model, w, q, frame, seen, &mut j);
+            assert_eq!(rows(&model.frame_jacobian(q, frame, seen).unwrap()), j);
+        }
         robot_dynamics::algorithms::center_of_mass_jacobian(model, w, q, &mut j[..3 * nv]);
         assert_eq!(rows(&model.center_of_mass_jacobian(q).unwrap()), &j[..3 * nv]);
         let mut y = vec![0.0; nv * robot_dynamics::algorithms::inertial_parameters(model).len()];
@@ -191,7 +189,7 @@ fn robot_without_joints_has_empty_matrices() {
     assert_eq!(model.kinetic_energy(&[], &[]).unwrap(), 0.0);
     let post = model.frame("post").expect("the link");
     assert_eq!(model.frame_pose(&[], post).unwrap(), Pose::IDENTITY);
-    assert_eq!(model.frame_jacobian_in_world(&[], post).unwrap().shape(), (6, 0));
+    assert_eq!(model.frame_jacobian(&[], post, ReferenceFrame::World).unwrap().shape(), (6, 0));
     assert_eq!((model.mass(), model.center_of_mass(&[]).unwrap()), (1.0, Vector3::new(0.0, 0.0, 0.5)));
     let mut robot = model.description().clone();
     robot.links[0].mass_properties = None;

@@ -1,5 +1,6 @@
 //! Locked joints, payloads and scaled gravity against the equations of the original robot.
 
+use robot_dynamics::algorithms::ReferenceFrame;
 use robot_dynamics::description::{EditError, JointKind, MassProperties, RandomRobotOptions, random_robot};
 use robot_dynamics::model::{Model, random_state};
 use robot_dynamics::number::SplitMix64;
@@ -69,8 +70,14 @@ fn payload_adds_mass_and_inertia() {
     // The kinetic energy of the load, from the velocity of the link's frame.
     let frame = bare.frame(&link).expect("links are frames");
     let mut workspace = robot_dynamics::model::Workspace::new(&bare);
-    let twist =
-        robot_dynamics::algorithms::frame_velocity_in_frame(&bare, &mut workspace, &state.q, &state.v, frame);
+    let twist = robot_dynamics::algorithms::frame_velocity(
+        &bare,
+        &mut workspace,
+        &state.q,
+        &state.v,
+        frame,
+        ReferenceFrame::Local,
+    );
     let (u, w) = (nalgebra::Vector3::from(twist.linear), nalgebra::Vector3::from(twist.angular));
     let at_center = u + w.cross(&load.center_of_mass());
     let own = 0.5 * 1.5 * at_center.norm_squared() + 0.5 * w.dot(&(load.inertia_about_center_of_mass() * w));

@@ -32,7 +32,7 @@ fn start(simulation: &mut Simulation) {
     simulation.set_torques(&torques);
     let model = simulation.model();
     let last = model.frame(&model.frames().last().unwrap().name).unwrap();
-    let axes = robot_dynamics::simulation::ReferenceFrame::Local;
+    let axes = robot_dynamics::algorithms::ReferenceFrame::Local;
     let wrench = AppliedWrench { frame: last, axes, force: [0.3, -0.2, 0.5], moment: [0.0, 0.1, 0.05] };
     simulation.set_wrenches(&[wrench]);
 }

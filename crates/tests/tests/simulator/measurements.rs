@@ -1,13 +1,14 @@
 //! Sensors and joint reactions of a simulation, at rest and in free fall.
 
 use nalgebra::{Matrix3, Vector3};
+use robot_dynamics::algorithms::ReferenceFrame;
 use robot_dynamics::contact::Ground;
 use robot_dynamics::description::{
     JointDescription, JointKind, LinkDescription, LinkShape, MassProperties, Pose, RobotDescription,
     SensorDescription, SensorKind, Shape, ShapeRole,
 };
 use robot_dynamics::model::Model;
-use robot_dynamics::simulation::{AppliedWrench, ReferenceFrame, Simulation, SimulationBuilder};
+use robot_dynamics::simulation::{AppliedWrench, Simulation, SimulationBuilder};
 
 /// A floating box of 6 kg with a fixed mast of 1 kg, which carries the sensors.
 fn boxed() -> (Simulation, [f64; 7]) {

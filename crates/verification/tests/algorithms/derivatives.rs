@@ -6,7 +6,10 @@
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use robot_dynamics::InputProblem;
-use robot_dynamics::algorithms::FrameWrench;
+use robot_dynamics::algorithms::{
+    FrameWrench, ReferenceFrame, frame_acceleration, frame_jacobian, frame_velocity,
+};
+use robot_dynamics::derivatives::{frame_acceleration_derivatives, frame_velocity_derivative};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::number::Dual;
 
@@ -237,64 +240,39 @@ fn kinematics_match_duals() {
         let w = &mut Workspace::new(model);
         let frame = model.frame(&model.frames().last().expect("a frame").name).expect("its own frame");
         let (fixed_q, fixed_v, fixed_a) = (constants(q), constants(v), constants(a));
-        let mut jacobian = vec![0.0; 6 * n];
-        robot_dynamics::algorithms::frame_jacobian_world_aligned(model, w, q, frame, &mut jacobian);
-        let arm = n as f64 * (1.0 + size(&jacobian));
-        let slow = ROUNDING * arm * size(v);
-        let fast = ROUNDING * arm * arm * (size(v) * size(v) + size(a) + size(v));
-
-        let [mut by_q, mut by_v] = [(); 2].map(|()| vec![7.0; 6 * n]);
-        robot_dynamics::derivatives::frame_velocity_derivative_in_frame(model, w, q, v, frame, &mut by_q);
-        let expected = columns(n, |k| {
-            six(robot_dynamics::algorithms::frame_velocity_in_frame(
-                model,
-                d,
-                &moved(model, q, k),
-                &fixed_v,
-                frame,
-            ))
-        });
-        robot.require("∂/∂q of the velocity in the frame", max_difference(&by_q, &expected), slow);
-
-        robot_dynamics::derivatives::frame_velocity_derivative_world_aligned(
-            model, w, q, v, frame, &mut by_q,
-        );
-        let expected = columns(n, |k| {
-            six(robot_dynamics::algorithms::frame_velocity_world_aligned(
-                model,
-                d,
-                &moved(model, q, k),
-                &fixed_v,
-                frame,
-            ))
-        });
-        robot.require("∂/∂q of the velocity along the world", max_difference(&by_q, &expected), slow);
-
-        robot_dynamics::derivatives::frame_acceleration_derivatives_in_frame(
-            model, w, q, v, a, frame, &mut by_q, &mut by_v,
-        );
-        let mut acceleration = |q: &[First], v: &[First]| {
-            six(robot_dynamics::algorithms::frame_spatial_acceleration_in_frame(
-                model, d, q, v, &fixed_a, frame,
-            ))
+        let mut size_of_jacobian = |reference_frame| {
+            let mut jacobian = vec![0.0; 6 * n];
+            frame_jacobian(model, w, q, frame, reference_frame, &mut jacobian);
+            size(&jacobian)
         };
-        let expected = columns(n, |k| acceleration(&moved(model, q, k), &fixed_v));
-        robot.require("∂/∂q of the acceleration in the frame", max_difference(&by_q, &expected), fast);
-        let expected = columns(n, |k| acceleration(&fixed_q, &varied(v, k)));
-        robot.require("∂/∂v of the acceleration in the frame", max_difference(&by_v, &expected), fast);
+        let aligned = size_of_jacobian(ReferenceFrame::LocalWorldAligned);
+        // The world's origin may be farther from the joints than the frame is.
+        let in_world = aligned.max(size_of_jacobian(ReferenceFrame::World));
+        let slow = |largest: f64| ROUNDING * n as f64 * (1.0 + largest) * size(v);
+        for reference_frame in ReferenceFrame::ALL {
+            let largest = if reference_frame == ReferenceFrame::World { in_world } else { aligned };
+            let arm = n as f64 * (1.0 + largest);
+            let fast = ROUNDING * arm * arm * (size(v) * size(v) + size(a) + size(v));
+            let [mut by_q, mut by_v] = [(); 2].map(|()| vec![7.0; 6 * n]);
 
-        robot_dynamics::derivatives::frame_acceleration_derivatives_world_aligned(
-            model, w, q, v, a, frame, &mut by_q, &mut by_v,
-        );
-        let mut acceleration = |q: &[First], v: &[First]| {
-            six(robot_dynamics::algorithms::frame_classical_acceleration_world_aligned(
-                model, d, q, v, &fixed_a, frame,
-            ))
-        };
-        let expected = columns(n, |k| acceleration(&moved(model, q, k), &fixed_v));
-        robot.require("∂/∂q of the acceleration along the world", max_difference(&by_q, &expected), fast);
-        let expected = columns(n, |k| acceleration(&fixed_q, &varied(v, k)));
-        robot.require("∂/∂v of the acceleration along the world", max_difference(&by_v, &expected), fast);
+            frame_velocity_derivative(model, w, q, v, frame, reference_frame, &mut by_q);
+            let expected = columns(n, |k| {
+                six(frame_velocity(model, d, &moved(model, q, k), &fixed_v, frame, reference_frame))
+            });
+            let difference = max_difference(&by_q, &expected);
+            robot.require(&format!("∂/∂q of the velocity, {reference_frame:?}"), difference, slow(largest));
+
+            frame_acceleration_derivatives(model, w, q, v, a, frame, reference_frame, &mut by_q, &mut by_v);
+            let mut acceleration = |q: &[First], v: &[First]| {
+                six(frame_acceleration(model, d, q, v, &fixed_a, frame, reference_frame))
+            };
+            let expected = columns(n, |k| acceleration(&moved(model, q, k), &fixed_v));
+            let difference = max_difference(&by_q, &expected);
+            robot.require(&format!("∂/∂q of the acceleration, {reference_frame:?}"), difference, fast);
+            let expected = columns(n, |k| acceleration(&fixed_q, &varied(v, k)));
+            let difference = max_difference(&by_v, &expected);
+            robot.require(&format!("∂/∂v of the acceleration, {reference_frame:?}"), difference, fast);
+        }
 
         if model.moving_mass() > 0.0 {
             let mut found = vec![7.0; 3 * n];
@@ -302,7 +280,7 @@ fn kinematics_match_duals() {
             let expected = columns(n, |k| {
                 robot_dynamics::algorithms::center_of_mass_velocity(model, d, &moved(model, q, k), &fixed_v)
             });
-            robot.require("∂ċ/∂q", max_difference(&found, &expected), slow);
+            robot.require("∂ċ/∂q", max_difference(&found, &expected), slow(aligned));
         }
     }
 }

@@ -4,7 +4,7 @@
 //! term allows 450 roundings, and the worst robot stays below a tenth of it. Where M is inverted, the
 //! tolerance is κ(M) ε times a modest count.
 
-use robot_dynamics::algorithms::FrameWrench;
+use robot_dynamics::algorithms::{FrameWrench, ReferenceFrame};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::number::{Dual, Scalar, SplitMix64};
 use robot_dynamics::verification::lagrange;
@@ -421,7 +421,14 @@ fn kinematics_match_lagrange() {
             robot.require("R", max_difference(found, expected.as_flattened()), ROUNDING);
             robot.require("p", max_difference(&pose.translation, &oracle.origin()), ROUNDING * reach);
             let mut jacobian = vec![0.0; 6 * nv];
-            robot_dynamics::algorithms::frame_jacobian_world_aligned(model, w, q, frame, &mut jacobian);
+            robot_dynamics::algorithms::frame_jacobian(
+                model,
+                w,
+                q,
+                frame,
+                ReferenceFrame::LocalWorldAligned,
+                &mut jacobian,
+            );
             let (linear, angular) = (oracle.point_jacobian([0.0; 3]), oracle.angular_jacobian());
             let expected: Vec<f64> = (0..6 * nv)
                 .map(|n| if n / nv < 3 { linear[n % nv][n / nv] } else { angular[n % nv][n / nv - 3] })

@@ -1,5 +1,6 @@
 //! Batches against the functions of single states; equal bit for bit with any threads and any split.
 
+use robot_dynamics::algorithms::{ReferenceFrame, frame_jacobian};
 use robot_dynamics::batch;
 use robot_dynamics::batch::{BadStates, BatchFloat, BatchOptions, BatchWorkspace};
 use robot_dynamics::description::{RandomRobotOptions, random_robot};
@@ -329,10 +330,9 @@ fn frames_of_batch_match_single_states() {
         batch::frame_poses(model, &mut batch, &states.q, &frames, &mut poses).unwrap();
         let frame = *frames.last().unwrap();
         let mut jacobians = [(); 3].map(|()| vec![0.0; 9 * 6 * nv]);
-        let [aligned, own, world] = &mut jacobians;
-        batch::frame_jacobian_world_aligned(model, &mut batch, &states.q, frame, aligned).unwrap();
-        batch::frame_jacobian_in_frame(model, &mut batch, &states.q, frame, own).unwrap();
-        batch::frame_jacobian_in_world(model, &mut batch, &states.q, frame, world).unwrap();
+        for (reference_frame, jacobians) in ReferenceFrame::ALL.into_iter().zip(&mut jacobians) {
+            batch::frame_jacobian(model, &mut batch, &states.q, frame, reference_frame, jacobians).unwrap();
+        }
         for i in 0..9 {
             let q = &states.q[i * nq..(i + 1) * nq];
             let row = &poses[i * frames.len() * 12..(i + 1) * frames.len() * 12];
@@ -343,14 +343,11 @@ fn frames_of_batch_match_single_states() {
                 let defect = crate::common::max_difference(found, &expected);
                 robot.require(&format!("{frame:?} of state {i}"), defect, 1e-12 * size(&expected));
             }
-            let mut expected = [(); 3].map(|()| vec![0.0; 6 * nv]);
-            let [aligned, own, world] = &mut expected;
-            robot_dynamics::algorithms::frame_jacobian_world_aligned(model, &mut single, q, frame, aligned);
-            robot_dynamics::algorithms::frame_jacobian_in_frame(model, &mut single, q, frame, own);
-            robot_dynamics::algorithms::frame_jacobian_in_world(model, &mut single, q, frame, world);
-            for (form, (found, expected)) in jacobians.iter().zip(&expected).enumerate() {
+            for (reference_frame, found) in ReferenceFrame::ALL.into_iter().zip(&jacobians) {
+                let expected = &mut vec![0.0; 6 * nv][..];
+                frame_jacobian(model, &mut single, q, frame, reference_frame, expected);
                 let defect = crate::common::max_difference(&found[i * 6 * nv..(i + 1) * 6 * nv], expected);
-                let law = format!("Jacobian {form} of state {i}");
+                let law = format!("Jacobian {reference_frame:?} of state {i}");
                 robot.require(&law, defect, 1e-12 * size(expected).max(1.0));
             }
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use robot_dynamics::algorithms::{
-    forward_dynamics, frame_jacobian_world_aligned, frame_pose, inverse_dynamics,
+    ReferenceFrame, forward_dynamics, frame_jacobian, frame_pose, inverse_dynamics,
 };
 use robot_dynamics::constraints::{
     ConstrainedMotionError, ConstraintSet, ContactSupport, FrameConstraint, SupportProblem, SupportedTorque,
@@ -94,7 +94,7 @@ fn floating() -> RandomRobotOptions {
 fn jacobian(model: &Model, q: &[f64], support: &ContactSupport) -> DMatrix<f64> {
     let (w, nv) = (&mut Workspace::new(model), model.nv());
     let mut rows = vec![0.0; 6 * nv];
-    frame_jacobian_world_aligned(model, w, q, support.frame, &mut rows);
+    frame_jacobian(model, w, q, support.frame, ReferenceFrame::LocalWorldAligned, &mut rows);
     let pose = frame_pose(model, w, q, support.frame);
     let turn = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
     let lever = (turn * Vector3::from(support.point)).cross_matrix();

@@ -1,6 +1,6 @@
 //! Grips of a point of the robot, and the mass that the hand feels there.
 
-use robot_dynamics::algorithms::{frame_jacobian_world_aligned, frame_pose};
+use robot_dynamics::algorithms::{ReferenceFrame, frame_jacobian, frame_pose};
 use robot_dynamics::control::{InverseKinematicsError, InverseKinematicsOptions, inverse_kinematics};
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -31,7 +31,14 @@ impl Robot {
     #[wasm_bindgen(js_name = feltMass)]
     pub fn felt_mass(&mut self) -> Option<FeltMass> {
         let Hand { model, workspace, point, jacobian, .. } = self.hand.as_mut()?;
-        frame_jacobian_world_aligned(model, workspace, self.simulation.q(), *point, jacobian);
+        frame_jacobian(
+            model,
+            workspace,
+            self.simulation.q(),
+            *point,
+            ReferenceFrame::LocalWorldAligned,
+            jacobian,
+        );
         let eigen = mobility(model, workspace, self.simulation.q(), jacobian).symmetric_eigen();
         let masses =
             eigen.eigenvalues.iter().map(|m| if *m > 1e-9 { 1.0 / m } else { f64::INFINITY }).collect();

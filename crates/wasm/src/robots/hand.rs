@@ -4,10 +4,10 @@
 //! At rest, inverse kinematics moves p to p\*, as close as the joints' limits allow.
 
 use nalgebra::{DMatrix, Matrix3, Matrix3xX};
-use robot_dynamics::algorithms::{frame_jacobian_world_aligned, frame_pose, inverse_mass_matrix};
+use robot_dynamics::algorithms::{ReferenceFrame, frame_jacobian, frame_pose, inverse_mass_matrix};
 use robot_dynamics::description::{FrameDescription, Pose};
 use robot_dynamics::model::{FrameId, Model, Workspace};
-use robot_dynamics::simulation::{AppliedWrench, ReferenceFrame};
+use robot_dynamics::simulation::AppliedWrench;
 
 use crate::LabError;
 
@@ -69,7 +69,7 @@ impl Hand {
         let model = Model::new(description)?;
         let (mut workspace, nv) = (Workspace::new(&model), model.nv());
         let (point, mut jacobian) = (model.frame_named(&name)?, vec![0.0; 6 * nv]);
-        frame_jacobian_world_aligned(&model, &mut workspace, q, point, &mut jacobian);
+        frame_jacobian(&model, &mut workspace, q, point, ReferenceFrame::LocalWorldAligned, &mut jacobian);
         // The effective mass 3/tr(J M⁻¹ Jᵀ). It averages over all directions, and the lightest is at most
         // three times lighter.
         let mobility = mobility(&model, &mut workspace, q, &jacobian).trace();
@@ -94,7 +94,7 @@ impl Hand {
         let Self { model, workspace, point, target, stiffness, damping, most, jacobian, .. } = self;
         let nv = v.len();
         let at = frame_pose(model, workspace, q, *point).translation;
-        frame_jacobian_world_aligned(model, workspace, q, *point, jacobian);
+        frame_jacobian(model, workspace, q, *point, ReferenceFrame::LocalWorldAligned, jacobian);
         let rows = &jacobian[..3 * nv];
         let mut force = [0.0; 3];
         for (k, f) in force.iter_mut().enumerate() {

@@ -117,7 +117,7 @@ pub fn inverse_dynamics_pullback<S: Scalar>(
 /// [`ParameterCotangents`](crate::ParameterCotangents). The cotangents are **added**, so that calls along a
 /// trajectory accumulate. The inertial ones are λᵀY of the
 /// [`joint_torque_regressor`](crate::joint_torque_regressor). The cotangent of a wrench is −J λ: the
-/// [`frame_velocity_in_frame`](crate::frame_velocity_in_frame) at v = −λ.
+/// [`frame_velocity`](crate::frame_velocity) in `ReferenceFrame::Local` at v = −λ.
 ///
 /// ```
 /// use robot_dynamics::derivatives::ParameterCotangents;

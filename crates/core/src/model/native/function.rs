@@ -4,7 +4,7 @@
 use robot_dynamics_expression::{Graph, Operand};
 use robot_dynamics_integrators::Integrator;
 
-use crate::FrameId;
+use crate::{FrameId, ReferenceFrame};
 
 /// A function that may be computed by machine code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -50,13 +50,15 @@ pub enum NativeFunction {
     FramePoses,
     /// `world_from_frame` of a frame.
     FramePose,
-    /// A frame's Jacobian along the world's axes.
-    FrameJacobianWorldAligned,
-    /// A frame's Jacobian along its own axes.
-    FrameJacobianInFrame,
-    /// The Jacobian of the point of a frame's body that coincides with the world's origin, along the world's
-    /// axes.
-    FrameJacobianInWorld,
+    /// A frame's Jacobian in [`ReferenceFrame::LocalWorldAligned`].
+    #[doc(alias = "FrameJacobianWorldAligned")]
+    FrameJacobianLocalWorldAligned,
+    /// A frame's Jacobian in [`ReferenceFrame::Local`].
+    #[doc(alias = "FrameJacobianInFrame")]
+    FrameJacobianLocal,
+    /// A frame's Jacobian in [`ReferenceFrame::World`].
+    #[doc(alias = "FrameJacobianInWorld")]
+    FrameJacobianWorld,
     /// ∂τ/∂q, ∂τ/∂v.
     InverseDynamicsDerivatives,
     /// ∂a/∂q, ∂a/∂v, ∂a/∂τ.
@@ -109,9 +111,9 @@ impl NativeFunction {
         Self::GravityDerivative,
         Self::FramePoses,
         Self::FramePose,
-        Self::FrameJacobianWorldAligned,
-        Self::FrameJacobianInFrame,
-        Self::FrameJacobianInWorld,
+        Self::FrameJacobianLocalWorldAligned,
+        Self::FrameJacobianLocal,
+        Self::FrameJacobianWorld,
         Self::InverseDynamicsDerivatives,
         Self::ForwardDynamicsDerivatives,
         Self::InverseDynamicsPullback,
@@ -130,12 +132,13 @@ impl NativeFunction {
     /// The functions of one frame. Each has separate code for each frame.
     pub const OF_FRAMES: [Self; 4] = [
         Self::FramePose,
-        Self::FrameJacobianWorldAligned,
-        Self::FrameJacobianInFrame,
-        Self::FrameJacobianInWorld,
+        Self::FrameJacobianLocalWorldAligned,
+        Self::FrameJacobianLocal,
+        Self::FrameJacobianWorld,
     ];
 
-    /// The name of the library's function.
+    /// The name of the library's function. That of a frame's Jacobian ends with
+    /// [`ReferenceFrame::name`].
     ///
     /// ```
     /// assert_eq!(robot_dynamics::model::NativeFunction::MassMatrix.name(), "mass_matrix");
@@ -162,9 +165,9 @@ impl NativeFunction {
             Self::GravityDerivative => "gravity_derivative",
             Self::FramePoses => "frame_poses",
             Self::FramePose => "frame_pose",
-            Self::FrameJacobianWorldAligned => "frame_jacobian_world_aligned",
-            Self::FrameJacobianInFrame => "frame_jacobian_in_frame",
-            Self::FrameJacobianInWorld => "frame_jacobian_in_world",
+            Self::FrameJacobianLocalWorldAligned => "frame_jacobian_local_world_aligned",
+            Self::FrameJacobianLocal => "frame_jacobian_local",
+            Self::FrameJacobianWorld => "frame_jacobian_world",
             Self::InverseDynamicsDerivatives => "inverse_dynamics_derivatives",
             Self::ForwardDynamicsDerivatives => "forward_dynamics_derivatives",
             Self::InverseDynamicsPullback => "inverse_dynamics_pullback",
@@ -180,6 +183,15 @@ impl NativeFunction {
             }
             Self::Rk4StepPullback => "rk4_step_pullback",
             Self::ConservativeRk4StepPullback => "conservative_rk4_step_pullback",
+        }
+    }
+
+    /// The function of a frame's Jacobian.
+    pub fn frame_jacobian(reference_frame: ReferenceFrame) -> Self {
+        match reference_frame {
+            ReferenceFrame::Local => Self::FrameJacobianLocal,
+            ReferenceFrame::World => Self::FrameJacobianWorld,
+            ReferenceFrame::LocalWorldAligned => Self::FrameJacobianLocalWorldAligned,
         }
     }
 

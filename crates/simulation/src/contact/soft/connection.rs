@@ -7,7 +7,7 @@
 //! 4.0)**
 
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
-use robot_dynamics_core::{FrameId, frame_bias_acceleration_world_aligned, frame_velocity_world_aligned};
+use robot_dynamics_core::{FrameId, ReferenceFrame, frame_bias_acceleration, frame_velocity};
 use robot_dynamics_description::Softness;
 
 use super::impedance::Response;
@@ -37,10 +37,12 @@ impl Connection {
     ) {
         let State { model, workspace, q, v, h, .. } = state;
         let [(turn, at), (other_turn, other_at)] = self.frames.map(|frame| placement.frame(model, frame));
-        let drift =
-            self.frames.map(|frame| frame_bias_acceleration_world_aligned(model, workspace, q, v, frame));
-        let spin =
-            self.frames.map(|frame| frame_velocity_world_aligned(model, workspace, q, v, frame).angular);
+        let drift = self.frames.map(|frame| {
+            frame_bias_acceleration(model, workspace, q, v, frame, ReferenceFrame::LocalWorldAligned)
+        });
+        let spin = self.frames.map(|frame| {
+            frame_velocity(model, workspace, q, v, frame, ReferenceFrame::LocalWorldAligned).angular
+        });
         let apart = at - other_at;
         let turned = Rotation3::from_matrix_unchecked(other_turn.transpose() * turn);
         let between = UnitQuaternion::from_rotation_matrix(&turned);
