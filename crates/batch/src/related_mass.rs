@@ -1,4 +1,8 @@
-//! The structurally nonzero entries of M.
+//! The structurally nonzero entries of M(q), on and above the diagonal: M_ij of which one DoF is an ancestor
+//! of the other.
+//!
+//! The algorithm is that of the mass matrix, O(n depth). A chain has half of the entries of M, a tree with
+//! many branches far fewer. The bits are those of `mass_matrix`.
 
 use robot_dynamics_core::Model;
 

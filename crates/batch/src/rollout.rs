@@ -1,4 +1,11 @@
-//! Rollouts of batches.
+//! Rollouts of batches: (q, v) ← step(q, v, τ, h), repeated for each state of a table.
+//!
+//! The rows of the table of integrators run over the lanes of registers and over threads.
+//! `rollout_by_stepper` takes any other stepper, state by state. Cost: steps × that of a step, without
+//! allocation except for policies.
+//!
+//! A state that becomes invalid is listed and gets NaN; all others are valid. The bits do not depend on the
+//! number of threads.
 
 mod error;
 mod job;

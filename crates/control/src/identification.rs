@@ -5,6 +5,10 @@
 //! others, define the base parameters β = π_b + K π_d. Least squares determines β from data, and β determines
 //! every torque.
 //!
+//! Cost: O(rows · parameters²) for the factorization. Motions that excite few combinations give a large
+//! condition number, and noise then dominates. Least squares does not ensure positive masses;
+//! [`physical_consistency`] lists links with impossible values.
+//!
 //! Sources:
 //! - Atkeson, An, Hollerbach (1986), as in
 //!   [`joint_torque_regressor`](robot_dynamics_core::joint_torque_regressor).

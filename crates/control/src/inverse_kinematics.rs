@@ -1,4 +1,13 @@
-//! Inverse kinematics: a configuration with a given pose or position of a frame.
+//! Inverse kinematics: a configuration with a given pose or position of a frame, T(q) = T\* or p(q) = p\*.
+//!
+//! Damped least-squares steps q ← q ⊕ δ with δ = −Jₑᵀ(JₑJₑᵀ + λ1)⁻¹e, e = log(T\*⁻¹T) and λ proportional to
+//! |e|². A coordinate that would exceed its limit stops there. Random starts follow if one start fails. A step
+//! costs O(n) for the Jacobian, and a 6×6 system.
+//!
+//! Several configurations may have the pose: the result is near the start, not necessarily the nearest. It
+//! depends on the seed. Sources: Sugihara, *Solvability-unconcerned inverse kinematics by the
+//! Levenberg–Marquardt method*, IEEE Trans. Robotics 27 (2011); Beeson, Ames, *TRAC-IK*, Humanoids 2015.
+//! **(MR §6.2)**
 
 mod attempt;
 pub(crate) mod bounds;

@@ -1,4 +1,12 @@
-//! The infinite-horizon linear-quadratic regulator in discrete time.
+//! The infinite-horizon linear-quadratic regulator in discrete time: u = −K x minimizes Σ (xᵀQx + uᵀRu) along
+//! x ← A x + B u.
+//!
+//! P = Q + AᵀP A − AᵀP B (R + BᵀP B)⁻¹BᵀP A by structure-preserving doubling, then Newton's method (Hewer
+//! 1971). Cost: O(n³) for each of some dozens of doublings.
+//!
+//! K belongs to one length of step. A growing mode that B cannot move or Q does not penalize is an error.
+//! Source: Chu, Fan, Lin, Wang, *Structure-preserving algorithms for periodic discrete-time algebraic Riccati
+//! equations*, Int. J. Control 77 (2004).
 
 mod diagnosis;
 mod error;

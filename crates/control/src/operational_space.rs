@@ -1,7 +1,12 @@
 //! Operational-space dynamics, and controllers that track a motion.
 //!
-//! Source of the operational-space quantities: Khatib, *A unified approach for motion and force control of
-//! robot manipulators*, IEEE J. Robotics and Automation 3 (1987).
+//! Λ ẍ + μ + p = F at a frame, with Λ = (J M⁻¹Jᵀ)⁻¹, J̄ = M⁻¹JᵀΛ and τ = JᵀF. M⁻¹Jᵀ comes from the sparse
+//! factor of M, O(n depth²) and O(n depth) for each of at most six columns.
+//!
+//! Λ does not exist at a singular pose. Controllers damp it near one, and return an error at it.
+//!
+//! Source: Khatib, *A unified approach for motion and force control of robot manipulators*, IEEE J. Robotics
+//! and Automation 3 (1987).
 
 mod actuated_part;
 mod computed_torque;

@@ -4,6 +4,10 @@
 //! c(s) = τ, linear in u = s̈ and x = ṡ² **(PRM ch. 11; MR §9.4)**. Limits of torque and velocity at s are
 //! therefore half-planes of (u, x), and x′ = 2 s̈. A backward pass finds the values of x from which the
 //! motion can still stop in time. A forward pass takes the largest of them.
+//!
+//! Cost: O(n) for the coefficients of each grid point, and the intersection of half-planes there.
+//! Limits hold at grid points; the grid is refined where they are exceeded between these. Jerk is not
+//! limited.
 
 mod coefficients;
 mod grid;

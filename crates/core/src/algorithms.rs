@@ -1,4 +1,10 @@
 //! The recursions: each quantity of the equation of motion in O(n), or O(n) per row.
+//!
+//! M(q) v̇ + C(q, v) v + g(q) = τ. Outward passes carry motions from the root to the leaves, inward passes
+//! carry forces and inertias back. Each file states its equation, algorithm, source and cost. The functions
+//! do not allocate, and they do not check their numbers: NaN propagates.
+//!
+//! Sources: RBDA, and the papers that the files name.
 
 pub mod center_of_mass;
 pub(crate) mod centroidal;

@@ -1,4 +1,17 @@
 //! Contact: the search for contact points, and the convex problem of the contact forces.
+//!
+//! A contact with the gap g, the velocity c and the impulse p has c_n ≥ 0, p_n ≥ 0, p_n c_n = 0 (Signorini)
+//! and |p_t| ≤ μ p_n, with p_t against c_t where it slides (Coulomb). `cone_problem` has the equations, the
+//! algorithm and its sources.
+//!
+//! 1. `candidates` finds pairs of shapes that are near each other, by a sweep along one axis.
+//! 2. `form`, `closest`, `field` and `convex` compute contact points. Each has a number that stays the same
+//!    from step to step.
+//! 3. `cone_problem` computes the impulses of all contacts, limits, friction and equalities. `soft` computes
+//!    the forces of MuJoCo's law instead.
+//!
+//! Cost: each Newton step factors a matrix with the zeros of M. Contacts are tested at the ends of steps
+//! only, so a fast body can pass another within one step.
 
 mod candidates;
 mod closest;

@@ -1,4 +1,6 @@
-//! Ṁ by differentiation of the composite-rigid-body algorithm over dual numbers. Cost: O(n depth).
+//! Ṁ(q, v) = Σₖ ∂M/∂qₖ q̇ₖ, by the composite-rigid-body algorithm over dual numbers. Cost: O(n depth).
+//!
+//! For robots with q̇ = v, Ṁ = C + Cᵀ. This module shares no step with the Coriolis matrix and checks it.
 
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::{Dual, Scalar};

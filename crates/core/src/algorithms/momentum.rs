@@ -1,4 +1,7 @@
-//! The derivatives of the kinetic energy by v (generalized momentum) and by q. Cost: O(n).
+//! The derivatives of the kinetic energy K = ½ vᵀM(q) v: the momentum p = ∂K/∂v = M v, and ∂K/∂q.
+//!
+//! p is the momentum of each DoF's subtree, projected on its motion, without M. For a quaternion joint, entry
+//! k of ∂K/∂q is the rate of K along the motion eₖ at constant v. Cost: O(n).
 
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::Scalar;

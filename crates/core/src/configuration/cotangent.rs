@@ -1,4 +1,8 @@
-//! Conversion of gradients by q between displacements (nv numbers) and coordinates (nq numbers).
+//! Conversion of gradients by q between displacements (nv numbers) and coordinates (nq numbers). Cost: O(n).
+//!
+//! x̄ = R ū for a floating joint's position, q̄ = 2 q ⊗ (w̄, 0)/|q|² for a quaternion. This is the gradient
+//! of a function of the quaternion's direction, F(q/|q|). A function that depends on |q| has another
+//! component along q.
 
 use robot_dynamics_description::{check_length, rotation_of};
 use robot_dynamics_number::Scalar;

@@ -4,6 +4,7 @@
 //! coordinates are plain numbers. Quaternions cannot be added, so a displacement δ is in the space of v (nv
 //! numbers, body frame), and q ⊕ δ moves q by it. q ⊕ δ is the exponential of SO(3) or SE(3) for those
 //! joints, and the sum for the rest. δ = v·t is the displacement at constant body velocity v in t seconds.
+//! Cost: O(n). q₁ ⊖ q₀ is not unique at half a turn.
 
 mod check;
 mod random;

@@ -1,4 +1,8 @@
-//! The derivative of the centre of mass's velocity.
+//! ∂ċ/∂q, the derivative of the centre of mass's velocity at constant v. Cost: O(n).
+//!
+//! m ∂ċ/∂q_j is the linear part of σ × p + I (V × S). Here p and I are the momentum and inertia of the
+//! subtree of j, S = (s, σ) its motion, and V the velocity of its parent. ∂c/∂q and ∂ċ/∂v are both the
+//! Jacobian of the centre of mass.
 
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::Scalar;

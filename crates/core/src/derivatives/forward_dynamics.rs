@@ -1,4 +1,10 @@
-//! The derivatives of forward dynamics.
+//! ∂a/∂q, ∂a/∂v and ∂a/∂τ of forward dynamics a = M⁻¹(τ − C v − g). Cost: O(nv² depth).
+//!
+//! τ = ID(q, v, a) holds for every a, so ∂a/∂q = −M⁻¹ ∂ID/∂q, ∂a/∂v = −M⁻¹ ∂ID/∂v and ∂a/∂τ = M⁻¹ at the
+//! acceleration of the state. Source: Carpentier, Mansard, *Analytical derivatives of rigid body dynamics
+//! algorithms*, RSS (2018).
+//!
+//! Damping and friction are not included. If M is singular, the entries are not finite.
 
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};

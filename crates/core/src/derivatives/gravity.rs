@@ -1,4 +1,8 @@
-//! The Hessian of the potential energy.
+//! The Hessian ∂g/∂q of the potential energy, springs included. Cost: O(n depth).
+//!
+//! For a DoF i and a DoF j of a descendant's or the same body, ∂g_j/∂q_i = (m_j s_j + σ_j × h_j)·(−g × σ_i).
+//! Here m and h are the mass and first moment of the subtree of j, and (s, σ) is the motion of a DoF. The
+//! DoFs of one spherical or floating joint do not commute, so their block is not symmetric.
 
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::Scalar;

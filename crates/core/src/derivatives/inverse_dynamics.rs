@@ -1,4 +1,7 @@
-//! The derivatives of inverse dynamics.
+//! ∂τ/∂q and ∂τ/∂v of inverse dynamics τ = M a + C v + g. Cost: O(n depth).
+//!
+//! ∂τ/∂a is M. The equations and sources are those of the module `derivatives`. Columns of ∂τ/∂q are rates
+//! along q ⊕ δ eⱼ, so the matrix is symmetric only at rest and without quaternions.
 
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};

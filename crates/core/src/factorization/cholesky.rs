@@ -1,4 +1,6 @@
-//! Dense Cholesky factorization M = L Lᵀ over any scalar type, row-major, in place.
+//! Dense Cholesky factorization M = L Lᵀ over any scalar type, row-major, in place. Cost: n³/3 operations.
+//!
+//! Only the lower triangle is read and written. A pivot that is not positive gives NaN or infinity.
 
 use robot_dynamics_number::Scalar;
 

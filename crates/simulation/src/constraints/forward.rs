@@ -1,4 +1,10 @@
-//! Forward dynamics with multipliers.
+//! Forward dynamics with multipliers: M a + C v + g = τ + Aᵀλ, A a = −Ȧv. **(PRM 10.16–10.17)**
+//!
+//! With A = T E and E M⁻¹Eᵀ = 1 (`row_factor`), a = a₀ + M⁻¹Eᵀw with w = T⁻¹(−Ȧv) − E a₀, and Tᵀλ = w. Cost:
+//! O(K² nv + K nv depth) for K rows.
+//!
+//! Multipliers of dependent rows are not unique. Baumgarte's terms, if requested, replace −Ȧv by −Ȧv − 2γAv −
+//! γ²φ.
 
 use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::{Model, Workspace, bias};

@@ -1,4 +1,8 @@
-//! The velocity jump at an impact on a constraint.
+//! The velocity jump at an impact on a constraint: v⁺ = v⁻ + M⁻¹Aᵀι with A v⁺ = −e A v⁻. **(RBDA §11.7)**
+//!
+//! ι = −(1 + e) Λ⁻¹A v⁻ with Λ = A M⁻¹Aᵀ, by the factor of `row_factor`. Cost: O(K² nv + K nv depth). 0 ≤ e ≤
+//! 1 loses energy, e = 1 conserves it. All rows take part at once; contacts that separate need the cone
+//! problem.
 
 use nalgebra::DVector;
 use robot_dynamics_core::{Model, Workspace};

@@ -1,4 +1,8 @@
-//! Inverse dynamics with multipliers: the torques of the motors alone.
+//! Inverse dynamics with multipliers: τ + Aᵀλ = M a + C v + g with τ = 0 on coordinates without a motor.
+//!
+//! These coordinates fix a part of λ by least squares. The rest minimizes |τ|. Cost: O(K² nv). The
+//! acceleration is not checked against A a + Ȧv = 0. The forces may have either sign: use `support` for
+//! contacts that cannot pull.
 
 use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::factorization::singular_values::SingularValues;

@@ -1,4 +1,7 @@
-//! The projections that eliminate the constraint force from the equation of motion.
+//! The projections that eliminate the constraint force from the equation of motion. **(PRM 10.18–10.19)**
+//!
+//! P_u = 1 − Aᵀ(A M⁻¹Aᵀ)⁻¹A M⁻¹ has P_u Aᵀ = 0, and P = P_uᵀ has A P = 0. Cost: O(K nv²). Both are dense
+//! nv×nv matrices; steps use the factor of `row_factor` instead.
 
 use nalgebra::DMatrix;
 use robot_dynamics_core::{Model, Workspace};

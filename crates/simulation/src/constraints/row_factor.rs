@@ -1,4 +1,8 @@
-//! The rows of A made orthonormal in the metric M⁻¹, by the sparse factor M = LᵀDL.
+//! The rows of A made orthonormal in the metric M⁻¹, by the sparse factor M = LᵀDL: A = T E, E M⁻¹Eᵀ = 1.
+//!
+//! Gram–Schmidt is applied twice to every row. Λ = A M⁻¹Aᵀ = T Tᵀ is never formed, because its condition
+//! number is the square of T's. Dependent rows get a zero row in E and are listed. Cost: O(K² nv + K nv
+//! depth). Source: Golub, Van Loan, *Matrix Computations* (2013), ch. 5.2.
 
 use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::factorization::sparse;

@@ -1,4 +1,10 @@
-//! The discrete linear system of one step of an explicit row.
+//! The exact derivatives A and B of one explicit step: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ.
+//!
+//! The chain rule is applied to the stages, with the derivatives of forward dynamics and of q ⊕ Θ. **(HLW
+//! §III.4)** Cost: O(nv² depth) for each stage, and products of nv×3nv matrices.
+//!
+//! δq has nv numbers, also with quaternions. The sign of a friction force is held constant. Variational rows
+//! solve an equation and are refused; `differences` serves every other stepper.
 
 mod differences;
 mod displacement;
