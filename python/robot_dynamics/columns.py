@@ -33,7 +33,7 @@ def array_of(batch: Any, column: str, name: str, width: int, part: slice, robot:
 
     Returns
     -------
-    ndarray, (rows, width)
+    ndarray, shape (rows, width)
         Numbers of the column.
 
     Raises
@@ -77,7 +77,7 @@ def column_of(array: NDArray[Any], bad: NDArray[np.intp]) -> Any:
 
     Parameters
     ----------
-    array : ndarray, (rows, ...)
+    array : ndarray, shape (rows, ...)
         Numbers of the column.
     bad : ndarray of int
         Rows that become null.

@@ -257,9 +257,9 @@ def constraint_rows(
     ----------
     constraints : Constraints
         Constraints of this robot.
-    q : array_like, (nq,)
+    q : array_like, shape (nq,)
         Configuration.
-    v : array_like, (nv,), optional
+    v : array_like, shape (nv,), optional
         Velocity [rad/s or m/s]; default: 0.
 
     Returns
@@ -301,11 +301,11 @@ def constrained_forward_dynamics(
     ----------
     constraints : Constraints
         Constraints of this robot.
-    q : array_like, (nq,)
+    q : array_like, shape (nq,)
         Configuration.
-    v : array_like, (nv,)
+    v : array_like, shape (nv,)
         Velocity [rad/s or m/s].
-    tau : array_like, (nv,), optional
+    tau : array_like, shape (nv,), optional
         Torques [N·m or N]; default: 0.
     stabilization : float, optional
         Baumgarte's rate γ [1/s].
@@ -353,13 +353,13 @@ def constrained_inverse_dynamics(
     ----------
     constraints : Constraints
         Constraints of this robot.
-    q : array_like, (nq,)
+    q : array_like, shape (nq,)
         Configuration.
-    v : array_like, (nv,)
+    v : array_like, shape (nv,)
         Velocity [rad/s or m/s].
-    a : array_like, (nv,)
+    a : array_like, shape (nv,)
         Acceleration [rad/s² or m/s²], which keeps the constraints.
-    actuated : sequence of bool, (nv,), optional
+    actuated : sequence of bool, shape (nv,), optional
         Coordinates that motors drive; default: `actuated_dofs`.
 
     Returns
@@ -408,13 +408,13 @@ def supported_inverse_dynamics(
     ----------
     supports : sequence of Support
         Points on which the robot stands.
-    q : array_like, (nq,)
+    q : array_like, shape (nq,)
         Configuration.
-    v : array_like, (nv,)
+    v : array_like, shape (nv,)
         Velocity [rad/s or m/s].
-    a : array_like, (nv,)
+    a : array_like, shape (nv,)
         Acceleration [rad/s² or m/s²], at which the supports should be at rest.
-    actuated : sequence of bool, (nv,), optional
+    actuated : sequence of bool, shape (nv,), optional
         Coordinates that motors drive; default: `actuated_dofs`.
     constraints : Constraints, optional
         Closed loops, whose forces have either sign.
@@ -463,9 +463,9 @@ def contact_impulse(
     ----------
     constraints : Constraints
         Constraints of this robot that hold after the impact.
-    q : array_like, (nq,)
+    q : array_like, shape (nq,)
         Configuration.
-    v : array_like, (nv,)
+    v : array_like, shape (nv,)
         Velocity before the impact [rad/s or m/s].
     restitution : float
         Coefficient of restitution e, from 0 to 1.
@@ -506,18 +506,18 @@ def project(
     ----------
     constraints : Constraints
         Constraints of this robot.
-    q : array_like, (nq,)
+    q : array_like, shape (nq,)
         Configuration.
-    v : array_like, (nv,), optional
+    v : array_like, shape (nv,), optional
         Velocity [rad/s or m/s]; default: 0.
     tolerance : float
         Largest |φ| that is allowed [m or rad].
 
     Returns
     -------
-    q : ndarray, (nq,)
+    q : ndarray, shape (nq,)
         Projected configuration.
-    v : ndarray, (nv,)
+    v : ndarray, shape (nv,)
         Projected velocity [rad/s or m/s].
 
     Raises
@@ -546,7 +546,7 @@ def constraint_projections(robot: Robot, constraints: Constraints, q: Numbers) -
     ----------
     constraints : Constraints
         Constraints of this robot.
-    q : array_like, (nq,)
+    q : array_like, shape (nq,)
         Configuration.
 
     Returns

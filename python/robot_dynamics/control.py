@@ -54,12 +54,12 @@ class OperationalSpace:
 
         Parameters
         ----------
-        acceleration : array_like, (rows,)
+        acceleration : array_like, shape (rows,)
             Acceleration ẍ of the frame [m/s² or rad/s²].
 
         Returns
         -------
-        ndarray, (nv,)
+        ndarray, shape (nv,)
             Torques [N·m or N].
         """
         force: Array = self.inertia @ np.asarray(acceleration, np.float64) + self.bias_force
@@ -71,12 +71,12 @@ class OperationalSpace:
 
         Parameters
         ----------
-        tau : array_like, (nv,)
+        tau : array_like, shape (nv,)
             Torques [N·m or N].
 
         Returns
         -------
-        ndarray, (nv,)
+        ndarray, shape (nv,)
             Torques [N·m or N].
         """
         given = np.asarray(tau, np.float64)
@@ -101,13 +101,13 @@ def dlqr(A: Numbers, B: Numbers, Q: Numbers, R: Numbers) -> Dlqr:
 
     Parameters
     ----------
-    A : array_like, (n, n)
+    A : array_like, shape (n, n)
         State matrix.
-    B : array_like, (n, m)
+    B : array_like, shape (n, m)
         Input matrix.
-    Q : array_like, (n, n)
+    Q : array_like, shape (n, n)
         Cost of the state, symmetric and positive semidefinite.
-    R : array_like, (m, m)
+    R : array_like, shape (m, m)
         Cost of the input, symmetric and positive definite.
 
     Returns
@@ -149,9 +149,9 @@ def inverse_kinematics(
     ----------
     frame : str or int
         Name or number of the frame.
-    target : array_like, (4, 4) or (3,)
+    target : array_like, shape (4, 4) or (3,)
         Pose of the frame, or position of its origin, in the world [m].
-    start : array_like, (nq,), optional
+    start : array_like, shape (nq,), optional
         First configuration; default: the neutral configuration.
     position_tolerance : float
         Largest distance from the target [m].
@@ -213,9 +213,9 @@ def operational_space(
 
     Parameters
     ----------
-    q : array_like, (nq,)
+    q : array_like, shape (nq,)
         Configuration.
-    v : array_like, (nv,), optional
+    v : array_like, shape (nv,), optional
         Velocity [rad/s or m/s]; 0 for `None`.
     frame : str or int
         Name or number of the frame.

@@ -147,7 +147,7 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
 
         Parameters
         ----------
-        mask : ndarray of bool, (num_envs,)
+        mask : ndarray of bool, shape (num_envs,)
             Environments to start.
         """
         raise NotImplementedError
@@ -157,7 +157,7 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
 
         Returns
         -------
-        ndarray, (num_envs, observations)
+        ndarray, shape (num_envs, observations)
             Observations.
         """
         raise NotImplementedError
@@ -167,12 +167,12 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
 
         Parameters
         ----------
-        actions : ndarray, (num_envs, actions)
+        actions : ndarray, shape (num_envs, actions)
             Actions of the last control step, clipped to [−1, 1].
 
         Returns
         -------
-        ndarray, (num_envs,)
+        ndarray, shape (num_envs,)
             Rewards.
         """
         raise NotImplementedError
@@ -182,12 +182,12 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
 
         Parameters
         ----------
-        actions : ndarray, (num_envs, actions)
+        actions : ndarray, shape (num_envs, actions)
             Actions in [−1, 1].
 
         Returns
         -------
-        ndarray, (num_envs, nv)
+        ndarray, shape (num_envs, nv)
             Torques [N·m or N].
         """
         torques = np.zeros_like(self.v)
@@ -200,12 +200,12 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
 
         Parameters
         ----------
-        actions : ndarray, (num_envs, actions)
+        actions : ndarray, shape (num_envs, actions)
             Actions in [−1, 1].
 
         Returns
         -------
-        ndarray, (num_envs, actuators)
+        ndarray, shape (num_envs, actuators)
             Controls.
         """
         if len(self.control_range) == 0:
@@ -228,7 +228,7 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
 
         Returns
         -------
-        observations : ndarray, (num_envs, observations)
+        observations : ndarray, shape (num_envs, observations)
             Observations.
         info : dict
             Empty.
@@ -253,18 +253,18 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
 
         Parameters
         ----------
-        actions : array_like, (num_envs, actions)
+        actions : array_like, shape (num_envs, actions)
             Actions, which are clipped to [−1, 1].
 
         Returns
         -------
-        observations : ndarray, (num_envs, observations)
+        observations : ndarray, shape (num_envs, observations)
             Observations.
-        rewards : ndarray, (num_envs,)
+        rewards : ndarray, shape (num_envs,)
             Rewards.
-        terminated : ndarray of bool, (num_envs,)
+        terminated : ndarray of bool, shape (num_envs,)
             Whether the state diverged.
-        truncated : ndarray of bool, (num_envs,)
+        truncated : ndarray of bool, shape (num_envs,)
             Whether the episode reached `horizon`.
         info : dict
             Empty.
@@ -424,7 +424,7 @@ class Reach(RobotEnv):
 
         Returns
         -------
-        ndarray, (num_envs, 3)
+        ndarray, shape (num_envs, 3)
             Positions [m].
         """
         where: NDArray[np.float64] = self.robot.frame_pose(self.q, self.frame)[:, :3, 3]

@@ -92,13 +92,13 @@ def identify(
 
     Parameters
     ----------
-    q : array_like, (n, nq)
+    q : array_like, shape (n, nq)
         Recorded configurations.
-    v : array_like, (n, nv)
+    v : array_like, shape (n, nv)
         Recorded velocities [rad/s or m/s].
-    a : array_like, (n, nv)
+    a : array_like, shape (n, nv)
         Recorded accelerations [rad/s² or m/s²].
-    tau : array_like, (n, nv)
+    tau : array_like, shape (n, nv)
         Recorded torques [N·m or N].
     base : BaseParameters, optional
         Combinations to identify; default: those that this motion excites.
@@ -134,7 +134,7 @@ def physical_consistency(robot: Robot, parameters: Numbers) -> tuple[LinkConsist
 
     Parameters
     ----------
-    parameters : array_like, (10 · moving links,)
+    parameters : array_like, shape (10 · moving links,)
         Inertial parameters π, in the order of `inertial_parameters`.
 
     Returns

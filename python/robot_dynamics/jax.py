@@ -49,18 +49,18 @@ def inverse_dynamics(
     ----------
     robot : Robot
         Robot, whose geometry is used.
-    q : jax.Array, (..., nq)
+    q : jax.Array, shape (..., nq)
         Configuration.
-    v : jax.Array, (..., nv)
+    v : jax.Array, shape (..., nv)
         Velocity [rad/s or m/s].
-    a : jax.Array, (..., nv)
+    a : jax.Array, shape (..., nv)
         Acceleration [rad/s² or m/s²].
-    parameters : jax.Array, (n,) or (..., n), optional
+    parameters : jax.Array, shape (n,) or (..., n), optional
         Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
 
     Returns
     -------
-    jax.Array, (..., nv)
+    jax.Array, shape (..., nv)
         Torques τ [N·m or N]; NaN for invalid states.
 
     Raises
@@ -84,18 +84,18 @@ def forward_dynamics(
     ----------
     robot : Robot
         Robot, whose geometry is used.
-    q : jax.Array, (..., nq)
+    q : jax.Array, shape (..., nq)
         Configuration.
-    v : jax.Array, (..., nv)
+    v : jax.Array, shape (..., nv)
         Velocity [rad/s or m/s].
-    tau : jax.Array, (..., nv)
+    tau : jax.Array, shape (..., nv)
         Torques [N·m or N].
-    parameters : jax.Array, (n,) or (..., n), optional
+    parameters : jax.Array, shape (n,) or (..., n), optional
         Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
 
     Returns
     -------
-    jax.Array, (..., nv)
+    jax.Array, shape (..., nv)
         Acceleration a [rad/s² or m/s²]; NaN for invalid states and singular M.
 
     Raises
@@ -117,12 +117,12 @@ def mass_matrix(robot: Robot, q: jax.Array) -> jax.Array:
     ----------
     robot : Robot
         Robot.
-    q : jax.Array, (..., nq)
+    q : jax.Array, shape (..., nq)
         Configuration.
 
     Returns
     -------
-    jax.Array, (..., nv, nv)
+    jax.Array, shape (..., nv, nv)
         M(q) [kg·m², kg·m, kg]; NaN for invalid states.
 
     Raises
@@ -144,14 +144,14 @@ def frame_pose(robot: Robot, q: jax.Array, frame: str | int) -> jax.Array:
     ----------
     robot : Robot
         Robot.
-    q : jax.Array, (..., nq)
+    q : jax.Array, shape (..., nq)
         Configuration.
     frame : str or int
         Name or number of the frame.
 
     Returns
     -------
-    jax.Array, (..., 4, 4)
+    jax.Array, shape (..., 4, 4)
         `world_from_frame`, p in metres; NaN for invalid states.
 
     Raises
@@ -212,11 +212,11 @@ def rollout(
     ----------
     robot : Robot
         Robot, whose geometry is used.
-    q : jax.Array, (..., nq)
+    q : jax.Array, shape (..., nq)
         Initial configurations.
-    v : jax.Array, (..., nv), optional
+    v : jax.Array, shape (..., nv), optional
         Initial velocities [rad/s or m/s]; default: 0.
-    tau : jax.Array, (..., nv) or (..., steps, nv), optional
+    tau : jax.Array, shape (..., nv) or (..., steps, nv), optional
         Torques [N·m or N], held over all steps or given for each step; default: 0. With one dimension more
         than the states, they are given for each step.
     steps : int
@@ -233,7 +233,7 @@ def rollout(
         Whether damping and friction act.
     stride : int
         Number of steps between samples of the trajectory; 0 for no trajectory.
-    parameters : jax.Array, (n,) or (..., n), optional
+    parameters : jax.Array, shape (n,) or (..., n), optional
         Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
 
     Returns
@@ -310,11 +310,11 @@ def step(
     ----------
     robot : Robot
         Robot, whose geometry is used.
-    q : jax.Array, (..., nq)
+    q : jax.Array, shape (..., nq)
         Configuration.
-    v : jax.Array, (..., nv)
+    v : jax.Array, shape (..., nv)
         Velocity [rad/s or m/s].
-    tau : jax.Array, (..., nv), optional
+    tau : jax.Array, shape (..., nv), optional
         Torques [N·m or N]; default: 0.
     dt : float
         Step size [s].
@@ -326,14 +326,14 @@ def step(
         Effects to leave out; see `Robot.simulate`.
     dissipation : bool
         Whether damping and friction act.
-    parameters : jax.Array, (n,) or (..., n), optional
+    parameters : jax.Array, shape (n,) or (..., n), optional
         Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
 
     Returns
     -------
-    q : jax.Array, (..., nq)
+    q : jax.Array, shape (..., nq)
         Configuration after the step.
-    v : jax.Array, (..., nv)
+    v : jax.Array, shape (..., nv)
         Velocity after the step [rad/s or m/s].
 
     Raises

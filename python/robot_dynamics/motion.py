@@ -357,11 +357,11 @@ def simulate(
 
     Parameters
     ----------
-    q : array_like, (nq,)
+    q : array_like, shape (nq,)
         Initial configuration.
-    v : array_like, (nv,), optional
+    v : array_like, shape (nv,), optional
         Initial velocity [rad/s or m/s]; default: 0.
-    tau : array_like, (nv,) or (steps, nv), or callable, optional
+    tau : array_like, shape (nv,) or (steps, nv), or callable, optional
         Torques [N·m or N] for all steps or for each step, or a function of (t, q, v) that returns (nv,).
         Each is held over a step and clipped to the effort limits. With ``adaptive`` rows are held for
         `dt`. A function is then evaluated continuously and must be smooth, unless `control_period` is
@@ -518,11 +518,11 @@ def rollout(
 
     Parameters
     ----------
-    q : array_like, (..., nq)
+    q : array_like, shape (..., nq)
         Initial configurations.
-    v : array_like, (..., nv), optional
+    v : array_like, shape (..., nv), optional
         Initial velocities [rad/s or m/s]; default: 0.
-    tau : array_like, (..., nv) or (..., steps, nv), optional
+    tau : array_like, shape (..., nv) or (..., steps, nv), optional
         Torques [N·m or N], held over all steps or given for each step; default: 0. With one dimension
         more than the states, they are given for each step.
     steps : int
@@ -627,11 +627,11 @@ def step(
 
     Parameters
     ----------
-    q : array_like, (nq,)
+    q : array_like, shape (nq,)
         Configuration.
-    v : array_like, (nv,)
+    v : array_like, shape (nv,)
         Velocity [rad/s or m/s].
-    tau : array_like, (nv,), optional
+    tau : array_like, shape (nv,), optional
         Torques [N·m or N]; default: 0.
     dt : float
         Step size [s].
@@ -652,9 +652,9 @@ def step(
 
     Returns
     -------
-    q : ndarray, (nq,)
+    q : ndarray, shape (nq,)
         Configuration after the step.
-    v : ndarray, (nv,)
+    v : ndarray, shape (nv,)
         Velocity after the step [rad/s or m/s].
 
     Raises
@@ -707,11 +707,11 @@ def linearize_step(
 
     Parameters
     ----------
-    q : array_like, (nq,)
+    q : array_like, shape (nq,)
         Configuration.
-    v : array_like, (nv,)
+    v : array_like, shape (nv,)
         Velocity [rad/s or m/s].
-    tau : array_like, (nv,), optional
+    tau : array_like, shape (nv,), optional
         Torques [N·m or N]; default: 0.
     dt : float
         Step size [s].

@@ -92,15 +92,15 @@ def time_optimal(
 
     Parameters
     ----------
-    waypoints : array_like, (n, nq)
+    waypoints : array_like, shape (n, nq)
         Configurations on the path.
-    torque : array_like, (nv,), optional
+    torque : array_like, shape (nv,), optional
         Limits of |τ| [N·m or N]; default: those of the robot.
-    velocity : array_like, (nv,), optional
+    velocity : array_like, shape (nv,), optional
         Limits of |v| [rad/s or m/s]; default: those of the robot.
-    lower : array_like, (nv,), optional
+    lower : array_like, shape (nv,), optional
         Lower limits of q [rad or m]; default: those of the robot.
-    upper : array_like, (nv,), optional
+    upper : array_like, shape (nv,), optional
         Upper limits of q [rad or m]; default: those of the robot.
     intervals : int
         Number of pieces, at least.

@@ -87,20 +87,20 @@ def rollout_pullback(
 
     Parameters
     ----------
-    q : array_like, (..., nq)
+    q : array_like, shape (..., nq)
         Initial configurations.
-    v : array_like, (..., nv), optional
+    v : array_like, shape (..., nv), optional
         Initial velocities [rad/s or m/s]; default: 0.
-    tau : array_like, (..., nv) or (..., steps, nv), optional
+    tau : array_like, shape (..., nv) or (..., steps, nv), optional
         Torques [N·m or N], held over all steps or given for each step; default: 0.
-    by_position : array_like, (..., nv), optional
+    by_position : array_like, shape (..., nv), optional
         Gradient of the loss by the final q, along displacements q ⊕ δq; default: 0. See
         `cotangent_from_coordinates`.
-    by_velocity : array_like, (..., nv), optional
+    by_velocity : array_like, shape (..., nv), optional
         Gradient of the loss by the final v; default: 0.
-    by_position_trajectory : array_like, (..., samples, nv), optional
+    by_position_trajectory : array_like, shape (..., samples, nv), optional
         Gradient of the loss by q after each `stride` steps, along displacements; default: 0.
-    by_velocity_trajectory : array_like, (..., samples, nv), optional
+    by_velocity_trajectory : array_like, shape (..., samples, nv), optional
         Gradient of the loss by v after each `stride` steps; default: 0.
     steps : int
         Number of steps.
@@ -223,15 +223,15 @@ def step_pullback(
 
     Parameters
     ----------
-    q : array_like, (..., nq)
+    q : array_like, shape (..., nq)
         Configuration.
-    v : array_like, (..., nv)
+    v : array_like, shape (..., nv)
         Velocity [rad/s or m/s].
-    tau : array_like, (..., nv), optional
+    tau : array_like, shape (..., nv), optional
         Torques [N·m or N]; default: 0.
-    by_position : array_like, (..., nv), optional
+    by_position : array_like, shape (..., nv), optional
         Gradient of the loss by q after the step, along displacements q ⊕ δq; default: 0.
-    by_velocity : array_like, (..., nv), optional
+    by_velocity : array_like, shape (..., nv), optional
         Gradient of the loss by v after the step; default: 0.
     dt : float
         Step size [s].

@@ -51,14 +51,14 @@ class Quantity:
 
         Parameters
         ----------
-        state : dict of str to ndarray, (rows, width)
+        state : dict of str to ndarray, shape (rows, width)
             Arguments by name.
         threads : int or None
             Threads for a batch; default: `num_threads()`.
 
         Returns
         -------
-        tuple of ndarray, (rows, ...)
+        tuple of ndarray, shape (rows, ...)
             Results in the order of `names`.
 
         Raises

@@ -187,11 +187,11 @@ class Workers:
 
         Parameters
         ----------
-        q : array_like, (n, nq)
+        q : array_like, shape (n, nq)
             Initial configurations.
-        v : array_like, (n, nv), optional
+        v : array_like, shape (n, nv), optional
             Initial velocities [rad/s or m/s]; default: 0.
-        tau : array_like, (nv,), (n, nv) or (n, steps, nv), optional
+        tau : array_like, shape (nv,), (n, nv) or (n, steps, nv), optional
             Torques [N·m or N], held over all steps or given for each step; default: 0.
         group : int
             Number of states in a call of a worker.

@@ -31,31 +31,31 @@ from robot_dynamics.sensors import Sensor
 
 
 class Limits(NamedTuple):
-    """Limits of a joint, for each of its degrees of freedom; infinite where the file gives none."""
+    """Limits of a joint, for each of its degrees of freedom; infinite if the file gives none."""
 
     lower: float
-    """[rad or m]"""
+    """Lower position limit [rad or m]."""
     upper: float
-    """[rad or m]"""
+    """Upper position limit [rad or m]."""
     velocity: float
-    """[rad/s or m/s]"""
+    """Speed limit [rad/s or m/s]."""
     effort: float
-    """[N·m or N]"""
+    """Limit of torque or force [N·m or N]."""
 
 
 class Passive(NamedTuple):
     """Passive forces of a joint, for each of its degrees of freedom."""
 
     armature: float
-    """Inertia of the rotor, as the joint feels it [kg·m² or kg]."""
+    """Inertia of the rotor, reflected to the joint [kg·m² or kg]."""
     damping: float
-    """[N·m·s/rad or N·s/m]"""
+    """Viscous damping [N·m·s/rad or N·s/m]."""
     friction: float
-    """[N·m or N]"""
+    """Dry friction [N·m or N]."""
     stiffness: float
-    """[N·m/rad or N/m]"""
+    """Stiffness of the spring [N·m/rad or N/m]."""
     rest: float
-    """Where the spring is at rest [rad or m]."""
+    """Rest position of the spring [rad or m]."""
 
 
 @dataclass(frozen=True)
@@ -81,27 +81,27 @@ class Joint:
 
 @dataclass(frozen=True)
 class CoordinateLimits:
-    """The limits of all coordinates, nv numbers each; infinite where there are none."""
+    """Limits of all coordinates, each (nv,); infinite without a limit."""
 
     lower: NDArray[np.float64]
-    """[rad or m]"""
+    """Lower position limits [rad or m]."""
     upper: NDArray[np.float64]
-    """[rad or m]"""
+    """Upper position limits [rad or m]."""
     velocity: NDArray[np.float64]
-    """[rad/s or m/s]"""
+    """Speed limits [rad/s or m/s]."""
     effort: NDArray[np.float64]
-    """[N·m or N]"""
+    """Limits of torque or force [N·m or N]."""
 
 
 class Robot(_native.Robot):
-    """A robot: immutable, to be used by any number of threads at once.
+    """Robot: an immutable model that any number of threads can share.
 
-    `load` makes one of a file. Robots are equal where every name and every digit of their descriptions is;
-    they can be pickled and copied.
+    `load` creates a robot from a file. Robots are equal if all names and all digits of their descriptions are
+    equal. They can be pickled and copied.
 
-    Every method that computes takes states with any leading dimensions, q (..., nq) and v (..., nv), and
-    gives results with the same. `out=` takes an array to write into, or a tuple of them, `threads=` the
-    number of threads for a batch: the results are the same bits for any.
+    Computing methods take states with any leading dimensions, q (..., nq) and v (..., nv), and return results
+    with the same dimensions. `out=` takes an array for the result, or a tuple of arrays. `threads=` is the
+    number of threads for a batch. The results have the same bits for any number.
 
     >>> robot = rd.example("two_r")
     >>> robot
@@ -117,7 +117,7 @@ class Robot(_native.Robot):
 
     @cached_property
     def report(self) -> LoadReport:
-        """What became of every part of the robot's file."""
+        """Report on the content of the robot's file."""
         description, report = self._data
         return LoadReport._of(report, self._report_text(), self._warning_groups(), self._left_out, description.get("sensors", ()))
 
@@ -141,7 +141,7 @@ class Robot(_native.Robot):
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
-        """The names of the joints that move."""
+        """Names of the joints that move."""
         return tuple(joint.name for joint in self.joints if joint.v.stop > joint.v.start)
 
     @cached_property
@@ -151,7 +151,7 @@ class Robot(_native.Robot):
 
     @cached_property
     def limits(self) -> CoordinateLimits:
-        """The limits of all coordinates.
+        """Limits of all coordinates.
 
         >>> rd.example("panda").limits.velocity
         array([2.175, 2.175, 2.175, 2.175, 2.61 , 2.61 , 2.61 ])
@@ -165,10 +165,10 @@ class Robot(_native.Robot):
 
     @cached_property
     def actuated_dofs(self) -> NDArray[np.bool_]:
-        """The degrees of freedom that motors drive (nv,): all but those of floating joints, unless set by
-        `with_actuated_joints`.
+        """Degrees of freedom that motors drive (nv,).
 
-        `GravityCompensatedPd`, `ComputedTorque` and `TaskControl` give no torque to the others, and inverse
+        These are all but those of floating joints, unless set by `with_actuated_joints`.
+        `GravityCompensatedPd`, `ComputedTorque` and `TaskControl` give no torque to the others. Inverse
         dynamics under constraints or on supports leaves them free.
 
         >>> rd.example("quadruped", floating_base=True).actuated_dofs[:8]
@@ -180,14 +180,21 @@ class Robot(_native.Robot):
 
     @cached_property
     def poses(self) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
-        """q (nq,) and v (nv,) of the poses that the robot's file names: MJCF's keyframes."""
+        """Named poses of the robot's file, such as MJCF keyframes: q (nq,) and v (nv,) by name."""
         return {name: (np.array(q), np.array(v)) for name, q, v in self._poses()}
 
     def describe(self) -> dict[str, Any]:
-        """The robot as plain data: links, joints, frames, gravity; see `from_description`.
+        """Plain data of the robot: links, joints, frames, gravity and more; see `from_description`.
 
+        Returns
+        -------
+        dict
+            Description, of types that JSON can express.
+
+        Examples
+        --------
         >>> description = rd.example("two_r").describe()
-        >>> description["gravity"] = [0.0, 0.0, -1.62]  # to the moon with it
+        >>> description["gravity"] = [0.0, 0.0, -1.62]  # on the Moon
         >>> rd.Robot.from_description(description).gravity([0.0, 0.0]).round(3)
         array([4.05, 0.81])
         """
@@ -196,13 +203,48 @@ class Robot(_native.Robot):
 
     @classmethod
     def from_description(cls, description: dict[str, Any]) -> Robot:
-        """A robot of plain data, as `describe` gives it."""
+        """Create a robot from plain data, as returned by `describe`.
+
+        Parameters
+        ----------
+        description : dict
+            Description of the robot.
+
+        Returns
+        -------
+        Robot
+            The robot.
+
+        Raises
+        ------
+        LoadError
+            The description is invalid.
+        """
         report = {"robot": description.get("name", ""), "counts": _NO_COUNTS, "findings": []}
         return cls("json", json.dumps([description, report]))
 
     def lock(self, *joints: str, at: Mapping[str, Numbers] | None = None) -> Robot:
-        """The robot with joints held still: where they rest, or `at` given positions; see `JointMap`.
+        """Robot with locked joints; see `JointMap`.
 
+        Parameters
+        ----------
+        *joints : str
+            Names of joints to lock at their rest positions.
+        at : mapping of str to array_like, optional
+            Positions of further joints to lock [rad or m], by name.
+
+        Returns
+        -------
+        Robot
+            The robot with the other joints.
+
+        Raises
+        ------
+        DescriptionError
+            A joint does not exist, or a position is invalid.
+
+        Examples
+        --------
         >>> rd.example("panda").lock("panda_joint7", at={"panda_joint6": 0.5}).nv
         5
         """
@@ -210,8 +252,15 @@ class Robot(_native.Robot):
         return self._edited(self._lock([*((name, None) for name in joints), *placed.items()]))
 
     def lock_massless(self) -> Robot:
-        """The robot with all joints held still that move no inertia.
+        """Robot with all joints locked that move no inertia.
 
+        Returns
+        -------
+        Robot
+            The robot with the other joints.
+
+        Examples
+        --------
         >>> rd.example("panda").lock_massless().nv
         7
         """
@@ -221,9 +270,33 @@ class Robot(_native.Robot):
     def with_payload(
         self, link: str, mass: float, center_of_mass: Numbers = (0.0, 0.0, 0.0), inertia: Numbers | None = None
     ) -> Robot:
-        """The robot with a body on a link: mass [kg], centre of mass [m] in the link's frame, inertia about
-        it [kg·m²].
+        """Robot with an additional body on a link.
 
+        Parameters
+        ----------
+        link : str
+            Name of the link.
+        mass : float
+            Mass [kg].
+        center_of_mass : array_like, shape (3,)
+            Centre of mass in the link's frame [m].
+        inertia : array_like, shape (3, 3), optional
+            Inertia about the centre of mass [kg·m²]; default: 0.
+
+        Returns
+        -------
+        Robot
+            The loaded robot.
+
+        Raises
+        ------
+        DescriptionError
+            The link does not exist, or no rigid body has these mass properties.
+        ShapeError
+            An array has the wrong shape.
+
+        Examples
+        --------
         >>> robot = rd.example("panda")
         >>> loaded = robot.with_payload("panda_link8", 2.0, [0.0, 0.0, 0.1])
         >>> round(loaded.mass - robot.mass, 9)
@@ -232,10 +305,25 @@ class Robot(_native.Robot):
         return self._edited(self._with_payload(link, mass, center_of_mass, inertia))
 
     def with_actuated_joints(self, *joints: str) -> Robot:
-        """The robot with motors at these joints and at no others; see `actuated_dofs`.
+        """Robot with motors at the given joints only; see `actuated_dofs`.
 
-        `floating_base` is the joint of a floating base, for a robot with thrusters.
+        Parameters
+        ----------
+        *joints : str
+            Names of the joints. `floating_base` is the joint of a floating base, for a robot with thrusters.
 
+        Returns
+        -------
+        Robot
+            The robot with these motors.
+
+        Raises
+        ------
+        DescriptionError
+            A joint does not exist.
+
+        Examples
+        --------
         >>> acrobot = rd.example("two_r").with_actuated_joints("elbow")
         >>> acrobot.actuated_dofs
         array([False,  True])
@@ -243,13 +331,29 @@ class Robot(_native.Robot):
         return self._edited(self._with_actuated_joints(list(joints)))
 
     def with_sensors(self, sensors: Mapping[str, tuple[str | None, ...]]) -> Robot:
-        """The robot with more sensors, by name: the kind and what it is on, and for relative values a
-        reference frame.
+        """Robot with additional sensors.
 
-        Kinds have MJCF's names. Most are on a frame or link; `jointpos`, `tendonpos`, `actuatorfrc` and
-        similar kinds on a joint, tendon or actuator; `subtreecom` and similar kinds on a link; `clock`,
-        `e_kinetic` and `e_potential` on nothing.
+        Kinds have the names of MJCF. Most are attached to a frame or link. `jointpos`, `tendonpos`,
+        `actuatorfrc` and similar kinds are attached to a joint, tendon or actuator, and `subtreecom` and
+        similar kinds to a link. `clock`, `e_kinetic` and `e_potential` have no object.
 
+        Parameters
+        ----------
+        sensors : mapping of str to tuple
+            For each name the kind, the object, and for relative values a reference frame.
+
+        Returns
+        -------
+        Robot
+            The robot with these sensors.
+
+        Raises
+        ------
+        DescriptionError
+            A kind or an object does not exist.
+
+        Examples
+        --------
         >>> robot = rd.example("two_r").with_sensors({"encoder": ("jointpos", "shoulder"), "time": ("clock",)})
         >>> robot.sensor_values([0.3, 1.2], [0.0, 0.0], [0.0, 0.0], time=2.0)["encoder"]
         array([0.3])
@@ -258,22 +362,56 @@ class Robot(_native.Robot):
         return self._edited(self._with_sensors(rows))
 
     def with_gravity_scaled(self, factor: float) -> Robot:
-        """The robot where things fall slower or faster.
+        """Robot with gravity scaled by a factor.
 
+        Parameters
+        ----------
+        factor : float
+            Factor of the acceleration of gravity.
+
+        Returns
+        -------
+        Robot
+            The robot with this gravity.
+
+        Raises
+        ------
+        DescriptionError
+            The factor is not finite.
+
+        Examples
+        --------
         >>> rd.example("panda").with_gravity_scaled(0.0).gravity(np.zeros(7)).any()
         np.False_
         """
         return self._edited(self._with_gravity_scaled(factor))
 
     def with_parameters(self, parameters: Numbers, *, as_written: bool = False) -> Robot:
-        """The robot with other `parameters()`: inertias, passive forces of the joints, gravity; geometry and
-        limits stay.
+        """Robot with other `parameters()`: inertias, passive forces of the joints, and gravity.
 
-        What is fixed to a moving link counts with the link, so that the links fixed to it have no mass in the
-        result. Raises DescriptionError where a number cannot be, a negative mass for one, and where a link's
-        parameters are changed to what `physical_consistency` rejects. `as_written` takes these, as `load`
-        does from a file.
+        Geometry and limits stay. Bodies fixed to a moving link count with that link, so the links fixed to it
+        have no mass in the result.
 
+        Parameters
+        ----------
+        parameters : array_like, shape (n,)
+            Parameters in the order of `parameter_names`.
+        as_written : bool
+            Whether to accept inertias that no rigid body has, as `load` does.
+
+        Returns
+        -------
+        Robot
+            The robot with these parameters.
+
+        Raises
+        ------
+        DescriptionError
+            A parameter is invalid, for example a negative mass. Without `as_written`, also if a changed link
+            violates `physical_consistency`.
+
+        Examples
+        --------
         >>> robot = rd.example("two_r")
         >>> values = robot.parameters()
         >>> values[robot.parameter_names.index("elbow.damping")] = 0.3
@@ -284,7 +422,7 @@ class Robot(_native.Robot):
 
     @property
     def sensors(self) -> tuple[Sensor, ...]:
-        """The sensors that the file states, or that `with_sensors` has added, in the order of their values.
+        """Sensors of the file and those added by `with_sensors`, in the order of their values.
 
         >>> robot = rd.example("two_r").with_sensors({"imu": ("accelerometer", "tip")})
         >>> robot.sensors
@@ -339,8 +477,20 @@ class Robot(_native.Robot):
         return type(self)("json", state)
 
     def normalize(self, q: Numbers) -> NDArray[Any]:
-        """q (..., nq) with its quaternions made of unit length.
+        """Configuration with quaternions of unit length.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+
+        Returns
+        -------
+        ndarray, shape (..., nq)
+            Normalised configuration.
+
+        Examples
+        --------
         >>> robot = rd.example("quadruped", floating_base=True)
         >>> robot.normalize(robot.neutral() * 2.0)[:7]
         array([0., 0., 0., 0., 0., 0., 1.])
@@ -355,14 +505,33 @@ class Robot(_native.Robot):
         return normal
 
     def show(self, trajectory: Any = None, *, dt: float | None = None, open_browser: bool = True) -> Any:
-        """Opens a viewer (meshcat, ``pip install robot-dynamics[view]``) with the robot's visual shapes and
-        meshes.
+        """Show the robot in a browser, with its visual shapes and meshes.
 
-        Links without visual shapes show their collision shapes. Boxes of the same inertia stand for links
-        whose meshes cannot be drawn, and for a robot whose file has no shapes.
+        Needs meshcat (``pip install robot-dynamics[view]``).
 
-        `trajectory` is a `Motion`, a `TimedPath`, configurations (n, nq) every `dt` seconds, or one (nq,).
-        Returns the viewer.
+        Links without visual shapes show their collision shapes. Links whose meshes cannot be drawn are shown
+        as boxes of the same inertia. So are all links of a robot without shapes.
+
+        Parameters
+        ----------
+        trajectory : Motion, TimedPath or array_like, shape (n, nq) or (nq,), optional
+            Configurations to show; default: the neutral one.
+        dt : float, optional
+            Time between the configurations of an array [s].
+        open_browser : bool
+            Whether to open a browser.
+
+        Returns
+        -------
+        meshcat.Visualizer
+            The viewer.
+
+        Raises
+        ------
+        ImportError
+            meshcat is missing.
+        ValueError
+            The trajectory has the wrong shape, or `dt` is missing.
         """
         from robot_dynamics import viewer
 
@@ -388,8 +557,8 @@ class Robot(_native.Robot):
 
 
 def _name_methods(cls: type) -> None:
-    """Names the functions bound in a class after it, so that error messages, `help` and pickles show the
-    class."""
+    """Set the qualified names of bound functions to the class, so error messages, `help` and pickles show it.
+    """
     for name, member in vars(cls).items():
         if isinstance(member, FunctionType):
             member.__qualname__ = f"{cls.__qualname__}.{name}"

@@ -49,13 +49,13 @@ class Mppi:
         Step size [s].
     samples : int
         Number of samples of each round.
-    noise : array_like, (nv,) or scalar
+    noise : array_like, shape (nv,) or scalar
         Standard deviations of the samples [N·m or N].
     temperature : float
         Difference of costs that changes a weight by the factor e.
     seed : int
         Seed of the random numbers.
-    limits : array_like, (nv,), optional
+    limits : array_like, shape (nv,), optional
         Limits of |τ| [N·m or N]; default: the effort limits of the robot.
     integrator : str, optional
         Method; see `Robot.simulate`.
@@ -132,14 +132,14 @@ class Mppi:
 
         Parameters
         ----------
-        q : array_like, (nq,)
+        q : array_like, shape (nq,)
             Configuration.
-        v : array_like, (nv,)
+        v : array_like, shape (nv,)
             Velocity [rad/s or m/s].
 
         Returns
         -------
-        ndarray, (horizon, nv)
+        ndarray, shape (horizon, nv)
             The plan [N·m or N].
 
         Raises
@@ -173,14 +173,14 @@ class Mppi:
 
         Parameters
         ----------
-        q : array_like, (nq,)
+        q : array_like, shape (nq,)
             Configuration.
-        v : array_like, (nv,)
+        v : array_like, shape (nv,)
             Velocity [rad/s or m/s].
 
         Returns
         -------
-        ndarray, (nv,)
+        ndarray, shape (nv,)
             Torques [N·m or N].
 
         Raises
@@ -197,20 +197,20 @@ class Mppi:
 
         Parameters
         ----------
-        q : array_like, (nq,)
+        q : array_like, shape (nq,)
             Initial configuration.
-        v : array_like, (nv,)
+        v : array_like, shape (nv,)
             Initial velocity [rad/s or m/s].
-        torques : array_like, (horizon, nv), optional
+        torques : array_like, shape (horizon, nv), optional
             Plan [N·m or N]; default: the current one.
 
         Returns
         -------
-        q : ndarray, (horizon, nq)
+        q : ndarray, shape (horizon, nq)
             Configurations after each step.
-        v : ndarray, (horizon, nv)
+        v : ndarray, shape (horizon, nv)
             Velocities after each step [rad/s or m/s].
-        tau : ndarray, (horizon, nv)
+        tau : ndarray, shape (horizon, nv)
             The plan [N·m or N].
         """
         tau = self.torques if torques is None else np.asarray(torques, np.float64)

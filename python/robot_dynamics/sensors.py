@@ -64,19 +64,19 @@ def sensor_values(
 
     Parameters
     ----------
-    q : array_like, (nq,)
+    q : array_like, shape (nq,)
         Configuration.
-    v : array_like, (nv,)
+    v : array_like, shape (nv,)
         Velocity [rad/s or m/s].
-    a : array_like, (nv,)
+    a : array_like, shape (nv,)
         Acceleration under all forces [rad/s² or m/s²].
     time : float
         Time for sensors of kind ``clock`` [s].
-    actuator_forces : array_like, (actuators,), optional
+    actuator_forces : array_like, shape (actuators,), optional
         Force of each actuator before its gear [N·m or N]; default: 0.
-    joint_limit_forces : array_like, (nv,), optional
+    joint_limit_forces : array_like, shape (nv,), optional
         Forces of the joints' position limits [N·m or N]; default: 0.
-    tendon_limit_forces : array_like, (tendons,), optional
+    tendon_limit_forces : array_like, shape (tendons,), optional
         Forces of the tendons' length limits [N]; default: 0.
     wrenches : iterable of PointForce
         All external forces on links: contacts and pushes.
@@ -139,22 +139,22 @@ def joint_reactions(
 
     Parameters
     ----------
-    q : array_like, (..., nq)
+    q : array_like, shape (..., nq)
         Configuration.
-    v : array_like, (..., nv)
+    v : array_like, shape (..., nv)
         Velocity [rad/s or m/s].
-    a : array_like, (..., nv)
+    a : array_like, shape (..., nv)
         Acceleration [rad/s² or m/s²].
-    wrenches : mapping of frame to array_like, (..., 6), optional
+    wrenches : mapping of frame to array_like, shape (..., 6), optional
         Force [N], then moment [N·m], at each frame's origin along its axes; default: none.
-    out : ndarray, (..., joints, 6), optional
+    out : ndarray, shape (..., joints, 6), optional
         Array that receives the result.
     threads : int, optional
         Threads for a batch; default: `num_threads()`.
 
     Returns
     -------
-    ndarray, (..., joints, 6)
+    ndarray, shape (..., joints, 6)
         Force [N], then moment [N·m], in the order of `joints`.
 
     Raises

@@ -1,4 +1,4 @@
-"""A simulation that is stepped from outside, with its state, its inputs and the results of each step."""
+"""Simulations that are advanced step by step, with their state, their inputs and the results of each step."""
 
 from __future__ import annotations
 
@@ -22,46 +22,45 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Where = Sequence[int] | Sequence[bool] | NDArray[np.intp] | NDArray[np.bool_]
-"""Which simulations of a batch: their numbers, or a truth value for each."""
+"""Selection of simulations of a batch: their numbers, or a mask."""
 
 
 class ContactPoint(NamedTuple):
-    """A point where a shape touches a ground or another shape, at the end of a step."""
+    """Contact of a shape with the ground or another shape, at the end of a step."""
 
     link: str
-    """The link that is touched."""
+    """Name of the link."""
     shape: str
-    """Its shape, empty where the file gives no name."""
+    """Name of its shape; empty if the file gives none."""
     other_link: str | None
-    """The other link; `None` for a ground."""
+    """Name of the other link; `None` for the ground."""
     other_shape: str
-    """The other shape or the ground, by its name in the file."""
+    """Name of the other shape or of the ground in the file."""
     ground: int | None
-    """The number of the ground, height fields after the planes; `None` for a link."""
+    """Number of the ground, with height fields after the planes; `None` for a link."""
     point: Array
-    """Where, in the world (3,) [m]."""
+    """Contact point in the world (3,) [m]."""
     normal: Array
-    """Unit vector into `link`, in the world (3,)."""
+    """Unit normal into `link`, in the world (3,)."""
     gap: float
-    """Distance of the surfaces, negative where they overlap [m]."""
+    """Distance of the surfaces [m], negative if they overlap."""
     force: Array
-    """The force on `link`, along the world's axes (3,) [N]; the opposite acts on the other link."""
+    """Force on `link`, along the world's axes (3,) [N]. The opposite force acts on the other link."""
     moment: Array
-    """The moment on `link` about `point`, along the world's axes (3,) [N·m]."""
+    """Moment on `link` about `point`, along the world's axes (3,) [N·m]."""
 
 
 class Simulation(_native.Simulation):
-    """A robot in time, step by step.
+    """Simulation of one robot, advanced step by step.
 
-    Everything that the robot's file states acts, as in `Robot.simulate`; `without` and `conservative` switch
-    it off, `integrator` is chosen unless it is given. Inputs (`torques`, `controls`, wrenches) are held until
-    they are set again. Stepped from outside it gives the bits of one run; ``integrator="adaptive"`` gives the
-    same to its tolerance.
+    Everything that the robot's file states acts, as in `Robot.simulate`. Inputs (`torques`, `controls`,
+    wrenches) are held until they are set again. Single steps give the same bits as one run. With
+    ``integrator="adaptive"`` they agree within the tolerance.
 
     >>> robot = rd.example("panda")
     >>> sim = rd.Simulation(robot, without=["limits"])
     >>> sim.reset(np.full(7, 0.1))
-    >>> for _ in range(100):  # a controller of one's own
+    >>> for _ in range(100):  # your own controller
     ...     sim.torques = robot.gravity(sim.q) - 0.1 * sim.v
     ...     sim.step()
     >>> round(sim.time, 12), bool(np.abs(sim.q - 0.1).max() < 1e-9)
@@ -86,13 +85,55 @@ class Simulation(_native.Simulation):
         ignore_contacts: Sequence[tuple[str, str]] | str | PathLike[str] = (),
         only_contacts: Sequence[tuple[str, str]] | None = None,
     ) -> Self:
-        """The simulation of a robot at rest in the configuration in which its file places it (`qpos0` of
-        MJCF, else neutral).
+        """Create the simulation of a robot at rest in its initial configuration.
 
-        Links of the pairs in `ignore_contacts` never touch; it may be an SRDF file, whose
-        ``<disable_collisions>`` are taken. With `only_contacts` these pairs of links alone may touch, beside
-        grounds. `tolerance` (1e-9) is that of ``integrator="adaptive"``.
+        This is `qpos0` of MJCF, or else the neutral configuration.
 
+        Parameters
+        ----------
+        robot : Robot
+            Robot to simulate.
+        dt : float
+            Step size [s].
+        integrator : str, optional
+            Method; see `Robot.simulate`.
+        conservative : bool
+            Whether to leave out damping, friction, limits, actuators and contact.
+        without : sequence of str
+            Effects to leave out; see `Robot.simulate`.
+        dissipation : bool
+            Whether damping and friction act.
+        stops : bool
+            Whether position limits act.
+        ground : Ground, HeightField or "file", optional
+            Ground below the robot; see `Robot.simulate`.
+        constraints : Constraints, optional
+            Constraints that replace the equalities of the file.
+        stabilization : float, optional
+            Rate γ of Baumgarte's stabilization of `constraints` [1/s].
+        correction : {"none", "velocity", "position"}
+            Errors that an explicit method projects away after each step under constraints.
+        tolerance : float, optional
+            Local error that ``adaptive`` steps allow, relative and absolute; default: 1e-9.
+        ignore_contacts : sequence of (str, str) or path
+            Pairs of links that never touch, or an SRDF file with ``<disable_collisions>``.
+        only_contacts : sequence of (str, str), optional
+            Pairs of links that may touch; others touch only the ground. Default: all pairs.
+
+        Returns
+        -------
+        Simulation
+            The simulation.
+
+        Raises
+        ------
+        SimulationError
+            The integrator or the step is invalid.
+        ValueError
+            An option is invalid, or a link does not exist.
+
+        Examples
+        --------
         >>> arm = rd.example("panda")
         >>> sim = rd.Simulation(arm, ignore_contacts=[("panda_link1", "panda_link3")])
         >>> rd.Simulation(arm, ignore_contacts=[("panda_link1", "link3")])
@@ -124,10 +165,29 @@ class Simulation(_native.Simulation):
         pose: str | None = None,
         controls: Mapping[str, float] | Numbers | None = None,
     ) -> None:
-        """Starts anew at time 0 from q and v, as the file places the robot and at rest where not given, or
-        from a `pose` of the file with its velocity and controls.
+        """Restart at time 0 from a state or a named pose.
 
-        Torques, controls and wrenches are zero afterwards, but for those given.
+        Torques, controls and wrenches become zero, except those of the pose or of `controls`.
+
+        Parameters
+        ----------
+        q : array_like, shape (nq,), optional
+            Configuration; default: the initial one of the file.
+        v : array_like, shape (nv,), optional
+            Velocity [rad/s or m/s]; default: 0.
+        pose : str, optional
+            Name of a pose of the file, with its velocity and controls; instead of `q` and `v`.
+        controls : mapping of str to float, or array_like, shape (actuators,), optional
+            Controls of the actuators.
+
+        Raises
+        ------
+        StateError
+            `q` or `v` is invalid.
+        SimulationError
+            The pose does not exist, or the simulation cannot start there.
+        ValueError
+            `pose` is given together with `q` or `v`.
         """
         if pose is not None and (q is not None or v is not None):
             raise ValueError("give q and v, or the name of a pose")
@@ -142,25 +202,47 @@ class Simulation(_native.Simulation):
         moment: Sequence[float] = (0.0, 0.0, 0.0),
         axes: Literal["local", "world", "local_world_aligned"] = "local_world_aligned",
     ) -> None:
-        """Adds a force [N] and a moment [N·m] on the link that carries a frame, held until `clear_wrenches`.
+        """Add a force and a moment on the link that carries a frame, held until `clear_wrenches`.
 
-        `axes` says along which axes and about which point: the frame's own at its origin, the world's at the
-        world's origin, or, by default, the world's axes at the frame's origin.
+        Parameters
+        ----------
+        frame : str or int
+            Name or number of the frame.
+        force : sequence of float, shape (3,)
+            Force [N].
+        moment : sequence of float, shape (3,)
+            Moment [N·m].
+        axes : {"local_world_aligned", "local", "world"}
+            Axes and reference point: the world's axes at the frame's origin, the frame's axes at its origin,
+            or the world's axes at the world's origin.
+
+        Raises
+        ------
+        FrameError
+            The frame does not exist.
+        ValueError
+            `axes` is invalid.
         """
         self._apply_wrench(frame, tuple(map(float, force)), tuple(map(float, moment)), axes)
 
     @property
     def contacts(self) -> list[ContactPoint]:
-        """The contacts at the end of the last step, with their forces."""
+        """Contacts at the end of the last step, with their forces."""
         return [ContactPoint(*fields) for fields in self._contacts()]
 
     @property
     def ledger(self) -> EnergyLedger:
-        """The energy account since the last reset."""
+        """Energy account since the last reset."""
         return EnergyLedger(**self._ledger())
 
     def copy(self) -> Self:
-        """A simulation of its own in the same state."""
+        """Copy of the simulation with the same state and inputs.
+
+        Returns
+        -------
+        Simulation
+            Independent copy.
+        """
         return _native.Simulation.__new__(type(self), self.robot, like=self)
 
     def __repr__(self) -> str:
@@ -168,21 +250,23 @@ class Simulation(_native.Simulation):
 
 
 class SimulationBatch(_native.SimulationBatch):
-    """Many simulations of one robot, stepped together by all threads.
+    """Simulations of one robot that step together, on all threads.
 
-    Each has its own state, inputs and contacts and is set up once, so that a call of one step costs no more
-    than a step of a long run. The results are those of `Simulation`, to the bit. Arguments are those of
-    `Simulation`, and how many there are. `torques` and `controls` are held until they are set again: one row
-    for each simulation, or one for all. `where` says which simulations are meant: their numbers, or a truth
-    value for each. A simulation that fails stays where it was, the others go on, and the error afterwards has
-    the messages of all that failed (`BadSimulationsError`).
+    Each simulation has its own state, inputs and contacts. It is set up once, so single steps cost no more
+    than those of a long run. The results have the same bits as those of `Simulation`.
+
+    `torques` and `controls` are held until they are set again. They have one row for each simulation, or one
+    for all. `where` selects simulations by their numbers or by a mask.
+
+    A simulation that fails stays at its last state, and the others continue. Then `BadSimulationsError` has
+    the messages of all that failed.
 
     >>> dog = rd.example("quadruped", floating_base=True)
     >>> batch = rd.SimulationBatch(dog, 8, ground=rd.Ground())
     >>> q = np.tile([0, 0, 0.5, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4], (8, 1))
     >>> q[:, 2] += 0.01 * np.arange(8)
     >>> batch.reset(q)
-    >>> for _ in range(10):  # a policy of one's own
+    >>> for _ in range(10):  # your own policy
     ...     batch.torques = -0.1 * batch.v * (np.arange(18) > 5)
     ...     batch.step()
     >>> batch.reset(q[:2], where=[3, 5])
@@ -210,7 +294,55 @@ class SimulationBatch(_native.SimulationBatch):
         only_contacts: Sequence[tuple[str, str]] | None = None,
         threads: int | None = None,
     ) -> Self:
-        """So many simulations of a robot, at rest in the configuration in which its file places it."""
+        """Create simulations of a robot at rest in its initial configuration.
+
+        Parameters
+        ----------
+        robot : Robot
+            Robot to simulate.
+        count : int
+            Number of simulations.
+        dt : float
+            Step size [s].
+        integrator : str, optional
+            Method; see `Robot.simulate`.
+        conservative : bool
+            Whether to leave out damping, friction, limits, actuators and contact.
+        without : sequence of str
+            Effects to leave out; see `Robot.simulate`.
+        dissipation : bool
+            Whether damping and friction act.
+        stops : bool
+            Whether position limits act.
+        ground : Ground, HeightField or "file", optional
+            Ground below the robot; see `Robot.simulate`.
+        constraints : Constraints, optional
+            Constraints that replace the equalities of the file.
+        stabilization : float, optional
+            Rate γ of Baumgarte's stabilization of `constraints` [1/s].
+        correction : {"none", "velocity", "position"}
+            Errors that an explicit method projects away after each step under constraints.
+        tolerance : float, optional
+            Local error that ``adaptive`` steps allow, relative and absolute; default: 1e-9.
+        ignore_contacts : sequence of (str, str) or path
+            Pairs of links that never touch, or an SRDF file with ``<disable_collisions>``.
+        only_contacts : sequence of (str, str), optional
+            Pairs of links that may touch; others touch only the ground. Default: all pairs.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        SimulationBatch
+            The simulations.
+
+        Raises
+        ------
+        SimulationError
+            The integrator or the step is invalid.
+        ValueError
+            An option is invalid, or a link does not exist.
+        """
         options = _options(
             robot,
             dt=dt,
@@ -228,27 +360,76 @@ class SimulationBatch(_native.SimulationBatch):
         return super().__new__(cls, robot, count, threads, **options)
 
     def step(self, count: int = 1, *, where: Where | None = None) -> None:
-        """Takes so many steps of each simulation, or of those of `where`, on all threads.
+        """Take steps of all or of selected simulations, on all threads.
 
-        A simulation that cannot go on stays where its last good step ended, the others take all steps.
+        A simulation that fails stays at its last valid state, and the others take all steps.
+
+        Parameters
+        ----------
+        count : int
+            Number of steps.
+        where : sequence of int or of bool, optional
+            Simulations to step; default: all.
+
+        Raises
+        ------
+        BadSimulationsError
+            Some simulations failed.
+        IndexError
+            A simulation does not exist.
         """
         self._step(count, None if where is None else self._numbers(where))
 
     def reset(self, q: Numbers | None = None, v: Numbers | None = None, *, where: Where | None = None) -> None:
-        """Starts anew at time 0 from q and v, as the file places the robot and at rest where not given, all
-        simulations or those of `where`.
+        """Restart all or selected simulations at time 0.
 
-        q is (count, nq), or (nq,) for all of them; v as well. Torques, controls and wrenches of these are
-        zero afterwards.
+        Their torques, controls and wrenches become zero.
+
+        Parameters
+        ----------
+        q : array_like, shape (simulations, nq) or (nq,), optional
+            Configurations; default: the initial one of the file.
+        v : array_like, shape (simulations, nv) or (nv,), optional
+            Velocities [rad/s or m/s]; default: 0.
+        where : sequence of int or of bool, optional
+            Simulations to restart; default: all.
+
+        Raises
+        ------
+        BadSimulationsError
+            Some states are invalid.
+        IndexError
+            A simulation does not exist.
+        ShapeError
+            An array has the wrong shape.
         """
         self._reset(q, v, None if where is None else self._numbers(where))
 
     def set_state(self, q: Numbers, v: Numbers, *, where: Where | None = None) -> None:
-        """Goes on from q and v, rows as of `reset`, at the same times with the same inputs: all simulations,
-        or those of `where`.
+        """Continue all or selected simulations from other states, at the same times and with the same inputs.
 
-        The energy accounts begin anew.
+        The energy accounts restart.
 
+        Parameters
+        ----------
+        q : array_like, shape (simulations, nq) or (nq,)
+            Configurations.
+        v : array_like, shape (simulations, nv) or (nv,)
+            Velocities [rad/s or m/s].
+        where : sequence of int or of bool, optional
+            Simulations to change; default: all.
+
+        Raises
+        ------
+        BadSimulationsError
+            Some states are invalid.
+        IndexError
+            A simulation does not exist.
+        ShapeError
+            An array has the wrong shape.
+
+        Examples
+        --------
         >>> batch = rd.SimulationBatch(rd.example("two_r"), 3)
         >>> batch.step(5)
         >>> batch.set_state([0.1, 0.2], [0.0, 0.0], where=[False, True, False])
@@ -258,7 +439,23 @@ class SimulationBatch(_native.SimulationBatch):
         self._set_state(q, v, None if where is None else self._numbers(where))
 
     def __getitem__(self, number: int) -> Simulation:
-        """A copy of one simulation, with its state and inputs."""
+        """Copy of one simulation, with its state and inputs.
+
+        Parameters
+        ----------
+        number : int
+            Number of the simulation.
+
+        Returns
+        -------
+        Simulation
+            Independent copy.
+
+        Raises
+        ------
+        IndexError
+            The simulation does not exist.
+        """
         copy = self._copy(number)
         return _native.Simulation.__new__(Simulation, copy.robot, like=copy)
 
@@ -282,7 +479,7 @@ def _options(
     only_contacts: Sequence[tuple[str, str]] | None,
     **others: Any,
 ) -> dict[str, Any]:
-    """The arguments of the native half."""
+    """Arguments of the compiled module."""
     if tolerance is not None and integrator != "adaptive":
         raise ValueError(f"tolerance goes with integrator='adaptive'; {integrator or 'the default'!r} takes steps of one length")
     if isinstance(ignore_contacts, str | PathLike):

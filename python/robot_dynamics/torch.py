@@ -56,18 +56,18 @@ def inverse_dynamics(
     ----------
     robot : Robot
         Robot, whose geometry is used.
-    q : torch.Tensor, (..., nq)
+    q : torch.Tensor, shape (..., nq)
         Configuration.
-    v : torch.Tensor, (..., nv)
+    v : torch.Tensor, shape (..., nv)
         Velocity [rad/s or m/s].
-    a : torch.Tensor, (..., nv)
+    a : torch.Tensor, shape (..., nv)
         Acceleration [rad/s² or m/s²].
-    parameters : torch.Tensor, (n,), optional
+    parameters : torch.Tensor, shape (n,), optional
         Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
 
     Returns
     -------
-    torch.Tensor, (..., nv)
+    torch.Tensor, shape (..., nv)
         Torques τ [N·m or N]; NaN for invalid states.
 
     Raises
@@ -95,18 +95,18 @@ def forward_dynamics(
     ----------
     robot : Robot
         Robot, whose geometry is used.
-    q : torch.Tensor, (..., nq)
+    q : torch.Tensor, shape (..., nq)
         Configuration.
-    v : torch.Tensor, (..., nv)
+    v : torch.Tensor, shape (..., nv)
         Velocity [rad/s or m/s].
-    tau : torch.Tensor, (..., nv)
+    tau : torch.Tensor, shape (..., nv)
         Torques [N·m or N].
-    parameters : torch.Tensor, (n,), optional
+    parameters : torch.Tensor, shape (n,), optional
         Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
 
     Returns
     -------
-    torch.Tensor, (..., nv)
+    torch.Tensor, shape (..., nv)
         Acceleration a [rad/s² or m/s²]; NaN for invalid states and singular M.
 
     Raises
@@ -158,11 +158,11 @@ def rollout(
     ----------
     robot : Robot
         Robot, whose geometry is used.
-    q : torch.Tensor, (..., nq)
+    q : torch.Tensor, shape (..., nq)
         Initial configurations.
-    v : torch.Tensor, (..., nv), optional
+    v : torch.Tensor, shape (..., nv), optional
         Initial velocities [rad/s or m/s]; default: 0.
-    tau : torch.Tensor, (..., nv) or (..., steps, nv), optional
+    tau : torch.Tensor, shape (..., nv) or (..., steps, nv), optional
         Torques [N·m or N], held over all steps or given for each step; default: 0. With one dimension more
         than the states, they are given for each step.
     steps : int
@@ -179,7 +179,7 @@ def rollout(
         Whether damping and friction act.
     stride : int
         Number of steps between samples of the trajectory; 0 for no trajectory.
-    parameters : torch.Tensor, (n,), optional
+    parameters : torch.Tensor, shape (n,), optional
         Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
 
     Returns
@@ -238,11 +238,11 @@ def step(
     ----------
     robot : Robot
         Robot, whose geometry is used.
-    q : torch.Tensor, (..., nq)
+    q : torch.Tensor, shape (..., nq)
         Configuration.
-    v : torch.Tensor, (..., nv)
+    v : torch.Tensor, shape (..., nv)
         Velocity [rad/s or m/s].
-    tau : torch.Tensor, (..., nv), optional
+    tau : torch.Tensor, shape (..., nv), optional
         Torques [N·m or N]; default: 0.
     dt : float
         Step size [s].
@@ -254,14 +254,14 @@ def step(
         Effects to leave out; see `Robot.simulate`.
     dissipation : bool
         Whether damping and friction act.
-    parameters : torch.Tensor, (n,), optional
+    parameters : torch.Tensor, shape (n,), optional
         Inertias, passive forces and gravity in the order of `Robot.parameters()`; default: those of `robot`.
 
     Returns
     -------
-    q : torch.Tensor, (..., nq)
+    q : torch.Tensor, shape (..., nq)
         Configuration after the step.
-    v : torch.Tensor, (..., nv)
+    v : torch.Tensor, shape (..., nv)
         Velocity after the step [rad/s or m/s].
 
     Raises

@@ -46,7 +46,7 @@ def show(robot: Robot, trajectory: Any, *, dt: float | None, open_browser: bool)
     ----------
     robot : Robot
         Robot to show.
-    trajectory : Motion, TimedPath or array_like, (n, nq) or (nq,), optional
+    trajectory : Motion, TimedPath or array_like, shape (n, nq) or (nq,), optional
         Configurations; default: the neutral one.
     dt : float or None
         Time between configurations of an array [s].

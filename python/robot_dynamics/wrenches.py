@@ -37,22 +37,22 @@ def inverse_dynamics_with_wrenches(
 
     Parameters
     ----------
-    q : array_like, (..., nq)
+    q : array_like, shape (..., nq)
         Configuration.
-    v : array_like, (..., nv)
+    v : array_like, shape (..., nv)
         Velocity [rad/s or m/s].
-    a : array_like, (..., nv)
+    a : array_like, shape (..., nv)
         Acceleration [rad/s² or m/s²].
-    wrenches : mapping of frame to array_like, (..., 6)
+    wrenches : mapping of frame to array_like, shape (..., 6)
         Force [N], then moment [N·m], at each frame's origin along its axes.
-    out : ndarray, (..., nv), optional
+    out : ndarray, shape (..., nv), optional
         Array that receives the result.
     threads : int, optional
         Threads for a batch; default: `num_threads()`.
 
     Returns
     -------
-    ndarray, (..., nv)
+    ndarray, shape (..., nv)
         Torques τ [N·m or N].
 
     Raises
@@ -90,22 +90,22 @@ def forward_dynamics_with_wrenches(
 
     Parameters
     ----------
-    q : array_like, (..., nq)
+    q : array_like, shape (..., nq)
         Configuration.
-    v : array_like, (..., nv)
+    v : array_like, shape (..., nv)
         Velocity [rad/s or m/s].
-    tau : array_like, (..., nv)
+    tau : array_like, shape (..., nv)
         Torques [N·m or N].
-    wrenches : mapping of frame to array_like, (..., 6)
+    wrenches : mapping of frame to array_like, shape (..., 6)
         Force [N], then moment [N·m], at each frame's origin along its axes.
-    out : ndarray, (..., nv), optional
+    out : ndarray, shape (..., nv), optional
         Array that receives the result.
     threads : int, optional
         Threads for a batch; default: `num_threads()`.
 
     Returns
     -------
-    ndarray, (..., nv)
+    ndarray, shape (..., nv)
         Acceleration a [rad/s² or m/s²].
 
     Raises
@@ -147,15 +147,15 @@ def inverse_dynamics_derivatives_with_wrenches(
 
     Parameters
     ----------
-    q : array_like, (..., nq)
+    q : array_like, shape (..., nq)
         Configuration.
-    v : array_like, (..., nv)
+    v : array_like, shape (..., nv)
         Velocity [rad/s or m/s].
-    a : array_like, (..., nv)
+    a : array_like, shape (..., nv)
         Acceleration [rad/s² or m/s²].
-    wrenches : mapping of frame to array_like, (..., 6)
+    wrenches : mapping of frame to array_like, shape (..., 6)
         Force [N], then moment [N·m], at each frame's origin along its axes.
-    out : tuple of 2 ndarray, (..., nv, nv), optional
+    out : tuple of 2 ndarray, shape (..., nv, nv), optional
         Arrays that receive the results.
     threads : int, optional
         Threads for a batch; default: `num_threads()`.
@@ -207,15 +207,15 @@ def forward_dynamics_derivatives_with_wrenches(
 
     Parameters
     ----------
-    q : array_like, (..., nq)
+    q : array_like, shape (..., nq)
         Configuration.
-    v : array_like, (..., nv)
+    v : array_like, shape (..., nv)
         Velocity [rad/s or m/s].
-    tau : array_like, (..., nv)
+    tau : array_like, shape (..., nv)
         Torques [N·m or N].
-    wrenches : mapping of frame to array_like, (..., 6)
+    wrenches : mapping of frame to array_like, shape (..., 6)
         Force [N], then moment [N·m], at each frame's origin along its axes.
-    out : tuple of 3 ndarray, (..., nv, nv), optional
+    out : tuple of 3 ndarray, shape (..., nv, nv), optional
         Arrays that receive the results.
     threads : int, optional
         Threads for a batch; default: `num_threads()`.

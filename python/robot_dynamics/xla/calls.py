@@ -33,7 +33,7 @@ def row(robot: Robot, name: str, given: Arrays, parameters: Any = None, **attrib
         Name of the row.
     given : sequence of jax.Array
         State, with the leading dimensions of the whole batch.
-    parameters : jax.Array, (n,) or (..., n), optional
+    parameters : jax.Array, shape (n,) or (..., n), optional
         Other parameters, in the order of `Robot.parameters()`.
     **attributes : int
         Attributes of the call, such as the number of a frame.
@@ -69,14 +69,14 @@ def times(matrix: Any, vector: Any) -> Any:
 
     Parameters
     ----------
-    matrix : jax.Array, (..., m, n)
+    matrix : jax.Array, shape (..., m, n)
         M.
-    vector : jax.Array, (..., n)
+    vector : jax.Array, shape (..., n)
         x.
 
     Returns
     -------
-    jax.Array, (..., m)
+    jax.Array, shape (..., m)
         M x.
     """
     return jnp.einsum("...ij,...j->...i", matrix, vector)
@@ -273,7 +273,7 @@ def rollout(robot: Robot, given: Arrays, own: tuple[int, ...], settings: Rollout
         Number of axes of each array that belong to one state.
     settings : RolloutSettings
         Settings.
-    parameters : jax.Array, (n,) or (..., n), optional
+    parameters : jax.Array, shape (n,) or (..., n), optional
         Other parameters, in the order of `Robot.parameters()`.
 
     Returns

@@ -60,14 +60,14 @@ def displacement(robot: Robot, q: Any, change: Any) -> Any:
     ----------
     robot : Robot
         Robot.
-    q : jax.Array, (..., nq)
+    q : jax.Array, shape (..., nq)
         Configuration.
-    change : jax.Array, (..., nq)
+    change : jax.Array, shape (..., nq)
         Change of the numbers of q.
 
     Returns
     -------
-    jax.Array, (..., nv)
+    jax.Array, shape (..., nv)
         Displacement δ.
     """
     if robot.nq == robot.nv:
@@ -96,14 +96,14 @@ def coordinates(robot: Robot, q: Any, displaced: Any) -> Any:
     ----------
     robot : Robot
         Robot.
-    q : jax.Array, (..., nq)
+    q : jax.Array, shape (..., nq)
         Configuration.
-    displaced : jax.Array, (..., nv)
+    displaced : jax.Array, shape (..., nv)
         Displacement δ.
 
     Returns
     -------
-    jax.Array, (..., nq)
+    jax.Array, shape (..., nq)
         Change of the numbers of q.
     """
     if robot.nq == robot.nv:
