@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
 
-use crate::tidy::root;
+use crate::root::root;
 
 /// The file.
 const FILE: &str = "xtask/allowances.txt";

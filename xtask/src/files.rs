@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::tidy::root;
+use crate::root::root;
 
 /// A language whose comments the lexer finds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

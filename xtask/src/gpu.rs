@@ -4,9 +4,9 @@
 use std::fs;
 use std::process::Command;
 
+use crate::cargo::{target_folder, workspace};
 use crate::install::install_package;
 use crate::step::step;
-use crate::{example, workspace};
 
 /// Tells the tests that there is a device: without one they fail instead of skipping.
 const EXPECTED: &str = "ROBOT_DYNAMICS_DEVICE";
@@ -48,4 +48,10 @@ fn is_driver_there() -> bool {
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
         entries.map(|entry| entry.file_name()).any(|name| name.to_string_lossy().starts_with("lvp_icd"))
     })
+}
+
+/// Runs an example that the test run has compiled.
+pub(crate) fn example(name: &str) -> Result<(), String> {
+    let file = format!("debug/examples/{name}{}", std::env::consts::EXE_SUFFIX);
+    step(&format!("example {name}"), expecting_a_device(Command::new(target_folder().join(file))))
 }

@@ -8,7 +8,7 @@ use crate::files::{self, SourceFile};
 use crate::layers::{LAYERS, LEAVES, ORDERED, OWNED};
 use crate::manifest::{Manifest, Workspace};
 use crate::modules::{Crate, components};
-use crate::tidy::root;
+use crate::root::root;
 
 /// The file that shows the graphs, between these lines.
 const SHOWN_IN: &str = "ARCHITECTURE.md";

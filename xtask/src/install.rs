@@ -3,8 +3,8 @@
 use std::process::Command;
 use std::sync::Mutex;
 
+use crate::root::root;
 use crate::step::step;
-use crate::tidy;
 
 /// Installs Rust's standard library for another target, where it is missing.
 pub(crate) fn install_target(target: &str) -> Result<(), String> {
@@ -12,14 +12,14 @@ pub(crate) fn install_target(target: &str) -> Result<(), String> {
         return Ok(());
     }
     let mut add = Command::new("rustup");
-    add.args(["target", "add", target]).current_dir(tidy::root());
+    add.args(["target", "add", target]).current_dir(root());
     step(&format!("Rust for {target}"), add)
 }
 
 /// The installed targets of the toolchain in use.
 fn targets() -> Result<String, String> {
     let mut list = Command::new("rustup");
-    list.args(["target", "list", "--installed"]).current_dir(tidy::root());
+    list.args(["target", "list", "--installed"]).current_dir(root());
     let output = list.output().map_err(|error| format!("cannot start rustup: {error}"))?;
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }

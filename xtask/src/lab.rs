@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::process::Command;
 
+use crate::cargo::{UNNOTED, cargo, target_folder};
 use crate::install::{install_package, install_target, is_there};
+use crate::root::root;
 use crate::step::step;
-use crate::{UNNOTED, cargo, target_folder, tidy};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
@@ -106,13 +107,13 @@ fn build_module(&Module { name, feature, simd128 }: &Module) -> Result<(), Strin
     build.env("RUSTFLAGS", flags).arg("--target-dir").arg(&folder);
     step(&format!("lab: physics of the {name}"), build)?;
     let mut bind = cargo(&["run", "--locked", "--package", "lab-builder", "--profile", "builder", "--"]);
-    bind.arg(folder.join(TARGET).join("lab/wasm.wasm")).arg(tidy::root().join("lab/wasm")).arg(name);
+    bind.arg(folder.join(TARGET).join("lab/wasm.wasm")).arg(root().join("lab/wasm")).arg(name);
     step(&format!("lab: bindings of the {name}"), bind)
 }
 
 /// Runs `npm ci`, unless the installed packages are newer than the lock file.
 fn install_packages() -> Result<(), String> {
-    let lab = tidy::root().join("lab");
+    let lab = root().join("lab");
     let written = |path: &str| lab.join(path).metadata().and_then(|data| data.modified()).ok();
     if written("node_modules/.package-lock.json") >= written("package-lock.json") {
         return Ok(());
@@ -135,10 +136,10 @@ pub(crate) fn install_browsers() -> Result<(), String> {
 
 fn npm(arguments: &[&str]) -> Command {
     let mut command = Command::new("npm");
-    command.args(arguments).current_dir(tidy::root().join("lab"));
+    command.args(arguments).current_dir(root().join("lab"));
     command
 }
 
 fn shown(path: &str) -> String {
-    tidy::root().join(path).display().to_string()
+    root().join(path).display().to_string()
 }

@@ -1,6 +1,6 @@
 //! The dependencies that each crate may have. Edit these lists when a crate is added or removed.
 
-use crate::tidy::root;
+use crate::root::root;
 
 /// A crate's folder, and the only dependencies (not dev-dependencies) that its manifest may name: folders of
 /// `crates/`, and packages from the registry. A row whose folder is missing has no effect.

@@ -6,10 +6,11 @@
 
 use std::process::Command;
 
+use crate::cargo::{cargo, checked, workspace};
 use crate::install::{install_package, install_target, is_there};
 use crate::lab::SIMD128;
+use crate::root::root;
 use crate::step::step;
-use crate::{cargo, checked, tidy, workspace};
 
 /// Statically linked, with Rust's own linker: no cross compiler is needed.
 const ARM: &str = "aarch64-unknown-linux-musl";
@@ -119,7 +120,7 @@ fn microcontroller() -> Result<(), String> {
 fn in_node() -> Result<(), String> {
     install_target(WASI)?;
     // A module of 20 MB that runs for seconds: its optimisation would take Node.js a minute.
-    let script = tidy::root().join("xtask/wasi.mjs");
+    let script = root().join("xtask/wasi.mjs");
     let runner = format!("node --no-warnings --liftoff-only {}", script.display());
     // Unoptimised kernels keep every intermediate number on the stack, which has one megabyte by default. The
     // flag skips LLVM's search for irreducible loops, whose time grows with the square of a function's
@@ -149,7 +150,7 @@ pub(crate) fn interpret() -> Result<(), String> {
     }
     let nightly = |arguments: &[&str]| {
         let mut command = Command::new("rustup");
-        command.args(["run", "nightly", "cargo", "miri"]).args(arguments).current_dir(tidy::root());
+        command.args(["run", "nightly", "cargo", "miri"]).args(arguments).current_dir(root());
         command
     };
     if !nightly(&["--version"]).output().is_ok_and(|output| output.status.success()) {

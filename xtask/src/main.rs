@@ -4,6 +4,7 @@
 //! It uses the standard library alone, so that the first command of a fresh clone compiles in seconds.
 
 mod allowances;
+mod cargo;
 mod examples;
 mod files;
 mod gpu;
@@ -19,6 +20,7 @@ mod modules;
 mod packaged;
 mod prose;
 mod python;
+mod root;
 mod semver;
 mod sentences;
 mod site;
@@ -29,10 +31,10 @@ mod tidy;
 mod tokens;
 mod wrap;
 
-use std::path::PathBuf;
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use cargo::{cargo, checked, target_folder, workspace};
 use step::step;
 use tidy::Allowances;
 
@@ -204,23 +206,11 @@ fn style() -> Result<(), String> {
 fn rust() -> Result<(), String> {
     install_clang();
     step("tests and doc tests", gpu::expecting_a_device(workspace("test")))?;
-    example("two_r_numbers")?;
-    example("rollout")?;
+    gpu::example("two_r_numbers")?;
+    gpu::example("rollout")?;
     let mut downstream = cargo(&["run", "--locked", "--manifest-path", DOWNSTREAM]);
     downstream.env("CARGO_TARGET_DIR", target_folder().join("downstream"));
     step("a user's program", downstream)
-}
-
-/// A cargo command for all crates with all features, so that each dependency is compiled once: for a single
-/// package it would have fewer features and be compiled again. The lab's builder has no tests.
-fn workspace(command: &str) -> Command {
-    checked(&[command, "--workspace", "--exclude", "lab-builder", "--all-features", "--locked"])
-}
-
-/// Runs an example that the test run has compiled.
-fn example(name: &str) -> Result<(), String> {
-    let file = format!("debug/examples/{name}{}", std::env::consts::EXE_SUFFIX);
-    step(&format!("example {name}"), gpu::expecting_a_device(Command::new(target_folder().join(file))))
 }
 
 /// Installs Clang, which also compiles generated C. Without it the tests skip that.
@@ -241,29 +231,4 @@ fn docs() -> Result<(), String> {
     // With examples, dependencies have the features that tests need and that the lints have already checked.
     docs.args(["--lib", "--bins", "--examples"]).env("RUSTDOCFLAGS", "-D warnings");
     step("documentation", docs)
-}
-
-/// Where cargo builds.
-fn target_folder() -> PathBuf {
-    let folder = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
-    tidy::root().join(folder)
-}
-
-/// Keeps LLVM from recording which references do not alias at every inlined call, a fifth of the time that
-/// the recursions take to compile.
-const UNNOTED: &str = "-C llvm-args=-enable-noalias-to-md-conversion=false";
-
-/// A cargo command whose programs are tested, not timed. Lints and documentation share flags, build scripts
-/// and procedural macros with the tests.
-fn checked(arguments: &[&str]) -> Command {
-    let mut command = cargo(arguments);
-    let theirs = std::env::var("RUSTFLAGS").unwrap_or_default();
-    command.env("RUSTFLAGS", format!("{theirs} {UNNOTED}").trim_start());
-    command
-}
-
-fn cargo(arguments: &[&str]) -> Command {
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.args(arguments).current_dir(tidy::root());
-    command
 }

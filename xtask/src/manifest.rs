@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use crate::tidy::root;
+use crate::root::root;
 
 /// The manifest of a crate.
 pub(crate) struct Manifest {

@@ -3,50 +3,23 @@
 mod api;
 mod duplicates;
 mod functions;
+mod numbers;
 mod report;
+mod rust_file;
 mod size;
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use self::numbers::{Measurement, ProseCount};
+use self::rust_file::RustFile;
 use crate::files::{self, Language, SourceFile};
 use crate::graph;
 use crate::modules::Crate;
 use crate::prose::{Rule, breaches};
-use crate::tidy::OTHER_TREE;
+use crate::root::OTHER_TREE;
 use crate::tokens::code;
-
-/// A file of Rust with its code.
-struct RustFile<'a> {
-    path: &'a str,
-    text: &'a str,
-    /// Its code without comments, what literals hold, and unit tests.
-    code: String,
-    /// Whether it is a test or a benchmark as a whole.
-    is_test: bool,
-}
-
-/// How often a rule of prose is broken.
-struct ProseCount {
-    /// The rule; for phrases, the phrase.
-    name: String,
-    /// By kind of file.
-    by_language: BTreeMap<&'static str, usize>,
-}
-
-/// All numbers.
-struct Measurement {
-    crates: Vec<size::CrateSize>,
-    facade: api::Facade,
-    apis: Vec<api::CrateApi>,
-    cycles: Vec<(Vec<String>, String)>,
-    prose: Vec<ProseCount>,
-    phrases: Vec<ProseCount>,
-    longest: Vec<functions::Function>,
-    duplicates: Vec<duplicates::Duplicate>,
-    repeated_types: Vec<(String, Vec<String>)>,
-}
 
 /// Measures the tree, prints a page and writes the numbers as JSON: `--json FILE`, `--tree FOLDER`.
 pub(crate) fn run(options: &[&str]) -> Result<(), String> {

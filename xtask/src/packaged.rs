@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-use super::tidy::root;
+use crate::root::root;
 
 /// Notes files that `include_bytes!` or `include_str!` name in a crate's `src` and that `include` of its
 /// manifest leaves out.

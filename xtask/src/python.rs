@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::cargo::target_folder;
 use crate::install::install_package;
+use crate::root::root;
 use crate::step::step;
-use crate::{target_folder, tidy};
 
 /// Oldest Python that the package is for.
 const OLDEST: (u32, u32) = (3, 11);
@@ -15,7 +16,7 @@ const ALLOWED: &str = "stubtest-allowlist.txt";
 
 /// Builds the package and checks it.
 pub(crate) fn run() -> Result<(), String> {
-    let folder = tidy::root().join("python");
+    let folder = root().join("python");
     let python = environment(&target_folder().join("python"))?;
     let run = |arguments: &[&str]| {
         let mut command = Command::new(&python);

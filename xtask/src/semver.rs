@@ -2,10 +2,11 @@
 
 use std::process::Command;
 
+use crate::cargo::cargo;
 use crate::layers::libraries;
 use crate::manifest::Manifest;
+use crate::root::root;
 use crate::step::step;
-use crate::{cargo, tidy};
 
 /// Compares the published libraries with the last tag `v*`.
 pub(crate) fn run() -> Result<(), String> {
@@ -40,7 +41,7 @@ pub(crate) fn run() -> Result<(), String> {
 /// The output of a git command, nothing if it fails.
 fn git(arguments: &[&str]) -> Result<Option<String>, String> {
     let mut command = Command::new("git");
-    command.args(arguments).current_dir(tidy::root());
+    command.args(arguments).current_dir(root());
     let output = command.output().map_err(|error| format!("cannot start git: {error}"))?;
     Ok(output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned()))
 }

@@ -7,10 +7,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::cargo::{cargo, checked, target_folder};
 use crate::layers::libraries;
 use crate::manifest::Manifest;
+use crate::root::root;
 use crate::step::step;
-use crate::{cargo, checked, lab, python, target_folder, tidy};
+use crate::{lab, python};
 
 /// The tasks of `cargo xtask site`.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -32,7 +34,7 @@ pub(crate) fn run(job: Job) -> Result<(), String> {
     let python = guide(&site)?;
     if job != Job::Guide {
         lab::run(lab::Job::Build)?;
-        copy(&tidy::root().join("lab/dist/site"), &site.join("lab"))?;
+        copy(&root().join("lab/dist/site"), &site.join("lab"))?;
         references()?;
         copy(&target_folder().join("doc"), &site.join("rust"))?;
     }
@@ -57,7 +59,7 @@ pub(crate) fn run(job: Job) -> Result<(), String> {
 /// The guide with the Python reference, by the generator in an environment of its own; that environment's
 /// Python.
 fn guide(site: &Path) -> Result<PathBuf, String> {
-    let (root, folder) = (tidy::root(), target_folder().join("guide"));
+    let (root, folder) = (root(), target_folder().join("guide"));
     let python = python::environment(&folder)?;
     let requirements = root.join("guide/requirements.txt");
     // This is quick if everything is installed.

@@ -2,8 +2,10 @@
 
 use std::process::Command;
 
+use crate::cargo::target_folder;
+use crate::python;
+use crate::root::root;
 use crate::step::step;
-use crate::{python, target_folder, tidy};
 
 /// The program's version, from the Python package index, which has it compiled for each system.
 const VERSION: &str = "1.52.0";
@@ -21,6 +23,6 @@ pub(crate) fn run() -> Result<(), String> {
         step("spelling: typos by pip", install)?;
     }
     let mut check = Command::new(typos);
-    check.args(["--format", "brief"]).current_dir(tidy::root());
+    check.args(["--format", "brief"]).current_dir(root());
     step("spelling", check)
 }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
-use crate::target_folder;
+use crate::cargo::target_folder;
 
 thread_local! {
     /// Whether this thread's steps run beside others: each holds its output until it has ended.

@@ -3,8 +3,6 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 
 use crate::allowances::{self, Counts};
 use crate::files::{self, Language, SourceFile};
@@ -30,15 +28,6 @@ pub(crate) enum Allowances {
     Lower,
     /// Its counts become those of the tree.
     Replace,
-}
-
-/// Another tree that is read instead of the repository.
-pub(crate) static OTHER_TREE: OnceLock<PathBuf> = OnceLock::new();
-
-/// The repository's root.
-pub(crate) fn root() -> PathBuf {
-    let own = || Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the root").into();
-    OTHER_TREE.get().cloned().unwrap_or_else(own)
 }
 
 /// Runs every rule and reports all that is broken at once.

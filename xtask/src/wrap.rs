@@ -5,8 +5,8 @@ use std::fs;
 use crate::files::{self, Language, SourceFile};
 use crate::lexer::lex;
 use crate::prose::{WIDEST, columns, is_too_wide};
+use crate::root::root;
 use crate::text_blocks::{blocks, paragraphs};
-use crate::tidy::root;
 
 /// Wraps the files whose paths begin so.
 pub(crate) fn run(prefixes: &[&str]) -> Result<(), String> {

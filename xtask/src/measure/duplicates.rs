@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::RustFile;
+use super::rust_file::RustFile;
 
 /// Fewest lines of a block.
 const FEWEST: usize = 8;

@@ -1,6 +1,6 @@
 //! The longest functions.
 
-use super::RustFile;
+use super::rust_file::RustFile;
 use crate::tokens::{Token, after_group, line_of, tokenize};
 
 /// A function.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Measurement, ProseCount};
+use super::numbers::{Measurement, ProseCount};
 
 /// Kinds of files, in the order of columns.
 const KINDS: [&str; 5] = ["Rust", "Python", "TypeScript", "Markdown", "settings"];

@@ -1,6 +1,6 @@
 //! The lines and files of each crate.
 
-use super::RustFile;
+use super::rust_file::RustFile;
 use crate::files;
 
 /// The size of a crate.

@@ -1,6 +1,6 @@
 //! Items, imports and paths of a module from its tokens.
 
-use super::{Crate, Import, Item, Module, Visibility};
+use super::structure::{Crate, Import, Item, Module, Visibility};
 use crate::tokens::{Placed, Token, after_group, after_item, tokenize};
 
 /// Adds the module of a file and all below it.

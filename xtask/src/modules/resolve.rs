@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Crate, Use, Visibility};
+use super::structure::{Crate, Item, Use, Visibility};
 
 /// The target of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,7 +151,7 @@ pub(super) fn uses(this: &Crate) -> Vec<Use> {
 /// A macro that is visible by textual scope.
 fn macro_named(this: &Crate, name: &str) -> Option<Target> {
     this.modules.iter().enumerate().find_map(|(module, scope)| {
-        let is_it = |item: &super::Item| item.keyword == "macro_rules" && item.name == name;
+        let is_it = |item: &Item| item.keyword == "macro_rules" && item.name == name;
         scope.items.iter().position(is_it).map(|at| Target::Item(module, at))
     })
 }

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-use crate::tidy;
+use crate::root::root;
 
 /// Folders whose Markdown files are pages, and the beginning of the pages' names.
 const FOLDERS: [(&str, &str); 4] =
@@ -53,18 +53,18 @@ pub(super) fn write(folder: &Path) -> Result<(), String> {
     let pages = pages()?;
     let mut files = BTreeMap::new();
     for (source, name) in &pages {
-        let text = read(&tidy::root().join(source))?;
+        let text = read(&root().join(source))?;
         let mut leads = |target: &str| link(source, target, &pages, &mut files);
         let mut page = staged(&text, &mut leads);
         if source == HOME {
-            page += &read(&tidy::root().join(CONTENTS))?;
+            page += &read(&root().join(CONTENTS))?;
         } else if name.starts_with(DECISION) {
             page.insert_str(0, "---\norphan: true\n---\n\n");
         }
         write_file(&folder.join(name), page.as_bytes())?;
     }
     for (source, target) in &files {
-        let path = tidy::root().join(source);
+        let path = root().join(source);
         let bytes = fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         write_file(&folder.join(target), &bytes)?;
     }
@@ -76,7 +76,7 @@ fn pages() -> Result<BTreeMap<String, String>, String> {
     let mut pages: BTreeMap<String, String> =
         DOCUMENTS.iter().map(|(source, name)| ((*source).into(), (*name).into())).collect();
     for (folder, beginning) in FOLDERS {
-        let path = tidy::root().join(folder);
+        let path = root().join(folder);
         let entries = fs::read_dir(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         for entry in entries.flatten() {
             let file = entry.file_name().to_string_lossy().into_owned();
@@ -111,7 +111,7 @@ fn link(
     if PARTS.iter().any(|part| path.starts_with(&format!("{part}/"))) {
         return Some(target.into());
     }
-    if !tidy::root().join(&inside).is_file() {
+    if !root().join(&inside).is_file() {
         return None;
     }
     let placed = inside
