@@ -2,14 +2,14 @@
 
 mod batch_task;
 mod chain;
-mod counted;
+mod operation_counts;
 mod robots;
 mod states;
 mod task;
 
 pub use batch_task::{BatchName, BatchTask};
 pub use chain::chain;
-pub use counted::{Counted, Counts, Tally, tally};
+pub use operation_counts::{Counted, Counts, Tally, tally};
 pub use robots::{RobotError, all_robots, described_robot, robot_by_name, robot_of_file};
 pub use states::{StateTable, StateTableError};
 pub use task::{MEASURED, Task, key, named};

@@ -17,7 +17,7 @@ mod machines;
 mod manifest;
 mod measure;
 mod modules;
-mod packaged;
+mod packages;
 mod prose;
 mod python;
 mod root;

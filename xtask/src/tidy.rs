@@ -8,7 +8,7 @@ use crate::allowances::{self, Counts};
 use crate::files::{self, Language, SourceFile};
 use crate::layers::libraries;
 use crate::prose::breaches;
-use crate::{examples, graph, packaged};
+use crate::{examples, graph, packages};
 
 /// Longest source file, tests not counted.
 const MOST_LINES: usize = 400;
@@ -55,7 +55,7 @@ pub(crate) fn check(treatment: Allowances) -> Result<(), String> {
         return allowances::write(&counts, &allowed, treatment == Allowances::Replace);
     }
     graph::check(&crates, &mut broken)?;
-    packaged::check(&mut broken)?;
+    packages::check(&mut broken)?;
     for folder in CHECKED {
         for file in files::below(&sources, folder).filter(|file| file.language == Language::Rust) {
             check_source(file, &mut broken);

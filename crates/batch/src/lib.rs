@@ -34,7 +34,7 @@ mod workspace;
 
 // the division of a batch, and machine code,
 mod distribution;
-mod native;
+mod machine_code;
 
 // the algorithms, compiled once for each float,
 mod computation;

@@ -10,7 +10,7 @@
 mod error;
 mod job;
 #[cfg(feature = "native")]
-mod native;
+mod machine_code;
 mod outcome;
 mod progress;
 pub(crate) mod pullback;

@@ -5,10 +5,10 @@
 //! registers. Cost: that of the single steps, divided by the threads. All simulations are copies of one: they
 //! share model, method and step.
 
-#[cfg(not(feature = "native"))]
-mod absent;
 #[cfg(feature = "native")]
 mod kernels;
+#[cfg(not(feature = "native"))]
+mod no_kernels;
 mod steps;
 
 use std::sync::atomic::AtomicBool;
@@ -17,10 +17,10 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 use robot_dynamics_simulation::simulator::{Simulation, StepFailure};
 
-#[cfg(not(feature = "native"))]
-use self::absent::{SIDE_BY_SIDE, StepKernels, advance_side_by_side, kernels_for};
 #[cfg(feature = "native")]
 use self::kernels::{SIDE_BY_SIDE, StepKernels, advance_side_by_side, kernels_for};
+#[cfg(not(feature = "native"))]
+use self::no_kernels::{SIDE_BY_SIDE, StepKernels, advance_side_by_side, kernels_for};
 use self::steps::advance;
 use crate::Threads;
 use crate::tables::check_table;

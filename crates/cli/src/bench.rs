@@ -1,13 +1,13 @@
 //! `dynamics bench`: times the computations of a robot on this machine.
 
-#[cfg_attr(not(feature = "batch"), path = "bench/no_batch.rs")]
+#[cfg_attr(not(feature = "batch"), path = "bench/no_batches.rs")]
 mod batch;
 mod entry;
 mod json;
 mod machine;
 mod report;
 mod results;
-mod single;
+mod single_states;
 mod states;
 
 use std::process::ExitCode;
@@ -19,7 +19,7 @@ use self::batch::Batch;
 use self::entry::{Entry, Precision, Task, median};
 use self::machine::Machine;
 use self::results::Results;
-use self::single::Single;
+use self::single_states::Single;
 use self::states::{States, tip};
 use crate::failure::{Failure, Outcome};
 use crate::interruption;

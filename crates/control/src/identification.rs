@@ -17,12 +17,12 @@
 //! - Wensing, Kim, Slotine, *Linear matrix inequalities for physically consistent inertial parameter
 //!   identification*, IEEE RA-L 3 (2018) for the pseudo-inertia.
 
-mod base;
+mod base_parameters;
 mod consistency;
 mod error;
 mod record;
 
-pub use base::{BaseParameter, BaseParameters, IdentificationResult};
+pub use base_parameters::{BaseParameter, BaseParameters, IdentificationResult};
 pub use consistency::{LinkConsistency, physical_consistency, pseudo_inertia};
 pub use error::IdentificationError;
 pub use record::MotionRecord;

@@ -309,7 +309,6 @@ impl OperationalSpace {
     ///
     /// The frame accelerates with ẍ for any τ₀, and τ₀ controls the motion in the null space. τ has nv
     /// entries, ẍ has K, and τ₀ has nv. It does not allocate.
-    /// allocate.
     ///
     /// τ₀ = C v + g − k (q ⊖ q\*) − d v keeps an arm's elbow in place. Without C v + g, which compensates its
     /// weight, the elbow sags, and without the spring it drifts.

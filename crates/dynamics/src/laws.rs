@@ -29,13 +29,13 @@
 //! radians. They must therefore agree to (hω)⁸ω/630 + 100 ε/h of the terms: 2e-12 for N = 3, 4e-10 for
 //! N = 30. M counts as positive definite if κ(M) ≤ 0.1/ε; beyond that a solve has no correct digit.
 
-mod any;
 mod differences;
-mod exact;
+mod exact_derivatives;
+mod identities;
 mod states;
 mod violation;
 
-pub use any::check;
-pub use exact::check_all;
+pub use exact_derivatives::check_all;
+pub use identities::check;
 pub use states::{Sample, States};
 pub use violation::{Report, Violation};

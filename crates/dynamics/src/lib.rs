@@ -92,16 +92,16 @@ mod constraint;
 
 // Rotation of a rigid body.
 mod euler_body;
-mod free_body_exact;
+mod exact_free_body;
 mod rigid_body;
 
 // Motion in time.
-mod integrate;
+mod integration;
 
 // Control.
 mod control;
 mod inertia_ellipse;
-mod linearize;
+mod linearization;
 mod path;
 
 // The two-link arm at one pose, every number.
@@ -117,9 +117,9 @@ pub use constraint::{
 pub use control::{HoldReport, HoldRun, PdHold, REACH_TORQUE_LIMITS, hold};
 pub use equation::{Dynamics, solve_mass};
 pub use euler_body::{Attitude, RotationError, cayley_body_step, euler_body_step};
-pub use free_body_exact::{FreeRotation, complete_elliptic_k, incomplete_elliptic_f, jacobi_sn_cn_dn};
+pub use exact_free_body::{FreeRotation, complete_elliptic_k, incomplete_elliptic_f, jacobi_sn_cn_dn};
 pub use inertia_ellipse::{InertiaEllipse, symmetric_eigen};
-pub use integrate::{
+pub use integration::{
     EnergyRun, State, SystemEnergy, SystemStep, energy_drift, energy_run, explicit_euler_step, rk4_step,
     semi_implicit_euler_step, variational_midpoint_step, variational_yoshida4_step,
 };
@@ -128,7 +128,7 @@ pub use lagrange::{
     Christoffel, FromLagrangian, Lagrangian, christoffel, christoffel_by_differences, mass_derivatives,
     mass_rate, skew_symmetry_defect,
 };
-pub use linearize::{Linearization, linearize, linearize_by_differences};
+pub use linearization::{Linearization, linearize, linearize_by_differences};
 pub use path::{
     FourierLoop, Path, PathDynamics, PathPoint, REACH_REPLAY_SPEED, fastest_constant_speed, peak_torque,
     reach_replay,

@@ -1,6 +1,6 @@
 //! Derivatives and pullbacks of any function, by the chain rule through its graph.
 
-mod expected;
+mod expected_values;
 
 use robot_dynamics_core::{
     InstructionSet, Model, Workspace, cotangent_from_coordinates, cotangent_to_coordinates,
@@ -13,7 +13,7 @@ use robot_dynamics_number::Scalar;
 use crate::Function;
 use crate::function::{DerivativeKind, Row, Size};
 
-pub(crate) use self::expected::slopes_by_dual_numbers;
+pub(crate) use self::expected_values::slopes_by_dual_numbers;
 
 /// A traced function with its arguments: the input of differentiation.
 struct DifferentiationInput<'a> {

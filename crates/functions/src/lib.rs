@@ -27,7 +27,7 @@ mod call;
 
 // the expressions and their derivatives,
 mod derivatives;
-mod traced;
+mod traced_function;
 
 // and their machine code.
 mod native_code;
@@ -38,7 +38,7 @@ pub use function::{Argument, Function, Outcome};
 pub use name::identifier;
 pub use native_code::with_native_code;
 pub use table::Table;
-pub use traced::{LEAST_EQUAL_LINKS, TracedFunction};
+pub use traced_function::{LEAST_EQUAL_LINKS, TracedFunction};
 
 #[cfg(test)]
 mod testing;

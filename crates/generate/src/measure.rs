@@ -1,6 +1,6 @@
 //! The cost of generated code on this machine: bytes of code, of stack, and time compared with the library's.
 
-mod compile;
+mod compilation;
 mod driver;
 mod timing;
 
@@ -15,7 +15,7 @@ use robot_dynamics_expression::Precision;
 use robot_dynamics_functions::FunctionMemory;
 use robot_dynamics_number::Scalar;
 
-use self::compile::Measurements;
+use self::compilation::Measurements;
 use self::timing::fastest;
 use crate::generated_files::GeneratedFile;
 use crate::generation::prepare;
@@ -65,7 +65,7 @@ pub fn measure(model: &Model, request: &Request, folder: &Path) -> Result<Genera
     let request = &Request { lanes: false, ..request.clone() };
     let prepared = prepare(model, request)?;
     prepared.written(model, request).write(folder)?;
-    let compiled = compile::compile(request, &prepared, folder)?;
+    let compiled = compilation::compile(request, &prepared, folder)?;
     let mut text = format!("# {}, measured\n\n", markdown(model.name()));
     text += &commented("   ", &lines(model, request));
     let _ = write!(

@@ -10,7 +10,7 @@ use robot_dynamics_description::{
     Activation, ActuatorDescription, Affine, Limits, RobotDescription, Transmission,
 };
 
-use crate::assemble::ElementTable;
+use crate::assembly::ElementTable;
 use crate::classes::{ACTUATORS, MAIN};
 use crate::element::Element;
 use crate::joint::Motion;

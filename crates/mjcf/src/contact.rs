@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use robot_dynamics_description::{ContactPairDescription, Disposition, RobotDescription};
 
-use crate::assemble::ElementTable;
+use crate::assembly::ElementTable;
 use crate::body::Body;
 use crate::classes::MAIN;
 use crate::element::Element;

@@ -5,7 +5,7 @@ use robot_dynamics_core::{Model, neutral};
 use robot_dynamics_description::RobotDescription;
 
 use crate::actuator::Actuators;
-use crate::assemble::{ElementTable, placement_spring};
+use crate::assembly::{ElementTable, placement_spring};
 use crate::body::Body;
 use crate::reader::Reader;
 

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use robot_dynamics_description::{Equality, EqualityDescription, RobotDescription};
 
-use crate::assemble::{ElementTable, JointEntry};
+use crate::assembly::{ElementTable, JointEntry};
 use crate::body::Body;
 use crate::classes::MAIN;
 use crate::element::Element;

@@ -7,7 +7,7 @@ use robot_dynamics_description::{NamedPose, RobotDescription};
 
 use crate::MjcfError;
 use crate::actuator::Actuators;
-use crate::assemble::{ElementTable, JointEntry};
+use crate::assembly::{ElementTable, JointEntry};
 use crate::element::Element;
 use crate::joint::Motion;
 use crate::names::Names;

@@ -31,7 +31,7 @@ mod error;
 mod load;
 
 // XML: one tree of all files, and the report of everything that is not read.
-mod attach;
+mod attachment;
 mod attribute;
 mod element;
 mod floating_base;
@@ -66,8 +66,8 @@ mod mesh_mass;
 mod primitive;
 
 // The robot as a whole.
-mod align;
-mod assemble;
+mod alignment;
+mod assembly;
 mod mass;
 mod names;
 mod simple_slides;
@@ -84,11 +84,11 @@ mod shapes;
 mod tendon;
 
 // The writer.
-mod write;
+mod writer;
 
 pub use error::{LoadError, MjcfError};
 pub use folder::FileSet;
 pub use load::{Robot, load, load_among, parse, parse_as};
 pub use robot_dynamics_description::{Counts, Disposition, Finding, LoadReport, Severity};
 pub use robot_dynamics_xml::{Options, SIZE_LIMIT};
-pub use write::write;
+pub use writer::write;

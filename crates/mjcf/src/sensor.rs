@@ -4,7 +4,7 @@ use robot_dynamics_description::{
     Disposition, RobotDescription, SensorDescription, SensorKind, SensorObject, Shape,
 };
 
-use crate::assemble::ElementTable;
+use crate::assembly::ElementTable;
 use crate::body::Body;
 use crate::element::Element;
 use crate::joint::Motion;

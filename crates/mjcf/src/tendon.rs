@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use robot_dynamics_description::{PassiveForces, RobotDescription, TendonDescription, TendonSoftness};
 
-use crate::assemble::ElementTable;
+use crate::assembly::ElementTable;
 use crate::classes::MAIN;
 use crate::joint::Motion;
 use crate::names::Names;

@@ -3,11 +3,11 @@
 use robot_dynamics_expression::{Graph, Operand, Operation as Node, Sine, as_traced};
 use robot_dynamics_number::InstructionSet;
 
-use crate::allocate::allocate;
+use crate::allocation::allocate;
 use crate::error::CompileError;
 use crate::instruction::Instruction;
 use crate::list::{Address, Base, Extent, List};
-use crate::lower::{Lowering, PreludeValues, Source};
+use crate::lowering::{Lowering, PreludeValues, Source};
 use crate::machine::{Counts, Machine};
 use crate::pool::Pool;
 use crate::prelude::Prelude;

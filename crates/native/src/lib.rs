@@ -22,13 +22,13 @@ mod list;
 mod pool;
 
 // instruction selection,
-mod lower;
+mod lowering;
 mod prelude;
 mod rows;
 mod sine;
 
 // register allocation,
-mod allocate;
+mod allocation;
 mod instruction;
 mod machine;
 

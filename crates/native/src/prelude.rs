@@ -5,7 +5,7 @@ use robot_dynamics_expression::{Operand, Operation as Node};
 use robot_dynamics_number::InstructionSet;
 
 use crate::list::{Address, Base, Extent, List};
-use crate::lower::{Lowering, PreludeValues, Source};
+use crate::lowering::{Lowering, PreludeValues, Source};
 use crate::pool::Pool;
 use crate::target::{Target, Width};
 

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use robot_dynamics_expression::{Arithmetic, Graph, Operand, Precision, as_traced, trace_sine};
 
 use crate::list::{Binary, Operation, Value};
-use crate::lower::Lowering;
+use crate::lowering::Lowering;
 
 /// The graph of sine and cosine of one input, without the rotation by quarter turns.
 pub(crate) struct SineGraph {

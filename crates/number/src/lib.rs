@@ -40,9 +40,9 @@ pub mod cache;
 
 // the numbers of each instruction set,
 #[cfg(registers)]
-mod fused;
+mod fma_float;
 #[cfg(registers)]
-mod fused_slices;
+mod fma_slices;
 mod instruction_set;
 #[cfg(registers)]
 mod quad;

@@ -2,7 +2,7 @@
 //!
 //! The [`Triple`] of `FmaFloat<f64>`. The instructions are each set's own (`registers`).
 
-use crate::fused::FmaFloat;
+use crate::fma_float::FmaFloat;
 use crate::registers::four as lanes;
 use crate::{Symmetric, Triple};
 

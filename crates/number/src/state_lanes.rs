@@ -236,7 +236,7 @@ mod tests {
     mod in_registers {
         use super::*;
         use crate::InstructionSet;
-        use crate::fused::FmaFloat;
+        use crate::fma_float::FmaFloat;
         use crate::registers::{F32x8, F64x4};
         #[cfg(target_arch = "x86_64")]
         use crate::registers::{F32x16, F64x8};

@@ -13,7 +13,7 @@ use crate::number::Number;
 use crate::results::MOST_RESULTS;
 use crate::robot::Robot;
 use crate::row::{Row, Width, Work};
-use crate::single::{self, homogeneous};
+use crate::single_state::{self, homogeneous};
 use crate::threads;
 
 /// Numbers of the first chunk's results, with at least so many and at most so many states; of the next chunks
@@ -155,7 +155,7 @@ impl<'a> Job<'a> {
         let model = &self.robot.model;
         let computed = match self.row.work {
             Work::Quantity(quantity) if quantity.has_batch() && model.nq() > 0 => {
-                let inputs = single::inputs(quantity, &x, self.frames);
+                let inputs = single_state::inputs(quantity, &x, self.frames);
                 let [first, second, third, ..] = results;
                 quantity.compute_batch(model, workspace, &inputs, [first, second, third])
             }
@@ -270,12 +270,12 @@ impl<'a> Job<'a> {
                     }
                 }
                 let read = [&given[0][..], &given[1], &given[2], &given[3]];
-                let is_given = read.iter().all(|x| single::is_finite(x));
+                let is_given = read.iter().all(|x| single_state::is_finite(x));
                 if is_given {
                     let written = computed.each_mut().map(Vec::as_mut_slice);
-                    single::compute(self.robot, self.row, scratch, &read, self.frames, written);
+                    single_state::compute(self.robot, self.row, scratch, &read, self.frames, written);
                 }
-                let is_valid = is_given && computed.iter().all(|x| single::is_finite(x));
+                let is_valid = is_given && computed.iter().all(|x| single_state::is_finite(x));
                 if !is_valid {
                     bad.push(start + state);
                 }

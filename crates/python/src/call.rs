@@ -12,7 +12,7 @@ use crate::outcome::{Outcome, bad_states};
 use crate::results::MOST_RESULTS;
 use crate::robot::Robot;
 use crate::row::{Row, Width};
-use crate::{single, threads};
+use crate::{single_state, threads};
 
 /// States up to which one thread is as quick as several.
 pub(crate) const FEW_STATES: usize = 256;
@@ -28,7 +28,7 @@ pub(crate) fn call<'py>(
     out: Option<&Bound<'py, PyAny>>,
     threads: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    match single::at_once(py, robot, row, operands, frames, out)? {
+    match single_state::at_once(py, robot, row, operands, frames, out)? {
         Some(result) => Ok(result),
         None => with_care(py, robot, row, operands, frames, out, threads),
     }
@@ -114,7 +114,7 @@ impl<'py> Call<'_, 'py> {
         let read = [&doubles[0][..], &doubles[1], &doubles[2], &doubles[3]];
         self.refuse_massless()?;
         let written = computed.each_mut().map(Vec::as_mut_slice);
-        single::checked(self.py, self.robot, self.row, &read, self.frames, written)?;
+        single_state::checked(self.py, self.robot, self.row, &read, self.frames, written)?;
         for (result, computed) in results.into_iter().zip(&computed) {
             for (number, computed) in result.iter_mut().zip(computed) {
                 *number = T::of(*computed);
@@ -170,10 +170,10 @@ impl<'py> Call<'_, 'py> {
             };
             let at = if x[0].len() == width { 0 } else { first * width };
             let numbers: Vec<f64> = x[0][at..at + width].iter().map(|x| x.double()).collect();
-            let is_bad = !single::is_finite(&numbers)
+            let is_bad = !single_state::is_finite(&numbers)
                 || (operand.width == Width::Nq && !self.robot.has_unit_quaternions(&numbers));
             if is_bad {
-                cause = single::flaw(self.robot, operand.name, operand.width, &numbers);
+                cause = single_state::flaw(self.robot, operand.name, operand.width, &numbers);
                 break;
             }
         }

@@ -30,7 +30,7 @@ mod operand;
 mod outcome;
 mod results;
 mod row;
-mod single;
+mod single_state;
 
 // and all of them;
 mod rows;
@@ -45,7 +45,7 @@ mod controllers;
 mod description;
 mod files;
 mod identification;
-mod linearized;
+mod linearization;
 mod numbers;
 mod parameters;
 mod planning;

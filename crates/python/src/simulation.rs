@@ -1,7 +1,7 @@
 //! Motions of one robot in time: free and constrained, under torques from arrays or from Python.
 
 pub(crate) mod batch;
-mod books;
+mod energy_account;
 mod ground;
 pub(crate) mod options;
 pub(crate) mod setup;
@@ -21,7 +21,7 @@ use robot_dynamics::simulation::{
     CallbackError, ControllerError, Event, Run, RunOptions, Simulation, StepFailure, StepInfo,
 };
 
-use self::books::{ledger_of, losses_of, statistics_of};
+use self::energy_account::{ledger_of, losses_of, statistics_of};
 use self::options::Setup;
 use self::setup::controls_of;
 use self::torques::Torques;

@@ -40,7 +40,7 @@ pub mod json;
 mod load;
 mod mesh;
 pub mod output;
-mod write;
+mod writer;
 
 pub use nalgebra;
 pub use robot_dynamics_mjcf as mjcf;
@@ -62,7 +62,7 @@ pub use mesh::mesh_corners;
 pub use robot_dynamics_functions::with_native_code;
 pub use robot_dynamics_mjcf::FileSet;
 pub use robot_dynamics_urdf::Options;
-pub use write::{Format, write};
+pub use writer::{Format, write};
 
 /// A robot as its file describes it: links, joints, shapes, inertias, sensors, actuators, and the report of a
 /// reader.

@@ -62,7 +62,7 @@ mod tree;
 mod world;
 
 // The writer.
-mod write;
+mod writer;
 
 // SRDF: pairs of links without collisions.
 mod srdf;
@@ -72,4 +72,4 @@ pub use load::{Robot, load, parse, parse_as};
 pub use robot_dynamics_description::{Counts, Disposition, Finding, LoadReport, Severity};
 pub use robot_dynamics_xml::{Options, SIZE_LIMIT};
 pub use srdf::{SrdfError, disabled_collisions, load_disabled_collisions};
-pub use write::write;
+pub use writer::write;

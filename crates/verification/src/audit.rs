@@ -14,16 +14,16 @@
 
 mod check;
 mod drift;
-mod forward;
+mod forward_dynamics;
 mod gravity;
 mod inertia;
-mod inverse;
+mod inverse_dynamics;
 mod lagrange;
 mod load;
 mod mass_matrix;
 mod power;
 mod probe;
-mod skew;
+mod skew_symmetry;
 
 pub use check::{Check, Verdict};
 
@@ -86,10 +86,10 @@ pub fn audit_against(model: &Model, other: &Model, states: u32, seed: u64) -> Ve
     checks.extend(mass_matrix::checks(&probe));
     checks.extend(lagrange::checks(&probe));
     checks.push(gravity::slope_of_potential(&probe));
-    checks.push(skew::defect(&probe));
+    checks.push(skew_symmetry::defect(&probe));
     if probe.has_accelerations() {
-        checks.push(inverse::undoes_forward(&probe));
-        checks.push(forward::two_routes(&probe));
+        checks.push(inverse_dynamics::undoes_forward(&probe));
+        checks.push(forward_dynamics::two_routes(&probe));
         checks.push(power::balance(&probe));
         checks.extend(drift::checks(&probe));
     }

@@ -11,7 +11,7 @@ use crate::block::{
 };
 use crate::distribution::for_each_block;
 use crate::kernel_call::call;
-use crate::native::{Number, natively};
+use crate::machine_code::{Number, natively};
 use crate::tables::{Tables, check_table};
 use crate::workspace::BlockMemory;
 use crate::{BadStates, BatchWorkspace};

@@ -6,7 +6,7 @@ use robot_dynamics_number::Float;
 use crate::bad_states::BadStateSet;
 use crate::block::{self, Operation};
 use crate::distribution::for_each_block;
-use crate::native::{Number, natively};
+use crate::machine_code::{Number, natively};
 use crate::tables::{Tables, check_table};
 use crate::workspace::BlockMemory;
 use crate::{BadStates, BatchWorkspace};

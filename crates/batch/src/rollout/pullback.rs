@@ -1,26 +1,26 @@
 //! The pullback of rollouts of batches.
 
-mod backward;
+mod backward_pass;
 mod bad_rows;
 mod inputs;
 #[cfg(feature = "native")]
-mod native;
+mod machine_code;
 
 use robot_dynamics_core::{Model, parameter_count};
 use robot_dynamics_integrators::StepScheme;
 use robot_dynamics_number::{Float, check_positive};
 use robot_dynamics_simulation::Rollout;
 
-use self::backward::Backward;
+use self::backward_pass::Backward;
 pub(crate) use self::inputs::PullbackInputs;
 #[cfg(feature = "native")]
-use self::native::pull_back_natively;
+use self::machine_code::pull_back_natively;
 use super::error::RolloutError;
 use super::outcome::Outcome;
 use super::progress::{Progress, Shared};
 use super::torques::Torques;
 use crate::distribution::for_each_block;
-use crate::native::Number;
+use crate::machine_code::Number;
 use crate::tables::check_table;
 use crate::{BatchWorkspace, block};
 

@@ -8,13 +8,13 @@ use robot_dynamics_simulation::Rollout;
 use super::error::RolloutError;
 use super::job::Job;
 #[cfg(feature = "native")]
-use super::native::move_natively;
+use super::machine_code::move_natively;
 use super::outcome::Outcome;
 use super::progress::{Progress, Shared};
 use super::step::Advance;
 use super::torques::Torques;
 use crate::distribution::for_each_block;
-use crate::native::Number;
+use crate::machine_code::Number;
 use crate::tables::check_table;
 use crate::workspace::BlockMemory;
 use crate::{BadStates, BatchWorkspace, block};

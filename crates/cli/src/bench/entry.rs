@@ -3,7 +3,7 @@
 use robot_dynamics::quantity::Quantity;
 
 use super::batch::Work;
-use super::{batch, single};
+use super::{batch, single_states};
 
 /// The floating-point type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,7 +74,7 @@ impl Entry {
     /// All tasks in the order of the report: single states, batches, rollouts, and batches of forward
     /// dynamics on numbers of threads between one and all.
     pub(super) fn all(threads: &[usize]) -> Vec<Self> {
-        let mut all: Vec<Task> = single::QUANTITIES.into_iter().map(Task::Single).collect();
+        let mut all: Vec<Task> = single_states::QUANTITIES.into_iter().map(Task::Single).collect();
         let ends = [threads.first(), threads.last()];
         let mut ends: Vec<usize> = ends.into_iter().flatten().copied().collect();
         ends.dedup();

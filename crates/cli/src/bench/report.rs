@@ -7,7 +7,7 @@ use super::batch::Work;
 use super::entry::{Entry, Precision, SCALING_WORK, Task, Time};
 use super::machine::IS_DEBUG;
 use super::results::Results;
-use super::{batch, single};
+use super::{batch, single_states};
 use crate::table::{Table, count};
 
 /// Three significant digits, with spaces between thousands: 25.3, 190, 12 300.
@@ -94,7 +94,7 @@ impl Results<'_> {
 
     fn singles(&self) -> String {
         let mut table = Table::new(&["one state at a time, one thread", ">ns", ">±", ">states/s"]);
-        for quantity in single::QUANTITIES {
+        for quantity in single_states::QUANTITIES {
             let what = Task::Single(quantity);
             let [ns, spread] = cells(self.entry(what));
             let rate = self.time(what).map_or_else(String::new, |time| three(time.per_second()));

@@ -8,7 +8,7 @@ use super::error::ConstraintError;
 use super::kkt::constrained_forward_dynamics;
 use super::row_factor::RowFactor;
 use crate::Dynamics;
-use crate::integrate::explicit::explicit_step;
+use crate::integration::explicit_stages::explicit_step;
 
 /// The state after a constrained step, and the correction of the projection.
 #[derive(Clone, Copy, Debug, PartialEq)]

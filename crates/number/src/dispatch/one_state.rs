@@ -6,7 +6,7 @@ use core::fmt;
 use super::Call;
 use super::Hardware;
 #[cfg(registers)]
-use crate::fused::FmaFloat;
+use crate::fma_float::FmaFloat;
 use crate::{Form, InstructionSet, Scalar, View};
 
 /// A computation on memory over the machine's number for `T`.

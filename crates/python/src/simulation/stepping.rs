@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use robot_dynamics::simulation::{AppliedWrench, Simulation as Stepped, Snapshot as Kept};
 
-use super::books::{ledger_of, losses_of};
+use super::energy_account::{ledger_of, losses_of};
 use super::options::Setup;
 use super::setup::{controls_of, failed_step};
 use crate::errors::Class;

@@ -11,7 +11,7 @@ use robot_dynamics::model::Model;
 
 use crate::number::Number;
 use crate::robot::Robot;
-use crate::single::is_finite;
+use crate::single_state::is_finite;
 use crate::threads;
 
 /// How many robots with computed parameters are kept: a program computes many things of one.

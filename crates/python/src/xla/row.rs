@@ -13,7 +13,7 @@ use crate::results::MOST_RESULTS;
 use crate::robot::Robot;
 use crate::row::Row;
 use crate::rows::row_named;
-use crate::single::attempt;
+use crate::single_state::attempt;
 use crate::threads;
 
 /// A row of the table.

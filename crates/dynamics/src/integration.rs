@@ -4,11 +4,11 @@
 //! methods are the rows of [`Integrator`](crate::Integrator).
 
 mod energy;
-pub(crate) mod explicit;
+pub(crate) mod explicit_stages;
 mod step;
-mod variational;
+mod variational_midpoint;
 
 pub use energy::{EnergyRun, SystemEnergy, energy_drift, energy_run};
-pub use explicit::{State, explicit_euler_step, rk4_step, semi_implicit_euler_step};
+pub use explicit_stages::{State, explicit_euler_step, rk4_step, semi_implicit_euler_step};
 pub use step::SystemStep;
-pub use variational::{variational_midpoint_step, variational_yoshida4_step};
+pub use variational_midpoint::{variational_midpoint_step, variational_yoshida4_step};

@@ -9,16 +9,16 @@ use robot_dynamics_native::Kernel;
 use robot_dynamics_number::Float;
 use robot_dynamics_simulation::Rollout;
 
-use super::backward::Backward;
+use super::backward_pass::Backward;
 use super::bad_rows::spoil;
 use super::inputs::PullbackInputs;
 use crate::distribution::for_each_part;
-use crate::rollout::native::step_by_recursion;
+use crate::rollout::machine_code::step_by_recursion;
 use crate::rollout::outcome::Outcome;
 use crate::rollout::progress::{RolloutProgress, Shared};
 use crate::rollout::torques::Torques;
 use crate::workspace::{BlockMemory, ThreadMemory};
-use crate::{BatchWorkspace, block, native};
+use crate::{BatchWorkspace, block, machine_code};
 
 /// The number of states that a thread processes at once, with one bit each for bad states.
 const STATES: usize = u32::BITS as usize;
@@ -35,9 +35,9 @@ pub(super) fn pull_back_natively<'a, T: Float + Number>(
 ) -> Result<(), [&'a mut [T]; 4]> {
     let kernels = || {
         let (row, dissipation) = (rollout.integrator, rollout.dissipation);
-        let step = native::kernel(model, workspace, NativeFunction::step(row, dissipation)?)?;
+        let step = machine_code::kernel(model, workspace, NativeFunction::step(row, dissipation)?)?;
         let function = NativeFunction::step_pullback(row, dissipation)?;
-        Some((step, native::kernel(model, workspace, function)?))
+        Some((step, machine_code::kernel(model, workspace, function)?))
     };
     if !results[3].is_empty() || rollout.steps == 0 {
         return Err(results);

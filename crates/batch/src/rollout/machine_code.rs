@@ -16,7 +16,7 @@ use super::step::{Advance, STEPS_PER_LOOK};
 use super::torques::{PolicyInput, Torques};
 use crate::distribution::for_each_part;
 use crate::workspace::{BlockMemory, ThreadMemory};
-use crate::{BatchWorkspace, block, native};
+use crate::{BatchWorkspace, block, machine_code};
 
 /// The number of states that a thread advances at once, with one bit each for bad states.
 const STATES: usize = u32::BITS as usize;
@@ -31,7 +31,7 @@ pub(super) fn move_natively<'a, T: Float + Number>(
     (shared, outcome): (&Shared<'_>, &Outcome),
 ) -> Result<(), [&'a mut [T]; 4]> {
     let step = NativeFunction::step(rollout.integrator, rollout.dissipation);
-    let kernel = step.and_then(|step| native::kernel(model, workspace, step));
+    let kernel = step.and_then(|step| machine_code::kernel(model, workspace, step));
     let Some(kernel) = kernel else { return Err(tables) };
     let batch = tables[0].len() / model.nq.max(1);
     for_each_part(workspace, batch, (STATES, 1), tables, &|memory, first, states, tables| {

@@ -354,4 +354,4 @@ impl<'a> Allocator<'a> {
     }
 }
 
-mod fused;
+mod fused_operands;

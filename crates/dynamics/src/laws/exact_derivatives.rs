@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 use robot_dynamics_number::Dual;
 
-use super::any::{check, conditioning, rounding, size_of, velocity_scale};
+use super::identities::{check, conditioning, rounding, size_of, velocity_scale};
 use super::violation::Judge;
 use super::{Report, Sample, States, Violation};
 use crate::{Dynamics, Lagrangian, christoffel, mass_rate, skew_symmetry_defect};

@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use crate::View;
-use crate::fused::FmaFloat;
+use crate::fma_float::FmaFloat;
 
 macro_rules! view {
     ($float:ty) => {

@@ -4,8 +4,8 @@ use nalgebra::SVector;
 use robot_dynamics_integrators::{Integrator, IntegratorError, StepScheme};
 
 use super::State;
-use super::explicit::explicit_step;
-use super::variational::compose;
+use super::explicit_stages::explicit_step;
+use super::variational_midpoint::compose;
 use crate::Dynamics;
 
 /// Steps of a [`Dynamics`] system by an [`Integrator`].

@@ -9,7 +9,7 @@
 use nalgebra::SVector;
 use robot_dynamics_integrators::{Integrator, IntegratorError, StepScheme};
 
-use super::explicit::{State, assert_step};
+use super::explicit_stages::{State, assert_step};
 use crate::{Dynamics, check_finite, solve_mass};
 
 /// The maximal number of iterations of an implicit step. Each gains a factor of about h·(rates of the
