@@ -117,7 +117,7 @@ pub(crate) fn is_finite(x: &[f64]) -> bool {
     x.iter().all(|x| x.is_finite())
 }
 
-/// What is wrong with an argument, in the library's words.
+/// The error of an invalid argument, in the library's words.
 #[cold]
 pub(crate) fn flaw(robot: &Robot, name: &str, width: Width, x: &[f64]) -> String {
     if width == Width::Nq
@@ -155,7 +155,7 @@ pub(crate) fn compute(
     }
 }
 
-/// What a row of the library's table reads: q, then its inputs in their order.
+/// The inputs of a row of the library's table: q, then the others in their order.
 pub(crate) fn inputs<'a, T>(quantity: Quantity, x: &[&'a [T]; 4], frames: &'a [FrameId]) -> Inputs<'a, T> {
     let mut inputs = Inputs { q: x[0], v: &[], a: &[], tau: &[], frames };
     let mut next = 1;

@@ -1,4 +1,4 @@
-//! The books of a motion as Python's objects.
+//! The energy account of a motion as Python's objects.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -6,7 +6,7 @@ use robot_dynamics::simulation::{AdaptiveRecord, EnergyLedger, Losses};
 
 use crate::numbers::{object, record};
 
-/// What took energy out, by cause; `None` where the method does not tell.
+/// The energy losses by cause; `None` if the method does not separate them.
 pub(super) fn losses_of(py: Python<'_>, losses: Option<Losses>) -> PyResult<Bound<'_, PyAny>> {
     let Some(losses) = losses else { return Ok(py.None().into_bound(py)) };
     let fields = [
@@ -20,7 +20,7 @@ pub(super) fn losses_of(py: Python<'_>, losses: Option<Losses>) -> PyResult<Boun
     Ok(record(py, fields)?.into_any())
 }
 
-/// The books at the end of a motion.
+/// The energy account at the end of a motion.
 pub(super) fn ledger_of<'py>(py: Python<'py>, ledger: &EnergyLedger) -> PyResult<Bound<'py, PyDict>> {
     record(
         py,
@@ -39,7 +39,7 @@ pub(super) fn ledger_of<'py>(py: Python<'py>, ledger: &EnergyLedger) -> PyResult
     )
 }
 
-/// What the steps of an adaptive run were.
+/// The statistics of the steps of an adaptive run.
 pub(super) fn statistics_of<'py>(py: Python<'py>, run: &AdaptiveRecord) -> PyResult<Bound<'py, PyDict>> {
     record(
         py,
