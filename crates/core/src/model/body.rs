@@ -25,7 +25,7 @@ pub struct Body {
     pub shifts_reference_point: bool,
     /// First entry of this body in q; that of the leader for a mimic joint.
     pub q_index: usize,
-    /// First entry of this body among the tree's degrees of freedom ([`Model::dofs`]).
+    /// First entry of this body among the tree's degrees of freedom (`Model::dofs`).
     pub dof: usize,
     /// `parent_from_body` at q = 0.
     pub rotation: PaddedColumns,
@@ -54,7 +54,7 @@ pub struct Dof {
     pub offset: f64,
     /// The body this degree of freedom moves.
     pub body: usize,
-    /// Its joint, in [`Model::joints`].
+    /// Its joint, in `Model::joints`.
     pub joint: usize,
     /// One past the last DoF in the subtree of `body`, whose DoFs are contiguous.
     pub end: usize,

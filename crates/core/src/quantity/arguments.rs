@@ -2,7 +2,7 @@
 
 use crate::{FrameId, Model};
 
-/// An input of a [`Quantity`] besides q.
+/// An input of a [`Quantity`](crate::Quantity) besides q.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Input {
@@ -16,7 +16,7 @@ pub enum Input {
     Frame,
 }
 
-/// The inputs of a [`Quantity`]; those that it does not read may be empty.
+/// The inputs of a [`Quantity`](crate::Quantity); those that it does not read may be empty.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inputs<'a, T = f64> {
     /// The configuration, nq numbers; for a batch \[batch\]\[nq\].
@@ -76,7 +76,7 @@ impl ResultShape {
     }
 }
 
-/// A result of a [`Quantity`].
+/// A result of a [`Quantity`](crate::Quantity).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct QuantityResult {
