@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import disjoint_base
 
-from robot_dynamics.numbers import Followed, Numbers, ReferenceFrame
+from robot_dynamics.numbers import ControlReference, Numbers, ReferenceFrame
 from robot_dynamics.results import {classes}
 
 _F = TypeVar("_F", np.float64, np.float32)
@@ -77,8 +77,8 @@ ARGUMENTS = {
 
 # Types of arguments that differ for some classes.
 OF_CLASS = {
-    ("ComputedTorque", "reference"): "Followed | Callable[[float], Followed]",
-    ("TaskControl", "reference"): "Followed | Callable[[float], Followed]",
+    ("ComputedTorque", "reference"): "ControlReference | Callable[[float], ControlReference]",
+    ("TaskControl", "reference"): "ControlReference | Callable[[float], ControlReference]",
     ("TaskControl", "stiffness"): "float",
     ("TaskControl", "damping"): "float",
 }

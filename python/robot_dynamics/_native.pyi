@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import disjoint_base
 
-from robot_dynamics.numbers import Followed, Numbers, ReferenceFrame
+from robot_dynamics.numbers import ControlReference, Numbers, ReferenceFrame
 from robot_dynamics.results import DissipationPullback, ForwardDynamicsDerivatives, ForwardDynamicsPullback, ForwardDynamicsPullbackWithParameters, FrameAccelerationDerivatives, InverseDynamicsDerivatives, InverseDynamicsPullback, InverseDynamicsPullbackWithParameters
 
 _F = TypeVar("_F", np.float64, np.float32)
@@ -107,7 +107,7 @@ class ComputedTorque:
     True
     """
     def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
-    def __new__(cls, robot: Robot, reference: Followed | Callable[[float], Followed], stiffness: Numbers, damping: Numbers, *, dissipation: bool = False) -> Self: ...
+    def __new__(cls, robot: Robot, reference: ControlReference | Callable[[float], ControlReference], stiffness: Numbers, damping: Numbers, *, dissipation: bool = False) -> Self: ...
 
 @final
 class Constraints:
@@ -1202,4 +1202,4 @@ class TaskControl:
     True
     """
     def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
-    def __new__(cls, robot: Robot, frame: str | int, reference: Followed | Callable[[float], Followed], *, stiffness: float, damping: float, null_damping: float = 0.0, rows: Sequence[str] | None = None, posture: Numbers | None = None, posture_stiffness: float = 0.0) -> Self: ...
+    def __new__(cls, robot: Robot, frame: str | int, reference: ControlReference | Callable[[float], ControlReference], *, stiffness: float, damping: float, null_damping: float = 0.0, rows: Sequence[str] | None = None, posture: Numbers | None = None, posture_stiffness: float = 0.0) -> Self: ...

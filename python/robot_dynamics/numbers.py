@@ -20,9 +20,13 @@ class SupportsDLPack(Protocol):
 Numbers: TypeAlias = ArrayLike | SupportsDLPack
 """Arrays, numbers, nested lists of numbers, and objects with ``__array__`` or DLPack."""
 
-Followed: TypeAlias = Numbers | tuple[Numbers, Numbers, Numbers]
+ControlReference: TypeAlias = Numbers | tuple[Numbers, Numbers, Numbers]
 """Reference of a controller: a position at rest, or a position with its velocity and acceleration."""
 
 ReferenceFrame: TypeAlias = Literal["local", "world", "local_world_aligned"]
-"""The axes of a frame's velocity, acceleration, Jacobian or wrench, and its reference point: the frame's own
-axes and origin, the world's axes and origin, or the world's axes and the frame's origin."""
+"""Axes and reference point of a frame's velocity, acceleration, Jacobian or wrench.
+
+- ``local``: the frame's axes and origin.
+- ``world``: the world's axes and origin.
+- ``local_world_aligned``: the world's axes and the frame's origin.
+"""
