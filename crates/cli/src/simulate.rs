@@ -23,7 +23,7 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use robot_dynamics::model::Model;
-use robot_dynamics::simulation::{Controller, Effect, Method, StepInfo};
+use robot_dynamics::simulation::{Controller, Effect, Method, StepInfo, steps_in};
 use robot_dynamics::text::one_line;
 
 pub(crate) use self::arguments::Arguments;
@@ -145,9 +145,9 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The number of steps that cover the duration. A remainder above rounding takes one more step.
+/// The whole number of steps that is nearest to the duration, at least one.
 fn steps(arguments: &Arguments) -> Result<usize, Failure> {
-    let steps = (arguments.duration / arguments.step - 1e-9).ceil().max(1.0);
+    let steps = arguments.duration / arguments.step;
     if steps > MAX_STEPS {
         let [duration, step, steps] = [arguments.duration, arguments.step, steps].map(short);
         return Err(Failure::new(format!(
@@ -155,9 +155,8 @@ fn steps(arguments: &Arguments) -> Result<usize, Failure> {
              --step or a shorter --duration"
         )));
     }
-    // At most 1e9, checked above.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    Ok(steps as usize)
+    let nearest = steps_in(arguments.duration, arguments.step);
+    nearest.map(|steps| steps.max(1)).map_err(|error| Failure::new(error.to_string()))
 }
 
 /// A progress bar, which only a terminal shows.

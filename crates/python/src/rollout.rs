@@ -152,8 +152,8 @@ impl<'py> Call<'_, 'py> {
         };
         let mut simulation = (self.single)()?;
         // It ends at the end of the batch's motion at the latest, and mostly long before.
-        let run =
-            py.detach(|| simulation.run_from(&q, &v, steps, RunOptions::new().controller(&mut torques)));
+        let run = py
+            .detach(|| simulation.run_steps_from(&q, &v, steps, RunOptions::new().controller(&mut torques)));
         Ok(run.err().map(|failure| failure.error.to_string()))
     }
 

@@ -18,7 +18,7 @@ use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use robot_dynamics::simulation::{
-    CallbackError, ControllerError, Event, Run, RunOptions, Simulation, StepFailure, StepInfo,
+    CallbackError, ControllerError, Event, Run, RunOptions, Simulation, StepFailure, StepInfo, steps_in,
 };
 
 use self::energy_account::{ledger_of, losses_of, statistics_of};
@@ -199,7 +199,7 @@ impl Robot {
             // Adaptive steps look at the flag, and evaluate no more samples than are kept, unless forces of
             // actuators are.
             let is_observed = !is_adaptive || simulation.control_names().next().is_some();
-            simulation.run(steps, if is_observed { options.observer(&mut observer) } else { options })
+            simulation.run_steps(steps, if is_observed { options.observer(&mut observer) } else { options })
         };
         // Whoever calls Python at each step keeps the interpreter's lock.
         let outcome = if has_callbacks {
@@ -299,16 +299,5 @@ fn array_of_counts<'py>(py: Python<'py>, counts: &[usize]) -> PyResult<Bound<'py
 
 /// How many steps a time takes.
 fn steps_of(py: Python<'_>, duration: f64, step: f64) -> PyResult<usize> {
-    if !(step > 0.0 && step.is_finite()) {
-        let message = format!("the step must be positive and finite, got {step} s");
-        return Err(Class::Simulation.error(py, message));
-    }
-    let steps = (duration / step).round();
-    if duration >= 0.0 && (0.0..1e12).contains(&steps) {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // looked at above
-        return Ok(steps as usize);
-    }
-    let message =
-        format!("the duration must be finite, not negative, and less than 1e12 steps, got {duration} s");
-    Err(Class::Simulation.error(py, message))
+    steps_in(duration, step).map_err(|error| Class::Simulation.error(py, error))
 }

@@ -107,7 +107,7 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
         .constraint_options(options, DriftCorrection::Position { tolerance: 1e-12 })
         .without(Effect::Dissipation)
         .build()?;
-    let run = simulation.run_from(&q, &v, 10_000, RunOptions::new().sample_every(0))?;
+    let run = simulation.run_from(&q, &v, 10.0, RunOptions::new().sample_ends())?;
     let record = simulation.constraint_record().ok_or("no constraint")?;
     Ok(Numbers {
         pin_force: [motion.multipliers[0], motion.multipliers[1]],
@@ -142,8 +142,8 @@ pub(crate) fn figure() -> Result<Figure, Box<dyn Error>> {
         simulation.run_from(
             &q,
             &v,
-            10_000,
-            RunOptions::new().sample_every(0).observer(&mut |info| {
+            10.0,
+            RunOptions::new().sample_ends().observer(&mut |info| {
                 let drift = constraint_drift(&model, workspace, &set, info.q, info.v);
                 gap.push((info.time, drift.position));
                 energy.push((info.time, info.ledger.imbalance().abs() / info.ledger.start().abs()));

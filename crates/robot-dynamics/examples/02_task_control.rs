@@ -79,8 +79,8 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
     let run = simulation.run_from(
         &READY,
         &rest,
-        2000,
-        RunOptions::new().sample_every(0).controller(&mut control).observer(&mut |info| {
+        2.0,
+        RunOptions::new().sample_ends().controller(&mut control).observer(&mut |info| {
             let hand = frame_pose(&model, workspace, info.q, frame).translation;
             let wanted = circle(info.time).position;
             let used = info.tau.iter().zip(&limits).map(|(tau, limit)| tau / limit.effort).collect();
@@ -91,8 +91,8 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
     let home = simulation.run_from(
         &READY,
         &rest,
-        2000,
-        RunOptions::new().sample_every(0).controller(&mut drawn_home),
+        2.0,
+        RunOptions::new().sample_ends().controller(&mut drawn_home),
     )?;
     let away =
         [run.q, home.q].map(|q| q.iter().zip(&READY).map(|(q, q0)| (q - q0).abs()).fold(0.0, f64::max));

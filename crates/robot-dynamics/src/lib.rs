@@ -167,6 +167,7 @@ pub mod simulation {
         IntoCallbackResult, Losses, MujocoEuler, PointForce, Run, RunError, RunFailure, Sample, SensorInputs,
         SensorMemory, SensorSet, StepError, StepFault, StepForces, StepInfo, StepStagesWorkspace,
         StepWorkspace, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step, step, step_stages,
+        steps_in,
     };
     #[cfg(feature = "adaptive")]
     pub use robot_dynamics_simulation::{

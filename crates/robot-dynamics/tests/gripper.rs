@@ -69,7 +69,8 @@ fn held(robot: &Robot, [x, y, angle]: [f64; 3], duration: f64) -> (f64, Simulati
     (q[3], q[4]) = (x, y);
     (q[8], q[9]) = (0.5 * angle).sin_cos();
     simulation.reset(&q, &v).unwrap();
-    let (lifted, end) = (simulation.steps_of(LIFTED), simulation.steps_of(LIFTED + duration));
+    let (lifted, end) =
+        (simulation.steps_in(LIFTED).unwrap(), simulation.steps_in(LIFTED + duration).unwrap());
     let mut start = Vec::new();
     let mut moved = 0.0_f64;
     for step in 0..end {

@@ -29,7 +29,7 @@ fn the_table_holds_the_librarys_states() {
             stepped.step().unwrap_or_else(|error| panic!("{name}: {error}"));
         }
         whole
-            .run(steps, RunOptions::new().sample_every(0))
+            .run_steps(steps, RunOptions::new().sample_ends())
             .unwrap_or_else(|error| panic!("{name}: {}", error.error));
         assert_eq!((stepped.q(), stepped.v()), (whole.q(), whole.v()), "{name}: stepped and in one run");
         println!(

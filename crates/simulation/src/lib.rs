@@ -51,6 +51,7 @@ pub use motion::simulate::{
     ActuatedStepError, CallbackError, ConstantTorque, Controller, ControllerError, DivergenceCause, Event,
     EventOccurrence, GravityAt, GravityCompensatedPd, IntoCallbackResult, Losses, Run, RunError, RunFailure,
     Sample, StepError, StepFault, StepInfo, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
+    steps_in,
 };
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{

@@ -38,7 +38,7 @@ pub use builder::SimulationBuilder;
 pub use effect::{Effect, UnknownEffect};
 pub use error::{MethodError, SimulationError, StepFailure};
 pub use method::{Method, SimulationStepper, UnknownMethod};
-pub use run_options::RunOptions;
+pub use run_options::{RunOptions, SampleInterval};
 pub use state::{PoseError, Snapshot};
 pub use stepping::Simulation;
 pub use unsupported::UnsupportedFeatures;

@@ -503,11 +503,11 @@ fn controlled_run_allocates_at_start_only() {
         let mut control = control.with_posture(&q, 25.0).unwrap();
         let mut done = false;
         let call = || {
-            let run = simulation.run_from(
+            let run = simulation.run_steps_from(
                 &q,
                 &[0.0; 7],
                 steps,
-                RunOptions::new().sample_every(0).controller(&mut control),
+                RunOptions::new().sample_ends().controller(&mut control),
             );
             done = run.is_ok_and(|run| run.steps == steps);
         };

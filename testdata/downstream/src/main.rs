@@ -69,8 +69,8 @@ fn pd() -> Outcome {
     let run = simulation(&model).run_from(
         &start,
         &[0.0; 7],
-        5000,
-        RunOptions::new().sample_every(0).controller(&mut control),
+        5.0,
+        RunOptions::new().sample_ends().controller(&mut control),
     )?;
     let off: Vec<f64> = run.q.iter().zip(&READY).map(|(q, target)| q - target).collect();
     assert!(largest(&off) < 1e-2, "{off:?}");
@@ -112,8 +112,8 @@ fn impedance() -> Outcome {
     let run = simulation(&model).run_from(
         &READY,
         &[0.0; 7],
-        1000,
-        RunOptions::new().sample_every(0).controller(&mut control),
+        1.0,
+        RunOptions::new().sample_ends().controller(&mut control),
     )?;
     let [_, found, _] = frame_pose(&model, &mut workspace, &run.q, hand).translation;
     // Critically damped at 20 rad/s: after 1 s (1 + 20) e⁻²⁰ is left.

@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     /// Initial velocity by joint name [rad/s, m/s].
     #[arg(long, value_name = "JOINT=NUMBER,…")]
     pub(super) velocity: Vec<JointValues>,
-    /// Simulated time in s.
+    /// Simulated time in s, rounded to the nearest whole number of steps, at least one.
     #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     pub(super) duration: f64,

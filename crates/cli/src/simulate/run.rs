@@ -37,7 +37,7 @@ pub(crate) fn run(
 ) -> RunResult {
     let simulation = &mut setup.simulation;
     let mut limits = stops(arguments, model);
-    let mut options = RunOptions::new().sample_every(0).events(&mut limits).observer(&mut observer);
+    let mut options = RunOptions::new().sample_ends().events(&mut limits).observer(&mut observer);
     // Shortens the lifetime to that of this call.
     options.controller = controller.map(|controller| controller as &mut dyn Controller);
     let (run, failure) = match simulation.reset(&start.q, &start.v) {
@@ -45,7 +45,7 @@ pub(crate) fn run(
             if let Some(drive) = drive {
                 simulation.set_controls(&drive.controls);
             }
-            match simulation.run(steps, options) {
+            match simulation.run_steps(steps, options) {
                 Ok(run) => (run, None),
                 Err(failure) => (failure.until, Some(failure_message(model, &failure.error, arguments.step))),
             }

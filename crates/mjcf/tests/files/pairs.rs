@@ -98,7 +98,7 @@ fn run(text: &str, links: bool, v: &[f64], steps: usize) -> (Vec<f64>, Vec<f64>)
         .step(1e-3)
         .build()
         .unwrap()
-        .run_from(&q, v, steps, RunOptions::new().sample_every(0))
+        .run_steps_from(&q, v, steps, RunOptions::new().sample_ends())
         .expect("a run");
     (run.q, run.v)
 }

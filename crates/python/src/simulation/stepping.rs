@@ -259,7 +259,8 @@ impl Simulation {
 
     /// Steps for a time [s], rounded to whole steps.
     fn run_for(&mut self, py: Python<'_>, duration: f64) -> PyResult<()> {
-        self.step(py, self.stepped.steps_of(duration))
+        let steps = self.stepped.steps_in(duration).map_err(|error| Class::Simulation.error(py, error))?;
+        self.step(py, steps)
     }
 
     /// All that changes, to come back to by `restore`.

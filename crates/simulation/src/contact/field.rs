@@ -263,7 +263,7 @@ impl ContactSet {
     /// let contacts = ContactSet::new(&model, &[])?.with_height_field(&valley)?;
     /// let mut simulation = SimulationBuilder::new(&model).contacts(contacts).build()?;
     /// let q = [0.0, 0.0, 0.15, 0.0, 0.0, 0.0, 1.0];
-    /// let run = simulation.run_from(&q, &[0.0; 6], 500, RunOptions::new())?;
+    /// let run = simulation.run_from(&q, &[0.0; 6], 0.5, RunOptions::new())?;
     /// assert!((run.q[2] - 0.1 * 2.0f64.sqrt()).abs() < 1e-6); // it lies on both sides
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

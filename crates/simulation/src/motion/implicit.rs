@@ -92,7 +92,7 @@ clone_in_place! {
     /// robot.joints[0].limits = Limits::new(-0.2, 0.004);
     /// let model = Model::new(robot)?;
     /// let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).build()?;
-    /// let run = simulation.run(2000, RunOptions::new())?;
+    /// let run = simulation.run(2.0, RunOptions::new())?;
     /// assert_eq!((run.q[0], run.v[0]), (0.004, 0.0)); // at rest at the stop
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

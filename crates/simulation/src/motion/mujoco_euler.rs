@@ -39,7 +39,7 @@ clone_in_place! {
     /// let model = Model::new(robot)?;
     /// let mut simulation = SimulationBuilder::new(&model).method(Method::Mujoco).ground(Ground::level(0.0)).build()?;
     /// let q = [0.0, 0.0, 0.06, 0.0, 0.0, 0.0, 1.0];
-    /// let run = simulation.run_from(&q, &[0.0; 6], 2000, RunOptions::new())?;
+    /// let run = simulation.run_from(&q, &[0.0; 6], 2.0, RunOptions::new())?;
     /// assert!(run.q[2] < 0.05 && run.q[2] > 0.0495); // at rest slightly below the surface
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

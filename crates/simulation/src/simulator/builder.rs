@@ -166,7 +166,7 @@ impl<'a> SimulationBuilder<'a> {
     ///
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let mut simulation = SimulationBuilder::new(&model).stepper(Euler).step(1e-4).build()?;
-    /// let run = simulation.run(1000, RunOptions::new())?;
+    /// let run = simulation.run(0.1, RunOptions::new())?;
     /// assert!(run.ledger.drift() < 1e-3);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -206,7 +206,7 @@ impl<'a> SimulationBuilder<'a> {
     /// let options = AdaptiveOptions { tolerance: 1e-12, ..AdaptiveOptions::default() };
     /// let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(0.1).build()?;
     /// simulation.reset(&q, &[0.0, 0.0, 3.0, 0.0, 0.0, 0.0])?;
-    /// let run = simulation.run(100, RunOptions::new().events(&mut events))?;
+    /// let run = simulation.run(10.0, RunOptions::new().events(&mut events))?;
     /// assert!((run.events[0].time - 3.0 / 9.81).abs() < 1e-12);
     /// assert!((run.time - (3.0 + (9.0f64 + 2.0 * 9.81).sqrt()) / 9.81).abs() < 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -298,7 +298,7 @@ impl<'a> SimulationBuilder<'a> {
     /// let mut simulation = SimulationBuilder::new(&model).contacts(ground).build()?;
     /// // Drop the cube from 20 cm while it turns.
     /// let (q, v) = ([0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0], [0.3, 0.0, 0.0, 1.0, 2.0, 0.0]);
-    /// let run = simulation.run_from(&q, &v, 2000, RunOptions::new())?;
+    /// let run = simulation.run_from(&q, &v, 2.0, RunOptions::new())?;
     /// assert!((run.q[2] - 0.05).abs() < 1e-9 && run.v.iter().all(|v| v.abs() < 1e-9)); // at rest on a face
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -332,7 +332,7 @@ impl<'a> SimulationBuilder<'a> {
     /// let gear = Coupling::new(&model, &[("left", 0.5), ("right", 1.0)], 0.0)?;
     /// let gear = ConstraintSet::new(&model, [("gear", gear.into())])?;
     /// let mut simulation = SimulationBuilder::new(&model).constraints(gear).build()?;
-    /// let run = simulation.run(1000, RunOptions::new())?;
+    /// let run = simulation.run(1.0, RunOptions::new())?;
     /// assert!((run.q[0] + 0.2).abs() < 1e-8 && (run.q[1] + 0.5 * run.q[0]).abs() < 1e-12); // at rest on the stop, and the gear ratio holds
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use crate::motion::simulate::Observer;
+use robot_dynamics_number::InvalidInput;
+
+use crate::motion::simulate::{Observer, steps_in};
 use crate::{Controller, Event, StepInfo};
 
 /// The options of a run: controller, events, observer and samples.
@@ -16,15 +18,45 @@ pub struct RunOptions<'r, 'e> {
     pub events: Option<&'r mut [Event<'e>]>,
     /// Receives the state at the start of each step and at the end of the run, and can stop the run.
     pub observer: Option<Observer<'r>>,
-    /// The number of steps between samples. The first and the last state are always kept; with 0 no others
-    /// are.
-    pub sample_every: usize,
+    /// The interval between samples. The first and the last state are always kept.
+    pub samples: SampleInterval,
+}
+
+/// The interval between the samples of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SampleInterval {
+    /// Only the first and the last state are kept.
+    Ends,
+    /// A number of steps; 0 is as [`Ends`](Self::Ends).
+    Steps(usize),
+    /// A time \[s\], rounded to the nearest whole number of steps, at least one.
+    Seconds(f64),
+}
+
+impl Default for SampleInterval {
+    /// Each step is a sample.
+    fn default() -> Self {
+        Self::Steps(1)
+    }
+}
+
+impl SampleInterval {
+    /// The number of steps between samples; 0 for none between the ends.
+    pub(super) fn steps(self, step: f64) -> Result<usize, InvalidInput> {
+        match self {
+            Self::Ends => Ok(0),
+            Self::Steps(steps) => Ok(steps),
+            Self::Seconds(interval) => {
+                Ok(steps_in(interval, step).map_err(|error| error.of("the interval between samples"))?.max(1))
+            }
+        }
+    }
 }
 
 impl<'r, 'e> RunOptions<'r, 'e> {
     /// Keeps every state, without a controller, events or an observer.
     pub fn new() -> Self {
-        Self { sample_every: 1, ..Self::default() }
+        Self::default()
     }
 
     /// Sets the controller.
@@ -64,7 +96,7 @@ impl<'r, 'e> RunOptions<'r, 'e> {
     /// ];
     /// let v = [0.0, 0.0, 3.0, 0.0, 0.0, 0.0];
     /// let mut simulation = SimulationBuilder::new(&model).step(0.01).build()?;
-    /// let run = simulation.run_from(&q, &v, 1000, RunOptions::new().events(&mut events))?;
+    /// let run = simulation.run_from(&q, &v, 10.0, RunOptions::new().events(&mut events))?;
     /// assert!((run.events[0].time - 3.0 / 9.81).abs() < 1e-12);
     /// assert!(run.ended_by_event && run.q[2].abs() < 1e-12);
     /// assert!((run.time - (3.0 + (9.0f64 + 2.0 * 9.81).sqrt()) / 9.81).abs() < 1e-12);
@@ -81,9 +113,21 @@ impl<'r, 'e> RunOptions<'r, 'e> {
         Self { observer: Some(observer), ..self }
     }
 
-    /// Sets the number of steps between samples.
+    /// Sets the time between samples \[s\], rounded to the nearest whole number of steps, at least one.
+    #[must_use]
+    pub fn sample_period(self, seconds: f64) -> Self {
+        Self { samples: SampleInterval::Seconds(seconds), ..self }
+    }
+
+    /// Sets the number of steps between samples. With 0 only the first and the last state are kept.
     #[must_use]
     pub fn sample_every(self, steps: usize) -> Self {
-        Self { sample_every: steps, ..self }
+        Self { samples: SampleInterval::Steps(steps), ..self }
+    }
+
+    /// Keeps only the first and the last state.
+    #[must_use]
+    pub fn sample_ends(self) -> Self {
+        Self { samples: SampleInterval::Ends, ..self }
     }
 }

@@ -13,8 +13,8 @@ use crate::motion::simulate::{Between, EventDetector, StepError};
 use crate::{Controller, Run, RunError, RunFailure, StepForces, Stepper, Trajectory};
 
 impl Simulation {
-    /// Takes `steps` steps from (q, v) at time 0 with the held inputs: a [`reset`](Self::reset) of the state
-    /// followed by a [`run`](Self::run).
+    /// Runs for a duration \[s\] from (q, v) at time 0 with the held inputs: a [`reset`](Self::reset) of the
+    /// state followed by a [`run`](Self::run).
     ///
     /// # Errors
     /// As [`reset`](Self::reset) and [`run`](Self::run). If (q, v) is an invalid start, the run in the
@@ -33,7 +33,7 @@ impl Simulation {
     /// robot.links.push(LinkDescription::new("brick", brick));
     /// let model = Model::new(robot)?;
     /// let mut simulation = SimulationBuilder::new(&model).build()?;
-    /// let run = simulation.run_from(&neutral(&model), &[0.0; 6], 1000, RunOptions::new().sample_every(100))?;
+    /// let run = simulation.run_from(&neutral(&model), &[0.0; 6], 1.0, RunOptions::new().sample_period(0.1))?;
     /// // Free fall for one second.
     /// assert_eq!(run.trajectory.len(), 11);
     /// assert!((run.q[2] + 9.81 / 2.0).abs() < 1e-12);
@@ -44,20 +44,45 @@ impl Simulation {
         &mut self,
         q: &[f64],
         v: &[f64],
+        duration: f64,
+        options: RunOptions<'_, '_>,
+    ) -> Result<Run, Box<RunFailure<MethodError>>> {
+        let steps = self.steps_in(duration).map_err(|error| self.without_samples(error.into()))?;
+        self.run_steps_from(q, v, steps, options)
+    }
+
+    /// [`run_from`](Self::run_from) with the number of steps instead of the duration.
+    ///
+    /// # Errors
+    /// As [`run_from`](Self::run_from).
+    ///
+    /// # Panics
+    /// Panics if `v` has the wrong length.
+    #[track_caller]
+    pub fn run_steps_from(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
         steps: usize,
         options: RunOptions<'_, '_>,
     ) -> Result<Run, Box<RunFailure<MethodError>>> {
         self.restart((q, v), 0.0, steps)?;
         self.activations.fill(0.0);
         self.limited.fill(0);
-        self.run(steps, options)
+        self.run_steps(steps, options)
     }
 
-    /// Takes `steps` steps from the current state. Samples, events and peaks are those of this run only.
+    /// Runs for a duration \[s\] from the current state. Samples, events and peaks are those of this run
+    /// only.
+    ///
+    /// The run takes the whole number of steps that is nearest to the duration; see
+    /// [`steps_in`](Self::steps_in). [`Run::time`] is its end. A terminal event or the observer can end the run
+    /// earlier.
     ///
     /// # Errors
     /// [`RunFailure`] for the reasons of [`step`](Self::step), or if the controller or the function of an
-    /// event fails. It holds the run up to the failure.
+    /// event fails. It holds the run up to the failure. [`RunError::Input`] if the duration or the
+    /// interval between samples is negative or not finite.
     ///
     /// ```
     /// use robot_dynamics::description::pendulum;
@@ -66,17 +91,41 @@ impl Simulation {
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let mut simulation = SimulationBuilder::new(&model).conservative().build()?;
     /// let mut events = [Event::new("vertical", |_, q: &[f64], _: &[f64]| q[0] - 1.5).terminal()];
-    /// let run = simulation.run(1000, RunOptions::new().events(&mut events))?;
+    /// let run = simulation.run(1.0, RunOptions::new().events(&mut events))?;
     /// assert!(run.ended_by_event && (simulation.q()[0] - 1.5).abs() < 1e-9);
     /// assert!(run.ledger.drift() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn run(
         &mut self,
+        duration: f64,
+        options: RunOptions<'_, '_>,
+    ) -> Result<Run, Box<RunFailure<MethodError>>> {
+        let steps = self.steps_in(duration).map_err(|error| self.without_samples(error.into()))?;
+        self.run_steps(steps, options)
+    }
+
+    /// [`run`](Self::run) with the number of steps instead of the duration.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    ///
+    /// ```
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// use robot_dynamics::simulation::{RunOptions, SimulationBuilder};
+    /// let mut simulation = SimulationBuilder::new(&Model::new(pendulum(2.0, 0.5))?).step(1e-3).build()?;
+    /// let run = simulation.run_steps(25, RunOptions::new())?;
+    /// assert_eq!((run.steps, run.time, run.trajectory.len()), (25, 0.025, 26));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn run_steps(
+        &mut self,
         steps: usize,
         options: RunOptions<'_, '_>,
     ) -> Result<Run, Box<RunFailure<MethodError>>> {
-        let RunOptions { controller, events, observer, sample_every } = options;
+        let RunOptions { controller, events, observer, samples } = options;
+        let sample_every = samples.steps(self.step).map_err(|error| self.without_samples(error.into()))?;
         let model = Arc::clone(&self.model);
         self.run.trajectory =
             Trajectory::new(&model, self.course(&model, sample_every, self.base).samples_of(steps));
@@ -100,6 +149,12 @@ impl Simulation {
             Ok(()) => Ok(until),
             Err(error) => Err(Box::new(RunFailure { error, until })),
         }
+    }
+
+    /// The failure of a run that could not start, with the current state.
+    fn without_samples(&self, error: StepFailure) -> Box<RunFailure<MethodError>> {
+        let trajectory = Trajectory::new(&self.model, 0);
+        Box::new(RunFailure { error, until: Run { trajectory, ..self.run.clone() } })
     }
 
     fn advance(

@@ -4,6 +4,7 @@ use core::fmt;
 use std::sync::Arc;
 
 use robot_dynamics_core::Model;
+use robot_dynamics_number::InvalidInput;
 
 use super::error::StepFailure;
 use super::method::SimulationStepper;
@@ -344,30 +345,35 @@ impl Simulation {
         Ok(())
     }
 
-    /// Takes steps for a time \[s\], rounded to whole steps.
+    /// Takes steps for a duration \[s\] without samples, events or an observer: the whole number of steps
+    /// that is nearest to it.
     ///
     /// # Errors
-    /// As [`step`](Self::step).
+    /// As [`step`](Self::step) and [`steps_in`](Self::steps_in).
     pub fn run_for(&mut self, duration: f64) -> Result<(), StepFailure> {
-        for _ in 0..self.steps_of(duration) {
+        for _ in 0..self.steps_in(duration)? {
             self.step()?;
         }
         Ok(())
     }
 
-    /// The number of steps nearest to a time \[s\].
+    /// The whole number of steps that is nearest to a duration \[s\]; see
+    /// [`steps_in`](crate::steps_in).
+    ///
+    /// # Errors
+    /// [`InvalidInput`] if the duration is negative or not finite.
     ///
     /// ```
     /// use robot_dynamics::description::pendulum;
     /// use robot_dynamics::model::Model;
     /// use robot_dynamics::simulation::SimulationBuilder;
     /// let simulation = SimulationBuilder::new(&Model::new(pendulum(2.0, 0.5))?).step(0.01).build()?;
-    /// assert_eq!(simulation.steps_of(0.2499), 25);
+    /// assert_eq!(simulation.steps_in(0.2499)?, 25);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a negative time gives zero steps
-    pub fn steps_of(&self, duration: f64) -> usize {
-        (duration / self.step).round() as usize
+    #[doc(alias = "steps_of")]
+    pub fn steps_in(&self, duration: f64) -> Result<usize, InvalidInput> {
+        crate::steps_in(duration, self.step)
     }
 
     /// The mean acceleration of the last step, (v₁ − v₀)/h.

@@ -68,7 +68,12 @@ fn distance(
         }
     };
     let run = simulation(model)
-        .run_from(&start, &vec![0.0; n], steps, RunOptions::new().sample_every(0).controller(&mut control))
+        .run_steps_from(
+            &start,
+            &vec![0.0; n],
+            steps,
+            RunOptions::new().sample_ends().controller(&mut control),
+        )
         .unwrap_or_else(|failure| panic!("{failure}"));
     state(&run.q, &run.v).norm()
 }

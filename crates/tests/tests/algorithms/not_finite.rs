@@ -296,7 +296,7 @@ fn steps_and_runs_reject_non_finite() {
         let mut simulation =
             text(SimulationBuilder::new(m).method(Method::Fixed(integrator)).step(x[1][0]).build())?;
         let mut control = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[0]);
-        let ran = simulation.run_from(&x[2], &x[3], 2, RunOptions::new().controller(&mut control));
+        let ran = simulation.run_steps_from(&x[2], &x[3], 2, RunOptions::new().controller(&mut control));
         let kept = match &ran {
             Ok(run) => run,
             Err(failure) => &failure.until,
@@ -523,11 +523,11 @@ fn constraints_reject_non_finite() {
                 .constraint_options(options_of(x), correction);
             let mut simulation = text(builder.step(x[6][0]).build())?;
             let mut control = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[5]);
-            let ran = simulation.run_from(
+            let ran = simulation.run_steps_from(
                 &x[3],
                 &x[4],
                 2,
-                RunOptions::new().sample_every(0).controller(&mut control),
+                RunOptions::new().sample_ends().controller(&mut control),
             );
             let kept = match &ran {
                 Ok(run) => run,
@@ -784,7 +784,7 @@ fn adaptive_runs_reject_non_finite() {
             let mut torque = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[4]);
             let mut events = [Event::new("one", |_, _: &[f64], _: &[f64]| x[5][0])];
             let options = RunOptions::new().controller(&mut torque).events(&mut events);
-            let ran = simulation.run_from(&x[0], &x[1], 2, options);
+            let ran = simulation.run_steps_from(&x[0], &x[1], 2, options);
             let kept = match &ran {
                 Ok(run) => run,
                 Err(failure) => &failure.until,

@@ -318,13 +318,13 @@ fn functions_with_inverse_name_singular_joints() {
             .without(Effect::Dissipation)
             .build()
             .unwrap();
-        let failure = simulation.run_from(&q, &v, 10, RunOptions::new()).unwrap_err();
+        let failure = simulation.run_steps_from(&q, &v, 10, RunOptions::new()).unwrap_err();
         let RunError::SingularMass { step: 0, time: 0.0, source } = &failure.error else {
             panic!("{integrator}: {failure}")
         };
         assert_eq!(source.joints(), names, "{integrator}");
         // A run without steps needs no M⁻¹.
-        assert!(simulation.run_from(&q, &v, 0, RunOptions::new()).is_ok());
+        assert!(simulation.run_steps_from(&q, &v, 0, RunOptions::new()).is_ok());
     }
     let workspace = &mut Workspace::new(&model);
     let frame = model.frame("link1").unwrap();
@@ -371,7 +371,7 @@ fn run_ends_where_mass_becomes_singular() {
         .build()
         .unwrap();
     let start = [0.0, quarter - 100.0 * step, 0.0];
-    let failure = simulation.run_from(&start, &[0.0, 1.0, 0.0], 200, RunOptions::new()).unwrap_err();
+    let failure = simulation.run_steps_from(&start, &[0.0, 1.0, 0.0], 200, RunOptions::new()).unwrap_err();
     let RunError::SingularMass { step: 100, time, source } = &failure.error else { panic!("{failure}") };
     assert_eq!((*time, source.joints()), (100.0 * step, vec!["yaw", "roll"]));
     assert_eq!((failure.until.steps, failure.until.trajectory.len()), (100, 101));

@@ -136,11 +136,11 @@ fn computed_torque_has_linear_errors() -> Tested {
             .without(Effect::EffortLimits)
             .build()
             .unwrap();
-        let run = simulation.run_from(
+        let run = simulation.run_steps_from(
             &q,
             &start.v,
             steps,
-            RunOptions::new().sample_every(0).controller(&mut control),
+            RunOptions::new().sample_ends().controller(&mut control),
         )?;
         let expected = 0.2 * (1.0 + rate * time) * f64::exp(-rate * time);
         let end = reference(time);
@@ -175,7 +175,7 @@ fn task_control_has_linear_errors() -> Tested {
         .build()
         .unwrap();
     let run =
-        simulation.run_from(&q, &v, steps, RunOptions::new().sample_every(0).controller(&mut control))?;
+        simulation.run_steps_from(&q, &v, steps, RunOptions::new().sample_ends().controller(&mut control))?;
     let found = frame_pose(&model, w, &run.q, frame).translation;
     let decay = (1.0 + rate * time) * f64::exp(-rate * time);
     for k in 0..3 {
@@ -286,11 +286,11 @@ fn posture_holds_elbow() -> Tested {
             Ok(())
         };
         let (mut farthest, mut off) = (0.0f64, 0.0f64);
-        let ran = run_of(&model, 1e-3).run_from(
+        let ran = run_of(&model, 1e-3).run_steps_from(
             &READY,
             push.as_slice(),
             10_000,
-            RunOptions::new().sample_every(0).controller(&mut control).observer(&mut |info| {
+            RunOptions::new().sample_ends().controller(&mut control).observer(&mut |info| {
                 farthest = crate::common::max_difference(info.q, &READY).max(farthest);
                 let x = frame_pose(&model, w, info.q, hand).translation;
                 off = crate::common::max_difference(&x, &place).max(off);
@@ -353,11 +353,11 @@ fn pose_errors_are_linear() -> Tested {
     for steps in [1000, 4000] {
         let mut control = TaskControl::new(&model, hand, |_| PoseReference::at_rest(pose), gains)?
             .with_posture(&READY, rate * rate)?;
-        let run = run_of(&model, time / f64::from(steps)).run_from(
+        let run = run_of(&model, time / f64::from(steps)).run_steps_from(
             &READY,
             &[0.0; 7],
             usize::try_from(steps)?,
-            RunOptions::new().sample_every(0).controller(&mut control),
+            RunOptions::new().sample_ends().controller(&mut control),
         )?;
         let found = frame_pose(&model, w, &run.q, hand);
         let shifted = (0..3).map(|k| pose.translation[k] - found.translation[k] - shift[k] * decay);
@@ -397,11 +397,11 @@ fn moving_pose_is_followed() -> Tested {
     let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 10.0 };
     let mut control = TaskControl::new(&model, hand, reference, gains)?.with_posture(&READY, 25.0)?;
     let mut off = 0.0f64;
-    run_of(&model, 5e-4).run_from(
+    run_of(&model, 5e-4).run_steps_from(
         &READY,
         &[0.0; 7],
         3000,
-        RunOptions::new().sample_every(0).controller(&mut control).observer(&mut |info| {
+        RunOptions::new().sample_ends().controller(&mut control).observer(&mut |info| {
             let (found, wanted) = (frame_pose(&model, w, info.q, hand), reference(info.time).pose);
             off = off.max(crate::common::max_difference(&found.translation, &wanted.translation));
             off = off.max(angle_between(&found.rotation, &wanted.rotation));
@@ -428,11 +428,11 @@ fn task_control_has_a_posture() -> Tested {
     let control = || TaskControl::new(&model, hand, move |_| PoseReference::at_rest(pose), gains);
     let mut ends = Vec::new();
     for mut control in [control()?, control()?.with_posture(&READY, 4.0)?] {
-        let run = run_of(&model, 1e-3).run_from(
+        let run = run_of(&model, 1e-3).run_steps_from(
             &READY,
             push.as_slice(),
             10_000,
-            RunOptions::new().sample_every(0).controller(&mut control),
+            RunOptions::new().sample_ends().controller(&mut control),
         )?;
         let found = frame_pose(&model, w, &run.q, hand);
         assert!(crate::common::max_difference(&found.translation, &pose.translation) < 1e-6);
@@ -456,11 +456,11 @@ fn failed_task_ends_run() -> Tested {
     let rest = [0.0; 7];
     // At the stretched arm the frame cannot move in the sixth direction.
     let mut control = TaskControl::new(&model, hand, |_| PoseReference::at_rest(pose), gains)?;
-    let ran = run_of(&model, 1e-3).run_from(
+    let ran = run_of(&model, 1e-3).run_steps_from(
         &rest,
         &rest,
         10,
-        RunOptions::new().sample_every(0).controller(&mut control),
+        RunOptions::new().sample_ends().controller(&mut control),
     );
     let failure = ran.unwrap_err();
     let RunError::Controller { step: 0, time: 0.0, source } = &failure.error else { panic!("{failure}") };
@@ -469,11 +469,11 @@ fn failed_task_ends_run() -> Tested {
     let camera =
         |t: f64| if t < 0.0045 { Ok(PoseReference::at_rest(pose)) } else { Err("the camera sees no mark") };
     let mut control = TaskControl::new(&model, hand, camera, gains)?;
-    let ran = run_of(&model, 1e-3).run_from(
+    let ran = run_of(&model, 1e-3).run_steps_from(
         &READY,
         &rest,
         10,
-        RunOptions::new().sample_every(0).controller(&mut control),
+        RunOptions::new().sample_ends().controller(&mut control),
     );
     let failure = ran.unwrap_err();
     let RunError::Controller { step: 5, time, source: ControllerError::Callback(cause) } = &failure.error

@@ -24,22 +24,22 @@ pub(crate) fn run_error() -> Section {
         tau[0] = if t > 0.1 { f64::NAN } else { 0.0 };
     };
     let options = RunOptions::new().controller(&mut broken);
-    let error = simulation(pendulum(2.0, 0.5)).run_from(&[0.1], &[0.0], 100, options).expect_err("NaN");
+    let error = simulation(pendulum(2.0, 0.5)).run_steps_from(&[0.1], &[0.0], 100, options).expect_err("NaN");
     section.row("a torque of NaN", error);
     let mut hot = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
         tau[0] = 0.0;
         if t > 0.1 { Err("the motor is too hot") } else { Ok(()) }
     };
     let options = RunOptions::new().controller(&mut hot);
-    let error = simulation(pendulum(2.0, 0.5)).run_from(&[0.1], &[0.0], 100, options).expect_err("hot");
+    let error = simulation(pendulum(2.0, 0.5)).run_steps_from(&[0.1], &[0.0], 100, options).expect_err("hot");
     section.row("a controller that fails", error);
 
     let mut floating = simulation(floating_arm());
     let mut q = neutral(&Model::new(floating_arm()).expect("a robot"));
     q[6] = 0.5;
-    let error = floating.run_from(&q, &[0.0; 8], 10, RunOptions::new()).expect_err("a quaternion");
+    let error = floating.run_steps_from(&q, &[0.0; 8], 10, RunOptions::new()).expect_err("a quaternion");
     section.row("a quaternion of length 0.5 at the start", error);
-    let error = simulation(gimbal()).run_from(&[0.0; 3], &[0.0; 3], 10, RunOptions::new());
+    let error = simulation(gimbal()).run_steps_from(&[0.0; 3], &[0.0; 3], 10, RunOptions::new());
     section.row("a start where M is singular", error.expect_err("singular"));
     for cause in [DivergenceCause::Stiffness, DivergenceCause::Speed, DivergenceCause::Unknown] {
         let (coordinate, speed, step, time) = ("elbow".to_owned(), 2e9, 7, 0.07);
@@ -51,7 +51,7 @@ pub(crate) fn run_error() -> Section {
     let mut fail = |input: &str, event: Event<'_>| {
         let events = &mut [event];
         let options = RunOptions::new().events(events);
-        let error = simulation(pendulum(2.0, 0.5)).run_from(&[0.3], &[0.0], 10, options);
+        let error = simulation(pendulum(2.0, 0.5)).run_steps_from(&[0.3], &[0.0], 10, options);
         section.row(input, error.expect_err(input));
     };
     fail("a function of NaN", Event::new("root", |_, q: &[f64], _: &[f64]| (q[0] - 0.5).sqrt()));
@@ -62,6 +62,8 @@ pub(crate) fn run_error() -> Section {
     let mut driven = simulation(robot);
     driven.set_controls(&[f64::NAN]);
     section.row("a control of NaN", driven.step().expect_err("NaN"));
+    let error = simulation(pendulum(2.0, 0.5)).run(-1.0, RunOptions::new());
+    section.row("a negative duration", error.expect_err("negative"));
     let mut pushed = simulation(pendulum(2.0, 0.5));
     pushed.set_torques(&[f64::INFINITY]);
     section.row("an infinite torque", pushed.step().expect_err("infinite"));

@@ -23,7 +23,7 @@ fn driven_run(model: &Model, h: f64, (q, v): (&[f64], &[f64]), controls: &[f64],
     let mut simulation = builder.without(Effect::Contacts).build().unwrap();
     simulation.reset(q, v).unwrap();
     simulation.set_controls(controls);
-    simulation.run(steps, RunOptions::new().sample_every(0)).unwrap()
+    simulation.run_steps(steps, RunOptions::new().sample_ends()).unwrap()
 }
 
 /// The joints of a random robot with one degree of freedom.
@@ -394,7 +394,7 @@ fn springs_of_free_and_ball_joints_reach_equilibrium() {
             .step(h)
             .build()
             .unwrap()
-            .run_from(&neutral(model), &v, steps, RunOptions::new().sample_every(0))
+            .run_steps_from(&neutral(model), &v, steps, RunOptions::new().sample_ends())
             .unwrap()
     };
     let stiff = robot(1e6, 2e4);

@@ -70,7 +70,7 @@ fn by_method(model: &Model, steps: usize, method: Method) -> f64 {
     let mut simulation = SimulationBuilder::new(model).method(method).step(impulse.h).build().unwrap();
     simulation.set_controls(&[0.8]);
     let mut see = |info: &StepInfo<'_>| impulse.see(info);
-    let run = simulation.run(steps, RunOptions::new().observer(&mut see)).unwrap();
+    let run = simulation.run_steps(steps, RunOptions::new().observer(&mut see)).unwrap();
     assert!(run.v[0].abs() > 0.1 && impulse.largest > 1.0, "{} {}", run.v[0], impulse.largest);
     (impulse.sum - MASS * run.v[0]).abs()
 }
@@ -81,7 +81,7 @@ fn by_explicit(model: &Model, steps: usize, range: f64) -> (f64, f64) {
     let mut simulation = SimulationBuilder::new(model).step(impulse.h).method(row).build().unwrap();
     simulation.set_controls(&[0.8]);
     let mut see = |info: &StepInfo<'_>| impulse.see(info);
-    let run = simulation.run(steps, RunOptions::new().observer(&mut see)).unwrap();
+    let run = simulation.run_steps(steps, RunOptions::new().observer(&mut see)).unwrap();
     ((impulse.sum - MASS * run.v[0]).abs(), impulse.largest)
 }
 
@@ -134,7 +134,7 @@ fn at_rest_actuators_carry_the_weight() {
         last = info.actuator_torques[0];
         ControlFlow::Continue(())
     };
-    let run = simulation.run(2000, RunOptions::new().observer(&mut observer)).unwrap();
+    let run = simulation.run_steps(2000, RunOptions::new().observer(&mut observer)).unwrap();
     let weight = model.gravity_forces(&run.q).unwrap()[0];
     assert!(weight.abs() > 1.0 && (last - weight).abs() < 1e-9 * weight.abs(), "{last} {weight}");
 }

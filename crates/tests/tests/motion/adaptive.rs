@@ -79,7 +79,7 @@ fn swings_take_the_time_of_the_elliptic_integral() {
             Event::new("back", |_, _: &[f64], v: &[f64]| v[0]).rising().terminal(),
         ];
         let run = free(&model, to(1e-12), 100.0)
-            .run_from(&[FRAC_PI_2 - amplitude], &[0.0], 1, RunOptions::new().events(&mut events))
+            .run_steps_from(&[FRAC_PI_2 - amplitude], &[0.0], 1, RunOptions::new().events(&mut events))
             .unwrap();
         let names: Vec<&str> = run.events.iter().map(|event| event.name.as_str()).collect();
         // At the start v = 0 is not an event.
@@ -108,14 +108,14 @@ fn error_follows_tolerance() {
             .step(end / 8000.0)
             .build()
             .unwrap()
-            .run_from(&state.q, &state.v, 8000, RunOptions::new().sample_every(0).controller(&mut torque))
+            .run_steps_from(&state.q, &state.v, 8000, RunOptions::new().sample_ends().controller(&mut torque))
             .unwrap();
         let mut errors = Vec::new();
         for tolerance in [1e-4, 1e-6, 1e-8, 1e-10] {
             let damped = SimulationBuilder::new(&model).adaptive(to(tolerance)).step(end / 100.0);
             let mut simulation = damped.build().unwrap();
             let options = RunOptions::new().controller(&mut torque);
-            let run = simulation.run_from(&state.q, &state.v, 100, options).unwrap();
+            let run = simulation.run_steps_from(&state.q, &state.v, 100, options).unwrap();
             let record = simulation.adaptive_record().unwrap();
             let error = distance(&model, (&run.q, &run.v), (&reference.q, &reference.v));
             let imbalance = run.ledger.max_imbalance() / (1.0 + run.ledger.kinetic());
@@ -150,7 +150,7 @@ fn dense_output_is_as_accurate_as_the_steps() {
     let state = random_state(&model, &mut SplitMix64::new(2));
     let run = |tolerance: f64, count: u32| -> (Run, StepStatistics) {
         let mut simulation = free(&model, to(tolerance), 0.5 / f64::from(count));
-        let run = simulation.run_from(&state.q, &state.v, count as usize, RunOptions::new()).unwrap();
+        let run = simulation.run_steps_from(&state.q, &state.v, count as usize, RunOptions::new()).unwrap();
         (run, statistics(&simulation))
     };
     let (exact, _) = run(1e-13, 500);
@@ -185,11 +185,12 @@ fn held_control_matches_fixed_steps() {
         .method(Method::Fixed(Integrator::RungeKutta4))
         .build()
         .unwrap()
-        .run_from(&[1.5], &[0.0], 1000, RunOptions::new().sample_every(100).controller(&mut control()))
+        .run_steps_from(&[1.5], &[0.0], 1000, RunOptions::new().sample_every(100).controller(&mut control()))
         .unwrap();
     let options = AdaptiveOptions { control: ControlTiming::Held { period: 1e-3 }, ..to(1e-11) };
     let mut simulation = free(&model, options, 0.1);
-    let run = simulation.run_from(&[1.5], &[0.0], 10, RunOptions::new().controller(&mut control())).unwrap();
+    let run =
+        simulation.run_steps_from(&[1.5], &[0.0], 10, RunOptions::new().controller(&mut control())).unwrap();
     let steps = statistics(&simulation);
     for (a, b) in run.trajectory.iter().zip(fixed.trajectory.iter()) {
         // h⁴ = 1e-12 times derivatives of some hundreds.
@@ -201,7 +202,7 @@ fn held_control_matches_fixed_steps() {
     // A continuous law is the limit of short periods, and it needs few steps.
     let mut continuous = free(&model, to(1e-11), 0.1);
     let smooth =
-        continuous.run_from(&[1.5], &[0.0], 10, RunOptions::new().controller(&mut control())).unwrap();
+        continuous.run_steps_from(&[1.5], &[0.0], 10, RunOptions::new().controller(&mut control())).unwrap();
     let steps = statistics(&continuous);
     let off = (smooth.q[0] - run.q[0]).abs();
     println!("{off:.1e} between continuous and held, {steps:?}");
@@ -218,7 +219,7 @@ fn events_are_found_by_name_and_direction() {
     let mut limits = Event::joint_limits(&model);
     assert_eq!(limits.len(), 2);
     let run = free(&model, to(1e-10), 0.9 * period(1.5))
-        .run_from(&start, &[0.0], 1, RunOptions::new().events(&mut limits))
+        .run_steps_from(&start, &[0.0], 1, RunOptions::new().events(&mut limits))
         .unwrap();
     // The swing starts at 0.07, below the lower limit, passes 0.2 inward and 3.0 outward, and passes 3.0
     // inward on its return.
@@ -238,7 +239,7 @@ fn events_are_found_by_name_and_direction() {
     let mut simulation = free(&model, to(1e-12), 100.0);
     for bounce in 0..5 {
         simulation.set_state(&q, &v).unwrap(); // at the same time
-        let run = simulation.run(1, RunOptions::new().events(&mut [floor()])).unwrap();
+        let run = simulation.run_steps(1, RunOptions::new().events(&mut [floor()])).unwrap();
         let expected = f64::from(2 * bounce + 1) * (2.0 / 9.81f64).sqrt();
         assert!((run.time - expected).abs() < 1e-11, "bounce {bounce} at {} not {expected}", run.time);
         assert!(run.ended_by_event);
@@ -260,7 +261,8 @@ fn crossings_within_a_step_are_found() {
     let mut events = [height(0.3), height(0.4), height(-2.0).falling()];
     let v = [0.0, 0.0, 3.0, 0.0, 0.0, 0.0];
     let mut simulation = free(&model, to(1e-6), 2.0);
-    let run = simulation.run_from(&neutral(&model), &v, 1, RunOptions::new().events(&mut events)).unwrap();
+    let run =
+        simulation.run_steps_from(&neutral(&model), &v, 1, RunOptions::new().events(&mut events)).unwrap();
     let names: Vec<&str> = run.events.iter().map(|event| event.name.as_str()).collect();
     assert_eq!(names, ["at 0.3", "at 0.4", "at 0.4", "at 0.3", "at -2"], "{:?}", statistics(&simulation));
     for event in &run.events {
@@ -279,7 +281,7 @@ fn interrupted_run_keeps_its_steps() {
         if info.step == 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let run = free(&model, to(1e-9), 0.1)
-        .run_from(&[0.3], &[0.0], 100, RunOptions::new().observer(&mut stop))
+        .run_steps_from(&[0.3], &[0.0], 100, RunOptions::new().observer(&mut stop))
         .unwrap();
     assert_eq!((run.interrupted, run.time, run.trajectory.len()), (true, 7.0 * 0.1, 8));
 }
@@ -298,14 +300,14 @@ fn flag_interrupts_between_samples() {
             flag.store(true, Ordering::Relaxed);
         }
     };
-    let run = simulation.run_from(&[0.3], &[0.0], 1, RunOptions::new().controller(&mut late)).unwrap();
+    let run = simulation.run_steps_from(&[0.3], &[0.0], 1, RunOptions::new().controller(&mut late)).unwrap();
     assert_eq!((run.interrupted, run.trajectory.len()), (true, 2), "{run:?}");
     assert!(run.time > 0.4 && run.time < 2.0, "{}", run.time);
     let last = run.trajectory.sample(1);
     assert_eq!((last.time, last.q, last.v), (run.time, &run.q[..], &run.v[..]));
     assert!(run.ledger.drift() < 1e-8, "the energy account is that of this time: {:e}", run.ledger.drift());
     // The flag is set at the start: no step is taken.
-    let run = simulation.run_from(&[0.3], &[0.0], 1, RunOptions::new().controller(&mut late)).unwrap();
+    let run = simulation.run_steps_from(&[0.3], &[0.0], 1, RunOptions::new().controller(&mut late)).unwrap();
     assert_eq!((run.interrupted, run.time, statistics(&simulation).accepted), (true, 0.0, 0));
 }
 
@@ -333,7 +335,7 @@ fn error_names_joint_that_needs_short_steps() {
         }
         let model = Model::new(robot).unwrap();
         let mut bounded = free(&model, AdaptiveOptions { max_steps: 100, ..to(1e-9) }, 9.0);
-        let failure = bounded.run_from(&[0.3, 0.3], &[0.0; 2], 1, RunOptions::new()).unwrap_err();
+        let failure = bounded.run_steps_from(&[0.3, 0.3], &[0.0; 2], 1, RunOptions::new()).unwrap_err();
         let RunError::Step { source: MethodError::Adaptive(ref source), .. } = failure.error else {
             panic!("{failure}")
         };
@@ -362,7 +364,7 @@ fn stiff_damping_is_integrated_implicitly() {
         let run = |method, tolerance| {
             let options = AdaptiveOptions { method, ..to(tolerance) };
             let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(0.03).build().unwrap();
-            let run = simulation.run_from(&state.q, &state.v, 10, RunOptions::new()).unwrap();
+            let run = simulation.run_steps_from(&state.q, &state.v, 10, RunOptions::new()).unwrap();
             (run, *simulation.adaptive_record().unwrap())
         };
         let (exact, most) = run(AdaptiveMethod::Explicit, 1e-12);
@@ -405,7 +407,7 @@ fn stiff_damper_follows_closed_form() {
     let run = |method| {
         let options = AdaptiveOptions { method, max_steps: 10_000, ..to(1e-9) };
         let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(0.5).build().unwrap();
-        let run = simulation.run_from(&[0.5], &[0.0], 4, RunOptions::new());
+        let run = simulation.run_steps_from(&[0.5], &[0.0], 4, RunOptions::new());
         println!("{:?}", simulation.adaptive_record());
         run
     };
@@ -436,7 +438,8 @@ fn stiff_damper_follows_closed_form() {
 fn start_too_fast_for_any_step_is_an_error() {
     let model = &damped_tree(7);
     let v = vec![1e120; model.nv()];
-    let failure = free(model, to(1e-9), 1.0).run_from(&neutral(model), &v, 1, RunOptions::new()).unwrap_err();
+    let failure =
+        free(model, to(1e-9), 1.0).run_steps_from(&neutral(model), &v, 1, RunOptions::new()).unwrap_err();
     assert_eq!((failure.until.time, failure.until.trajectory.len()), (0.0, 1), "{failure}");
     let (RunError::NotFinite { coordinate, .. }
     | RunError::Diverged { coordinate, .. }
@@ -461,7 +464,7 @@ fn errors_keep_the_run_until_then() {
     let model = pendulum();
     let attempt = |options, step, steps, controller: &mut dyn Controller| -> Box<RunFailure<MethodError>> {
         let controlled = RunOptions::new().controller(controller);
-        free(&model, options, step).run_from(&[0.3], &[0.0], steps, controlled).unwrap_err()
+        free(&model, options, step).run_steps_from(&[0.3], &[0.0], steps, controlled).unwrap_err()
     };
     let good = to(1e-9);
     let refused = SimulationBuilder::new(&model).adaptive(to(1e-20)).build().unwrap_err();
@@ -478,7 +481,7 @@ fn errors_keep_the_run_until_then() {
     assert!(failure.until.time > 0.0 && failure.until.trajectory.len() == 2, "{failure}");
     // The maximum counts the steps between samples: ten samples are closer than that.
     let mut often = free(&model, bounded, 0.1);
-    let run = often.run_from(&[0.3], &[0.0], 10, RunOptions::new()).unwrap();
+    let run = often.run_steps_from(&[0.3], &[0.0], 10, RunOptions::new()).unwrap();
     assert!(statistics(&often).accepted > 5 && run.time == 1.0, "{:?}", statistics(&often));
 
     // A torque that becomes NaN at 0.5 s: the samples before it are kept.
@@ -531,7 +534,7 @@ fn errors_keep_the_run_until_then() {
     let watched = |event: Event<'_>, step, steps| {
         let events = &mut [event];
         let options = RunOptions::new().events(events);
-        free(&model, good, step).run_from(&[0.3], &[0.0], steps, options).unwrap_err()
+        free(&model, good, step).run_steps_from(&[0.3], &[0.0], steps, options).unwrap_err()
     };
     let nothing = Event::new("root", |_, q: &[f64], _: &[f64]| (q[0] - 0.5).sqrt());
     let failure = watched(nothing, 1.0, 1);

@@ -43,7 +43,7 @@ fn ball() -> Shape {
 fn run(model: &Model, ground: Ground, soft: bool, (q, v): (&[f64], &[f64]), steps: usize) -> Ended {
     let contacts = ContactSet::new(model, &[ground]).unwrap().with_links(model);
     let builder = if soft { soft_on(model, contacts, H) } else { implicit_on(model, contacts).step(H) };
-    builder.build().unwrap().run_from(q, v, steps, RunOptions::new().sample_every(0))
+    builder.build().unwrap().run_steps_from(q, v, steps, RunOptions::new().sample_ends())
 }
 
 fn placed(at: &[[f64; 3]]) -> Vec<f64> {

@@ -372,11 +372,11 @@ fn roll(side: usize, (h, steps): (f64, usize)) {
         .step(h)
         .build()
         .unwrap()
-        .run_from(
+        .run_steps_from(
             &q,
             &vec![0.0; 6 * (count + 1)],
             steps,
-            RunOptions::new().sample_every(0).controller(&mut ConstantTorque(tau)).observer(&mut |info| {
+            RunOptions::new().sample_ends().controller(&mut ConstantTorque(tau)).observer(&mut |info| {
                 for (body, rate) in [(0, rates[0]), (count, rates[1])] {
                     // Linear velocity in the axes of the body.
                     let turn = &info.q[7 * body + 3..7 * body + 7];

@@ -371,11 +371,11 @@ fn flag_ends_run() {
     let mut simulation = implicit_on(&model, contacts).interrupt(Arc::clone(&flag)).build().unwrap();
     let q = [0.0, 0.0, 0.06, 0.0, 0.0, 0.0, 1.0];
     let run = simulation
-        .run_from(
+        .run_steps_from(
             &q,
             &[0.0; 6],
             100,
-            RunOptions::new().sample_every(0).observer(&mut |info| {
+            RunOptions::new().sample_ends().observer(&mut |info| {
                 flag.store(info.step == 30, Ordering::Relaxed);
                 ControlFlow::Continue(())
             }),

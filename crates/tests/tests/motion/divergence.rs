@@ -58,7 +58,7 @@ fn stiff_servos_are_reported() {
     let by = |method: Method, h: f64| {
         let mut simulation = SimulationBuilder::new(&model).step(h).method(method).build().unwrap();
         simulation.set_controls(&[0.5]);
-        simulation.run(steps(h), RunOptions::new())
+        simulation.run_steps(steps(h), RunOptions::new())
     };
     assert_named("mujoco", 5e-3, |h| by(Method::Mujoco, h));
     assert_named("rk4", 5e-3, |h| by(Method::Fixed(Integrator::RungeKutta4), h));
@@ -81,12 +81,12 @@ fn stiff_joints_are_reported() {
         for row in [Integrator::SemiImplicitEuler, Integrator::RungeKutta4] {
             assert_named(&format!("{row} {passive:?}"), 5e-3, |h| {
                 let steps = steps_of(2.0, h);
-                SimulationBuilder::new(&model).method(Method::Fixed(row)).step(h).build().unwrap().run_from(
-                    &[0.1],
-                    &[1e-3],
-                    steps,
-                    RunOptions::new(),
-                )
+                SimulationBuilder::new(&model)
+                    .method(Method::Fixed(row))
+                    .step(h)
+                    .build()
+                    .unwrap()
+                    .run_steps_from(&[0.1], &[1e-3], steps, RunOptions::new())
             });
         }
     }
@@ -100,7 +100,7 @@ fn growth_at_any_step_is_reported() {
     robot.joints[0].passive = PassiveForces::default().with_damping(-1.0);
     let model = Model::new(robot).unwrap();
     let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).build().unwrap();
-    let failure = simulation.run_from(&[0.0], &[1e-3], 100_000, RunOptions::new()).unwrap_err();
+    let failure = simulation.run_steps_from(&[0.0], &[1e-3], 100_000, RunOptions::new()).unwrap_err();
     let RunError::Diverged { suggested_step, cause, .. } = failure.error else {
         panic!("another error");
     };
@@ -119,7 +119,7 @@ fn fast_tumbling_is_reported() {
     let model = Model::new(robot).unwrap();
     let ended = |h: f64, steps: usize| {
         let (q, v) = ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0, 1000.0, 1.0]);
-        SimulationBuilder::new(&model).method(Method::Mujoco).step(h).build().unwrap().run_from(
+        SimulationBuilder::new(&model).method(Method::Mujoco).step(h).build().unwrap().run_steps_from(
             &q,
             &v,
             steps,
@@ -145,7 +145,7 @@ fn inputs_that_are_not_finite_are_not_divergence() {
         .step(1e-3)
         .build()
         .unwrap()
-        .run_from(&[0.0], &[0.0], 10, RunOptions::new().controller(&mut torque));
+        .run_steps_from(&[0.0], &[0.0], 10, RunOptions::new().controller(&mut torque));
     assert!(!matches!(ended.unwrap_err().error, RunError::Diverged { .. }));
 }
 
@@ -168,7 +168,7 @@ fn diverging_constrained_runs_are_reported() {
             let builder = SimulationBuilder::new(&model).step(h).method(Method::Fixed(row));
             let mut simulation = builder.build().unwrap();
             simulation.reset(&[0.1, 0.001], &[0.0; 2]).unwrap();
-            simulation.run(steps_of(2.0, h), RunOptions::new())
+            simulation.run_steps(steps_of(2.0, h), RunOptions::new())
         });
     }
 }
@@ -182,7 +182,8 @@ fn diverging_implicit_runs_are_reported() {
         Ok(())
     };
     let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).step(5e-3).build().unwrap();
-    let ended = simulation.run_from(&[0.1], &[0.0], 2000, RunOptions::new().controller(&mut controller));
+    let ended =
+        simulation.run_steps_from(&[0.1], &[0.0], 2000, RunOptions::new().controller(&mut controller));
     let error = ended.unwrap_err().error;
     let RunError::Diverged { coordinate, cause, .. } = &error else { panic!("{error}") };
     assert_eq!((coordinate.as_str(), *cause), ("bend", DivergenceCause::Unknown));
@@ -197,7 +198,7 @@ fn diverging_adaptive_runs_are_reported() {
     let model = Model::new(robot).unwrap();
     let options = robot_dynamics::simulation::AdaptiveOptions::default();
     let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(1000.0).build().unwrap();
-    let error = simulation.run_from(&[0.0], &[1e-3], 1, RunOptions::new()).unwrap_err().error;
+    let error = simulation.run_steps_from(&[0.0], &[1e-3], 1, RunOptions::new()).unwrap_err().error;
     let RunError::Step { time, source: MethodError::Adaptive(ref source), .. } = error else {
         panic!("{error}")
     };

@@ -57,7 +57,7 @@ pub(crate) fn run_watched(
         watch(info);
         ControlFlow::Continue(())
     };
-    simulation.run_from(q, v, steps, RunOptions::new().sample_every(0).observer(&mut observer)).unwrap()
+    simulation.run_steps_from(q, v, steps, RunOptions::new().sample_ends().observer(&mut observer)).unwrap()
 }
 
 /// The same with these contacts.

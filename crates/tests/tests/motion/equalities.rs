@@ -130,7 +130,7 @@ fn loops_have_order_2() {
             .constraint_options(ConstraintOptions::default(), DriftCorrection::default())
             .build()
             .unwrap()
-            .run_from(q, v, 1000, RunOptions::new().sample_every(0))
+            .run_steps_from(q, v, 1000, RunOptions::new().sample_ends())
         else {
             continue;
         };
@@ -443,7 +443,7 @@ fn coin_rolls_as_in_constrained_run() {
         .constraint_options(ConstraintOptions::default(), DriftCorrection::default())
         .build()
         .unwrap()
-        .run_from(&q, &v, 5000, RunOptions::new().sample_every(0))
+        .run_steps_from(&q, &v, 5000, RunOptions::new().sample_ends())
         .unwrap();
     let error = |h: f64, steps: usize| {
         let run = run_watched(held(&model, &set), (&q, &v), (h, steps), |_| {});
@@ -547,7 +547,7 @@ fn start_off_the_loop_is_an_error() {
     let (model, set, mut q) = four_bars(0.6);
     q[2] += 0.01;
     let failure: Result<Run, _> =
-        held(&model, &set).build().unwrap().run_from(&q, &[0.0; 3], 10, RunOptions::new());
+        held(&model, &set).build().unwrap().run_steps_from(&q, &[0.0; 3], 10, RunOptions::new());
     match failure.unwrap_err().error {
         RunError::Step {
             source: MethodError::Integrator(IntegratorError::OffConstraint { quantity, name, error }),

@@ -85,7 +85,7 @@ fn event_times_have_order_of_method() {
                 Event::new("floor", |_, q: &[f64], _: &[f64]| q[0]).falling().terminal(),
             ];
             let run = simulation(&model, row, h)
-                .run_from(&[1.0], &[3.0], 10_000, RunOptions::new().sample_every(0).events(&mut events))
+                .run_steps_from(&[1.0], &[3.0], 10_000, RunOptions::new().sample_ends().events(&mut events))
                 .unwrap();
             assert_eq!((run.events.len(), run.ended_by_event, run.interrupted), (2, true, false), "{row}");
             assert_eq!((run.time, &run.q, &run.v), (run.events[1].time, &run.events[1].q, &run.events[1].v));
@@ -122,7 +122,7 @@ fn brick_bounces_at_times_of_closed_form() {
     for bounce in 0..4 {
         let mut floor = [Event::touchdown("floor", &model, frame, 0.0).terminal()];
         let run = simulation(&model, Integrator::RungeKutta4, 0.01)
-            .run_from(&q, &v, 1000, RunOptions::new().sample_every(0).events(&mut floor))
+            .run_steps_from(&q, &v, 1000, RunOptions::new().sample_ends().events(&mut floor))
             .unwrap();
         let expected = if bounce == 0 { fall } else { 2.0 * fall };
         assert!((run.time - expected).abs() < 1e-12, "bounce {bounce}: {} {expected}", run.time);
@@ -143,8 +143,9 @@ fn terminal_event_ends_with_one_step() {
     for row in Integrator::ALL {
         let mut simulation = simulation(&model, row, 2e-3);
         let mut turned = [Event::new("turned", |t, _: &[f64], _: &[f64]| t - 0.0313).terminal()];
-        let run =
-            simulation.run_from(&state.q, &state.v, 100, RunOptions::new().events(&mut turned)).unwrap();
+        let run = simulation
+            .run_steps_from(&state.q, &state.v, 100, RunOptions::new().events(&mut turned))
+            .unwrap();
         // The bracket has a width of 4 ulp of time.
         assert!((run.time - 0.0313).abs() < 1e-16 && run.steps == 16, "{row}: {} {}", run.time, run.steps);
         let samples: Vec<_> = run.trajectory.iter().collect();
@@ -173,7 +174,7 @@ fn terminal_event_may_be_anywhere_in_step() {
             let when = 1e-3 * (3.0 + part);
             let mut events = [Event::new("when", |t, _: &[f64], _: &[f64]| t - when).terminal()];
             let run = simulation(&model, row, 1e-3)
-                .run_from(&state.q, &state.v, 100, RunOptions::new().sample_every(0).events(&mut events))
+                .run_steps_from(&state.q, &state.v, 100, RunOptions::new().sample_ends().events(&mut events))
                 .unwrap_or_else(|failure| panic!("{row} {part}: {failure}"));
             // A billionth of the step is the shortest distance.
             assert!(run.ended_by_event && (run.time - when).abs() < 1.1e-12, "{row} {part}: {}", run.time);
@@ -192,7 +193,7 @@ fn directions_apply_and_times_ascend() {
         Event::new("turn", |_, _: &[f64], v: &[f64]| v[0]),
     ];
     let run = simulation(&model, Integrator::RungeKutta4, 0.01)
-        .run_from(&[FRAC_PI_2 - 1.0], &[0.0], 300, RunOptions::new().sample_every(0).events(&mut events))
+        .run_steps_from(&[FRAC_PI_2 - 1.0], &[0.0], 300, RunOptions::new().sample_ends().events(&mut events))
         .unwrap();
     let names: Vec<&str> = run.events.iter().map(|event| event.name.as_str()).collect();
     // From the left end, where v = 0 at the start is not an event.
@@ -223,7 +224,7 @@ fn two_events_in_one_step_are_in_order() {
         let middle = at("middle", -0.05);
         let mut events = [at("low", -0.08), if ends { middle.terminal() } else { middle }, at("high", -0.02)];
         simulation(&model, Integrator::RungeKutta4, 0.2)
-            .run_from(&neutral(&model), &v, 1, RunOptions::new().sample_every(0).events(&mut events))
+            .run_steps_from(&neutral(&model), &v, 1, RunOptions::new().sample_ends().events(&mut events))
             .unwrap()
     };
     // z = −t − ½ g t².
@@ -253,8 +254,9 @@ fn failing_event_function_ends_run() {
     let mut simulation = simulation(&model, Integrator::RungeKutta4, 0.01);
     let fails = |t: f64, _: &[f64], _: &[f64]| if t < 0.1049 { Ok(1.0) } else { Err("the camera is blind") };
     let mut events = [Event::new("seen", fails)];
-    let failure =
-        simulation.run_from(&q, &v, 100, RunOptions::new().sample_every(0).events(&mut events)).unwrap_err();
+    let failure = simulation
+        .run_steps_from(&q, &v, 100, RunOptions::new().sample_ends().events(&mut events))
+        .unwrap_err();
     let RunError::Event { name, time, source } = &failure.error else { panic!("{failure}") };
     assert_eq!((name.as_str(), source.to_string().as_str()), ("seen", "the camera is blind"));
     assert!((0.1049..0.1063).contains(time), "the first of eight looks after it: {time}");
@@ -262,15 +264,17 @@ fn failing_event_function_ends_run() {
     assert!((failure.until.q[2] + 0.5 * 9.81 * 0.01).abs() < 1e-14);
 
     let mut events = [Event::new("depth", |_, q: &[f64], _: &[f64]| (q[2] + 0.1).sqrt())];
-    let failure =
-        simulation.run_from(&q, &v, 100, RunOptions::new().sample_every(0).events(&mut events)).unwrap_err();
+    let failure = simulation
+        .run_steps_from(&q, &v, 100, RunOptions::new().sample_ends().events(&mut events))
+        .unwrap_err();
     let RunError::EventNotFinite { name, value, .. } = &failure.error else { panic!("{failure}") };
     assert!(name == "depth" && value.is_nan() && failure.until.steps == 14, "{failure}");
 
     // The same at the start.
     let mut events = [Event::new("never", |_, _: &[f64], _: &[f64]| f64::INFINITY)];
-    let failure =
-        simulation.run_from(&q, &v, 100, RunOptions::new().sample_every(0).events(&mut events)).unwrap_err();
+    let failure = simulation
+        .run_steps_from(&q, &v, 100, RunOptions::new().sample_ends().events(&mut events))
+        .unwrap_err();
     assert!(matches!(failure.error, RunError::EventNotFinite { time: 0.0, .. }), "{failure}");
     assert_eq!((failure.until.steps, failure.until.trajectory.len()), (0, 0));
 }
@@ -284,7 +288,7 @@ fn events_of_turning_brick_are_found_on_manifold() {
     // cos of the angle about z: 1 − 2z² of the quaternion.
     let mut events = [Event::new("right angle", |_, q: &[f64], _: &[f64]| 1.0 - 2.0 * q[5] * q[5])];
     let run = simulation(&model, Integrator::RungeKutta4, 0.05)
-        .run_from(&neutral(&model), &v, 60, RunOptions::new().sample_every(0).events(&mut events))
+        .run_steps_from(&neutral(&model), &v, 60, RunOptions::new().sample_ends().events(&mut events))
         .unwrap();
     assert_eq!(run.events.len(), 3);
     for (k, event) in run.events.iter().enumerate() {
@@ -315,11 +319,11 @@ fn states_inside_steps_have_order_four() {
         let met = |h: f64| {
             let mut events = [Event::new("far", |_, q: &[f64], _: &[f64]| far(q) - 1e-2)];
             let run = simulation(&model, Integrator::RungeKutta4, h)
-                .run_from(
+                .run_steps_from(
                     &state.q,
                     &state.v,
                     usize::MAX,
-                    RunOptions::new().sample_every(0).events(&mut events).observer(&mut until(0.2)),
+                    RunOptions::new().sample_ends().events(&mut events).observer(&mut until(0.2)),
                 )
                 .unwrap();
             run.events[0].clone()
@@ -363,16 +367,16 @@ fn crossings_match_adaptive_run() {
         .step(5.0)
         .build()
         .unwrap()
-        .run_from(&[-0.5], &[0.0], 1, RunOptions::new().events(&mut events()))
+        .run_steps_from(&[-0.5], &[0.0], 1, RunOptions::new().events(&mut events()))
         .unwrap();
     assert!(exact.events.len() >= 6);
     let worst = |h: f64| -> [f64; 2] {
         let run = simulation(&model, Integrator::RungeKutta4, h)
-            .run_from(
+            .run_steps_from(
                 &[-0.5],
                 &[0.0],
                 usize::MAX,
-                RunOptions::new().sample_every(0).events(&mut events()).observer(&mut until(4.999)),
+                RunOptions::new().sample_ends().events(&mut events()).observer(&mut until(4.999)),
             )
             .unwrap();
         assert_eq!(run.events.len(), exact.events.len());
@@ -419,11 +423,11 @@ fn constrained_runs_have_events() {
         ]
     };
     let found = constrained
-        .run_from(&[-0.5, 0.3], &[0.0; 2], 1000, RunOptions::new().sample_every(0).events(&mut events()))
+        .run_steps_from(&[-0.5, 0.3], &[0.0; 2], 1000, RunOptions::new().sample_ends().events(&mut events()))
         .unwrap();
     assert!(constrained.constraint_record().is_some() && (found.q[1] - 0.3).abs() < 1e-12);
     let plain = simulation(&model, Integrator::RungeKutta4, 0.01)
-        .run_from(&[-0.5], &[0.0], 1000, RunOptions::new().sample_every(0).events(&mut events()))
+        .run_steps_from(&[-0.5], &[0.0], 1000, RunOptions::new().sample_ends().events(&mut events()))
         .unwrap();
     assert_eq!((found.events.len(), found.ended_by_event, found.steps), (2, true, plain.steps));
     for (a, b) in found.events.iter().zip(&plain.events) {

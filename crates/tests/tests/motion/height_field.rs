@@ -149,7 +149,7 @@ fn block_slides_by_friction_of_surfaces() {
         let run = soft_on(&model, contacts(), 1e-3)
             .build()
             .unwrap()
-            .run_from(&q, &[0.0; 6], 500, RunOptions::new())
+            .run_steps_from(&q, &[0.0; 6], 500, RunOptions::new())
             .unwrap();
         // The block sinks at first, and creeps while it sticks.
         assert!((speed(&run.v) - 0.5 * expected).abs() < 2e-2, "{friction}, MuJoCo's law: {:?}", run.v);
@@ -167,14 +167,14 @@ fn ball_rests_in_valley() {
         let high = radius / angle.cos();
         let q = [0.03, 0.05, high + 0.1, 0.0, 0.0, 0.0, 1.0];
         let mut simulation = implicit_on(&model, contacts()).build().unwrap();
-        let end = simulation.run_from(&q, &[0.0; 6], 6000, RunOptions::new().sample_every(0)).unwrap();
+        let end = simulation.run_steps_from(&q, &[0.0; 6], 6000, RunOptions::new().sample_ends()).unwrap();
         assert!(end.q[0].abs() < 1e-9 && (end.q[2] - high).abs() < 1e-9, "{angle}: {:?}", end.q);
         assert!(end.v.iter().all(|v| v.abs() < 1e-9), "{angle}: {:?}", end.v);
         let [x, y, z] = end.contact_forces[0];
         assert!(x.abs() < 1e-6 && y.abs() < 1e-6 && (z - G).abs() < 1e-6, "{angle}: {x} {y} {z}");
 
         let mut simulation = soft_on(&model, contacts(), 1e-3).build().unwrap();
-        let end = simulation.run_from(&q, &[0.0; 6], 6000, RunOptions::new().sample_every(0)).unwrap();
+        let end = simulation.run_steps_from(&q, &[0.0; 6], 6000, RunOptions::new().sample_ends()).unwrap();
         assert!((end.q[2] - high).abs() < 5e-3, "{angle}: {:?}", end.q);
     }
 }

@@ -18,7 +18,7 @@ use crate::common::damped_tree;
 
 fn let_go(model: &Model, q: &[f64], v: &[f64], h: f64, steps: usize) -> Run {
     let mut simulation = SimulationBuilder::new(model).method(Method::Implicit).step(h).build().unwrap();
-    simulation.run_from(q, v, steps, RunOptions::new().sample_every(0)).unwrap()
+    simulation.run_steps_from(q, v, steps, RunOptions::new().sample_ends()).unwrap()
 }
 
 /// A sled of mass m on a straight rail with a given direction and passive forces.
@@ -145,7 +145,7 @@ fn limits_stop_motion() {
         .without(Effect::Limits)
         .build()
         .unwrap()
-        .run_from(&[0.0], &[3.0], 1000, RunOptions::new())
+        .run_steps_from(&[0.0], &[3.0], 1000, RunOptions::new())
         .unwrap();
     assert!((free.q[0] - 3.0).abs() < 1e-12);
 }
@@ -268,7 +268,7 @@ fn damping_moves_massless_joint() {
     robot.joints[0].passive.stiffness = 0.0;
     let model = Model::new(robot).unwrap();
     let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).step(1e-3).build().unwrap();
-    let failure = simulation.run_from(&[0.0], &[0.0], 10, RunOptions::new()).unwrap_err();
+    let failure = simulation.run_steps_from(&[0.0], &[0.0], 10, RunOptions::new()).unwrap_err();
     let RunError::SingularMass { source, .. } = &failure.error else { panic!("{failure}") };
     assert_eq!(source.joints(), ["hinge"]);
 }
@@ -308,7 +308,7 @@ fn stiff_actuators_are_implicit() {
                 SimulationBuilder::new(model).method(Method::Implicit).step(h).build().unwrap();
             let controls = vec![0.2; simulation.control_names().count()];
             simulation.set_controls(&controls);
-            simulation.run_from(&state.q, &state.v, steps, RunOptions::new().sample_every(0)).unwrap()
+            simulation.run_steps_from(&state.q, &state.v, steps, RunOptions::new().sample_ends()).unwrap()
         };
         let soft = driven(1.0);
         let (coarse, fine) = (run(&soft, 1e-3, 500), run(&soft, 5e-4, 1000));
@@ -360,7 +360,7 @@ fn stiff_cable_acts_along_itself_only() {
         .step(h)
         .build()
         .unwrap()
-        .run_from(
+        .run_steps_from(
             &[0.0; 3],
             &[0.0; 3],
             steps,

@@ -62,7 +62,7 @@ fn run_watched(
         .step(h)
         .build()
         .unwrap()
-        .run_from(q, v, steps, RunOptions::new().sample_every(0).observer(&mut observer))
+        .run_steps_from(q, v, steps, RunOptions::new().sample_ends().observer(&mut observer))
         .unwrap()
 }
 

@@ -61,7 +61,7 @@ fn energy_account_closes_to_order_of_method() {
             let (h, steps) = (2e-3, 250);
             let mut run = |h: f64, steps: usize| -> Run {
                 simulation(&model, row, h)
-                    .run_from(
+                    .run_steps_from(
                         &state.q,
                         &state.v,
                         steps,
@@ -100,7 +100,7 @@ fn damping_dissipates_all_energy() {
     let model = Model::new(robot).unwrap();
     for row in Integrator::ALL {
         let run = simulation(&model, row, 1e-3)
-            .run_from(&neutral(&model), &[3.0, -2.0, 4.0], 30_000, RunOptions::new().sample_every(10))
+            .run_steps_from(&neutral(&model), &[3.0, -2.0, 4.0], 30_000, RunOptions::new().sample_every(10))
             .unwrap();
         let ledger = &run.ledger;
         assert!(ledger.now() < 1e-6 * ledger.start(), "{row}: {} J left", ledger.now());
@@ -118,7 +118,7 @@ fn held_arm_matches_chapter() {
     let (target, stiffness, damping) = ([1.6, 0.4], [60.0, 30.0], [20.0, 6.0]);
     let mut control = GravityCompensatedPd::new(&model, &target, &stiffness, &damping).unwrap();
     let run = simulation(&model, Integrator::RungeKutta4, 1e-3)
-        .run_from(
+        .run_steps_from(
             &[1.0, -0.4],
             &[0.0, 0.0],
             4000,
@@ -155,7 +155,12 @@ fn gravity_at_state_lets_arm_float() {
         .with_gravity_at(GravityAt::State)
         .with_limits(&limits);
     let run = simulation(&model, Integrator::RungeKutta4, 1e-3)
-        .run_from(&[0.7, 0.9], &[0.0, 0.0], 1000, RunOptions::new().sample_every(10).controller(&mut control))
+        .run_steps_from(
+            &[0.7, 0.9],
+            &[0.0, 0.0],
+            1000,
+            RunOptions::new().sample_every(10).controller(&mut control),
+        )
         .unwrap();
     // Rounding of g, 1e-15 N·m, over a second.
     assert!((run.q[0] - 0.7).abs() < 1e-13 && (run.q[1] - 0.9).abs() < 1e-13, "{:?}", run.q);
@@ -171,7 +176,12 @@ fn samples_are_kept_at_the_stride() {
     let model = Model::new(two_link_arm()).unwrap();
     let mut ramp = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.fill(t);
     let run = simulation(&model, Integrator::RungeKutta4, 0.01)
-        .run_from(&[0.1, 0.2], &[0.0, 0.0], 25, RunOptions::new().sample_every(10).controller(&mut ramp))
+        .run_steps_from(
+            &[0.1, 0.2],
+            &[0.0, 0.0],
+            25,
+            RunOptions::new().sample_every(10).controller(&mut ramp),
+        )
         .unwrap();
     let times: Vec<f64> = run.trajectory.iter().map(|sample| sample.time).collect();
     assert_eq!(times, [0.0, 0.1, 0.2, 0.25]);
@@ -191,7 +201,7 @@ fn interrupted_run_keeps_its_steps() {
         if info.step == 17 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let run = simulation(&model, Integrator::RungeKutta4, 0.01)
-        .run_from(
+        .run_steps_from(
             &[0.1, 0.2],
             &[0.0, 0.0],
             1000,
@@ -209,7 +219,7 @@ fn diverging_run_keeps_its_samples() {
     let model = Model::new(two_link_arm()).unwrap();
     let mut runaway = |_: f64, _: &[f64], v: &[f64], tau: &mut [f64]| tau[1] = 1e4 * v[1] + 1.0;
     let failure = simulation(&model, Integrator::RungeKutta4, 0.01)
-        .run_from(
+        .run_steps_from(
             &[0.1, 0.2],
             &[0.0, 0.0],
             100_000,
@@ -227,7 +237,12 @@ fn diverging_run_keeps_its_samples() {
         tau[1] = if t > 0.045 { f64::NAN } else { 0.0 };
     };
     let failure = simulation(&model, Integrator::RungeKutta4, 0.01)
-        .run_from(&[0.1, 0.2], &[0.0, 0.0], 100, RunOptions::new().sample_every(10).controller(&mut broken))
+        .run_steps_from(
+            &[0.1, 0.2],
+            &[0.0, 0.0],
+            100,
+            RunOptions::new().sample_every(10).controller(&mut broken),
+        )
         .unwrap_err();
     assert_eq!(failure.until.steps, 5);
     let RunError::NotFinite { quantity, coordinate, step: 5, time } = &failure.error else {
@@ -258,7 +273,7 @@ fn failing_controller_ends_run() {
     let mut seen = 0;
     let mut simulation = simulation(&model, Integrator::RungeKutta4, 0.01);
     let failure = simulation
-        .run_from(
+        .run_steps_from(
             &[0.1, 0.2],
             &[0.0, 0.0],
             100,
@@ -282,7 +297,12 @@ fn failing_controller_ends_run() {
     let mut inner = ConstantTorque(vec![f64::NAN, 0.0]);
     let mut outer = |t: f64, q: &[f64], v: &[f64], tau: &mut [f64]| inner.torque(t, q, v, tau);
     let failure = simulation
-        .run_from(&[0.1, 0.2], &[0.0, 0.0], 1, RunOptions::new().sample_every(10).controller(&mut outer))
+        .run_steps_from(
+            &[0.1, 0.2],
+            &[0.0, 0.0],
+            1,
+            RunOptions::new().sample_every(10).controller(&mut outer),
+        )
         .unwrap_err();
     let RunError::Controller { source: ControllerError::Motion(MotionError::Input(error)), .. } =
         &failure.error
@@ -299,7 +319,7 @@ fn run_from_invalid_configuration_is_an_error() {
     q[6] = 0.5;
     let v = vec![0.0; model.nv()];
     let failure = simulation(&model, Integrator::RungeKutta4, 0.01)
-        .run_from(&q, &v, 10, RunOptions::new().sample_every(10))
+        .run_steps_from(&q, &v, 10, RunOptions::new().sample_every(10))
         .unwrap_err();
     let RunError::Input(error) = &failure.error else { panic!("{failure}") };
     assert!(matches!(error.problem, InputProblem::NotAUnitQuaternion { first: 3, .. }), "{error}");
@@ -314,7 +334,7 @@ fn boxed_controller_holds_weight() {
     gravity(&model, &mut robot_dynamics::model::Workspace::new(&model), &[0.7, 0.9], &mut weight);
     let mut controller: Box<dyn Controller> = Box::new(ConstantTorque(weight));
     let run = simulation(&model, Integrator::VariationalMidpoint, 1e-3)
-        .run_from(
+        .run_steps_from(
             &[0.7, 0.9],
             &[0.0, 0.0],
             100,

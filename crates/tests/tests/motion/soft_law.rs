@@ -23,7 +23,7 @@ fn speed_after(
     let run = builder_of(&model, contacts)
         .build()
         .unwrap()
-        .run_from(&start, &[0.5, 0.0, 0.0, 0.0, 0.0, 0.0], 100, RunOptions::new())
+        .run_steps_from(&start, &[0.5, 0.0, 0.0, 0.0, 0.0, 0.0], 100, RunOptions::new())
         .unwrap();
     run.v[0]
 }

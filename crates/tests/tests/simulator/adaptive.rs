@@ -49,7 +49,7 @@ fn steps_runs_and_small_fixed_steps_agree() {
         for simulation in [&mut run, &mut steps, &mut coarse, &mut fine] {
             start(simulation);
         }
-        let ran = run.run(4, RunOptions::new()).unwrap();
+        let ran = run.run_steps(4, RunOptions::new()).unwrap();
         steps.run_for(0.2).unwrap();
         coarse.run_for(0.2).unwrap();
         fine.run_for(0.2 - 1e-4).unwrap();
@@ -99,8 +99,9 @@ fn effort_limits_hold() {
         let ends = [3.0, 50.0].map(|torque| {
             let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(0.1).build().unwrap();
             let mut push = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau[0] = torque;
-            let run =
-                simulation.run_from(&[0.1], &[0.0], 5, RunOptions::new().controller(&mut push)).unwrap();
+            let run = simulation
+                .run_steps_from(&[0.1], &[0.0], 5, RunOptions::new().controller(&mut push))
+                .unwrap();
             assert_eq!((run.peak_torque[0], simulation.applied_torques()), (3.0, &[3.0][..]));
             let count = if torque > 3.0 { 5 } else { 0 };
             assert_eq!(simulation.steps_at_effort_limits(), [count]);
@@ -121,11 +122,11 @@ fn observer_sees_every_step() {
         std::ops::ControlFlow::Continue(())
     };
     let options = RunOptions::new().sample_every(4).observer(&mut observer);
-    let run = simulation.run_from(&[0.3], &[0.0], 10, options).unwrap();
+    let run = simulation.run_steps_from(&[0.3], &[0.0], 10, options).unwrap();
     let times: Vec<f64> = run.trajectory.iter().map(|sample| sample.time).collect();
     assert_eq!(seen, (0..=10).map(|k| f64::from(k) * 0.01).collect::<Vec<_>>());
     assert_eq!(times, [0, 4, 8, 10].map(|k: u32| f64::from(k) * 0.01));
-    let alone = simulation.run_from(&[0.3], &[0.0], 10, RunOptions::new().sample_every(4)).unwrap();
+    let alone = simulation.run_steps_from(&[0.3], &[0.0], 10, RunOptions::new().sample_every(4)).unwrap();
     assert_eq!(alone.trajectory, run.trajectory);
 }
 
@@ -176,7 +177,7 @@ fn actuators_and_tendons_act() {
         simulation.reset(&neutral(&model), &v).unwrap();
         simulation.set_controls(&[0.7]);
     }
-    let ran = run.run(8, RunOptions::new()).unwrap();
+    let ran = run.run_steps(8, RunOptions::new()).unwrap();
     steps.run_for(0.4).unwrap();
     fixed.run_for(0.4).unwrap();
     for (k, q) in run.q().iter().enumerate() {

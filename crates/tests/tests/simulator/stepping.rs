@@ -49,7 +49,7 @@ fn single_steps_equal_run_bit_for_bit() {
             let mut other = one.clone();
             start(&mut one, &model);
             start(&mut other, &model);
-            let run = one.run(60, RunOptions::new()).expect("a run");
+            let run = one.run_steps(60, RunOptions::new()).expect("a run");
             for k in 1..=60 {
                 other.step().expect("a step");
                 assert_eq!(run.trajectory.sample(k).q, other.q(), "robot {seed}, {}, step {k}", one.method());
@@ -69,9 +69,9 @@ fn two_runs_equal_one_bit_for_bit() {
             let mut other = one.clone();
             start(&mut one, &model);
             start(&mut other, &model);
-            one.run(60, RunOptions::new()).expect("a run");
-            other.run(23, RunOptions::new()).expect("a run");
-            let second = other.run(37, RunOptions::new()).expect("a run");
+            one.run_steps(60, RunOptions::new()).expect("a run");
+            other.run_steps(23, RunOptions::new()).expect("a run");
+            let second = other.run_steps(37, RunOptions::new()).expect("a run");
             assert_eq!((one.q(), one.v(), one.time()), (other.q(), other.v(), other.time()));
             assert_eq!(second.trajectory.sample(0).time, 0.023);
         }
@@ -122,7 +122,7 @@ fn simulation_continues_after_terminal_event() {
     let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
     let mut simulation = SimulationBuilder::new(&model).conservative().build().expect("a simulation");
     let mut events = [Event::new("low", |_, q: &[f64], _: &[f64]| q[0] - 0.7).rising().terminal()];
-    let run = simulation.run(10_000, RunOptions::new().events(&mut events)).expect("a run");
+    let run = simulation.run_steps(10_000, RunOptions::new().events(&mut events)).expect("a run");
     assert!(run.ended_by_event && (run.q[0] - 0.7).abs() < 1e-12);
     let time = simulation.time();
     simulation.run_for(0.1).expect("steps");
@@ -145,4 +145,40 @@ fn failed_step_leaves_state_unchanged() {
     assert_eq!((simulation.q().to_vec(), simulation.time()), before);
     simulation.set_torques(&[0.0]);
     simulation.step().expect("a step");
+}
+
+/// A duration counts as the nearest whole number of steps, in a run, between samples, and in `run_for`.
+#[test]
+fn durations_are_rounded_to_whole_steps() {
+    let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
+    let mut simulation = SimulationBuilder::new(&model).step(0.01).build().expect("a simulation");
+    let mut by_steps = simulation.clone();
+    let options = RunOptions::new().sample_period(0.03);
+    let run = simulation.run_from(&[0.3], &[0.0], 0.104, options).expect("a run");
+    let same = by_steps.run_steps_from(&[0.3], &[0.0], 10, RunOptions::new().sample_every(3)).expect("a run");
+    assert_eq!((run.steps, &run.q, &run.trajectory), (10, &same.q, &same.trajectory));
+    let times: Vec<f64> = run.trajectory.iter().map(|sample| sample.time).collect();
+    assert_eq!(times, [0.0, 0.03, 0.06, 0.09, 0.1]);
+    simulation.run_for(0.0951).expect("steps");
+    assert_eq!((simulation.steps_in(0.0951).unwrap(), simulation.record().steps), (10, 20));
+    let ends = simulation.run(0.05, RunOptions::new().sample_ends()).expect("a run");
+    assert_eq!((ends.trajectory.len(), ends.steps), (2, 25));
+}
+
+/// An invalid duration or interval is an error, and the simulation is unchanged.
+#[test]
+fn invalid_durations_are_errors() {
+    let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
+    let mut simulation = SimulationBuilder::new(&model).build().expect("a simulation");
+    simulation.run_for(0.1).expect("steps");
+    let before = (simulation.q().to_vec(), simulation.time());
+    for duration in [-0.1, f64::NAN, f64::INFINITY, 1e10] {
+        let is_bad = |error: &RunError<_>| matches!(error, RunError::Input(_));
+        let failure = simulation.run(duration, RunOptions::new()).expect_err("a bad duration");
+        assert!(is_bad(&failure.error) && failure.until.q == before.0, "{failure}");
+        assert!(is_bad(&simulation.run_for(duration).expect_err("a bad duration")));
+        let options = RunOptions::new().sample_period(duration);
+        assert!(is_bad(&simulation.run(0.1, options).expect_err("a bad interval").error));
+        assert_eq!((simulation.q().to_vec(), simulation.time()), before);
+    }
 }

@@ -74,7 +74,7 @@ fn drift(probe: &Probe<'_>, state: &State, integrator: Integrator, step: f64) ->
     // At most 0.2 s / 7 µs.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let steps = (DURATION / step).round() as usize;
-    let run = simulation.run_from(&state.q, &state.v, steps, RunOptions::new().sample_every(0));
+    let run = simulation.run_steps_from(&state.q, &state.v, steps, RunOptions::new().sample_ends());
     run.map_or(f64::INFINITY, |run| run.ledger.max_imbalance())
 }
 

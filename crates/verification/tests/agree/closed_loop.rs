@@ -49,7 +49,7 @@ fn hands_of_dual_arm_hold_each_other() -> Result<(), Box<dyn Error>> {
         .without(Effect::Dissipation)
         .constraint_options(options, DriftCorrection::Position { tolerance: 1e-12 })
         .build()?;
-    let fall = simulation.run_from(&q, &rest, 2000, RunOptions::new().sample_every(0))?;
+    let fall = simulation.run_steps_from(&q, &rest, 2000, RunOptions::new().sample_ends())?;
     let record = *simulation.constraint_record().ok_or("no constraint")?;
     println!("fall: {:?}, energy {:e}, K {} J", record.drift, fall.ledger.drift(), fall.ledger.kinetic());
     assert_eq!(record.smallest_rank, 4);
@@ -59,7 +59,8 @@ fn hands_of_dual_arm_hold_each_other() -> Result<(), Box<dyn Error>> {
     // With gravity-compensating motors the robot stays at its pose, and the grasp carries no force.
     let gains = (vec![200.0; model.nv()], vec![20.0; model.nv()]);
     let mut pd = GravityCompensatedPd::new(&model, &q, &gains.0, &gains.1)?;
-    let hold = simulation.run_from(&q, &rest, 200, RunOptions::new().sample_every(0).controller(&mut pd))?;
+    let hold =
+        simulation.run_steps_from(&q, &rest, 200, RunOptions::new().sample_ends().controller(&mut pd))?;
     let moved = hold.q.iter().zip(&q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(moved < 1e-9, "{moved}");
     Ok(())

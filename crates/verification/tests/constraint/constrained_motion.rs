@@ -273,7 +273,7 @@ fn drift_is_corrected_by_feedback_and_projection() -> Tested {
             .constraint_options(options, correction)
             .build()
             .unwrap();
-        simulation.run_from(&q, &v, 2000, RunOptions::new().sample_every(0))?;
+        simulation.run_steps_from(&q, &v, 2000, RunOptions::new().sample_ends())?;
         simulation.constraint_record().map(|record| record.drift).ok_or_else(|| "no record".into())
     };
     let free = run(DriftCorrection::None, None)?;
@@ -308,7 +308,7 @@ fn failing_controller_ends_constrained_run() -> Tested {
         if t < 0.0195 { Ok(()) } else { Err("the brake is on") }
     };
     let failure = simulation
-        .run_from(&q, &v, 100, RunOptions::new().sample_every(0).controller(&mut stop))
+        .run_steps_from(&q, &v, 100, RunOptions::new().sample_ends().controller(&mut stop))
         .unwrap_err();
     let RunError::Controller { step: 20, time, source } = &failure.error else { panic!("{failure}") };
     assert!((time - 0.02).abs() < 1e-15 && source.to_string() == "the brake is on", "{failure}");
@@ -322,7 +322,7 @@ fn failing_controller_ends_constrained_run() -> Tested {
         tau[1] = if t < 0.0015 { 0.0 } else { f64::NEG_INFINITY };
     };
     let failure = simulation
-        .run_from(&q, &v, 100, RunOptions::new().sample_every(0).controller(&mut broken))
+        .run_steps_from(&q, &v, 100, RunOptions::new().sample_ends().controller(&mut broken))
         .unwrap_err();
     let RunError::NotFinite { quantity: "the controller's torque", coordinate, step: 2, .. } = &failure.error
     else {
@@ -347,7 +347,7 @@ fn start_off_constraint_is_an_error() -> Tested {
         .constraint_options(ConstraintOptions::default(), DriftCorrection::Velocity)
         .build()
         .unwrap()
-        .run_from(&[0.0; 3], &[0.0; 3], 1, RunOptions::new().sample_every(0))
+        .run_steps_from(&[0.0; 3], &[0.0; 3], 1, RunOptions::new().sample_ends())
         .unwrap_err();
     let RunError::Step { source: MethodError::Constrained(source), .. } = &error.error else {
         panic!("{error}")
@@ -472,7 +472,7 @@ fn coin_rolls_for_a_minute() -> Tested {
         .constraint_options(ConstraintOptions::default(), DriftCorrection::Position { tolerance: 1e-12 })
         .build()
         .unwrap();
-    let run = simulation.run_from(&q, &v, 30_000, RunOptions::new().sample_every(0))?;
+    let run = simulation.run_steps_from(&q, &v, 30_000, RunOptions::new().sample_ends())?;
     let record = simulation.constraint_record().ok_or("no record")?;
     println!("{:?}, per step {:?}, energy {:e}", record.drift, record.step_drift, run.ledger.drift());
     assert_eq!((run.steps, record.smallest_rank), (30_000, 3));

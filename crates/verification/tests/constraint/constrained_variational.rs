@@ -128,11 +128,11 @@ fn energy_errors(
         .constraint_options(options(row), DriftCorrection::None)
         .build()?;
     let (mut first, mut last) = (0.0f64, 0.0f64);
-    let run = simulation.run_from(
+    let run = simulation.run_steps_from(
         &state.q,
         &state.v,
         steps,
-        RunOptions::new().sample_every(0).observer(&mut |info| {
+        RunOptions::new().sample_ends().observer(&mut |info| {
             let error = info.ledger.imbalance().abs();
             if info.step <= steps / 10 {
                 first = first.max(error);
@@ -471,7 +471,7 @@ fn invalid_steps_are_errors() -> Tested {
             .constraint_options(options, DriftCorrection::None)
             .build()
             .unwrap();
-        let run = simulation.run_from(&state.q, &state.v, 200, RunOptions::new().sample_every(0));
+        let run = simulation.run_steps_from(&state.q, &state.v, 200, RunOptions::new().sample_ends());
         run.expect_err("an invalid step").error
     };
     let fed_back =

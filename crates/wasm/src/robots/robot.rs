@@ -201,7 +201,7 @@ impl Robot {
         let (mut simulation, _) = self.build(&self.choice)?;
         simulation.reset(self.simulation.q(), self.simulation.v())?;
         let run =
-            simulation.run(steps, RunOptions::new().sample_every(0)).map_err(|failure| failure.error)?;
+            simulation.run_steps(steps, RunOptions::new().sample_ends()).map_err(|failure| failure.error)?;
         Ok(run.q)
     }
 }

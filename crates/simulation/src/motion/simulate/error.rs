@@ -14,7 +14,7 @@ use super::{CallbackError, ControllerError, Run, StepError};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError<E = IntegratorError> {
-    /// The step is not positive and finite, or the initial configuration is invalid.
+    /// The step, a duration or the initial configuration is invalid.
     #[error("the run cannot start: {0}")]
     Input(#[from] InvalidInput),
     /// A number is NaN or infinite.
