@@ -17,9 +17,8 @@ ROOT = Path(__file__).resolve().parent.parent
 
 # A user's program that moves a batch of states.
 PROGRAM = """
-use std::ops::ControlFlow;
 
-use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques, rollout};
+use robot_dynamics::batch::{BatchWorkspace, Rollout, RolloutStates, Torques, rollout};
 use robot_dynamics::description::{RandomRobotOptions, random_robot};
 use robot_dynamics::model::{Model, neutral};
 
@@ -29,8 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let integrator = robot_dynamics::simulation::Integrator::RungeKutta4;
     let how = Rollout::new(integrator, 1e-3, 100);
     let mut workspace = BatchWorkspace::new(&model);
-    let go_on = |_| ControlFlow::Continue(());
-    rollout(&model, &mut workspace, &how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
+    rollout(&model, &mut workspace, &how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None)?;
     println!("{}", v[0]);
     Ok(())
 }

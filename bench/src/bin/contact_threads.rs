@@ -7,12 +7,13 @@
 //! rigid contact. The two calls must give the same bits. For comparison the program also times two calls with
 //! one thread each in parallel, the most that this machine can gain.
 
-use std::ops::ControlFlow;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use bench::robot_by_name;
-use robot_dynamics::batch::{BatchWorkspace, StepperRollout, Threads, Torques, rollout_by_stepper};
+use robot_dynamics::batch::{
+    BatchWorkspace, RolloutStates, StepperRollout, Threads, Torques, rollout_by_stepper,
+};
 use robot_dynamics::contact::{ContactSet, Ground};
 use robot_dynamics::model::{Model, Workspace, neutral, random_state};
 use robot_dynamics::simulation::{Method, SimulationBuilder};
@@ -50,10 +51,8 @@ fn measure(name: &str, model: &Model, rounds: usize) {
         let workspace = BatchWorkspace::on_threads(model, threads);
         let (mut q, mut v) = (start.clone(), vec![0.0; STATES * model.nv()]);
         let how = StepperRollout::new(&implicit, 1e-3, STEPS);
-        let go_on = |_| ControlFlow::Continue(());
-        let none: (&mut [f64], &mut [f64]) = (&mut [], &mut []);
         let begin = Instant::now();
-        rollout_by_stepper(model, &workspace, &how, Torques::Zero, &mut q, &mut v, none, &go_on)
+        rollout_by_stepper(model, &workspace, &how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None)
             .expect("all come to their end");
         (begin.elapsed().as_secs_f64(), q)
     };

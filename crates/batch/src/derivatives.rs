@@ -4,7 +4,7 @@
 //! O(nv² depth). The matrices of large robots exceed the cache, so the time is that of writing them;
 //! pullbacks avoid this.
 
-use robot_dynamics_core::Model;
+use robot_dynamics_core::{ForwardDynamicsDerivativesMut, InverseDynamicsDerivativesMut, Model};
 
 use crate::tables::Tables;
 use crate::{BadStates, BatchFloat, BatchWorkspace};
@@ -22,7 +22,8 @@ use crate::{BadStates, BatchFloat, BatchWorkspace};
 /// // τ = m l² a − m g l cos q, so ∂τ/∂q = m g l sin q.
 /// let (q, v, a, mut by_q, mut by_v) = ([0.0, 0.3], [1.0; 2], [2.0; 2], [0.0; 2], [1.0; 2]);
 /// let workspace = &mut BatchWorkspace::<f64>::new(&model);
-/// batch::inverse_dynamics_derivatives(&model, workspace, &q, &v, &a, &mut by_q, &mut by_v)?;
+/// let outputs = batch::InverseDynamicsDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v };
+/// batch::inverse_dynamics_derivatives(&model, workspace, &q, &v, &a, outputs)?;
 /// assert!((0..2).all(|state| (by_q[state] - 2.0 * 9.81 * 0.5 * q[state].sin()).abs() < 1e-14));
 /// assert!(by_v.iter().all(|by_v| by_v.abs() < 1e-14));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -34,7 +35,6 @@ use crate::{BadStates, BatchFloat, BatchWorkspace};
 /// # Panics
 /// Panics if a table has the wrong length, or the workspace belongs to another model.
 #[doc(alias = "computeRNEADerivatives")]
-#[allow(clippy::too_many_arguments)] // as `inverse_dynamics`, with two results
 #[track_caller]
 pub fn inverse_dynamics_derivatives<T: BatchFloat>(
     model: &Model,
@@ -42,9 +42,9 @@ pub fn inverse_dynamics_derivatives<T: BatchFloat>(
     q: &[T],
     v: &[T],
     a: &[T],
-    by_position: &mut [T],
-    by_velocity: &mut [T],
+    derivatives: InverseDynamicsDerivativesMut<'_, T>,
 ) -> Result<(), BadStates> {
+    let InverseDynamicsDerivativesMut { by_position, by_velocity } = derivatives;
     let tables = Tables { names: ["q", "v", "a"], widths: [model.nq, model.nv, model.nv], rows: [q, v, a] };
     T::derivatives(model, workspace, false, &tables, [by_position, by_velocity, &mut []])
 }
@@ -64,7 +64,12 @@ pub fn inverse_dynamics_derivatives<T: BatchFloat>(
 /// let (q, v, tau) = ([0.0, 0.3], [1.0; 2], [0.7; 2]);
 /// let (mut by_q, mut by_v, mut by_tau) = ([0.0; 2], [0.0; 2], [0.0; 2]);
 /// let workspace = &mut BatchWorkspace::<f64>::new(&model);
-/// batch::forward_dynamics_derivatives(&model, workspace, &q, &v, &tau, &mut by_q, &mut by_v, &mut by_tau)?;
+/// let outputs = batch::ForwardDynamicsDerivativesMut {
+///     by_position: &mut by_q,
+///     by_velocity: &mut by_v,
+///     by_force: &mut by_tau,
+/// };
+/// batch::forward_dynamics_derivatives(&model, workspace, &q, &v, &tau, outputs)?;
 /// assert!((0..2).all(|state| (by_q[state] + 9.81 / 0.5 * q[state].sin()).abs() < 1e-13));
 /// assert!(by_tau.iter().all(|by_tau| (by_tau - 1.0 / (2.0 * 0.25)).abs() < 1e-14));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -77,7 +82,6 @@ pub fn inverse_dynamics_derivatives<T: BatchFloat>(
 /// # Panics
 /// Panics if a table has the wrong length, or the workspace belongs to another model.
 #[doc(alias = "computeABADerivatives")]
-#[allow(clippy::too_many_arguments)] // as `forward_dynamics`, with three results
 #[track_caller]
 pub fn forward_dynamics_derivatives<T: BatchFloat>(
     model: &Model,
@@ -85,10 +89,9 @@ pub fn forward_dynamics_derivatives<T: BatchFloat>(
     q: &[T],
     v: &[T],
     tau: &[T],
-    by_position: &mut [T],
-    by_velocity: &mut [T],
-    by_force: &mut [T],
+    derivatives: ForwardDynamicsDerivativesMut<'_, T>,
 ) -> Result<(), BadStates> {
+    let ForwardDynamicsDerivativesMut { by_position, by_velocity, by_force } = derivatives;
     let tables =
         Tables { names: ["q", "v", "tau"], widths: [model.nq, model.nv, model.nv], rows: [q, v, tau] };
     T::derivatives(model, workspace, true, &tables, [by_position, by_velocity, by_force])

@@ -12,9 +12,9 @@ use crate::computation::operation::compute;
 use crate::computation::recursions::{Acceleration, Forces, InverseMass, Mass};
 use crate::computation::related_mass::RelatedMass;
 use crate::computation::{derivatives, pullback};
-use crate::rollout::pullback::{PullbackInputs, compute as pull_rollout_back};
-use crate::rollout::states::{StateTables, move_states};
-use crate::rollout::{Progress, RolloutError, Torques};
+use crate::rollout::pullback::{RolloutPullbackInputs, compute as pull_rollout_back};
+use crate::rollout::states::{RolloutStates, move_states};
+use crate::rollout::{RolloutError, RolloutObserver, Torques};
 use crate::tables::Tables;
 use crate::threads::Pool;
 use crate::{BadStates, BatchOptions, BatchWorkspace};
@@ -61,8 +61,8 @@ pub trait BatchFloat: Float {
         workspace: &mut BatchWorkspace<Self>,
         rollout: &Rollout,
         torques: Torques<'_, Self>,
-        motion: StateTables<'_, Self>,
-        progress: Progress<'_>,
+        states: RolloutStates<'_, Self>,
+        progress: RolloutObserver<'_>,
     ) -> Result<(), RolloutError>;
 
     #[doc(hidden)]
@@ -79,9 +79,9 @@ pub trait BatchFloat: Float {
         model: &Model,
         workspace: &mut BatchWorkspace<Self>,
         rollout: &Rollout,
-        given: &PullbackInputs<'_, Self>,
+        given: &RolloutPullbackInputs<'_, Self>,
         results: [&mut [Self]; 4],
-        progress: Progress<'_>,
+        progress: RolloutObserver<'_>,
     ) -> Result<(), RolloutError>;
 }
 
@@ -135,10 +135,10 @@ macro_rules! batch_float {
                 workspace: &mut BatchWorkspace<Self>,
                 rollout: &Rollout,
                 torques: Torques<'_, Self>,
-                motion: StateTables<'_, Self>,
-                progress: Progress<'_>,
+                states: RolloutStates<'_, Self>,
+                progress: RolloutObserver<'_>,
             ) -> Result<(), RolloutError> {
-                move_states(model, workspace, rollout, torques, motion, progress)
+                move_states(model, workspace, rollout, torques, states, progress)
             }
 
             #[track_caller]
@@ -161,9 +161,9 @@ macro_rules! batch_float {
                 model: &Model,
                 workspace: &mut BatchWorkspace<Self>,
                 rollout: &Rollout,
-                given: &PullbackInputs<'_, Self>,
+                given: &RolloutPullbackInputs<'_, Self>,
                 results: [&mut [Self]; 4],
-                progress: Progress<'_>,
+                progress: RolloutObserver<'_>,
             ) -> Result<(), RolloutError> {
                 pull_rollout_back(model, workspace, rollout, given, results, progress)
             }

@@ -60,9 +60,13 @@ pub use pullback::{forward_dynamics_pullback, inverse_dynamics_pullback};
 pub use quantity::BatchQuantity;
 pub use related_mass::mass_matrix_related;
 pub use robot_dynamics_core::mass_matrix_related_entries;
+pub use robot_dynamics_core::{
+    ForwardDynamicsDerivativesMut, ForwardPullbackMut, InverseDynamicsDerivativesMut, InversePullbackMut,
+};
+pub use robot_dynamics_simulation::{MotionCotangents, TrajectoryCotangents};
 pub use rollout::{
-    PolicyInput, Rollout, RolloutError, RolloutProgress, StepperRollout, Torques, rollout,
-    rollout_by_stepper, rollout_pullback,
+    PolicyInput, Rollout, RolloutError, RolloutObserver, RolloutProgress, RolloutPullbackInputs,
+    RolloutStates, StepperRollout, Torques, rollout, rollout_by_stepper, rollout_pullback,
 };
 pub use simulations::SimulationBatch;
 pub use threads::{ThreadError, Threads};

@@ -4,7 +4,7 @@
 //! Cost: two to three times the function, O(n) for each state. Tables of parameters have ten numbers a link,
 //! and writing them may take longer than the recursion.
 
-use robot_dynamics_core::Model;
+use robot_dynamics_core::{ForwardPullbackMut, InversePullbackMut, Model};
 
 use crate::tables::Tables;
 use crate::{BadStates, BatchFloat, BatchWorkspace};
@@ -26,9 +26,13 @@ use crate::{BadStates, BatchFloat, BatchWorkspace};
 /// let (q, v, a, lambda) = ([0.0, 0.3], [1.0; 2], [2.0; 2], [1.0, 3.0]);
 /// let (mut by_q, mut by_v, mut by_a) = ([0.0; 2], [0.0; 2], [0.0; 2]);
 /// let w = &mut BatchWorkspace::<f64>::new(&model);
-/// batch::inverse_dynamics_pullback(
-///     &model, w, &q, &v, &a, &lambda, &mut by_q, &mut by_v, &mut by_a, &mut [],
-/// )?;
+/// let outputs = batch::InversePullbackMut {
+///     by_position: &mut by_q,
+///     by_velocity: &mut by_v,
+///     by_acceleration: &mut by_a,
+///     parameters: &mut [],
+/// };
+/// batch::inverse_dynamics_pullback(&model, w, &q, &v, &a, &lambda, outputs)?;
 /// assert!((0..2).all(|i| (by_q[i] - lambda[i] * 9.81 * q[i].sin()).abs() < 1e-13));
 /// assert!((0..2).all(|i| (by_a[i] - lambda[i] * 0.5).abs() < 1e-14)); // m l²
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -40,7 +44,6 @@ use crate::{BadStates, BatchFloat, BatchWorkspace};
 /// # Panics
 /// Panics if a table has the wrong length, or the workspace belongs to another model.
 #[doc(alias = "VJP")]
-#[allow(clippy::too_many_arguments)] // as for a single state
 #[track_caller]
 pub fn inverse_dynamics_pullback<T: BatchFloat>(
     model: &Model,
@@ -49,11 +52,9 @@ pub fn inverse_dynamics_pullback<T: BatchFloat>(
     v: &[T],
     a: &[T],
     cotangent: &[T],
-    by_position: &mut [T],
-    by_velocity: &mut [T],
-    by_acceleration: &mut [T],
-    parameters: &mut [T],
+    results: InversePullbackMut<'_, T>,
 ) -> Result<(), BadStates> {
+    let InversePullbackMut { by_position, by_velocity, by_acceleration, parameters } = results;
     let tables = tables(model, "a", [q, v, a, cotangent]);
     let results = [&mut [], by_position, by_velocity, by_acceleration, parameters];
     T::pullback(model, workspace, false, &tables, results)
@@ -76,9 +77,14 @@ pub fn inverse_dynamics_pullback<T: BatchFloat>(
 /// let (q, v, tau, cotangent) = ([0.0, 0.3], [1.0; 2], [0.7; 2], [1.0, 3.0]);
 /// let [mut a, mut by_q, mut by_v, mut by_tau] = [[0.0; 2]; 4];
 /// let w = &mut BatchWorkspace::<f64>::new(&model);
-/// batch::forward_dynamics_pullback(
-///     &model, w, &q, &v, &tau, &cotangent, &mut a, &mut by_q, &mut by_v, &mut by_tau, &mut [],
-/// )?;
+/// let outputs = batch::ForwardPullbackMut {
+///     acceleration: &mut a,
+///     by_position: &mut by_q,
+///     by_velocity: &mut by_v,
+///     by_force: &mut by_tau,
+///     parameters: &mut [],
+/// };
+/// batch::forward_dynamics_pullback(&model, w, &q, &v, &tau, &cotangent, outputs)?;
 /// assert!((0..2).all(|i| (by_q[i] + cotangent[i] * 9.81 / 0.5 * q[i].sin()).abs() < 1e-12));
 /// assert!((0..2).all(|i| (by_tau[i] - cotangent[i] / 0.5).abs() < 1e-13)); // 1/(m l²)
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -91,7 +97,6 @@ pub fn inverse_dynamics_pullback<T: BatchFloat>(
 /// # Panics
 /// Panics if a table has the wrong length, or the workspace belongs to another model.
 #[doc(alias = "VJP")]
-#[allow(clippy::too_many_arguments)] // as for a single state
 #[track_caller]
 pub fn forward_dynamics_pullback<T: BatchFloat>(
     model: &Model,
@@ -100,12 +105,9 @@ pub fn forward_dynamics_pullback<T: BatchFloat>(
     v: &[T],
     tau: &[T],
     cotangent: &[T],
-    acceleration: &mut [T],
-    by_position: &mut [T],
-    by_velocity: &mut [T],
-    by_force: &mut [T],
-    parameters: &mut [T],
+    results: ForwardPullbackMut<'_, T>,
 ) -> Result<(), BadStates> {
+    let ForwardPullbackMut { acceleration, by_position, by_velocity, by_force, parameters } = results;
     let tables = tables(model, "tau", [q, v, tau, cotangent]);
     let results = [acceleration, by_position, by_velocity, by_force, parameters];
     T::pullback(model, workspace, true, &tables, results)

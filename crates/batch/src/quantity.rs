@@ -88,8 +88,12 @@ batches! {
     FrameJacobianWorld => {
         crate::frame_jacobian(model, workspace, q, frames[0], ReferenceFrame::World, x)
     },
-    InverseDynamicsDerivatives => crate::inverse_dynamics_derivatives(model, workspace, q, v, a, x, y),
+    InverseDynamicsDerivatives => {
+        let out = crate::InverseDynamicsDerivativesMut { by_position: x, by_velocity: y };
+        crate::inverse_dynamics_derivatives(model, workspace, q, v, a, out)
+    },
     ForwardDynamicsDerivatives => {
-        crate::forward_dynamics_derivatives(model, workspace, q, v, tau, x, y, z)
+        let out = crate::ForwardDynamicsDerivativesMut { by_position: x, by_velocity: y, by_force: z };
+        crate::forward_dynamics_derivatives(model, workspace, q, v, tau, out)
     },
 }

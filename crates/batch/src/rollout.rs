@@ -20,28 +20,27 @@ mod stepper;
 mod torques;
 
 pub use error::RolloutError;
-pub(crate) use progress::Progress;
-pub use progress::RolloutProgress;
+use progress::UNOBSERVED;
+pub use progress::{RolloutObserver, RolloutProgress};
+pub use pullback::RolloutPullbackInputs;
 pub use robot_dynamics_simulation::Rollout;
+pub use states::RolloutStates;
 pub use stepper::{StepperRollout, rollout_by_stepper};
 pub use torques::{PolicyInput, Torques};
 
 use robot_dynamics_core::Model;
+use robot_dynamics_simulation::MotionCotangents;
 
-use self::pullback::PullbackInputs;
-use self::states::StateTables;
 use crate::{BatchFloat, BatchWorkspace};
 
 /// Advances each state (q, v) in place over `rollout.steps` steps.
 ///
-/// q is \[batch\]\[nq\], v is \[batch\]\[nv\]. Quaternions keep unit length, because the stages are those of
-/// Munthe-Kaas, as in [`step`](robot_dynamics_simulation::step). The trajectories receive the state after
-/// every `stride`-th step, \[batch\]\[samples\]\[nq\] and \[batch\]\[samples\]\[nv\]; they are empty if the
-/// stride is 0.
+/// Quaternions keep unit length, because the stages are those of Munthe-Kaas, as in
+/// [`step`](robot_dynamics_simulation::step).
 ///
-/// `progress` is called occasionally from any thread. If it breaks, the states that are not at the end remain
-/// unchanged, and their trajectories are unspecified. With a [policy](Torques::Policy) each call allocates
-/// the rows of each block.
+/// `progress`, if it is given, is called occasionally from any thread. If it breaks, the states that are not
+/// at the end remain unchanged, and their trajectories are unspecified. With a [policy](Torques::Policy) each
+/// call allocates the rows of each block.
 ///
 /// # Errors
 /// [`RolloutError`]; all states that it does not list are valid.
@@ -50,44 +49,36 @@ use crate::{BatchFloat, BatchWorkspace};
 /// Panics if a table has the wrong length, or the workspace belongs to another model.
 ///
 /// ```
-/// use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques, rollout};
+/// use robot_dynamics::batch::{BatchWorkspace, Rollout, RolloutStates, Torques, rollout};
 /// use robot_dynamics::description::{RandomRobotOptions, random_robot};
 /// use robot_dynamics::model::{Model, neutral};
 /// use robot_dynamics::simulation::Integrator;
-/// use std::ops::ControlFlow;
 /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
 /// let (mut q, mut v) = (neutral(&model).repeat(20), vec![0.0; 20 * model.nv()]);
 /// let how = Rollout::new(Integrator::SemiImplicitEuler, 1e-3, 100);
 /// let mut workspace = BatchWorkspace::new(&model);
-/// let go_on = |_| ControlFlow::Continue(());
-/// rollout(&model, &mut workspace, &how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
+/// rollout(&model, &mut workspace, &how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None)?;
 /// assert!(v.iter().any(|v| v.abs() > 0.1)); // the robot falls
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[allow(clippy::too_many_arguments)]
 #[track_caller]
 pub fn rollout<T: BatchFloat>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
     rollout: &Rollout,
     torques: Torques<'_, T>,
-    q: &mut [T],
-    v: &mut [T],
-    trajectory: (&mut [T], &mut [T]),
-    progress: &(dyn Fn(RolloutProgress) -> std::ops::ControlFlow<()> + Sync),
+    states: RolloutStates<'_, T>,
+    progress: Option<RolloutObserver<'_>>,
 ) -> Result<(), RolloutError> {
-    T::rollout(model, workspace, rollout, torques, StateTables { q, v, trajectory }, progress)
+    T::rollout(model, workspace, rollout, torques, states, progress.unwrap_or(UNOBSERVED))
 }
 
 /// The gradient of a loss along each state's rollout; see
 /// [`rollout_pullback`](robot_dynamics_simulation::rollout_pullback). It maps cotangents of the rollout's
 /// states to those of the initial state, the forces and the parameters.
 ///
-/// - (`q`, `v`) are the initial states, \[batch\]\[nq\] and \[batch\]\[nv\].
 /// - `by_position` and `by_velocity`, \[batch\]\[nv\], hold the gradients by the final states, and receive
 ///   those by the initial states.
-/// - `trajectory` holds the gradients by the recorded states, \[batch\]\[samples\]\[nv\] each; empty without
-///   a stride.
 /// - `by_force` is overwritten. It has the shape of the torques: \[batch\]\[nv\] if they are held,
 ///   \[batch\]\[steps\]\[nv\] if each step has its own, and empty without torques.
 /// - `parameters` is empty or \[batch\]\[[`parameter_count`](robot_dynamics_core::parameter_count)\], one row per state, and overwritten.
@@ -102,26 +93,31 @@ pub fn rollout<T: BatchFloat>(
 /// those of [`rollout`](crate::rollout), bit for bit if machine code takes the steps of both or of neither.
 /// With cotangents of parameters the recursions take the steps here, and the states may differ by rounding.
 ///
-/// `progress` is called occasionally from any thread. If it breaks, the states that are not complete keep
-/// their `by_position` and `by_velocity`, and their other results are unspecified.
+/// `progress`, if it is given, is called occasionally from any thread. If it breaks, the states that are not
+/// complete keep their `by_position` and `by_velocity`, and their other results are unspecified.
 ///
 /// ```
-/// use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques, rollout_pullback};
+/// use robot_dynamics::batch::{BatchWorkspace, Rollout, RolloutPullbackInputs, Torques, rollout_pullback};
+/// use robot_dynamics::derivatives::{MotionCotangents, TrajectoryCotangents};
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::Model;
 /// use robot_dynamics::simulation::Integrator;
-/// use std::ops::ControlFlow;
 /// let model = Model::new(pendulum(2.0, 0.5))?;
 /// let integrator = Integrator::SemiImplicitEuler;
 /// let how = Rollout::new(integrator, 0.01, 50).with_dissipation(false);
 /// // The final speed of three swings, by the torque held over each.
 /// let (q, v, tau) = ([0.0, 0.5, 1.0], [0.0; 3], [0.1; 3]);
 /// let (mut by_q, mut by_v, mut by_tau) = ([0.0; 3], [1.0; 3], [0.0; 3]);
-/// let (w, go_on) = (&mut BatchWorkspace::<f64>::new(&model), |_| ControlFlow::Continue(()));
-/// let (held, results) = (Torques::Held(&tau), (&mut by_q[..], &mut by_v[..]));
-/// rollout_pullback(
-///     &model, w, &how, 0, held, &q, &v, (&[], &[]), results, &mut by_tau, &mut [], &go_on,
-/// )?;
+/// let (w, torques) = (&mut BatchWorkspace::<f64>::new(&model), Torques::Held(&tau));
+/// let trajectory = TrajectoryCotangents::default();
+/// let inputs = RolloutPullbackInputs { spacing: 0, torques, q: &q, v: &v, trajectory };
+/// let cotangents = MotionCotangents {
+///     by_position: &mut by_q,
+///     by_velocity: &mut by_v,
+///     by_force: &mut by_tau,
+///     parameters: &mut [],
+/// };
+/// rollout_pullback(&model, w, &how, &inputs, cotangents, None)?;
 /// assert!(by_tau.iter().all(|x| *x > 0.0 && *x < 50.0 * 0.01 / 0.5)); // h/(m l²) per step at most, reduced by gravity
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -132,23 +128,16 @@ pub fn rollout<T: BatchFloat>(
 ///
 /// # Panics
 /// Panics if a table has the wrong length, or the workspace belongs to another model.
-#[allow(clippy::too_many_arguments)] // the arguments of a rollout, its cotangents and results
 #[track_caller]
 pub fn rollout_pullback<T: BatchFloat>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
     rollout: &Rollout,
-    spacing: usize,
-    torques: Torques<'_, T>,
-    q: &[T],
-    v: &[T],
-    trajectory: (&[T], &[T]),
-    (by_position, by_velocity): (&mut [T], &mut [T]),
-    by_force: &mut [T],
-    parameters: &mut [T],
-    progress: &(dyn Fn(RolloutProgress) -> std::ops::ControlFlow<()> + Sync),
+    inputs: &RolloutPullbackInputs<'_, T>,
+    cotangents: MotionCotangents<'_, T>,
+    progress: Option<RolloutObserver<'_>>,
 ) -> Result<(), RolloutError> {
-    let given = PullbackInputs { spacing, torques, q, v, trajectory };
+    let MotionCotangents { by_position, by_velocity, by_force, parameters } = cotangents;
     let results = [by_position, by_velocity, by_force, parameters];
-    T::rollout_pullback(model, workspace, rollout, &given, results, progress)
+    T::rollout_pullback(model, workspace, rollout, inputs, results, progress.unwrap_or(UNOBSERVED))
 }

@@ -276,7 +276,8 @@ impl Model {
         check_vector(self, "a", a)?;
         let w = &mut Workspace::new(self);
         let [mut x, mut y, mut m] = [(); 3].map(|()| vec![0.0; self.nv * self.nv]);
-        crate::inverse_dynamics_derivatives(self, w, q, v, a, &mut x, &mut y);
+        let out = crate::InverseDynamicsDerivativesMut { by_position: &mut x, by_velocity: &mut y };
+        crate::inverse_dynamics_derivatives(self, w, q, v, a, out);
         crate::mass_matrix(self, w, q, &mut m);
         Ok(InverseDynamicsDerivatives {
             by_position: self.square("∂τ/∂q", &x)?,
@@ -306,7 +307,12 @@ impl Model {
         self.check_mass(q)?;
         let [mut x, mut y, mut z] = [(); 3].map(|()| vec![0.0; self.nv * self.nv]);
         let w = &mut Workspace::new(self);
-        crate::forward_dynamics_derivatives(self, w, q, v, tau, &mut x, &mut y, &mut z);
+        let out = crate::ForwardDynamicsDerivativesMut {
+            by_position: &mut x,
+            by_velocity: &mut y,
+            by_force: &mut z,
+        };
+        crate::forward_dynamics_derivatives(self, w, q, v, tau, out);
         Ok(ForwardDynamicsDerivatives {
             by_position: self.square("∂a/∂q", &x)?,
             by_velocity: self.square("∂a/∂v", &y)?,

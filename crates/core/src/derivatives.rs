@@ -33,17 +33,19 @@ mod solve_rows;
 
 pub use center_of_mass::center_of_mass_velocity_derivative;
 pub use forward_dynamics::{
-    ForwardDynamicsSlopes, forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches,
+    ForwardDynamicsDerivativesMut, ForwardDynamicsSlopes, forward_dynamics_derivatives,
+    forward_dynamics_derivatives_with_wrenches,
 };
 pub use frames::{frame_acceleration_derivatives, frame_velocity_derivative};
 pub use gravity::gravity_derivative;
 pub use inverse_dynamics::{
-    InverseDynamicsSlopes, inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches,
+    InverseDynamicsDerivativesMut, InverseDynamicsSlopes, inverse_dynamics_derivatives,
+    inverse_dynamics_derivatives_with_wrenches,
 };
 pub use pullback::{
-    ArticulatedBodiesPullback, NewtonEulerPullback, PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents,
-    ParameterError, check_parameters, dissipation_pullback, forward_dynamics_pullback,
-    forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
-    inverse_dynamics_pullback_with_parameters, negate, parameter_count, parameter_values, pull_dissipation,
-    solve_negative, with_parameters,
+    ArticulatedBodiesPullback, ForwardPullbackMut, InversePullbackMut, NewtonEulerPullback,
+    PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError, check_parameters,
+    dissipation_pullback, forward_dynamics_pullback, forward_dynamics_pullback_with_parameters,
+    inverse_dynamics_pullback, inverse_dynamics_pullback_with_parameters, negate, parameter_count,
+    parameter_values, pull_dissipation, solve_negative, with_parameters,
 };

@@ -103,6 +103,7 @@ pub use configuration::manifold::{
     random_within_limits,
 };
 pub use derivatives::{
+    ForwardDynamicsDerivativesMut, ForwardPullbackMut, InverseDynamicsDerivativesMut, InversePullbackMut,
     PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError, center_of_mass_velocity_derivative,
     dissipation_pullback, forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches,
     forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, frame_acceleration_derivatives,

@@ -152,20 +152,40 @@ fn compute<S: Scalar>(
         Function::CenterOfMassJacobian => robot_dynamics_core::center_of_mass_jacobian(model, w, x, one),
         Function::InverseDynamicsDerivatives => {
             let [two, three] = others else { unreachable!("three results") };
-            robot_dynamics_core::inverse_dynamics_derivatives(model, w, x, y, z, one, two);
+            let out =
+                robot_dynamics_core::InverseDynamicsDerivativesMut { by_position: one, by_velocity: two };
+            robot_dynamics_core::inverse_dynamics_derivatives(model, w, x, y, z, out);
             robot_dynamics_core::mass_matrix(model, w, x, three);
         }
         Function::ForwardDynamicsDerivatives => {
             let [two, three] = others else { unreachable!("three results") };
-            robot_dynamics_core::forward_dynamics_derivatives(model, w, x, y, z, one, two, three);
+            let out = robot_dynamics_core::ForwardDynamicsDerivativesMut {
+                by_position: one,
+                by_velocity: two,
+                by_force: three,
+            };
+            robot_dynamics_core::forward_dynamics_derivatives(model, w, x, y, z, out);
         }
         Function::InverseDynamicsPullback => {
             let [two, three] = others else { unreachable!("three results") };
-            robot_dynamics_core::inverse_dynamics_pullback(model, w, x, y, z, l, one, two, three);
+            let out = robot_dynamics_core::InversePullbackMut {
+                by_position: one,
+                by_velocity: two,
+                by_acceleration: three,
+                parameters: &mut [],
+            };
+            robot_dynamics_core::inverse_dynamics_pullback(model, w, x, y, z, l, out);
         }
         Function::ForwardDynamicsPullback => {
             let [two, three, four] = others else { unreachable!("four results") };
-            robot_dynamics_core::forward_dynamics_pullback(model, w, x, y, z, l, one, two, three, four);
+            let out = robot_dynamics_core::ForwardPullbackMut {
+                acceleration: one,
+                by_position: two,
+                by_velocity: three,
+                by_force: four,
+                parameters: &mut [],
+            };
+            robot_dynamics_core::forward_dynamics_pullback(model, w, x, y, z, l, out);
         }
         Function::JointTorqueRegressor => robot_dynamics_core::joint_torque_regressor(model, w, x, y, z, one),
         Function::SemiImplicitEulerStep | Function::Rk4Step => {

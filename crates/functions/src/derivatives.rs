@@ -247,15 +247,11 @@ impl DifferentiationInput<'_> {
             let w = &mut Workspace::<Traced>::limited(self.model, InstructionSet::Portable);
             let (rest, mut by_q, mut by_v) = (zeros(nv), zeros(nv * nv), zeros(nv * nv));
             let v = if takes_v { &arguments[1] } else { &rest };
-            robot_dynamics_core::inverse_dynamics_derivatives(
-                self.model,
-                w,
-                &arguments[0],
-                v,
-                &rest,
-                &mut by_q,
-                &mut by_v,
-            );
+            let out = robot_dynamics_core::InverseDynamicsDerivativesMut {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+            };
+            robot_dynamics_core::inverse_dynamics_derivatives(self.model, w, &arguments[0], v, &rest, out);
             if takes_v { vec![by_q, by_v] } else { vec![by_q] }
         }))
     }

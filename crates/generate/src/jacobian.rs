@@ -64,14 +64,19 @@ fn by_recursions(function: &Function, model: &Model) -> Option<impl Fn(&[Vec<Tra
         let zeros = |count: usize| vec![Traced::zero(); count];
         let (mut by_q, mut by_v, mut by_x) = (zeros(nv * nv), zeros(nv * nv), zeros(nv * nv));
         if is_inverse {
-            robot_dynamics::derivatives::inverse_dynamics_derivatives(
-                model, w, q, v, x, &mut by_q, &mut by_v,
-            );
+            let out = robot_dynamics::derivatives::InverseDynamicsDerivativesMut {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+            };
+            robot_dynamics::derivatives::inverse_dynamics_derivatives(model, w, q, v, x, out);
             robot_dynamics::algorithms::mass_matrix(model, w, q, &mut by_x);
         } else {
-            robot_dynamics::derivatives::forward_dynamics_derivatives(
-                model, w, q, v, x, &mut by_q, &mut by_v, &mut by_x,
-            );
+            let out = robot_dynamics::derivatives::ForwardDynamicsDerivativesMut {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+                by_force: &mut by_x,
+            };
+            robot_dynamics::derivatives::forward_dynamics_derivatives(model, w, q, v, x, out);
         }
         let mut by_numbers = zeros(nv * nq);
         for (row, by_numbers) in by_q.chunks(nv).zip(by_numbers.chunks_mut(nq)) {

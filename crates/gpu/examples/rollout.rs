@@ -4,7 +4,6 @@
 //! `cargo run --release --package robot-dynamics-gpu --example rollout [ROBOT]`
 
 use std::error::Error;
-use std::ops::ControlFlow;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -12,7 +11,7 @@ use robot_dynamics::batch;
 use robot_dynamics::batch::BatchWorkspace;
 use robot_dynamics::model::random_state;
 use robot_dynamics::simulation::Integrator;
-use robot_dynamics_gpu::{Device, DeviceError, Function, Rollout, Torques};
+use robot_dynamics_gpu::{Device, DeviceError, Function, Rollout, RolloutStates, Torques};
 use robot_dynamics_number::SplitMix64;
 
 fn main() -> ExitCode {
@@ -51,7 +50,6 @@ fn run() -> Result<(), Box<dyn Error>> {
     let rollout = Rollout::new(Integrator::SemiImplicitEuler, 1e-3, 100);
     let (mut q_there, mut v_there): (Vec<f64>, Vec<f64>) =
         (q.iter().map(|&x| x.into()).collect(), v.iter().map(|&x| x.into()).collect());
-    let go_on = |_| ControlFlow::Continue(());
     let mut workspace = BatchWorkspace::<f64>::new(&model);
     let start = Instant::now();
     let torques = Torques::Zero;
@@ -60,14 +58,12 @@ fn run() -> Result<(), Box<dyn Error>> {
         &mut workspace,
         &rollout,
         torques,
-        &mut q_there,
-        &mut v_there,
-        (&mut [], &mut []),
-        &go_on,
+        batch::RolloutStates::ends(&mut q_there, &mut v_there),
+        None,
     )?;
     println!("on {} threads of the CPU, in doubles: {:.1?}", workspace.threads(), start.elapsed());
     let start = Instant::now();
-    arms.rollout(&rollout, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
+    arms.rollout(&rollout, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None)?;
     let took = start.elapsed();
     let steps = (count * rollout.steps) as f64 / took.as_secs_f64();
     println!("{count} states, {} steps each, in {took:.1?}: {steps:.2e} steps a second", rollout.steps);

@@ -7,7 +7,6 @@
 //! states stay on the device. Medians of five.
 
 use std::error::Error;
-use std::ops::ControlFlow;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -15,7 +14,7 @@ use robot_dynamics::batch;
 use robot_dynamics::batch::BatchWorkspace;
 use robot_dynamics::model::{Model, random_state};
 use robot_dynamics::simulation::Integrator;
-use robot_dynamics_gpu::{Batches, Device, DeviceFloat, Function, Rollout, Torques};
+use robot_dynamics_gpu::{Batches, Device, DeviceFloat, Function, Rollout, RolloutStates, Torques};
 use robot_dynamics_number::SplitMix64;
 
 /// Steps of a rollout on the device, and on the CPU, which is slower.
@@ -166,18 +165,24 @@ impl<T: DeviceFloat> Measurement<'_, T> {
         function: &Function,
         workspace: &mut BatchWorkspace<T>,
     ) -> Result<(), Box<dyn Error>> {
-        let go_on = |_| ControlFlow::Continue(());
         let [on_device, on_processor] = STEPS.map(|steps| Rollout::new(integrator, 1e-5, steps));
         let (mut batches, compiled) = self.compile(function)?;
         let device = median(|| {
             let (mut q, mut v) = (self.q.clone(), self.v.clone());
-            Ok(batches.rollout(&on_device, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?)
+            Ok(batches.rollout(&on_device, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None)?)
         })?;
         let processor = median(|| {
             let (mut q, mut v) = (self.q.clone(), self.v.clone());
-            let (none, zero) = ((&mut [][..], &mut [][..]), Torques::Zero);
+            let zero = Torques::Zero;
             let model = self.model;
-            Ok(batch::rollout(model, workspace, &on_processor, zero, &mut q, &mut v, none, &go_on)?)
+            Ok(batch::rollout(
+                model,
+                workspace,
+                &on_processor,
+                zero,
+                batch::RolloutStates::ends(&mut q, &mut v),
+                None,
+            )?)
         })?;
         self.print(&format!("steps of {integrator}"), compiled, [device, processor], STEPS);
         Ok(())

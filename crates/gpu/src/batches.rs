@@ -2,12 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use robot_dynamics::batch::{RolloutProgress, Torques};
+use robot_dynamics::batch::{RolloutObserver, RolloutStates, Torques};
 use robot_dynamics::derivatives::Rollout;
 use robot_dynamics_generate::Function;
 
 use crate::DeviceError;
-use crate::machine::{Engine, RolloutBuffers};
+use crate::machine::Engine;
 
 /// One robot's functions on one device, compiled by [`Device::compile`](crate::Device::compile).
 ///
@@ -103,20 +103,18 @@ impl<T> Batches<T> {
     /// and the final states.
     ///
     /// The robot's [`Function::SemiImplicitEulerStep`] or [`Function::Rk4Step`] must have been compiled.
-    /// `progress` is called at least every 64 steps of the states on the device. If it breaks, unfinished
-    /// states keep their initial values, and their trajectories are invalid.
+    /// `progress`, if it is given, is called at least every 64 steps of the states on the device. If it
+    /// breaks, unfinished states keep their initial values, and their trajectories are invalid.
     ///
     /// ```
     /// use robot_dynamics::simulation::Integrator;
     /// use robot_dynamics_gpu::{Device, Function, Rollout, Torques};
-    /// use std::ops::ControlFlow;
     /// # let model = robot_dynamics::model::Model::new(robot_dynamics::description::pendulum(2.0, 0.5))?;
     /// # let Ok(device) = Device::open() else { return Ok(()) }; // none here
     /// let mut pendulums = device.compile::<f32>(&model, &[Function::Rk4Step])?;
     /// let (mut q, mut v) = (vec![0.0; 10_000], vec![0.0; 10_000]);
     /// let how = Rollout::new(Integrator::RungeKutta4, 1e-3, 200);
-    /// let go_on = |_| ControlFlow::Continue(());
-    /// pendulums.rollout(&how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
+    /// pendulums.rollout(&how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None)?;
     /// // Energy is conserved: ½ l v² = g sin q.
     /// assert!(q.iter().zip(&v).all(|(q, v)| (0.25 * v * v - 9.81 * q.sin()).abs() < 1e-3));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -135,12 +133,10 @@ impl<T> Batches<T> {
         &mut self,
         rollout: &Rollout,
         torques: Torques<'_, T>,
-        q: &mut [T],
-        v: &mut [T],
-        trajectory: (&mut [T], &mut [T]),
-        progress: &(dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync),
+        states: RolloutStates<'_, T>,
+        progress: Option<RolloutObserver<'_>>,
     ) -> Result<(), DeviceError> {
-        self.engine.rollout(rollout, torques, RolloutBuffers { q, v, trajectory }, progress)
+        self.engine.rollout(rollout, torques, states, progress.unwrap_or(&|_| ControlFlow::Continue(())))
     }
 }
 

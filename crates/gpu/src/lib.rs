@@ -57,7 +57,9 @@ pub use device::Device;
 pub use error::DeviceError;
 pub use float::DeviceFloat;
 pub use limits::Limits;
-pub use robot_dynamics::batch::{BadStates, Rollout, RolloutError, RolloutProgress, Torques};
+pub use robot_dynamics::batch::{
+    BadStates, Rollout, RolloutError, RolloutObserver, RolloutProgress, RolloutStates, Torques,
+};
 pub use robot_dynamics_generate::Function;
 
 /// The examples of the README.

@@ -1,10 +1,9 @@
 //! One robot's functions on one device.
 
 use core::marker::PhantomData;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use robot_dynamics::batch::{BadStates, RolloutProgress, Torques};
+use robot_dynamics::batch::{BadStates, RolloutObserver, RolloutStates, Torques};
 use robot_dynamics::derivatives::Rollout;
 use robot_dynamics::model::Model;
 use robot_dynamics_generate::{Arithmetic, Function, Request, Table, generate};
@@ -12,16 +11,6 @@ use robot_dynamics_generate::{Arithmetic, Function, Request, Table, generate};
 use crate::backend::{Backend, Command, Tables};
 use crate::robot::{Robot, mark_not_finite, marked_states};
 use crate::{DeviceError, DeviceFloat};
-
-/// The buffers of a rollout: q and v, initial and final, and their trajectories.
-pub(crate) struct RolloutBuffers<'a, T> {
-    pub(crate) q: &'a mut [T],
-    pub(crate) v: &'a mut [T],
-    pub(crate) trajectory: (&'a mut [T], &'a mut [T]),
-}
-
-/// The progress callback, called after each chunk of steps.
-pub(crate) type Progress<'a> = &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync);
 
 /// The interface of batches, for any device.
 pub(crate) trait Engine<T>: Send {
@@ -38,8 +27,8 @@ pub(crate) trait Engine<T>: Send {
         &mut self,
         rollout: &Rollout,
         torques: Torques<'_, T>,
-        buffers: RolloutBuffers<'_, T>,
-        progress: Progress<'_>,
+        buffers: RolloutStates<'_, T>,
+        progress: RolloutObserver<'_>,
     ) -> Result<(), DeviceError>;
 }
 
@@ -197,8 +186,8 @@ impl<B: Backend, T: DeviceFloat> Engine<T> for Machine<B, T> {
         &mut self,
         rollout: &Rollout,
         torques: Torques<'_, T>,
-        buffers: RolloutBuffers<'_, T>,
-        progress: Progress<'_>,
+        buffers: RolloutStates<'_, T>,
+        progress: RolloutObserver<'_>,
     ) -> Result<(), DeviceError> {
         self.roll_out(rollout, torques, buffers, progress)
     }

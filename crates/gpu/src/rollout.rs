@@ -1,13 +1,15 @@
 //! Rollouts: the states stay on the device from step to step.
 
 use robot_dynamics::InvalidInput;
-use robot_dynamics::batch::{BadStates, RolloutError, RolloutProgress, Torques};
+use robot_dynamics::batch::{
+    BadStates, RolloutError, RolloutObserver, RolloutProgress, RolloutStates, Torques,
+};
 use robot_dynamics::derivatives::Rollout;
 use robot_dynamics::simulation::Integrator;
 use robot_dynamics_generate::Function;
 
 use crate::backend::{Backend, Command};
-use crate::machine::{Machine, Progress, RolloutBuffers, check_table};
+use crate::machine::{Machine, check_table};
 use crate::robot::{mark_not_finite, marked_states};
 use crate::{DeviceError, DeviceFloat};
 
@@ -62,8 +64,8 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
         &mut self,
         rollout: &Rollout,
         torques: Torques<'_, T>,
-        buffers: RolloutBuffers<'_, T>,
-        progress: Progress<'_>,
+        buffers: RolloutStates<'_, T>,
+        progress: RolloutObserver<'_>,
     ) -> Result<(), DeviceError> {
         let (h, function) = Self::check_rollout(rollout)?;
         let at = self.find(&function)?;
@@ -121,13 +123,13 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
         &self,
         at: usize,
         plan: &RolloutPlan<'_, T>,
-        buffers: RolloutBuffers<'_, T>,
+        buffers: RolloutStates<'_, T>,
         batch: usize,
-        progress: Progress<'_>,
+        progress: RolloutObserver<'_>,
         bad: &mut Vec<usize>,
     ) -> Result<(), DeviceError> {
         let (nq, nv) = (self.robot.nq, self.robot.nv);
-        let RolloutBuffers { q, v, trajectory: (q_trajectory, v_trajectory) } = buffers;
+        let RolloutStates { q, v, q_trajectory, v_trajectory } = buffers;
         let (most, samples) = (plan.most, plan.rollout.samples());
         let total = batch as u64 * plan.rollout.steps as u64;
         let (mut done, mut is_cancelled) = (0, false);
@@ -167,15 +169,15 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
         &self,
         rollout: &Rollout,
         torques: Torques<'_, T>,
-        buffers: &RolloutBuffers<'_, T>,
+        buffers: &RolloutStates<'_, T>,
     ) -> Result<usize, DeviceError> {
         let (nq, nv) = (self.robot.nq, self.robot.nv);
         let len = buffers.q.len();
         assert!(len.is_multiple_of(nq), "q has {len} numbers, not a multiple of nq = {nq}");
         let batch = len / nq;
         check_table("v", buffers.v.len(), batch, nv);
-        check_table("the trajectory of q", buffers.trajectory.0.len(), batch, rollout.samples() * nq);
-        check_table("the trajectory of v", buffers.trajectory.1.len(), batch, rollout.samples() * nv);
+        check_table("the trajectory of q", buffers.q_trajectory.len(), batch, rollout.samples() * nq);
+        check_table("the trajectory of v", buffers.v_trajectory.len(), batch, rollout.samples() * nv);
         match torques {
             Torques::Zero => {}
             Torques::Held(tau) => check_table("tau", tau.len(), batch, nv),

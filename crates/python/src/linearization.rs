@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::derivatives::{linearize_by_differences, linearize_step};
+use robot_dynamics::derivatives::{LinearizedStep, RobotState, linearize_by_differences, linearize_step};
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{StepForces, StepWorkspace, Stepper};
 
@@ -47,7 +47,8 @@ impl Robot {
         match stepper.row() {
             Some(row) => self.scratch.with(model, |scratch| {
                 let workspace = scratch.linearized(model);
-                linearize_step(model, row, workspace, &forces, h, &q, &v, by_state, by_force)
+                let out = LinearizedStep { by_state, by_force };
+                linearize_step(model, row, workspace, &forces, h, RobotState { q: &q, v: &v }, out)
                     .map_err(|error| Class::Simulation.error(py, error))
             }),
             None => by_differences(py, model, stepper, &forces, h, (&q, &v), (by_state, by_force)),
@@ -70,6 +71,7 @@ fn by_differences<S: Stepper + Clone>(
     let workspace = &mut StepWorkspace::new(model);
     let refused = |error: S::Error| Class::Simulation.error(py, error);
     stepper.step(model, workspace, forces, h, &mut q.to_vec(), &mut v.to_vec()).map_err(refused)?;
-    linearize_by_differences(model, &stepper, workspace, forces, h, q, v, by_state, by_force)
+    let out = LinearizedStep { by_state, by_force };
+    linearize_by_differences(model, &stepper, workspace, forces, h, RobotState { q, v }, out)
         .map_err(|error| Class::Simulation.error(py, error))
 }

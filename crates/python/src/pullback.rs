@@ -2,7 +2,8 @@
 
 use robot_dynamics::batch::{self, BadStates, BatchWorkspace};
 use robot_dynamics::derivatives::{
-    forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback_with_parameters,
+    ForwardPullbackMut, InversePullbackMut, forward_dynamics_pullback_with_parameters,
+    inverse_dynamics_pullback_with_parameters,
 };
 use robot_dynamics::model::{Model, Workspace};
 
@@ -37,27 +38,23 @@ impl Pullback {
                 third,
                 &[],
                 cotangent,
-                by_q,
-                by_v,
-                by_third,
-                by_parameters,
+                InversePullbackMut {
+                    by_position: by_q,
+                    by_velocity: by_v,
+                    by_acceleration: by_third,
+                    parameters: by_parameters,
+                },
             ),
             Self::ForwardDynamics => {
                 let a = &mut vec![0.0; model.nv()];
-                forward_dynamics_pullback_with_parameters(
-                    model,
-                    workspace,
-                    q,
-                    v,
-                    third,
-                    &[],
-                    cotangent,
-                    a,
-                    by_q,
-                    by_v,
-                    by_third,
-                    by_parameters,
-                );
+                let out = ForwardPullbackMut {
+                    acceleration: a,
+                    by_position: by_q,
+                    by_velocity: by_v,
+                    by_force: by_third,
+                    parameters: by_parameters,
+                };
+                forward_dynamics_pullback_with_parameters(model, workspace, q, v, third, &[], cotangent, out);
             }
         }
     }
@@ -79,26 +76,23 @@ impl Pullback {
                 v,
                 third,
                 cotangent,
-                by_q,
-                by_v,
-                by_third,
-                by_parameters,
+                batch::InversePullbackMut {
+                    by_position: by_q,
+                    by_velocity: by_v,
+                    by_acceleration: by_third,
+                    parameters: by_parameters,
+                },
             ),
             Self::ForwardDynamics => {
                 let a = &mut vec![T::of(0.0); third.len()];
-                batch::forward_dynamics_pullback(
-                    model,
-                    w,
-                    q,
-                    v,
-                    third,
-                    cotangent,
-                    a,
-                    by_q,
-                    by_v,
-                    by_third,
-                    by_parameters,
-                )
+                let out = batch::ForwardPullbackMut {
+                    acceleration: a,
+                    by_position: by_q,
+                    by_velocity: by_v,
+                    by_force: by_third,
+                    parameters: by_parameters,
+                };
+                batch::forward_dynamics_pullback(model, w, q, v, third, cotangent, out)
             }
         }
     }

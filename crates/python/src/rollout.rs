@@ -5,7 +5,9 @@ use std::collections::HashMap;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::batch::{self, Rollout, RolloutError, StepperRollout, rollout, rollout_by_stepper};
+use robot_dynamics::batch::{
+    self, Rollout, RolloutError, RolloutStates, StepperRollout, rollout, rollout_by_stepper,
+};
 use robot_dynamics::simulation::{Integrator, RunOptions, Simulation, Stepper};
 
 use crate::errors::Class;
@@ -174,7 +176,8 @@ impl<'py> Call<'_, 'py> {
             .with_dissipation(self.how.dissipation)
             .with_stride(self.how.stride);
         let outcome = interruptible(self.py, work <= FEW_STEPS, |cancelled| {
-            rollout(model, workspace, &how, torques, q, v, (q_trajectory, v_trajectory), &until(cancelled))
+            let states = RolloutStates { q, v, q_trajectory, v_trajectory };
+            rollout(model, workspace, &how, torques, states, Some(&until(cancelled)))
         });
         T::batches(self.robot).give(memory);
         self.bad(outcome?)
@@ -199,7 +202,8 @@ impl<'py> Call<'_, 'py> {
         // A step with contacts takes a hundred times as long as one without.
         let outcome = interruptible(self.py, work <= FEW_STEPS / 100, |cancelled| {
             let trajectory = (q_trajectory, v_trajectory);
-            rollout_by_stepper(model, workspace, &how, torques, q, v, trajectory, &until(cancelled))
+            let states = RolloutStates { q, v, q_trajectory: trajectory.0, v_trajectory: trajectory.1 };
+            rollout_by_stepper(model, workspace, &how, torques, states, Some(&until(cancelled)))
         });
         f64::batches(self.robot).give(memory);
         self.bad(outcome?)

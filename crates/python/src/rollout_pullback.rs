@@ -5,7 +5,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::batch::{self, Rollout, RolloutError, Torques};
 use robot_dynamics::derivatives::{
-    PullbackError, RolloutPullbackWorkspace, parameter_count, rollout_pullback,
+    MotionCotangents, PullbackError, RobotState, RolloutPullbackWorkspace, TrajectoryCotangents,
+    parameter_count, rollout_pullback,
 };
 use robot_dynamics::simulation::{Effect, Integrator, Method};
 
@@ -220,18 +221,16 @@ impl<'py> Call<'_, 'py> {
         let [by_q, by_v, by_tau, parameters] = &mut results;
         let how = &self.how;
         let workspace = &mut RolloutPullbackWorkspace::new(model, how, self.spacing);
+        let cotangents =
+            MotionCotangents { by_position: by_q, by_velocity: by_v, by_force: by_tau, parameters };
         let computed = rollout_pullback(
             model,
             how,
             workspace,
+            RobotState { q: &q, v: &v },
             &tau,
-            &q,
-            &v,
-            (&trajectory.0, &trajectory.1),
-            by_q,
-            by_v,
-            by_tau,
-            parameters,
+            TrajectoryCotangents { by_position: &trajectory.0, by_velocity: &trajectory.1 },
+            cotangents,
         );
         computed.map_err(|error| match error {
             PullbackError::SingularMass(error) => Class::SingularMass.error(self.py, error),
@@ -261,20 +260,19 @@ impl<'py> Call<'_, 'py> {
         let mut memory = T::batches(self.robot).take(model, threads)?;
         let workspace = &mut memory.workspace;
         let outcome = interruptible(self.py, work <= FEW_STEPS, |cancelled| {
-            batch::rollout_pullback(
-                model,
-                workspace,
-                how,
+            let inputs = batch::RolloutPullbackInputs {
                 spacing,
                 torques,
                 q,
                 v,
-                trajectory,
-                (by_position, by_velocity),
-                by_force,
-                by_parameters,
-                &until(cancelled),
-            )
+                trajectory: batch::TrajectoryCotangents {
+                    by_position: trajectory.0,
+                    by_velocity: trajectory.1,
+                },
+            };
+            let cotangents =
+                batch::MotionCotangents { by_position, by_velocity, by_force, parameters: by_parameters };
+            batch::rollout_pullback(model, workspace, how, &inputs, cotangents, Some(&until(cancelled)))
         });
         T::batches(self.robot).give(memory);
         match outcome? {

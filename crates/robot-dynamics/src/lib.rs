@@ -112,7 +112,8 @@ pub mod algorithms {
 /// Derivatives of the recursions and of steps, and gradients pulled back through them.
 pub mod derivatives {
     pub use robot_dynamics_core::{
-        ForwardDynamicsDerivatives, ForwardPullback, InverseDynamicsDerivatives, InversePullback,
+        ForwardDynamicsDerivatives, ForwardDynamicsDerivativesMut, ForwardPullback, ForwardPullbackMut,
+        InverseDynamicsDerivatives, InverseDynamicsDerivativesMut, InversePullback, InversePullbackMut,
         PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError,
         center_of_mass_velocity_derivative, dissipation_pullback, forward_dynamics_derivatives,
         forward_dynamics_derivatives_with_wrenches, forward_dynamics_pullback,
@@ -122,9 +123,9 @@ pub mod derivatives {
         parameter_values, with_parameters,
     };
     pub use robot_dynamics_simulation::{
-        DifferenceError, LinearizeStepError, LinearizeStepWorkspace, PullbackError, Rollout,
-        RolloutPullbackWorkspace, StepPullbackWorkspace, linearize_by_differences, linearize_step,
-        rollout_pullback, step_pullback,
+        DifferenceError, LinearizeStepError, LinearizeStepWorkspace, LinearizedStep, MotionCotangents,
+        PullbackError, RobotState, Rollout, RolloutPullbackWorkspace, StepPullbackWorkspace,
+        TrajectoryCotangents, linearize_by_differences, linearize_step, rollout_pullback, step_pullback,
     };
 }
 

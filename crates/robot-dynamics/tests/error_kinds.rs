@@ -133,7 +133,7 @@ fn errors_of_simulations() {
     let mut simulation = robot_dynamics::simulation(&model).build().expect("a simulation");
     simulation.set_torques(&[f64::NAN]);
     let failure: Box<RunFailure<MethodError>> = simulation
-        .run_from(&[f64::NAN], &[0.0], 1, robot_dynamics::simulation::RunOptions::new())
+        .run_steps_from(&[f64::NAN], &[0.0], 1, robot_dynamics::simulation::RunOptions::new())
         .unwrap_err();
     check(*failure, InvalidInput);
 }

@@ -3,7 +3,6 @@
 #![cfg(all(feature = "native", feature = "batch"))]
 #![allow(missing_docs)]
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use robot_dynamics::algorithms::{
@@ -14,9 +13,10 @@ use robot_dynamics::algorithms::{
 };
 use robot_dynamics::batch::{self, BatchFloat, BatchOptions, BatchWorkspace, Rollout, Torques};
 use robot_dynamics::derivatives::{
-    LinearizeStepWorkspace, StepPullbackWorkspace, forward_dynamics_pullback,
-    forward_dynamics_pullback_with_parameters, gravity_derivative, inverse_dynamics_pullback,
-    inverse_dynamics_pullback_with_parameters, linearize_step, parameter_count, step_pullback,
+    ForwardPullbackMut, InversePullbackMut, LinearizeStepWorkspace, LinearizedStep, MotionCotangents,
+    RobotState, StepPullbackWorkspace, forward_dynamics_pullback, forward_dynamics_pullback_with_parameters,
+    gravity_derivative, inverse_dynamics_pullback, inverse_dynamics_pullback_with_parameters, linearize_step,
+    parameter_count, step_pullback,
 };
 use robot_dynamics::description::{
     Base, FrameDescription, JointKinds, Pose, RandomRobotOptions, random_robot,
@@ -47,7 +47,13 @@ fn compute(model: &Model, RandomState { q, v, a, tau }: &RandomState) -> Results
     plain.push(vec![kinetic_energy(model, w, q, v)]);
     plain.push(vec![potential_energy(model, w, q)]);
     let [mut x, mut y, mut z] = [(); 3].map(|()| vector.clone());
-    inverse_dynamics_pullback(model, w, q, v, a, tau, &mut x, &mut y, &mut z);
+    let out = InversePullbackMut {
+        by_position: &mut x,
+        by_velocity: &mut y,
+        by_acceleration: &mut z,
+        parameters: &mut [],
+    };
+    inverse_dynamics_pullback(model, w, q, v, a, tau, out);
     plain.extend([x, y, z, vec![0.0; 6 * nv], matrix.clone()]);
     centroidal_momentum_matrix(model, w, q, &mut plain[12]);
     gravity_derivative(model, w, q, &mut plain[13]);
@@ -187,15 +193,28 @@ fn compute_batches<T: BatchFloat>(model: &Model, tables: &[Vec<T>; 4], options: 
     batch::mass_matrix(model, w, q, mass).expect("good states");
     batch::mass_matrix_related(model, w, q, entries).expect("good states");
     let (mut by_q, mut by_v) = (zeros(nv * nv), zeros(nv * nv));
-    batch::inverse_dynamics_derivatives(model, w, q, v, a, &mut by_q, &mut by_v).expect("good states");
+    let out = batch::InverseDynamicsDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v };
+    batch::inverse_dynamics_derivatives(model, w, q, v, a, out).expect("good states");
     results.extend([by_q, by_v]);
     let [mut x, mut y, mut z] = [(); 3].map(|()| zeros(nv));
-    let done = batch::inverse_dynamics_pullback(model, w, q, v, a, tau, &mut x, &mut y, &mut z, &mut []);
+    let out = batch::InversePullbackMut {
+        by_position: &mut x,
+        by_velocity: &mut y,
+        by_acceleration: &mut z,
+        parameters: &mut [],
+    };
+    let done = batch::inverse_dynamics_pullback(model, w, q, v, a, tau, out);
     done.expect("good states");
     results.extend([x, y, z]);
     let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| zeros(nv));
-    let done =
-        batch::forward_dynamics_pullback(model, w, q, v, tau, a, &mut r, &mut x, &mut y, &mut z, &mut []);
+    let out = batch::ForwardPullbackMut {
+        acceleration: &mut r,
+        by_position: &mut x,
+        by_velocity: &mut y,
+        by_force: &mut z,
+        parameters: &mut [],
+    };
+    let done = batch::forward_dynamics_pullback(model, w, q, v, tau, a, out);
     done.expect("good states");
     results.extend([r, x, y, z]);
     results
@@ -240,13 +259,26 @@ fn batches_have_the_bits_of_single_calls_whatever_the_threads() {
             let torque = row(&tables[3], nv);
             let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| vec![0.0; nv]);
             if is_compiled("inverse_dynamics_pullback") || state == 0 {
-                inverse_dynamics_pullback(&model, w, &q, &v, &a, &torque, &mut x, &mut y, &mut z);
+                let out = InversePullbackMut {
+                    by_position: &mut x,
+                    by_velocity: &mut y,
+                    by_acceleration: &mut z,
+                    parameters: &mut [],
+                };
+                inverse_dynamics_pullback(&model, w, &q, &v, &a, &torque, out);
             }
             let rows = [7, 8, 9].map(|table| row(&found[table], nv));
             let is_same = [&x, &y, &z].into_iter().eq(&rows);
             assert!(!is_compiled("inverse_dynamics_pullback") || is_same, "{name}, state {state}");
             if is_compiled("forward_dynamics_pullback") || state == 0 {
-                forward_dynamics_pullback(&model, w, &q, &v, &torque, &a, &mut r, &mut x, &mut y, &mut z);
+                let out = ForwardPullbackMut {
+                    acceleration: &mut r,
+                    by_position: &mut x,
+                    by_velocity: &mut y,
+                    by_force: &mut z,
+                    parameters: &mut [],
+                };
+                forward_dynamics_pullback(&model, w, &q, &v, &torque, &a, out);
             }
             let rows = [10, 11, 12, 13].map(|table| row(&found[table], nv));
             let is_same = [&r, &x, &y, &z].into_iter().eq(&rows);
@@ -329,9 +361,22 @@ fn pullbacks_of_bad_states_and_far_angles_are_those_of_the_recursions() {
         let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| vec![0.0; count * nv]);
         let l = &cotangent;
         let bad = if is_forward {
-            batch::forward_dynamics_pullback(model, w, &q, &v, &a, l, &mut r, &mut x, &mut y, &mut z, &mut [])
+            let out = batch::ForwardPullbackMut {
+                acceleration: &mut r,
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_force: &mut z,
+                parameters: &mut [],
+            };
+            batch::forward_dynamics_pullback(model, w, &q, &v, &a, l, out)
         } else {
-            batch::inverse_dynamics_pullback(model, w, &q, &v, &a, l, &mut x, &mut y, &mut z, &mut [])
+            let out = batch::InversePullbackMut {
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_acceleration: &mut z,
+                parameters: &mut [],
+            };
+            batch::inverse_dynamics_pullback(model, w, &q, &v, &a, l, out)
         };
         (bad.expect_err("bad states"), [x, y, z, r])
     };
@@ -340,9 +385,22 @@ fn pullbacks_of_bad_states_and_far_angles_are_those_of_the_recursions() {
         let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| vec![0.0; nv]);
         let (q, v, a, l) = (&q[far.clone()], &v[far.clone()], &a[far.clone()], &cotangent[far.clone()]);
         if is_forward {
-            forward_dynamics_pullback(model, w, q, v, a, l, &mut r, &mut x, &mut y, &mut z);
+            let out = ForwardPullbackMut {
+                acceleration: &mut r,
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_force: &mut z,
+                parameters: &mut [],
+            };
+            forward_dynamics_pullback(model, w, q, v, a, l, out);
         } else {
-            inverse_dynamics_pullback(model, w, q, v, a, l, &mut x, &mut y, &mut z);
+            let out = InversePullbackMut {
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_acceleration: &mut z,
+                parameters: &mut [],
+            };
+            inverse_dynamics_pullback(model, w, q, v, a, l, out);
         }
         [x, y, z, r]
     };
@@ -370,34 +428,22 @@ fn pullbacks_with_parameters_have_the_bits_of_the_recursions() {
         let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| vec![0.0; nv]);
         let [mut of_inverse, mut of_forward] = [(); 2].map(|()| vec![0.0; parameter_count(model)]);
         let w = &mut Workspace::new(model);
-        inverse_dynamics_pullback_with_parameters(
-            model,
-            w,
-            &q,
-            &v,
-            &a,
-            &[],
-            &tau,
-            &mut x,
-            &mut y,
-            &mut z,
-            &mut of_inverse,
-        );
+        let out = InversePullbackMut {
+            by_position: &mut x,
+            by_velocity: &mut y,
+            by_acceleration: &mut z,
+            parameters: &mut of_inverse,
+        };
+        inverse_dynamics_pullback_with_parameters(model, w, &q, &v, &a, &[], &tau, out);
         let mut results = vec![x.clone(), y.clone(), z.clone(), of_inverse];
-        forward_dynamics_pullback_with_parameters(
-            model,
-            w,
-            &q,
-            &v,
-            &tau,
-            &[],
-            &a,
-            &mut r,
-            &mut x,
-            &mut y,
-            &mut z,
-            &mut of_forward,
-        );
+        let out = ForwardPullbackMut {
+            acceleration: &mut r,
+            by_position: &mut x,
+            by_velocity: &mut y,
+            by_force: &mut z,
+            parameters: &mut of_forward,
+        };
+        forward_dynamics_pullback_with_parameters(model, w, &q, &v, &tau, &[], &a, out);
         results.extend([r, x, y, z, of_forward]);
         results
     };
@@ -422,9 +468,14 @@ fn rollouts_by_one_kernel_a_step_are_those_of_the_recursions() {
                 let (mut q, mut v) = (q.clone(), v.clone());
                 let mut samples = (vec![0.0; 2 * q.len()], vec![0.0; 2 * v.len()]);
                 let (w, torques) = (&mut BatchWorkspace::new(model), Torques::Held(&tau));
-                let go_on = |_| ControlFlow::Continue(());
                 let trajectory = (&mut samples.0[..], &mut samples.1[..]);
-                let ended = batch::rollout(model, w, &how, torques, &mut q, &mut v, trajectory, &go_on);
+                let states = batch::RolloutStates {
+                    q: &mut q,
+                    v: &mut v,
+                    q_trajectory: trajectory.0,
+                    v_trajectory: trajectory.1,
+                };
+                let ended = batch::rollout(model, w, &how, torques, states, None);
                 ended.map(|()| [q, v, samples.0, samples.1])
             };
             let (Ok(found), Ok(expected)) = (run(&model), run(&model.clone().with_native(false))) else {
@@ -457,17 +508,30 @@ fn derivatives_and_pullbacks_are_those_of_the_recursions() {
         let compute = |model: &Model| {
             let (w, zeros) = (&mut Workspace::new(model), || vec![0.0; nv]);
             let (mut one, mut two, mut three, mut four) = (zeros(), zeros(), zeros(), zeros());
-            forward_dynamics_pullback(model, w, q, v, tau, a, &mut one, &mut two, &mut three, &mut four);
+            let out = ForwardPullbackMut {
+                acceleration: &mut one,
+                by_position: &mut two,
+                by_velocity: &mut three,
+                by_force: &mut four,
+                parameters: &mut [],
+            };
+            forward_dynamics_pullback(model, w, q, v, tau, a, out);
             let mut results = vec![one, two, three, four];
             let step = &mut LinearizeStepWorkspace::new(model);
             let (mut by_state, mut by_force) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
             let (row, forces) = (Integrator::RungeKutta4, StepForces::new(tau, true));
-            linearize_step(model, row, step, &forces, 1e-4, q, v, &mut by_state, &mut by_force)
-                .expect("M is regular");
+            let out = LinearizedStep { by_state: &mut by_state, by_force: &mut by_force };
+            linearize_step(model, row, step, &forces, 1e-4, RobotState { q, v }, out).expect("M is regular");
             results.extend([by_state, by_force]);
             let (mut by_q, mut by_v, mut by_tau) = (a.clone(), v.clone(), zeros());
             let step = &mut StepPullbackWorkspace::new(model);
-            step_pullback(model, row, step, &forces, 1e-4, q, v, &mut by_q, &mut by_v, &mut by_tau, &mut [])
+            let cotangents = MotionCotangents {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+                by_force: &mut by_tau,
+                parameters: &mut [],
+            };
+            step_pullback(model, row, step, &forces, 1e-4, RobotState { q, v }, cotangents)
                 .expect("M is regular");
             results.extend([by_q, by_v, by_tau]);
             results
@@ -499,27 +563,27 @@ fn pull_rollouts_back(
     [q, v, by_q, by_v]: [&[f64]; 4],
     forces: usize,
 ) -> (Result<(), batch::RolloutError>, [Vec<f64>; 3]) {
-    let (w, go_on) = (&mut BatchWorkspace::new(model), |_| ControlFlow::Continue(()));
+    let w = &mut BatchWorkspace::new(model);
     let (mut by_q, mut by_v, mut by_force) = (by_q.to_vec(), by_v.to_vec(), vec![0.0; forces]);
     let ends = (&mut by_q[..], &mut by_v[..]);
     // The same cotangent for each intermediate state.
     let row: Vec<f64> = (0..model.nv()).map(|k| 0.3 - 0.1 * k as f64).collect();
     let trajectory = row.repeat(v.len() / model.nv() * how.samples());
     let trajectory = (&trajectory[..], &trajectory[..]);
-    let done = batch::rollout_pullback(
-        model,
-        w,
-        how,
-        3,
+    let inputs = batch::RolloutPullbackInputs {
+        spacing: 3,
         torques,
         q,
         v,
-        trajectory,
-        ends,
-        &mut by_force,
-        &mut [],
-        &go_on,
-    );
+        trajectory: batch::TrajectoryCotangents { by_position: trajectory.0, by_velocity: trajectory.1 },
+    };
+    let cotangents = batch::MotionCotangents {
+        by_position: ends.0,
+        by_velocity: ends.1,
+        by_force: &mut by_force,
+        parameters: &mut [],
+    };
+    let done = batch::rollout_pullback(model, w, how, &inputs, cotangents, None);
     (done, [by_q, by_v, by_force])
 }
 
@@ -591,20 +655,14 @@ fn the_pullback_of_a_step_has_the_bits_of_a_rollout_of_one() {
                 let (q, own_v) = (&q[state * nq..(state + 1) * nq], &v[rows.clone()]);
                 let (mut by_q, mut by_v, mut by_tau) =
                     (a[rows.clone()].to_vec(), own_v.to_vec(), vec![0.0; nv]);
-                step_pullback(
-                    &model,
-                    integrator,
-                    w,
-                    &forces,
-                    1e-3,
-                    q,
-                    own_v,
-                    &mut by_q,
-                    &mut by_v,
-                    &mut by_tau,
-                    &mut [],
-                )
-                .expect("a good state");
+                let cotangents = MotionCotangents {
+                    by_position: &mut by_q,
+                    by_velocity: &mut by_v,
+                    by_force: &mut by_tau,
+                    parameters: &mut [],
+                };
+                step_pullback(&model, integrator, w, &forces, 1e-3, RobotState { q, v: own_v }, cotangents)
+                    .expect("a good state");
                 let report = model.native();
                 let is_step = |used: &&robot_dynamics::model::NativeUse| {
                     used.function.name() == format!("{}_step_pullback", name_of(integrator))
@@ -730,7 +788,21 @@ fn threads_may_call_while_others_compile() {
             match function {
                 0 => inverse_dynamics(&model, w, q, v, a, &mut r),
                 1 => forward_dynamics(&model, w, q, v, tau, &mut r),
-                2 => forward_dynamics_pullback(&model, w, q, v, tau, a, &mut r, &mut x, &mut y, &mut z),
+                2 => forward_dynamics_pullback(
+                    &model,
+                    w,
+                    q,
+                    v,
+                    tau,
+                    a,
+                    ForwardPullbackMut {
+                        acceleration: &mut r,
+                        by_position: &mut x,
+                        by_velocity: &mut y,
+                        by_force: &mut z,
+                        parameters: &mut [],
+                    },
+                ),
                 3 => {
                     r = vec![0.0; nv * nv];
                     mass_matrix(&model, w, q, &mut r);

@@ -5,7 +5,9 @@
 use robot_dynamics::algorithms::{
     bias, forward_dynamics, gravity, inverse_dynamics, kinetic_energy, momentum,
 };
-use robot_dynamics::derivatives::{forward_dynamics_pullback, inverse_dynamics_pullback};
+use robot_dynamics::derivatives::{
+    ForwardPullbackMut, InversePullbackMut, forward_dynamics_pullback, inverse_dynamics_pullback,
+};
 use robot_dynamics::description::{
     JointDescription, JointKind, LinkDescription, MassProperties, Pose, RobotDescription,
 };
@@ -59,7 +61,13 @@ fn a_star_of_pendulums_has_their_equations() {
     inverse_dynamics(&model, w, &q, &v, &a, &mut tau);
     forward_dynamics(&model, w, &q, &v, &tau, &mut acceleration);
     let [mut by_q, mut by_v, mut by_a] = [zeros(), zeros(), zeros()];
-    inverse_dynamics_pullback(&model, w, &q, &v, &a, &v, &mut by_q, &mut by_v, &mut by_a);
+    let out = InversePullbackMut {
+        by_position: &mut by_q,
+        by_velocity: &mut by_v,
+        by_acceleration: &mut by_a,
+        parameters: &mut [],
+    };
+    inverse_dynamics_pullback(&model, w, &q, &v, &a, &v, out);
     for k in 0..JOINTS {
         assert!((tau[k] - (inertia * a[k] - weight * q[k].cos())).abs() < 1e-12 * weight);
         assert!((acceleration[k] - a[k]).abs() < 1e-12 * weight / inertia);
@@ -109,14 +117,28 @@ fn a_bush_is_accelerated_as_its_forces_say() {
     let (mut tau, mut found) = (zeros(), zeros());
     inverse_dynamics(&model, w, &q, &v, &a, &mut tau);
     let [mut x, mut y, mut by_force] = [zeros(), zeros(), zeros()];
-    forward_dynamics_pullback(&model, w, &q, &v, &tau, &weights, &mut found, &mut x, &mut y, &mut by_force);
+    let out = ForwardPullbackMut {
+        acceleration: &mut found,
+        by_position: &mut x,
+        by_velocity: &mut y,
+        by_force: &mut by_force,
+        parameters: &mut [],
+    };
+    forward_dynamics_pullback(&model, w, &q, &v, &tau, &weights, out);
     // The subtree masses differ by the ratio of the tree's size to a leaf: κ(M) is about 10⁸.
     let off = found.iter().zip(&a).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
     assert!(off < 1e8 * f64::EPSILON, "{off:e}");
     let mut other = zeros();
     let cotangent = table(113);
     let mut by_other = zeros();
-    forward_dynamics_pullback(&model, w, &q, &v, &tau, &cotangent, &mut other, &mut x, &mut y, &mut by_other);
+    let out = ForwardPullbackMut {
+        acceleration: &mut other,
+        by_position: &mut x,
+        by_velocity: &mut y,
+        by_force: &mut by_other,
+        parameters: &mut [],
+    };
+    forward_dynamics_pullback(&model, w, &q, &v, &tau, &cotangent, out);
     assert_eq!(found, other);
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
     let scale = dot(&cotangent, &cotangent).sqrt() * dot(&by_force, &by_force).sqrt();

@@ -3,11 +3,12 @@
 #![cfg(all(feature = "native", feature = "batch"))]
 #![allow(missing_docs)]
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
-use robot_dynamics::batch::{BatchWorkspace, Rollout, SimulationBatch, Threads, Torques, rollout};
+use robot_dynamics::batch::{
+    BatchWorkspace, Rollout, RolloutStates, SimulationBatch, Threads, Torques, rollout,
+};
 use robot_dynamics::description::{Base, JointKinds, RandomRobotOptions, pendulum, random_robot};
 use robot_dynamics::model::{Model, random_state};
 use robot_dynamics::number::SplitMix64;
@@ -139,8 +140,7 @@ fn a_step_alone_has_the_bits_of_a_rollout_and_of_a_simulation() {
         steps.dissipation = one.dissipates();
         let torques = Torques::Held(&tau);
         let w = &mut BatchWorkspace::<f64>::new(model);
-        let go_on = |_| ControlFlow::Continue(());
-        rollout(model, w, &steps, torques, &mut q_of_rows, &mut v_of_rows, (&mut [], &mut []), &go_on)
+        rollout(model, w, &steps, torques, RolloutStates::ends(&mut q_of_rows, &mut v_of_rows), None)
             .expect("a good rollout");
         assert_eq!((q_of_rows, v_of_rows), (q, v), "{}, {row:?}", model.name());
     }

@@ -37,15 +37,18 @@ pub use contact::{
     ActiveSet, ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet,
     ContactViolation, Ground, HeightField, SoftConstraints, SoftContact,
 };
+pub use motion::RobotState;
 pub use motion::implicit::Implicit;
 pub use motion::integrate::step_stages::step_stages;
 pub use motion::integrate::{StepForces, StepStagesWorkspace, StepWorkspace, step};
 pub use motion::linearize_step::{
-    DifferenceError, LinearizeStepError, LinearizeStepWorkspace, linearize_by_differences, linearize_step,
+    DifferenceError, LinearizeStepError, LinearizeStepWorkspace, LinearizedStep, linearize_by_differences,
+    linearize_step,
 };
 pub use motion::mujoco_euler::MujocoEuler;
 pub use motion::pullback::{
-    PullbackError, Rollout, RolloutPullbackWorkspace, StepPullbackWorkspace, rollout_pullback, step_pullback,
+    MotionCotangents, PullbackError, Rollout, RolloutPullbackWorkspace, StepPullbackWorkspace,
+    TrajectoryCotangents, rollout_pullback, step_pullback,
 };
 pub use motion::simulate::{
     ActuatedStepError, CallbackError, ConstantTorque, Controller, ControllerError, DivergenceCause, Event,

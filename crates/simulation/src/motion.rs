@@ -15,3 +15,6 @@ pub mod linearize_step;
 pub(crate) mod mujoco_euler;
 pub mod pullback;
 pub mod simulate;
+mod state;
+
+pub use state::RobotState;

@@ -10,7 +10,6 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
-use std::ops::ControlFlow;
 
 use common::{Robot, chain, families};
 use nalgebra::{Matrix3, Vector3};
@@ -145,12 +144,21 @@ fn machine_code_allocates_in_first_call_only() {
         let (mut options, zeros) = (BatchOptions::default(), vec![0.0; model.nv()]);
         let [mut r, mut x, mut y, mut z] = [(); 4].map(|()| zeros.clone());
         let mut call = || {
-            robot_dynamics::derivatives::inverse_dynamics_pullback(
-                model, &mut w, q, v, a, tau, &mut x, &mut y, &mut z,
-            );
-            robot_dynamics::derivatives::forward_dynamics_pullback(
-                model, &mut w, q, v, tau, a, &mut r, &mut x, &mut y, &mut z,
-            );
+            let out = robot_dynamics::derivatives::InversePullbackMut {
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_acceleration: &mut z,
+                parameters: &mut [],
+            };
+            robot_dynamics::derivatives::inverse_dynamics_pullback(model, &mut w, q, v, a, tau, out);
+            let out = robot_dynamics::derivatives::ForwardPullbackMut {
+                acceleration: &mut r,
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_force: &mut z,
+                parameters: &mut [],
+            };
+            robot_dynamics::derivatives::forward_dynamics_pullback(model, &mut w, q, v, tau, a, out);
         };
         call();
         assert_eq!(allocations(call), 0, "a pullback allocates on \"{}\"", robot.family);
@@ -158,32 +166,32 @@ fn machine_code_allocates_in_first_call_only() {
         let w = &mut BatchWorkspace::<f64>::with_options(model, options).unwrap();
         let (mut force, mut end) = (zeros.clone(), (q.clone(), zeros.clone()));
         let how = batch::Rollout::new(Integrator::SemiImplicitEuler, 1e-6, 3);
-        let go_on = |_| ControlFlow::Continue(());
         let mut call = || {
             let (q, v) = (&mut end.0, &mut end.1);
             let of_frame = batch::frame_jacobian(model, w, q, frame, ReferenceFrame::Local, &mut jacobian);
             let bad = of_frame
                 .and_then(|()| batch::inverse_dynamics(model, w, q, v, a, &mut force))
                 .and_then(|()| {
-                    batch::inverse_dynamics_pullback(model, w, q, v, a, tau, &mut x, &mut y, &mut z, &mut [])
+                    let out = batch::InversePullbackMut {
+                        by_position: &mut x,
+                        by_velocity: &mut y,
+                        by_acceleration: &mut z,
+                        parameters: &mut [],
+                    };
+                    batch::inverse_dynamics_pullback(model, w, q, v, a, tau, out)
                 })
                 .and_then(|()| {
-                    batch::forward_dynamics_pullback(
-                        model,
-                        w,
-                        q,
-                        v,
-                        tau,
-                        a,
-                        &mut r,
-                        &mut x,
-                        &mut y,
-                        &mut z,
-                        &mut [],
-                    )
+                    let out = batch::ForwardPullbackMut {
+                        acceleration: &mut r,
+                        by_position: &mut x,
+                        by_velocity: &mut y,
+                        by_force: &mut z,
+                        parameters: &mut [],
+                    };
+                    batch::forward_dynamics_pullback(model, w, q, v, tau, a, out)
                 });
             let ended =
-                batch::rollout(model, w, &how, batch::Torques::Zero, q, v, (&mut [], &mut []), &go_on);
+                batch::rollout(model, w, &how, batch::Torques::Zero, batch::RolloutStates::ends(q, v), None);
             (bad.is_ok(), ended.is_ok())
         };
         assert_eq!(call(), (true, true), "{}", robot.family);
@@ -322,14 +330,27 @@ fn derivatives_allocate_nothing() {
         let parameters = &mut vec![0.0; robot_dynamics::derivatives::parameter_count(model)][..];
         let wrench = [FrameWrench { frame, force_in_frame: [1.0, 2.0, 3.0], moment_in_frame: [0.1; 3] }];
         let call = || {
+            let out = robot_dynamics::derivatives::InversePullbackMut {
+                by_position: x,
+                by_velocity: y,
+                by_acceleration: z,
+                parameters,
+            };
             robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters(
-                model, w, q, v, a, &wrench, tau, x, y, z, parameters,
+                model, w, q, v, a, &wrench, tau, out,
             );
         };
         nothing("inverse_dynamics_pullback", allocations(call));
         let call = || {
+            let out = robot_dynamics::derivatives::ForwardPullbackMut {
+                acceleration: r,
+                by_position: x,
+                by_velocity: y,
+                by_force: z,
+                parameters,
+            };
             robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters(
-                model, w, q, v, tau, &wrench, a, r, x, y, z, parameters,
+                model, w, q, v, tau, &wrench, a, out,
             );
         };
         nothing("forward_dynamics_pullback", allocations(call));
@@ -349,7 +370,18 @@ fn derivatives_allocate_nothing() {
             let mut done = Ok(());
             let call = || {
                 done = robot_dynamics::derivatives::step_pullback(
-                    model, row, w, &forces, 1e-4, q, v, x, y, z, parameters,
+                    model,
+                    row,
+                    w,
+                    &forces,
+                    1e-4,
+                    robot_dynamics::derivatives::RobotState { q, v },
+                    robot_dynamics::derivatives::MotionCotangents {
+                        by_position: x,
+                        by_velocity: y,
+                        by_force: z,
+                        parameters,
+                    },
                 );
             };
             nothing("step_pullback", allocations(call));
@@ -358,10 +390,21 @@ fn derivatives_allocate_nothing() {
         let integrator = Integrator::RungeKutta4;
         let how = robot_dynamics::derivatives::Rollout::new(integrator, 1e-5, 10);
         let w = &mut robot_dynamics::derivatives::RolloutPullbackWorkspace::new(model, &how, 0);
-        let (mut done, path) = (Ok(()), (&[][..], &[][..]));
+        let mut done = Ok(());
         let call = || {
             done = robot_dynamics::derivatives::rollout_pullback(
-                model, &how, w, tau, q, v, path, x, y, z, parameters,
+                model,
+                &how,
+                w,
+                robot_dynamics::derivatives::RobotState { q, v },
+                tau,
+                robot_dynamics::derivatives::TrajectoryCotangents::default(),
+                robot_dynamics::derivatives::MotionCotangents {
+                    by_position: x,
+                    by_velocity: y,
+                    by_force: z,
+                    parameters,
+                },
             );
         };
         nothing("rollout_pullback", allocations(call));
@@ -373,7 +416,15 @@ fn derivatives_allocate_nothing() {
         for row in Integrator::ALL.into_iter().filter(|row| row.is_explicit()) {
             let mut done = Ok(());
             let call = || {
-                done = robot_dynamics::derivatives::linearize_step(model, row, w, &forces, 1e-6, q, v, a, b);
+                done = robot_dynamics::derivatives::linearize_step(
+                    model,
+                    row,
+                    w,
+                    &forces,
+                    1e-6,
+                    robot_dynamics::derivatives::RobotState { q, v },
+                    robot_dynamics::derivatives::LinearizedStep { by_state: a, by_force: b },
+                );
             };
             nothing("linearize_step", allocations(call));
             done.unwrap_or_else(|error| panic!("{row} on \"{}\": {error}", robot.family));
@@ -561,13 +612,32 @@ fn batches_on_one_thread_allocate_nothing() {
             batch::forward_dynamics(model, w, &q, &v, &a, x).unwrap();
             batch::mass_matrix(model, w, &q, m).unwrap();
             batch::inverse_mass_matrix(model, w, &q, m).unwrap();
-            batch::inverse_dynamics_pullback(model, w, &q, &v, &a, &a, x, y, z, parameters).unwrap();
-            batch::forward_dynamics_pullback(model, w, &q, &v, &a, &a, r, x, y, z, parameters).unwrap();
+            let out =
+                batch::InversePullbackMut { by_position: x, by_velocity: y, by_acceleration: z, parameters };
+            batch::inverse_dynamics_pullback(model, w, &q, &v, &a, &a, out).unwrap();
+            let out = batch::ForwardPullbackMut {
+                acceleration: r,
+                by_position: x,
+                by_velocity: y,
+                by_force: z,
+                parameters,
+            };
+            batch::forward_dynamics_pullback(model, w, &q, &v, &a, &a, out).unwrap();
             let (held, results) = (batch::Torques::Held(&a), (&mut x[..], &mut y[..]));
-            let path = (&[][..], &[][..]);
-            let go_on = |_| ControlFlow::Continue(());
-            batch::rollout_pullback(model, w, &how, 0, held, &q, &v, path, results, z, parameters, &go_on)
-                .unwrap();
+            let inputs = batch::RolloutPullbackInputs {
+                spacing: 0,
+                torques: held,
+                q: &q,
+                v: &v,
+                trajectory: batch::TrajectoryCotangents::default(),
+            };
+            let cotangents = batch::MotionCotangents {
+                by_position: results.0,
+                by_velocity: results.1,
+                by_force: z,
+                parameters,
+            };
+            batch::rollout_pullback(model, w, &how, &inputs, cotangents, None).unwrap();
         };
         calls();
         assert_eq!(allocations(calls), 0, "\"{}\" (nv = {nv})", robot.family);

@@ -9,7 +9,10 @@ use std::io::Write;
 use robot_dynamics::algorithms::{bias, forward_dynamics, inverse_dynamics, mass_matrix};
 use robot_dynamics::batch;
 use robot_dynamics::batch::{BatchFloat, BatchOptions, BatchWorkspace};
-use robot_dynamics::derivatives::{forward_dynamics_derivatives, inverse_dynamics_derivatives};
+use robot_dynamics::derivatives::{
+    ForwardDynamicsDerivativesMut, InverseDynamicsDerivativesMut, forward_dynamics_derivatives,
+    inverse_dynamics_derivatives,
+};
 use robot_dynamics::description::{Base, RandomRobotOptions, random_robot};
 use robot_dynamics::model::{InstructionSet, Model, Workspace, random_state};
 use robot_dynamics::number::{Dual, Scalar, SplitMix64};
@@ -116,18 +119,15 @@ fn assert_one_state_matches_the_recipe<S: Scalar>(value: fn(S) -> f64, rounding:
             let error = difference(found.iter().map(|&x| value(x)), &state.a);
             assert!(error < 1e4 * rounding, "a up to {limit}: {error:e}");
             let [mut by_q, mut by_v, mut by_tau] = [(); 3].map(|()| vec![S::zero(); nv * nv]);
-            inverse_dynamics_derivatives(&model, &mut workspace, &q, &v, &a, &mut by_q, &mut by_v);
+            let out = InverseDynamicsDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v };
+            inverse_dynamics_derivatives(&model, &mut workspace, &q, &v, &a, out);
             let slopes: Vec<f64> = by_q.iter().map(|&x| value(x)).collect();
-            forward_dynamics_derivatives(
-                &model,
-                &mut workspace,
-                &q,
-                &v,
-                &forces,
-                &mut by_q,
-                &mut by_v,
-                &mut by_tau,
-            );
+            let out = ForwardDynamicsDerivativesMut {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+                by_force: &mut by_tau,
+            };
+            forward_dynamics_derivatives(&model, &mut workspace, &q, &v, &forces, out);
             // M ∂a/∂q = −∂τ/∂q.
             let entry =
                 |i: usize, j: usize| (0..nv).map(|k| mass[i * nv + k] * value(by_q[k * nv + j])).sum::<f64>();

@@ -1,17 +1,17 @@
 //! Typical tasks of a user, with the facade alone. Each task checks its own result and prints one line.
 
 use std::error::Error;
-use std::ops::ControlFlow;
 
 use robot_dynamics::algorithms::{ReferenceFrame, frame_jacobian, frame_pose};
 use robot_dynamics::batch::{
-    BatchOptions, BatchWorkspace, Rollout, Torques, forward_dynamics_derivatives, rollout,
+    BatchOptions, BatchWorkspace, ForwardDynamicsDerivativesMut, Rollout, RolloutStates, Torques,
+    forward_dynamics_derivatives, rollout,
 };
 use robot_dynamics::constraints::{
     Constraint, ConstraintOptions, ConstraintSet, FrameConstraint, SpatialAxis, constrained_forward_dynamics,
 };
 use robot_dynamics::control::{InverseKinematicsOptions, TaskControl, TaskGains, TaskReference, dlqr};
-use robot_dynamics::derivatives::{LinearizeStepWorkspace, linearize_step};
+use robot_dynamics::derivatives::{LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_step};
 use robot_dynamics::description::{MassProperties, Pose};
 use robot_dynamics::model::{Model, Workspace, neutral};
 use robot_dynamics::nalgebra::{DMatrix, Matrix3, Vector3};
@@ -163,17 +163,14 @@ fn rollouts() -> Outcome {
     let mut v = vec![0.0; COUNT * 7];
     let (mut q_last, mut v_last) = (q[(COUNT - 1) * 7..].to_vec(), vec![0.0; 7]);
     let mut workspace = BatchWorkspace::new(&model);
-    let go_on = |_| ControlFlow::Continue(());
-    rollout(&model, &mut workspace, &how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
+    rollout(&model, &mut workspace, &how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None)?;
     rollout(
         &model,
         &mut workspace,
         &how,
         Torques::Zero,
-        &mut q_last,
-        &mut v_last,
-        (&mut [], &mut []),
-        &go_on,
+        RolloutStates::ends(&mut q_last, &mut v_last),
+        None,
     )?;
     assert_eq!((&q[(COUNT - 1) * 7..], &v[(COUNT - 1) * 7..]), (&q_last[..], &v_last[..]));
     assert!(largest(&v_last) > 1e-3);
@@ -193,8 +190,15 @@ fn batch_derivatives() -> Outcome {
             BatchWorkspace::with_options(&model, options).map_err(|error| error.to_string())?;
         let [mut by_q, mut by_v, mut inverse] = [(); 3].map(|()| vec![0.0; n * n * states]);
         let [by_q, by_v, by_tau] = [&mut by_q, &mut by_v, &mut inverse];
-        forward_dynamics_derivatives(&model, &mut workspace, &q, &x, &x, by_q, by_v, by_tau)
-            .map_err(|error| error.to_string())?;
+        forward_dynamics_derivatives(
+            &model,
+            &mut workspace,
+            &q,
+            &x,
+            &x,
+            ForwardDynamicsDerivativesMut { by_position: by_q, by_velocity: by_v, by_force: by_tau },
+        )
+        .map_err(|error| error.to_string())?;
         let mass = model.mass_matrix(&READY).map_err(|error| error.to_string())?;
         let last = DMatrix::from_row_slice(n, n, &inverse[n * n * (states - 1)..]);
         Ok((mass * last - DMatrix::identity(n, n)).amax())
@@ -219,10 +223,8 @@ fn lqr() -> Outcome {
         &mut workspace,
         &forces,
         1e-2,
-        &READY,
-        &[0.0; 7],
-        &mut a,
-        &mut b,
+        RobotState { q: &READY, v: &[0.0; 7] },
+        LinearizedStep { by_state: &mut a, by_force: &mut b },
     )?;
     let (a, b) = (DMatrix::from_row_slice(14, 14, &a), DMatrix::from_row_slice(14, 7, &b));
     let found = dlqr(&a, &b, &DMatrix::identity(14, 14), &(DMatrix::identity(7, 7) * 1e-3))?;

@@ -1,7 +1,5 @@
 //! Rollouts by machine code, with one call of a kernel per step.
 
-use std::ops::ControlFlow;
-
 use robot_dynamics_core::model::native::Number;
 use robot_dynamics_core::{Model, NativeFunction};
 use robot_dynamics_integrators::Stage;
@@ -11,7 +9,7 @@ use robot_dynamics_simulation::Rollout;
 
 use super::job::Job;
 use super::outcome::Outcome;
-use super::progress::{RolloutProgress, Shared};
+use super::progress::Shared;
 use super::step::{Advance, STEPS_PER_LOOK};
 use super::torques::{PolicyInput, Torques};
 use crate::distribution::for_each_part;
@@ -149,8 +147,7 @@ pub(super) fn step_by_recursion<T: Float>(
     v: &mut [T],
 ) {
     let one_step = &rollout.one_step();
-    let go_on = |_: RolloutProgress| ControlFlow::Continue(());
-    let shared = &Shared::of_one_step(&go_on);
+    let shared = &Shared::of_one_step();
     let job = Job { first: 0, states: 1, q, v, q_trajectory: &mut [], v_trajectory: &mut [] };
     let outputs = (&mut 0, &mut false);
     let torques = Torques::Held(tau);

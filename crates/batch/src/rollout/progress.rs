@@ -24,12 +24,15 @@ impl RolloutProgress {
     }
 }
 
-/// A callback for progress, called occasionally from any thread.
-pub(crate) type Progress<'a> = &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync);
+/// A callback for the progress of a rollout, which can cancel it, called occasionally from any thread.
+pub type RolloutObserver<'a> = &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync);
+
+/// The observer of a rollout that is not observed.
+pub(crate) const UNOBSERVED: RolloutObserver<'static> = &|_| ControlFlow::Continue(());
 
 /// The data that all threads of a rollout share.
 pub(crate) struct Shared<'a> {
-    progress: Progress<'a>,
+    progress: RolloutObserver<'a>,
     done: AtomicU64,
     total: u64,
     cancelled: AtomicBool,
@@ -37,7 +40,7 @@ pub(crate) struct Shared<'a> {
 
 impl<'a> Shared<'a> {
     /// For this number of steps over all states.
-    pub(super) fn new(progress: Progress<'a>, total: u64) -> Self {
+    pub(super) fn new(progress: RolloutObserver<'a>, total: u64) -> Self {
         Self { progress, done: AtomicU64::new(0), total, cancelled: AtomicBool::new(false) }
     }
 
@@ -48,8 +51,8 @@ impl<'a> Shared<'a> {
 
     /// For one step of one state, whose progress is not counted.
     #[cfg(feature = "native")]
-    pub(super) fn of_one_step(progress: Progress<'a>) -> Self {
-        Self::new(progress, 1)
+    pub(super) fn of_one_step() -> Self {
+        Self::new(UNOBSERVED, 1)
     }
 
     /// Counts completed steps; returns whether to continue.

@@ -12,12 +12,12 @@ use robot_dynamics_number::{Float, check_positive};
 use robot_dynamics_simulation::Rollout;
 
 use self::backward_pass::Backward;
-pub(crate) use self::inputs::PullbackInputs;
+pub use self::inputs::RolloutPullbackInputs;
 #[cfg(feature = "native")]
 use self::machine_code::pull_back_natively;
 use super::error::RolloutError;
 use super::outcome::Outcome;
-use super::progress::{Progress, Shared};
+use super::progress::{RolloutObserver, Shared};
 use super::torques::Torques;
 use crate::distribution::for_each_block;
 use crate::machine_code::Number;
@@ -30,9 +30,9 @@ pub(crate) fn compute<T: Float + Number>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
     rollout: &Rollout,
-    given: &PullbackInputs<'_, T>,
+    given: &RolloutPullbackInputs<'_, T>,
     results: [&mut [T]; 4],
-    progress: Progress<'_>,
+    progress: RolloutObserver<'_>,
 ) -> Result<(), RolloutError> {
     workspace.check(model);
     let (h, nq, nv, integrator) = (rollout.step, model.nq, model.nv, rollout.integrator);
@@ -40,12 +40,22 @@ pub(crate) fn compute<T: Float + Number>(
     let StepScheme::Explicit(stages) = integrator.scheme() else {
         return Err(RolloutError::Implicit { integrator });
     };
-    let PullbackInputs { torques, q, v, trajectory, .. } = *given;
+    let RolloutPullbackInputs { torques, q, v, trajectory, .. } = *given;
     assert!(q.len().is_multiple_of(nq.max(1)), "q has {} numbers, not a multiple of nq = {nq}", q.len());
     let batch = q.len() / nq.max(1);
     check_table("v", v.len(), batch, nv);
-    check_table("the cotangent of the trajectory's q", trajectory.0.len(), batch, rollout.samples() * nv);
-    check_table("the cotangent of the trajectory's v", trajectory.1.len(), batch, rollout.samples() * nv);
+    check_table(
+        "the cotangent of the trajectory's q",
+        trajectory.by_position.len(),
+        batch,
+        rollout.samples() * nv,
+    );
+    check_table(
+        "the cotangent of the trajectory's v",
+        trajectory.by_velocity.len(),
+        batch,
+        rollout.samples() * nv,
+    );
     let force_width = match torques {
         Torques::Zero => 0,
         Torques::Held(tau) => {

@@ -10,7 +10,7 @@ use super::job::Job;
 #[cfg(feature = "native")]
 use super::machine_code::move_natively;
 use super::outcome::Outcome;
-use super::progress::{Progress, Shared};
+use super::progress::{RolloutObserver, Shared};
 use super::step::Advance;
 use super::torques::Torques;
 use crate::distribution::for_each_block;
@@ -19,11 +19,28 @@ use crate::tables::check_table;
 use crate::workspace::BlockMemory;
 use crate::{BadStates, BatchWorkspace, block};
 
-/// The states of a rollout, start and end in place, and their trajectories.
-pub struct StateTables<'a, T> {
+/// The states of a rollout: the start, replaced by the end, and the samples on the way.
+///
+/// `q` is \[batch\]\[nq\] and `v` is \[batch\]\[nv\]. The trajectories receive the state after every
+/// `stride`-th step, \[batch\]\[samples\]\[nq\] and \[batch\]\[samples\]\[nv\]; they are empty if the
+/// stride is 0.
+#[derive(Debug)]
+pub struct RolloutStates<'a, T> {
+    /// The configurations.
     pub q: &'a mut [T],
+    /// The velocities.
     pub v: &'a mut [T],
-    pub trajectory: (&'a mut [T], &'a mut [T]),
+    /// The configurations after every `stride`-th step.
+    pub q_trajectory: &'a mut [T],
+    /// The velocities after every `stride`-th step.
+    pub v_trajectory: &'a mut [T],
+}
+
+impl<'a, T> RolloutStates<'a, T> {
+    /// Without trajectories.
+    pub fn ends(q: &'a mut [T], v: &'a mut [T]) -> Self {
+        Self { q, v, q_trajectory: &mut [], v_trajectory: &mut [] }
+    }
 }
 
 /// Advances each state in place: the implementation of [`rollout`](super::rollout), compiled in this crate.
@@ -33,8 +50,8 @@ pub(crate) fn move_states<T: Float + Number>(
     workspace: &mut BatchWorkspace<T>,
     rollout: &Rollout,
     torques: Torques<'_, T>,
-    StateTables { q, v, trajectory: (q_trajectory, v_trajectory) }: StateTables<'_, T>,
-    progress: Progress<'_>,
+    RolloutStates { q, v, q_trajectory, v_trajectory }: RolloutStates<'_, T>,
+    progress: RolloutObserver<'_>,
 ) -> Result<(), RolloutError> {
     workspace.check(model);
     let (h, nq, nv) = (rollout.step, model.nq, model.nv);

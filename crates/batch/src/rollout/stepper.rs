@@ -6,7 +6,8 @@ use robot_dynamics_simulation::{StepForces, StepWorkspace, Stepper};
 
 use super::error::RolloutError;
 use super::outcome::Outcome;
-use super::progress::{Progress, Shared};
+use super::progress::{RolloutObserver, Shared, UNOBSERVED};
+use super::states::RolloutStates;
 use super::torques::Torques;
 use crate::BatchWorkspace;
 use crate::distribution::for_each_state;
@@ -62,13 +63,12 @@ impl<'a, S> StepperRollout<'a, S> {
 /// and the threads' memory.
 ///
 /// ```
-/// use robot_dynamics::batch::{BatchWorkspace, StepperRollout, Torques, rollout_by_stepper};
+/// use robot_dynamics::batch::{BatchWorkspace, RolloutStates, StepperRollout, Torques, rollout_by_stepper};
 /// use robot_dynamics::contact::Ground;
 /// use robot_dynamics::description::{Base, LinkDescription, LinkShape, MassProperties, Pose};
 /// use robot_dynamics::description::{RobotDescription, Shape, ShapeRole};
 /// use robot_dynamics::model::Model;
 /// use robot_dynamics::simulation::SimulationBuilder;
-/// use std::ops::ControlFlow;
 /// let mut robot = RobotDescription::new("brick");
 /// robot.base = Base::Floating;
 /// let brick = MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
@@ -81,9 +81,9 @@ impl<'a, S> StepperRollout<'a, S> {
 /// let mut q: Vec<f64> = (5..15).flat_map(|cm| [0.0, 0.0, 0.05 + 0.01 * f64::from(cm), 0.0, 0.0, 0.0, 1.0]).collect();
 /// let mut v = vec![0.0; 60];
 /// let second = StepperRollout::new(&stepper, 1e-3, 1000);
-/// let go_on = |_| ControlFlow::Continue(());
 /// let workspace = BatchWorkspace::new(&model);
-/// rollout_by_stepper(&model, &workspace, &second, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
+/// let states = RolloutStates::ends(&mut q, &mut v);
+/// rollout_by_stepper(&model, &workspace, &second, Torques::Zero, states, None)?;
 /// assert!(q.chunks(7).all(|q| (q[2] - 0.05).abs() < 1e-6)); // all are at rest on the ground
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -94,18 +94,17 @@ impl<'a, S> StepperRollout<'a, S> {
 ///
 /// # Panics
 /// Panics if a table has the wrong length, or the workspace belongs to another model.
-#[allow(clippy::too_many_arguments)] // the arguments of `rollout`
 #[track_caller]
 pub fn rollout_by_stepper<S: Stepper + Clone + Sync>(
     model: &Model,
     workspace: &BatchWorkspace<f64>,
     rollout: &StepperRollout<'_, S>,
     torques: Torques<'_, f64>,
-    q: &mut [f64],
-    v: &mut [f64],
-    (q_trajectory, v_trajectory): (&mut [f64], &mut [f64]),
-    progress: Progress<'_>,
+    states: RolloutStates<'_, f64>,
+    progress: Option<RolloutObserver<'_>>,
 ) -> Result<(), RolloutError> {
+    let RolloutStates { q, v, q_trajectory, v_trajectory } = states;
+    let progress = progress.unwrap_or(UNOBSERVED);
     workspace.check(model);
     let (h, nq, nv) = (rollout.step, model.nq(), model.nv());
     check_positive("the step", h, "s")?;

@@ -23,13 +23,12 @@ pub enum Torques<'a, T> {
     ///
     /// ```
     /// use nalgebra::{Matrix3, Vector3};
-    /// use robot_dynamics::batch::{BatchWorkspace, PolicyInput, Rollout, Torques, rollout};
+    /// use robot_dynamics::batch::{BatchWorkspace, PolicyInput, Rollout, RolloutStates, Torques, rollout};
     /// use robot_dynamics::description::{JointDescription, JointKind, LinkDescription};
     /// use robot_dynamics::description::{MassProperties, Pose, RobotDescription};
     /// use robot_dynamics::model::Model;
     /// use robot_dynamics::simulation::Integrator;
     /// use std::f64::consts::FRAC_PI_2;
-    /// use std::ops::ControlFlow;
     /// // A pendulum of 1 kg on a rod of 1 m along x, with its axis along y: upright at −π/2.
     /// let mut robot = RobotDescription::new("pendulum");
     /// let bob = MassProperties::new(1.0, Vector3::new(1.0, 0.0, 0.0), Matrix3::zeros())?;
@@ -48,8 +47,7 @@ pub enum Torques<'a, T> {
     /// let mut v = vec![0.0; 1000];
     /// let how = Rollout::new(Integrator::RungeKutta4, 0.01, 200).with_dissipation(false);
     /// let (mut workspace, policy) = (BatchWorkspace::new(&model), Torques::Policy(&balance));
-    /// let go_on = |_| ControlFlow::Continue(());
-    /// rollout(&model, &mut workspace, &how, policy, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
+    /// rollout(&model, &mut workspace, &how, policy, RolloutStates::ends(&mut q, &mut v), None)?;
     /// assert!(q.iter().all(|q| (q + FRAC_PI_2).abs() < 1e-3));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

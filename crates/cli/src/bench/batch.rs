@@ -1,7 +1,6 @@
 //! Batches of states, in lanes and over threads.
 
 use std::hint::black_box;
-use std::ops::ControlFlow;
 
 use robot_dynamics::batch;
 use robot_dynamics::batch::{BatchFloat, BatchOptions, BatchQuantity, BatchWorkspace, Rollout, Torques};
@@ -112,8 +111,14 @@ impl<'a, T: BatchFloat> Batch<'a, T> {
                 v_end.clear();
                 v_end.extend(v);
                 let how = Rollout::new(integrator, STEP, STEPS).with_dissipation(false);
-                let (nowhere, go_on) = ((&mut [][..], &mut [][..]), |_| ControlFlow::Continue(()));
-                let moved = batch::rollout(model, w, &how, Torques::Zero, q_end, v_end, nowhere, &go_on);
+                let moved = batch::rollout(
+                    model,
+                    w,
+                    &how,
+                    Torques::Zero,
+                    batch::RolloutStates::ends(q_end, v_end),
+                    None,
+                );
                 black_box((&*q_end, &*v_end));
                 moved.map_err(|error| error.to_string())?;
                 Ok(count * STEPS)

@@ -66,6 +66,12 @@ impl Model {
         }
         let [mut x, mut y, mut z] = [(); 3].map(|()| DVector::zeros(self.nv));
         let mut parameters = DVector::zeros(parameter_count(self));
+        let out = crate::InversePullbackMut {
+            by_position: x.as_mut_slice(),
+            by_velocity: y.as_mut_slice(),
+            by_acceleration: z.as_mut_slice(),
+            parameters: parameters.as_mut_slice(),
+        };
         crate::inverse_dynamics_pullback_with_parameters(
             self,
             &mut Workspace::new(self),
@@ -74,10 +80,7 @@ impl Model {
             a,
             &[],
             cotangent,
-            x.as_mut_slice(),
-            y.as_mut_slice(),
-            z.as_mut_slice(),
-            parameters.as_mut_slice(),
+            out,
         );
         for (quantity, numbers) in
             [("λᵀ∂τ/∂q", &x), ("λᵀ∂τ/∂v", &y), ("M λ", &z), ("the cotangent of a parameter", &parameters)]
@@ -115,6 +118,13 @@ impl Model {
         self.check_mass(q)?;
         let [mut a, mut x, mut y, mut z] = [(); 4].map(|()| DVector::zeros(self.nv));
         let mut parameters = DVector::zeros(parameter_count(self));
+        let out = crate::ForwardPullbackMut {
+            acceleration: a.as_mut_slice(),
+            by_position: x.as_mut_slice(),
+            by_velocity: y.as_mut_slice(),
+            by_force: z.as_mut_slice(),
+            parameters: parameters.as_mut_slice(),
+        };
         crate::forward_dynamics_pullback_with_parameters(
             self,
             &mut Workspace::new(self),
@@ -123,11 +133,7 @@ impl Model {
             tau,
             &[],
             cotangent,
-            a.as_mut_slice(),
-            x.as_mut_slice(),
-            y.as_mut_slice(),
-            z.as_mut_slice(),
-            parameters.as_mut_slice(),
+            out,
         );
         for (quantity, numbers) in [
             ("a", &a),

@@ -94,6 +94,17 @@ fn solve_acceleration<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, tau: &
     spread(model, vector, &mut tree.freedoms.a);
 }
 
+/// The outputs of [`forward_dynamics_derivatives`]: nv×nv matrices, row-major. Batches have one per state.
+#[derive(Debug)]
+pub struct ForwardDynamicsDerivativesMut<'a, S> {
+    /// ∂a/∂q.
+    pub by_position: &'a mut [S],
+    /// ∂a/∂v.
+    pub by_velocity: &'a mut [S],
+    /// ∂a/∂τ.
+    pub by_force: &'a mut [S],
+}
+
 /// ∂a/∂q, ∂a/∂v and ∂a/∂τ of a = M⁻¹(τ − C v − g), each nv×nv, row-major.
 ///
 /// τ = ID(q, v, a) holds for every a, so at this state's a: ∂a/∂q = −M⁻¹ ∂ID/∂q, ∂a/∂v = −M⁻¹ ∂ID/∂v,
@@ -104,14 +115,19 @@ fn solve_acceleration<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, tau: &
 /// 2018).
 ///
 /// ```
-/// use robot_dynamics::derivatives::forward_dynamics_derivatives;
+/// use robot_dynamics::derivatives::{ForwardDynamicsDerivativesMut, forward_dynamics_derivatives};
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
 /// // a = (τ + m g l cos q)/(m l²)
 /// let (mut by_q, mut by_v, mut by_tau) = ([0.0], [0.0], [0.0]);
 /// let w = &mut Workspace::<f64>::new(&model);
-/// forward_dynamics_derivatives(&model, w, &[0.3], &[1.0], &[0.7], &mut by_q, &mut by_v, &mut by_tau);
+/// let outputs = ForwardDynamicsDerivativesMut {
+///     by_position: &mut by_q,
+///     by_velocity: &mut by_v,
+///     by_force: &mut by_tau,
+/// };
+/// forward_dynamics_derivatives(&model, w, &[0.3], &[1.0], &[0.7], outputs);
 /// assert!((by_q[0] + 9.81 / 0.5 * 0.3_f64.sin()).abs() < 1e-13);
 /// assert!(by_v[0].abs() < 1e-13 && (by_tau[0] - 1.0 / (2.0 * 0.25)).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -120,7 +136,6 @@ fn solve_acceleration<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, tau: &
 /// # Panics
 /// If a slice has the wrong length.
 #[doc(alias = "computeABADerivatives")]
-#[allow(clippy::too_many_arguments)] // as forward_dynamics, with three results
 #[inline]
 #[track_caller]
 pub fn forward_dynamics_derivatives<S: Scalar>(
@@ -129,21 +144,9 @@ pub fn forward_dynamics_derivatives<S: Scalar>(
     q: &[S],
     v: &[S],
     tau: &[S],
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    by_force: &mut [S],
+    derivatives: ForwardDynamicsDerivativesMut<'_, S>,
 ) {
-    forward_dynamics_derivatives_with_wrenches(
-        model,
-        workspace,
-        q,
-        v,
-        tau,
-        &[],
-        by_position,
-        by_velocity,
-        by_force,
-    );
+    forward_dynamics_derivatives_with_wrenches(model, workspace, q, v, tau, &[], derivatives);
 }
 
 /// ∂a/∂q, ∂a/∂v and ∂a/∂τ of a = M⁻¹(τ + Σ Jᵀw − C v − g). The wrenches w keep their components in their
@@ -151,6 +154,7 @@ pub fn forward_dynamics_derivatives<S: Scalar>(
 ///
 /// ```
 /// use robot_dynamics::algorithms::FrameWrench;
+/// use robot_dynamics::derivatives::ForwardDynamicsDerivativesMut;
 /// use robot_dynamics::derivatives::forward_dynamics_derivatives_with_wrenches;
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
@@ -159,16 +163,15 @@ pub fn forward_dynamics_derivatives<S: Scalar>(
 /// let (frame, w) = (model.frame_named("tip")?, &mut Workspace::<f64>::new(&model));
 /// let thrust = FrameWrench { frame, force_in_frame: [0.0, 0.0, 30.0], moment_in_frame: [0.0; 3] };
 /// let (mut by_q, mut by_v, mut by_tau) = ([0.0], [0.0], [0.0]);
-/// forward_dynamics_derivatives_with_wrenches(
-///     &model, w, &[0.3], &[1.0], &[0.7], &[thrust], &mut by_q, &mut by_v, &mut by_tau,
-/// );
+/// let (by_position, by_velocity, by_force) = (&mut by_q, &mut by_v, &mut by_tau);
+/// let outputs = ForwardDynamicsDerivativesMut { by_position, by_velocity, by_force };
+/// forward_dynamics_derivatives_with_wrenches(&model, w, &[0.3], &[1.0], &[0.7], &[thrust], outputs);
 /// assert!((by_q[0] + 9.81 / 0.5 * 0.3_f64.sin()).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
-#[allow(clippy::too_many_arguments)] // as forward_dynamics_with_wrenches, with three results
 #[inline]
 #[track_caller]
 pub fn forward_dynamics_derivatives_with_wrenches<S: Scalar>(
@@ -178,10 +181,9 @@ pub fn forward_dynamics_derivatives_with_wrenches<S: Scalar>(
     v: &[S],
     tau: &[S],
     wrenches: &[FrameWrench<S>],
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    by_force: &mut [S],
+    derivatives: ForwardDynamicsDerivativesMut<'_, S>,
 ) {
+    let ForwardDynamicsDerivativesMut { by_position, by_velocity, by_force } = derivatives;
     workspace.check_inputs(model, q);
     check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);

@@ -51,6 +51,15 @@ impl<S: Scalar> Kernel<OverNumber, S> for InverseDynamicsSlopes<'_, S> {
     }
 }
 
+/// The outputs of [`inverse_dynamics_derivatives`]: nv×nv matrices, row-major. Batches have one per state.
+#[derive(Debug)]
+pub struct InverseDynamicsDerivativesMut<'a, S> {
+    /// ∂τ/∂q.
+    pub by_position: &'a mut [S],
+    /// ∂τ/∂v.
+    pub by_velocity: &'a mut [S],
+}
+
 /// ∂τ/∂q and ∂τ/∂v of τ = M(q) a + C(q,v) v + g(q), each nv×nv, row-major. ∂τ/∂a is
 /// [`mass_matrix`](crate::mass_matrix). O(n depth).
 ///
@@ -59,7 +68,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for InverseDynamicsSlopes<'_, S> {
 /// quaternions, where it is the Hessian of V. Over dual numbers this function gives second derivatives.
 ///
 /// ```
-/// use robot_dynamics::derivatives::inverse_dynamics_derivatives;
+/// use robot_dynamics::derivatives::{InverseDynamicsDerivativesMut, inverse_dynamics_derivatives};
 /// use robot_dynamics::description::{JointDescription, JointKind, LinkDescription, Pose};
 /// use robot_dynamics::description::RobotDescription;
 /// use robot_dynamics::model::{Model, Workspace};
@@ -73,7 +82,8 @@ impl<S: Scalar> Kernel<OverNumber, S> for InverseDynamicsSlopes<'_, S> {
 /// let model = Model::new(robot)?;
 /// let (mut by_q, mut by_v) = ([0.0], [0.0]);
 /// let mut workspace = Workspace::new(&model);
-/// inverse_dynamics_derivatives(&model, &mut workspace, &[0.3], &[1.0], &[2.0], &mut by_q, &mut by_v);
+/// let outputs = InverseDynamicsDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v };
+/// inverse_dynamics_derivatives(&model, &mut workspace, &[0.3], &[1.0], &[2.0], outputs);
 /// assert!((by_q[0] - 2.0 * 9.81 * 0.5 * 0.3_f64.sin()).abs() < 1e-14);
 /// assert!(by_v[0].abs() < 1e-14);
 /// # Ok::<(), robot_dynamics::description::ModelError>(())
@@ -90,16 +100,16 @@ pub fn inverse_dynamics_derivatives<S: Scalar>(
     q: &[S],
     v: &[S],
     a: &[S],
-    by_position: &mut [S],
-    by_velocity: &mut [S],
+    derivatives: InverseDynamicsDerivativesMut<'_, S>,
 ) {
-    inverse_dynamics_derivatives_with_wrenches(model, workspace, q, v, a, &[], by_position, by_velocity);
+    inverse_dynamics_derivatives_with_wrenches(model, workspace, q, v, a, &[], derivatives);
 }
 
 /// ∂τ/∂q and ∂τ/∂v of τ = M a + C v + g − Σ Jᵀw. The wrenches w keep their components in their frames.
 ///
 /// ```
 /// use robot_dynamics::algorithms::FrameWrench;
+/// use robot_dynamics::derivatives::InverseDynamicsDerivativesMut;
 /// use robot_dynamics::derivatives::inverse_dynamics_derivatives_with_wrenches;
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
@@ -108,16 +118,14 @@ pub fn inverse_dynamics_derivatives<S: Scalar>(
 /// let (frame, w) = (model.frame_named("tip")?, &mut Workspace::<f64>::new(&model));
 /// let thrust = FrameWrench { frame, force_in_frame: [0.0, 0.0, 30.0], moment_in_frame: [0.0; 3] };
 /// let (mut by_q, mut by_v) = ([0.0], [0.0]);
-/// inverse_dynamics_derivatives_with_wrenches(
-///     &model, w, &[0.3], &[1.0], &[2.0], &[thrust], &mut by_q, &mut by_v,
-/// );
+/// let outputs = InverseDynamicsDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v };
+/// inverse_dynamics_derivatives_with_wrenches(&model, w, &[0.3], &[1.0], &[2.0], &[thrust], outputs);
 /// assert!((by_q[0] - 2.0 * 9.81 * 0.5 * 0.3_f64.sin()).abs() < 1e-13);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
-#[allow(clippy::too_many_arguments)] // as inverse_dynamics_with_wrenches, with two results
 #[inline]
 #[track_caller]
 pub fn inverse_dynamics_derivatives_with_wrenches<S: Scalar>(
@@ -127,9 +135,9 @@ pub fn inverse_dynamics_derivatives_with_wrenches<S: Scalar>(
     v: &[S],
     a: &[S],
     wrenches: &[FrameWrench<S>],
-    by_position: &mut [S],
-    by_velocity: &mut [S],
+    derivatives: InverseDynamicsDerivativesMut<'_, S>,
 ) {
+    let InverseDynamicsDerivativesMut { by_position, by_velocity } = derivatives;
     workspace.check_inputs(model, q);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);

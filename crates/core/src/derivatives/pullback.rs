@@ -46,11 +46,12 @@ mod sweeps;
 
 pub use dissipation::{dissipation_pullback, pull_dissipation};
 pub use forward_dynamics::{
-    ArticulatedBodiesPullback, forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, negate,
-    solve_negative,
+    ArticulatedBodiesPullback, ForwardPullbackMut, forward_dynamics_pullback,
+    forward_dynamics_pullback_with_parameters, negate, solve_negative,
 };
 pub use inverse_dynamics::{
-    NewtonEulerPullback, inverse_dynamics_pullback, inverse_dynamics_pullback_with_parameters,
+    InversePullbackMut, NewtonEulerPullback, inverse_dynamics_pullback,
+    inverse_dynamics_pullback_with_parameters,
 };
 pub use parameter_values::{ParameterError, parameter_values, with_parameters};
 pub use parameters::{PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, check_parameters, parameter_count};

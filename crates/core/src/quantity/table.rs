@@ -176,7 +176,7 @@ table! {
     InverseDynamicsDerivatives("inverse_dynamics_derivatives", "∂τ/∂q, ∂τ/∂v") [Velocity, Acceleration] => ["by_position": Square, "by_velocity": Square] {
         one |m, w, i, out, _p| {
             let [x, y, _] = out;
-            crate::inverse_dynamics_derivatives(m, w, i.q, i.v, i.a, x, y);
+            crate::inverse_dynamics_derivatives(m, w, i.q, i.v, i.a, crate::InverseDynamicsDerivativesMut { by_position: x, by_velocity: y });
         };
     }
 
@@ -184,7 +184,7 @@ table! {
     ForwardDynamicsDerivatives("forward_dynamics_derivatives", "∂a/∂q, ∂a/∂v, ∂a/∂τ") [Velocity, Force] => ["by_position": Square, "by_velocity": Square, "by_force": Square] {
         one |m, w, i, out, _p| {
             let [x, y, z] = out;
-            crate::forward_dynamics_derivatives(m, w, i.q, i.v, i.tau, x, y, z);
+            crate::forward_dynamics_derivatives(m, w, i.q, i.v, i.tau, crate::ForwardDynamicsDerivativesMut { by_position: x, by_velocity: y, by_force: z });
         };
     }
 

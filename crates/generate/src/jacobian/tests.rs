@@ -88,7 +88,7 @@ fn tangents_are_the_limits_of_differences() {
 /// number, as κ(M) is below 1e4.
 #[test]
 fn the_derivatives_of_a_step_are_those_of_the_linearised_step() {
-    use robot_dynamics::derivatives::{LinearizeStepWorkspace, linearize_step};
+    use robot_dynamics::derivatives::{LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_step};
     use robot_dynamics::simulation::StepForces;
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/panda.urdf");
     let model = robot_dynamics::load(path).unwrap().model;
@@ -104,7 +104,8 @@ fn the_derivatives_of_a_step_are_those_of_the_linearised_step() {
         let (mut by_state, mut by_force) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
         let forces = StepForces::new(tau, true);
         let w = &mut LinearizeStepWorkspace::new(&model);
-        linearize_step(&model, row, w, &forces, h[0], q, v, &mut by_state, &mut by_force).unwrap();
+        let out = LinearizedStep { by_state: &mut by_state, by_force: &mut by_force };
+        linearize_step(&model, row, w, &forces, h[0], RobotState { q, v }, out).unwrap();
         let size = by_state.iter().chain(&by_force).fold(1.0_f64, |most, x| most.max(x.abs()));
         // Blocks of results by arguments: q after the step by q, v, τ, h, then v by these.
         for (block, found) in found.iter().enumerate().filter(|(block, _)| block % 4 < 3) {

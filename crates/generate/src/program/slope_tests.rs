@@ -2,7 +2,8 @@
 //! and recursions.
 
 use robot_dynamics::derivatives::{
-    LinearizeStepWorkspace, StepPullbackWorkspace, linearize_step, step_pullback,
+    LinearizeStepWorkspace, LinearizedStep, MotionCotangents, RobotState, StepPullbackWorkspace,
+    linearize_step, step_pullback,
 };
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{Integrator, StepForces};
@@ -90,7 +91,8 @@ fn derivatives_of_a_step_agree_with_the_library() {
             let (mut a, mut b) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
             let w = &mut LinearizeStepWorkspace::new(&model);
             let forces = StepForces::new(tau, true);
-            linearize_step(&model, row, w, &forces, h[0], q, v, &mut a, &mut b).unwrap();
+            let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
+            linearize_step(&model, row, w, &forces, h[0], RobotState { q, v }, out).unwrap();
             let block = |of: &[f64], width: usize, i: usize, j: usize| -> Vec<f64> {
                 (0..nv).flat_map(|k| of[(i * nv + k) * width + j * nv..][..nv].to_vec()).collect()
             };
@@ -108,8 +110,13 @@ fn derivatives_of_a_step_agree_with_the_library() {
             let (mut by_q, mut by_v, mut by_tau) = (q_weights.to_vec(), v_weights.to_vec(), vec![0.0; nv]);
             let w = &mut StepPullbackWorkspace::new(&model);
             let forces = StepForces::new(tau, true);
-            step_pullback(&model, row, w, &forces, h[0], q, v, &mut by_q, &mut by_v, &mut by_tau, &mut [])
-                .unwrap();
+            let cotangents = MotionCotangents {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+                by_force: &mut by_tau,
+                parameters: &mut [],
+            };
+            step_pullback(&model, row, w, &forces, h[0], RobotState { q, v }, cotangents).unwrap();
             close(&found[0], &by_q, "pulled to q");
             close(&found[1], &by_v, "pulled to v");
             close(&found[2], &by_tau, "pulled to tau");

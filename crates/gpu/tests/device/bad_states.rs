@@ -1,13 +1,11 @@
 //! States without a valid result are named, have NaN, and do not affect others.
 
-use std::ops::ControlFlow;
-
 use robot_dynamics::batch;
 use robot_dynamics::batch::BatchWorkspace;
 use robot_dynamics::description::JointKind;
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::Integrator;
-use robot_dynamics_gpu::{DeviceError, Function, Rollout, Torques};
+use robot_dynamics_gpu::{DeviceError, Function, Rollout, RolloutStates, Torques};
 
 use crate::robots::{self, States};
 
@@ -105,8 +103,7 @@ fn a_rollout_names_bad_states_at_its_end() {
     tau[5 * 2 + 1] = f32::INFINITY;
     tau[7 * 2] = 3e38; // finite, and its results soon are not
     let (mut q_there, mut v_there) = (q.clone(), v.clone());
-    let go_on = |_| ControlFlow::Continue(());
-    let bad = named(batches.rollout(&how, Torques::Held(&tau), &mut q, &mut v, (&mut [], &mut []), &go_on));
+    let bad = named(batches.rollout(&how, Torques::Held(&tau), RolloutStates::ends(&mut q, &mut v), None));
     assert_eq!(bad, [3, 5, 7]);
     let there = robots::roll_out_on_cpu(&model, &how, &tau, &mut q_there, &mut v_there);
     assert!(matches!(there, Err(batch::RolloutError::BadStates(there)) if there.states == bad));

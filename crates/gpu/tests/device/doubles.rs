@@ -1,11 +1,9 @@
 //! Double precision, on devices that support it.
 
-use std::ops::ControlFlow;
-
 use robot_dynamics::model::{Model, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::Integrator;
-use robot_dynamics_gpu::{Device, Function, Rollout, Torques};
+use robot_dynamics_gpu::{Device, Function, Rollout, RolloutStates, Torques};
 
 use crate::bounds::Bounds;
 use crate::robots;
@@ -86,10 +84,9 @@ fn a_rollout_agrees_with_the_cpu() {
         let [q, v, _, tau] = states(&model);
         for integrator in [Integrator::SemiImplicitEuler, Integrator::RungeKutta4] {
             let how = Rollout::new(integrator, 1e-3, 200);
-            let go_on = |_| ControlFlow::Continue(());
             let (mut q_found, mut v_found) = (q.clone(), v.clone());
             batches
-                .rollout(&how, Torques::Held(&tau), &mut q_found, &mut v_found, (&mut [], &mut []), &go_on)
+                .rollout(&how, Torques::Held(&tau), RolloutStates::ends(&mut q_found, &mut v_found), None)
                 .unwrap();
             let (mut q_there, mut v_there) = (q.clone(), v.clone());
             robots::roll_out_on_cpu(&model, &how, &tau, &mut q_there, &mut v_there).unwrap();

@@ -1,18 +1,13 @@
 //! Errors and panics of calls that a device refuses.
 
-use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use robot_dynamics::description::{PassiveForces, pendulum};
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::Integrator;
-use robot_dynamics_gpu::{DeviceError, Function, Rollout, RolloutError, Torques};
+use robot_dynamics_gpu::{DeviceError, Function, Rollout, RolloutError, RolloutStates, Torques};
 
 use crate::robots;
-
-fn go_on(_: robot_dynamics_gpu::RolloutProgress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 #[test]
 fn missing_functions_and_precisions_are_rejected() {
@@ -58,7 +53,7 @@ fn unsupported_rollouts_are_rejected() {
     let mut batches = device.compile::<f32>(&model, &[Function::Rk4Step]).unwrap();
     let (mut q, mut v) = ([0.5_f32], [0.0_f32]);
     let mut refused = |how: Rollout, torques: Torques<'_, f32>| {
-        batches.rollout(&how, torques, &mut q, &mut v, (&mut [], &mut []), &go_on).unwrap_err()
+        batches.rollout(&how, torques, RolloutStates::ends(&mut q, &mut v), None).unwrap_err()
     };
     let rk4 = Rollout::new(Integrator::RungeKutta4, 1e-3, 10);
     let error = refused(Rollout::new(Integrator::RungeKutta4, f64::NAN, 10), Torques::Zero);
@@ -79,7 +74,7 @@ fn unsupported_rollouts_are_rejected() {
     let mut ends = [true, false].map(|dissipation| {
         let (mut q, mut v) = ([0.5_f32], [0.0_f32]);
         let how = rk4.with_dissipation(dissipation);
-        batches.rollout(&how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on).unwrap();
+        batches.rollout(&how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None).unwrap();
         (q, v)
     });
     assert_eq!(ends[0], ends[1]);

@@ -1,10 +1,8 @@
 //! Batches that exceed the limits of a device.
 
-use std::ops::ControlFlow;
-
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::Integrator;
-use robot_dynamics_gpu::{Device, DeviceError, Function, Limits, Rollout, Torques};
+use robot_dynamics_gpu::{Device, DeviceError, Function, Limits, Rollout, RolloutStates, Torques};
 
 use crate::robots::{self, States};
 
@@ -26,8 +24,14 @@ fn compute(device: &Device, model: &Model) -> [Vec<f32>; 5] {
     }
     let mut trajectory = (vec![f32::NAN; COUNT * 3 * nq], vec![f32::NAN; COUNT * 3 * nv]);
     let tables = (&mut trajectory.0[..], &mut trajectory.1[..]);
-    let go_on = |_| ControlFlow::Continue(());
-    batches.rollout(&how, Torques::EachStep(&tau), &mut q, &mut v, tables, &go_on).unwrap();
+    batches
+        .rollout(
+            &how,
+            Torques::EachStep(&tau),
+            RolloutStates { q: &mut q, v: &mut v, q_trajectory: tables.0, v_trajectory: tables.1 },
+            None,
+        )
+        .unwrap();
     [mass, q, v, trajectory.0, trajectory.1]
 }
 
@@ -82,8 +86,14 @@ fn buffers_are_reused() {
             let (mut q, mut v) = (states.q.clone(), states.v.clone());
             let mut trajectory = [(); 2].map(|()| vec![f32::NAN; count * 15]);
             let [of_q, of_v] = &mut trajectory;
-            let go_on = |_| ControlFlow::Continue(());
-            batches.rollout(&how, Torques::Held(&states.tau), &mut q, &mut v, (of_q, of_v), &go_on).unwrap();
+            batches
+                .rollout(
+                    &how,
+                    Torques::Held(&states.tau),
+                    RolloutStates { q: &mut q, v: &mut v, q_trajectory: of_q, v_trajectory: of_v },
+                    None,
+                )
+                .unwrap();
             (mass, gravity, q, v, trajectory)
         });
         assert!(both[0] == both[1], "{count} states");

@@ -1,7 +1,6 @@
 //! The robots of the folder `robots` and random ones, with random states in singles.
 
 use std::fs;
-use std::ops::ControlFlow;
 use std::path::Path;
 
 use robot_dynamics::batch;
@@ -74,8 +73,7 @@ pub(crate) fn roll_out_on_cpu<T: BatchFloat>(
     v: &mut [T],
 ) -> Result<(), RolloutError> {
     let mut workspace = BatchWorkspace::<T>::new(model);
-    let go_on = |_| ControlFlow::Continue(());
-    batch::rollout(model, &mut workspace, how, Torques::Held(tau), q, v, (&mut [], &mut []), &go_on)
+    batch::rollout(model, &mut workspace, how, Torques::Held(tau), batch::RolloutStates::ends(q, v), None)
 }
 
 /// The row of one state, in doubles.

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use robot_dynamics::model::{Model, normalize_quaternions};
 use robot_dynamics::simulation::Integrator;
-use robot_dynamics_gpu::{Batches, DeviceError, Function, Rollout, RolloutError, Torques};
+use robot_dynamics_gpu::{Batches, DeviceError, Function, Rollout, RolloutError, RolloutStates, Torques};
 
 use crate::bounds::{Bounds, size};
 use crate::robots::{self, States, row};
@@ -15,10 +15,6 @@ const ROWS: [(Integrator, Function); 2] = [
     (Integrator::SemiImplicitEuler, Function::SemiImplicitEulerStep),
     (Integrator::RungeKutta4, Function::Rk4Step),
 ];
-
-fn go_on(_: robot_dynamics_gpu::RolloutProgress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 /// Steps by separate calls, with τ of each step by `tau`: the states after each step.
 fn by_single_steps(
@@ -71,7 +67,14 @@ fn a_rollout_has_the_bits_of_its_steps() {
             let samples = how.samples();
             let mut of_q = vec![f32::NAN; count * samples * nq];
             let mut of_v = vec![f32::NAN; count * samples * nv];
-            batches.rollout(&how, torques, &mut q, &mut v, (&mut of_q, &mut of_v), &go_on).unwrap();
+            batches
+                .rollout(
+                    &how,
+                    torques,
+                    RolloutStates { q: &mut q, v: &mut v, q_trajectory: &mut of_q, v_trajectory: &mut of_v },
+                    None,
+                )
+                .unwrap();
             assert!([q, v] == expected[steps - 1], "{integrator}, {torques:?}");
             for sample in 0..samples {
                 let [q, v] = &expected[(sample + 1) * 33 - 1];
@@ -100,7 +103,7 @@ fn a_step_agrees_with_the_library_to_the_rounding_of_singles() {
             let how = Rollout::new(integrator, 1e-3, 1);
             let (mut q, mut v) = (states.q.clone(), states.v.clone());
             batches
-                .rollout(&how, Torques::Held(&states.tau), &mut q, &mut v, (&mut [], &mut []), &go_on)
+                .rollout(&how, Torques::Held(&states.tau), RolloutStates::ends(&mut q, &mut v), None)
                 .unwrap();
             let wide = |rows: &[f32]| -> Vec<f64> { rows.iter().map(|&x| f64::from(x)).collect() };
             let (mut q_there, mut v_there, tau) = (wide(&states.q), wide(&states.v), wide(&states.tau));
@@ -155,7 +158,7 @@ fn a_falling_pendulum_conserves_energy() {
     let mut batches = device.compile::<f32>(&model, &[Function::Rk4Step]).unwrap();
     let (mut q, mut v) = (vec![0.0_f32; 3], vec![0.0_f32; 3]);
     let how = Rollout::new(Integrator::RungeKutta4, 1e-3, 500);
-    batches.rollout(&how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on).unwrap();
+    batches.rollout(&how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None).unwrap();
     assert!(v[0].abs() > 1.0, "{v:?}");
     for (q, v) in q.into_iter().zip(v) {
         let (q, v) = (f64::from(q), f64::from(v));
@@ -182,7 +185,7 @@ fn progress_is_reported_and_a_rollout_can_be_cancelled() {
         assert!(progress.done > last.swap(progress.done, Ordering::Relaxed) && progress.total == 20_000);
         ControlFlow::Continue(())
     };
-    batches.rollout(&how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &listen).unwrap();
+    batches.rollout(&how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), Some(&listen)).unwrap();
     assert_eq!(last.into_inner(), 20_000);
     let whole = (q, v);
     // After the first 64 states; halfway through them; at the very end.
@@ -191,7 +194,7 @@ fn progress_is_reported_and_a_rollout_can_be_cancelled() {
         let stop = |progress: robot_dynamics_gpu::RolloutProgress| {
             if progress.done >= limit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let result = batches.rollout(&how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &stop);
+        let result = batches.rollout(&how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), Some(&stop));
         if first_unfinished == 100 {
             // All states are finished.
             assert!(result.is_ok() && (q, v) == whole);

@@ -64,8 +64,12 @@ const INVERSE_DYNAMICS_DERIVATIVES: Row = Row {
     results: &[Shape::Square, Shape::Square],
     work: Work::Each(|m, s, x, frames, [by_q, by_v, ..]| {
         let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
+        let out = robot_dynamics::derivatives::InverseDynamicsDerivativesMut {
+            by_position: by_q,
+            by_velocity: by_v,
+        };
         robot_dynamics::derivatives::inverse_dynamics_derivatives_with_wrenches(
-            m, w, x[0], x[1], x[2], &pushed, by_q, by_v,
+            m, w, x[0], x[1], x[2], &pushed, out,
         );
     }),
 };
@@ -76,8 +80,13 @@ const FORWARD_DYNAMICS_DERIVATIVES: Row = Row {
     results: &[Shape::Square, Shape::Square, Shape::Square],
     work: Work::Each(|m, s, x, frames, [by_q, by_v, by_tau, ..]| {
         let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
+        let out = robot_dynamics::derivatives::ForwardDynamicsDerivativesMut {
+            by_position: by_q,
+            by_velocity: by_v,
+            by_force: by_tau,
+        };
         robot_dynamics::derivatives::forward_dynamics_derivatives_with_wrenches(
-            m, w, x[0], x[1], x[2], &pushed, by_q, by_v, by_tau,
+            m, w, x[0], x[1], x[2], &pushed, out,
         );
     }),
 };

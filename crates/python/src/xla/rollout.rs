@@ -1,11 +1,10 @@
 //! Rollouts, their pullbacks and their tangents.
 
-use std::ops::ControlFlow;
-
 use rayon::prelude::*;
 use robot_dynamics::batch::{self, Rollout, RolloutError, Torques};
 use robot_dynamics::derivatives::{
-    LinearizeStepWorkspace, StepPullbackWorkspace, linearize_step, step_pullback,
+    LinearizeStepWorkspace, LinearizedStep, MotionCotangents, RobotState, StepPullbackWorkspace,
+    linearize_step, step_pullback,
 };
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace, step};
@@ -118,8 +117,8 @@ fn rollout_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
         v.copy_from_slice(v0);
         let mut memory = T::batches(robot).take(&robot.model, threads).map_err(|error| error.to_string())?;
         let (workspace, torques) = (&mut memory.workspace, course.torques(tau));
-        let go_on = |_| ControlFlow::Continue(());
-        let outcome = batch::rollout(&robot.model, workspace, &course.how, torques, q, v, trajectory, &go_on);
+        let states = batch::RolloutStates { q, v, q_trajectory: trajectory.0, v_trajectory: trajectory.1 };
+        let outcome = batch::rollout(&robot.model, workspace, &course.how, torques, states, None);
         T::batches(robot).give(memory);
         error_of(outcome)
     })
@@ -147,19 +146,26 @@ fn rollout_pullback_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
         by_q.copy_from_slice(given_q);
         by_v.copy_from_slice(given_v);
         let mut memory = T::batches(robot).take(&robot.model, threads).map_err(|error| error.to_string())?;
+        let inputs = batch::RolloutPullbackInputs {
+            spacing: 0,
+            torques: course.torques(tau),
+            q,
+            v,
+            trajectory: batch::TrajectoryCotangents { by_position: trajectory.0, by_velocity: trajectory.1 },
+        };
+        let cotangents = batch::MotionCotangents {
+            by_position: by_q,
+            by_velocity: by_v,
+            by_force: by_tau,
+            parameters: by_parameters,
+        };
         let outcome = batch::rollout_pullback(
             &robot.model,
             &mut memory.workspace,
             &course.how,
-            0,
-            course.torques(tau),
-            q,
-            v,
-            trajectory,
-            (by_q, by_v),
-            by_tau,
-            by_parameters,
-            &|_| ControlFlow::Continue(()),
+            &inputs,
+            cotangents,
+            None,
         );
         T::batches(robot).give(memory);
         error_of(outcome)
@@ -235,8 +241,17 @@ fn tangent_of_one<T: Number>(
             change[2 * nv..].copy_from_slice(&by_tau[rows]);
         }
         let forces = StepForces::new(&force, how.dissipation);
-        linearize_step(model, how.integrator, &mut slopes, &forces, how.step, &q, &v, &mut a, &mut b)
-            .map_err(|error| error.to_string())?;
+        let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
+        linearize_step(
+            model,
+            how.integrator,
+            &mut slopes,
+            &forces,
+            how.step,
+            RobotState { q: &q, v: &v },
+            out,
+        )
+        .map_err(|error| error.to_string())?;
         for (i, next) in next.iter_mut().enumerate() {
             let of_state = a[2 * nv * i..2 * nv * (i + 1)].iter().zip(&change[..2 * nv]);
             let of_force = b[nv * i..nv * (i + 1)].iter().zip(&change[2 * nv..]);
@@ -303,18 +318,16 @@ impl AlongParameters {
             cotangent[i] = 1.0;
             row.fill(0.0);
             let (by_q, by_v) = cotangent.split_at_mut(model.nv());
+            let cotangents =
+                MotionCotangents { by_position: by_q, by_velocity: by_v, by_force, parameters: row };
             step_pullback(
                 model,
                 how.integrator,
                 workspace,
                 forces,
                 how.step,
-                q,
-                v,
-                by_q,
-                by_v,
-                by_force,
-                row,
+                RobotState { q, v },
+                cotangents,
             )
             .map_err(|error| error.to_string())?;
             *moved += row.iter().zip(&*change).map(|(slope, change)| slope * change).sum::<f64>();

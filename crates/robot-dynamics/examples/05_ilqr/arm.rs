@@ -4,7 +4,7 @@
 use std::error::Error;
 
 use nalgebra::{DMatrix, DVector};
-use robot_dynamics::derivatives::{LinearizeStepWorkspace, linearize_step};
+use robot_dynamics::derivatives::{LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_step};
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace, step};
 
@@ -50,7 +50,8 @@ impl Plant for Arm<'_> {
         let forces = StepForces::new(u.as_slice(), true);
         let (mut a, mut b) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
         let (integrator, workspace) = (Integrator::RungeKutta4, &mut self.linearizing);
-        linearize_step(self.model, integrator, workspace, &forces, self.h, q, v, &mut a, &mut b)?;
+        let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
+        linearize_step(self.model, integrator, workspace, &forces, self.h, RobotState { q, v }, out)?;
         Ok((DMatrix::from_row_slice(2 * n, 2 * n, &a), DMatrix::from_row_slice(2 * n, n, &b)))
     }
 }

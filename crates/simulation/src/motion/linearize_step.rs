@@ -14,8 +14,8 @@ use core::fmt;
 
 use robot_dynamics_core::configuration::displacement_rate::displacement_rate;
 use robot_dynamics_core::{
-    Model, SingularMass, Workspace, check_rank, dissipation_derivative, forward_dynamics,
-    forward_dynamics_derivatives, integrate,
+    ForwardDynamicsDerivativesMut, Model, SingularMass, Workspace, check_rank, dissipation_derivative,
+    forward_dynamics, forward_dynamics_derivatives, integrate,
 };
 use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::{
@@ -26,6 +26,7 @@ use robot_dynamics_number::{Classified, ErrorKind};
 use self::displacement::{rate_change, retraction_change};
 use self::product::multiply_changes;
 use crate::StepForces;
+use crate::motion::RobotState;
 use crate::motion::integrate::explicit::{explicit_names, most_stages, scale, start_from, sum_stages};
 use crate::motion::integrate::{check_step, net_force};
 
@@ -138,6 +139,15 @@ impl LinearizeStepWorkspace {
     }
 }
 
+/// The derivatives A and B of a step, as the outputs of [`linearize_step`] and [`linearize_by_differences`].
+#[derive(Debug)]
+pub struct LinearizedStep<'a> {
+    /// A: the derivative of the next state (δq₁, δv₁) by the state (δq₀, δv₀), 2nv×2nv, row-major.
+    pub by_state: &'a mut [f64],
+    /// B: the derivative of the next state by τ, 2nv×nv, row-major.
+    pub by_force: &'a mut [f64],
+}
+
 /// The exact derivatives A and B of one [`step`](crate::step): (δq₁, δv₁) = A (δq₀, δv₀) + B δτ.
 ///
 /// A is 2nv×2nv and B is 2nv×nv, row-major. δq is the displacement of [`integrate`](robot_dynamics_core::integrate()): q₀ ⊕
@@ -150,7 +160,7 @@ impl LinearizeStepWorkspace {
 /// **(HLW §III.4)** Damping follows v; the sign of the friction is held constant.
 ///
 /// ```
-/// use robot_dynamics::derivatives::{LinearizeStepWorkspace, linearize_step};
+/// use robot_dynamics::derivatives::{LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_step};
 /// use robot_dynamics::description::{RandomRobotOptions, random_robot};
 /// use robot_dynamics::model::{Model, neutral};
 /// use robot_dynamics::simulation::{Integrator, StepForces};
@@ -161,7 +171,9 @@ impl LinearizeStepWorkspace {
 /// let (mut a, mut b) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
 /// let mut workspace = LinearizeStepWorkspace::new(&model);
 /// let row = Integrator::ExplicitEuler;
-/// linearize_step(&model, row, &mut workspace, &forces, h, &neutral(&model), &v, &mut a, &mut b)?;
+/// let state = RobotState { q: &neutral(&model), v: &v };
+/// let derivatives = LinearizedStep { by_state: &mut a, by_force: &mut b };
+/// linearize_step(&model, row, &mut workspace, &forces, h, state, derivatives)?;
 /// // An explicit Euler step moves by h v₀ for any force: the upper half of B is zero.
 /// assert!(b[..n * n].iter().all(|&x| x == 0.0) && b[n * n..].iter().any(|&x| x != 0.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -175,7 +187,6 @@ impl LinearizeStepWorkspace {
 ///
 /// # Panics
 /// Panics if a slice has the wrong length.
-#[allow(clippy::too_many_arguments)] // the arguments of `step`, and two results
 #[track_caller]
 pub fn linearize_step(
     model: &Model,
@@ -183,10 +194,8 @@ pub fn linearize_step(
     workspace: &mut LinearizeStepWorkspace,
     forces: &StepForces<'_>,
     h: f64,
-    q: &[f64],
-    v: &[f64],
-    by_state: &mut [f64],
-    by_force: &mut [f64],
+    RobotState { q, v }: RobotState<'_>,
+    LinearizedStep { by_state, by_force }: LinearizedStep<'_>,
 ) -> Result<(), LinearizeStepError> {
     let nv = model.nv;
     check_step(h).map_err(LinearizeStepError::Step)?;
@@ -294,7 +303,8 @@ fn accelerate(
     forward_dynamics(model, &mut w.dynamics, &w.q, &w.v, &w.force, acceleration);
     check_finite("the acceleration", acceleration)?;
     let (by_q, by_v, by_tau) = (&mut w.by_position, &mut w.by_velocity, &mut w.by_force);
-    forward_dynamics_derivatives(model, &mut w.dynamics, &w.q, &w.v, &w.force, by_q, by_v, by_tau);
+    let out = ForwardDynamicsDerivativesMut { by_position: by_q, by_velocity: by_v, by_force: by_tau };
+    forward_dynamics_derivatives(model, &mut w.dynamics, &w.q, &w.v, &w.force, out);
     if forces.dissipation {
         dissipation_derivative(model, &mut w.damping);
         for (row, inverse) in by_v.chunks_exact_mut(n).zip(by_tau.chunks_exact(n)) {

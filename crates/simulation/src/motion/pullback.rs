@@ -8,12 +8,14 @@
 //!
 //! Source: Griewank, Walther, *Evaluating Derivatives* (2008), ch. 3.2 and 12 (checkpoints).
 
+mod cotangents;
 pub mod course;
 mod error;
 pub mod rollout;
 pub mod stages;
 mod step;
 
+pub use cotangents::{MotionCotangents, TrajectoryCotangents};
 pub use error::PullbackError;
 pub use rollout::{Rollout, RolloutPullbackWorkspace, rollout_pullback};
 pub use step::{StepPullbackWorkspace, step_pullback};

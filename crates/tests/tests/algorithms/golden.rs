@@ -13,7 +13,10 @@ use robot_dynamics::algorithms::{
     frame_bias_acceleration, frame_jacobian, frame_pose, gravity, inverse_dynamics, inverse_mass_matrix,
     joint_torque_regressor, kinetic_energy, mass_matrix, potential_energy,
 };
-use robot_dynamics::derivatives::{forward_dynamics_derivatives, inverse_dynamics_derivatives};
+use robot_dynamics::derivatives::{
+    ForwardDynamicsDerivativesMut, InverseDynamicsDerivativesMut, forward_dynamics_derivatives,
+    inverse_dynamics_derivatives,
+};
 use robot_dynamics::description::{Base, RobotDescription};
 use robot_dynamics::model::{Model, Workspace};
 use serde::Deserialize;
@@ -220,11 +223,17 @@ fn derivatives_match_pinocchio() {
             let q = &state.q()[..];
             let [v, a, tau] = ["v", "a", "tau"].map(|name| state.vector(name));
             let [mut by_q, mut by_v, mut by_tau] = [(); 3].map(|()| vec![0.0; nv * nv]);
-            inverse_dynamics_derivatives(model, w, q, &v, &a, &mut by_q, &mut by_v);
+            let out = InverseDynamicsDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v };
+            inverse_dynamics_derivatives(model, w, q, &v, &a, out);
             state.close("∂τ/∂q", &by_q, &state.square("inverse_dynamics_by_q"), TOLERANCE);
             state.close("∂τ/∂v", &by_v, &state.square("inverse_dynamics_by_v"), TOLERANCE);
             let solved = 10.0 * state.condition() * f64::EPSILON;
-            forward_dynamics_derivatives(model, w, q, &v, &tau, &mut by_q, &mut by_v, &mut by_tau);
+            let out = ForwardDynamicsDerivativesMut {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+                by_force: &mut by_tau,
+            };
+            forward_dynamics_derivatives(model, w, q, &v, &tau, out);
             state.close("∂a/∂q", &by_q, &state.square("forward_dynamics_by_q"), solved);
             state.close("∂a/∂v", &by_v, &state.square("forward_dynamics_by_v"), solved);
             state.close("∂a/∂τ", &by_tau, &state.square("inverse_mass_matrix"), solved);

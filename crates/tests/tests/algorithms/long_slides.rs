@@ -9,8 +9,9 @@ use robot_dynamics::algorithms::{
 };
 use robot_dynamics::control::inertial_parameter_names;
 use robot_dynamics::derivatives::{
-    center_of_mass_velocity_derivative, forward_dynamics_derivatives, frame_acceleration_derivatives,
-    frame_velocity_derivative, gravity_derivative, inverse_dynamics_derivatives,
+    ForwardDynamicsDerivativesMut, InverseDynamicsDerivativesMut, center_of_mass_velocity_derivative,
+    forward_dynamics_derivatives, frame_acceleration_derivatives, frame_velocity_derivative,
+    gravity_derivative, inverse_dynamics_derivatives,
 };
 use robot_dynamics::description::{
     Base, JointDescription, JointKind, Limits, LinkDescription, MassProperties, Pose, RandomRobotOptions,
@@ -124,10 +125,16 @@ fn quantities(
     forward_dynamics_by_cholesky(model, workspace, q, v, tau, &mut vector);
     add("forward dynamics by Cholesky", [-1, 0], vector);
     let [mut by_q, mut by_v, mut by_tau] = [(); 3].map(|()| vec![0.0; n * n]);
-    inverse_dynamics_derivatives(model, workspace, q, v, a, &mut by_q, &mut by_v);
+    let out = InverseDynamicsDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v };
+    inverse_dynamics_derivatives(model, workspace, q, v, a, out);
     add("∂τ/∂q", [1, 1], by_q.clone());
     add("∂τ/∂v", [1, 1], by_v.clone());
-    forward_dynamics_derivatives(model, workspace, q, v, tau, &mut by_q, &mut by_v, &mut by_tau);
+    let out = ForwardDynamicsDerivativesMut {
+        by_position: &mut by_q,
+        by_velocity: &mut by_v,
+        by_force: &mut by_tau,
+    };
+    forward_dynamics_derivatives(model, workspace, q, v, tau, out);
     add("∂a/∂q", [-1, 1], by_q);
     add("∂a/∂v", [-1, 1], by_v);
     add("∂a/∂τ", [-1, -1], by_tau);
@@ -341,23 +348,27 @@ fn long_slides_within_tree_keep_accuracy() {
             inverse_dynamics(&model, workspace, q, &v, &acceleration, &mut found);
             check("forward dynamics", &tau, &found, [1, 0]);
             let [mut by_q, mut by_v] = [(); 2].map(|()| vec![0.0; n * n]);
-            inverse_dynamics_derivatives(&model, workspace, q, &v, &a, &mut by_q, &mut by_v);
+            let out = InverseDynamicsDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v };
+            inverse_dynamics_derivatives(&model, workspace, q, &v, &a, out);
             let (dual_q, dual_v) = dual_derivatives(&model, q, &v, &a);
             check("∂τ/∂q", &by_q, &dual_q, [1, 1]);
             check("∂τ/∂v", &by_v, &dual_v, [1, 1]);
             let [mut a_by_q, mut a_by_v, mut a_by_tau] = [(); 3].map(|()| vec![0.0; n * n]);
-            forward_dynamics_derivatives(
+            let out = ForwardDynamicsDerivativesMut {
+                by_position: &mut a_by_q,
+                by_velocity: &mut a_by_v,
+                by_force: &mut a_by_tau,
+            };
+            forward_dynamics_derivatives(&model, workspace, q, &v, &tau, out);
+            // M ∂a/∂x = −∂τ/∂x at the acceleration.
+            inverse_dynamics_derivatives(
                 &model,
                 workspace,
                 q,
                 &v,
-                &tau,
-                &mut a_by_q,
-                &mut a_by_v,
-                &mut a_by_tau,
+                &acceleration,
+                InverseDynamicsDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v },
             );
-            // M ∂a/∂x = −∂τ/∂x at the acceleration.
-            inverse_dynamics_derivatives(&model, workspace, q, &v, &acceleration, &mut by_q, &mut by_v);
             let times = |matrix: &[f64]| -> Vec<f64> {
                 let entry =
                     |i: usize, j: usize| -> f64 { (0..n).map(|k| mass[i * n + k] * matrix[k * n + j]).sum() };

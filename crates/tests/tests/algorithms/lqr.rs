@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Matrix3};
 use robot_dynamics::control::{Dlqr, DlqrError, dlqr};
-use robot_dynamics::derivatives::{LinearizeStepWorkspace, linearize_step};
+use robot_dynamics::derivatives::{LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_step};
 use robot_dynamics::description::{
     JointDescription, JointKind, LinkDescription, MassProperties, Pose, RobotDescription,
 };
@@ -32,7 +32,8 @@ fn regulator(model: &Model, q: &[f64], tau: &[f64], motors: &[usize]) -> (DMatri
     let forces = StepForces::new(tau, false);
     let mut workspace = LinearizeStepWorkspace::new(model);
     let row = Integrator::RungeKutta4;
-    linearize_step(model, row, &mut workspace, &forces, H, q, &vec![0.0; n], &mut a, &mut b).unwrap();
+    let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
+    linearize_step(model, row, &mut workspace, &forces, H, RobotState { q, v: &vec![0.0; n] }, out).unwrap();
     let a = DMatrix::from_row_slice(2 * n, 2 * n, &a);
     let b = DMatrix::from_row_slice(2 * n, n, &b).select_columns(motors);
     let effort = DMatrix::identity(motors.len(), motors.len()) * 1e-2;
@@ -162,8 +163,16 @@ fn every_fully_actuated_robot_has_a_gain() {
             let (mut a, mut b) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
             let row = Integrator::RungeKutta4;
             // Where M is singular there is no step.
-            if linearize_step(model, row, workspace, &forces, h, &robot.state.q, &rest, &mut a, &mut b)
-                .is_err()
+            if linearize_step(
+                model,
+                row,
+                workspace,
+                &forces,
+                h,
+                RobotState { q: &robot.state.q, v: &rest },
+                LinearizedStep { by_state: &mut a, by_force: &mut b },
+            )
+            .is_err()
             {
                 continue;
             }

@@ -1,8 +1,6 @@
 //! Every checked call with NaN and both infinities in each entry of each argument. The result is an error
 //! that names the argument, and an `Ok` holds finite numbers only.
 
-use std::ops::ControlFlow;
-
 use dynamics::{PdHold, Reach2R, hold};
 use nalgebra::{DVector, SVector};
 use robot_dynamics::algorithms::{ReferenceFrame, Twist};
@@ -236,7 +234,13 @@ fn steps_and_runs_reject_non_finite() {
             let (mut a, mut b) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
             let w = &mut workspace;
             text(robot_dynamics::derivatives::linearize_step(
-                m, integrator, w, &forces, x[1][0], &x[2], &x[3], &mut a, &mut b,
+                m,
+                integrator,
+                w,
+                &forces,
+                x[1][0],
+                robot_dynamics::derivatives::RobotState { q: &x[2], v: &x[3] },
+                robot_dynamics::derivatives::LinearizedStep { by_state: &mut a, by_force: &mut b },
             ))?;
             Ok([a, b].concat())
         });
@@ -255,12 +259,13 @@ fn steps_and_runs_reject_non_finite() {
             w,
             &forces,
             x[1][0],
-            &x[2],
-            &x[3],
-            &mut by_q,
-            &mut by_v,
-            &mut by_tau,
-            p,
+            robot_dynamics::derivatives::RobotState { q: &x[2], v: &x[3] },
+            robot_dynamics::derivatives::MotionCotangents {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+                by_force: &mut by_tau,
+                parameters: p,
+            },
         ))?;
         Ok([by_q, by_v, by_tau, parameters].concat())
     });
@@ -278,14 +283,15 @@ fn steps_and_runs_reject_non_finite() {
             m,
             &rollout,
             w,
+            robot_dynamics::derivatives::RobotState { q: &x[2], v: &x[3] },
             &x[0],
-            &x[2],
-            &x[3],
-            path,
-            &mut by_q,
-            &mut by_v,
-            &mut by_tau,
-            &mut [],
+            robot_dynamics::derivatives::TrajectoryCotangents { by_position: path.0, by_velocity: path.1 },
+            robot_dynamics::derivatives::MotionCotangents {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+                by_force: &mut by_tau,
+                parameters: &mut [],
+            },
         ))?;
         Ok([by_q, by_v, by_tau].concat())
     });
@@ -674,13 +680,24 @@ fn batches_reject_non_finite() {
     });
     probe("batch::inverse_dynamics_derivatives", &states(), |x| {
         let [mut by_q, mut by_v] = [(); 2].map(|()| vec![0.0; count * nv * nv]);
-        text(batch::inverse_dynamics_derivatives(m, w, &x[0], &x[1], &x[2], &mut by_q, &mut by_v))?;
+        text(batch::inverse_dynamics_derivatives(
+            m,
+            w,
+            &x[0],
+            &x[1],
+            &x[2],
+            batch::InverseDynamicsDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v },
+        ))?;
         Ok([by_q, by_v].concat())
     });
     probe("batch::forward_dynamics_derivatives", &states(), |x| {
         let [mut by_q, mut by_v, mut by_tau] = [(); 3].map(|()| vec![0.0; count * nv * nv]);
-        let done =
-            batch::forward_dynamics_derivatives(m, w, &x[0], &x[1], &x[2], &mut by_q, &mut by_v, &mut by_tau);
+        let out = batch::ForwardDynamicsDerivativesMut {
+            by_position: &mut by_q,
+            by_velocity: &mut by_v,
+            by_force: &mut by_tau,
+        };
+        let done = batch::forward_dynamics_derivatives(m, w, &x[0], &x[1], &x[2], out);
         text(done).map(|()| [by_q, by_v, by_tau].concat())
     });
     for (integrator, steps) in
@@ -691,8 +708,7 @@ fn batches_reject_non_finite() {
         let mut run = |x: &[Vec<f64>], torques: Torques<'_, f64>| {
             let (mut q, mut v) = (x[0].clone(), x[1].clone());
             let how = Rollout::new(integrator, x[2][0], steps);
-            let go_on = |_| ControlFlow::Continue(());
-            let done = batch::rollout(m, w, &how, torques, &mut q, &mut v, (&mut [], &mut []), &go_on);
+            let done = batch::rollout(m, w, &how, torques, batch::RolloutStates::ends(&mut q, &mut v), None);
             text(done).map(|()| [q, v].concat())
         };
         let free: Vec<Argument> = tables().collect();

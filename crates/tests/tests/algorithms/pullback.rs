@@ -45,23 +45,23 @@ fn inverse_dynamics_match_the_jacobians() {
         let allowed = ROUNDING * robot.force_size(a) * size(&lambda) * n as f64;
         for wrenches in [vec![], robot.wrenches()] {
             let (mut by_q, mut by_v) = (vec![0.0; n * n], vec![0.0; n * n]);
+            let out = robot_dynamics::derivatives::InverseDynamicsDerivativesMut {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+            };
             robot_dynamics::derivatives::inverse_dynamics_derivatives_with_wrenches(
-                model, w, q, v, a, &wrenches, &mut by_q, &mut by_v,
+                model, w, q, v, a, &wrenches, out,
             );
             // The pullback overwrites the previous content of the results.
             let [mut x, mut y, mut z] = [(); 3].map(|()| vec![7.0; n]);
+            let out = robot_dynamics::derivatives::InversePullbackMut {
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_acceleration: &mut z,
+                parameters: &mut [],
+            };
             robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters(
-                model,
-                w,
-                q,
-                v,
-                a,
-                &wrenches,
-                &lambda,
-                &mut x,
-                &mut y,
-                &mut z,
-                &mut [],
+                model, w, q, v, a, &wrenches, &lambda, out,
             );
             robot.require("λᵀ∂τ/∂q", max_difference(&x, &transposed(&by_q, &lambda)), allowed);
             robot.require("λᵀ∂τ/∂v", max_difference(&y, &transposed(&by_v, &lambda)), allowed);
@@ -89,8 +89,14 @@ fn pullbacks_are_adjoint_to_dual_numbers() {
         let mut result = vec![Dual::constant(0.0); n];
 
         robot_dynamics::algorithms::inverse_dynamics(model, dual, &q, &v, &along(&state.a, &da), &mut result);
+        let out = robot_dynamics::derivatives::InversePullbackMut {
+            by_position: x,
+            by_velocity: y,
+            by_acceleration: z,
+            parameters: &mut [],
+        };
         robot_dynamics::derivatives::inverse_dynamics_pullback(
-            model, w, &state.q, &state.v, &state.a, &lambda, x, y, z,
+            model, w, &state.q, &state.v, &state.a, &lambda, out,
         );
         let found = dot(x, &dq) + dot(y, &dv) + dot(z, &da);
         let allowed = ROUNDING * robot.force_size(&state.a) * size(&lambda) * (n * n) as f64;
@@ -105,8 +111,15 @@ fn pullbacks_are_adjoint_to_dual_numbers() {
             &mut result,
         );
         let mut a = vec![7.0; n];
+        let out = robot_dynamics::derivatives::ForwardPullbackMut {
+            acceleration: &mut a,
+            by_position: x,
+            by_velocity: y,
+            by_force: z,
+            parameters: &mut [],
+        };
         robot_dynamics::derivatives::forward_dynamics_pullback(
-            model, w, &state.q, &state.v, &state.tau, &lambda, &mut a, x, y, z,
+            model, w, &state.q, &state.v, &state.tau, &lambda, out,
         );
         let expected = dot(&lambda, &change(&result));
         let found = dot(x, &dq) + dot(y, &dv) + dot(z, &da);
@@ -125,16 +138,13 @@ fn forward_dynamics_match_the_jacobians() {
         let rounding = 1e2 * f64::EPSILON * robot.condition();
         for wrenches in [vec![], robot.wrenches()] {
             let [mut by_q, mut by_v, mut by_tau] = [(); 3].map(|()| vec![0.0; n * n]);
+            let out = robot_dynamics::derivatives::ForwardDynamicsDerivativesMut {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+                by_force: &mut by_tau,
+            };
             robot_dynamics::derivatives::forward_dynamics_derivatives_with_wrenches(
-                model,
-                w,
-                q,
-                v,
-                tau,
-                &wrenches,
-                &mut by_q,
-                &mut by_v,
-                &mut by_tau,
+                model, w, q, v, tau, &wrenches, out,
             );
             let mut expected_a = vec![0.0; n];
             robot_dynamics::algorithms::forward_dynamics_with_wrenches(
@@ -147,19 +157,15 @@ fn forward_dynamics_match_the_jacobians() {
                 &mut expected_a,
             );
             let [mut a, mut x, mut y, mut z] = [(); 4].map(|()| vec![7.0; n]);
+            let out = robot_dynamics::derivatives::ForwardPullbackMut {
+                acceleration: &mut a,
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_force: &mut z,
+                parameters: &mut [],
+            };
             robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters(
-                model,
-                w,
-                q,
-                v,
-                tau,
-                &wrenches,
-                &lambda,
-                &mut a,
-                &mut x,
-                &mut y,
-                &mut z,
-                &mut [],
+                model, w, q, v, tau, &wrenches, &lambda, out,
             );
             let scale = size(&lambda) * n as f64;
             robot.require("a", max_difference(&a, &expected_a), rounding * size(&expected_a));
@@ -188,6 +194,12 @@ fn inertial_parameters_match_the_regressor() {
         let [mut x, mut y, mut z] = [(); 3].map(|()| vec![0.0; n]);
         // The pullback adds to the previous content.
         let mut parameters = vec![2.0; parameter_count(model)];
+        let out = robot_dynamics::derivatives::InversePullbackMut {
+            by_position: &mut x,
+            by_velocity: &mut y,
+            by_acceleration: &mut z,
+            parameters: &mut parameters,
+        };
         robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters(
             model,
             w,
@@ -196,10 +208,7 @@ fn inertial_parameters_match_the_regressor() {
             a,
             &[],
             &lambda,
-            &mut x,
-            &mut y,
-            &mut z,
-            &mut parameters,
+            out,
         );
         for x in &mut parameters {
             *x -= 2.0;
@@ -211,6 +220,13 @@ fn inertial_parameters_match_the_regressor() {
         // Forward dynamics at its acceleration: −λᵀY with λ = M⁻¹ā.
         let mut acceleration = vec![0.0; n];
         parameters.fill(0.0);
+        let out = robot_dynamics::derivatives::ForwardPullbackMut {
+            acceleration: &mut acceleration,
+            by_position: &mut x,
+            by_velocity: &mut y,
+            by_force: &mut z,
+            parameters: &mut parameters,
+        };
         robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters(
             model,
             w,
@@ -219,11 +235,7 @@ fn inertial_parameters_match_the_regressor() {
             &state.tau,
             &[],
             &lambda,
-            &mut acceleration,
-            &mut x,
-            &mut y,
-            &mut z,
-            &mut parameters,
+            out,
         );
         robot_dynamics::algorithms::joint_torque_regressor(model, w, q, v, &acceleration, &mut regressor);
         let found = ParameterCotangents::of(model, &parameters).inertial;
@@ -246,6 +258,12 @@ fn passive_parameters_and_gravity_match_rebuilt_models() {
             let w = &mut Workspace::new(model);
             let (x, y, z) = (&mut vec![0.0; n], &mut vec![0.0; n], &mut vec![0.0; n]);
             let mut parameters = vec![0.0; parameter_count(model)];
+            let out = robot_dynamics::derivatives::InversePullbackMut {
+                by_position: x,
+                by_velocity: y,
+                by_acceleration: z,
+                parameters: &mut parameters,
+            };
             robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters(
                 model,
                 w,
@@ -254,10 +272,7 @@ fn passive_parameters_and_gravity_match_rebuilt_models() {
                 &state.a,
                 &[],
                 &lambda,
-                x,
-                y,
-                z,
-                &mut parameters,
+                out,
             );
             robot_dynamics::derivatives::dissipation_pullback(model, &state.v, &lambda, y, &mut parameters);
             let by = ParameterCotangents::of(model, &parameters);
@@ -386,6 +401,12 @@ fn second_derivatives_are_symmetric() {
             let q: Vec<First> =
                 state.q.iter().zip(x).map(|(&value, &x)| Dual { value, gradient: [x] }).collect();
             let [mut by_q, mut by_v, mut by_a] = [(); 3].map(|()| constants(&vec![0.0; n]));
+            let out = robot_dynamics::derivatives::InversePullbackMut {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+                by_acceleration: &mut by_a,
+                parameters: &mut [],
+            };
             robot_dynamics::derivatives::inverse_dynamics_pullback(
                 model,
                 w,
@@ -393,9 +414,7 @@ fn second_derivatives_are_symmetric() {
                 &constants(&state.v),
                 &constants(&state.a),
                 &constants(&lambda),
-                &mut by_q,
-                &mut by_v,
-                &mut by_a,
+                out,
             );
             by_q.iter().zip(y).map(|(q, y)| q.gradient[0] * y).sum::<f64>()
         };
@@ -450,6 +469,12 @@ fn both<S: Scalar>(model: &Model, w: &mut Workspace<S>, state: &RandomState, lam
     let [mut x, mut y, mut z, mut r] = [(); 4].map(|()| vector());
     let [mut x2, mut y2, mut z2] = [(); 3].map(|()| vector());
     let [mut p, mut p2] = [(); 2].map(|()| vec![S::zero(); parameter_count(model)]);
+    let out = robot_dynamics::derivatives::InversePullbackMut {
+        by_position: &mut x,
+        by_velocity: &mut y,
+        by_acceleration: &mut z,
+        parameters: &mut p,
+    };
     robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters(
         model,
         w,
@@ -458,11 +483,15 @@ fn both<S: Scalar>(model: &Model, w: &mut Workspace<S>, state: &RandomState, lam
         &a,
         &[],
         &lambda,
-        &mut x,
-        &mut y,
-        &mut z,
-        &mut p,
+        out,
     );
+    let out = robot_dynamics::derivatives::ForwardPullbackMut {
+        acceleration: &mut r,
+        by_position: &mut x2,
+        by_velocity: &mut y2,
+        by_force: &mut z2,
+        parameters: &mut p2,
+    };
     robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters(
         model,
         w,
@@ -471,11 +500,7 @@ fn both<S: Scalar>(model: &Model, w: &mut Workspace<S>, state: &RandomState, lam
         &tau,
         &[],
         &lambda,
-        &mut r,
-        &mut x2,
-        &mut y2,
-        &mut z2,
-        &mut p2,
+        out,
     );
     vec![x, y, z, p, r, x2, y2, z2, p2]
 }

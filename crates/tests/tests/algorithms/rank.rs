@@ -8,7 +8,9 @@ use robot_dynamics::constraints::{
     constrained_forward_dynamics,
 };
 use robot_dynamics::control::operational_space;
-use robot_dynamics::derivatives::{LinearizeStepError, LinearizeStepWorkspace, linearize_step};
+use robot_dynamics::derivatives::{
+    LinearizeStepError, LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_step,
+};
 use robot_dynamics::description::{
     Base, JointDescription, JointKind, LinkDescription, MassProperties, Mimic, Pose, RobotDescription,
 };
@@ -340,8 +342,17 @@ fn functions_with_inverse_name_singular_joints() {
     let forces = StepForces::new(&tau, false);
     let (a, b) = (&mut [0.0; 16], &mut [0.0; 8]);
     let stepping = &mut LinearizeStepWorkspace::new(&model);
-    let error =
-        linearize_step(&model, Integrator::RungeKutta4, stepping, &forces, 1e-3, &q, &v, a, b).unwrap_err();
+    let out = LinearizedStep { by_state: a, by_force: b };
+    let error = linearize_step(
+        &model,
+        Integrator::RungeKutta4,
+        stepping,
+        &forces,
+        1e-3,
+        RobotState { q: &q, v: &v },
+        out,
+    )
+    .unwrap_err();
     let LinearizeStepError::SingularMass(mass) = &error else { panic!("{error}") };
     assert_eq!(mass.joints(), names);
     // Finite numbers that overflow during the computation do not indicate a singular mass matrix.

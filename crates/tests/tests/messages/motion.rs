@@ -1,10 +1,12 @@
-use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques, rollout};
+use robot_dynamics::batch::{BatchWorkspace, Rollout, RolloutStates, Torques, rollout};
 use robot_dynamics::constraints::{
     ConstrainedMotionError, ConstraintOptions, ConstraintSet, ContactSupport, FrameConstraint, LoopClosure,
     RedundantRows, SpatialAxis, SupportProblem, constrained_forward_dynamics, supported_inverse_dynamics,
 };
 use robot_dynamics::control::operational_space;
-use robot_dynamics::derivatives::{PullbackError, StepPullbackWorkspace, step_pullback};
+use robot_dynamics::derivatives::{
+    MotionCotangents, PullbackError, RobotState, StepPullbackWorkspace, step_pullback,
+};
 use robot_dynamics::description::{LinkDescription, MassProperties, pendulum};
 use robot_dynamics::model::{Model, Workspace, check_configuration, neutral};
 use robot_dynamics::simulation::{
@@ -147,7 +149,10 @@ pub(crate) fn pullback_error() -> Section {
         let (w, forces) = (&mut StepPullbackWorkspace::new(&model), StepForces::new(&[0.0], false));
         let rk4 = Integrator::RungeKutta4;
         let (x, y, z) = (&mut [1.0], &mut [1.0], &mut [0.0]);
-        let error = step_pullback(&model, rk4, w, &forces, 1e-3, &[0.0], &[v], x, y, z, &mut []);
+        let cotangents =
+            MotionCotangents { by_position: x, by_velocity: y, by_force: z, parameters: &mut [] };
+        let error =
+            step_pullback(&model, rk4, w, &forces, 1e-3, RobotState { q: &[0.0], v: &[v] }, cotangents);
         section.row(input, error.expect_err(input));
     };
     pull("v of NaN", MassProperties::point(1.0, nalgebra::Vector3::x()).ok(), f64::NAN);
@@ -159,13 +164,13 @@ pub(crate) fn rollout_error() -> Section {
     let mut section = Section::new("RolloutError");
     let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
     let how = Rollout::new(Integrator::VariationalMidpoint, 1e-3, 5);
-    let go_on = |_| std::ops::ControlFlow::Continue(());
-    let (w, paths) = (&mut BatchWorkspace::<f64>::new(&model), (&mut [][..], &mut [][..]));
-    let error = rollout(&model, w, &how, Torques::Zero, &mut [0.0], &mut [0.0], paths, &go_on);
+    let w = &mut BatchWorkspace::<f64>::new(&model);
+    let (mut q, mut v) = ([0.0], [0.0]);
+    let error = rollout(&model, w, &how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None);
     section.row("an implicit row", error.expect_err("implicit"));
     let how = Rollout::new(Integrator::RungeKutta4, f64::INFINITY, 5);
-    let paths = (&mut [][..], &mut [][..]);
-    let error = rollout(&model, w, &how, Torques::Zero, &mut [0.0], &mut [0.0], paths, &go_on);
+    let (mut q, mut v) = ([0.0], [0.0]);
+    let error = rollout(&model, w, &how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None);
     section.row("an infinite step", error.expect_err("infinite"));
     section
 }

@@ -6,7 +6,7 @@ use robot_dynamics::constraints::{ConstraintSet, FrameConstraint, SpatialAxis};
 use robot_dynamics::control::{
     InverseKinematicsOptions, TaskControl, TaskGains, TaskReference, inverse_kinematics,
 };
-use robot_dynamics::derivatives::inverse_dynamics_pullback;
+use robot_dynamics::derivatives::{InversePullbackMut, inverse_dynamics_pullback};
 use robot_dynamics::description::pendulum;
 use robot_dynamics::model::{JointMap, Model, Workspace, neutral};
 use robot_dynamics::verification::lagrange;
@@ -71,7 +71,13 @@ pub(crate) fn wrong_lengths() -> Section {
     section.row("a q of 2 numbers for 1", message(|| gravity(&model, w, &[0.0; 2], &mut [0.0])));
     let pulled = message(|| {
         let (x, none) = (&mut [0.0], &mut []);
-        inverse_dynamics_pullback(&model, w, &[0.0], &[0.0], &[0.0], &[0.0], x, none, &mut [0.0]);
+        let out = InversePullbackMut {
+            by_position: x,
+            by_velocity: none,
+            by_acceleration: &mut [0.0],
+            parameters: &mut [],
+        };
+        inverse_dynamics_pullback(&model, w, &[0.0], &[0.0], &[0.0], &[0.0], out);
     });
     section.row("an empty cotangent", pulled);
     let floating = Model::new(floating_arm()).expect("a robot");
@@ -97,7 +103,10 @@ pub(crate) fn batches() -> Section {
     section.row("velocities of fewer states", message(|| batch::bias(&model, w, &q, &v[1..], &mut out)));
     section.row("one result", message(|| batch::gravity(&model, w, &q, &mut [0.0])));
     let (mut x, mut y) = ([0.0; 12], [0.0; 3]);
-    let derivatives = message(|| batch::inverse_dynamics_derivatives(&model, w, &q, &v, &v, &mut x, &mut y));
+    let derivatives = message(|| {
+        let out = batch::InverseDynamicsDerivativesMut { by_position: &mut x, by_velocity: &mut y };
+        batch::inverse_dynamics_derivatives(&model, w, &q, &v, &v, out)
+    });
     section.row("derivatives of fewer states", derivatives);
     let related = message(|| batch::mass_matrix_related(&model, w, &q, &mut [0.0; 7]));
     section.row("entries of M of fewer states", related);

@@ -4,7 +4,8 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use robot_dynamics::contact::{ContactSet, Ground};
 use robot_dynamics::derivatives::{
-    DifferenceError, LinearizeStepWorkspace, linearize_by_differences, linearize_step,
+    DifferenceError, LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_by_differences,
+    linearize_step,
 };
 use robot_dynamics::description::{
     Base, LinkDescription, LinkShape, MassProperties, Pose, RobotDescription, Shape, ShapeRole, pendulum,
@@ -29,7 +30,8 @@ fn by_differences<S: Stepper + Clone>(
     let nv = model.nv();
     let (mut a, mut b) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
     let (w, forces) = (&mut StepWorkspace::new(model), StepForces::new(tau, true));
-    linearize_by_differences(model, stepper, w, &forces, H, q, v, &mut a, &mut b).unwrap();
+    let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
+    linearize_by_differences(model, stepper, w, &forces, H, RobotState { q, v }, out).unwrap();
     (DMatrix::from_row_slice(2 * nv, 2 * nv, &a), DMatrix::from_row_slice(2 * nv, nv, &b))
 }
 
@@ -48,7 +50,9 @@ fn explicit_methods_have_exact_derivatives() {
                 let (mut a, mut b) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
                 let (w, forces) =
                     (&mut LinearizeStepWorkspace::new(model), StepForces::new(&state.tau, true));
-                linearize_step(model, row, w, &forces, H, &state.q, &state.v, &mut a, &mut b).unwrap();
+                let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
+                linearize_step(model, row, w, &forces, H, RobotState { q: &state.q, v: &state.v }, out)
+                    .unwrap();
                 let (found_a, found_b) = by_differences(model, &row, &state.tau, (&state.q, &state.v));
                 // 1e-10 of truncation, and the rounding of q and v, 1e-16/1e-5, times κ from M⁻¹. A force
                 // moves v by less than 1e-5 where other coordinates carry its body: by κ at most.
@@ -150,7 +154,8 @@ fn pushed(push: f64, stepper_of: impl Fn(&Model, ContactSet) -> SimulationSteppe
         // Its contact memory is that of one step from this state, as in a linearisation of a single step.
         let mut here = stepper.clone();
         here.step(&model, w, &forces, h, &mut q.clone(), &mut v.clone()).unwrap();
-        linearize_by_differences(&model, &here, w, &forces, h, &q, &v, &mut a, &mut b).unwrap();
+        let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
+        linearize_by_differences(&model, &here, w, &forces, h, RobotState { q: &q, v: &v }, out).unwrap();
         by_push = DMatrix::from_row_slice(12, 12, &a) * by_push;
         if pushes {
             by_push += DMatrix::from_row_slice(12, 6, &b).column(0);
@@ -217,8 +222,17 @@ fn jumps_have_no_derivative() {
     let slopes = |edges: [f64; 2]| {
         let (mut a, mut b) = (vec![0.0; 4], vec![0.0; 2]);
         let (w, forces) = (&mut StepWorkspace::new(&model), StepForces::new(&[0.0], true));
-        linearize_by_differences(&model, &Jump { edges }, w, &forces, H, &[0.0], &[0.5], &mut a, &mut b)
-            .map(|()| a)
+        let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
+        linearize_by_differences(
+            &model,
+            &Jump { edges },
+            w,
+            &forces,
+            H,
+            RobotState { q: &[0.0], v: &[0.5] },
+            out,
+        )
+        .map(|()| a)
     };
     let (never, near, far) = (1.0, 1e-8, 4e-6);
     for edges in [[-never, never], [-never, near], [-near, never], [-far, never], [-far, far], [-far, near]] {

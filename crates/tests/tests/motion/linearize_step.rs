@@ -4,7 +4,9 @@
 //! ε/δ = 2e-13 times the size of q₁ and v₁. States move at about 1 rad/s. With h = 0.01 the displacement of a
 //! step is small, and its quaternion terms are far above the tolerance.
 
-use robot_dynamics::derivatives::{LinearizeStepError, LinearizeStepWorkspace, linearize_step};
+use robot_dynamics::derivatives::{
+    LinearizeStepError, LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_step,
+};
 use robot_dynamics::model::{Model, difference, integrate};
 use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace, step};
 
@@ -65,16 +67,15 @@ fn explicit_methods_match_differences() {
             let mut workspace = LinearizeStepWorkspace::new(model);
             for integrator in Integrator::ALL.into_iter().filter(|row| row.is_explicit()) {
                 let (mut a, mut b) = (vec![7.0; 4 * n * n], vec![7.0; 2 * n * n]);
+                let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
                 linearize_step(
                     model,
                     integrator,
                     &mut workspace,
                     &forces,
                     H,
-                    &state.q,
-                    &state.v,
-                    &mut a,
-                    &mut b,
+                    RobotState { q: &state.q, v: &state.v },
+                    out,
                 )
                 .unwrap_or_else(|error| panic!("{integrator}, seed {}: {error}", robot.seed));
                 for k in 0..3 * n {
@@ -108,16 +109,15 @@ fn long_turn_is_linearised() {
         let (mut a, mut b) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
         let mut workspace = LinearizeStepWorkspace::new(&robot.model);
         let row = Integrator::ExplicitEuler;
+        let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
         linearize_step(
             &robot.model,
             row,
             &mut workspace,
             &forces,
             H,
-            &robot.state.q,
-            &robot.state.v,
-            &mut a,
-            &mut b,
+            RobotState { q: &robot.state.q, v: &robot.state.v },
+            out,
         )
         .expect("a linearisation");
         for k in 0..2 * n {
@@ -140,21 +140,28 @@ fn implicit_methods_are_errors() {
     let (mut a, mut b) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
     let integrator = Integrator::VariationalMidpoint;
     let mut workspace = LinearizeStepWorkspace::new(&model);
-    let refused =
-        linearize_step(&model, integrator, &mut workspace, &forces, H, &state.q, &state.v, &mut a, &mut b);
+    let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
+    let refused = linearize_step(
+        &model,
+        integrator,
+        &mut workspace,
+        &forces,
+        H,
+        RobotState { q: &state.q, v: &state.v },
+        out,
+    );
     assert_eq!(refused, Err(LinearizeStepError::Implicit { integrator }));
     let mut v = state.v.clone();
     v[0] = f64::NAN;
+    let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
     let refused = linearize_step(
         &model,
         Integrator::RungeKutta4,
         &mut workspace,
         &forces,
         H,
-        &state.q,
-        &v,
-        &mut a,
-        &mut b,
+        RobotState { q: &state.q, v: &v },
+        out,
     );
     assert!(matches!(refused, Err(LinearizeStepError::Step(_))), "{refused:?}");
 }

@@ -5,8 +5,9 @@
 //! its largest numbers.
 
 use robot_dynamics::derivatives::{
-    LinearizeStepWorkspace, ParameterCotangents, PullbackError, Rollout, RolloutPullbackWorkspace,
-    StepPullbackWorkspace, linearize_step, parameter_count, rollout_pullback, step_pullback,
+    LinearizeStepWorkspace, LinearizedStep, MotionCotangents, ParameterCotangents, PullbackError, RobotState,
+    Rollout, RolloutPullbackWorkspace, StepPullbackWorkspace, TrajectoryCotangents, linearize_step,
+    parameter_count, rollout_pullback, step_pullback,
 };
 use robot_dynamics::description::{Base, JointKinds, RandomRobotOptions};
 use robot_dynamics::model::{Model, Workspace};
@@ -47,7 +48,8 @@ fn transposed(
     let (mut a, mut b) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
     let forces = StepForces::new(tau, true);
     let w = &mut LinearizeStepWorkspace::new(&robot.model);
-    linearize_step(&robot.model, row, w, &forces, H, q, v, &mut a, &mut b)
+    let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
+    linearize_step(&robot.model, row, w, &forces, H, RobotState { q, v }, out)
         .unwrap_or_else(|error| panic!("{row}, seed {}: {error}", robot.seed));
     let column = |m: &[f64], width: usize, j: usize| (0..2 * n).map(|i| x[i] * m[i * width + j]).sum::<f64>();
     let of_a = |first: usize| (0..n).map(|j| column(&a, 2 * n, first + j)).collect();
@@ -74,8 +76,13 @@ fn step_pullback_matches_linearisation() {
             let (mut by_q, mut by_v) = (x[..n].to_vec(), x[n..].to_vec());
             let mut by_tau = vec![7.0; n];
             let forces = StepForces::new(tau, true);
-            step_pullback(model, row, w, &forces, H, q, v, &mut by_q, &mut by_v, &mut by_tau, &mut [])
-                .unwrap();
+            let cotangents = MotionCotangents {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+                by_force: &mut by_tau,
+                parameters: &mut [],
+            };
+            step_pullback(model, row, w, &forces, H, RobotState { q, v }, cotangents).unwrap();
             for (found, expected) in [&by_q, &by_v, &by_tau].into_iter().zip(&expected) {
                 let allowed = rounding * largest * n as f64;
                 robot.require(&format!("{row}"), max_difference(found, expected), allowed);
@@ -134,18 +141,20 @@ fn rollout_pullback_matches_chain_of_linearised_steps() {
                         (vec![7.0; steps * n], vec![0.0; parameter_count(model)]);
                     let w = &mut RolloutPullbackWorkspace::new(model, &rollout, spacing);
                     let path = (&q_path[..], &v_path[..]);
+                    let cotangents = MotionCotangents {
+                        by_position: &mut by_q,
+                        by_velocity: &mut by_v,
+                        by_force: &mut found,
+                        parameters: &mut parameters,
+                    };
                     rollout_pullback(
                         model,
                         &rollout,
                         w,
+                        RobotState { q: &state.q, v: &state.v },
                         &tau,
-                        &state.q,
-                        &state.v,
-                        path,
-                        &mut by_q,
-                        &mut by_v,
-                        &mut found,
-                        &mut parameters,
+                        TrajectoryCotangents { by_position: path.0, by_velocity: path.1 },
+                        cotangents,
                     )
                     .unwrap();
                     let all = [by_q, by_v, found, parameters].concat();
@@ -215,18 +224,20 @@ fn rollout_pullback_matches_dual_numbers() {
         let rollout = Rollout::new(Integrator::RungeKutta4, H, steps);
         let w = &mut RolloutPullbackWorkspace::new(model, &rollout, 0);
         let (mut by_q, mut by_v, mut by_tau) = (lq.clone(), lv.clone(), vec![0.0; steps * n]);
+        let cotangents = MotionCotangents {
+            by_position: &mut by_q,
+            by_velocity: &mut by_v,
+            by_force: &mut by_tau,
+            parameters: &mut [],
+        };
         rollout_pullback(
             model,
             &rollout,
             w,
+            RobotState { q: &state.q, v: &state.v },
             &tau,
-            &state.q,
-            &state.v,
-            (&[], &[]),
-            &mut by_q,
-            &mut by_v,
-            &mut by_tau,
-            &mut [],
+            TrajectoryCotangents::default(),
+            cotangents,
         )
         .unwrap();
         let found = dot(&by_q, &dq) + dot(&by_v, &dv) + dot(&by_tau, &dtau);
@@ -267,18 +278,20 @@ fn parameters_of_rollout_match_differences() {
     let w = &mut RolloutPullbackWorkspace::new(&model, &rollout, 0);
     let (mut by_q, mut by_v, mut by_tau) = (end[..n].to_vec(), end[n..].to_vec(), vec![0.0; n]);
     let mut parameters = vec![0.0; parameter_count(&model)];
+    let cotangents = MotionCotangents {
+        by_position: &mut by_q,
+        by_velocity: &mut by_v,
+        by_force: &mut by_tau,
+        parameters: &mut parameters,
+    };
     rollout_pullback(
         &model,
         &rollout,
         w,
+        RobotState { q: &state.q, v: &state.v },
         &tau,
-        &state.q,
-        &state.v,
-        (&[], &[]),
-        &mut by_q,
-        &mut by_v,
-        &mut by_tau,
-        &mut parameters,
+        TrajectoryCotangents::default(),
+        cotangents,
     )
     .unwrap();
     let by = ParameterCotangents::of(&model, &parameters);
@@ -348,8 +361,13 @@ fn step_over_dual_numbers_has_symmetric_hessian() {
             let mut by_tau = constants(&vec![0.0; n]);
             let forces = StepForces::new(&tau, true);
             let row = Integrator::RungeKutta4;
-            step_pullback(model, row, w, &forces, H, &q, &v, &mut by_q, &mut by_v, &mut by_tau, &mut [])
-                .unwrap();
+            let cotangents = MotionCotangents {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+                by_force: &mut by_tau,
+                parameters: &mut [],
+            };
+            step_pullback(model, row, w, &forces, H, RobotState { q: &q, v: &v }, cotangents).unwrap();
             by_q.iter().chain(&by_v).zip(y).map(|(by, y)| by.gradient[0] * y).sum::<f64>()
         };
         let (one, other) = (along(&x, &y), along(&y, &x));
@@ -375,6 +393,12 @@ fn cotangents_in_coordinates_are_gradients_by_them() {
         }
         let lambda = random_vector(random, n);
         let [mut by_q, mut by_v, mut by_a] = [(); 3].map(|()| vec![0.0; n]);
+        let out = robot_dynamics::derivatives::InversePullbackMut {
+            by_position: &mut by_q,
+            by_velocity: &mut by_v,
+            by_acceleration: &mut by_a,
+            parameters: &mut [],
+        };
         robot_dynamics::derivatives::inverse_dynamics_pullback(
             model,
             &mut Workspace::new(model),
@@ -382,9 +406,7 @@ fn cotangents_in_coordinates_are_gradients_by_them() {
             &state.v,
             &state.a,
             &lambda,
-            &mut by_q,
-            &mut by_v,
-            &mut by_a,
+            out,
         );
         let mut found = vec![7.0; model.nq()];
         robot_dynamics::model::cotangent_to_coordinates(model, &q, &by_q, &mut found);
@@ -432,7 +454,13 @@ fn invalid_pullbacks_are_errors() {
     let before = vec![1.0; n];
     let (mut x, mut y, mut z) = (before.clone(), before.clone(), before.clone());
     let mut call = |row: Integrator, h: f64, q: &[f64], v: &[f64]| {
-        let result = step_pullback(&model, row, w, &forces, h, q, v, &mut x, &mut y, &mut z, &mut []);
+        let cotangents = MotionCotangents {
+            by_position: &mut x,
+            by_velocity: &mut y,
+            by_force: &mut z,
+            parameters: &mut [],
+        };
+        let result = step_pullback(&model, row, w, &forces, h, RobotState { q, v }, cotangents);
         assert!(x == before && y == before && z == before);
         result
     };
@@ -453,36 +481,32 @@ fn invalid_pullbacks_are_errors() {
     let model = Model::new(robot).unwrap();
     let forces = StepForces::new(&[0.0], false);
     let w = &mut StepPullbackWorkspace::new(&model);
-    let refused = step_pullback(
-        &model,
-        rk4,
-        w,
-        &forces,
-        H,
-        &[0.0],
-        &[0.0],
-        &mut [1.0],
-        &mut [1.0],
-        &mut [0.0],
-        &mut [],
-    );
+    let cotangents = MotionCotangents {
+        by_position: &mut [1.0],
+        by_velocity: &mut [1.0],
+        by_force: &mut [0.0],
+        parameters: &mut [],
+    };
+    let refused = step_pullback(&model, rk4, w, &forces, H, RobotState { q: &[0.0], v: &[0.0] }, cotangents);
     let Err(PullbackError::SingularMass(mass)) = &refused else { panic!("{refused:?}") };
     assert_eq!(mass.joints(), ["hinge"]);
     let rollout = Rollout::new(integrator, H, 3).with_dissipation(false);
     let w = &mut RolloutPullbackWorkspace::<f64>::new(&model, &rollout, 0);
     let mut pull = |rollout: &Rollout| {
+        let cotangents = MotionCotangents {
+            by_position: &mut [1.0],
+            by_velocity: &mut [1.0],
+            by_force: &mut [],
+            parameters: &mut [],
+        };
         rollout_pullback(
             &model,
             rollout,
             w,
+            RobotState { q: &[0.0], v: &[0.0] },
             &[],
-            &[0.0],
-            &[0.0],
-            (&[], &[]),
-            &mut [1.0],
-            &mut [1.0],
-            &mut [],
-            &mut [],
+            TrajectoryCotangents::default(),
+            cotangents,
         )
     };
     assert_eq!(pull(&rollout), Err(PullbackError::Implicit { integrator }));
@@ -496,9 +520,13 @@ fn short_cotangent_panics() {
     let state = &[0.0];
     let call = std::panic::AssertUnwindSafe(|| {
         let (y, z) = (&mut [], &mut [0.0]);
-        robot_dynamics::derivatives::inverse_dynamics_pullback(
-            &model, w, state, state, state, state, x, y, z,
-        );
+        let out = robot_dynamics::derivatives::InversePullbackMut {
+            by_position: x,
+            by_velocity: y,
+            by_acceleration: z,
+            parameters: &mut [],
+        };
+        robot_dynamics::derivatives::inverse_dynamics_pullback(&model, w, state, state, state, state, out);
     });
     assert!(std::panic::catch_unwind(call).is_err());
 }

@@ -3,7 +3,7 @@
 use dynamics::{FixedSize, Reach2R, SystemStep};
 use nalgebra::{DMatrix, Matrix3, SVector, UnitQuaternion, Vector3};
 use robot_dynamics::algorithms::{kinetic_energy, mass_matrix, potential_energy};
-use robot_dynamics::derivatives::{LinearizeStepWorkspace, linearize_step};
+use robot_dynamics::derivatives::{LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_step};
 use robot_dynamics::description::{
     Base, JointDescription, JointKind, JointKinds, LinkDescription, MassProperties, PassiveForces, Pose,
     RandomRobotOptions, RobotDescription, random_robot,
@@ -636,7 +636,8 @@ fn step_over_any_scalar_matches_step_and_its_derivatives() {
             );
             let (mut by_state, mut by_force) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
             let workspace = &mut LinearizeStepWorkspace::new(&model);
-            linearize_step(&model, row, workspace, &forces, h, &q, &v, &mut by_state, &mut by_force).unwrap();
+            let out = LinearizedStep { by_state: &mut by_state, by_force: &mut by_force };
+            linearize_step(&model, row, workspace, &forces, h, RobotState { q: &q, v: &v }, out).unwrap();
             for (k, v_next) in dual_v.iter().enumerate() {
                 let entries = by_force[(nv + k) * nv..][..nv].iter().zip(&change);
                 let (sum, size) = entries.fold((0.0, 0.0), |(sum, size): (f64, f64), (entry, by)| {

@@ -9,7 +9,10 @@ use std::path::PathBuf;
 
 use robot_dynamics::algorithms::{forward_dynamics, inverse_dynamics, mass_matrix};
 use robot_dynamics::batch::{self, BatchWorkspace};
-use robot_dynamics::derivatives::{forward_dynamics_derivatives, inverse_dynamics_derivatives};
+use robot_dynamics::derivatives::{
+    ForwardDynamicsDerivativesMut, InverseDynamicsDerivativesMut, forward_dynamics_derivatives,
+    inverse_dynamics_derivatives,
+};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::urdf::{Options, load};
 use serde_json::Value;
@@ -140,22 +143,33 @@ fn derivatives_match_pinocchio() {
         let [v, a, tau] = ["v", "a", "tau"].map(all);
         let batch = &mut BatchWorkspace::<f64>::new(model);
         let [mut x, mut y, mut fx, mut fy, mut fz] = [(); 5].map(|()| vec![0.0; count * nv * nv]);
-        batch::inverse_dynamics_derivatives(model, batch, &q, &v, &a, &mut x, &mut y).expect("good states");
-        batch::forward_dynamics_derivatives(model, batch, &q, &v, &tau, &mut fx, &mut fy, &mut fz)
-            .expect("good states");
+        let out = batch::InverseDynamicsDerivativesMut { by_position: &mut x, by_velocity: &mut y };
+        batch::inverse_dynamics_derivatives(model, batch, &q, &v, &a, out).expect("good states");
+        let out = batch::ForwardDynamicsDerivativesMut {
+            by_position: &mut fx,
+            by_velocity: &mut fy,
+            by_force: &mut fz,
+        };
+        batch::forward_dynamics_derivatives(model, batch, &q, &v, &tau, out).expect("good states");
         for i in (0..count).filter(|&i| robot.states[i].contains_key(of_inverse[0])) {
             tested += 1;
             let q = &robot.position(i)[..];
             let [v, a, tau] = ["v", "a", "tau"].map(|name| robot.vector(i, name));
             let [mut by_q, mut by_v, mut by_tau] = [(); 3].map(|()| vec![0.0; nv * nv]);
             let own = i * nv * nv..(i + 1) * nv * nv;
-            inverse_dynamics_derivatives(model, w, q, &v, &a, &mut by_q, &mut by_v);
+            let out = InverseDynamicsDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v };
+            inverse_dynamics_derivatives(model, w, q, &v, &a, out);
             for (field, found, of_batch) in [(of_inverse[0], &by_q, &x), (of_inverse[1], &by_v, &y)] {
                 let expected = robot.matrix(i, field);
                 robot.require(field, i, found, &expected, SUMMED);
                 robot.require(&format!("{field} of a batch"), i, &of_batch[own.clone()], &expected, SUMMED);
             }
-            forward_dynamics_derivatives(model, w, q, &v, &tau, &mut by_q, &mut by_v, &mut by_tau);
+            let out = ForwardDynamicsDerivativesMut {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+                by_force: &mut by_tau,
+            };
+            forward_dynamics_derivatives(model, w, q, &v, &tau, out);
             let found = [(&by_q, &fx), (&by_v, &fy), (&by_tau, &fz)];
             for (field, (found, of_batch)) in of_forward.iter().zip(found) {
                 let expected = robot.matrix(i, field);

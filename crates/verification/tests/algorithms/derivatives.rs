@@ -101,15 +101,12 @@ fn inverse_dynamics_match_duals() {
             let by_v = jacobian(n, |k, x| tau(&constants(q), &varied(v, k), x));
             // The previous content of the results is overwritten.
             let (mut found_q, mut found_v) = (vec![7.0; n * n], vec![7.0; n * n]);
+            let out = robot_dynamics::derivatives::InverseDynamicsDerivativesMut {
+                by_position: &mut found_q,
+                by_velocity: &mut found_v,
+            };
             robot_dynamics::derivatives::inverse_dynamics_derivatives_with_wrenches(
-                model,
-                w,
-                q,
-                v,
-                a,
-                &wrenches,
-                &mut found_q,
-                &mut found_v,
+                model, w, q, v, a, &wrenches, out,
             );
             let scale = robot.force_size(&robot.state.a)
                 + if wrenches.is_empty() { 0.0 } else { 3.0 * wrenches.len() as f64 };
@@ -138,8 +135,13 @@ fn forward_dynamics_match_duals() {
         ];
         let mut found = [(); 3].map(|()| vec![7.0; n * n]);
         let [by_q, by_v, by_tau] = &mut found;
+        let out = robot_dynamics::derivatives::ForwardDynamicsDerivativesMut {
+            by_position: by_q,
+            by_velocity: by_v,
+            by_force: by_tau,
+        };
         robot_dynamics::derivatives::forward_dynamics_derivatives_with_wrenches(
-            model, w, q, v, tau, &wrenches, by_q, by_v, by_tau,
+            model, w, q, v, tau, &wrenches, out,
         );
         // In ∂a/∂q = −M⁻¹ ∂ID/∂q, an error in M changes a once, and a changes ∂ID/∂q.
         let mut a = vec![0.0; n];
@@ -167,17 +169,17 @@ fn forward_and_inverse_derivatives_are_consistent() {
         let mut a = vec![0.0; n];
         robot_dynamics::algorithms::forward_dynamics(model, w, q, v, tau, &mut a);
         let [mut id_q, mut id_v, mut fd_q, mut fd_v, mut inverse] = [(); 5].map(|()| vec![0.0; n * n]);
-        robot_dynamics::derivatives::inverse_dynamics_derivatives(model, w, q, v, &a, &mut id_q, &mut id_v);
-        robot_dynamics::derivatives::forward_dynamics_derivatives(
-            model,
-            w,
-            q,
-            v,
-            tau,
-            &mut fd_q,
-            &mut fd_v,
-            &mut inverse,
-        );
+        let out = robot_dynamics::derivatives::InverseDynamicsDerivativesMut {
+            by_position: &mut id_q,
+            by_velocity: &mut id_v,
+        };
+        robot_dynamics::derivatives::inverse_dynamics_derivatives(model, w, q, v, &a, out);
+        let out = robot_dynamics::derivatives::ForwardDynamicsDerivativesMut {
+            by_position: &mut fd_q,
+            by_velocity: &mut fd_v,
+            by_force: &mut inverse,
+        };
+        robot_dynamics::derivatives::forward_dynamics_derivatives(model, w, q, v, tau, out);
         let mass = robot.mass();
         let allowed = 64.0 * f64::EPSILON * robot.condition();
         for (name, fd, id) in [("q", &fd_q, &id_q), ("v", &fd_v, &id_v)] {
@@ -313,13 +315,20 @@ fn methods_of_model_match_functions() {
     let [mut x, mut y, mut z] = [(); 3].map(|()| vec![0.0; n * n]);
     let rows = |m: &nalgebra::DMatrix<f64>| m.transpose().as_slice().to_vec();
     let inverse = model.inverse_dynamics_derivatives(q, v, &state.a).expect("a good state");
-    robot_dynamics::derivatives::inverse_dynamics_derivatives(model, w, q, v, &state.a, &mut x, &mut y);
+    let out = robot_dynamics::derivatives::InverseDynamicsDerivativesMut {
+        by_position: &mut x,
+        by_velocity: &mut y,
+    };
+    robot_dynamics::derivatives::inverse_dynamics_derivatives(model, w, q, v, &state.a, out);
     assert_eq!((rows(&inverse.by_position), rows(&inverse.by_velocity)), (x.clone(), y.clone()));
     assert_eq!(rows(&inverse.by_acceleration), robot.mass());
     let forward = model.forward_dynamics_derivatives(q, v, &state.tau).expect("a good state");
-    robot_dynamics::derivatives::forward_dynamics_derivatives(
-        model, w, q, v, &state.tau, &mut x, &mut y, &mut z,
-    );
+    let out = robot_dynamics::derivatives::ForwardDynamicsDerivativesMut {
+        by_position: &mut x,
+        by_velocity: &mut y,
+        by_force: &mut z,
+    };
+    robot_dynamics::derivatives::forward_dynamics_derivatives(model, w, q, v, &state.tau, out);
     assert_eq!((rows(&forward.by_position), rows(&forward.by_velocity)), (x.clone(), y));
     assert_eq!(rows(&forward.by_force), z);
     robot_dynamics::derivatives::gravity_derivative(model, w, q, &mut x);
@@ -345,28 +354,34 @@ fn second_derivatives_commute() {
         let [mut x, mut y] = [(); 2].map(|()| vec![Dual::constant(0.0); n * n]);
         let mut qv = vec![0.0; n * n * n];
         for k in 0..n {
+            let out = robot_dynamics::derivatives::InverseDynamicsDerivativesMut {
+                by_position: &mut x,
+                by_velocity: &mut y,
+            };
             robot_dynamics::derivatives::inverse_dynamics_derivatives(
                 model,
                 dual,
                 &constants(q),
                 &varied(v, k),
                 &a,
-                &mut x,
-                &mut y,
+                out,
             );
             // Entry (i, j) of ∂(∂τ_i/∂q_j)/∂v_k.
             (0..n * n).for_each(|ij| qv[k * n * n + ij] = x[ij].gradient[0]);
         }
         let largest = size(&qv);
         for j in 0..n {
+            let out = robot_dynamics::derivatives::InverseDynamicsDerivativesMut {
+                by_position: &mut x,
+                by_velocity: &mut y,
+            };
             robot_dynamics::derivatives::inverse_dynamics_derivatives(
                 model,
                 dual,
                 &varied(q, j),
                 &constants(v),
                 &a,
-                &mut x,
-                &mut y,
+                out,
             );
             for (i, k) in (0..n).flat_map(|i| (0..n).map(move |k| (i, k))) {
                 let defect = (y[i * n + k].gradient[0] - qv[k * n * n + i * n + j]).abs();
@@ -387,11 +402,18 @@ fn failed_call_does_not_affect_later_calls() {
         let w = &mut Workspace::new(model);
         let mut of = |v: &[f64]| {
             let [mut x, mut y, mut z] = [(); 3].map(|()| vec![0.0; n * n]);
-            robot_dynamics::derivatives::forward_dynamics_derivatives(
-                model, w, q, v, tau, &mut x, &mut y, &mut z,
-            );
+            let out = robot_dynamics::derivatives::ForwardDynamicsDerivativesMut {
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_force: &mut z,
+            };
+            robot_dynamics::derivatives::forward_dynamics_derivatives(model, w, q, v, tau, out);
             let [mut s, mut t] = [(); 2].map(|()| vec![0.0; n * n]);
-            robot_dynamics::derivatives::inverse_dynamics_derivatives(model, w, q, v, tau, &mut s, &mut t);
+            let out = robot_dynamics::derivatives::InverseDynamicsDerivativesMut {
+                by_position: &mut s,
+                by_velocity: &mut t,
+            };
+            robot_dynamics::derivatives::inverse_dynamics_derivatives(model, w, q, v, tau, out);
             [x, y, z, s, t]
         };
         let before = of(v);

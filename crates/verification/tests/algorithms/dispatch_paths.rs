@@ -4,7 +4,6 @@
 //! Instruction sets that the machine lacks are listed on standard error and skipped.
 
 use std::io::Write;
-use std::ops::ControlFlow;
 
 use robot_dynamics::algorithms::ReferenceFrame;
 use robot_dynamics::batch;
@@ -201,22 +200,20 @@ fn derivatives_of_one_state_match_lagrange() {
             let set = w.instruction_set();
             let [mut by_q, mut by_v, mut a_by_q, mut a_by_v, mut a_by_tau] =
                 [(); 5].map(|()| vec![0.0; nv * nv]);
-            robot_dynamics::derivatives::inverse_dynamics_derivatives(
-                model, w, q, v, a, &mut by_q, &mut by_v,
-            );
+            let out = robot_dynamics::derivatives::InverseDynamicsDerivativesMut {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+            };
+            robot_dynamics::derivatives::inverse_dynamics_derivatives(model, w, q, v, a, out);
             let (from_q, from_v) = (times(&by_q, v), times(&by_v, a));
             let found: Vec<f64> = from_q.iter().zip(&from_v).map(|(x, y)| x + y).collect();
             robot.require(&format!("dτ/dt by {set}"), max_difference(&found, &oracle), ROUNDING * scale);
-            robot_dynamics::derivatives::forward_dynamics_derivatives(
-                model,
-                w,
-                q,
-                v,
-                tau,
-                &mut a_by_q,
-                &mut a_by_v,
-                &mut a_by_tau,
-            );
+            let out = robot_dynamics::derivatives::ForwardDynamicsDerivativesMut {
+                by_position: &mut a_by_q,
+                by_velocity: &mut a_by_v,
+                by_force: &mut a_by_tau,
+            };
+            robot_dynamics::derivatives::forward_dynamics_derivatives(model, w, q, v, tau, out);
             // Each derivative of a is M⁻¹ times a derivative of τ, and a is accurate to κ(M) ε: twice κ(M).
             let condition = robot.condition();
             let allowed = 64.0 * f64::EPSILON * condition * condition * (scale + size(&by_q) + size(&by_v));
@@ -404,17 +401,13 @@ fn rollouts_match_single_steps() {
             for set in available() {
                 let w = &mut batch_workspace::<f64>(model, set, 1);
                 let (mut q_found, mut v_found) = (q.clone(), v.clone());
-                let go_on = |_| ControlFlow::Continue(());
-                let nowhere = (&mut [][..], &mut [][..]);
                 batch::rollout(
                     model,
                     w,
                     &how,
                     Torques::Held(&tau),
-                    &mut q_found,
-                    &mut v_found,
-                    nowhere,
-                    &go_on,
+                    batch::RolloutStates::ends(&mut q_found, &mut v_found),
+                    None,
                 )
                 .unwrap();
                 let law = format!("{integrator} by {set}");
@@ -479,11 +472,18 @@ fn derivatives_are_equal_bit_for_bit_without_avx512() {
         let compute = |mut w: Workspace| -> Vec<u64> {
             let [mut by_q, mut by_v, mut a_by_q, mut a_by_v, mut a_by_tau] =
                 [(); 5].map(|()| vec![0.0; nv * nv]);
-            robot_dynamics::derivatives::inverse_dynamics_derivatives(
-                model, &mut w, q, v, a, &mut by_q, &mut by_v,
-            );
+            let out = robot_dynamics::derivatives::InverseDynamicsDerivativesMut {
+                by_position: &mut by_q,
+                by_velocity: &mut by_v,
+            };
+            robot_dynamics::derivatives::inverse_dynamics_derivatives(model, &mut w, q, v, a, out);
             let (x, y, z) = (&mut a_by_q, &mut a_by_v, &mut a_by_tau);
-            robot_dynamics::derivatives::forward_dynamics_derivatives(model, &mut w, q, v, tau, x, y, z);
+            let out = robot_dynamics::derivatives::ForwardDynamicsDerivativesMut {
+                by_position: x,
+                by_velocity: y,
+                by_force: z,
+            };
+            robot_dynamics::derivatives::forward_dynamics_derivatives(model, &mut w, q, v, tau, out);
             [by_q, by_v, a_by_q, a_by_v, a_by_tau].concat().into_iter().map(f64::to_bits).collect()
         };
         let same = compute(Workspace::new(model)) == compute(Workspace::limited(model, InstructionSet::Avx2));

@@ -93,12 +93,17 @@ fn compute<T: BatchFloat>(
     let (q, v, third) = (&states.q[..], &states.v[..], &states.third[..]);
     match of {
         Of::Inverse => {
-            let result = batch::inverse_dynamics_derivatives(model, workspace, q, v, third, &mut x, &mut y);
+            let out = batch::InverseDynamicsDerivativesMut { by_position: &mut x, by_velocity: &mut y };
+            let result = batch::inverse_dynamics_derivatives(model, workspace, q, v, third, out);
             (vec![x, y], result)
         }
         Of::Forward => {
-            let result =
-                batch::forward_dynamics_derivatives(model, workspace, q, v, third, &mut x, &mut y, &mut z);
+            let out = batch::ForwardDynamicsDerivativesMut {
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_force: &mut z,
+            };
+            let result = batch::forward_dynamics_derivatives(model, workspace, q, v, third, out);
             (vec![x, y, z], result)
         }
     }
@@ -113,15 +118,20 @@ fn compute_singly(model: &Model, states: &States<f64>, i: usize, of: Of) -> Vec<
     let [mut x, mut y, mut z] = [(); 3].map(|()| vec![0.0; nv * nv]);
     match of {
         Of::Inverse => {
-            robot_dynamics::derivatives::inverse_dynamics_derivatives(
-                model, w, &q, &v, &third, &mut x, &mut y,
-            );
+            let out = robot_dynamics::derivatives::InverseDynamicsDerivativesMut {
+                by_position: &mut x,
+                by_velocity: &mut y,
+            };
+            robot_dynamics::derivatives::inverse_dynamics_derivatives(model, w, &q, &v, &third, out);
             vec![x, y]
         }
         Of::Forward => {
-            robot_dynamics::derivatives::forward_dynamics_derivatives(
-                model, w, &q, &v, &third, &mut x, &mut y, &mut z,
-            );
+            let out = robot_dynamics::derivatives::ForwardDynamicsDerivativesMut {
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_force: &mut z,
+            };
+            robot_dynamics::derivatives::forward_dynamics_derivatives(model, w, &q, &v, &third, out);
             vec![x, y, z]
         }
     }
@@ -309,7 +319,8 @@ fn table_of_wrong_length_panics() {
     let numbers = [0.1; 4];
     let call = std::panic::AssertUnwindSafe(|| {
         let (q, v, a) = (&numbers, &numbers, &numbers);
-        batch::inverse_dynamics_derivatives(&model, &mut workspace, q, v, a, &mut x, &mut y)
+        let out = batch::InverseDynamicsDerivativesMut { by_position: &mut x, by_velocity: &mut y };
+        batch::inverse_dynamics_derivatives(&model, &mut workspace, q, v, a, out)
     });
     assert!(std::panic::catch_unwind(call).is_err());
 }

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use nalgebra::Vector3;
 use robot_dynamics::InvalidInput;
 use robot_dynamics::batch::{
-    BatchOptions, BatchWorkspace, PolicyInput, RolloutError, RolloutProgress, StepperRollout, Torques,
-    rollout_by_stepper,
+    BatchOptions, BatchWorkspace, PolicyInput, RolloutError, RolloutProgress, RolloutStates, StepperRollout,
+    Torques, rollout_by_stepper,
 };
 use robot_dynamics::contact::Ground;
 use robot_dynamics::description::{
@@ -53,10 +53,6 @@ fn workspace(model: &Model, threads: usize) -> BatchWorkspace<f64> {
     BatchWorkspace::with_options(model, options).unwrap()
 }
 
-fn go_on(_: RolloutProgress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
 /// The torques of a policy: a force against the velocity, and an upward force.
 fn brake(at: PolicyInput<'_, f64>, tau: &mut [f64]) {
     assert_eq!(at.states, 1);
@@ -93,8 +89,9 @@ fn threads_match_single_steps_bit_for_bit() {
             counted.fetch_max(progress.done, Ordering::Relaxed);
             ControlFlow::Continue(())
         };
-        rollout_by_stepper(&model, &w, &how, policy, &mut q, &mut v, (&mut q_way, &mut v_way), &count)
-            .unwrap();
+        let states =
+            RolloutStates { q: &mut q, v: &mut v, q_trajectory: &mut q_way, v_trajectory: &mut v_way };
+        rollout_by_stepper(&model, &w, &how, policy, states, Some(&count)).unwrap();
         assert_eq!((&q, &v), (&q1, &v1), "{threads} threads");
         assert_eq!(counted.into_inner(), 23 * STEPS as u64);
         for ((_, q, v), (q_row, v_row)) in way.iter().zip(q_way.chunks(7).zip(v_way.chunks(6))) {
@@ -110,7 +107,7 @@ fn tables_of_torques_are_read_by_rows() {
     let run = |torques: Torques<'_, f64>| {
         let (mut q, mut v) = (q0.clone(), v0.clone());
         let (w, how) = (workspace(&model, 2), StepperRollout::new(&implicit, 1e-3, 10));
-        rollout_by_stepper(&model, &w, &how, torques, &mut q, &mut v, (&mut [], &mut []), &go_on).unwrap();
+        rollout_by_stepper(&model, &w, &how, torques, RolloutStates::ends(&mut q, &mut v), None).unwrap();
         (q, v)
     };
     let held: Vec<f64> = (0..24).map(|k| 0.1 * f64::from(k)).collect();
@@ -129,7 +126,7 @@ fn bad_and_cancelled_states_are_named() {
     let (mut q, mut v) = (q0.clone(), v0.clone());
     let w = workspace(&model, 2);
     let error =
-        rollout_by_stepper(&model, &w, &how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on);
+        rollout_by_stepper(&model, &w, &how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None);
     let Err(RolloutError::BadStates(bad)) = error else { panic!("{error:?}") };
     assert_eq!((bad.states, bad.batch), (vec![4], 6));
     assert!(q[7 * 4..7 * 5].iter().all(|x| x.is_nan()) && q[..7 * 4].iter().all(|x| x.is_finite()));
@@ -141,7 +138,7 @@ fn bad_and_cancelled_states_are_named() {
         _ => ControlFlow::Break(()),
     };
     let error =
-        rollout_by_stepper(&model, &w, &how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &stop);
+        rollout_by_stepper(&model, &w, &how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), Some(&stop));
     let Err(RolloutError::Cancelled { unfinished, batch: 6 }) = error else { panic!("{error:?}") };
     assert_eq!(unfinished, [1, 2, 3, 4, 5]);
     assert_eq!(q[7..], q0[7..]);
@@ -149,7 +146,7 @@ fn bad_and_cancelled_states_are_named() {
 
     let how = StepperRollout::new(&implicit, -1.0, 1);
     let error =
-        rollout_by_stepper(&model, &w, &how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on);
+        rollout_by_stepper(&model, &w, &how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None);
     let bad_step = InvalidInput::out_of_range("the step", -1.0, "s", "positive and finite");
     assert_eq!(error, Err(RolloutError::Input(bad_step)));
 }

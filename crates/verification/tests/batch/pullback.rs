@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 
 use robot_dynamics::batch;
 use robot_dynamics::batch::{
-    BatchFloat, BatchOptions, BatchWorkspace, PolicyInput, Rollout, RolloutError, RolloutProgress, Torques,
+    BatchFloat, BatchOptions, BatchWorkspace, PolicyInput, Rollout, RolloutError, Torques,
 };
 use robot_dynamics::derivatives::{RolloutPullbackWorkspace, parameter_count};
 use robot_dynamics::model::{InstructionSet, Model, Workspace, random_state};
@@ -91,11 +91,29 @@ fn compute<T: BatchFloat>(
     let result = match of {
         Of::Inverse => {
             a.fill(T::zero());
-            batch::inverse_dynamics_pullback(model, w, q, v, third, lambda, &mut x, &mut y, &mut z, p)
+            let out = batch::InversePullbackMut {
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_acceleration: &mut z,
+                parameters: p,
+            };
+            batch::inverse_dynamics_pullback(model, w, q, v, third, lambda, out)
         }
-        Of::Forward => {
-            batch::forward_dynamics_pullback(model, w, q, v, third, lambda, &mut a, &mut x, &mut y, &mut z, p)
-        }
+        Of::Forward => batch::forward_dynamics_pullback(
+            model,
+            w,
+            q,
+            v,
+            third,
+            lambda,
+            batch::ForwardPullbackMut {
+                acceleration: &mut a,
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_force: &mut z,
+                parameters: p,
+            },
+        ),
     };
     (vec![x, y, z, parameters, a], result)
 }
@@ -113,10 +131,12 @@ fn compute_singly(model: &Model, [q, v, third, lambda]: [&[f64]; 4], of: Of) -> 
             third,
             &[],
             lambda,
-            &mut x,
-            &mut y,
-            &mut z,
-            &mut p,
+            robot_dynamics::derivatives::InversePullbackMut {
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_acceleration: &mut z,
+                parameters: &mut p,
+            },
         ),
         Of::Forward => robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters(
             model,
@@ -126,11 +146,13 @@ fn compute_singly(model: &Model, [q, v, third, lambda]: [&[f64]; 4], of: Of) -> 
             third,
             &[],
             lambda,
-            &mut a,
-            &mut x,
-            &mut y,
-            &mut z,
-            &mut p,
+            robot_dynamics::derivatives::ForwardPullbackMut {
+                acceleration: &mut a,
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_force: &mut z,
+                parameters: &mut p,
+            },
         ),
     }
     vec![x, y, z, p, a]
@@ -259,10 +281,6 @@ fn bad_state_is_named_and_others_unchanged() {
     }
 }
 
-fn go_on(_: RolloutProgress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
 /// The results of the pullback of a rollout: q̄, v̄, τ̄ and the parameters.
 fn pull(
     model: &Model,
@@ -283,20 +301,20 @@ fn pull(
     let mut by_tau = vec![-7.0; states.count * width * model.nv()];
     let mut parameters = vec![-7.0; states.count * parameter_count(model)];
     let ends = (&mut by_q[..], &mut by_v[..]);
-    let result = batch::rollout_pullback(
-        model,
-        w,
-        how,
+    let inputs = batch::RolloutPullbackInputs {
         spacing,
         torques,
         q,
         v,
-        path,
-        ends,
-        &mut by_tau,
-        &mut parameters,
-        &go_on,
-    );
+        trajectory: batch::TrajectoryCotangents { by_position: path.0, by_velocity: path.1 },
+    };
+    let cotangents = batch::MotionCotangents {
+        by_position: ends.0,
+        by_velocity: ends.1,
+        by_force: &mut by_tau,
+        parameters: &mut parameters,
+    };
+    let result = batch::rollout_pullback(model, w, how, &inputs, cotangents, None);
     (vec![by_q, by_v, by_tau, parameters], result)
 }
 
@@ -332,18 +350,23 @@ fn rollouts_of_batch_match_single_rollouts() {
                 let rows = |x: &[f64], width: usize| x[i * width..(i + 1) * width].to_vec();
                 let w = &mut RolloutPullbackWorkspace::new(model, &how, 0);
                 let path = (rows(&q_path, samples * nv), rows(&v_path, samples * nv));
+                let cotangents = robot_dynamics::derivatives::MotionCotangents {
+                    by_position: &mut by_q,
+                    by_velocity: &mut by_v,
+                    by_force: &mut by_tau,
+                    parameters: &mut parameters,
+                };
                 robot_dynamics::derivatives::rollout_pullback(
                     model,
                     &how,
                     w,
+                    robot_dynamics::derivatives::RobotState { q, v },
                     &rows(&each, steps * nv),
-                    q,
-                    v,
-                    (&path.0, &path.1),
-                    &mut by_q,
-                    &mut by_v,
-                    &mut by_tau,
-                    &mut parameters,
+                    robot_dynamics::derivatives::TrajectoryCotangents {
+                        by_position: &path.0,
+                        by_velocity: &path.1,
+                    },
+                    cotangents,
                 )
                 .unwrap();
                 let expected = [by_q, by_v, by_tau, parameters];
@@ -422,20 +445,20 @@ fn invalid_rollout_pullbacks_are_errors() {
     let [q, v, by_q, by_v] = &states.rows;
     let (mut x, mut y) = (by_q.clone(), by_v.clone());
     let stop = |_| ControlFlow::Break(());
-    let refused = batch::rollout_pullback(
-        model,
-        w,
-        &rk4,
-        0,
-        Torques::Zero,
+    let inputs = batch::RolloutPullbackInputs {
+        spacing: 0,
+        torques: Torques::Zero,
         q,
         v,
-        (&[], &[]),
-        (&mut x, &mut y),
-        &mut [],
-        &mut [],
-        &stop,
-    );
+        trajectory: batch::TrajectoryCotangents::default(),
+    };
+    let cotangents = batch::MotionCotangents {
+        by_position: &mut x,
+        by_velocity: &mut y,
+        by_force: &mut [],
+        parameters: &mut [],
+    };
+    let refused = batch::rollout_pullback(model, w, &rk4, &inputs, cotangents, Some(&stop));
     let Err(RolloutError::Cancelled { unfinished, batch: 20 }) = refused else { panic!("{refused:?}") };
     assert_eq!(unfinished.len(), 20);
     assert!(x == *by_q && y == *by_v);

@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use robot_dynamics::batch::{
-    BatchFloat, BatchOptions, BatchWorkspace, PolicyInput, Rollout, RolloutError, Torques, rollout,
+    BatchFloat, BatchOptions, BatchWorkspace, PolicyInput, Rollout, RolloutError, RolloutStates, Torques,
+    rollout,
 };
 use robot_dynamics::model::{InstructionSet, Model, difference, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
@@ -40,10 +41,6 @@ fn how(integrator: Integrator, steps: usize) -> Rollout {
     Rollout::new(integrator, 1e-4, steps)
 }
 
-fn go_on(_: robot_dynamics::batch::RolloutProgress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
 /// Robots with κ(M) below 1e4, whose accelerations are accurate to 1e-12 of their size.
 fn robots() -> Vec<Robot> {
     families()
@@ -68,8 +65,13 @@ fn rollouts_match_single_steps() {
                 let mut batch = workspace(model, 1, robot.seed % 2 == 0);
                 let trajectories = (&mut [][..], &mut [][..]);
                 let held = Torques::Held(&tau[..]);
-                let result =
-                    rollout(model, &mut batch, &how, held, &mut q_end, &mut v_end, trajectories, &go_on);
+                let states = RolloutStates {
+                    q: &mut q_end,
+                    v: &mut v_end,
+                    q_trajectory: trajectories.0,
+                    v_trajectory: trajectories.1,
+                };
+                let result = rollout(model, &mut batch, &how, held, states, None);
                 assert_eq!(result, Ok(()), "{} seed {}", robot.family, robot.seed);
                 let mut single = StepWorkspace::new(model);
                 for i in 0..9 {
@@ -117,7 +119,13 @@ fn rollouts_are_the_same_bits_for_any_split() {
                 let mut v_path = vec![0.0; count * how.samples() * nv];
                 let mut batch = workspace(model, threads, no_avx512);
                 let paths = (&mut q_path[..], &mut v_path[..]);
-                rollout(model, &mut batch, &how, torques, &mut q_end, &mut v_end, paths, &go_on).unwrap();
+                let states = RolloutStates {
+                    q: &mut q_end,
+                    v: &mut v_end,
+                    q_trajectory: paths.0,
+                    v_trajectory: paths.1,
+                };
+                rollout(model, &mut batch, &how, torques, states, None).unwrap();
                 if stride != 0 {
                     assert_eq!(how.samples(), 10);
                     for i in 0..count {
@@ -137,8 +145,9 @@ fn rollouts_are_the_same_bits_for_any_split() {
         let mut batch = workspace(model, 1, false);
         let held = Torques::Held(&tau[5 * nv..]);
         let paths = (&mut [][..], &mut [][..]);
-        rollout(model, &mut batch, &how(integrator, steps), held, &mut q_end, &mut v_end, paths, &go_on)
-            .unwrap();
+        let states =
+            RolloutStates { q: &mut q_end, v: &mut v_end, q_trajectory: paths.0, v_trajectory: paths.1 };
+        rollout(model, &mut batch, &how(integrator, steps), held, states, None).unwrap();
         assert_eq!(q_end, q_expected[5 * nq..]);
     }
 }
@@ -153,8 +162,8 @@ fn bad_state_is_named_and_others_move() {
         let (mut q, mut v) = (q.to_vec(), v.clone());
         let paths = (&mut [][..], &mut [][..]);
         let held = Torques::Held(tau);
-        let result =
-            rollout(model, &mut workspace(model, 2, false), &how, held, &mut q, &mut v, paths, &go_on);
+        let states = RolloutStates { q: &mut q, v: &mut v, q_trajectory: paths.0, v_trajectory: paths.1 };
+        let result = rollout(model, &mut workspace(model, 2, false), &how, held, states, None);
         (q, result)
     };
     let expected = run(&q, &tau).0;
@@ -190,7 +199,8 @@ fn cancelled_rollout_leaves_other_states() {
     let lanes = batch.lanes();
     let how = how(Integrator::SemiImplicitEuler, 100);
     let paths = (&mut [][..], &mut [][..]);
-    let result = rollout(model, &mut batch, &how, Torques::Zero, &mut q_end, &mut v_end, paths, &stop);
+    let states = RolloutStates { q: &mut q_end, v: &mut v_end, q_trajectory: paths.0, v_trajectory: paths.1 };
+    let result = rollout(model, &mut batch, &how, Torques::Zero, states, Some(&stop));
     let Err(RolloutError::Cancelled { unfinished, batch: 40 }) = result else { panic!("{result:?}") };
     assert_eq!(unfinished, (lanes..40).collect::<Vec<_>>());
     assert_eq!(q_end[lanes * nq..], q[lanes * nq..]);
@@ -203,7 +213,8 @@ fn cancelled_rollout_leaves_other_states() {
     };
     let paths = (&mut [][..], &mut [][..]);
     let three = &mut workspace(model, 3, false);
-    rollout(model, three, &how, Torques::Zero, &mut q_end, &mut v_end, paths, &watch).unwrap();
+    let states = RolloutStates { q: &mut q_end, v: &mut v_end, q_trajectory: paths.0, v_trajectory: paths.1 };
+    rollout(model, three, &how, Torques::Zero, states, Some(&watch)).unwrap();
     assert_eq!(last.into_inner(), 40 * 100);
 }
 
@@ -213,8 +224,8 @@ fn implicit_integrators_are_errors() {
     let [mut q, mut v, _] = states(model, 1, 4);
     let how = how(Integrator::VariationalMidpoint, 5);
     let paths = (&mut [][..], &mut [][..]);
-    let result =
-        rollout(model, &mut workspace(model, 1, false), &how, Torques::Zero, &mut q, &mut v, paths, &go_on);
+    let states = RolloutStates { q: &mut q, v: &mut v, q_trajectory: paths.0, v_trajectory: paths.1 };
+    let result = rollout(model, &mut workspace(model, 1, false), &how, Torques::Zero, states, None);
     assert_eq!(result, Err(RolloutError::Implicit { integrator: Integrator::VariationalMidpoint }));
 }
 
@@ -247,7 +258,9 @@ fn policy_matches_law_of_single_states() {
             let mut batch = workspace(model, 1, robot.seed % 2 == 0);
             let (how, policy) = (how(integrator, 100), Torques::Policy(&policy));
             let paths = (&mut [][..], &mut [][..]);
-            rollout(model, &mut batch, &how, policy, &mut q_end, &mut v_end, paths, &go_on).unwrap();
+            let states =
+                RolloutStates { q: &mut q_end, v: &mut v_end, q_trajectory: paths.0, v_trajectory: paths.1 };
+            rollout(model, &mut batch, &how, policy, states, None).unwrap();
             let (mut single, mut tau) = (StepWorkspace::new(model), vec![0.0; nv]);
             for i in 0..9 {
                 let (mut q, mut v) = (q[i * nq..(i + 1) * nq].to_vec(), v[i * nv..(i + 1) * nv].to_vec());
@@ -305,14 +318,16 @@ fn policies_are_held_torques_of_each_step<T: BatchFloat + PartialEq>() {
             }
             let (how, held) = (how(integrator, 1), Torques::Held(&held));
             let ends = (&mut q_expected, &mut v_expected);
-            rollout(model, &mut one, &how, held, ends.0, ends.1, (&mut [], &mut []), &go_on).unwrap();
+            rollout(model, &mut one, &how, held, RolloutStates::ends(ends.0, ends.1), None).unwrap();
         }
         for (threads, limit) in [(1, None), (1, Some(InstructionSet::Avx2)), (3, None)] {
             let (mut q_end, mut v_end) = (q.clone(), v.clone());
             let (how, torques) = (how(integrator, steps), Torques::Policy(&policy));
             let paths = (&mut [][..], &mut [][..]);
             let mut batch = batch(threads, limit);
-            rollout(model, &mut batch, &how, torques, &mut q_end, &mut v_end, paths, &go_on).unwrap();
+            let states =
+                RolloutStates { q: &mut q_end, v: &mut v_end, q_trajectory: paths.0, v_trajectory: paths.1 };
+            rollout(model, &mut batch, &how, torques, states, None).unwrap();
             assert!(q_end == q_expected && v_end == v_expected, "{integrator}, {threads} threads, {limit:?}");
         }
         assert!(q_expected != q && v_expected != v, "{integrator}: nothing moved");
@@ -346,8 +361,8 @@ fn policy_of_nan_makes_its_state_bad() {
         let (how, policy) = (how(Integrator::RungeKutta4, 5), Torques::Policy(&policy));
         assert_eq!(format!("{policy:?}"), "Policy(..)");
         let paths = (&mut [][..], &mut [][..]);
-        let result =
-            rollout(model, &mut workspace(model, 2, false), &how, policy, &mut q, &mut v, paths, &go_on);
+        let states = RolloutStates { q: &mut q, v: &mut v, q_trajectory: paths.0, v_trajectory: paths.1 };
+        let result = rollout(model, &mut workspace(model, 2, false), &how, policy, states, None);
         (q, result)
     };
     let (expected, result) = run(usize::MAX);

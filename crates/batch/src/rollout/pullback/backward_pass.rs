@@ -11,7 +11,7 @@ use robot_dynamics_simulation::motion::pullback::course::{RolloutInputs, memory_
 use robot_dynamics_simulation::motion::pullback::stages::{Accelerations, At, Cotangents};
 
 use super::bad_rows::spoil;
-use super::inputs::PullbackInputs;
+use super::inputs::RolloutPullbackInputs;
 use crate::block::{Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all};
 use crate::computation::pullback::{ForwardPullback, pull_forward};
 use crate::computation::recursions::accelerate;
@@ -24,7 +24,7 @@ pub(super) struct Backward<'a, T> {
     pub(super) rollout: &'a Rollout,
     /// The stages, and the number of steps between checkpoints.
     pub(super) stages: (&'a [Stage], usize),
-    pub(super) given: &'a PullbackInputs<'a, T>,
+    pub(super) given: &'a RolloutPullbackInputs<'a, T>,
     pub(super) first: usize,
     pub(super) states: usize,
     pub(super) results: [&'a mut [T]; 4],
@@ -103,7 +103,7 @@ impl<T: Float> LaneKernel<OverLanes, T> for Backward<'_, T> {
 /// The forces and cotangents of a block's rollout.
 struct Lanes<'a, N: StateLanes, H> {
     rollout: &'a Rollout,
-    given: &'a PullbackInputs<'a, N::Float>,
+    given: &'a RolloutPullbackInputs<'a, N::Float>,
     first: usize,
     states: usize,
     /// The sum of the cotangents of held forces.
@@ -133,7 +133,10 @@ impl<N: StateLanes, H: Hardware> RolloutInputs<N> for Lanes<'_, N, H> {
     fn add_cotangents(&mut self, sample: usize, by_position: &mut [N], by_velocity: &mut [N]) {
         let (n, samples) = (by_position.len(), self.rollout.samples());
         let start = (self.first * samples + sample) * n;
-        for (rows, to) in [(self.given.trajectory.0, by_position), (self.given.trajectory.1, by_velocity)] {
+        for (rows, to) in [
+            (self.given.trajectory.by_position, by_position),
+            (self.given.trajectory.by_velocity, by_velocity),
+        ] {
             gather::<N, H>(&rows[start..], samples * n, self.states, self.part);
             for k in 0..n {
                 to[k] += self.part[k];

@@ -1,21 +1,19 @@
 //! The pullback of rollouts by machine code, with one kernel per forward step and one per backward step.
 
-use std::ops::ControlFlow;
-
 use robot_dynamics_core::model::native::Number;
 use robot_dynamics_core::{Model, NativeFunction};
 use robot_dynamics_integrators::Stage;
 use robot_dynamics_native::Kernel;
 use robot_dynamics_number::Float;
-use robot_dynamics_simulation::Rollout;
+use robot_dynamics_simulation::{Rollout, TrajectoryCotangents};
 
 use super::backward_pass::Backward;
 use super::bad_rows::spoil;
-use super::inputs::PullbackInputs;
+use super::inputs::RolloutPullbackInputs;
 use crate::distribution::for_each_part;
 use crate::rollout::machine_code::step_by_recursion;
 use crate::rollout::outcome::Outcome;
-use crate::rollout::progress::{RolloutProgress, Shared};
+use crate::rollout::progress::Shared;
 use crate::rollout::torques::Torques;
 use crate::workspace::{BlockMemory, ThreadMemory};
 use crate::{BatchWorkspace, block, machine_code};
@@ -29,7 +27,7 @@ pub(super) fn pull_back_natively<'a, T: Float + Number>(
     model: &Model,
     workspace: &BatchWorkspace<T>,
     (rollout, stages, spacing): (&Rollout, &[Stage], usize),
-    given: &PullbackInputs<'_, T>,
+    given: &RolloutPullbackInputs<'_, T>,
     results: [&'a mut [T]; 4],
     (shared, outcome): (&Shared<'_>, &Outcome),
 ) -> Result<(), [&'a mut [T]; 4]> {
@@ -64,7 +62,7 @@ struct KernelWay<'a, T> {
     stages: &'a [Stage],
     /// The number of steps between checkpoints.
     spacing: usize,
-    given: &'a PullbackInputs<'a, T>,
+    given: &'a RolloutPullbackInputs<'a, T>,
     first: usize,
     states: usize,
 }
@@ -257,8 +255,13 @@ impl<T: Float + Number> KernelWay<'_, T> {
             by_position[of_v.clone()].copy_from_slice(cotangent_of_q);
             by_velocity[of_v.clone()].copy_from_slice(cotangent_of_v);
             let (q, v, tau) = (&q[of_q], &v[of_v.clone()], &tau[of_v.clone()]);
-            let given =
-                &PullbackInputs { spacing: 1, torques: Torques::Held(tau), q, v, trajectory: (&[], &[]) };
+            let given = &RolloutPullbackInputs {
+                spacing: 1,
+                torques: Torques::Held(tau),
+                q,
+                v,
+                trajectory: TrajectoryCotangents::default(),
+            };
             let results = [&mut **by_position, &mut **by_velocity, &mut **by_force]
                 .map(|table| &mut table[of_v.clone()]);
             self.step_back_by_recursion(block, given, results);
@@ -270,7 +273,9 @@ impl<T: Float + Number> KernelWay<'_, T> {
     fn add_cotangents(&self, sample: usize, by_position: &mut [T], by_velocity: &mut [T]) {
         let Self { model, rollout, given, first, .. } = *self;
         let nv = model.nv;
-        for (rows, to) in [(given.trajectory.0, by_position), (given.trajectory.1, by_velocity)] {
+        for (rows, to) in
+            [(given.trajectory.by_position, by_position), (given.trajectory.by_velocity, by_velocity)]
+        {
             for (state, row) in to.chunks_exact_mut(nv).enumerate() {
                 let at = ((first + state) * rollout.samples() + sample) * nv;
                 row.iter_mut().zip(&rows[at..at + nv]).for_each(|(x, &y)| *x += y);
@@ -282,13 +287,12 @@ impl<T: Float + Number> KernelWay<'_, T> {
     fn step_back_by_recursion(
         &self,
         block: &mut BlockMemory,
-        given: &PullbackInputs<'_, T>,
+        given: &RolloutPullbackInputs<'_, T>,
         [by_position, by_velocity, by_force]: [&mut [T]; 3],
     ) {
         let Self { model, rollout, stages, .. } = *self;
         let rollout = &rollout.one_step();
-        let go_on = |_: RolloutProgress| ControlFlow::Continue(());
-        let shared = &Shared::of_one_step(&go_on);
+        let shared = &Shared::of_one_step();
         let (outputs, stages) = ((&mut 0, &mut false), (stages, 1));
         let results = [by_position, by_velocity, by_force, &mut []];
         let backward =

@@ -112,6 +112,23 @@ fn solve_again<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     }
 }
 
+/// The outputs of [`forward_dynamics_pullback`]. Batches have one row per state.
+#[derive(Debug)]
+pub struct ForwardPullbackMut<'a, S> {
+    /// The acceleration a, nv numbers.
+    pub acceleration: &'a mut [S],
+    /// āᵀ∂a/∂q, nv numbers.
+    pub by_position: &'a mut [S],
+    /// āᵀ∂a/∂v, nv numbers.
+    pub by_velocity: &'a mut [S],
+    /// āᵀ∂a/∂τ = (M⁻¹ā)ᵀ, nv numbers.
+    pub by_force: &'a mut [S],
+    /// The cotangents of the description's parameters, in the layout of
+    /// [`ParameterCotangents`](crate::ParameterCotangents), which are added and in batches
+    /// overwritten; empty if they are not needed.
+    pub parameters: &'a mut [S],
+}
+
 /// a = M⁻¹(τ − C v − g) and, for a cotangent ā of a, āᵀ∂a/∂q, āᵀ∂a/∂v and āᵀ∂a/∂τ = (M⁻¹ā)ᵀ, nv numbers each.
 /// O(n), without Jacobians and without M⁻¹.
 ///
@@ -122,16 +139,21 @@ fn solve_again<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
 /// robot with coupled branches uses M and its factor, O(n depth²).
 ///
 /// ```
-/// use robot_dynamics::derivatives::forward_dynamics_pullback;
+/// use robot_dynamics::derivatives::{ForwardPullbackMut, forward_dynamics_pullback};
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
 /// // a = (τ + m g l cos q)/(m l²)
 /// let (w, mut a) = (&mut Workspace::<f64>::new(&model), [0.0]);
 /// let (mut by_q, mut by_v, mut by_tau) = ([0.0], [0.0], [0.0]);
-/// forward_dynamics_pullback(
-///     &model, w, &[0.3], &[1.0], &[0.7], &[3.0], &mut a, &mut by_q, &mut by_v, &mut by_tau,
-/// );
+/// let outputs = ForwardPullbackMut {
+///     acceleration: &mut a,
+///     by_position: &mut by_q,
+///     by_velocity: &mut by_v,
+///     by_force: &mut by_tau,
+///     parameters: &mut [],
+/// };
+/// forward_dynamics_pullback(&model, w, &[0.3], &[1.0], &[0.7], &[3.0], outputs);
 /// assert!((a[0] - (0.7 + 9.81 * 0.3_f64.cos()) / 0.5).abs() < 1e-13);
 /// assert!((by_q[0] + 3.0 * 9.81 / 0.5 * 0.3_f64.sin()).abs() < 1e-12);
 /// assert!(by_v[0].abs() < 1e-13 && (by_tau[0] - 3.0 / (2.0 * 0.25)).abs() < 1e-13);
@@ -142,7 +164,6 @@ fn solve_again<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
 /// If a slice has the wrong length.
 #[doc(alias = "vector-Jacobian product")]
 #[doc(alias = "VJP")]
-#[allow(clippy::too_many_arguments)] // as forward_dynamics, with a cotangent and three more results
 #[inline]
 #[track_caller]
 pub fn forward_dynamics_pullback<S: Scalar>(
@@ -152,25 +173,9 @@ pub fn forward_dynamics_pullback<S: Scalar>(
     v: &[S],
     tau: &[S],
     cotangent: &[S],
-    acceleration: &mut [S],
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    by_force: &mut [S],
+    results: ForwardPullbackMut<'_, S>,
 ) {
-    forward_dynamics_pullback_with_parameters(
-        model,
-        workspace,
-        q,
-        v,
-        tau,
-        &[],
-        cotangent,
-        acceleration,
-        by_position,
-        by_velocity,
-        by_force,
-        &mut [],
-    );
+    forward_dynamics_pullback_with_parameters(model, workspace, q, v, tau, &[], cotangent, results);
 }
 
 /// [`forward_dynamics_pullback`] of a = M⁻¹(τ + Σ Jᵀw − C v − g), and the cotangents of the description's
@@ -184,15 +189,21 @@ pub fn forward_dynamics_pullback<S: Scalar>(
 ///
 /// ```
 /// use robot_dynamics::derivatives::ParameterCotangents;
-/// use robot_dynamics::derivatives::{forward_dynamics_pullback_with_parameters, parameter_count};
+/// use robot_dynamics::derivatives::{ForwardPullbackMut, parameter_count};
+/// use robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters;
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
 /// let (w, mut parameters) = (&mut Workspace::<f64>::new(&model), vec![0.0; parameter_count(&model)]);
 /// let [mut a, mut x, mut y, mut z] = [[0.0]; 4];
-/// forward_dynamics_pullback_with_parameters(
-///     &model, w, &[0.3], &[1.0], &[0.7], &[], &[1.0], &mut a, &mut x, &mut y, &mut z, &mut parameters,
-/// );
+/// let outputs = ForwardPullbackMut {
+///     acceleration: &mut a,
+///     by_position: &mut x,
+///     by_velocity: &mut y,
+///     by_force: &mut z,
+///     parameters: &mut parameters,
+/// };
+/// forward_dynamics_pullback_with_parameters(&model, w, &[0.3], &[1.0], &[0.7], &[], &[1.0], outputs);
 /// // a = f/(m l² + armature), so ∂a/∂(armature) = −a/(m l²).
 /// let by = ParameterCotangents::of(&model, &parameters);
 /// assert!((by.passive[0] + a[0] / 0.5).abs() < 1e-12);
@@ -201,7 +212,7 @@ pub fn forward_dynamics_pullback<S: Scalar>(
 ///
 /// # Panics
 /// If a slice has the wrong length.
-#[allow(clippy::too_many_arguments)] // as forward_dynamics_with_wrenches, with four more results
+#[allow(clippy::too_many_arguments)] // as forward_dynamics_with_wrenches, with a cotangent and the results
 #[inline]
 #[track_caller]
 pub fn forward_dynamics_pullback_with_parameters<S: Scalar>(
@@ -212,12 +223,9 @@ pub fn forward_dynamics_pullback_with_parameters<S: Scalar>(
     tau: &[S],
     wrenches: &[FrameWrench<S>],
     cotangent: &[S],
-    acceleration: &mut [S],
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    by_force: &mut [S],
-    parameters: &mut [S],
+    results: ForwardPullbackMut<'_, S>,
 ) {
+    let ForwardPullbackMut { acceleration, by_position, by_velocity, by_force, parameters } = results;
     workspace.check_inputs(model, q);
     check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);

@@ -55,6 +55,21 @@ impl<S: Scalar> Kernel<OverNumber, S> for NewtonEulerPullback<'_, S> {
     }
 }
 
+/// The outputs of [`inverse_dynamics_pullback`]. Batches have one row per state.
+#[derive(Debug)]
+pub struct InversePullbackMut<'a, S> {
+    /// λᵀ∂τ/∂q, nv numbers.
+    pub by_position: &'a mut [S],
+    /// λᵀ∂τ/∂v, nv numbers.
+    pub by_velocity: &'a mut [S],
+    /// λᵀ∂τ/∂a = (M λ)ᵀ, nv numbers.
+    pub by_acceleration: &'a mut [S],
+    /// The cotangents of the description's parameters, in the layout of
+    /// [`ParameterCotangents`](crate::ParameterCotangents), which are added and in batches
+    /// overwritten; empty if they are not needed.
+    pub parameters: &'a mut [S],
+}
+
 /// λᵀ∂τ/∂q, λᵀ∂τ/∂v and λᵀ∂τ/∂a = (M λ)ᵀ of τ = M(q) a + C(q,v) v + g(q), nv numbers each, for a cotangent λ
 /// of τ. O(n), without Jacobians.
 ///
@@ -65,13 +80,19 @@ impl<S: Scalar> Kernel<OverNumber, S> for NewtonEulerPullback<'_, S> {
 /// Hessian-vector products.
 ///
 /// ```
-/// use robot_dynamics::derivatives::inverse_dynamics_pullback;
+/// use robot_dynamics::derivatives::{InversePullbackMut, inverse_dynamics_pullback};
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
 /// // τ = m l² a − m g l cos q, so 3 τ has the derivatives 3 m g l sin q, 0 and 3 m l².
 /// let (w, mut by_q, mut by_v, mut by_a) = (&mut Workspace::<f64>::new(&model), [0.0], [0.0], [0.0]);
-/// inverse_dynamics_pullback(&model, w, &[0.3], &[1.0], &[2.0], &[3.0], &mut by_q, &mut by_v, &mut by_a);
+/// let outputs = InversePullbackMut {
+///     by_position: &mut by_q,
+///     by_velocity: &mut by_v,
+///     by_acceleration: &mut by_a,
+///     parameters: &mut [],
+/// };
+/// inverse_dynamics_pullback(&model, w, &[0.3], &[1.0], &[2.0], &[3.0], outputs);
 /// assert!((by_q[0] - 3.0 * 2.0 * 9.81 * 0.5 * 0.3_f64.sin()).abs() < 1e-13);
 /// assert!(by_v[0].abs() < 1e-13 && (by_a[0] - 3.0 * 2.0 * 0.25).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -81,7 +102,6 @@ impl<S: Scalar> Kernel<OverNumber, S> for NewtonEulerPullback<'_, S> {
 /// If a slice has the wrong length.
 #[doc(alias = "vector-Jacobian product")]
 #[doc(alias = "VJP")]
-#[allow(clippy::too_many_arguments)] // as inverse_dynamics, with a cotangent and three results
 #[inline]
 #[track_caller]
 pub fn inverse_dynamics_pullback<S: Scalar>(
@@ -91,23 +111,9 @@ pub fn inverse_dynamics_pullback<S: Scalar>(
     v: &[S],
     a: &[S],
     cotangent: &[S],
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    by_acceleration: &mut [S],
+    results: InversePullbackMut<'_, S>,
 ) {
-    inverse_dynamics_pullback_with_parameters(
-        model,
-        workspace,
-        q,
-        v,
-        a,
-        &[],
-        cotangent,
-        by_position,
-        by_velocity,
-        by_acceleration,
-        &mut [],
-    );
+    inverse_dynamics_pullback_with_parameters(model, workspace, q, v, a, &[], cotangent, results);
 }
 
 /// [`inverse_dynamics_pullback`] of τ = M a + C v + g − Σ Jᵀw, and the cotangents of the description's
@@ -121,15 +127,20 @@ pub fn inverse_dynamics_pullback<S: Scalar>(
 ///
 /// ```
 /// use robot_dynamics::derivatives::ParameterCotangents;
-/// use robot_dynamics::derivatives::{inverse_dynamics_pullback_with_parameters, parameter_count};
+/// use robot_dynamics::derivatives::{InversePullbackMut, parameter_count};
+/// use robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters;
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
 /// let (w, mut parameters) = (&mut Workspace::<f64>::new(&model), vec![0.0; parameter_count(&model)]);
 /// let (x, y, z) = (&mut [0.0], &mut [0.0], &mut [0.0]);
-/// inverse_dynamics_pullback_with_parameters(
-///     &model, w, &[0.3], &[1.0], &[2.0], &[], &[1.0], x, y, z, &mut parameters,
-/// );
+/// let outputs = InversePullbackMut {
+///     by_position: x,
+///     by_velocity: y,
+///     by_acceleration: z,
+///     parameters: &mut parameters,
+/// };
+/// inverse_dynamics_pullback_with_parameters(&model, w, &[0.3], &[1.0], &[2.0], &[], &[1.0], outputs);
 /// // The derivative of −m g l cos q by the field's z component, which is −g: m l cos q.
 /// let by = ParameterCotangents::of(&model, &parameters);
 /// assert!((by.gravity[2] - 2.0 * 0.5 * 0.3_f64.cos()).abs() < 1e-14);
@@ -138,7 +149,7 @@ pub fn inverse_dynamics_pullback<S: Scalar>(
 ///
 /// # Panics
 /// If a slice has the wrong length.
-#[allow(clippy::too_many_arguments)] // as inverse_dynamics_with_wrenches, with a cotangent and four results
+#[allow(clippy::too_many_arguments)] // as inverse_dynamics_with_wrenches, with a cotangent and the results
 #[inline]
 #[track_caller]
 pub fn inverse_dynamics_pullback_with_parameters<S: Scalar>(
@@ -149,11 +160,9 @@ pub fn inverse_dynamics_pullback_with_parameters<S: Scalar>(
     a: &[S],
     wrenches: &[FrameWrench<S>],
     cotangent: &[S],
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    by_acceleration: &mut [S],
-    parameters: &mut [S],
+    results: InversePullbackMut<'_, S>,
 ) {
+    let InversePullbackMut { by_position, by_velocity, by_acceleration, parameters } = results;
     workspace.check_inputs(model, q);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);

@@ -6,6 +6,8 @@ use robot_dynamics_core::{Model, difference, integrate, mass_matrix};
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::{Classified, ErrorKind};
 
+use super::LinearizedStep;
+use crate::motion::RobotState;
 use crate::{StepError, StepForces, StepWorkspace, Stepper};
 
 /// The increment of a coordinate or a velocity to either side \[rad, m, rad/s, m/s\]. The error of a smooth
@@ -90,7 +92,7 @@ impl<E: StepError + Send + Sync + 'static> Classified for DifferenceError<E> {
 /// | is discontinuous on both sides | [`DifferenceError::Discontinuous`] |
 ///
 /// ```
-/// use robot_dynamics::derivatives::linearize_by_differences;
+/// use robot_dynamics::derivatives::{LinearizedStep, RobotState, linearize_by_differences};
 /// use robot_dynamics::description::{Limits, pendulum};
 /// use robot_dynamics::model::Model;
 /// use robot_dynamics::simulation::{Implicit, StepForces, StepWorkspace};
@@ -104,7 +106,9 @@ impl<E: StepError + Send + Sync + 'static> Classified for DifferenceError<E> {
 /// let mut held = implicit.clone();
 /// # use robot_dynamics::simulation::Stepper;
 /// held.step(&model, &mut workspace, &forces, h, &mut [0.0], &mut [0.0])?;
-/// linearize_by_differences(&model, &held, &mut workspace, &forces, h, &[0.0], &[0.0], &mut a, &mut b)?;
+/// let state = RobotState { q: &[0.0], v: &[0.0] };
+/// let derivatives = LinearizedStep { by_state: &mut a, by_force: &mut b };
+/// linearize_by_differences(&model, &held, &mut workspace, &forces, h, state, derivatives)?;
 /// assert!(b.iter().all(|b| b.abs() < 1e-9)); // the stop compensates any motor torque
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -114,7 +118,6 @@ impl<E: StepError + Send + Sync + 'static> Classified for DifferenceError<E> {
 ///
 /// # Panics
 /// Panics if a slice has the wrong length.
-#[allow(clippy::too_many_arguments)] // the arguments of `linearize_step`
 #[track_caller]
 pub fn linearize_by_differences<S: Stepper + Clone>(
     model: &Model,
@@ -122,10 +125,8 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
     workspace: &mut StepWorkspace,
     forces: &StepForces<'_>,
     h: f64,
-    q: &[f64],
-    v: &[f64],
-    by_state: &mut [f64],
-    by_force: &mut [f64],
+    RobotState { q, v }: RobotState<'_>,
+    LinearizedStep { by_state, by_force }: LinearizedStep<'_>,
 ) -> Result<(), DifferenceError<S::Error>> {
     let (nq, nv) = (model.nq(), model.nv());
     check_length("q", q.len(), nq);

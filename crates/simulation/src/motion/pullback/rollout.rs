@@ -6,10 +6,12 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::{Integrator, StepScheme};
 use robot_dynamics_number::Scalar;
 
+use super::cotangents::{MotionCotangents, TrajectoryCotangents};
 use super::course::{RolloutInputs, memory_size, pull_back};
 use super::error::{PullbackError, check_floats, check_mass};
 use super::stages::add;
 use super::step::OneState;
+use crate::motion::RobotState;
 use crate::motion::integrate::check_step;
 use crate::motion::integrate::explicit::most_stages;
 
@@ -126,7 +128,7 @@ impl<S: Scalar> RolloutPullbackWorkspace<S> {
 struct Tables<'a, S> {
     /// Constant over all steps, or \[steps\]\[nv\], or empty for zero forces.
     tau: &'a [S],
-    trajectory: (&'a [S], &'a [S]),
+    trajectory: TrajectoryCotangents<'a, S>,
     by_force: &'a mut [S],
 }
 
@@ -142,8 +144,8 @@ impl<S: Scalar> RolloutInputs<S> for Tables<'_, S> {
 
     fn add_cotangents(&mut self, sample: usize, by_position: &mut [S], by_velocity: &mut [S]) {
         let rows = sample * by_position.len()..(sample + 1) * by_position.len();
-        add(by_position, &self.trajectory.0[rows.clone()]);
-        add(by_velocity, &self.trajectory.1[rows]);
+        add(by_position, &self.trajectory.by_position[rows.clone()]);
+        add(by_velocity, &self.trajectory.by_velocity[rows]);
     }
 
     fn take(&mut self, step: usize, by_force: &[S]) {
@@ -164,15 +166,12 @@ impl<S: Scalar> RolloutInputs<S> for Tables<'_, S> {
 /// state, the forces and the parameters. It forms no Jacobian, recomputes the required states from the
 /// workspace's checkpoints, and does not allocate.
 ///
-/// - (`q`, `v`) is the initial state.
+/// - `start` is the initial state.
 /// - `tau` has nv numbers that are held over all steps, or \[steps\]\[nv\], or is empty.
-/// - `by_position` and `by_velocity` hold the gradients by the final state, and receive those by the initial
-///   state.
-/// - `trajectory` holds the gradients by the states after every `stride`-th step, \[samples\]\[nv\] each
-///   (empty without a stride). A state in both counts twice.
-/// - `by_force`, of `tau`'s shape, receives the gradients by the forces.
-/// - `parameters` is empty or has the layout of
-///   [`ParameterCotangents`](robot_dynamics_core::ParameterCotangents); the gradient is **added** to it.
+/// - `trajectory` holds the gradients by the states after every `stride`-th step. The final state counts
+///   twice if it is one of them.
+/// - `cotangents` holds the gradients by the final state, and receives those by the initial state and by the
+///   forces. The gradient by the parameters is **added**.
 ///
 /// Cotangents of configurations have nv numbers, along the displacements of [`integrate`](robot_dynamics_core::integrate())
 /// at that configuration: see
@@ -180,7 +179,8 @@ impl<S: Scalar> RolloutInputs<S> for Tables<'_, S> {
 /// `by_position`, `by_velocity` and `parameters` are unchanged.
 ///
 /// ```
-/// use robot_dynamics::derivatives::{Rollout, RolloutPullbackWorkspace, rollout_pullback};
+/// use robot_dynamics::derivatives::{MotionCotangents, RobotState, Rollout, RolloutPullbackWorkspace};
+/// use robot_dynamics::derivatives::{TrajectoryCotangents, rollout_pullback};
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::Model;
 /// use robot_dynamics::simulation::Integrator;
@@ -192,9 +192,14 @@ impl<S: Scalar> RolloutInputs<S> for Tables<'_, S> {
 /// let w = &mut RolloutPullbackWorkspace::<f64>::new(&model, &rollout, 0);
 /// let (tau, down) = (vec![0.0; 50], [std::f64::consts::FRAC_PI_2]);
 /// let (mut by_q, mut by_v, mut by_tau) = ([0.0], [1.0], vec![0.0; 50]);
-/// rollout_pullback(
-///     &model, &rollout, w, &tau, &down, &[0.0], (&[], &[]), &mut by_q, &mut by_v, &mut by_tau, &mut [],
-/// )?;
+/// let cotangents = MotionCotangents {
+///     by_position: &mut by_q,
+///     by_velocity: &mut by_v,
+///     by_force: &mut by_tau,
+///     parameters: &mut [],
+/// };
+/// let (start, trajectory) = (RobotState { q: &down, v: &[0.0] }, TrajectoryCotangents::default());
+/// rollout_pullback(&model, &rollout, w, start, &tau, trajectory, cotangents)?;
 /// assert!((by_tau[49] - 0.01 / (2.0 * 0.25)).abs() < 1e-14 && by_tau[0] < by_tau[49]); // the pendulum swings back from earlier torques
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -207,21 +212,17 @@ impl<S: Scalar> RolloutInputs<S> for Tables<'_, S> {
 ///
 /// # Panics
 /// Panics if a slice has the wrong length, or the workspace is for another number of steps.
-#[allow(clippy::too_many_arguments)] // the arguments of a rollout, its cotangents and results
 #[track_caller]
 pub fn rollout_pullback<S: Scalar>(
     model: &Model,
     rollout: &Rollout,
     workspace: &mut RolloutPullbackWorkspace<S>,
+    RobotState { q, v }: RobotState<'_, S>,
     tau: &[S],
-    q: &[S],
-    v: &[S],
-    trajectory: (&[S], &[S]),
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    by_force: &mut [S],
-    parameters: &mut [S],
+    trajectory: TrajectoryCotangents<'_, S>,
+    cotangents: MotionCotangents<'_, S>,
 ) -> Result<(), PullbackError> {
+    let MotionCotangents { by_position, by_velocity, by_force, parameters } = cotangents;
     check_step(rollout.step)?;
     let (w, nv) = (workspace, model.nv);
     w.dynamics.check_inputs(model, q);
@@ -229,8 +230,8 @@ pub fn rollout_pullback<S: Scalar>(
     check_length("v", v.len(), nv);
     let is_held = tau.is_empty() || tau.len() == nv;
     check_length("tau", tau.len(), if is_held { tau.len() } else { rollout.steps * nv });
-    check_length("the cotangent of the trajectory's q", trajectory.0.len(), rollout.samples() * nv);
-    check_length("the cotangent of the trajectory's v", trajectory.1.len(), rollout.samples() * nv);
+    check_length("the cotangent of the trajectory's q", trajectory.by_position.len(), rollout.samples() * nv);
+    check_length("the cotangent of the trajectory's v", trajectory.by_velocity.len(), rollout.samples() * nv);
     check_length("the cotangent of q", by_position.len(), nv);
     check_length("the cotangent of v", by_velocity.len(), nv);
     check_length("the cotangent of tau", by_force.len(), tau.len());
@@ -242,8 +243,8 @@ pub fn rollout_pullback<S: Scalar>(
         ("q", q),
         ("v", v),
         ("tau", tau),
-        ("the cotangent of the trajectory's q", trajectory.0),
-        ("the cotangent of the trajectory's v", trajectory.1),
+        ("the cotangent of the trajectory's q", trajectory.by_position),
+        ("the cotangent of the trajectory's v", trajectory.by_velocity),
         ("the cotangent of q", by_position),
         ("the cotangent of v", by_velocity),
     ] {

@@ -3,16 +3,18 @@
 use robot_dynamics_core::derivatives::check_parameters;
 use robot_dynamics_core::workspace::native::computed_natively;
 use robot_dynamics_core::{
-    Model, NativeFunction, Workspace, forward_dynamics, forward_dynamics_pullback_with_parameters,
-    parameter_count,
+    ForwardPullbackMut, Model, NativeFunction, Workspace, forward_dynamics,
+    forward_dynamics_pullback_with_parameters, parameter_count,
 };
 use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::{Integrator, StepScheme};
 use robot_dynamics_number::Scalar;
 
+use super::cotangents::MotionCotangents;
 use super::error::{PullbackError, check_floats, check_mass};
 use super::stages::{Accelerations, At, Cotangents, Held, PullbackMemory, add, pull_back_step};
 use crate::StepForces;
+use crate::motion::RobotState;
 use crate::motion::integrate::check_step;
 use crate::motion::integrate::explicit::most_stages;
 
@@ -91,20 +93,8 @@ impl<S: Scalar> Accelerations<S> for OneState<'_, S> {
     fn pull_back(&mut self, model: &Model, at: At<'_, S>, to: Cotangents<'_, S>) {
         let At { q, v, tau, cotangent } = at;
         let Cotangents { acceleration, by_position, by_velocity, by_force, parameters } = to;
-        forward_dynamics_pullback_with_parameters(
-            model,
-            self.workspace,
-            q,
-            v,
-            tau,
-            &[],
-            cotangent,
-            acceleration,
-            by_position,
-            by_velocity,
-            by_force,
-            parameters,
-        );
+        let out = ForwardPullbackMut { acceleration, by_position, by_velocity, by_force, parameters };
+        forward_dynamics_pullback_with_parameters(model, self.workspace, q, v, tau, &[], cotangent, out);
     }
 }
 
@@ -124,7 +114,8 @@ impl<S: Scalar> Accelerations<S> for OneState<'_, S> {
 /// dual numbers the function gives second derivatives of a step. On an error all results are unchanged.
 ///
 /// ```
-/// use robot_dynamics::derivatives::{StepPullbackWorkspace, linearize_step, step_pullback};
+/// use robot_dynamics::derivatives::{LinearizedStep, MotionCotangents, RobotState, StepPullbackWorkspace};
+/// use robot_dynamics::derivatives::{linearize_step, step_pullback};
 /// use robot_dynamics::simulation::{Integrator, StepForces};
 /// # use robot_dynamics::derivatives::LinearizeStepWorkspace;
 /// # use robot_dynamics::description::{RandomRobotOptions, random_robot};
@@ -135,9 +126,18 @@ impl<S: Scalar> Accelerations<S> for OneState<'_, S> {
 /// let forces = StepForces::new(&tau, true);
 /// let (mut by_q, mut by_v, mut by_tau) = (weights.clone(), vec![0.0; n], vec![0.0; n]); // the loss is weights · q₁
 /// let w = &mut StepPullbackWorkspace::new(&model);
-/// step_pullback(&model, row, w, &forces, h, &q, &v, &mut by_q, &mut by_v, &mut by_tau, &mut [])?;
+/// let state = RobotState { q: &q, v: &v };
+/// let derivatives = MotionCotangents {
+///     by_position: &mut by_q,
+///     by_velocity: &mut by_v,
+///     by_force: &mut by_tau,
+///     parameters: &mut [],
+/// };
+/// step_pullback(&model, row, w, &forces, h, state, derivatives)?;
 /// let (mut a, mut b) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
-/// linearize_step(&model, row, &mut LinearizeStepWorkspace::new(&model), &forces, h, &q, &v, &mut a, &mut b)?;
+/// let state = RobotState { q: &q, v: &v };
+/// let derivatives = LinearizedStep { by_state: &mut a, by_force: &mut b };
+/// linearize_step(&model, row, &mut LinearizeStepWorkspace::new(&model), &forces, h, state, derivatives)?;
 /// for j in 0..n {
 ///     let column: f64 = (0..n).map(|i| weights[i] * a[i * 2 * n + j]).sum();
 ///     assert!((by_q[j] - column).abs() < 1e-11);
@@ -153,7 +153,6 @@ impl<S: Scalar> Accelerations<S> for OneState<'_, S> {
 ///
 /// # Panics
 /// Panics if a slice has the wrong length.
-#[allow(clippy::too_many_arguments)] // the arguments of `step`, and four results
 #[track_caller]
 pub fn step_pullback<S: Scalar>(
     model: &Model,
@@ -161,13 +160,10 @@ pub fn step_pullback<S: Scalar>(
     workspace: &mut StepPullbackWorkspace<S>,
     forces: &StepForces<'_, S>,
     h: f64,
-    q: &[S],
-    v: &[S],
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    by_force: &mut [S],
-    parameters: &mut [S],
+    RobotState { q, v }: RobotState<'_, S>,
+    cotangents: MotionCotangents<'_, S>,
 ) -> Result<(), PullbackError> {
+    let MotionCotangents { by_position, by_velocity, by_force, parameters } = cotangents;
     check_step(h)?;
     workspace.dynamics.check_inputs(model, q);
     check_length("v", v.len(), model.nv);

@@ -7,20 +7,21 @@
 //! same 1024 random states in turns, with one thread; each number is the median of the rounds. The largest
 //! difference is relative to the largest number of a result.
 
+mod calls;
+
 use std::hint::black_box;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use bench::{StateTable, robot_by_name};
-use robot_dynamics::algorithms;
 use robot_dynamics::batch::{BatchFloat, BatchOptions, BatchWorkspace};
-use robot_dynamics::derivatives::{self, StepPullbackWorkspace, step_pullback};
-use robot_dynamics::model::{InstructionSet, Model, Workspace};
-use robot_dynamics::simulation::{Integrator, StepForces};
+use robot_dynamics::model::{InstructionSet, Model};
 use robot_dynamics_expression::{Arithmetic, Graph, Operand, Precision};
 use robot_dynamics_functions::{Argument, Function, Table};
 use robot_dynamics_native::{Code, Float, Kernel, Target, Width, best_instructions};
 use robot_dynamics_number::SplitMix64;
+
+use self::calls::{Memory, call_rows, integrator};
 
 const ROBOTS: [&str; 5] = ["two_r", "ur5", "panda", "humanoid", "talos"];
 const STATES: usize = 1024;
@@ -144,105 +145,6 @@ fn results_of(model: &Model, function: &Function) -> Vec<usize> {
         lengths.truncate(2);
     }
     lengths
-}
-
-/// The integrator whose step is pulled back.
-fn integrator(function: &Function) -> Option<Integrator> {
-    let rows = [Function::SemiImplicitEulerStep, Function::Rk4Step];
-    rows.into_iter().find(|step| step.clone().pullback() == *function).and_then(|step| step.integrator())
-}
-
-/// The library's memory for one state.
-struct Memory {
-    plain: Workspace<f64>,
-    step: StepPullbackWorkspace<f64>,
-}
-
-impl Memory {
-    fn new(model: &Model) -> Self {
-        Self { plain: Workspace::new(model), step: StepPullbackWorkspace::new(model) }
-    }
-
-    /// The library's call for one state.
-    fn call(&mut self, model: &Model, function: &Function, arguments: &[&[f64]], results: &mut [Vec<f64>]) {
-        let Self { plain: w, step } = self;
-        if let Some(row) = integrator(function) {
-            let ([q, v, tau, h, cotangent], [x, y, z]) = (arguments, results) else {
-                unreachable!("a step's pullback has five arguments")
-            };
-            x.copy_from_slice(&cotangent[..model.nv()]);
-            y.copy_from_slice(&cotangent[model.nv()..]);
-            let forces = StepForces::new(tau, true);
-            step_pullback(model, row, step, &forces, h[0], q, v, x, y, z, &mut []).expect("a regular M");
-            return;
-        }
-        match (function, arguments, results) {
-            (Function::InverseDynamics, [q, v, a], [x]) => algorithms::inverse_dynamics(model, w, q, v, a, x),
-            (Function::ForwardDynamics, [q, v, tau], [x]) => {
-                algorithms::forward_dynamics(model, w, q, v, tau, x);
-            }
-            (Function::MassMatrix, [q], [x]) => algorithms::mass_matrix(model, w, q, x),
-            (Function::MassMatrixFactor, [q], [x]) => algorithms::mass_matrix_factor(model, w, q, x),
-            (Function::InverseDynamicsDerivatives, [q, v, a], [x, y]) => {
-                derivatives::inverse_dynamics_derivatives(model, w, q, v, a, x, y);
-            }
-            (Function::ForwardDynamicsDerivatives, [q, v, tau], [x, y, z]) => {
-                derivatives::forward_dynamics_derivatives(model, w, q, v, tau, x, y, z);
-            }
-            (Function::InverseDynamicsPullback, [q, v, a, l], [x, y, z]) => {
-                derivatives::inverse_dynamics_pullback(model, w, q, v, a, l, x, y, z);
-            }
-            (Function::ForwardDynamicsPullback, [q, v, tau, l], [r, x, y, z]) => {
-                derivatives::forward_dynamics_pullback(model, w, q, v, tau, l, r, x, y, z);
-            }
-            _ => unreachable!("a function has its arguments and results"),
-        }
-    }
-}
-
-/// The library's call for rows, and whether it exists.
-fn call_rows<T: BatchFloat>(
-    function: &Function,
-    model: &Model,
-    w: &mut BatchWorkspace<T>,
-    arguments: &[&[T]],
-    results: &mut [Vec<T>],
-) -> bool {
-    use robot_dynamics::batch;
-    if let Some(row) = integrator(function) {
-        let ([q, v, tau, _, cotangent], [x, y, z]) = (arguments, results) else {
-            unreachable!("a step's pullback has five arguments")
-        };
-        let half = x.len();
-        x.copy_from_slice(&cotangent[..half]);
-        y.copy_from_slice(&cotangent[half..]);
-        let how = batch::Rollout::new(row, STEP, 1);
-        let (held, ends) = (batch::Torques::Held(tau), (&mut x[..], &mut y[..]));
-        let go_on = |_| core::ops::ControlFlow::Continue(());
-        batch::rollout_pullback(model, w, &how, 0, held, q, v, (&[], &[]), ends, z, &mut [], &go_on)
-            .expect("finite results");
-        return true;
-    }
-    let ran = match (function, arguments, results) {
-        (Function::InverseDynamics, [q, v, a], [x]) => batch::inverse_dynamics(model, w, q, v, a, x),
-        (Function::ForwardDynamics, [q, v, tau], [x]) => batch::forward_dynamics(model, w, q, v, tau, x),
-        (Function::MassMatrix, [q], [x]) => batch::mass_matrix(model, w, q, x),
-        (Function::InverseDynamicsDerivatives, [q, v, a], [x, y]) => {
-            batch::inverse_dynamics_derivatives(model, w, q, v, a, x, y)
-        }
-        (Function::ForwardDynamicsDerivatives, [q, v, tau], [x, y, z]) => {
-            batch::forward_dynamics_derivatives(model, w, q, v, tau, x, y, z)
-        }
-        (Function::InverseDynamicsPullback, [q, v, a, l], [x, y, z]) => {
-            batch::inverse_dynamics_pullback(model, w, q, v, a, l, x, y, z, &mut [])
-        }
-        (Function::ForwardDynamicsPullback, [q, v, tau, l], [r, x, y, z]) => {
-            batch::forward_dynamics_pullback(model, w, q, v, tau, l, r, x, y, z, &mut [])
-        }
-        _ => return false,
-    };
-    ran.expect("finite results");
-    true
 }
 
 fn median(mut times: Vec<f64>) -> f64 {

@@ -7,17 +7,23 @@
 //! Jacobians. Each is the median over the rounds of the ratio within a round. Every round measures everything
 //! once, so that slow drifts of the machine cancel.
 
+mod batches;
+
 use std::hint::black_box;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use bench::{StateTable, robot_by_name};
-use robot_dynamics::batch;
-use robot_dynamics::batch::{BatchOptions, BatchWorkspace, Torques};
-use robot_dynamics::derivatives::{LinearizeStepWorkspace, Rollout, StepPullbackWorkspace, parameter_count};
+use robot_dynamics::derivatives::{
+    self, ForwardDynamicsDerivativesMut, ForwardPullbackMut, InverseDynamicsDerivativesMut,
+    InversePullbackMut, LinearizeStepWorkspace, LinearizedStep, MotionCotangents, RobotState,
+    StepPullbackWorkspace, parameter_count,
+};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace};
 use serde_json::{Value, json};
+
+use self::batches::batches;
 
 const STATES: usize = 1024;
 const SEED: u64 = 20260;
@@ -146,19 +152,13 @@ fn single<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
         Item::one(move |i| {
             let [q, v, a, lambda] = table.get(i);
             let p = &mut parameters;
-            robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters(
-                model,
-                &mut w,
-                q,
-                v,
-                a,
-                &[],
-                lambda,
-                &mut x,
-                &mut y,
-                &mut z,
-                p,
-            );
+            let out = InversePullbackMut {
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_acceleration: &mut z,
+                parameters: p,
+            };
+            derivatives::inverse_dynamics_pullback_with_parameters(model, &mut w, q, v, a, &[], lambda, out);
             black_box((&x, &y, &z));
         })
     };
@@ -166,7 +166,8 @@ fn single<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
         let (mut w, [mut x, mut y, mut z]) = (Workspace::new(model), [square(), square(), square()]);
         Item::one(move |i| {
             let [q, v, a, _] = table.get(i);
-            robot_dynamics::derivatives::inverse_dynamics_derivatives(model, &mut w, q, v, a, &mut x, &mut y);
+            let out = InverseDynamicsDerivativesMut { by_position: &mut x, by_velocity: &mut y };
+            derivatives::inverse_dynamics_derivatives(model, &mut w, q, v, a, out);
             robot_dynamics::algorithms::mass_matrix(model, &mut w, q, &mut z);
             black_box((&x, &y, &z));
         })
@@ -185,7 +186,14 @@ fn single<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
         Item::one(move |i| {
             let [q, v, lambda, tau] = table.get(i);
             let p = &mut parameters;
-            robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters(
+            let out = ForwardPullbackMut {
+                acceleration: &mut a,
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_force: &mut z,
+                parameters: p,
+            };
+            derivatives::forward_dynamics_pullback_with_parameters(
                 model,
                 &mut w,
                 q,
@@ -193,11 +201,7 @@ fn single<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
                 tau,
                 &[],
                 lambda,
-                &mut a,
-                &mut x,
-                &mut y,
-                &mut z,
-                p,
+                out,
             );
             black_box((&a, &x, &y, &z));
         })
@@ -206,9 +210,9 @@ fn single<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
         let (mut w, [mut x, mut y, mut z]) = (Workspace::new(model), [square(), square(), square()]);
         Item::one(move |i| {
             let [q, v, _, tau] = table.get(i);
-            robot_dynamics::derivatives::forward_dynamics_derivatives(
-                model, &mut w, q, v, tau, &mut x, &mut y, &mut z,
-            );
+            let out =
+                ForwardDynamicsDerivativesMut { by_position: &mut x, by_velocity: &mut y, by_force: &mut z };
+            derivatives::forward_dynamics_derivatives(model, &mut w, q, v, tau, out);
             black_box((&x, &y, &z));
         })
     };
@@ -250,8 +254,20 @@ fn motion<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
             x.copy_from_slice(lambda);
             y.copy_from_slice(lambda);
             let (forces, p) = (StepForces::new(tau, false), &mut parameters);
-            let done = robot_dynamics::derivatives::step_pullback(
-                model, row, &mut w, &forces, STEP, q, v, &mut x, &mut y, &mut z, p,
+            let cotangents = MotionCotangents {
+                by_position: &mut x,
+                by_velocity: &mut y,
+                by_force: &mut z,
+                parameters: p,
+            };
+            let done = derivatives::step_pullback(
+                model,
+                row,
+                &mut w,
+                &forces,
+                STEP,
+                RobotState { q, v },
+                cotangents,
             );
             black_box((&x, &y, &z, done.is_ok()));
         })
@@ -262,128 +278,11 @@ fn motion<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
         Item::one(move |i| {
             let [q, v, _, tau] = table.get(i);
             let forces = StepForces::new(tau, false);
-            let done = robot_dynamics::derivatives::linearize_step(
-                model, row, &mut w, &forces, STEP, q, v, &mut a, &mut b,
-            );
+            let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
+            let done =
+                derivatives::linearize_step(model, row, &mut w, &forces, STEP, RobotState { q, v }, out);
             black_box((&a, &b, done.is_ok()));
         })
     };
     vec![("rk4 step", [primal, pullback(0), pullback(parameter_count(model))], Some(jacobians))]
-}
-
-/// All states at once with one thread; rollouts of 64 steps with checkpoints.
-fn batches<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
-    let n = model.nv();
-    let tables =
-        [0, 1, 2, 3].map(|k| (0..STATES).flat_map(|i| table.get(i)[k]).copied().collect::<Vec<f64>>());
-    let tables: &'a [Vec<f64>; 4] = Box::leak(Box::new(tables));
-    let [q, v, a, tau] = tables;
-    let mut options = BatchOptions::default();
-    options.threads = 1;
-    let workspace = move || BatchWorkspace::with_options(model, options).expect("the calling thread");
-    let vector = move || vec![0.0; STATES * n];
-    let square = move || vec![0.0; STATES * n * n];
-    let count = STATES * parameter_count(model);
-    let inverse = {
-        let (mut w, mut x) = (workspace(), vector());
-        Item::many(STATES, move |_| drop(black_box(batch::inverse_dynamics(model, &mut w, q, v, a, &mut x))))
-    };
-    let inverse_pullback = |count: usize| {
-        let (mut w, mut x, mut y, mut z, mut p) =
-            (workspace(), vector(), vector(), vector(), vec![0.0; count]);
-        Item::many(STATES, move |_| {
-            let done =
-                batch::inverse_dynamics_pullback(model, &mut w, q, v, a, tau, &mut x, &mut y, &mut z, &mut p);
-            black_box(done).ok();
-        })
-    };
-    let inverse_jacobians = {
-        let (mut w, mut x, mut y, mut z) = (workspace(), square(), square(), square());
-        Item::many(STATES, move |_| {
-            let done = batch::inverse_dynamics_derivatives(model, &mut w, q, v, a, &mut x, &mut y);
-            black_box((done, batch::mass_matrix(model, &mut w, q, &mut z))).0.ok();
-        })
-    };
-    let forward = {
-        let (mut w, mut x) = (workspace(), vector());
-        Item::many(STATES, move |_| {
-            drop(black_box(batch::forward_dynamics(model, &mut w, q, v, tau, &mut x)));
-        })
-    };
-    let forward_pullback = |count: usize| {
-        let mut w = workspace();
-        let ([mut r, mut x, mut y, mut z], mut p) =
-            ([vector(), vector(), vector(), vector()], vec![0.0; count]);
-        Item::many(STATES, move |_| {
-            let done = batch::forward_dynamics_pullback(
-                model, &mut w, q, v, tau, a, &mut r, &mut x, &mut y, &mut z, &mut p,
-            );
-            black_box(done).ok();
-        })
-    };
-    let forward_jacobians = {
-        let (mut w, mut x, mut y, mut z) = (workspace(), square(), square(), square());
-        Item::many(STATES, move |_| {
-            let done = batch::forward_dynamics_derivatives(model, &mut w, q, v, tau, &mut x, &mut y, &mut z);
-            black_box(done).ok();
-        })
-    };
-    let integrator = Integrator::SemiImplicitEuler;
-    let how = Rollout::new(integrator, STEP, STEPS).with_dissipation(false);
-    let go_on = |_| core::ops::ControlFlow::Continue(());
-    let few = 64;
-    let rollout = || {
-        let (mut w, mut x, mut y) = (workspace(), vec![0.0; few * model.nq()], vec![0.0; few * n]);
-        Item::many(few * STEPS, move |_| {
-            x.copy_from_slice(&q[..few * model.nq()]);
-            y.fill(0.0);
-            let path = (&mut [][..], &mut [][..]);
-            let done = batch::rollout(model, &mut w, &how, Torques::Zero, &mut x, &mut y, path, &go_on);
-            black_box(done).ok();
-        })
-    };
-    let rollout_pullback = |count: usize, spacing: usize| {
-        let (mut w, mut x, mut y, mut p) =
-            (workspace(), vec![0.0; few * n], vec![0.0; few * n], vec![0.0; count]);
-        let still = vec![0.0; few * n];
-        Item::many(few * STEPS, move |_| {
-            x.copy_from_slice(&a[..few * n]);
-            y.copy_from_slice(&a[..few * n]);
-            let (ends, from) = ((&mut x[..], &mut y[..]), &q[..few * model.nq()]);
-            let done = batch::rollout_pullback(
-                model,
-                &mut w,
-                &how,
-                spacing,
-                Torques::Zero,
-                from,
-                &still,
-                (&[], &[]),
-                ends,
-                &mut [],
-                &mut p,
-                &go_on,
-            );
-            black_box(done).ok();
-        })
-    };
-    let of_few = few * parameter_count(model);
-    vec![
-        (
-            "inverse dynamics, batch",
-            [inverse, inverse_pullback(0), inverse_pullback(count)],
-            Some(inverse_jacobians),
-        ),
-        (
-            "forward dynamics, batch",
-            [forward, forward_pullback(0), forward_pullback(count)],
-            Some(forward_jacobians),
-        ),
-        ("rollout, batch, a step", [rollout(), rollout_pullback(0, 0), rollout_pullback(of_few, 0)], None),
-        (
-            "the same, all steps kept",
-            [rollout(), rollout_pullback(0, STEPS), rollout_pullback(of_few, STEPS)],
-            None,
-        ),
-    ]
 }
