@@ -20,8 +20,10 @@ use self::model::JointModel;
 use self::prismatic::Prismatic;
 use self::revolute::Revolute;
 use self::spherical::Spherical;
-use crate::spatial::screw::{AxisMotion, Force, Screw, Transform};
-use crate::spatial::turn::JointRotation;
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::{AxisMotion, MotionVector};
+use crate::spatial::rotation::JointRotation;
+use crate::spatial::transform::Transform;
 
 pub use self::model::{Chart, Position};
 
@@ -115,19 +117,19 @@ impl PrimitiveJoint {
 
     /// See [`JointModel::screw`].
     #[inline(always)]
-    pub fn screw<S: Scalar>(self, k: usize, place: &Transform<S>) -> Screw<S> {
+    pub fn screw<S: Scalar>(self, k: usize, place: &Transform<S>) -> MotionVector<S> {
         by_motion!(self, own => own.screw(k, place))
     }
 
     /// See [`JointModel::force_along`].
     #[inline(always)]
-    pub fn force_along<S: Scalar>(self, k: usize, force: &Force<S>) -> S {
+    pub fn force_along<S: Scalar>(self, k: usize, force: &ForceVector<S>) -> S {
         by_motion!(self, own => own.force_along(k, force))
     }
 
     /// See [`JointModel::velocity`].
     #[inline(always)]
-    pub fn velocity<S: Scalar>(self, rate: &[S]) -> Force<S> {
+    pub fn velocity<S: Scalar>(self, rate: &[S]) -> MotionVector<S> {
         by_motion!(self, own => own.velocity(rate))
     }
 
@@ -145,7 +147,7 @@ impl PrimitiveJoint {
 
     /// See [`JointModel::forces_in_world`].
     #[inline(always)]
-    pub fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &Force<S>, tau: &mut [S]) {
+    pub fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &ForceVector<S>, tau: &mut [S]) {
         by_motion!(self, own => own.forces_in_world(turn, force, tau));
     }
 }

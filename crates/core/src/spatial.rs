@@ -1,7 +1,10 @@
 //! Placements, six-vectors and inertias, over any scalar type.
 
-pub mod screw;
-pub mod turn;
+pub mod force;
+pub mod inertia;
+pub mod motion;
+pub mod rotation;
+pub mod transform;
 
 #[cfg(test)]
 mod algebra_tests;

@@ -16,7 +16,8 @@ use crate::kinematics::screws::{
 use crate::kinematics::shifts::{from_main, main_in_world};
 use crate::model::Model;
 use crate::model::native::NativeFunction;
-use crate::spatial::screw::{Force, SpatialInertia};
+use crate::spatial::force::ForceVector;
+use crate::spatial::inertia::SpatialInertia;
 use crate::workspace::native::{NativeScratch, computed_natively};
 use crate::workspace::tree::TreeMemory;
 
@@ -215,8 +216,8 @@ pub fn center_of_mass_bias_acceleration<S: Scalar>(
 
 /// Σ I V about the main reference point, from the twists in the workspace.
 #[inline(always)]
-pub(crate) fn whole_momentum<S: Scalar>(model: &Model, tree: &TreeMemory<S>) -> Force<S> {
-    let mut sum = Force::zero();
+pub(crate) fn whole_momentum<S: Scalar>(model: &Model, tree: &TreeMemory<S>) -> ForceVector<S> {
+    let mut sum = ForceVector::zero();
     for (i, body) in model.bodies.iter().enumerate() {
         let inertia = inertia_in_world(body, &tree.screws.world[i]);
         add_about_main(model, tree, i, &mut sum, &momentum_of(&inertia, &tree.screws.twist[i]));
@@ -230,8 +231,8 @@ fn add_about_main<S: Scalar>(
     model: &Model,
     tree: &TreeMemory<S>,
     body: usize,
-    sum: &mut Force<S>,
-    own: &Force<S>,
+    sum: &mut ForceVector<S>,
+    own: &ForceVector<S>,
 ) {
     sum.add(own);
     if model.points.several {
@@ -241,8 +242,8 @@ fn add_about_main<S: Scalar>(
 
 /// Σ I V̇ + V ×* I V about the main reference point: the rate of [`whole_momentum`].
 #[inline(always)]
-pub(crate) fn whole_momentum_rate<S: Scalar>(model: &Model, tree: &TreeMemory<S>) -> Force<S> {
-    let mut sum = Force::zero();
+pub(crate) fn whole_momentum_rate<S: Scalar>(model: &Model, tree: &TreeMemory<S>) -> ForceVector<S> {
+    let mut sum = ForceVector::zero();
     for (i, body) in model.bodies.iter().enumerate() {
         let inertia = inertia_in_world(body, &tree.screws.world[i]);
         let mut own = momentum_of(&inertia, &tree.screws.twist_rate[i]);

@@ -10,7 +10,7 @@ use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::V3;
 
 use crate::algorithms::center_of_mass::{center, computed_by_mass, whole_momentum, whole_momentum_rate};
-use crate::algorithms::jacobian::add_column;
+use crate::algorithms::jacobian::add_entries;
 use crate::kinematics::screws::{
     accelerate_screws, composites_in_world, inertia_in_world, momentum_of, move_screws, place_screws,
     turn_screws,
@@ -19,7 +19,8 @@ use crate::kinematics::shifts::from_main;
 use crate::model::WORLD;
 use crate::model::native::NativeFunction;
 use crate::model::reference_point::only_slides;
-use crate::spatial::screw::{Force, SpatialInertia};
+use crate::spatial::force::ForceVector;
+use crate::spatial::inertia::SpatialInertia;
 use crate::workspace::tree::TreeMemory;
 use crate::{Model, Workspace};
 
@@ -110,13 +111,13 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
     matrix.fill(S::zero());
     for (index, dof) in model.dofs.iter().enumerate() {
         // I^c S: the momentum of the DoF's subtree when the DoF moves alone.
-        let Force { linear, angular } =
+        let ForceVector { linear, angular } =
             momentum_of(&workspace.tree.inertias.composite[dof.body], &workspace.tree.screws.column[index]);
         let mut center = center;
         if model.points.several {
             center -= from_main(model, &workspace.tree, dof.body);
         }
-        add_column(model, matrix, index, &Force { linear, angular: angular - center.cross(linear) });
+        add_entries(model, matrix, index, linear, angular - center.cross(linear));
     }
 }
 
@@ -220,7 +221,7 @@ fn rate<S: Scalar>(
 }
 
 #[inline(always)]
-fn about<S: Scalar>(momentum: &Force<S>, center: V3<S>) -> CentroidalMomentum<S> {
+fn about<S: Scalar>(momentum: &ForceVector<S>, center: V3<S>) -> CentroidalMomentum<S> {
     let angular = momentum.angular - center.cross(momentum.linear);
     CentroidalMomentum { linear: momentum.linear.array(), angular: angular.array() }
 }

@@ -10,7 +10,8 @@ use crate::algorithms::coriolis::Branch;
 use crate::kinematics::screws::{composites_in_world, motion_cross, place_screws, shifted};
 use crate::kinematics::shifts::{lever_between, pass_flow, pass_inertia};
 use crate::model::{Body, WORLD};
-use crate::spatial::screw::{Force, MassFlux, Screw, SpatialInertia};
+use crate::spatial::inertia::{MassFlux, SpatialInertia};
+use crate::spatial::motion::MotionVector;
 use crate::workspace::tree::TreeMemory;
 use crate::{Model, Workspace};
 
@@ -120,14 +121,18 @@ impl<S: Scalar> SymbolTable<'_, S> {
 
     /// S_k about the reference point of a descendant of k.
     #[inline(always)]
-    fn moving_screw(&self, tree: &TreeMemory<S>, body: usize) -> Screw<S> {
+    fn moving_screw(&self, tree: &TreeMemory<S>, body: usize) -> MotionVector<S> {
         shifted(&tree.screws.column[self.k], lever_between(self.model, tree, self.moving, body))
     }
 
     /// Ṡ = S_k × S for a descendant of k, else 0. Called only for bodies on one branch with k.
     #[inline(always)]
-    fn rate(&self, tree: &TreeMemory<S>, body: usize, s: &Screw<S>) -> Screw<S> {
-        if body >= self.moving { motion_cross(&self.moving_screw(tree, body), s) } else { Force::zero() }
+    fn rate(&self, tree: &TreeMemory<S>, body: usize, s: &MotionVector<S>) -> MotionVector<S> {
+        if body >= self.moving {
+            motion_cross(&self.moving_screw(tree, body), s)
+        } else {
+            MotionVector::zero()
+        }
     }
 
     #[inline(always)]

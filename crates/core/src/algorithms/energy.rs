@@ -8,7 +8,7 @@ use robot_dynamics_number::algebra::{Sym3, V3};
 
 use crate::kinematics::place::{move_bodies, place_all_in_world, place_bodies, places_in_world};
 use crate::model::native::NativeFunction;
-use crate::spatial::screw::Screw;
+use crate::spatial::motion::MotionVector;
 use crate::workspace::native::{computed_natively, native_number};
 use crate::workspace::tree::TreeMemory;
 use crate::{Model, Workspace};
@@ -47,7 +47,7 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
 #[inline(always)]
 fn kinetic_of<N: Scalar>(model: &Model, tree: &TreeMemory<N>) -> N {
     let mut twice = N::zero();
-    for (body, &Screw { linear: u, angular: w }) in model.bodies.iter().zip(&tree.bodies.velocity) {
+    for (body, &MotionVector { linear: u, angular: w }) in model.bodies.iter().zip(&tree.bodies.velocity) {
         let h = V3::constant(&body.first_moment);
         // About the origin: m|u|² + 2 u·(ω × h) + ωᵀIω.
         twice += u.dot(u).scale(body.mass)

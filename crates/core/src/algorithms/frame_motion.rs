@@ -7,7 +7,8 @@ use robot_dynamics_number::algebra::{M3, V3};
 use crate::algorithms::kinematics::constant;
 use crate::kinematics::screws::{accelerate_screws, move_screws, place_screws, shifted, turn_screws};
 use crate::kinematics::shifts::in_world;
-use crate::spatial::screw::{Screw, Transform};
+use crate::spatial::motion::MotionVector;
+use crate::spatial::transform::Transform;
 use crate::workspace::tree::TreeMemory;
 use crate::{Frame, FrameId, Model, ReferenceFrame, Workspace};
 
@@ -129,8 +130,8 @@ pub fn frame_acceleration<S: Scalar>(
 pub struct Moving<S: Scalar> {
     /// The frame's placement in the inertial frame.
     pub place: Transform<S>,
-    pub twist: Screw<S>,
-    pub rate: Screw<S>,
+    pub twist: MotionVector<S>,
+    pub rate: MotionVector<S>,
     /// The inertial frame's origin in the world.
     pub origin: V3<S>,
 }
@@ -146,7 +147,7 @@ impl<S: Scalar> Moving<S> {
     #[inline(always)]
     pub fn of_frame(model: &Model, tree: &TreeMemory<S>, frame: &Frame) -> Self {
         let at = Self::at(model, tree, frame.body);
-        Self { place: at.place.then(&constant(frame)), ..at }
+        Self { place: at.place.compose(&constant(frame)), ..at }
     }
 
     /// The same for a body's own frame, or the world's.
@@ -161,8 +162,8 @@ impl<S: Scalar> Moving<S> {
             },
             None => Self {
                 place: Transform { rotation: M3::from_f64(Pose::IDENTITY.rotation), translation: V3::zero() },
-                twist: Screw::zero(),
-                rate: Screw::zero(),
+                twist: MotionVector::zero(),
+                rate: MotionVector::zero(),
                 origin: V3::zero(),
             },
         }
@@ -214,7 +215,7 @@ impl<S: Scalar> Moving<S> {
     /// ṗ = u + ω × p.
     #[inline(always)]
     pub fn velocity_world_aligned(&self) -> Twist<S> {
-        let Screw { linear, angular } = shifted(&self.twist, self.place.translation);
+        let MotionVector { linear, angular } = shifted(&self.twist, self.place.translation);
         Twist { linear: linear.array(), angular: angular.array() }
     }
 
@@ -229,16 +230,16 @@ impl<S: Scalar> Moving<S> {
 
     #[inline(always)]
     fn spatial_in_frame(&self) -> Twist<S> {
-        let Screw { linear, angular } = shifted(&self.rate, self.place.translation);
+        let MotionVector { linear, angular } = shifted(&self.rate, self.place.translation);
         self.along_own_axes(&Twist { linear: linear.array(), angular: angular.array() })
     }
 
     /// A motion in the inertial frame, about the frame's origin and along the frame's own axes.
     #[inline(always)]
-    pub fn screw_in_frame(&self, motion: &Screw<S>) -> Screw<S> {
-        let Screw { linear, angular } = shifted(motion, self.place.translation);
+    pub fn screw_in_frame(&self, motion: &MotionVector<S>) -> MotionVector<S> {
+        let MotionVector { linear, angular } = shifted(motion, self.place.translation);
         let turn = &self.place.rotation;
-        Screw { linear: turn.transpose_mul(linear), angular: turn.transpose_mul(angular) }
+        MotionVector { linear: turn.transpose_mul(linear), angular: turn.transpose_mul(angular) }
     }
 
     #[inline(always)]
@@ -248,14 +249,14 @@ impl<S: Scalar> Moving<S> {
     }
 
     #[inline(always)]
-    fn at_world_origin(&self, motion: &Screw<S>) -> Twist<S> {
-        let Screw { linear, angular } = self.screw_in_world(motion);
+    fn at_world_origin(&self, motion: &MotionVector<S>) -> Twist<S> {
+        let MotionVector { linear, angular } = self.screw_in_world(motion);
         Twist { linear: linear.array(), angular: angular.array() }
     }
 
     /// A motion in the inertial frame, about the world's origin.
     #[inline(always)]
-    pub fn screw_in_world(&self, motion: &Screw<S>) -> Screw<S> {
+    pub fn screw_in_world(&self, motion: &MotionVector<S>) -> MotionVector<S> {
         shifted(motion, -self.origin)
     }
 }

@@ -4,6 +4,7 @@
 //! and the reference point.
 
 use robot_dynamics_description::check_length;
+use robot_dynamics_number::algebra::V3;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
 
@@ -12,7 +13,8 @@ use crate::algorithms::kinematics::constant;
 use crate::kinematics::place::place_chain;
 use crate::model::WORLD;
 use crate::model::native::NativeFunction;
-use crate::spatial::screw::{Screw, Transform};
+use crate::spatial::motion::MotionVector;
+use crate::spatial::transform::Transform;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
 use crate::workspace::tree::{OverNumber, TreeMemory};
@@ -93,7 +95,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for FrameJacobian<'_, S> {
         let Some(tip) = frame.body else { return };
         // A space Jacobian depends on the robot's position in the world.
         let origin = place_chain::<_, true>(model, tree, q, tip);
-        let own = tree.screws.world[tip].then(&constant(frame));
+        let own = tree.screws.world[tip].compose(&constant(frame));
         // The reference point. Its distance to each axis is computed directly, from a point near the robot,
         // so that accuracy does not suffer far from the world's origin.
         let mut point = if let ReferenceFrame::World = reference_frame { -origin } else { own.translation };
@@ -120,7 +122,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for FrameJacobian<'_, S> {
 
 /// Adds a tree DoF's column to the 6×nv matrix J G.
 #[inline(always)]
-fn write_reduced<N: Scalar>(model: &Model, jacobian: &mut [N], index: usize, column: &Screw<N>) {
+fn write_reduced<N: Scalar>(model: &Model, jacobian: &mut [N], index: usize, column: &MotionVector<N>) {
     let (dof, nv) = (&model.dofs[index], model.nv);
     let ([x, y, z], [a, b, c]) = (column.linear.array(), column.angular.array());
     let rows = &mut jacobian[dof.coordinate..=dof.coordinate + 5 * nv];
@@ -140,9 +142,15 @@ fn write_reduced<N: Scalar>(model: &Model, jacobian: &mut [N], index: usize, col
 
 /// Adds a tree DoF's column to a 6×nv matrix J G.
 #[inline(always)]
-pub fn add_column<S: Scalar>(model: &Model, matrix: &mut [S], index: usize, column: &Screw<S>) {
+pub fn add_column<S: Scalar>(model: &Model, matrix: &mut [S], index: usize, column: &MotionVector<S>) {
+    add_entries(model, matrix, index, column.linear, column.angular);
+}
+
+/// The same, from the two parts of the column.
+#[inline(always)]
+pub fn add_entries<S: Scalar>(model: &Model, matrix: &mut [S], index: usize, linear: V3<S>, angular: V3<S>) {
     let dof = &model.dofs[index];
-    let entries = column.linear.array().into_iter().chain(column.angular.array());
+    let entries = linear.array().into_iter().chain(angular.array());
     for (row, entry) in matrix.chunks_exact_mut(model.nv).zip(entries) {
         row[dof.coordinate] += entry.scale(dof.ratio);
     }

@@ -14,7 +14,8 @@ use crate::kinematics::place::{evaluate_angles, spread};
 use crate::kinematics::wrench::FrameWrench;
 use crate::model::WORLD;
 use crate::model::segment::Segment;
-use crate::spatial::screw::{AxisMotion, Force};
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::AxisMotion;
 use crate::workspace::tree::TreeMemory;
 use crate::{Model, Workspace};
 
@@ -109,7 +110,7 @@ pub fn collect<S: Scalar>(model: &Model, tree: &TreeMemory<S>, first: usize, rea
         let segment = &segments[index];
         let Some(parent) = segment.parent.filter(|&parent| parent >= first) else { continue };
         let lever = lever(model, tree, &segments[parent], segment);
-        let Force { linear, angular } = read(&reactions[NUMBERS * (index - first)..]);
+        let ForceVector { linear, angular } = read(&reactions[NUMBERS * (index - first)..]);
         let below = &mut reactions[NUMBERS * (parent - first)..];
         let mut sum = read(below);
         sum.linear += linear;
@@ -118,18 +119,20 @@ pub fn collect<S: Scalar>(model: &Model, tree: &TreeMemory<S>, first: usize, rea
     }
     for (segment, to) in segments[first..].iter().zip(reactions.chunks_exact_mut(NUMBERS)) {
         let (turn, force) = (rotation(tree, segment), read(to));
-        let own =
-            Force { linear: turn.transpose_mul(force.linear), angular: turn.transpose_mul(force.angular) };
+        let own = ForceVector {
+            linear: turn.transpose_mul(force.linear),
+            angular: turn.transpose_mul(force.angular),
+        };
         write(&own, to);
     }
 }
 
-pub fn read<S: Scalar>(from: &[S]) -> Force<S> {
+pub fn read<S: Scalar>(from: &[S]) -> ForceVector<S> {
     let three = |at: usize| V3::new([from[at], from[at + 1], from[at + 2]]);
-    Force { linear: three(0), angular: three(3) }
+    ForceVector { linear: three(0), angular: three(3) }
 }
 
-pub fn write<S: Scalar>(force: &Force<S>, to: &mut [S]) {
+pub fn write<S: Scalar>(force: &ForceVector<S>, to: &mut [S]) {
     to[..3].copy_from_slice(&force.linear.array());
     to[3..NUMBERS].copy_from_slice(&force.angular.array());
 }
@@ -167,7 +170,7 @@ fn lever<S: Scalar>(model: &Model, tree: &TreeMemory<S>, parent: &Segment, child
 /// The force and moment that one link needs, about its origin, with a − g for a:
 ///
 /// F = m a + α × h + ω × (ω × h), N = h × a + I α + ω × I ω.
-fn inertial_force<S: Scalar>(model: &Model, tree: &TreeMemory<S>, segment: &Segment) -> Force<S> {
+fn inertial_force<S: Scalar>(model: &Model, tree: &TreeMemory<S>, segment: &Segment) -> ForceVector<S> {
     let still = AxisMotion { angular: V3::zero(), alpha: V3::zero(), origin: V3::from_f64(upward(model)) };
     let motion = segment.body.map_or(still, |body| tree.bodies.axis_motion[body]);
     let AxisMotion { angular, alpha, origin } = motion;
@@ -183,7 +186,7 @@ fn inertial_force<S: Scalar>(model: &Model, tree: &TreeMemory<S>, segment: &Segm
     let inertia = M3::constant(&segment.inertia);
     let (own_angular, own_alpha) = (turn.transpose_mul(angular), turn.transpose_mul(alpha));
     let spin = inertia.times_plus(own_alpha, own_angular.cross(inertia * own_angular));
-    Force { linear, angular: turn.times_plus(spin, h.cross(at)) }
+    ForceVector { linear, angular: turn.times_plus(spin, h.cross(at)) }
 }
 
 /// Subtracts an external wrench from the reaction of its link's joint.

@@ -11,7 +11,7 @@ use robot_dynamics_number::{Scalar, View};
 use crate::kinematics::place::{place_all_in_world, place_chain};
 use crate::model::Frame;
 use crate::model::native::NativeFunction;
-use crate::spatial::screw::Transform;
+use crate::spatial::transform::Transform;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
 use crate::workspace::tree::{OverNumber, TreeMemory};
@@ -166,7 +166,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for FramePoses<'_, S> {
 #[inline(always)]
 pub fn pose_of<S: Scalar, N: View<S>>(world: &[Transform<N>], frame: &Frame) -> FramePose<S> {
     let own = constant::<N>(frame);
-    let place = if let Some(body) = frame.body { world[body].then(&own) } else { own };
+    let place = if let Some(body) = frame.body { world[body].compose(&own) } else { own };
     let [x, y, z] = place.rotation.rows();
     FramePose { rotation: [stored(x), stored(y), stored(z)], translation: stored(place.translation.array()) }
 }

@@ -11,7 +11,7 @@ use crate::kinematics::screws::{inertia_in_world, momentum_of, motion_cross, mov
 use crate::kinematics::shifts::{pass_inward, pass_outward};
 use crate::model::WORLD;
 use crate::model::native::NativeFunction;
-use crate::spatial::screw::Force;
+use crate::spatial::motion::MotionVector;
 use crate::workspace::native::computed_natively;
 use crate::workspace::tree::TreeMemory;
 use crate::{Model, Workspace};
@@ -108,7 +108,8 @@ pub fn kinetic_energy_gradient<S: Scalar>(
         let parent = model.bodies[dof.body].parent;
         // The displacement S rotates the subtree and the velocities within it, but not the velocity V of the
         // parent. Relative to the rotated bodies, V changes by V × S.
-        let mut carried = if parent == WORLD { Force::zero() } else { workspace.tree.screws.twist[parent] };
+        let mut carried =
+            if parent == WORLD { MotionVector::zero() } else { workspace.tree.screws.twist[parent] };
         pass_outward(&model.bodies[dof.body], &workspace.tree.screws.levers, &mut carried);
         let change = motion_cross(&carried, &workspace.tree.screws.column[index]);
         workspace.tree.freedoms.tau[index] = change.dot(&workspace.tree.bodies.force[dof.body]);

@@ -17,7 +17,7 @@ use crate::kinematics::place::spread;
 use crate::kinematics::screws::{move_screws, place_screws, shifted};
 use crate::kinematics::shifts::{in_world, pass_inward};
 use crate::model::{Body, WORLD};
-use crate::spatial::screw::Force;
+use crate::spatial::force::ForceVector;
 use crate::{Model, Workspace};
 
 /// The length of π for one link.
@@ -102,11 +102,11 @@ pub fn joint_torque_regressor<S: Scalar>(
         let motion = &workspace.tree.bodies.motion[i];
         let [w, alpha, origin] = [motion.angular, motion.alpha, motion.origin].map(|x| turn.transpose_mul(x));
         let world_from_link = workspace.tree.screws.world[i].rotation.times(&turn);
-        let mut wrenches = wrenches(w, alpha, origin).map(|Force { linear, angular }| {
+        let mut wrenches = wrenches(w, alpha, origin).map(|ForceVector { linear, angular }| {
             // The same wrench about the inertial frame's origin and along its axes.
             let linear = world_from_link * linear;
             let moment = workspace.tree.screws.world[i].translation.cross(linear);
-            Force { linear, angular: world_from_link * angular + moment }
+            ForceVector { linear, angular: world_from_link * angular + moment }
         });
         let mut at = i;
         while at != WORLD {
@@ -131,18 +131,19 @@ pub fn joint_torque_regressor<S: Scalar>(
 ///
 /// F = m a_o + B h, N = h × a_o + I α + ω × I ω with B = \[α\]× + \[ω\]×\[ω\]×.
 #[inline(always)]
-fn wrenches<S: Scalar>(w: V3<S>, alpha: V3<S>, origin: V3<S>) -> [Force<S>; PARAMETERS_PER_LINK] {
+fn wrenches<S: Scalar>(w: V3<S>, alpha: V3<S>, origin: V3<S>) -> [ForceVector<S>; PARAMETERS_PER_LINK] {
     let zero = V3::zero();
     let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(V3::<S>::from_f64);
-    let mass = Force { linear: origin, angular: zero };
-    let moment = |e: V3<S>| Force { linear: alpha.cross(e) + w.cross(w.cross(e)), angular: e.cross(origin) };
+    let mass = ForceVector { linear: origin, angular: zero };
+    let moment =
+        |e: V3<S>| ForceVector { linear: alpha.cross(e) + w.cross(w.cross(e)), angular: e.cross(origin) };
     // A unit I_ij, i ≠ j, sets two entries of the symmetric matrix.
     let inertia = |a: V3<S>, b: V3<S>, twice: bool| {
         let times = |u: V3<S>| {
             let one = a * b.dot(u);
             if twice { one + b * a.dot(u) } else { one }
         };
-        Force { linear: zero, angular: times(alpha) + w.cross(times(w)) }
+        ForceVector { linear: zero, angular: times(alpha) + w.cross(times(w)) }
     };
     [
         mass,

@@ -10,7 +10,7 @@ use robot_dynamics_number::Scalar;
 use crate::kinematics::screws::{inertia_in_world, momentum_of, motion_cross, move_screws, place_screws};
 use crate::kinematics::shifts::{pass_inertia, pass_inward, pass_outward};
 use crate::model::WORLD;
-use crate::spatial::screw::Force;
+use crate::spatial::motion::MotionVector;
 use crate::{Model, Workspace};
 
 /// ∂ċ/∂q at constant v, 3×nv, row-major, along the world's axes. ∂c/∂q and ∂ċ/∂v are both
@@ -78,7 +78,8 @@ pub fn center_of_mass_velocity_derivative<S: Scalar>(
     let inverse_mass = 1.0 / model.mass();
     for (dof, s) in model.dofs.iter().zip(&workspace.tree.screws.column) {
         let parent = model.bodies[dof.body].parent;
-        let mut carrier = if parent == WORLD { Force::zero() } else { workspace.tree.screws.twist[parent] };
+        let mut carrier =
+            if parent == WORLD { MotionVector::zero() } else { workspace.tree.screws.twist[parent] };
         pass_outward(&model.bodies[dof.body], &workspace.tree.screws.levers, &mut carrier);
         let carried =
             momentum_of(&workspace.tree.inertias.composite[dof.body], &motion_cross(&carrier, s)).linear;

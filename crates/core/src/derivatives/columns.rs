@@ -5,13 +5,13 @@ use robot_dynamics_number::{Scalar, View};
 
 use crate::Model;
 use crate::algorithms::coriolis::Branch;
-use crate::kinematics::screws::{
-    add_composite, add_scaled, force_cross, inertia_in_world, momentum_of, motion_cross,
-};
+use crate::kinematics::screws::{add_composite, force_cross, inertia_in_world, momentum_of, motion_cross};
 use crate::kinematics::shifts::{pass_flow, pass_inertia, pass_inward, pass_outward};
 use crate::kinematics::wrench::{FrameWrench, on_body};
 use crate::model::WORLD;
-use crate::spatial::screw::{Force, MassFlux};
+use crate::spatial::force::ForceVector;
+use crate::spatial::inertia::MassFlux;
+use crate::spatial::motion::MotionVector;
 use crate::workspace::derivatives::Scratch;
 use crate::workspace::slope::Slope;
 use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, Screws, TreeMemory};
@@ -20,7 +20,7 @@ use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, Screws, TreeMemo
 /// force. Reads the placements and DoFs in the inertial frame, `tree.freedoms.v` and `tree.freedoms.a`.
 #[inline(always)]
 pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, ground: [f64; 3]) {
-    let world_rate = Force { linear: V3::from_f64(ground), angular: V3::zero() };
+    let world_rate = MotionVector { linear: V3::from_f64(ground), angular: V3::zero() };
     let n = model.bodies.len();
     let TreeMemory {
         freedoms: DofBuffers { v, a, .. },
@@ -36,7 +36,7 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, grou
     for i in 0..n {
         let body = &bodies[i];
         let (mut carrier, mut carrier_rate) = if body.parent == WORLD {
-            (Force::zero(), world_rate)
+            (MotionVector::zero(), world_rate)
         } else {
             (twists[body.parent], rates[body.parent])
         };
@@ -48,7 +48,7 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, grou
         let freedoms = body.dof..body.dof + body.motion.nv();
         let mut twist = carrier;
         for dof in freedoms.clone() {
-            add_scaled(&mut twist, v[dof], &column[dof]);
+            twist.add_scaled(v[dof], &column[dof]);
         }
         let mut rate = carrier_rate;
         let alone = freedoms.len() == 1;
@@ -64,14 +64,15 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, grou
             derivatives.slope[dof] = Slope { once, twice, swept };
             let (block, lane) = derivatives.paths.seat(dof);
             block.write_screw(lane, &s);
-            add_scaled(&mut rate, v[dof], &turned);
-            add_scaled(&mut rate, a[dof], &s);
+            rate.add_scaled(v[dof], &turned);
+            rate.add_scaled(a[dof], &s);
         }
         let inertia = inertia_in_world(body, &world[i]);
         let mut force = momentum_of(&inertia, &rate);
         force.add(&force_cross(&twist, &momentum_of(&inertia, &twist)));
         // B is linear in V: twice V gives 2B.
-        let doubled = Force { linear: twist.linear + twist.linear, angular: twist.angular + twist.angular };
+        let doubled =
+            MotionVector { linear: twist.linear + twist.linear, angular: twist.angular + twist.angular };
         flows[i] = MassFlux::of(&inertia, &doubled);
         forces[i] = force;
         inertias[i] = inertia;
@@ -89,7 +90,7 @@ pub(super) fn subtract_carried<S: Scalar, N: View<S>>(
 ) {
     for wrench in wrenches {
         let Some((body, force)) = on_body(model, wrench) else { continue };
-        let Force { linear, angular } = tree.screws.world[body].force_in_parent(&force);
+        let ForceVector { linear, angular } = tree.screws.world[body].force_in_parent(&force);
         tree.bodies.force[body].linear -= linear;
         tree.bodies.force[body].angular -= angular;
     }
@@ -130,7 +131,7 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
             forces[body.parent].add(&force);
             let parent = &mut flows[body.parent];
             parent.momentum += flow.momentum;
-            parent.stir = parent.stir + flow.stir;
+            parent.first_moment_rate = parent.first_moment_rate + flow.first_moment_rate;
         }
     }
 }
@@ -156,24 +157,24 @@ pub(super) fn accelerate<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     for i in 0..n {
         let body = &bodies[i];
         // δA replaces A, which is not read again.
-        let mut carrier = if body.parent == WORLD { Force::zero() } else { rises[body.parent] };
+        let mut carrier = if body.parent == WORLD { MotionVector::zero() } else { rises[body.parent] };
         pass_outward(body, levers, &mut carrier);
         let mut rise = carrier;
         for dof in body.dof..body.dof + body.motion.nv() {
             let s = &column[dof];
             derivatives.slope[dof].twice.add(&motion_cross(&carrier, s));
-            add_scaled(&mut rise, a[dof], s);
+            rise.add_scaled(a[dof], s);
         }
         rises[i] = rise;
         forces[i].add(&momentum_of(&inertias[i], &rise));
-        beyond[i] = Force::zero();
+        beyond[i] = ForceVector::zero();
     }
     for i in (0..n).rev() {
         let (body, mut own) = (&bodies[i], beyond[i]);
         forces[i].add(&own);
         if body.parent != WORLD {
             for dof in body.dof..body.dof + body.motion.nv() {
-                add_scaled(&mut own, a[dof], &pivot[dof].column);
+                own.add_scaled(a[dof], &pivot[dof].column);
             }
             pass_inward(body, levers, &mut own);
             beyond[body.parent].add(&own);

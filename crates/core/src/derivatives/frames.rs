@@ -15,7 +15,7 @@ use crate::algorithms::frame_motion::Moving;
 use crate::algorithms::jacobian::add_column;
 use crate::kinematics::screws::{motion_cross, shifted};
 use crate::model::WORLD;
-use crate::spatial::screw::{Force, Screw};
+use crate::spatial::motion::MotionVector;
 use crate::workspace::tree::TreeMemory;
 use crate::{FrameId, Model, ReferenceFrame, Workspace};
 
@@ -23,11 +23,11 @@ use crate::{FrameId, Model, ReferenceFrame, Workspace};
 struct Carrier<S: Scalar> {
     dof: usize,
     /// S and Ṡ.
-    s: Screw<S>,
-    turned: Screw<S>,
+    s: MotionVector<S>,
+    turned: MotionVector<S>,
     /// V and A of the parent.
-    velocity: Screw<S>,
-    acceleration: Screw<S>,
+    velocity: MotionVector<S>,
+    acceleration: MotionVector<S>,
 }
 
 /// Calls `column` with each DoF between the root and the frame.
@@ -48,7 +48,7 @@ fn for_each_carrier<S: Scalar>(
             arm += tree.screws.levers[body.point];
         }
         let (velocity, acceleration) = if body.parent == WORLD {
-            (Force::zero(), Force::zero())
+            (MotionVector::zero(), MotionVector::zero())
         } else {
             (
                 shifted(&tree.screws.twist[body.parent], arm),
@@ -65,8 +65,8 @@ fn for_each_carrier<S: Scalar>(
 }
 
 #[inline(always)]
-fn sum<S: Scalar>(a: &Screw<S>, b: &Screw<S>) -> Screw<S> {
-    Screw { linear: a.linear + b.linear, angular: a.angular + b.angular }
+fn sum<S: Scalar>(a: &MotionVector<S>, b: &MotionVector<S>) -> MotionVector<S> {
+    MotionVector { linear: a.linear + b.linear, angular: a.angular + b.angular }
 }
 
 /// ∂/∂q, 6×nv, of [`frame_velocity`](crate::frame_velocity) in the same reference frame. ∂/∂v is
@@ -247,7 +247,7 @@ impl<S: Scalar> FrameAccelerationDerivatives<'_, S> {
     fn add_local_world_aligned(
         &self,
         carrier: &Carrier<S>,
-        own: &Screw<S>,
+        own: &MotionVector<S>,
         by_position: &mut [S],
         by_velocity: &mut [S],
     ) {
@@ -270,7 +270,7 @@ impl<S: Scalar> FrameAccelerationDerivatives<'_, S> {
 
     /// ∂A/∂q and ∂A/∂v at the inertial frame's origin, along the world's axes; `once` is ψ.
     #[inline(always)]
-    fn spatial(&self, carrier: &Carrier<S>, once: &Screw<S>) -> [Screw<S>; 2] {
+    fn spatial(&self, carrier: &Carrier<S>, once: &MotionVector<S>) -> [MotionVector<S>; 2] {
         let (twist, Carrier { s, turned, velocity, acceleration, .. }) = (&self.moving.twist, carrier);
         let mut by_q = motion_cross(s, &self.moving.rate);
         by_q.add(&motion_cross(once, twist));

@@ -6,8 +6,10 @@ use robot_dynamics_number::algebra::{M3, V3};
 
 use super::axis::{slide_along, turn_about};
 use super::model::{Chart, JointModel, Position};
-use crate::spatial::screw::{AxisMotion, Force, Screw, Transform};
-use crate::spatial::turn::JointRotation;
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::{AxisMotion, MotionVector};
+use crate::spatial::rotation::JointRotation;
+use crate::spatial::transform::Transform;
 
 /// See [`PrimitiveJoint::Floating`](super::PrimitiveJoint::Floating).
 #[derive(Clone, Copy)]
@@ -34,16 +36,19 @@ impl JointModel for Floating {
         JointRotation::Any(rotation_of(&at.numbers(3)))
     }
     #[inline(always)]
-    fn screw<S: Scalar>(self, k: usize, place: &Transform<S>) -> Screw<S> {
+    fn screw<S: Scalar>(self, k: usize, place: &Transform<S>) -> MotionVector<S> {
         if k < 3 { slide_along(place, k) } else { turn_about(place, k - 3) }
     }
     #[inline(always)]
-    fn force_along<S: Scalar>(self, k: usize, force: &Force<S>) -> S {
+    fn force_along<S: Scalar>(self, k: usize, force: &ForceVector<S>) -> S {
         if k < 3 { force.linear.get(k) } else { force.angular.get(k - 3) }
     }
     #[inline(always)]
-    fn velocity<S: Scalar>(self, rate: &[S]) -> Force<S> {
-        Force { linear: V3::new([rate[0], rate[1], rate[2]]), angular: V3::new([rate[3], rate[4], rate[5]]) }
+    fn velocity<S: Scalar>(self, rate: &[S]) -> MotionVector<S> {
+        MotionVector {
+            linear: V3::new([rate[0], rate[1], rate[2]]),
+            angular: V3::new([rate[3], rate[4], rate[5]]),
+        }
     }
     /// The velocity u and w are expressed in this frame, which rotates with ω, so u̇ gains ω × u.
     #[inline(always)]
@@ -63,7 +68,7 @@ impl JointModel for Floating {
         motion.origin += (motion.angular + before).cross(u) + *turn * V3::new([a[0], a[1], a[2]]);
     }
     #[inline(always)]
-    fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &Force<S>, tau: &mut [S]) {
+    fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &ForceVector<S>, tau: &mut [S]) {
         for k in 0..3 {
             tau[k] = turn.column(k).dot(force.linear);
             tau[3 + k] = turn.column(k).dot(force.angular);

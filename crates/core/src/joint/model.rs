@@ -3,8 +3,10 @@
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::M3;
 
-use crate::spatial::screw::{AxisMotion, Force, Screw, Transform};
-use crate::spatial::turn::JointRotation;
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::{AxisMotion, MotionVector};
+use crate::spatial::rotation::JointRotation;
+use crate::spatial::transform::Transform;
 
 /// The meaning of a joint's segment of q.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,13 +54,13 @@ pub(super) trait JointModel: Copy {
     fn turn<S: Scalar>(self, position: &Position<'_, S>) -> JointRotation<S>;
 
     /// The motion of DoF k along the axes of `place`: the velocity of the point at the frame's origin, and ω.
-    fn screw<S: Scalar>(self, k: usize, place: &Transform<S>) -> Screw<S>;
+    fn screw<S: Scalar>(self, k: usize, place: &Transform<S>) -> MotionVector<S>;
 
     /// sₖᵀ F for DoF k, F in the body's frame.
-    fn force_along<S: Scalar>(self, k: usize, force: &Force<S>) -> S;
+    fn force_along<S: Scalar>(self, k: usize, force: &ForceVector<S>) -> S;
 
     /// The joint's own velocity in the body's frame.
-    fn velocity<S: Scalar>(self, rate: &[S]) -> Force<S>;
+    fn velocity<S: Scalar>(self, rate: &[S]) -> MotionVector<S>;
 
     /// Adds the joint's own motion to the parent's; both are along the body's own axes at its origin.
     fn accelerate<S: Scalar>(self, v: &[S], a: &[S], motion: &mut AxisMotion<S>);
@@ -67,5 +69,5 @@ pub(super) trait JointModel: Copy {
     fn accelerate_in_world<S: Scalar>(self, turn: &M3<S>, v: &[S], a: &[S], motion: &mut AxisMotion<S>);
 
     /// sᵀ F for all DoFs, with F along the world's axes at the body's origin.
-    fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &Force<S>, tau: &mut [S]);
+    fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &ForceVector<S>, tau: &mut [S]);
 }

@@ -5,8 +5,10 @@ use robot_dynamics_number::algebra::M3;
 
 use super::axis::slide_along;
 use super::model::{Chart, JointModel, Position};
-use crate::spatial::screw::{AxisMotion, Force, Screw, Transform};
-use crate::spatial::turn::JointRotation;
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::{AxisMotion, MotionVector};
+use crate::spatial::rotation::JointRotation;
+use crate::spatial::transform::Transform;
 
 /// Translation along z.
 #[derive(Clone, Copy)]
@@ -31,16 +33,16 @@ impl JointModel for Prismatic {
         JointRotation::None
     }
     #[inline(always)]
-    fn screw<S: Scalar>(self, _: usize, place: &Transform<S>) -> Screw<S> {
+    fn screw<S: Scalar>(self, _: usize, place: &Transform<S>) -> MotionVector<S> {
         slide_along(place, 2)
     }
     #[inline(always)]
-    fn force_along<S: Scalar>(self, _: usize, force: &Force<S>) -> S {
+    fn force_along<S: Scalar>(self, _: usize, force: &ForceVector<S>) -> S {
         force.linear.get(2)
     }
     #[inline(always)]
-    fn velocity<S: Scalar>(self, rate: &[S]) -> Force<S> {
-        let mut own = Force::zero();
+    fn velocity<S: Scalar>(self, rate: &[S]) -> MotionVector<S> {
+        let mut own = MotionVector::zero();
         own.linear.bump_z(rate[0]);
         own
     }
@@ -55,7 +57,7 @@ impl JointModel for Prismatic {
         motion.slide(turn.column(2), v[0], a[0]);
     }
     #[inline(always)]
-    fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &Force<S>, tau: &mut [S]) {
+    fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &ForceVector<S>, tau: &mut [S]) {
         tau[0] = turn.column(2).dot(force.linear);
     }
 }

@@ -5,8 +5,10 @@ use robot_dynamics_number::algebra::M3;
 
 use super::axis::{turn_about, turn_about_z};
 use super::model::{Chart, JointModel, Position};
-use crate::spatial::screw::{AxisMotion, Force, Screw, Transform};
-use crate::spatial::turn::JointRotation;
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::{AxisMotion, MotionVector};
+use crate::spatial::rotation::JointRotation;
+use crate::spatial::transform::Transform;
 
 /// Rotation about z.
 #[derive(Clone, Copy)]
@@ -33,16 +35,16 @@ impl JointModel for Revolute {
         JointRotation::about_z(at.sine, at.cosine)
     }
     #[inline(always)]
-    fn screw<S: Scalar>(self, _: usize, place: &Transform<S>) -> Screw<S> {
+    fn screw<S: Scalar>(self, _: usize, place: &Transform<S>) -> MotionVector<S> {
         turn_about(place, 2)
     }
     #[inline(always)]
-    fn force_along<S: Scalar>(self, _: usize, force: &Force<S>) -> S {
+    fn force_along<S: Scalar>(self, _: usize, force: &ForceVector<S>) -> S {
         force.angular.get(2)
     }
     #[inline(always)]
-    fn velocity<S: Scalar>(self, rate: &[S]) -> Force<S> {
-        let mut own = Force::zero();
+    fn velocity<S: Scalar>(self, rate: &[S]) -> MotionVector<S> {
+        let mut own = MotionVector::zero();
         own.angular.bump_z(rate[0]);
         own
     }
@@ -58,7 +60,7 @@ impl JointModel for Revolute {
         motion.turn(turn.column(2), v[0], a[0]);
     }
     #[inline(always)]
-    fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &Force<S>, tau: &mut [S]) {
+    fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &ForceVector<S>, tau: &mut [S]) {
         tau[0] = turn.column(2).dot(force.angular);
     }
 }

@@ -6,8 +6,10 @@ use robot_dynamics_number::algebra::{M3, V3};
 
 use super::axis::turn_about;
 use super::model::{Chart, JointModel, Position};
-use crate::spatial::screw::{AxisMotion, Force, Screw, Transform};
-use crate::spatial::turn::JointRotation;
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::{AxisMotion, MotionVector};
+use crate::spatial::rotation::JointRotation;
+use crate::spatial::transform::Transform;
 
 /// See [`PrimitiveJoint::Spherical`](super::PrimitiveJoint::Spherical).
 #[derive(Clone, Copy)]
@@ -32,16 +34,16 @@ impl JointModel for Spherical {
         JointRotation::Any(rotation_of(&at.numbers(0)))
     }
     #[inline(always)]
-    fn screw<S: Scalar>(self, k: usize, place: &Transform<S>) -> Screw<S> {
+    fn screw<S: Scalar>(self, k: usize, place: &Transform<S>) -> MotionVector<S> {
         turn_about(place, k)
     }
     #[inline(always)]
-    fn force_along<S: Scalar>(self, k: usize, force: &Force<S>) -> S {
+    fn force_along<S: Scalar>(self, k: usize, force: &ForceVector<S>) -> S {
         force.angular.get(k)
     }
     #[inline(always)]
-    fn velocity<S: Scalar>(self, rate: &[S]) -> Force<S> {
-        Force { linear: V3::zero(), angular: V3::new([rate[0], rate[1], rate[2]]) }
+    fn velocity<S: Scalar>(self, rate: &[S]) -> MotionVector<S> {
+        MotionVector { linear: V3::zero(), angular: V3::new([rate[0], rate[1], rate[2]]) }
     }
     #[inline(always)]
     fn accelerate<S: Scalar>(self, v: &[S], a: &[S], motion: &mut AxisMotion<S>) {
@@ -56,7 +58,7 @@ impl JointModel for Spherical {
         motion.angular += w;
     }
     #[inline(always)]
-    fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &Force<S>, tau: &mut [S]) {
+    fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &ForceVector<S>, tau: &mut [S]) {
         for k in 0..3 {
             tau[k] = turn.column(k).dot(force.angular);
         }

@@ -6,8 +6,9 @@ use robot_dynamics_number::algebra::{M3, Sym3, V3};
 use crate::Model;
 use crate::joint::Position;
 use crate::model::Body;
-use crate::spatial::screw::{SpatialInertia, Transform};
-use crate::spatial::turn::JointRotation;
+use crate::spatial::inertia::SpatialInertia;
+use crate::spatial::rotation::JointRotation;
+use crate::spatial::transform::Transform;
 use crate::workspace::tree::Angles;
 
 /// The rotation of body i's joint. Call after [`evaluate_angles`](crate::kinematics::place::evaluate_angles).

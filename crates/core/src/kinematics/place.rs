@@ -6,7 +6,8 @@ use robot_dynamics_number::algebra::{M3, V3};
 use crate::Model;
 use crate::joint::Position;
 use crate::model::{Body, WORLD};
-use crate::spatial::screw::{Screw, Transform};
+use crate::spatial::motion::MotionVector;
+use crate::spatial::transform::Transform;
 use crate::workspace::tree::{BodyBuffers, TreeMemory};
 
 /// Writes `parent_from_body` of every body.
@@ -70,7 +71,7 @@ pub fn place_chain<N: Scalar, const LOCAL: bool>(
     for &i in chain[..length].iter().rev() {
         let body = &bodies[i];
         let place = place_body(body, angle[i], sine[i], cosine[i], q);
-        last = if body.parent == WORLD { place } else { last.then(&place) };
+        last = if body.parent == WORLD { place } else { last.compose(&place) };
         if LOCAL && body.is_point {
             levers[body.point] = last.translation;
             point += last.translation;
@@ -101,9 +102,9 @@ pub fn place_all_in_world<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q:
         last = if body.parent == WORLD {
             place
         } else if body.parent + 1 == i {
-            last.then(&place)
+            last.compose(&place)
         } else {
-            world[body.parent].then(&place)
+            world[body.parent].compose(&place)
         };
         world[i] = last;
     }
@@ -114,7 +115,7 @@ pub fn place_all_in_world<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q:
 pub fn places_in_world<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>) {
     let (place, world) = (&tree.bodies.place, &mut tree.screws.world);
     for (i, body) in model.bodies.iter().enumerate() {
-        world[i] = if body.parent == WORLD { place[i] } else { world[body.parent].then(&place[i]) };
+        world[i] = if body.parent == WORLD { place[i] } else { world[body.parent].compose(&place[i]) };
     }
 }
 
@@ -133,7 +134,7 @@ pub fn move_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, v: &[S]) 
     spread(model, v, &mut tree.freedoms.v);
     let (rates, BodyBuffers { place, velocity, .. }) = (&tree.freedoms.v[..], &mut tree.bodies);
     for (i, body) in model.bodies.iter().enumerate() {
-        let parent = if body.parent == WORLD { Screw::zero() } else { velocity[body.parent] };
+        let parent = if body.parent == WORLD { MotionVector::zero() } else { velocity[body.parent] };
         velocity[i] = motion_in_body(&place[i], &parent);
         velocity[i].add(&body.motion.velocity(&rates[body.dof..]));
     }
@@ -141,9 +142,9 @@ pub fn move_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, v: &[S]) 
 
 /// The parent's motion at the body's origin, along the body's axes: Rᵀ(u + ω × p) and Rᵀω.
 #[inline(always)]
-pub fn motion_in_body<S: Scalar>(place: &Transform<S>, parent: &Screw<S>) -> Screw<S> {
+pub fn motion_in_body<S: Scalar>(place: &Transform<S>, parent: &MotionVector<S>) -> MotionVector<S> {
     let carried = parent.linear + parent.angular.cross(place.translation);
-    Screw {
+    MotionVector {
         linear: place.rotation.transpose_mul(carried),
         angular: place.rotation.transpose_mul(parent.angular),
     }

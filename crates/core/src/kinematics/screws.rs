@@ -12,7 +12,10 @@ use crate::Model;
 use crate::kinematics::place::{evaluate_angles, place_body, spread};
 use crate::kinematics::shifts::{pass_inertia, pass_outward};
 use crate::model::{Body, WORLD};
-use crate::spatial::screw::{Force, Screw, SpatialInertia, Transform};
+use crate::spatial::force::ForceVector;
+use crate::spatial::inertia::SpatialInertia;
+use crate::spatial::motion::MotionVector;
+use crate::spatial::transform::Transform;
 use crate::workspace::tree::TreeMemory;
 
 /// Reads q; writes placements in the inertial frame, the DoFs' motions `tree.screws.column`, and the
@@ -38,7 +41,7 @@ pub fn place_screws<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q: &[N])
         last = if body.is_point {
             let mut at = place;
             if body.parent != WORLD {
-                at = world[body.parent].then(&place);
+                at = world[body.parent].compose(&place);
                 levers[body.point] = at.translation;
                 let parent = &bodies[body.parent];
                 if !body.shifts_reference_point || parent.point != parent.tree {
@@ -50,9 +53,9 @@ pub fn place_screws<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q: &[N])
         } else if body.parent == WORLD {
             Transform { translation: place.translation - points[body.point], ..place }
         } else if body.parent + 1 == i {
-            last.then(&place)
+            last.compose(&place)
         } else {
-            world[body.parent].then(&place)
+            world[body.parent].compose(&place)
         };
         world[i] = last;
         if body.motion.nv() == 1 {
@@ -73,17 +76,17 @@ pub fn move_screws<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, v: &[N]) 
     let n = model.bodies.len();
     let (bodies, twists) = (&model.bodies[..n], &mut tree.screws.twist[..n]);
     let (rates, columns, levers) = (&tree.freedoms.v[..], &tree.screws.column[..], &tree.screws.levers[..]);
-    let mut last = Force::zero();
+    let mut last = MotionVector::zero();
     for i in 0..n {
         let body = &bodies[i];
         if body.parent == WORLD {
-            last = Force::zero();
+            last = MotionVector::zero();
         } else if body.parent + 1 != i {
             last = twists[body.parent];
         }
         pass_outward(body, levers, &mut last);
         for dof in body.dof..body.dof + body.motion.nv() {
-            add_scaled(&mut last, rates[dof], &columns[dof]);
+            last.add_scaled(rates[dof], &columns[dof]);
         }
         twists[i] = last;
     }
@@ -109,34 +112,28 @@ pub fn accelerate_screws<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, a: 
         None => tree.freedoms.a.fill(S::zero()),
     }
     for (i, body) in model.bodies.iter().enumerate() {
-        let mut rate = if body.parent == WORLD { Force::zero() } else { tree.screws.twist_rate[body.parent] };
+        let mut rate =
+            if body.parent == WORLD { MotionVector::zero() } else { tree.screws.twist_rate[body.parent] };
         pass_outward(body, &tree.screws.levers, &mut rate);
         for dof in body.dof..body.dof + body.motion.nv() {
-            add_scaled(&mut rate, tree.freedoms.v[dof], &tree.screws.column_rate[dof]);
-            add_scaled(&mut rate, tree.freedoms.a[dof], &tree.screws.column[dof]);
+            rate.add_scaled(tree.freedoms.v[dof], &tree.screws.column_rate[dof]);
+            rate.add_scaled(tree.freedoms.a[dof], &tree.screws.column[dof]);
         }
         tree.screws.twist_rate[i] = rate;
     }
 }
 
-/// to ← to + k s.
-#[inline(always)]
-pub fn add_scaled<S: Scalar>(to: &mut Screw<S>, k: S, s: &Screw<S>) {
-    to.linear = to.linear.add_scaled(k, s.linear);
-    to.angular = to.angular.add_scaled(k, s.angular);
-}
-
 /// The same motion with the linear part of the point p: u + ω × p. A spatial acceleration shifts in the same
 /// way.
 #[inline(always)]
-pub fn shifted<S: Scalar>(twist: &Screw<S>, point: V3<S>) -> Screw<S> {
-    Screw { linear: twist.linear + twist.angular.cross(point), angular: twist.angular }
+pub fn shifted<S: Scalar>(twist: &MotionVector<S>, point: V3<S>) -> MotionVector<S> {
+    MotionVector { linear: twist.linear + twist.angular.cross(point), angular: twist.angular }
 }
 
 /// V × S = (ω × s + u × σ, ω × σ): the rate of a motion S that moves with V. **(RBDA eq. 2.31)**
 #[inline(always)]
-pub fn motion_cross<S: Scalar>(v: &Screw<S>, s: &Screw<S>) -> Screw<S> {
-    Screw {
+pub fn motion_cross<S: Scalar>(v: &MotionVector<S>, s: &MotionVector<S>) -> MotionVector<S> {
+    MotionVector {
         linear: v.angular.cross(s.linear) + v.linear.cross(s.angular),
         angular: v.angular.cross(s.angular),
     }
@@ -144,8 +141,8 @@ pub fn motion_cross<S: Scalar>(v: &Screw<S>, s: &Screw<S>) -> Screw<S> {
 
 /// V ×* F = (ω × f, ω × n + u × f): the rate of a force (or momentum) that moves with V. **(RBDA eq. 2.32)**
 #[inline(always)]
-pub fn force_cross<S: Scalar>(v: &Screw<S>, force: &Force<S>) -> Force<S> {
-    Force {
+pub fn force_cross<S: Scalar>(v: &MotionVector<S>, force: &ForceVector<S>) -> ForceVector<S> {
+    ForceVector {
         linear: v.angular.cross(force.linear),
         angular: v.angular.cross(force.angular) + v.linear.cross(force.linear),
     }
@@ -153,9 +150,9 @@ pub fn force_cross<S: Scalar>(v: &Screw<S>, force: &Force<S>) -> Force<S> {
 
 /// I V = (m u + ω × h, h × u + I ω): momentum about the frame's origin.
 #[inline(always)]
-pub fn momentum_of<S: Scalar>(composite: &SpatialInertia<S>, v: &Screw<S>) -> Force<S> {
+pub fn momentum_of<S: Scalar>(composite: &SpatialInertia<S>, v: &MotionVector<S>) -> ForceVector<S> {
     let h = composite.first_moment;
-    Force {
+    ForceVector {
         linear: v.angular.cross(h).add_scaled(composite.mass, v.linear),
         angular: composite.inertia * v.angular + h.cross(v.linear),
     }

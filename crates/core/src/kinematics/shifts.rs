@@ -8,7 +8,9 @@ use robot_dynamics_number::algebra::{Sym3, V3};
 use crate::Model;
 use crate::model::Body;
 use crate::model::reference_point::ReferencePoints;
-use crate::spatial::screw::{Force, MassFlux, Screw, SpatialInertia};
+use crate::spatial::force::ForceVector;
+use crate::spatial::inertia::{MassFlux, SpatialInertia};
+use crate::spatial::motion::MotionVector;
 use crate::workspace::tree::TreeMemory;
 
 /// The vector from the main reference point to a body's. Call after
@@ -65,7 +67,7 @@ pub(crate) fn lever_between<S: Scalar>(
 
 /// Moves a parent's motion from the parent's reference point to the body's.
 #[inline(always)]
-pub(crate) fn pass_outward<S: Scalar>(body: &Body, levers: &[V3<S>], motion: &mut Screw<S>) {
+pub(crate) fn pass_outward<S: Scalar>(body: &Body, levers: &[V3<S>], motion: &mut MotionVector<S>) {
     if body.shifts_reference_point {
         motion.linear += motion.angular.cross(levers[body.point]);
     }
@@ -73,7 +75,7 @@ pub(crate) fn pass_outward<S: Scalar>(body: &Body, levers: &[V3<S>], motion: &mu
 
 /// Moves a force from a body's reference point to its parent's.
 #[inline(always)]
-pub(crate) fn pass_inward<S: Scalar>(body: &Body, levers: &[V3<S>], force: &mut Force<S>) {
+pub(crate) fn pass_inward<S: Scalar>(body: &Body, levers: &[V3<S>], force: &mut ForceVector<S>) {
     if body.shifts_reference_point {
         force.angular += levers[body.point].cross(force.linear);
     }
@@ -96,6 +98,6 @@ pub(crate) fn pass_inertia<S: Scalar>(body: &Body, levers: &[V3<S>], whole: &mut
 #[inline(always)]
 pub(crate) fn pass_flow<S: Scalar>(body: &Body, levers: &[V3<S>], flow: &mut MassFlux<S>) {
     if body.shifts_reference_point {
-        flow.stir = flow.stir.minus_outer(flow.momentum, -levers[body.point]);
+        flow.first_moment_rate = flow.first_moment_rate.minus_outer(flow.momentum, -levers[body.point]);
     }
 }

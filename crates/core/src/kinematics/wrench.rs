@@ -3,7 +3,7 @@
 use robot_dynamics_number::algebra::{M3, V3};
 use robot_dynamics_number::{Scalar, View};
 
-use crate::spatial::screw::Force;
+use crate::spatial::force::ForceVector;
 use crate::{FrameId, Model};
 
 /// A force and a moment that act on a frame's body, along the frame's axes. The force acts at the frame's
@@ -23,7 +23,7 @@ pub struct FrameWrench<S = f64> {
 #[inline(always)]
 pub(crate) fn subtract_wrenches<S: Scalar, N: View<S>>(
     model: &Model,
-    force: &mut [Force<N>],
+    force: &mut [ForceVector<N>],
     wrenches: &[FrameWrench<S>],
 ) {
     for wrench in wrenches {
@@ -39,11 +39,11 @@ pub(crate) fn subtract_wrenches<S: Scalar, N: View<S>>(
 pub(crate) fn on_body<S: Scalar, N: View<S>>(
     model: &Model,
     wrench: &FrameWrench<S>,
-) -> Option<(usize, Force<N>)> {
+) -> Option<(usize, ForceVector<N>)> {
     let frame = model.frame_of(wrench.frame);
     let turn = M3::from_f64(frame.body_from_frame.rotation);
     let linear = turn * V3::new(wrench.force_in_frame.map(N::of));
     let arm = V3::from_f64(frame.body_from_frame.translation);
     let angular = turn * V3::new(wrench.moment_in_frame.map(N::of)) + arm.cross(linear);
-    Some((frame.body?, Force { linear, angular }))
+    Some((frame.body?, ForceVector { linear, angular }))
 }

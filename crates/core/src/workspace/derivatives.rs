@@ -5,7 +5,7 @@ use robot_dynamics_number::Scalar;
 use crate::Model;
 use crate::factorization::tile::WIDTH;
 use crate::factorization::tree_factor::TreeFactor;
-use crate::spatial::screw::Force;
+use crate::spatial::motion::MotionVector;
 use crate::workspace::freedoms::Paths;
 use crate::workspace::passes::{Pass, Solved, passes};
 use crate::workspace::slope::Slope;
@@ -35,7 +35,7 @@ impl<S: Scalar> Scratch<S> {
     pub fn new(model: &Model, carrier: &[usize]) -> Self {
         let (dofs, nv) = (model.dofs.len(), carrier.len());
         let zero = S::zero();
-        let force = Force::zero();
+        let motion = MotionVector::zero();
         let mass = TreeFactor::new(carrier);
         let rows = mass.deepest();
         let groups = nv.div_ceil(WIDTH);
@@ -43,7 +43,7 @@ impl<S: Scalar> Scratch<S> {
         let mut unit = [zero; 2 * WIDTH];
         unit[WIDTH] = S::one();
         Self {
-            slope: vec![Slope { once: force, twice: force, swept: force }; dofs],
+            slope: vec![Slope { once: motion, twice: motion, swept: motion }; dofs],
             paths: Paths::new(model),
             vector: vec![zero; nv],
             by_position: slopes.clone(),

@@ -11,7 +11,8 @@ use robot_dynamics_number::algebra::{M3, V3};
 use crate::Model;
 use crate::factorization::sparse::{NONE, freedom_carriers};
 use crate::factorization::tile::{TALLEST, Tile, tiles};
-use crate::spatial::screw::{Force, Screw};
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::MotionVector;
 use crate::workspace::slope::Slope;
 
 /// The number of DoFs side by side.
@@ -95,8 +96,8 @@ impl<S: Scalar> Paths<S> {
 
 impl<S: Scalar> DofBlock<S> {
     #[inline(always)]
-    pub(crate) fn write_screw(&mut self, lane: usize, s: &Screw<S>) {
-        self.screw[lane] = turn_first(s);
+    pub(crate) fn write_screw(&mut self, lane: usize, s: &MotionVector<S>) {
+        self.screw[lane] = turn_first(s.angular, s.linear);
         write(&mut self.screws, lane, 0, s.angular);
         write(&mut self.screws, lane, 3, s.linear);
         write(&mut self.slopes, LANES + lane, 6, s.angular);
@@ -138,14 +139,14 @@ impl<S: Scalar> DofBlock<S> {
 
     /// S ×\* F + I ψ′ + 2B ψ.
     #[inline(always)]
-    pub(crate) fn write_bent(&mut self, lane: usize, bent: &Force<S>) {
+    pub(crate) fn write_bent(&mut self, lane: usize, bent: &ForceVector<S>) {
         write(&mut self.bends, lane, 0, bent.angular);
         write(&mut self.bends, lane, 3, bent.linear);
     }
 
     /// I (Ṡ + ψ) + 2B S.
     #[inline(always)]
-    pub(crate) fn write_above(&mut self, lane: usize, above: &Force<S>) {
+    pub(crate) fn write_above(&mut self, lane: usize, above: &ForceVector<S>) {
         write(&mut self.bends, LANES + lane, 0, above.angular);
         write(&mut self.bends, LANES + lane, 3, above.linear);
     }
@@ -160,8 +161,8 @@ pub(crate) fn turned_about<S: Scalar>([x, y, z]: &[S; 3], [a, b, c, fx, fy, fz]:
 
 /// The angular part before the linear one.
 #[inline(always)]
-fn turn_first<S: Scalar>(force: &Force<S>) -> [S; 6] {
-    let ([a, b, c], [d, e, f]) = (force.angular.array(), force.linear.array());
+fn turn_first<S: Scalar>(angular: V3<S>, linear: V3<S>) -> [S; 6] {
+    let ([a, b, c], [d, e, f]) = (angular.array(), linear.array());
     [a, b, c, d, e, f]
 }
 

@@ -5,7 +5,8 @@
 
 use robot_dynamics_number::Scalar;
 
-use crate::spatial::screw::Force;
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::MotionVector;
 
 /// The number of columns in a block.
 pub(crate) const WIDTH: usize = 4;
@@ -20,7 +21,7 @@ pub(crate) fn momentum_blocks(columns: usize) -> usize {
 
 /// Writes one of the forces.
 #[inline(always)]
-pub(crate) fn write_force<S: Scalar>(block: &mut MomentumBlock<S>, lane: usize, force: &Force<S>) {
+pub(crate) fn write_force<S: Scalar>(block: &mut MomentumBlock<S>, lane: usize, force: &ForceVector<S>) {
     let ([fx, fy, fz], [nx, ny, nz]) = (force.linear.array(), force.angular.array());
     let lane = lane % WIDTH;
     block[0][lane] = fx;
@@ -43,10 +44,10 @@ pub(crate) fn project<S: Scalar>(block: &MomentumBlock<S>, [lx, ly, lz, ax, ay, 
     entries
 }
 
-/// The components of a motion or force.
+/// The components of a motion.
 #[inline(always)]
-pub(crate) fn components<S: Scalar>(force: &Force<S>) -> [S; 6] {
-    let ([lx, ly, lz], [ax, ay, az]) = (force.linear.array(), force.angular.array());
+pub(crate) fn components<S: Scalar>(motion: &MotionVector<S>) -> [S; 6] {
+    let ([lx, ly, lz], [ax, ay, az]) = (motion.linear.array(), motion.angular.array());
     [lx, ly, lz, ax, ay, az]
 }
 

@@ -3,22 +3,23 @@
 use robot_dynamics_number::Scalar;
 
 use crate::Model;
-use crate::spatial::screw::{Force, Screw};
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::MotionVector;
 
 /// Scratch for vector-Jacobian products: three six-vectors per body.
 #[derive(Clone, Debug)]
 pub struct Scratch<S: Scalar> {
     /// L = Σ S λ over the DoFs from the root to the body: its velocity if λ were the velocity.
-    pub(crate) shadow: Vec<Screw<S>>,
+    pub(crate) shadow: Vec<MotionVector<S>>,
     /// P = Σ I L over the body's subtree.
-    pub momentum: Vec<Force<S>>,
+    pub momentum: Vec<ForceVector<S>>,
     /// D = Σ 2Bᵀ L over the body's subtree.
-    pub drift: Vec<Force<S>>,
+    pub drift: Vec<ForceVector<S>>,
 }
 
 impl<S: Scalar> Scratch<S> {
     pub fn new(model: &Model) -> Self {
-        let bodies = vec![Force::zero(); model.bodies.len()];
-        Self { shadow: bodies.clone(), momentum: bodies.clone(), drift: bodies }
+        let (shadow, forces) = (MotionVector::zero(), vec![ForceVector::zero(); model.bodies.len()]);
+        Self { shadow: vec![shadow; model.bodies.len()], momentum: forces.clone(), drift: forces }
     }
 }

@@ -2,15 +2,15 @@
 
 use robot_dynamics_number::Scalar;
 
-use crate::spatial::screw::Screw;
+use crate::spatial::motion::MotionVector;
 
 /// Derivatives of the motion by one DoF.
 #[derive(Clone, Copy, Debug)]
 pub struct Slope<S: Scalar> {
     /// ψ = V_p × S.
-    pub once: Screw<S>,
+    pub once: MotionVector<S>,
     /// ψ′ = A_p × S + V_p × ψ.
-    pub twice: Screw<S>,
+    pub twice: MotionVector<S>,
     /// Ṡ + ψ.
-    pub swept: Screw<S>,
+    pub swept: MotionVector<S>,
 }

@@ -6,10 +6,10 @@ use robot_dynamics_number::algebra::{M3, Sym3, V3};
 use robot_dynamics_number::dispatch::{CloneForm, Make, OneState};
 use robot_dynamics_number::{AsFloat, Float, Form, Scalar};
 
-use crate::spatial::screw::{
-    ArticulatedInertia, AxisMotion, BodyMotion, DofElimination, Force, MassFlux, Screw, SpatialInertia,
-    Transform,
-};
+use crate::spatial::force::ForceVector;
+use crate::spatial::inertia::{ArticulatedInertia, DofElimination, MassFlux, SpatialInertia};
+use crate::spatial::motion::{AxisMotion, BodyMotion, MotionVector};
+use crate::spatial::transform::Transform;
 use crate::workspace::branch_block::BranchBlock;
 use crate::workspace::derivatives::Scratch;
 use crate::workspace::momentum_block::momentum_blocks;
@@ -69,13 +69,13 @@ pub struct BodyBuffers<S: Scalar> {
     /// `parent_from_body`.
     pub place: Vec<Transform<S>>,
     /// The velocity of the frame's origin, and ω.
-    pub velocity: Vec<Screw<S>>,
+    pub velocity: Vec<MotionVector<S>>,
     pub motion: Vec<BodyMotion<S>>,
     /// Motion along the world's axes.
     pub axis_motion: Vec<AxisMotion<S>>,
-    pub force: Vec<Force<S>>,
+    pub force: Vec<ForceVector<S>>,
     /// The total force of the body's subtree.
-    pub beyond: Vec<Force<S>>,
+    pub beyond: Vec<ForceVector<S>>,
 }
 
 /// Placements and motions in one inertial frame; see [`screws`](crate::kinematics::screws).
@@ -88,12 +88,12 @@ pub struct Screws<S: Scalar> {
     /// The vector to each point from that of the parent's tree.
     pub levers: Vec<V3<S>>,
     /// Each DoF's motion S.
-    pub column: Vec<Screw<S>>,
+    pub column: Vec<MotionVector<S>>,
     /// Ṡ.
-    pub column_rate: Vec<Screw<S>>,
+    pub column_rate: Vec<MotionVector<S>>,
     /// Each body's velocity V, and V̇ or a part of it, as motions in the inertial frame.
-    pub twist: Vec<Screw<S>>,
-    pub twist_rate: Vec<Screw<S>>,
+    pub twist: Vec<MotionVector<S>>,
+    pub twist_rate: Vec<MotionVector<S>>,
     pub flow: Vec<MassFlux<S>>,
     /// Bodies between a frame and the root.
     pub chain: Vec<usize>,
@@ -180,7 +180,7 @@ impl<S: Scalar> TreeMemory<S> {
         let (bodies, dofs, points) = (model.bodies.len(), model.dofs.len(), model.points.count);
         let zero = S::zero();
         let (v3, m3, sym) = (V3::zero(), M3::zero(), Sym3::zero());
-        let force = Force::zero();
+        let (motion, force) = (MotionVector::zero(), ForceVector::zero());
         let articulated =
             ArticulatedInertia { mass: sym, coupling: m3, coupling_back: m3, inertia: sym, bias: force };
         Self {
@@ -195,7 +195,7 @@ impl<S: Scalar> TreeMemory<S> {
             bodies: BodyBuffers {
                 place: filled(Transform { rotation: m3, translation: v3 }, bodies),
                 motion: filled(BodyMotion { angular: v3, gradient: m3, origin: v3, alpha: v3 }, bodies),
-                velocity: filled(force, bodies),
+                velocity: filled(motion, bodies),
                 axis_motion: filled(AxisMotion { angular: v3, alpha: v3, origin: v3 }, bodies),
                 force: filled(force, bodies),
                 beyond: filled(force, bodies),
@@ -204,11 +204,11 @@ impl<S: Scalar> TreeMemory<S> {
                 world: filled(Transform { rotation: m3, translation: v3 }, bodies),
                 points: filled(v3, points),
                 levers: filled(v3, points),
-                column: filled(force, dofs),
-                column_rate: filled(force, dofs),
-                twist: filled(force, bodies),
-                twist_rate: filled(force, bodies),
-                flow: filled(MassFlux { momentum: v3, stir: m3 }, bodies),
+                column: filled(motion, dofs),
+                column_rate: filled(motion, dofs),
+                twist: filled(motion, bodies),
+                twist_rate: filled(motion, bodies),
+                flow: filled(MassFlux { momentum: v3, first_moment_rate: m3 }, bodies),
                 chain: vec![0; bodies],
             },
             inertias: Inertias {

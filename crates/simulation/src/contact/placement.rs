@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::kinematics::place::place_all_in_world;
 use robot_dynamics_core::model::{Dof, WORLD};
-use robot_dynamics_core::spatial::screw::Transform;
+use robot_dynamics_core::spatial::transform::Transform;
 use robot_dynamics_core::workspace::compiled_once::{compiled_once, run};
 use robot_dynamics_core::workspace::tree::{OverNumber, TreeMemory};
 use robot_dynamics_core::{Frame, FrameId, Model, Workspace};

@@ -6,18 +6,20 @@ use robot_dynamics_number::algebra::{M3, Sym3, V3};
 use crate::kinematics::screws::momentum_of;
 use crate::kinematics::shifts::pass_inward;
 use crate::model::Body;
-use crate::spatial::screw::{Force, MassFlux, Screw, SpatialInertia};
+use crate::spatial::force::ForceVector;
+use crate::spatial::inertia::{MassFlux, SpatialInertia};
+use crate::spatial::motion::MotionVector;
 
 impl<S: Scalar> MassFlux<S> {
     #[inline(always)]
     pub fn add(&mut self, other: &Self) {
         self.momentum += other.momentum;
-        self.stir = self.stir + other.stir;
+        self.first_moment_rate = self.first_moment_rate + other.first_moment_rate;
     }
 
     /// f = m u + ω × h and D = u hᵀ + \[ω\]×Σ of a rigid set of points, with Σ = ∫ p pᵀ dm.
     #[inline(always)]
-    pub fn of(inertia: &SpatialInertia<S>, twist: &Screw<S>) -> Self {
+    pub fn of(inertia: &SpatialInertia<S>, twist: &MotionVector<S>) -> Self {
         let (u, w, h) = (twist.linear, twist.angular, inertia.first_moment);
         // Σ = ½ tr(I) 1 − I is symmetric: its columns are its rows.
         let [[xx, ..], [_, yy, _], [_, _, zz]] = inertia.inertia.full().rows();
@@ -28,16 +30,19 @@ impl<S: Scalar> MassFlux<S> {
             w.cross(sigma.column(1)).add_scaled(h.get(1), u),
             w.cross(sigma.column(2)).add_scaled(h.get(2), u),
         ];
-        Self { momentum: w.cross(h).add_scaled(inertia.mass, u), stir: M3::from_columns(columns) }
+        Self {
+            momentum: w.cross(h).add_scaled(inertia.mass, u),
+            first_moment_rate: M3::from_columns(columns),
+        }
     }
 }
 
 /// The subtree of a DoF i, reduced to three vectors for its ancestors.
 pub(crate) struct Branch<S: Scalar> {
     /// I Ṡ_i + B S_i.
-    pub above: Force<S>,
+    pub above: ForceVector<S>,
     /// I S_i.
-    pub inertial: Force<S>,
+    pub inertial: ForceVector<S>,
     /// The moment of Bᵀ S_i; its force is zero.
     pub turning: V3<S>,
 }
@@ -47,10 +52,10 @@ impl<S: Scalar> Branch<S> {
     pub(crate) fn new(
         inertia: &SpatialInertia<S>,
         flow: &MassFlux<S>,
-        s: &Screw<S>,
-        rate: &Screw<S>,
+        s: &MotionVector<S>,
+        rate: &MotionVector<S>,
     ) -> Self {
-        let d = &flow.stir;
+        let d = &flow.first_moment_rate;
         let [[xx, ..], [_, yy, _], [_, _, zz]] = d.rows();
         let stretched = s.angular * (xx + yy + zz);
         let mut above = momentum_of(inertia, rate);
@@ -70,13 +75,13 @@ impl<S: Scalar> Branch<S> {
 
     /// C_ji = S_jᵀ(I Ṡ_i + B S_i).
     #[inline(always)]
-    pub(crate) fn above(&self, s: &Screw<S>) -> S {
+    pub(crate) fn above(&self, s: &MotionVector<S>) -> S {
         s.dot(&self.above)
     }
 
     /// C_ij = S_iᵀ(I Ṡ_j + B S_j).
     #[inline(always)]
-    pub(crate) fn beyond(&self, s: &Screw<S>, rate: &Screw<S>) -> S {
+    pub(crate) fn beyond(&self, s: &MotionVector<S>, rate: &MotionVector<S>) -> S {
         self.inertial.dot(rate) + self.turning.dot(s.angular)
     }
 }
@@ -96,7 +101,7 @@ mod tests {
         let mut random = SplitMix64::new(5);
         for _ in 0..20 {
             let mut vector = || V3::new([(); 3].map(|()| random.uniform(-2.0, 2.0)));
-            let twist = Force { linear: vector(), angular: vector() };
+            let twist = MotionVector { linear: vector(), angular: vector() };
             // A point mass and a rotational inertia. The identity is algebraic, so any symmetric numbers will
             // do.
             let ([a, b, c], [d, e, f]) = (vector().array(), vector().array());
@@ -107,11 +112,11 @@ mod tests {
             };
             let flow = MassFlux::of(&inertia, &twist);
             for axis in 0..6 {
-                let mut s = Force::zero();
+                let mut s = MotionVector::zero();
                 let mut unit = [0.0; 3];
                 unit[axis % 3] = 1.0;
                 *(if axis < 3 { &mut s.linear } else { &mut s.angular }) = V3::new(unit);
-                let found = Branch::new(&inertia, &flow, &s, &Force::zero()).above;
+                let found = Branch::new(&inertia, &flow, &s, &MotionVector::zero()).above;
                 let first = force_cross(&twist, &momentum_of(&inertia, &s));
                 let second = momentum_of(&inertia, &motion_cross(&twist, &s));
                 let third = force_cross(&s, &momentum_of(&inertia, &twist));

@@ -6,7 +6,7 @@ use super::branch::Branch;
 use crate::Model;
 use crate::kinematics::screws::{add_composite, inertia_in_world};
 use crate::model::WORLD;
-use crate::spatial::screw::{MassFlux, SpatialInertia};
+use crate::spatial::inertia::{MassFlux, SpatialInertia};
 use crate::workspace::branch_block::BranchBlock;
 use crate::workspace::momentum_block::{
     WIDTH, clear_margins, components, project, write_entries, write_force,

@@ -9,7 +9,7 @@ use crate::Model;
 use crate::kinematics::screws::{add_composite, inertia_in_world};
 use crate::kinematics::shifts::{pass_flow, pass_inertia};
 use crate::model::WORLD;
-use crate::spatial::screw::MassFlux;
+use crate::spatial::inertia::MassFlux;
 use crate::workspace::tree::TreeMemory;
 
 /// Writes all entries of C. Call after [`turn_screws`](crate::kinematics::screws::turn_screws).

@@ -5,19 +5,20 @@
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::{M3, Sym3, V3};
 
-use crate::kinematics::screws::add_scaled;
-use crate::spatial::screw::{ArticulatedInertia, DofElimination, Force};
+use crate::spatial::force::ForceVector;
+use crate::spatial::inertia::{ArticulatedInertia, DofElimination};
+use crate::spatial::motion::MotionVector;
 
 impl<S: Scalar> ArticulatedInertia<S> {
     /// Iᴬ a.
     #[inline(always)]
-    pub(super) fn times(&self, a: &Force<S>) -> Force<S> {
+    pub(super) fn times(&self, a: &MotionVector<S>) -> ForceVector<S> {
         let back = if M3::<S>::KEEPS_TRANSPOSE {
             self.coupling_back * a.linear
         } else {
             self.coupling.transpose_mul(a.linear)
         };
-        Force {
+        ForceVector {
             linear: self.mass * a.linear + self.coupling * a.angular,
             angular: back + self.inertia * a.angular,
         }
@@ -25,18 +26,23 @@ impl<S: Scalar> ArticulatedInertia<S> {
 
     /// The pivot of one DoF's elimination, with U and 1/d.
     #[inline(always)]
-    pub(super) fn pivot(&self, s: &Force<S>, tau: S, armature: S) -> (DofElimination<S>, Force<S>, S) {
+    pub(super) fn pivot(
+        &self,
+        s: &MotionVector<S>,
+        tau: S,
+        armature: S,
+    ) -> (DofElimination<S>, ForceVector<S>, S) {
         let U = self.times(s);
         let d = s.dot(&U) + armature;
         let u = tau - s.dot(&self.bias);
         let inverse = S::one() / d;
-        let scaled = Force { linear: U.linear * inverse, angular: U.angular * inverse };
+        let scaled = ForceVector { linear: U.linear * inverse, angular: U.angular * inverse };
         (DofElimination { column: scaled, residual: u * inverse, inverse }, U, inverse)
     }
 
     /// Iᵃ = Iᴬ − U Uᵀ/d, pᵃ = pᴬ + U u/d, in place.
     #[inline(always)]
-    pub(super) fn eliminate(&mut self, pivot: &DofElimination<S>, U: &Force<S>, inverse: S) {
+    pub(super) fn eliminate(&mut self, pivot: &DofElimination<S>, U: &ForceVector<S>, inverse: S) {
         let ((f, n), (fd, nd)) = ((U.linear, U.angular), (pivot.column.linear, pivot.column.angular));
         self.mass = self.mass.minus_square(f, inverse, fd);
         self.coupling = self.coupling.minus_scaled_outer(f, n, inverse, nd);
@@ -44,7 +50,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
             self.coupling_back = self.coupling_back.minus_scaled_outer(n, f, inverse, fd);
         }
         self.inertia = self.inertia.minus_square(n, inverse, nd);
-        add_scaled(&mut self.bias, pivot.residual, U);
+        self.bias.add_scaled(pivot.residual, U);
     }
 
     /// Moves the reference point; d goes from the new point to the old one: H′ = H − M \[d\]×,

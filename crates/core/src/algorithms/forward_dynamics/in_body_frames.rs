@@ -20,7 +20,9 @@ use crate::kinematics::carried::{turn_of, turned};
 use crate::kinematics::place::{evaluate_angles, motion_in_body, spread};
 use crate::kinematics::wrench::{FrameWrench, subtract_wrenches};
 use crate::model::{Body, WORLD};
-use crate::spatial::screw::{ArticulatedInertia, DofElimination, Force};
+use crate::spatial::force::ForceVector;
+use crate::spatial::inertia::{ArticulatedInertia, DofElimination};
+use crate::spatial::motion::MotionVector;
 use crate::workspace::tree::TreeMemory;
 
 /// Replaces τ in `tree.freedoms` by a.
@@ -49,7 +51,7 @@ fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, q: &[S
         *own = own_inertia(body, force);
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
-        let (mut IA, mut pA) = (six_by_six(&all[i]), six(&all[i].bias));
+        let (mut IA, mut pA) = (six_by_six(&all[i]), six(all[i].bias.linear, all[i].bias.angular));
         for k in (0..body.motion.nv()).rev() {
             let (index, s) = (body.dof + k, direction(body, k));
             let tau = less_spring(model, index, tree.freedoms.tau[index], tree.angles.angle[i]);
@@ -68,7 +70,10 @@ fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, q: &[S
                 coupling: block(0, 3),
                 coupling_back: M3::zero(),
                 inertia: Sym3::from_columns(&block(3, 3)),
-                bias: Force { linear: place.rotation * pA.linear, angular: place.rotation * pA.angular },
+                bias: ForceVector {
+                    linear: place.rotation * pA.linear,
+                    angular: place.rotation * pA.angular,
+                },
             };
             left.shift(place.translation);
             all[body.parent].add(&left);
@@ -82,12 +87,13 @@ fn accelerate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     for (i, body) in model.bodies.iter().enumerate() {
         let mut own = [S::zero(); 6];
         if body.parent != WORLD {
-            own = six(&motion_in_body(&tree.bodies.place[i], &tree.bodies.velocity[body.parent]));
+            let carried = motion_in_body(&tree.bodies.place[i], &tree.bodies.velocity[body.parent]);
+            own = six(carried.linear, carried.angular);
         }
         for k in 0..body.motion.nv() {
             let DofElimination { column, residual, .. } = &tree.inertias.pivot[body.dof + k];
             let mut a = *residual;
-            for (&u, &own) in six(column).iter().zip(&own) {
+            for (&u, &own) in six(column.linear, column.angular).iter().zip(&own) {
                 a -= u * own;
             }
             tree.freedoms.a[body.dof + k] = a;
@@ -97,7 +103,8 @@ fn accelerate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
                 }
             }
         }
-        tree.bodies.velocity[i] = force_of(&own);
+        let ForceVector { linear, angular } = force_of(&own);
+        tree.bodies.velocity[i] = MotionVector { linear, angular };
     }
 }
 
@@ -136,12 +143,13 @@ fn eliminate<S: Scalar>(
 #[inline(always)]
 fn direction(body: &Body, k: usize) -> [f64; 6] {
     let unit: [f64; 6] = core::array::from_fn(|at| f64::from(u8::from(at == k)));
-    six(&body.motion.velocity(&unit))
+    let MotionVector { linear, angular } = body.motion.velocity(&unit);
+    six(linear, angular)
 }
 
 /// A body's own inertia, with a bias force.
 #[inline(always)]
-fn own_inertia<S: Scalar>(body: &Body, bias: &Force<S>) -> ArticulatedInertia<S> {
+fn own_inertia<S: Scalar>(body: &Body, bias: &ForceVector<S>) -> ArticulatedInertia<S> {
     let first_moment = V3::<S>::constant(&body.first_moment);
     ArticulatedInertia {
         mass: Sym3::multiple_of_identity(S::from_f64(body.mass)),
@@ -164,14 +172,14 @@ fn six_by_six<S: Scalar>(inertia: &ArticulatedInertia<S>) -> [[S; 6]; 6] {
 }
 
 #[inline(always)]
-fn six<S: Scalar>(force: &Force<S>) -> [S; 6] {
-    let ([x, y, z], [nx, ny, nz]) = (force.linear.array(), force.angular.array());
+fn six<S: Scalar>(linear: V3<S>, angular: V3<S>) -> [S; 6] {
+    let ([x, y, z], [nx, ny, nz]) = (linear.array(), angular.array());
     [x, y, z, nx, ny, nz]
 }
 
 #[inline(always)]
-fn force_of<S: Scalar>([x, y, z, nx, ny, nz]: &[S; 6]) -> Force<S> {
-    Force { linear: V3::new([*x, *y, *z]), angular: V3::new([*nx, *ny, *nz]) }
+fn force_of<S: Scalar>([x, y, z, nx, ny, nz]: &[S; 6]) -> ForceVector<S> {
+    ForceVector { linear: V3::new([*x, *y, *z]), angular: V3::new([*nx, *ny, *nz]) }
 }
 
 #[cfg(test)]

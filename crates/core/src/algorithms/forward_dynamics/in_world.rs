@@ -9,12 +9,14 @@ use robot_dynamics_number::{Scalar, View};
 use super::spring::less_spring;
 use crate::Model;
 use crate::kinematics::screws::{
-    add_scaled, force_cross, inertia_in_world, momentum_of, motion_cross, move_screws, place_screws,
+    force_cross, inertia_in_world, momentum_of, motion_cross, move_screws, place_screws,
 };
 use crate::kinematics::shifts::pass_outward;
 use crate::kinematics::wrench::{FrameWrench, subtract_wrenches};
 use crate::model::WORLD;
-use crate::spatial::screw::{DofElimination, Force, SpatialInertia};
+use crate::spatial::force::ForceVector;
+use crate::spatial::inertia::{DofElimination, SpatialInertia};
+use crate::spatial::motion::MotionVector;
 use crate::workspace::tree::TreeMemory;
 
 /// Replaces τ in `tree.freedoms` by a.
@@ -44,9 +46,9 @@ fn free_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let (twist_rates, articulated) = (&mut tree.screws.twist_rate[..n], &mut tree.inertias.articulated[..n]);
     for i in 0..n {
         let (body, twist) = (&bodies[i], &twists[i]);
-        let mut joint = Force::zero();
+        let mut joint = MotionVector::zero();
         for dof in body.dof..body.dof + body.motion.nv() {
-            add_scaled(&mut joint, rates[dof], &columns[dof]);
+            joint.add_scaled(rates[dof], &columns[dof]);
         }
         twist_rates[i] = motion_cross(twist, &joint);
         let inertia = inertia_in_world(body, &world[i]);
@@ -73,7 +75,7 @@ fn subtract_in_world<S: Scalar, N: View<S>>(
     if wrenches.is_empty() {
         return;
     }
-    tree.bodies.force.fill(Force::zero());
+    tree.bodies.force.fill(ForceVector::zero());
     subtract_wrenches(model, &mut tree.bodies.force, wrenches);
     for ((articulated, force), place) in
         tree.inertias.articulated.iter_mut().zip(&tree.bodies.force).zip(&tree.screws.world)
@@ -129,7 +131,7 @@ fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
 /// The outward pass: q̈ = (u − Uᵀa)/d, and each body's acceleration in `twist_rate`.
 #[inline(always)]
 fn accelerate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
-    let ground = Force { linear: V3::from_f64(model.gravity().map(|g| -g)), angular: V3::zero() };
+    let ground = MotionVector { linear: V3::from_f64(model.gravity().map(|g| -g)), angular: V3::zero() };
     let n = model.bodies.len();
     let (bodies, twist_rates) = (&model.bodies[..n], &mut tree.screws.twist_rate[..n]);
     let (pivots, columns, accelerations) =
@@ -153,9 +155,9 @@ fn accelerate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
             let DofElimination { column: U_by_d, residual: u_by_d, .. } = &pivots[index];
             let a = *u_by_d - U_by_d.dot(&last);
             accelerations[index] = a;
-            add_scaled(&mut last, a, &columns[index]);
+            last.add_scaled(a, &columns[index]);
             if M3::<S>::KEEPS_TRANSPOSE {
-                add_scaled(&mut own, a, &columns[index]);
+                own.add_scaled(a, &columns[index]);
             }
         }
         if !M3::<S>::KEEPS_TRANSPOSE {

@@ -19,7 +19,8 @@ use crate::Model;
 use crate::kinematics::place::place_body;
 use crate::kinematics::wrench::{FrameWrench, subtract_wrenches};
 use crate::model::{Body, WORLD};
-use crate::spatial::screw::{AxisMotion, Force};
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::AxisMotion;
 use crate::workspace::tree::TreeMemory;
 
 /// The outward pass: each body's rotation, offset r and motion along the world's axes, and the force that
@@ -77,14 +78,14 @@ pub(crate) fn accelerate_bodies<N: Scalar>(
 impl<S: Scalar> AxisMotion<S> {
     /// F and N of one body.
     #[inline(always)]
-    fn force(&self, body: &Body, turn: &M3<S>) -> Force<S> {
+    fn force(&self, body: &Body, turn: &M3<S>) -> ForceVector<S> {
         let (angular, alpha) = (self.angular, self.alpha);
         let h = *turn * V3::constant(&body.first_moment);
         let linear = alpha.cross_sum(h, angular, angular.cross(h));
         let (back, inertia) = (turn.transpose(), M3::constant(&body.inertia));
         let (own_angular, own_alpha) = (back * angular, back * alpha);
         let spin = inertia.times_plus(own_alpha, own_angular.cross(inertia * own_angular));
-        Force {
+        ForceVector {
             linear: linear.add_scaled(S::from_f64(body.mass), self.origin),
             angular: turn.times_plus(spin, h.cross(self.origin)),
         }
@@ -101,7 +102,7 @@ pub(super) fn subtract_external<S: Scalar, N: View<S>>(
     if wrenches.is_empty() {
         return;
     }
-    tree.bodies.beyond.fill(Force::zero());
+    tree.bodies.beyond.fill(ForceVector::zero());
     subtract_wrenches(model, &mut tree.bodies.beyond, wrenches);
     for ((force, own), place) in tree.bodies.force.iter_mut().zip(&tree.bodies.beyond).zip(&tree.screws.world)
     {
@@ -117,13 +118,13 @@ pub(super) fn collect_forces<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>)
     let (bodies, world) = (&model.bodies[..n], &tree.screws.world[..n]);
     let (forces, tau) = (&mut tree.bodies.force[..n], &mut tree.freedoms.tau[..]);
     // The contribution of body i + 1 to body i.
-    let mut from_child = Force::zero();
+    let mut from_child = ForceVector::zero();
     for i in (0..n).rev() {
         let (body, mut force, turn) = (&bodies[i], forces[i], &world[i].rotation);
         force.add(&from_child);
         body.motion.forces_in_world(turn, &force, &mut tau[body.dof..]);
         force.angular += world[i].translation.cross(force.linear);
-        from_child = Force::zero();
+        from_child = ForceVector::zero();
         if body.parent.wrapping_add(1) == i {
             from_child = force;
         } else if body.parent != WORLD {

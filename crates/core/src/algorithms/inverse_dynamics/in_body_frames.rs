@@ -12,7 +12,9 @@ use robot_dynamics_number::algebra::{M3, Padded, V3};
 use crate::Model;
 use crate::kinematics::place::place_body;
 use crate::model::{Body, WORLD};
-use crate::spatial::screw::{AxisMotion, BodyMotion, Force, Transform};
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::{AxisMotion, BodyMotion};
+use crate::spatial::transform::Transform;
 use crate::workspace::tree::TreeMemory;
 
 /// The outward pass: each body's placement, ω and acceleration field, and the force that this motion needs.
@@ -67,14 +69,14 @@ fn accelerate_body<S: Scalar>(
 
 /// The force that gives a body its acceleration: F = m a_o + B h, N = h × a_o + axial(B Σ).
 #[inline(always)]
-pub(crate) fn inertial_force<S: Scalar>(body: &Body, motion: &BodyMotion<S>) -> Force<S> {
+pub(crate) fn inertial_force<S: Scalar>(body: &Body, motion: &BodyMotion<S>) -> ForceVector<S> {
     let h = V3::constant(&body.first_moment);
     let linear = (motion.gradient * h).add_scaled(S::from_f64(body.mass), motion.origin);
     let [x, y, z] = motion.gradient.rows();
     let [sx, sy, sz] = &body.second_moment;
     let spin =
         V3::new([along(z, sy) - along(y, sz), along(x, sz) - along(z, sx), along(y, sx) - along(x, sy)]);
-    Force { linear, angular: h.cross(motion.origin) + spin }
+    ForceVector { linear, angular: h.cross(motion.origin) + spin }
 }
 
 /// A row of B times a column of Σ.

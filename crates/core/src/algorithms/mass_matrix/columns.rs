@@ -2,11 +2,12 @@
 
 use robot_dynamics_number::Scalar;
 
-use crate::spatial::screw::Force;
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::MotionVector;
 
 /// Writes a force as column `index` of a row-major 6×`width` matrix.
 #[inline(always)]
-pub fn write_column<S: Scalar>(rows: &mut [S], width: usize, index: usize, force: &Force<S>) {
+pub fn write_column<S: Scalar>(rows: &mut [S], width: usize, index: usize, force: &ForceVector<S>) {
     let ([fx, fy, fz], [nx, ny, nz]) = (force.linear.array(), force.angular.array());
     let rows = &mut rows[index..=index + 5 * width];
     rows[0] = fx;
@@ -23,7 +24,7 @@ pub fn project_columns<N: Scalar>(
     rows: &[N],
     width: usize,
     columns: core::ops::Range<usize>,
-    s: &Force<N>,
+    s: &MotionVector<N>,
     to: &mut [N],
 ) {
     let [lx, ly, lz] = s.linear.array();
@@ -40,7 +41,7 @@ pub fn project_columns<N: Scalar>(
 
 /// sᵀ F for the force F in one column.
 #[inline(always)]
-pub fn project_column<S: Scalar>(rows: &[S], width: usize, column: usize, s: &Force<S>) -> S {
+pub fn project_column<S: Scalar>(rows: &[S], width: usize, column: usize, s: &MotionVector<S>) -> S {
     let row = |k: usize| rows[k * width + column];
     let ([lx, ly, lz], [ax, ay, az]) = (s.linear.array(), s.angular.array());
     lx * row(0) + ly * row(1) + lz * row(2) + ax * row(3) + ay * row(4) + az * row(5)

@@ -6,7 +6,10 @@ use robot_dynamics_number::{Scalar, View};
 use crate::Model;
 use crate::kinematics::place::{evaluate_angles, place_body};
 use crate::model::WORLD;
-use crate::spatial::screw::{ArticulatedInertia, Force, Screw, Transform};
+use crate::spatial::force::ForceVector;
+use crate::spatial::inertia::ArticulatedInertia;
+use crate::spatial::motion::MotionVector;
+use crate::spatial::transform::Transform;
 use crate::workspace::extent::Scratch;
 use crate::workspace::tree::TreeMemory;
 
@@ -45,8 +48,8 @@ pub(super) fn place<N: View<f64>>(model: &Model, tree: &mut TreeMemory<N>, scrat
 
 /// I s: the force that gives the body the acceleration s about its origin.
 #[inline(always)]
-pub(super) fn response<S: Scalar>(inertia: &ArticulatedInertia<S>, s: &Screw<S>) -> Force<S> {
-    Force {
+pub(super) fn response<S: Scalar>(inertia: &ArticulatedInertia<S>, s: &MotionVector<S>) -> ForceVector<S> {
+    ForceVector {
         linear: inertia.mass * s.linear + inertia.coupling * s.angular,
         angular: inertia.coupling.transpose_mul(s.linear) + inertia.inertia * s.angular,
     }

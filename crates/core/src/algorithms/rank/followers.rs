@@ -5,7 +5,7 @@ use super::bodies::{add_shifted, place, response};
 use super::vanished::{Vanished, is_clear, vanishes};
 use crate::Model;
 use crate::model::WORLD;
-use crate::spatial::screw::Force;
+use crate::spatial::force::ForceVector;
 use crate::workspace::extent::Scratch;
 use crate::workspace::tree::TreeMemory;
 
@@ -92,7 +92,8 @@ fn reduce(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut Scratch) {
     scratch.reduced.fill(0.0);
     for (j, dof) in model.dofs.iter().enumerate() {
         scratch.reduced[dof.coordinate] += dof.ratio.abs() * scratch.root[j];
-        let mut force: Force<f64> = response(&tree.inertias.articulated[dof.body], &tree.screws.column[j]);
+        let mut force: ForceVector<f64> =
+            response(&tree.inertias.articulated[dof.body], &tree.screws.column[j]);
         let (mut at, mut last) = (dof.body, j);
         loop {
             let body = &model.bodies[at];

@@ -6,9 +6,10 @@ use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use super::bodies::{add_shifted, place, response};
 use super::vanished::{Vanished, is_clear, vanishes};
 use crate::Model;
-use crate::kinematics::screws::{add_scaled, shifted};
+use crate::kinematics::screws::shifted;
 use crate::model::WORLD;
-use crate::spatial::screw::{DofElimination, Force};
+use crate::spatial::force::ForceVector;
+use crate::spatial::inertia::DofElimination;
 use crate::workspace::compiled_once::run_on_machine;
 use crate::workspace::extent::Scratch;
 use crate::workspace::tree::{OverNumber, TreeMemory};
@@ -62,13 +63,14 @@ impl Kernel<OverNumber, f64> for Elimination<'_> {
                             share: &scratch.share[index..model.dofs[index].end],
                         });
                         // The DoF is locked: the elimination leaves it out.
-                        tree.inertias.pivot[index].column = Force::zero();
+                        tree.inertias.pivot[index].column = ForceVector::zero();
                         continue;
                     }
                 }
                 scratch.extent[i].least = scratch.extent[i].least.min(left);
                 let inverse = N::one() / pivot;
-                let scaled = Force { linear: column.linear * inverse, angular: column.angular * inverse };
+                let scaled =
+                    ForceVector { linear: column.linear * inverse, angular: column.angular * inverse };
                 tree.inertias.pivot[index] = DofElimination { column: scaled, residual: inverse, inverse };
                 if index > body.dof || body.parent != WORLD {
                     // Iᵃ = Iᴬ − U Uᵀ/d.
@@ -106,7 +108,7 @@ fn follow<N: View<f64>>(model: &Model, tree: &mut TreeMemory<N>, scratch: &mut S
         };
         for index in from..body.dof + body.motion.nv() {
             let z = -tree.inertias.pivot[index].column.dot(&a);
-            add_scaled(&mut a, z, &tree.screws.column[index]);
+            a.add_scaled(z, &tree.screws.column[index]);
             scratch.share[index] = z.value().abs() * scratch.root[index];
             total += scratch.share[index];
         }

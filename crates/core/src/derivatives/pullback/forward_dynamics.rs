@@ -12,12 +12,12 @@ use crate::algorithms::forward_dynamics_by_cholesky::accelerate_by_cholesky;
 use crate::derivatives::columns::subtract_carried;
 use crate::factorization::sparse;
 use crate::kinematics::place::{gather, spread};
-use crate::kinematics::screws::add_scaled;
 use crate::kinematics::shifts::{pass_inward, pass_outward};
 use crate::kinematics::wrench::FrameWrench;
 use crate::model::WORLD;
 use crate::model::native::NativeFunction;
-use crate::spatial::screw::Force;
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::MotionVector;
 use crate::workspace::buffers::Dense;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
@@ -86,12 +86,12 @@ fn solve_again<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
         ..
     } = tree;
     let (bodies, biases, shadows) = (&model.bodies[..n], &mut beyond[..n], &mut pullback.shadow[..n]);
-    biases.fill(Force::zero());
+    biases.fill(ForceVector::zero());
     for i in (0..n).rev() {
         let (body, mut bias) = (&bodies[i], biases[i]);
         for k in (body.dof..body.dof + body.motion.nv()).rev() {
             let left = tau[k] - column[k].dot(&bias);
-            add_scaled(&mut bias, left, &pivot[k].column);
+            bias.add_scaled(left, &pivot[k].column);
             tau[k] = left * pivot[k].inverse;
         }
         if body.parent != WORLD {
@@ -101,11 +101,11 @@ fn solve_again<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     }
     for i in 0..n {
         let body = &bodies[i];
-        let mut shadow = if body.parent == WORLD { Force::zero() } else { shadows[body.parent] };
+        let mut shadow = if body.parent == WORLD { MotionVector::zero() } else { shadows[body.parent] };
         pass_outward(body, levers, &mut shadow);
         for k in body.dof..body.dof + body.motion.nv() {
             let x = tau[k] - pivot[k].column.dot(&shadow);
-            add_scaled(&mut shadow, x, &column[k]);
+            shadow.add_scaled(x, &column[k]);
             tau[k] = x;
         }
         shadows[i] = shadow;

@@ -5,16 +5,17 @@ use robot_dynamics_number::algebra::V3;
 
 use super::parameters::{add_inertial, add_passive};
 use crate::Model;
-use crate::kinematics::screws::{add_scaled, force_cross, inertia_in_world, momentum_of, motion_cross};
+use crate::kinematics::screws::{force_cross, inertia_in_world, momentum_of, motion_cross};
 use crate::kinematics::shifts::{pass_inward, pass_outward};
 use crate::model::{Body, WORLD};
-use crate::spatial::screw::{Force, Screw};
+use crate::spatial::force::ForceVector;
+use crate::spatial::motion::MotionVector;
 use crate::workspace::tree::{BodyBuffers, DofBuffers, Screws, TreeMemory};
 
 /// The world's acceleration: −gravity.
 #[inline(always)]
-fn ground<S: Scalar>(model: &Model) -> Screw<S> {
-    Force { linear: V3::from_f64(model.gravity().map(|g| -g)), angular: V3::zero() }
+fn ground<S: Scalar>(model: &Model) -> MotionVector<S> {
+    MotionVector { linear: V3::from_f64(model.gravity().map(|g| -g)), angular: V3::zero() }
 }
 
 /// The outward sweep: V, A and L of each body, from `freedoms.{v, a}` and λ in `freedoms.tau`. Call after
@@ -34,7 +35,7 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     for i in 0..n {
         let body = &bodies[i];
         let (mut twist, mut rate, mut shadow) = if body.parent == WORLD {
-            (Force::zero(), ground, Force::zero())
+            (MotionVector::zero(), ground, MotionVector::zero())
         } else {
             (twists[body.parent], rates[body.parent], shadows[body.parent])
         };
@@ -42,12 +43,12 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
         pass_outward(body, levers, &mut rate);
         pass_outward(body, levers, &mut shadow);
         // V × Σ S v = Σ Ṡ v.
-        let mut joint = Force::zero();
+        let mut joint = MotionVector::zero();
         for dof in body.dof..body.dof + body.motion.nv() {
             let s = &column[dof];
-            add_scaled(&mut joint, v[dof], s);
-            add_scaled(&mut rate, a[dof], s);
-            add_scaled(&mut shadow, tau[dof], s);
+            joint.add_scaled(v[dof], s);
+            rate.add_scaled(a[dof], s);
+            shadow.add_scaled(tau[dof], s);
         }
         twist.add(&joint);
         rate.add(&motion_cross(&twist, &joint));
@@ -85,7 +86,7 @@ pub(super) fn weigh_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
 
 /// x ← x − y.
 #[inline(always)]
-fn subtract<S: Scalar>(x: &mut Force<S>, y: &Force<S>) {
+fn subtract<S: Scalar>(x: &mut ForceVector<S>, y: &ForceVector<S>) {
     x.linear -= y.linear;
     x.angular -= y.angular;
 }
@@ -127,7 +128,7 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, resul
     let mut up = V3::zero();
     for i in (0..n).rev() {
         let (body, mut force, mut momentum, mut drift) = (&bodies[i], forces[i], momenta[i], drifts[i]);
-        let mut carrier = Carrier { twist: Force::zero(), rate: ground, shadow: Force::zero() };
+        let mut carrier = Carrier { twist: MotionVector::zero(), rate: ground, shadow: MotionVector::zero() };
         if body.parent != WORLD {
             let p = body.parent;
             carrier = Carrier { twist: twists[p], rate: rates[p], shadow: shadows[p] };
@@ -186,9 +187,9 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, resul
 
 /// V_p, A_p and L_p of the parent, at the body's own reference point.
 struct Carrier<S: Scalar> {
-    twist: Screw<S>,
-    rate: Screw<S>,
-    shadow: Screw<S>,
+    twist: MotionVector<S>,
+    rate: MotionVector<S>,
+    shadow: MotionVector<S>,
 }
 
 impl<S: Scalar> Carrier<S> {
@@ -201,7 +202,12 @@ impl<S: Scalar> Carrier<S> {
 
     /// V_p ×\* (V_p ×\* P − D) − A_p ×\* P − L_p ×\* F.
     #[inline(always)]
-    fn by_position(&self, force: &Force<S>, momentum: &Force<S>, drift: &Force<S>) -> Force<S> {
+    fn by_position(
+        &self,
+        force: &ForceVector<S>,
+        momentum: &ForceVector<S>,
+        drift: &ForceVector<S>,
+    ) -> ForceVector<S> {
         let mut inner = force_cross(&self.twist, momentum);
         subtract(&mut inner, drift);
         let mut sum = force_cross(&self.twist, &inner);

@@ -12,7 +12,7 @@ use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::joint::{Chart, Position};
 use robot_dynamics_core::kinematics::screws::{move_screws, place_screws};
 use robot_dynamics_core::model::{Body, WORLD};
-use robot_dynamics_core::spatial::screw::Transform;
+use robot_dynamics_core::spatial::transform::Transform;
 use robot_dynamics_core::workspace::compiled_once::{compiled_once, run};
 use robot_dynamics_core::workspace::tree::{OverNumber, TreeMemory};
 use robot_dynamics_core::{Model, Workspace};

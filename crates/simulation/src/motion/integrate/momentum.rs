@@ -2,7 +2,8 @@
 
 use robot_dynamics_core::kinematics::place::{gather, move_bodies, place_bodies};
 use robot_dynamics_core::model::WORLD;
-use robot_dynamics_core::spatial::screw::{Force, Screw};
+use robot_dynamics_core::spatial::force::ForceVector;
+use robot_dynamics_core::spatial::motion::MotionVector;
 use robot_dynamics_core::workspace::tree::{BodyBuffers, DofBuffers, TreeMemory};
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_number::algebra::{Sym3, V3};
@@ -31,9 +32,9 @@ pub(super) fn momentum_and_slope(
         ..
     } = tree;
     for (i, body) in model.bodies.iter().enumerate() {
-        let Screw { linear: u, angular: w } = velocity[i];
+        let MotionVector { linear: u, angular: w } = velocity[i];
         let h = V3::constant(&body.first_moment);
-        force[i] = Force {
+        force[i] = ForceVector {
             linear: u * body.mass + w.cross(h),
             angular: h.cross(u) + Sym3::constant(&body.inertia) * w,
         };
@@ -43,7 +44,7 @@ pub(super) fn momentum_and_slope(
         // The velocity from the parent.
         let joint = body.motion.velocity(&v[body.dof..]);
         let (u, w) = (velocity[i].linear - joint.linear, velocity[i].angular - joint.angular);
-        let turned = Force { linear: w.cross(h.linear), angular: w.cross(h.angular) + u.cross(h.linear) };
+        let turned = ForceVector { linear: w.cross(h.linear), angular: w.cross(h.angular) + u.cross(h.linear) };
         for k in 0..body.motion.nv() {
             let dof = body.dof + k;
             let armature = model.dofs[dof].passive.armature;
