@@ -77,7 +77,7 @@ pub use algorithms::energy::{kinetic_energy, potential_energy};
 pub use algorithms::forward_dynamics::inverse_pivots;
 pub use algorithms::forward_dynamics::{forward_dynamics, forward_dynamics_with_wrenches};
 pub use algorithms::forward_dynamics_by_cholesky::forward_dynamics_by_cholesky;
-pub use algorithms::frame_motion::{Twist, frame_acceleration, frame_velocity};
+pub use algorithms::frame_motion::{SpatialAcceleration, Twist, frame_acceleration, frame_velocity};
 pub use algorithms::inverse_dynamics::{
     bias, gravity, inverse_dynamics, inverse_dynamics_with_wrenches, velocity_product,
 };

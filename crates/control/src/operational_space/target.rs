@@ -1,7 +1,7 @@
 //! The target of a frame at a time: the position of its origin, or its pose.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
-use robot_dynamics_core::{FramePose, Twist};
+use robot_dynamics_core::{FramePose, SpatialAcceleration, Twist};
 use robot_dynamics_description::{Pose, Quaternion};
 use robot_dynamics_number::{InputProblem, InvalidInput, check_finite};
 use robot_dynamics_simulation::{CallbackError, ControllerError, IntoCallbackResult, SpatialAxis};
@@ -46,14 +46,15 @@ pub struct PoseReference {
     /// The velocity of the frame's origin and ω\*, along the world's axes \[m/s, rad/s\].
     pub velocity: Twist,
     /// The acceleration of the frame's origin and ω̇\*, along the world's axes \[m/s², rad/s²\].
-    pub acceleration: Twist,
+    pub acceleration: SpatialAcceleration,
 }
 
 impl PoseReference {
     /// A constant pose.
     pub fn at_rest(pose: Pose) -> Self {
-        let rest = Twist { linear: [0.0; 3], angular: [0.0; 3] };
-        Self { pose, velocity: rest, acceleration: rest }
+        let zero = [0.0; 3];
+        let velocity = Twist { linear: zero, angular: zero };
+        Self { pose, velocity, acceleration: SpatialAcceleration { linear: zero, angular: zero } }
     }
 }
 

@@ -5,7 +5,7 @@
 //! Iᵃ = Iᴬ − U Uᵀ/d and pᵃ = pᴬ + U u/d, with U = Iᴬ s, d = sᵀU + armature and u = τ − sᵀpᴬ.
 //!
 //! The outward pass solves q̈ = (u − Uᵀa)/d. **(RBDA §7.3)** The code uses the same letters. `IA` holds pᴬ as
-//! `bias`, and a [`DofElimination`](crate::spatial::screw::DofElimination) holds U/d and u/d.
+//! `bias`, and a [`DofElimination`](crate::spatial::inertia::DofElimination) holds U/d and u/d.
 //!
 //! A joint of several DoFs is eliminated one DoF at a time. There are two forms. `in_world` uses one inertial
 //! frame, so that inertias add without a rotation. `in_body_frames` takes fewer operations where expressions

@@ -12,14 +12,37 @@ use crate::spatial::transform::Transform;
 use crate::workspace::tree::TreeMemory;
 use crate::{Frame, FrameId, Model, ReferenceFrame, Workspace};
 
-/// A velocity \[m/s, rad/s\] or an acceleration \[m/s², rad/s²\] of a frame. The function that returns it
-/// states the reference point of the linear part and the axes of both parts.
+/// The velocity of a frame \[m/s, rad/s\]. The [`ReferenceFrame`] states the axes and the reference point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Twist<S = f64> {
-    /// The linear part.
+    /// The velocity of the reference point.
     pub linear: [S; 3],
-    /// The angular part.
+    /// The angular velocity.
     pub angular: [S; 3],
+}
+
+/// The acceleration of a frame \[m/s², rad/s²\]: the time derivative of the numbers of a [`Twist`] in the
+/// same [`ReferenceFrame`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpatialAcceleration<S = f64> {
+    /// The linear part; see [`frame_acceleration`].
+    pub linear: [S; 3],
+    /// The angular acceleration.
+    pub angular: [S; 3],
+}
+
+impl<S: Scalar> From<MotionVector<S>> for Twist<S> {
+    #[inline(always)]
+    fn from(motion: MotionVector<S>) -> Self {
+        Self { linear: motion.linear.array(), angular: motion.angular.array() }
+    }
+}
+
+impl<S: Scalar> From<MotionVector<S>> for SpatialAcceleration<S> {
+    #[inline(always)]
+    fn from(motion: MotionVector<S>) -> Self {
+        Self { linear: motion.linear.array(), angular: motion.angular.array() }
+    }
 }
 
 /// The velocity of a frame \[m/s, rad/s\], J v with J of [`frame_jacobian`](crate::frame_jacobian).
@@ -118,7 +141,7 @@ pub fn frame_acceleration<S: Scalar>(
     a: &[S],
     frame: FrameId,
     reference_frame: ReferenceFrame,
-) -> Twist<S> {
+) -> SpatialAcceleration<S> {
     workspace.check_inputs(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
@@ -196,18 +219,18 @@ impl<S: Scalar> Moving<S> {
     #[inline(always)]
     pub fn velocity(&self, reference_frame: ReferenceFrame) -> Twist<S> {
         match reference_frame {
-            ReferenceFrame::Local => self.along_own_axes(&self.velocity_world_aligned()),
-            ReferenceFrame::World => self.at_world_origin(&self.twist),
+            ReferenceFrame::Local => self.motion_in_frame(&self.twist).into(),
+            ReferenceFrame::World => self.motion_in_world(&self.twist).into(),
             ReferenceFrame::LocalWorldAligned => self.velocity_world_aligned(),
         }
     }
 
     /// The acceleration of [`frame_acceleration`].
     #[inline(always)]
-    pub fn acceleration(&self, reference_frame: ReferenceFrame) -> Twist<S> {
+    pub fn acceleration(&self, reference_frame: ReferenceFrame) -> SpatialAcceleration<S> {
         match reference_frame {
-            ReferenceFrame::Local => self.spatial_in_frame(),
-            ReferenceFrame::World => self.at_world_origin(&self.rate),
+            ReferenceFrame::Local => self.motion_in_frame(&self.rate).into(),
+            ReferenceFrame::World => self.motion_in_world(&self.rate).into(),
             ReferenceFrame::LocalWorldAligned => self.classical_world_aligned(),
         }
     }
@@ -215,48 +238,29 @@ impl<S: Scalar> Moving<S> {
     /// ṗ = u + ω × p.
     #[inline(always)]
     pub fn velocity_world_aligned(&self) -> Twist<S> {
-        let MotionVector { linear, angular } = shifted(&self.twist, self.place.translation);
-        Twist { linear: linear.array(), angular: angular.array() }
+        shifted(&self.twist, self.place.translation).into()
     }
 
     /// p̈ = u̇ + ω̇ × p + ω × ṗ.
     #[inline(always)]
-    pub fn classical_world_aligned(&self) -> Twist<S> {
+    pub fn classical_world_aligned(&self) -> SpatialAcceleration<S> {
         let velocity = shifted(&self.twist, self.place.translation);
         let spatial = shifted(&self.rate, self.place.translation);
         let linear = spatial.linear + velocity.angular.cross(velocity.linear);
-        Twist { linear: linear.array(), angular: spatial.angular.array() }
-    }
-
-    #[inline(always)]
-    fn spatial_in_frame(&self) -> Twist<S> {
-        let MotionVector { linear, angular } = shifted(&self.rate, self.place.translation);
-        self.along_own_axes(&Twist { linear: linear.array(), angular: angular.array() })
+        MotionVector { linear, ..spatial }.into()
     }
 
     /// A motion in the inertial frame, about the frame's origin and along the frame's own axes.
     #[inline(always)]
-    pub fn screw_in_frame(&self, motion: &MotionVector<S>) -> MotionVector<S> {
+    pub fn motion_in_frame(&self, motion: &MotionVector<S>) -> MotionVector<S> {
         let MotionVector { linear, angular } = shifted(motion, self.place.translation);
         let turn = &self.place.rotation;
         MotionVector { linear: turn.transpose_mul(linear), angular: turn.transpose_mul(angular) }
     }
 
-    #[inline(always)]
-    fn along_own_axes(&self, twist: &Twist<S>) -> Twist<S> {
-        let turn = |v: [S; 3]| self.place.rotation.transpose_mul(V3::new(v)).array();
-        Twist { linear: turn(twist.linear), angular: turn(twist.angular) }
-    }
-
-    #[inline(always)]
-    fn at_world_origin(&self, motion: &MotionVector<S>) -> Twist<S> {
-        let MotionVector { linear, angular } = self.screw_in_world(motion);
-        Twist { linear: linear.array(), angular: angular.array() }
-    }
-
     /// A motion in the inertial frame, about the world's origin.
     #[inline(always)]
-    pub fn screw_in_world(&self, motion: &MotionVector<S>) -> MotionVector<S> {
+    pub fn motion_in_world(&self, motion: &MotionVector<S>) -> MotionVector<S> {
         shifted(motion, -self.origin)
     }
 }

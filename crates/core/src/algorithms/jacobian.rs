@@ -8,7 +8,7 @@ use robot_dynamics_number::algebra::V3;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
 
-use crate::algorithms::frame_motion::{Moving, Twist};
+use crate::algorithms::frame_motion::{Moving, SpatialAcceleration};
 use crate::algorithms::kinematics::constant;
 use crate::kinematics::place::place_chain;
 use crate::model::WORLD;
@@ -196,7 +196,7 @@ pub fn frame_bias_acceleration<S: Scalar>(
     v: &[S],
     frame: FrameId,
     reference_frame: ReferenceFrame,
-) -> Twist<S> {
+) -> SpatialAcceleration<S> {
     workspace.check_inputs(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);

@@ -122,13 +122,13 @@ pub fn frame_velocity_derivative<S: Scalar>(
         ReferenceFrame::Local => {
             for_each_carrier(model, tree, frame, |Carrier { dof, s, velocity, .. }| {
                 let carried = motion_cross(velocity, s);
-                add_column(model, by_position, *dof, &moving.screw_in_frame(&carried));
+                add_column(model, by_position, *dof, &moving.motion_in_frame(&carried));
             })
         }
         ReferenceFrame::World => {
             for_each_carrier(model, tree, frame, |Carrier { dof, s, velocity, .. }| {
                 let change = sum(&motion_cross(s, twist), &motion_cross(velocity, s));
-                add_column(model, by_position, *dof, &moving.screw_in_world(&change));
+                add_column(model, by_position, *dof, &moving.motion_in_world(&change));
             })
         }
         // ∂ṗ = ∂u + ∂ω × p + ω × ∂p with ∂p = s + σ × p.
@@ -228,18 +228,18 @@ impl<S: Scalar> FrameAccelerationDerivatives<'_, S> {
         let mut change = motion_cross(&once, &moving.twist);
         change.add(&motion_cross(acceleration, s));
         change.add(&motion_cross(velocity, &once));
-        add_column(model, by_position, *dof, &moving.screw_in_frame(&change));
+        add_column(model, by_position, *dof, &moving.motion_in_frame(&change));
         let mut change = sum(turned, &once);
         change.add(&motion_cross(s, &moving.twist));
-        add_column(model, by_velocity, *dof, &moving.screw_in_frame(&change));
+        add_column(model, by_velocity, *dof, &moving.motion_in_frame(&change));
     }
 
     #[inline(always)]
     fn add_world(&self, carrier: &Carrier<S>, by_position: &mut [S], by_velocity: &mut [S]) {
         let (Self { model, moving }, dof) = (self, carrier.dof);
         let [by_q, by_v] = self.spatial(carrier, &motion_cross(&carrier.velocity, &carrier.s));
-        add_column(model, by_position, dof, &moving.screw_in_world(&by_q));
-        add_column(model, by_velocity, dof, &moving.screw_in_world(&by_v));
+        add_column(model, by_position, dof, &moving.motion_in_world(&by_q));
+        add_column(model, by_velocity, dof, &moving.motion_in_world(&by_v));
     }
 
     /// The derivative of each factor of p̈ = u̇ + ω̇ × p + ω × ṗ; `own` is ṗ and ω.

@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use robot_dynamics::algorithms::Twist;
+use robot_dynamics::algorithms::{SpatialAcceleration, Twist};
 use robot_dynamics::constraints::SpatialAxis;
 use robot_dynamics::control::{PoseReference, TaskGains, TaskReference};
 use robot_dynamics::model::FrameId;
@@ -193,13 +193,12 @@ fn pose_reference(given: &Bound<'_, PyAny>) -> PyResult<PoseReference> {
     let (_, pose) = shaped(given.py(), "the reference's pose", &place, &[4, 4])?;
     let at_rest = PoseReference::at_rest(pose_of(&pose));
     let Some((velocity, acceleration)) = rates else { return Ok(at_rest) };
-    let twist = |name, object: &Bound<'_, PyAny>| {
+    let two_vectors = |name, object: &Bound<'_, PyAny>| {
         let x: [f64; 6] = several(name, object)?;
-        PyResult::Ok(Twist { linear: [x[0], x[1], x[2]], angular: [x[3], x[4], x[5]] })
+        PyResult::Ok(([x[0], x[1], x[2]], [x[3], x[4], x[5]]))
     };
-    Ok(PoseReference {
-        velocity: twist(VELOCITY, &velocity)?,
-        acceleration: twist(ACCELERATION, &acceleration)?,
-        ..at_rest
-    })
+    let (linear, angular) = two_vectors(VELOCITY, &velocity)?;
+    let velocity = Twist { linear, angular };
+    let (linear, angular) = two_vectors(ACCELERATION, &acceleration)?;
+    Ok(PoseReference { velocity, acceleration: SpatialAcceleration { linear, angular }, ..at_rest })
 }

@@ -5,8 +5,8 @@
 //! roundings.
 
 use robot_dynamics::algorithms::{
-    FramePose, ReferenceFrame, Twist, frame_acceleration, frame_bias_acceleration, frame_jacobian,
-    frame_pose, frame_poses, frame_velocity,
+    FramePose, ReferenceFrame, SpatialAcceleration, Twist, frame_acceleration, frame_bias_acceleration,
+    frame_jacobian, frame_pose, frame_poses, frame_velocity,
 };
 use robot_dynamics::model::{FrameId, Model, Workspace};
 use robot_dynamics::number::{Dual, Scalar};
@@ -90,8 +90,16 @@ fn reference_pose<S: Scalar>(model: &Model, links: &[LinkKinematics<S>], frame: 
     FramePose { rotation, translation: links[link].point(own.translation.map(S::from_f64)) }
 }
 
-fn numbers(twist: &Twist) -> Vec<f64> {
-    twist.linear.iter().chain(&twist.angular).copied().collect()
+fn numbers(linear: [f64; 3], angular: [f64; 3]) -> Vec<f64> {
+    [linear, angular].concat()
+}
+
+fn velocity_numbers(twist: &Twist) -> Vec<f64> {
+    numbers(twist.linear, twist.angular)
+}
+
+fn acceleration_numbers(acceleration: &SpatialAcceleration) -> Vec<f64> {
+    numbers(acceleration.linear, acceleration.angular)
 }
 
 fn entries(pose: &FramePose) -> Vec<f64> {
@@ -169,7 +177,7 @@ fn velocities_and_accelerations_are_derivatives_of_poses() {
                 ),
             ];
             for (law, twist, oracle) in first {
-                let defect = max_difference(&numbers(&twist), &value(oracle));
+                let defect = max_difference(&velocity_numbers(&twist), &value(oracle));
                 robot.require(law, defect, ROUNDING * reach(model) * speed);
             }
             let second = [
@@ -189,8 +197,8 @@ fn velocities_and_accelerations_are_derivatives_of_poses() {
                     oracle.in_world,
                 ),
             ];
-            for (law, twist, oracle) in second {
-                let defect = max_difference(&numbers(&twist), &rate(oracle));
+            for (law, acceleration, oracle) in second {
+                let defect = max_difference(&acceleration_numbers(&acceleration), &rate(oracle));
                 robot.require(law, defect, ROUNDING * reach(model) * surge);
             }
         }
@@ -215,7 +223,11 @@ fn jacobians_map_velocities_and_accelerations() {
         };
         let moved: Vec<_> = (0..nv.min(30)).map(moved).collect();
         for (index, frame) in frames(model) {
-            let check = |law: &str, j: &[f64], acceleration: &Twist, bias: &Twist, form: usize| {
+            let check = |law: &str,
+                         j: &[f64],
+                         acceleration: &SpatialAcceleration,
+                         bias: &SpatialAcceleration,
+                         form: usize| {
                 for (k, links) in moved.iter().enumerate() {
                     let oracle = velocities(&reference_pose(model, links, index));
                     let oracle = [oracle.world_aligned, oracle.in_frame, oracle.in_world][form];
@@ -223,8 +235,9 @@ fn jacobians_map_velocities_and_accelerations() {
                     let defect = max_difference(&column, &oracle.map(|x| x.value));
                     robot.require(law, defect, ROUNDING * reach(model));
                 }
-                let sum: Vec<f64> = times(j, a).iter().zip(numbers(bias)).map(|(x, y)| x + y).collect();
-                let defect = max_difference(&sum, &numbers(acceleration));
+                let sum: Vec<f64> =
+                    times(j, a).iter().zip(acceleration_numbers(bias)).map(|(x, y)| x + y).collect();
+                let defect = max_difference(&sum, &acceleration_numbers(acceleration));
                 robot.require("J a + J̇ v", defect, ROUNDING * reach(model) * surge);
             };
             for (law, seen, form) in [

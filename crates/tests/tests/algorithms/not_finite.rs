@@ -3,7 +3,7 @@
 
 use dynamics::{PdHold, Reach2R, hold};
 use nalgebra::{DVector, SVector};
-use robot_dynamics::algorithms::{ReferenceFrame, Twist};
+use robot_dynamics::algorithms::{ReferenceFrame, SpatialAcceleration, Twist};
 use robot_dynamics::batch;
 use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques};
 use robot_dynamics::constraints::{
@@ -394,7 +394,7 @@ fn controllers_reject_non_finite() {
         let reference = |_| PoseReference {
             pose: Pose { rotation, translation: three(&x[8]) },
             velocity: Twist { linear: three(&x[9]), angular: three(&x[12]) },
-            acceleration: Twist { linear: three(&x[10]), angular: three(&x[13]) },
+            acceleration: SpatialAcceleration { linear: three(&x[10]), angular: three(&x[13]) },
         };
         let control = text(TaskControl::new(m, hand, reference, gains_of(x)))?;
         ask(&mut text(control.with_posture(&x[7], x[6][0]))?, x)

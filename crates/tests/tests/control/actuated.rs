@@ -5,8 +5,7 @@ use std::error::Error;
 
 use nalgebra::DMatrix;
 use robot_dynamics::algorithms::{
-    ReferenceFrame, Twist, forward_dynamics, frame_acceleration, frame_jacobian, frame_pose, frame_velocity,
-    gravity,
+    ReferenceFrame, forward_dynamics, frame_acceleration, frame_jacobian, frame_pose, frame_velocity, gravity,
 };
 use robot_dynamics::control::{
     ComputedTorque, PoseReference, Reference, TaskControl, TaskGains, TaskReference,
@@ -215,10 +214,7 @@ fn planar_arm_follows_two_rows() -> Tested {
     let pose = frame_pose(&model, w, &q, tip);
     let velocity = frame_velocity(&model, w, &q, &v, tip, ReferenceFrame::LocalWorldAligned);
     let position = |_| TaskReference { position: wanted, velocity: [0.0; 3], acceleration: [0.0; 3] };
-    let at_rest = |_| {
-        let rest = Twist { linear: [0.0; 3], angular: [0.0; 3] };
-        PoseReference { pose: Pose::from_translation(wanted), velocity: rest, acceleration: rest }
-    };
+    let at_rest = |_| PoseReference::at_rest(Pose::from_translation(wanted));
     let mut tau = [0.0; 2];
     TaskControl::new(&model, tip, position, gains)?.with_rows(&[X, Z]).torque(0.0, &q, &v, &mut tau)?;
     let a = accelerate(&model, &q, &v, &tau);

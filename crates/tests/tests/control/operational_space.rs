@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use robot_dynamics::InputProblem;
 use robot_dynamics::algorithms::{
-    MotionError, ReferenceFrame, Twist, bias, forward_dynamics, frame_acceleration, frame_pose,
-    frame_velocity,
+    MotionError, ReferenceFrame, SpatialAcceleration, Twist, bias, forward_dynamics, frame_acceleration,
+    frame_pose, frame_velocity,
 };
 use robot_dynamics::constraints::SpatialAxis;
 use robot_dynamics::control::{
@@ -56,8 +56,8 @@ fn operational_space_laws_on_random_trees() {
         }
         tested += 1;
         let rounding = 1e3 * condition * f64::EPSILON;
-        let pick = |twist: robot_dynamics::algorithms::Twist| {
-            let all = [twist.linear, twist.angular].concat();
+        let pick = |rate: SpatialAcceleration| {
+            let all = [rate.linear, rate.angular].concat();
             DVector::from_iterator(rows.len(), rows.iter().map(|row| all[*row as usize]))
         };
         let accelerate = |w: &mut Workspace, tau: &[f64]| {
@@ -391,7 +391,7 @@ fn moving_pose_is_followed() -> Tested {
                 translation: std::array::from_fn(|k| start.translation[k] + moved(1.0 - c)[k]),
             },
             velocity: Twist { linear: moved(2.0 * s), angular: along(0.4 * 2.0 * s) },
-            acceleration: Twist { linear: moved(4.0 * c), angular: along(0.4 * 4.0 * c) },
+            acceleration: SpatialAcceleration { linear: moved(4.0 * c), angular: along(0.4 * 4.0 * c) },
         }
     };
     let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 10.0 };

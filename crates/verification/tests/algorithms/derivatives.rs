@@ -7,7 +7,8 @@
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use robot_dynamics::InputProblem;
 use robot_dynamics::algorithms::{
-    FrameWrench, ReferenceFrame, frame_acceleration, frame_jacobian, frame_velocity,
+    FrameWrench, ReferenceFrame, SpatialAcceleration, Twist, frame_acceleration, frame_jacobian,
+    frame_velocity,
 };
 use robot_dynamics::derivatives::{frame_acceleration_derivatives, frame_velocity_derivative};
 use robot_dynamics::model::{Model, Workspace};
@@ -224,8 +225,7 @@ fn columns<const ROWS: usize>(n: usize, mut f: impl FnMut(usize) -> [First; ROWS
     matrix
 }
 
-fn six(twist: robot_dynamics::algorithms::Twist<First>) -> [First; 6] {
-    let ([a, b, c], [d, e, f]) = (twist.linear, twist.angular);
+fn six([a, b, c]: [First; 3], [d, e, f]: [First; 3]) -> [First; 6] {
     [a, b, c, d, e, f]
 }
 
@@ -259,14 +259,19 @@ fn kinematics_match_duals() {
 
             frame_velocity_derivative(model, w, q, v, frame, reference_frame, &mut by_q);
             let expected = columns(n, |k| {
-                six(frame_velocity(model, d, &moved(model, q, k), &fixed_v, frame, reference_frame))
+                let q = moved(model, q, k);
+                let Twist { linear, angular } =
+                    frame_velocity(model, d, &q, &fixed_v, frame, reference_frame);
+                six(linear, angular)
             });
             let difference = max_difference(&by_q, &expected);
             robot.require(&format!("∂/∂q of the velocity, {reference_frame:?}"), difference, slow(largest));
 
             frame_acceleration_derivatives(model, w, q, v, a, frame, reference_frame, &mut by_q, &mut by_v);
             let mut acceleration = |q: &[First], v: &[First]| {
-                six(frame_acceleration(model, d, q, v, &fixed_a, frame, reference_frame))
+                let SpatialAcceleration { linear, angular } =
+                    frame_acceleration(model, d, q, v, &fixed_a, frame, reference_frame);
+                six(linear, angular)
             };
             let expected = columns(n, |k| acceleration(&moved(model, q, k), &fixed_v));
             let difference = max_difference(&by_q, &expected);

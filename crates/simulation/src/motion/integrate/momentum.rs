@@ -44,7 +44,8 @@ pub(super) fn momentum_and_slope(
         // The velocity from the parent.
         let joint = body.motion.velocity(&v[body.dof..]);
         let (u, w) = (velocity[i].linear - joint.linear, velocity[i].angular - joint.angular);
-        let turned = ForceVector { linear: w.cross(h.linear), angular: w.cross(h.angular) + u.cross(h.linear) };
+        let turned =
+            ForceVector { linear: w.cross(h.linear), angular: w.cross(h.angular) + u.cross(h.linear) };
         for k in 0..body.motion.nv() {
             let dof = body.dof + k;
             let armature = model.dofs[dof].passive.armature;
