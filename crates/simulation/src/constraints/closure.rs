@@ -1,4 +1,8 @@
 //! Two frames joined: a closed loop, a foot on the floor, a hand on a rail.
+//!
+//! With d = p_b − p_a and the axes a_k of frame a, a translation has φ = a_k·d. Rotations have products of
+//! the axes of both frames. Each row costs two frame Jacobians, O(depth). Three rotational rows are singular
+//! at half a turn from a.
 
 use nalgebra::Vector3;
 use robot_dynamics_core::{FrameId, Model, Workspace};

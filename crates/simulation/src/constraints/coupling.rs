@@ -1,4 +1,7 @@
-//! A linear relation between coordinates.
+//! A linear relation between coordinates: Σ cᵢ vᵢ = 0, with φ = Σ cᵢ qᵢ − offset for plain coordinates.
+//!
+//! Gears, belts, differentials and locked joints are such rows. A row costs its number of terms. Coordinates
+//! of quaternion joints have no φ.
 
 use nalgebra::RowDVector;
 use robot_dynamics_core::Model;

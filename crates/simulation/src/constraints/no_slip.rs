@@ -1,4 +1,8 @@
-//! Components of a frame's velocity that vanish.
+//! Components of a frame's velocity, along its own axes, that vanish: J_k v = 0 for rows k of the Jacobian in
+//! the frame.
+//!
+//! The rows do not follow from a position, so there is no φ to correct: a drift along them stays. A row costs
+//! O(depth).
 
 use nalgebra::RowDVector;
 use robot_dynamics_core::{

@@ -1,4 +1,7 @@
-//! A relation between the positions of two joints.
+//! A relation between the positions of two joints, y − y⁰ = p(x − x⁰), p a polynomial of degree 4 at most.
+//!
+//! φ = y − y⁰ − p(x − x⁰), φ̇ = ẏ − p′ẋ, and its rate at v̇ = 0 is −p″ẋ². A row costs two entries. It is
+//! MJCF's equality of joints.
 
 use nalgebra::RowDVector;
 use robot_dynamics_core::Model;

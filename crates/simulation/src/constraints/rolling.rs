@@ -1,4 +1,8 @@
-//! A disc that rolls on a plane.
+//! A disc that rolls on a plane: the point at the contact has V = ṗ − r ω × u = 0. **(PRM ch. 12; MLS ch.
+//! 7)**
+//!
+//! The rows are V·h along the heading, V·(n × h) across it, and V·n. Only the normal row has φ. A row costs
+//! O(depth). An axle along the plane's normal has no heading, and the rows are not finite there.
 
 use nalgebra::{Unit, Vector3};
 use robot_dynamics_core::{FrameId, Model, Workspace};

@@ -1,4 +1,9 @@
-//! A time step on the constraint.
+//! A time step on the constraint: a step of an explicit or a variational row, and the correction of its
+//! drift.
+//!
+//! Explicit rows integrate a of `forward` and break φ = 0 by the order of the row. The correction moves q
+//! onto φ = 0 and v onto A v = 0 (`project`); it changes the energy. Variational rows hold both by their own
+//! equations (`variational`). Cost: that of the row's stages, each with the factor of `row_factor`.
 
 use robot_dynamics_core::{Model, Workspace, integrate};
 use robot_dynamics_description::check_length;
