@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use robot_dynamics::description::RobotDescription;
 use robot_dynamics::model::Model;
-use robot_dynamics::urdf::Options;
+use robot_dynamics::urdf::LoadOptions;
 use serde_json::Value;
 
 use crate::chain;
@@ -59,7 +59,7 @@ pub fn robot_by_name(name: &str) -> Result<Model, RobotError> {
         return described_robot(repository().join(format!("testdata/golden/{name}.json")));
     }
     let floating = URDF.iter().any(|&(known, floating)| known == name && floating);
-    let options = Options { floating_base: floating, ..Options::default() };
+    let options = LoadOptions { floating_base: floating, ..LoadOptions::default() };
     let robot = robot_dynamics::urdf::load(repository().join(format!("robots/{name}.urdf")), &options);
     compiled(robot.map_err(|cause| error(name, cause))?.description)
 }
@@ -83,7 +83,7 @@ pub fn described_robot(path: impl AsRef<Path>) -> Result<Model, RobotError> {
 /// [`RobotError`] if the file cannot be read or is invalid.
 pub fn robot_of_file(path: impl AsRef<Path>, floating_base: bool) -> Result<Model, RobotError> {
     let path = path.as_ref();
-    let robot = robot_dynamics::urdf::load(path, &Options { floating_base, ..Options::default() });
+    let robot = robot_dynamics::urdf::load(path, &LoadOptions { floating_base, ..LoadOptions::default() });
     compiled(robot.map_err(|cause| error(path.display(), cause))?.description)
 }
 

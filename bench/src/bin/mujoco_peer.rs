@@ -37,7 +37,8 @@ fn main() -> Result<(), Failure> {
 }
 
 fn read(file: &str) -> Result<RobotDescription, Failure> {
-    let mut robot = robot_dynamics::mjcf::load(file, &robot_dynamics::mjcf::Options::default())?.description;
+    let mut robot =
+        robot_dynamics::mjcf::load(file, &robot_dynamics::mjcf::LoadOptions::default())?.description;
     robot.equalities.clear();
     for joint in &mut robot.joints {
         joint.passive.friction = 0.0;

@@ -5,7 +5,7 @@ use std::path::{Display, Path, PathBuf};
 use robot_dynamics::description::{Base, LoadReport};
 use robot_dynamics::model::{Model, lock_massless};
 use robot_dynamics::plausibility::WrittenAngles;
-use robot_dynamics::{FileError, LoadedDescription, Options, with_native_code};
+use robot_dynamics::{FileError, LoadOptions, LoadedDescription, with_native_code};
 
 use crate::failure::{Context, Failure};
 use crate::locks::{self, Locks};
@@ -86,7 +86,7 @@ impl RobotFile {
 
     pub(crate) fn load(&self) -> Result<LoadedRobot, Failure> {
         let shown = self.shown();
-        let mut options = Options::default();
+        let mut options = LoadOptions::default();
         if self.floating_base {
             options = options.with_floating_base();
         }

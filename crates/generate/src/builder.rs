@@ -133,7 +133,7 @@ impl Builder {
     /// assert!(missing.unwrap_err().to_string().contains("nowhere.urdf"));
     /// ```
     pub fn generate(&self, target: Target) -> Result<Generated, GenerateError> {
-        let mut options = robot_dynamics::Options::default();
+        let mut options = robot_dynamics::LoadOptions::default();
         if self.floating {
             options = options.with_floating_base();
         }

@@ -10,7 +10,7 @@ use thiserror::Error;
 /// let text = r#"<mujoco><worldbody>
 ///     <body name="a"><joint type="hing"/></body>
 ///     <body name="a" pos="0 zero 0"/></worldbody></mujoco>"#;
-/// let refused = robot_dynamics_mjcf::parse(text, &robot_dynamics_mjcf::Options::default()).unwrap_err();
+/// let refused = robot_dynamics_mjcf::parse(text, &robot_dynamics_mjcf::LoadOptions::default()).unwrap_err();
 /// let lines: Vec<_> = refused.errors().iter().map(|error| error.line()).collect();
 /// assert_eq!(lines, [Some(2), Some(3), Some(3)]);
 /// ```

@@ -14,12 +14,12 @@ use crate::path::normalize;
 /// content.
 ///
 /// ```
-/// use robot_dynamics_mjcf::{FileSet, Options};
+/// use robot_dynamics_mjcf::{FileSet, LoadOptions};
 /// let files = FileSet::new([
 ///     ("ball/scene.xml", r#"<mujoco><include file="parts/ball.xml"/></mujoco>"#),
 ///     ("ball/parts/ball.xml", r#"<mujoco><worldbody><body name="ball"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#),
 /// ]);
-/// let robot = robot_dynamics_mjcf::load_among(&files, "ball/scene.xml", &Options::default())?;
+/// let robot = robot_dynamics_mjcf::load_among(&files, "ball/scene.xml", &LoadOptions::default())?;
 /// assert_eq!(robot.description.links[1].name, "ball");
 /// # Ok::<(), robot_dynamics_mjcf::LoadError>(())
 /// ```

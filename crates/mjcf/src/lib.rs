@@ -18,7 +18,7 @@
 //!            </body>
 //!          </worldbody>
 //!        </mujoco>"#,
-//!     &robot_dynamics_mjcf::Options::default(),
+//!     &robot_dynamics_mjcf::LoadOptions::default(),
 //! )?;
 //! assert_eq!(robot.description.joints[0].passive.damping, 0.1);
 //! assert_eq!(robot.description.links[1].mass_properties.map(|bob| bob.mass()), Some(2.0));
@@ -90,5 +90,5 @@ pub use error::{LoadError, MjcfError};
 pub use folder::FileSet;
 pub use load::{Robot, load, load_among, parse, parse_as};
 pub use robot_dynamics_description::{Counts, Disposition, Finding, LoadReport, Severity};
-pub use robot_dynamics_xml::{Options, SIZE_LIMIT};
+pub use robot_dynamics_xml::{LoadOptions, SIZE_LIMIT};
 pub use writer::write;

@@ -12,7 +12,7 @@ use crate::source::Source;
 use crate::tendon::armature_to_joints;
 use crate::tree::Tree;
 use crate::tree::in_file_place;
-use crate::{LoadError, MjcfError, Options};
+use crate::{LoadError, LoadOptions, MjcfError};
 
 /// A robot and the report of how it was read.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub struct Robot {
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/arm.xml");
-/// let robot = robot_dynamics_mjcf::load(file, &robot_dynamics_mjcf::Options::default())?;
+/// let robot = robot_dynamics_mjcf::load(file, &robot_dynamics_mjcf::LoadOptions::default())?;
 /// assert_eq!(robot.report.counts.ignored_physics, 0); // no physics was ignored
 /// let model = robot_dynamics::model::Model::new(robot.description)?;
 /// assert_eq!((model.nq(), model.nv()), (6, 6));
@@ -40,7 +40,7 @@ pub struct Robot {
 ///
 /// # Errors
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.
-pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
+pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Robot, LoadError> {
     let path = path.as_ref();
     let text = robot_dynamics_xml::read_file(path)
         .map_err(|source| MjcfError::Xml { file: String::new(), source })?;
@@ -53,14 +53,14 @@ pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadErro
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/arm.xml");
 /// let text = std::fs::read_to_string(file)?;
-/// let robot = robot_dynamics_mjcf::parse_as(&text, file, &robot_dynamics_mjcf::Options::default())?;
-/// assert_eq!(robot, robot_dynamics_mjcf::load(file, &robot_dynamics_mjcf::Options::default())?);
+/// let robot = robot_dynamics_mjcf::parse_as(&text, file, &robot_dynamics_mjcf::LoadOptions::default())?;
+/// assert_eq!(robot, robot_dynamics_mjcf::load(file, &robot_dynamics_mjcf::LoadOptions::default())?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
 /// As [`load`].
-pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
+pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &LoadOptions) -> Result<Robot, LoadError> {
     read(text, Some(path.as_ref()), None, options.clone())
 }
 
@@ -68,17 +68,21 @@ pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result
 /// inertia comes from. Shapes keep the names of their mesh files, without paths.
 ///
 /// ```
-/// use robot_dynamics_mjcf::{FileSet, Options, load_among};
+/// use robot_dynamics_mjcf::{FileSet, LoadOptions, load_among};
 /// let scene = "<mujoco><include file='ball.xml'/></mujoco>";
 /// let ball = "<mujoco><worldbody><body name='ball'><geom size='0.1'/></body></worldbody></mujoco>";
 /// let files = FileSet::new([("scene.xml", scene), ("ball.xml", ball)]);
-/// assert_eq!(load_among(&files, "scene.xml", &Options::default())?.description.links[1].name, "ball");
+/// assert_eq!(load_among(&files, "scene.xml", &LoadOptions::default())?.description.links[1].name, "ball");
 /// # Ok::<(), robot_dynamics_mjcf::LoadError>(())
 /// ```
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_among(files: &FileSet, path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
+pub fn load_among(
+    files: &FileSet,
+    path: impl AsRef<Path>,
+    options: &LoadOptions,
+) -> Result<Robot, LoadError> {
     let path = path.as_ref();
     let text = files.text(path).map_err(|source| MjcfError::Xml { file: String::new(), source })?;
     read(&text, Some(path), Some(files), options.clone())
@@ -91,7 +95,7 @@ pub fn load_among(files: &FileSet, path: impl AsRef<Path>, options: &Options) ->
 /// let text = r#"<mujoco><worldbody><body name="ball">
 ///   <freejoint name="float"/> <geom size="0.1"/>
 /// </body></worldbody></mujoco>"#;
-/// let robot = robot_dynamics_mjcf::parse(text, &robot_dynamics_mjcf::Options::default())?;
+/// let robot = robot_dynamics_mjcf::parse(text, &robot_dynamics_mjcf::LoadOptions::default())?;
 /// assert_eq!(robot.description.joints[0].name, "float");
 /// let ball = robot.description.links[1].mass_properties.expect("a ball of water");
 /// assert!((ball.mass() - 4.18879).abs() < 1e-5); // 4/3 π r³ · 1000 kg/m³
@@ -100,7 +104,7 @@ pub fn load_among(files: &FileSet, path: impl AsRef<Path>, options: &Options) ->
 ///
 /// # Errors
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.
-pub fn parse(text: &str, options: &Options) -> Result<Robot, LoadError> {
+pub fn parse(text: &str, options: &LoadOptions) -> Result<Robot, LoadError> {
     read(text, None, None, options.clone())
 }
 
@@ -108,7 +112,7 @@ fn read(
     text: &str,
     path: Option<&Path>,
     given: Option<&FileSet>,
-    options: Options,
+    options: LoadOptions,
 ) -> Result<Robot, LoadError> {
     let Source { tree, faults, errors, folder, .. } = Source::read(text, path, given)?;
     let mut reader = Reader::new(&tree, options);

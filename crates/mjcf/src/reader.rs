@@ -13,7 +13,7 @@ use crate::classes::{Class, Classes};
 use crate::element::Element;
 use crate::settings::Compiler;
 use crate::tree::{Id, Tree, in_file_place};
-use crate::{MjcfError, Options};
+use crate::{LoadOptions, MjcfError};
 
 /// Reads the elements of one file and collects findings and errors.
 pub(crate) struct Reader<'a> {
@@ -30,7 +30,7 @@ pub(crate) struct Reader<'a> {
     pub(crate) body_indices: HashMap<String, usize>,
     /// The `<material>` elements by name.
     pub(crate) materials: HashMap<String, Id>,
-    pub(crate) options: Options,
+    pub(crate) options: LoadOptions,
     /// The Euler angles of all frames.
     pub(crate) angles: Vec<WrittenAngles>,
     pub(crate) report: LoadReport,
@@ -42,7 +42,7 @@ pub(crate) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    pub(crate) fn new(tree: &'a Tree, options: Options) -> Self {
+    pub(crate) fn new(tree: &'a Tree, options: LoadOptions) -> Self {
         Self {
             tree,
             main: None,

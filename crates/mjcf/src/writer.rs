@@ -37,7 +37,7 @@ const LARGEST_BOUND: f64 = 1e30;
 /// robot.joints[0].limits.velocity = 3.0;
 /// let file = robot_dynamics_mjcf::write(&robot, None)?;
 /// assert!(file.lost_physics().count() == 0 && file.left_out[0].message.contains("velocity"));
-/// let back = robot_dynamics_mjcf::parse(&file.text, &robot_dynamics_mjcf::Options::default())?.description;
+/// let back = robot_dynamics_mjcf::parse(&file.text, &robot_dynamics_mjcf::LoadOptions::default())?.description;
 /// let rod = back.links.iter().find(|link| link.name == "rod").expect("the rod");
 /// assert_eq!(rod.mass_properties, robot.links[1].mass_properties);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

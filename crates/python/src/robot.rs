@@ -11,7 +11,7 @@ use robot_dynamics::description::{JointKind, LoadReport, RobotDescription};
 use robot_dynamics::model::{FrameId, Model};
 use robot_dynamics::plausibility::WrittenAngles;
 use robot_dynamics::simulation::{SensorSet, Simulation};
-use robot_dynamics::{LoadedDescription, Options, describe, describe_text, with_native_code};
+use robot_dynamics::{LoadOptions, LoadedDescription, describe, describe_text, with_native_code};
 
 use crate::errors::Class;
 use crate::ffi::ArrayNumber;
@@ -190,7 +190,7 @@ impl Robot {
         strict: bool,
         repair_inertia: bool,
     ) -> PyResult<Self> {
-        let options = Options { floating_base, strict, repair_inertia, ..Options::default() };
+        let options = LoadOptions { floating_base, strict, repair_inertia, ..LoadOptions::default() };
         let refused = |error: &dyn std::fmt::Display| Class::Load.error(py, error);
         match kind {
             "path" => {

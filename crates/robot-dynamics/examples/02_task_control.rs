@@ -41,7 +41,7 @@ pub(crate) struct Numbers {
 
 pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
     let model = Model::new(
-        robot_dynamics::urdf::load(ROBOT, &robot_dynamics::urdf::Options::default())?.description,
+        robot_dynamics::urdf::load(ROBOT, &robot_dynamics::urdf::LoadOptions::default())?.description,
     )?;
     let frame = model.frame(HAND).ok_or("no hand")?;
     let rest = [0.0; 7];

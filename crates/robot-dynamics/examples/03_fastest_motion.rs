@@ -44,7 +44,7 @@ pub(crate) struct Numbers {
 
 pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
     let model = Model::new(
-        robot_dynamics::urdf::load(ROBOT, &robot_dynamics::urdf::Options::default())?.description,
+        robot_dynamics::urdf::load(ROBOT, &robot_dynamics::urdf::LoadOptions::default())?.description,
     )?;
     let path = CubicSpline::through(&WAYPOINTS.map(Vec::from))?;
     let limits = MotionLimits::of(&model);

@@ -58,7 +58,7 @@ fn sines(t: f64, tempo: f64) -> [Vec<f64>; 3] {
 
 pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
     let model = Model::new(
-        robot_dynamics::urdf::load(ROBOT, &robot_dynamics::urdf::Options::default())?.description,
+        robot_dynamics::urdf::load(ROBOT, &robot_dynamics::urdf::LoadOptions::default())?.description,
     )?;
     let workspace = &mut Workspace::new(&model);
     let mut record = MotionRecord::new(&model, true);

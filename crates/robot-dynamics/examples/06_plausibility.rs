@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use robot_dynamics::plausibility::{LinkStatistics, RobotStatistics, Suspicion, suspicions};
-use robot_dynamics::urdf::Options;
+use robot_dynamics::urdf::LoadOptions;
 
 /// The statistics and suspicions of one file.
 pub(crate) struct Judged {
@@ -28,7 +28,7 @@ pub(crate) struct Judged {
 ///
 /// The file is refused.
 pub(crate) fn judge(path: &Path) -> Result<Judged, Box<dyn Error>> {
-    let robot = robot_dynamics::urdf::load(path, &Options::default().with_repaired_inertia())?;
+    let robot = robot_dynamics::urdf::load(path, &LoadOptions::default().with_repaired_inertia())?;
     let statistics = RobotStatistics::new(&robot.description);
     let suspicions = suspicions(&robot.description, &robot.angles);
     Ok(Judged { path: path.to_owned(), statistics, suspicions })

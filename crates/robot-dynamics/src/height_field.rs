@@ -16,7 +16,7 @@ use crate::description::{Elevation, LinkShape, Shape};
 /// use robot_dynamics::{height_field, mjcf};
 /// let text = "<mujoco><asset><hfield name='ramp' size='1 2 0.5 0.1' nrow='2' ncol='2' elevation='7 7 3 3'/></asset>
 ///     <worldbody><geom type='hfield' hfield='ramp'/></worldbody></mujoco>";
-/// let robot = robot_dynamics_mjcf::parse(text, &robot_dynamics_mjcf::Options::default())?;
+/// let robot = robot_dynamics_mjcf::parse(text, &robot_dynamics_mjcf::LoadOptions::default())?;
 /// let field = height_field(&robot.description.shapes[0])?;
 /// assert_eq!([field.height(0.0, -2.0), field.height(0.0, 1.0)], [Some(0.0), Some(0.375)]); // it rises along y
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -61,7 +61,7 @@ pub use mesh::mesh_corners;
 #[cfg(feature = "native")]
 pub use robot_dynamics_functions::with_native_code;
 pub use robot_dynamics_mjcf::FileSet;
-pub use robot_dynamics_urdf::Options;
+pub use robot_dynamics_urdf::LoadOptions;
 pub use writer::{Format, write};
 
 /// A robot as its file describes it: links, joints, shapes, inertias, sensors, actuators, and the report of a
@@ -165,11 +165,11 @@ pub mod simulation {
     pub use robot_dynamics_simulation::simulator::*;
     pub use robot_dynamics_simulation::{
         ActuatedStepError, Actuation, ActuationWorkspace, CallbackError, ConstantTorque, Controller,
-        ControllerError, DivergenceCause, Event, EventOccurrence, GravityAt, GravityCompensatedPd, Implicit,
-        IntoCallbackResult, Losses, MujocoEuler, PointForce, Run, RunError, RunFailure, Sample, SensorInputs,
-        SensorMemory, SensorSet, StepError, StepFault, StepForces, StepInfo, StepStagesWorkspace,
-        StepWorkspace, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step, step, step_stages,
-        steps_in,
+        ControllerError, DivergenceCause, Event, EventOccurrence, GravityAt, GravityCompensatedPd,
+        ImplicitIntegrator, IntoCallbackResult, Losses, MujocoEuler, PointForce, Run, RunError, RunFailure,
+        Sample, SensorInputs, SensorMemory, SensorSet, StepError, StepFault, StepForces, StepInfo,
+        StepStagesWorkspace, StepWorkspace, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
+        step, step_stages, steps_in,
     };
     #[cfg(feature = "adaptive")]
     pub use robot_dynamics_simulation::{

@@ -4,7 +4,7 @@ use robot_dynamics_number::{Classified, ErrorKind};
 use std::path::Path;
 
 use robot_dynamics_mjcf::FileSet;
-use robot_dynamics_urdf::Options;
+use robot_dynamics_urdf::LoadOptions;
 use thiserror::Error;
 
 use crate::description::{LoadReport, ModelError, RobotDescription};
@@ -104,8 +104,8 @@ impl Classified for LoadError {
 /// The reason for which a robot file is refused, by its format.
 ///
 /// ```
-/// use robot_dynamics::{FileError, Options, describe_text};
-/// let refused = describe_text("<mujoco><worldbody><joint/></worldbody></mujoco>", &Options::default());
+/// use robot_dynamics::{FileError, LoadOptions, describe_text};
+/// let refused = describe_text("<mujoco><worldbody><joint/></worldbody></mujoco>", &LoadOptions::default());
 /// let refused = refused.expect_err("a joint of the world");
 /// assert!(matches!(refused, FileError::Mjcf(_)) && refused.messages().len() == 1);
 /// ```
@@ -185,31 +185,31 @@ impl FileError {
 /// # Errors
 /// [`LoadError`] lists all errors, each with its line and advice.
 pub fn load(path: impl AsRef<Path>) -> Result<Robot, LoadError> {
-    load_with(path, &Options::default())
+    load_with(path, &LoadOptions::default())
 }
 
 /// Reads and compiles a robot file with options: a floating base, a strict reading, repair of inertias.
 ///
 /// ```
-/// use robot_dynamics::{Options, load_with};
+/// use robot_dynamics::{LoadOptions, load_with};
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/humanoid.urdf");
-/// let robot = load_with(file, &Options::default().with_floating_base())?;
+/// let robot = load_with(file, &LoadOptions::default().with_floating_base())?;
 /// assert_eq!(robot.model.joints()[0].nv, 6);
 /// # Ok::<(), robot_dynamics::LoadError>(())
 /// ```
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_with(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
+pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Robot, LoadError> {
     Ok(describe(path, options)?.compile()?)
 }
 
 /// Reads a robot file without compiling it. [`load`] lists the other files that are opened.
 ///
 /// ```
-/// use robot_dynamics::{Options, describe};
+/// use robot_dynamics::{LoadOptions, describe};
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
-/// let mut described = describe(file, &Options::default())?;
+/// let mut described = describe(file, &LoadOptions::default())?;
 /// described.description.gravity = [0.0, 0.0, -1.62]; // on the moon
 /// let on_earth = robot_dynamics::load(file)?.model.gravity_forces(&[0.3, 1.2])?;
 /// let on_moon = described.compile()?.model.gravity_forces(&[0.3, 1.2])?;
@@ -219,7 +219,7 @@ pub fn load_with(path: impl AsRef<Path>, options: &Options) -> Result<Robot, Loa
 ///
 /// # Errors
 /// [`FileError`] lists all errors, each with its line and advice.
-pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<LoadedDescription, FileError> {
+pub fn describe(path: impl AsRef<Path>, options: &LoadOptions) -> Result<LoadedDescription, FileError> {
     let path = path.as_ref();
     // The file is read once, because it may be a pipe. A failure is reported as an error of the URDF reader.
     let text = robot_dynamics_xml::read_file(path)
@@ -234,19 +234,19 @@ pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<LoadedDescr
 /// Reads a robot from the text of a file, for example from a database or another program.
 ///
 /// ```
-/// use robot_dynamics::{Options, describe_text};
+/// use robot_dynamics::{LoadOptions, describe_text};
 /// let text = r#"<robot name="point"><link name="world"/></robot>"#;
-/// let described = describe_text(text, &Options::default())?;
+/// let described = describe_text(text, &LoadOptions::default())?;
 /// assert_eq!(described.description.links[0].name, "world");
 /// let text = r#"<mujoco><worldbody><body name="stone"/></worldbody></mujoco>"#;
-/// let described = describe_text(text, &Options::default())?;
+/// let described = describe_text(text, &LoadOptions::default())?;
 /// assert_eq!(described.description.links[1].name, "stone");
 /// # Ok::<(), robot_dynamics::FileError>(())
 /// ```
 ///
 /// # Errors
 /// As [`describe`].
-pub fn describe_text(text: &str, options: &Options) -> Result<LoadedDescription, FileError> {
+pub fn describe_text(text: &str, options: &LoadOptions) -> Result<LoadedDescription, FileError> {
     if is_mjcf(text) {
         Ok(robot_dynamics_mjcf::parse(text, options)?.into())
     } else {
@@ -258,12 +258,12 @@ pub fn describe_text(text: &str, options: &Options) -> Result<LoadedDescription,
 /// files that an MJCF file includes, and the meshes from which inertia comes.
 ///
 /// ```
-/// use robot_dynamics::{FileSet, Options, describe_among};
+/// use robot_dynamics::{FileSet, LoadOptions, describe_among};
 /// let files = FileSet::new([
 ///     ("scene.xml", "<mujoco><include file='stone.xml'/></mujoco>"),
 ///     ("stone.xml", "<mujoco><worldbody><body name='stone'/></worldbody></mujoco>"),
 /// ]);
-/// let described = describe_among(&files, "scene.xml", &Options::default())?;
+/// let described = describe_among(&files, "scene.xml", &LoadOptions::default())?;
 /// assert_eq!(described.description.links[1].name, "stone");
 /// # Ok::<(), robot_dynamics::FileError>(())
 /// ```
@@ -273,7 +273,7 @@ pub fn describe_text(text: &str, options: &Options) -> Result<LoadedDescription,
 pub fn describe_among(
     files: &FileSet,
     path: impl AsRef<Path>,
-    options: &Options,
+    options: &LoadOptions,
 ) -> Result<LoadedDescription, FileError> {
     let path = path.as_ref();
     match files.get(path).map(robot_dynamics_xml::text_of) {

@@ -7,12 +7,12 @@ use robot_dynamics::constraints::{ConstraintSet, FrameConstraint, constrained_in
 use robot_dynamics::description::{FrameDescription, Pose};
 use robot_dynamics::model::{Model, Workspace, neutral};
 use robot_dynamics::simulation::{Effect, Method, Simulation, SimulationBuilder};
-use robot_dynamics::{Options, load_with};
+use robot_dynamics::{LoadOptions, load_with};
 
 /// The humanoid with a frame at each corner of its left sole.
 fn humanoid() -> Model {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots/humanoid.urdf");
-    let robot = load_with(path, &Options::default().with_floating_base()).expect("a robot");
+    let robot = load_with(path, &LoadOptions::default().with_floating_base()).expect("a robot");
     let mut description = robot.model.description().clone();
     let corners = [(0.1, 0.04), (0.1, -0.04), (-0.05, 0.04), (-0.05, -0.04)];
     for (i, (x, y)) in corners.into_iter().enumerate() {

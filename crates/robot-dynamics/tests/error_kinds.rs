@@ -17,7 +17,7 @@ use robot_dynamics::simulation::{
     MethodError, PoseError, RunError, RunFailure, SimulationError, StepFailure,
 };
 use robot_dynamics::{
-    Classified, Error, FileError, InputProblem, InvalidInput, LoadError, Options, describe_text,
+    Classified, Error, FileError, InputProblem, InvalidInput, LoadError, LoadOptions, describe_text,
 };
 
 /// Checks the kind, and that the conversion keeps text and source.
@@ -47,12 +47,12 @@ fn name() -> String {
 
 #[test]
 fn errors_of_files_and_descriptions() {
-    let refused = describe_text("<robot/>", &Options::default()).expect_err("no links");
+    let refused = describe_text("<robot/>", &LoadOptions::default()).expect_err("no links");
     check(refused, File);
-    let refused = describe_text("<robot/>", &Options::default()).expect_err("no links");
+    let refused = describe_text("<robot/>", &LoadOptions::default()).expect_err("no links");
     check(LoadError::from(refused), File);
     check(LoadError::from(ModelError::NoLinks), Description);
-    let refused = describe_text("<mujoco><worldbody><joint/></worldbody></mujoco>", &Options::default())
+    let refused = describe_text("<mujoco><worldbody><joint/></worldbody></mujoco>", &LoadOptions::default())
         .expect_err("a joint");
     assert!(matches!(refused, FileError::Mjcf(_)));
     check(refused, File);

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use robot_dynamics::contact::Ground;
 use robot_dynamics::model::{Model, neutral};
 use robot_dynamics::simulation::{Effect, RunOptions, Simulation};
-use robot_dynamics::{Options, load_with, simulation};
+use robot_dynamics::{LoadOptions, load_with, simulation};
 use serde_json::Value;
 
 fn folder() -> PathBuf {
@@ -81,7 +81,8 @@ fn started(run: &Value) -> Simulation {
     let file =
         PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots").join(run["file"].as_str().unwrap());
     let is_floating = run["floating_base"].as_bool().unwrap_or(false);
-    let options = if is_floating { Options::default().with_floating_base() } else { Options::default() };
+    let options =
+        if is_floating { LoadOptions::default().with_floating_base() } else { LoadOptions::default() };
     let model =
         load_with(&file, &options).unwrap_or_else(|error| panic!("{}: {error}", file.display())).model;
     let mut builder = simulation(&model).step(number(&run["step"]));

@@ -38,7 +38,7 @@ pub use contact::{
     ContactViolation, Ground, HeightField, SoftConstraints, SoftContact,
 };
 pub use motion::RobotState;
-pub use motion::implicit::Implicit;
+pub use motion::implicit::ImplicitIntegrator;
 pub use motion::integrate::step_stages::step_stages;
 pub use motion::integrate::{StepForces, StepStagesWorkspace, StepWorkspace, step};
 pub use motion::linearize_step::{

@@ -29,8 +29,8 @@ use robot_dynamics::model::{FrameId, Model, RandomState, Workspace};
 use robot_dynamics::number::Dual;
 use robot_dynamics::quantity::{Inputs, Quantity, QuantityMemory};
 use robot_dynamics::simulation::{
-    ConstantTorque, Controller, Effect, GravityAt, GravityCompensatedPd, Implicit, Integrator, Method,
-    PointForce, RunOptions, SensorInputs, SensorSet, Simulation, SimulationBuilder, StepForces,
+    ConstantTorque, Controller, Effect, GravityAt, GravityCompensatedPd, ImplicitIntegrator, Integrator,
+    Method, PointForce, RunOptions, SensorInputs, SensorSet, Simulation, SimulationBuilder, StepForces,
     StepWorkspace, Stepper,
 };
 use robot_dynamics::{batch, with_native_code};
@@ -662,7 +662,7 @@ fn implicit_steps_allocate_nothing() {
             joint.limits = robot_dynamics::description::Limits::new(-0.1, 0.1);
         }
         let model = Model::new(description).unwrap();
-        let (mut implicit, mut workspace) = (Implicit::new(&model), StepWorkspace::new(&model));
+        let (mut implicit, mut workspace) = (ImplicitIntegrator::new(&model), StepWorkspace::new(&model));
         let (mut q, mut v) = (robot_dynamics::model::neutral(&model), vec![0.5; model.nv()]);
         let tau = vec![0.0; model.nv()];
         let forces = StepForces::new(&tau, true);

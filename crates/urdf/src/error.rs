@@ -11,7 +11,7 @@ use thiserror::Error;
 /// ```
 /// let text = r#"<robot name="r"><link name="a"/><link name="a"/>
 ///     <joint name="j" type="hinge"><parent link="a"/><child link="b"/></joint></robot>"#;
-/// let refused = robot_dynamics_urdf::parse(text, &robot_dynamics_urdf::Options::default()).unwrap_err();
+/// let refused = robot_dynamics_urdf::parse(text, &robot_dynamics_urdf::LoadOptions::default()).unwrap_err();
 /// let places: Vec<_> = refused.errors().iter().map(|e| (e.line(), e.place())).collect();
 /// let place = |words: &str| Some(words.to_owned());
 /// let joint = place(r#"joint "j""#);

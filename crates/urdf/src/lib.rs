@@ -24,7 +24,7 @@
 //!            <dynamics damping="0.1"/>
 //!          </joint>
 //!        </robot>"#,
-//!     &robot_dynamics_urdf::Options::default(),
+//!     &robot_dynamics_urdf::LoadOptions::default(),
 //! )?;
 //! assert_eq!(robot.description.joints[0].passive.damping, 0.1);
 //! assert_eq!(robot.report.counts.degrees_of_freedom, 1);
@@ -70,6 +70,6 @@ mod srdf;
 pub use error::{LoadError, UrdfError};
 pub use load::{Robot, load, parse, parse_as};
 pub use robot_dynamics_description::{Counts, Disposition, Finding, LoadReport, Severity};
-pub use robot_dynamics_xml::{Options, SIZE_LIMIT};
+pub use robot_dynamics_xml::{LoadOptions, SIZE_LIMIT};
 pub use srdf::{SrdfError, disabled_collisions, load_disabled_collisions};
 pub use writer::write;

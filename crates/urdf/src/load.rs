@@ -13,7 +13,7 @@ use crate::shapes::Appearance;
 use crate::tree::{SourceLines, Tree};
 use crate::unread_parts::UnknownPart;
 use crate::xacro::refuse_unexpanded;
-use crate::{LoadError, Options, UrdfError, mesh_file, mimic_leaders, moved_mass, world};
+use crate::{LoadError, LoadOptions, UrdfError, mesh_file, mimic_leaders, moved_mass, world};
 
 /// The deepest nesting of elements. A URDF file has five levels: `robot/link/visual/geometry/mesh`.
 const DEPTH_LIMIT: usize = 200;
@@ -34,7 +34,7 @@ pub struct Robot {
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
-/// let robot = robot_dynamics_urdf::load(file, &robot_dynamics_urdf::Options::default())?;
+/// let robot = robot_dynamics_urdf::load(file, &robot_dynamics_urdf::LoadOptions::default())?;
 /// assert_eq!(robot.description.name, "panda");
 /// assert_eq!(robot.report.counts.ignored_physics, 0); // no physics was ignored
 /// let model = robot_dynamics::model::Model::new(robot.description)?;
@@ -44,7 +44,7 @@ pub struct Robot {
 ///
 /// # Errors
 /// [`LoadError`] lists all errors, each with its line and advice.
-pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
+pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Robot, LoadError> {
     let path = path.as_ref();
     parse_as(&robot_dynamics_xml::read_file(path).map_err(UrdfError::from)?, path, options)
 }
@@ -55,14 +55,14 @@ pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadErro
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
 /// let text = std::fs::read_to_string(file)?;
-/// let robot = robot_dynamics_urdf::parse_as(&text, file, &robot_dynamics_urdf::Options::default())?;
-/// assert_eq!(robot, robot_dynamics_urdf::load(file, &robot_dynamics_urdf::Options::default())?);
+/// let robot = robot_dynamics_urdf::parse_as(&text, file, &robot_dynamics_urdf::LoadOptions::default())?;
+/// assert_eq!(robot, robot_dynamics_urdf::load(file, &robot_dynamics_urdf::LoadOptions::default())?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
 /// As [`load`].
-pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
+pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &LoadOptions) -> Result<Robot, LoadError> {
     read_text(text, options.clone(), Some(path.as_ref()))
 }
 
@@ -74,21 +74,21 @@ pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result
 ///   <link name="bob"><inertial><origin xyz="0 0 -0.5"/><mass value="2"/></inertial></link>
 ///   <joint name="hinge" type="revolt"><parent link="ceiling"/><child link="bob"/></joint>
 /// </robot>"#;
-/// let refused = robot_dynamics_urdf::parse(text, &robot_dynamics_urdf::Options::default()).unwrap_err();
+/// let refused = robot_dynamics_urdf::parse(text, &robot_dynamics_urdf::LoadOptions::default()).unwrap_err();
 /// assert!(refused.to_string().contains("revolt"));
 /// assert_eq!(refused.errors()[0].line(), Some(4));
-/// let robot = robot_dynamics_urdf::parse(&text.replace("revolt", "continuous"), &robot_dynamics_urdf::Options::default())?;
+/// let robot = robot_dynamics_urdf::parse(&text.replace("revolt", "continuous"), &robot_dynamics_urdf::LoadOptions::default())?;
 /// assert_eq!(robot.description.links[1].mass_properties.map(|rod| rod.mass()), Some(2.0));
 /// # Ok::<(), robot_dynamics_urdf::LoadError>(())
 /// ```
 ///
 /// # Errors
 /// [`LoadError`] lists all errors, each with its line and advice.
-pub fn parse(text: &str, options: &Options) -> Result<Robot, LoadError> {
+pub fn parse(text: &str, options: &LoadOptions) -> Result<Robot, LoadError> {
     read_text(text, options.clone(), None)
 }
 
-fn read_text(text: &str, options: Options, path: Option<&Path>) -> Result<Robot, LoadError> {
+fn read_text(text: &str, options: LoadOptions, path: Option<&Path>) -> Result<Robot, LoadError> {
     robot_dynamics_xml::parse(text, DEPTH_LIMIT, |document, faults| {
         let root = document.root_element();
         let mut reader = Reader::new(document.input_text(), root, options);

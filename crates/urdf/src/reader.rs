@@ -5,11 +5,11 @@ use robot_dynamics_xml::roxmltree::Node;
 use robot_dynamics_xml::{Lines, excerpt};
 
 use crate::element::Element;
-use crate::{Options, UrdfError};
+use crate::{LoadOptions, UrdfError};
 
 /// Reads the elements of one file and collects findings and errors.
 pub(crate) struct Reader<'a> {
-    pub(crate) options: Options,
+    pub(crate) options: LoadOptions,
     pub(crate) report: LoadReport,
     /// All errors so far. A file with an error is refused.
     pub(crate) errors: Vec<UrdfError>,
@@ -22,7 +22,7 @@ pub(crate) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    pub(crate) fn new(text: &str, root: Node<'a, 'a>, options: Options) -> Self {
+    pub(crate) fn new(text: &str, root: Node<'a, 'a>, options: LoadOptions) -> Self {
         Self {
             options,
             report: LoadReport::default(),

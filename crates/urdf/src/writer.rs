@@ -26,7 +26,7 @@ use robot_dynamics_xml::{Writer, excerpt, is_name};
 /// robot.gravity = [0.0, 0.0, -1.62];
 /// let file = robot_dynamics_urdf::write(&robot, None)?;
 /// assert_eq!(file.lost_physics().map(|lost| lost.place.as_str()).collect::<Vec<_>>(), ["gravity"]);
-/// let back = robot_dynamics_urdf::parse(&file.text, &robot_dynamics_urdf::Options::default())?.description;
+/// let back = robot_dynamics_urdf::parse(&file.text, &robot_dynamics_urdf::LoadOptions::default())?.description;
 /// assert_eq!(back.links[1].mass_properties, robot.links[1].mass_properties);
 /// assert_eq!(back.joints[0], robot.joints[0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -1,7 +1,7 @@
 //! Reads and writes XML for robot files.
 //!
 //! [`read_file`] and [`parse`] refuse hostile text and repair common faults. [`Lines`] maps bytes to lines,
-//! [`Options`] are the options of all readers, and [`Writer`] writes XML.
+//! [`LoadOptions`] are the options of all readers, and [`Writer`] writes XML.
 
 mod error;
 mod lines;
@@ -15,7 +15,7 @@ pub use roxmltree;
 
 pub use error::{XmlError, excerpt};
 pub use lines::Lines;
-pub use options::Options;
+pub use options::LoadOptions;
 pub use repair::outermost;
 pub use text::{SIZE_LIMIT, parse, read_file, text_of};
 pub use writer::{Writer, is_name, way_from};

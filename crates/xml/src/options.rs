@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 /// The options of reading a robot file. By default the base is fixed to the world, and the reading is not
 /// strict.
+#[doc(alias = "Options")]
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Options {
+pub struct LoadOptions {
     /// Whether the base floats, which adds six degrees of freedom.
     pub floating_base: bool,
     /// Whether warnings are errors. Warnings are suspicious values, and physics that is not in the model (a
@@ -21,7 +22,7 @@ pub struct Options {
     pub package_path: Vec<PathBuf>,
 }
 
-impl Options {
+impl LoadOptions {
     /// The same options with a floating base.
     pub fn with_floating_base(self) -> Self {
         Self { floating_base: true, ..self }
@@ -35,7 +36,7 @@ impl Options {
     /// The same options with one more folder that is searched for packages.
     ///
     /// ```
-    /// let options = robot_dynamics_xml::Options::default().with_package_path("/opt/robots/share");
+    /// let options = robot_dynamics_xml::LoadOptions::default().with_package_path("/opt/robots/share");
     /// assert_eq!(options.package_path.len(), 1);
     /// ```
     pub fn with_package_path(mut self, folder: impl Into<PathBuf>) -> Self {

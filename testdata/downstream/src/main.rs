@@ -18,7 +18,7 @@ use robot_dynamics::nalgebra::{DMatrix, Matrix3, Vector3};
 use robot_dynamics::simulation::{
     Effect, GravityCompensatedPd, Integrator, Method, RunOptions, Simulation, SimulationBuilder, StepForces,
 };
-use robot_dynamics::{Options, describe, load, load_with};
+use robot_dynamics::{LoadOptions, describe, load, load_with};
 
 type Outcome = Result<String, Box<dyn Error>>;
 
@@ -123,7 +123,7 @@ fn impedance() -> Outcome {
 
 /// Both feet are welded to the floor: without torques they carry the forces of Newton's law.
 fn two_feet() -> Outcome {
-    let model = load_with(HUMANOID, &Options::default().with_floating_base())?.model;
+    let model = load_with(HUMANOID, &LoadOptions::default().with_floating_base())?.model;
     let (q, rest) = (neutral(&model), vec![0.0; model.nv()]);
     let mut workspace = Workspace::new(&model);
     let mut contacts = Vec::new();
@@ -248,7 +248,7 @@ fn errors() -> Outcome {
 
 /// Two kilograms in the hand have the weight 2 g along the Jacobian of the hand.
 fn payload() -> Outcome {
-    let mut described = describe(PANDA, &Options::default())?;
+    let mut described = describe(PANDA, &LoadOptions::default())?;
     let load = MassProperties::new(2.0, Vector3::zeros(), Matrix3::zeros())?;
     described.description.attach_payload(HAND, &load)?;
     let loaded = described.compile()?.model;

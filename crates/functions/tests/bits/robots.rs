@@ -35,7 +35,7 @@ pub(crate) fn of_repository() -> impl Iterator<Item = (String, Model)> {
     paths.sort();
     paths.into_iter().map(|path| {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        let mut options = robot_dynamics::Options::default();
+        let mut options = robot_dynamics::LoadOptions::default();
         if name == "humanoid.urdf" || name == "quadruped.urdf" {
             options = options.with_floating_base();
         }

@@ -16,7 +16,7 @@ fn robots() -> Vec<(String, Model)> {
     paths.sort();
     let load = |path: &std::path::PathBuf| {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        let mut options = robot_dynamics::Options::default();
+        let mut options = robot_dynamics::LoadOptions::default();
         if name == "humanoid.urdf" || name == "quadruped.urdf" {
             options = options.with_floating_base();
         }

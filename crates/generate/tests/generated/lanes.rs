@@ -74,7 +74,7 @@ fn fused_multiply_adds_are_those_of_one_state() {
 #[test]
 fn parts_give_the_bits_of_one_state() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/quadruped.urdf");
-    let options = robot_dynamics::Options::default().with_floating_base();
+    let options = robot_dynamics::LoadOptions::default().with_floating_base();
     let model = robot_dynamics::load_with(path, &options).unwrap().model;
     let output = test("lanes_parts", &model, vec![Function::ForwardDynamics], Arithmetic::default());
     assert!(output.contains("2 passed"), "{output}");

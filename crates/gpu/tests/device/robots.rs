@@ -13,7 +13,7 @@ use robot_dynamics_gpu::{Rollout, RolloutError, Torques};
 /// A robot of the folder; those with legs have a floating base.
 pub(crate) fn named(file: &str) -> Model {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots").join(file);
-    let mut options = robot_dynamics::Options::default();
+    let mut options = robot_dynamics::LoadOptions::default();
     if file == "humanoid.urdf" || file == "quadruped.urdf" {
         options = options.with_floating_base();
     }

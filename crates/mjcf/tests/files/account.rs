@@ -1,7 +1,7 @@
 //! The report of a file names physics that is not read, with line and severity, and counts elements of
 //! appearance.
 
-use robot_dynamics_mjcf::{Disposition, MjcfError, Options, Severity, parse};
+use robot_dynamics_mjcf::{Disposition, LoadOptions, MjcfError, Severity, parse};
 
 use crate::faults::Frame;
 use crate::reading::read;
@@ -54,7 +54,7 @@ fn physics_that_is_not_read_is_named_with_its_line() {
         let robot = read(&file);
         let found: Vec<_> = robot.report.warnings().map(|w| (w.line(), w.place(), w.severity())).collect();
         assert_eq!(found, [(2, *place, Severity::Warning)], "{text}");
-        let refused = parse(&file, &Options::default().with_strict()).expect_err("a warning");
+        let refused = parse(&file, &LoadOptions::default().with_strict()).expect_err("a warning");
         let [MjcfError::Strict { line: 2, place: strict_place, .. }] = refused.errors() else {
             panic!("{refused}")
         };
@@ -69,7 +69,7 @@ fn attributes_without_effect_give_notes() {
     );
     let robot = read(&text);
     assert_eq!((robot.report.counts.warnings, robot.report.counts.ignored), (0, 4), "{}", robot.report);
-    assert!(parse(&text, &Options::default().with_strict()).is_ok());
+    assert!(parse(&text, &LoadOptions::default().with_strict()).is_ok());
 }
 
 #[test]

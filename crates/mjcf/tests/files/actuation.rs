@@ -3,7 +3,7 @@
 use robot_dynamics::conventions::{configuration_from_mujoco, velocity_from_mujoco};
 use robot_dynamics::description::{Activation, Equality, JointKind, Shape, ShapeRole, Transmission};
 use robot_dynamics::model::Model;
-use robot_dynamics_mjcf::{Options, parse};
+use robot_dynamics_mjcf::{LoadOptions, parse};
 use serde_json::Value;
 
 use crate::golden::{Golden, assert_near, goldens, numbers, root};
@@ -206,7 +206,7 @@ fn shapes_are_kept_with_place_colour_and_surface() {
           <geom class="see" type="capsule" fromto="0 0 0 0 0 2" size="1"/>
         </body>
       </worldbody></mujoco>"#;
-    let robot = parse(text, &Options::default()).expect("a robot").description;
+    let robot = parse(text, &LoadOptions::default()).expect("a robot").description;
     let forms: Vec<Shape> = robot.shapes.iter().map(|shape| shape.shape.clone()).collect();
     assert_eq!(
         forms,
@@ -246,7 +246,7 @@ fn excluded_pairs_are_read() {
 /// Meshes of shapes are located by the settings of the file, and not opened.
 #[test]
 fn mesh_files_are_found_beside_the_robot() {
-    let robot = robot_dynamics_mjcf::load(root().join("testdata/mjcf/meshes.xml"), &Options::default())
+    let robot = robot_dynamics_mjcf::load(root().join("testdata/mjcf/meshes.xml"), &LoadOptions::default())
         .expect("a robot");
     let wedge = robot.description.shapes.iter().find(|shape| shape.link == "wedge").expect("a shape");
     let (name, file) = wedge.shape.file().expect("a mesh");
@@ -263,7 +263,7 @@ fn armature_of_a_tendon_over_one_joint_is_the_joints() {
     let text = "<mujoco><worldbody><body><joint name='b' armature='0.5'/><geom size='0.1'/></body></worldbody>\
         <tendon><fixed name='t' armature='0.1'><joint joint='b' coef='1'/><joint joint='b' coef='2'/></fixed></tendon>\
         <actuator><motor tendon='t' gear='2' armature='0.1'/></actuator></mujoco>";
-    let robot = parse(text, &Options::default()).expect("a robot");
+    let robot = parse(text, &LoadOptions::default()).expect("a robot");
     assert_eq!(robot.report.counts.ignored_physics, 0, "{}", robot.report);
     let armature = robot.description.joints[0].passive.armature;
     assert!((armature - (0.5 + 0.9 + 3.6)).abs() < 1e-14, "{armature}");

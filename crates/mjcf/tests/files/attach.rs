@@ -1,7 +1,7 @@
 //! Attaching parts of the same file and of other files. Cycles, and files outside the folder, are refused.
 
 use robot_dynamics::description::RobotDescription;
-use robot_dynamics_mjcf::{Disposition, Finding, LoadError, MjcfError, Options, Robot, parse};
+use robot_dynamics_mjcf::{Disposition, Finding, LoadError, LoadOptions, MjcfError, Robot, parse};
 
 use crate::faults::variant;
 use crate::includes::Folder;
@@ -118,7 +118,7 @@ fn models_outside_the_folder_and_missing_ones_are_refused() {
     std::fs::remove_file(outside).expect("the file");
     assert_eq!(refused(load("<mujoco><asset><model file='none.xml'/></asset></mujoco>")).0, "none.xml");
     assert_eq!(refused(load("<mujoco><asset><model/></asset></mujoco>")).0, "");
-    assert_eq!(refused(parse(&with_leg(""), &Options::default())).0, "leg.xml");
+    assert_eq!(refused(parse(&with_leg(""), &LoadOptions::default())).0, "leg.xml");
     let folder = Folder::with("attach-urdf", &[("main.xml", &with_leg("")), ("leg.xml", "<robot/>")]);
     assert_eq!(refused(folder.load("main.xml")).0, "leg.xml");
 }

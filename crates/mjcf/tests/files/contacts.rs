@@ -7,7 +7,7 @@
 use robot_dynamics::conventions::{
     configuration_from_mujoco, configuration_to_mujoco, velocity_from_mujoco, velocity_to_mujoco,
 };
-use robot_dynamics::mjcf::{Options, load};
+use robot_dynamics::mjcf::{LoadOptions, load};
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{Method, SimulationBuilder};
 use serde_json::Value;
@@ -25,7 +25,7 @@ fn golden() -> Value {
 fn steps_with_the_surfaces_of_the_file_are_mujocos() {
     let (golden, mut compared) = (golden(), 0);
     for (file, record) in golden["files"].as_object().expect("files") {
-        let robot = load(root().join(file), &Options::default()).expect("a robot");
+        let robot = load(root().join(file), &LoadOptions::default()).expect("a robot");
         assert_eq!(robot.report.counts.ignored_physics, 0, "{file}: {}", robot.report);
         let model = Model::new(robot.description).expect("a model");
         let h = record["time_step"].as_f64().expect("a number");

@@ -2,7 +2,7 @@
 //!
 //! `messages.rs` has the text of each message.
 
-use robot_dynamics_mjcf::{MjcfError, Options, parse};
+use robot_dynamics_mjcf::{LoadOptions, MjcfError, parse};
 
 /// The text is in a body `a` with a shape, from line 2.
 pub(crate) fn in_body(text: &str) -> String {
@@ -81,7 +81,7 @@ pub(crate) const FAULTS: &[(Frame, &str, Option<usize>, &str)] = &[
 #[test]
 fn every_fault_is_refused_with_its_error_alone() {
     for (frame, text, line, name) in FAULTS {
-        let refused = parse(&frame(text), &Options::default()).expect_err(text);
+        let refused = parse(&frame(text), &LoadOptions::default()).expect_err(text);
         let [error] = refused.errors() else { panic!("{text}: {refused}") };
         assert_eq!((error.line(), &*variant(error)), (*line, *name), "{text}: {error}");
     }
@@ -89,7 +89,7 @@ fn every_fault_is_refused_with_its_error_alone() {
 
 #[test]
 fn all_errors_of_a_file_come_at_once_in_the_order_of_lines() {
-    let error = parse(THREE, &Options::default()).expect_err("three");
+    let error = parse(THREE, &LoadOptions::default()).expect_err("three");
     let lines: Vec<_> = error.errors().iter().map(robot_dynamics_mjcf::MjcfError::line).collect();
     assert_eq!(lines, [Some(2), Some(3), Some(4)]);
 }

@@ -13,7 +13,7 @@ use robot_dynamics::conventions::{
 use robot_dynamics::description::{HigherTerms, JointKind, RobotDescription, TendonDescription};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::simulation::Actuation;
-use robot_dynamics_mjcf::{Options, Robot, load};
+use robot_dynamics_mjcf::{LoadOptions, Robot, load};
 use serde_json::Value;
 
 pub(crate) const SUMMED: f64 = 1e-12;
@@ -36,7 +36,7 @@ pub(crate) fn goldens() -> Vec<Golden> {
     let golden: Value = serde_json::from_str(&text).expect("JSON");
     let files = golden["files"].as_object().expect("files");
     let read = |(file, value): (&String, &Value)| {
-        let robot = load(root().join(file), &Options::default());
+        let robot = load(root().join(file), &LoadOptions::default());
         let robot = robot.unwrap_or_else(|error| panic!("{file}: {error}"));
         Golden { file: file.clone(), robot, value: value.clone() }
     };

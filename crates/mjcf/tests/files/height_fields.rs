@@ -1,7 +1,7 @@
 //! Height fields (`<hfield>`) with heights in the MJCF file.
 
 use robot_dynamics::description::{Elevation, Shape};
-use robot_dynamics_mjcf::{MjcfError, Options, parse, write};
+use robot_dynamics_mjcf::{LoadOptions, MjcfError, parse, write};
 
 pub(crate) fn robot(hfield: &str) -> String {
     format!(
@@ -12,7 +12,7 @@ pub(crate) fn robot(hfield: &str) -> String {
 }
 
 fn elevation(text: &str) -> Option<Elevation> {
-    let robot = parse(text, &Options::default()).expect("a robot");
+    let robot = parse(text, &LoadOptions::default()).expect("a robot");
     match &robot.description.shapes[0].shape {
         Shape::HeightField { elevation, size, .. } => {
             assert_eq!(*size, [1.0, 2.0, 0.5, 0.1]);
@@ -37,7 +37,7 @@ fn rows_are_turned_and_heights_are_stretched() {
     // The heights of a separate file take precedence.
     assert_eq!(elevation(&robot("file='hill.png' nrow='2' ncol='2' elevation='3 3 3 3'")), None);
     // Writing and reading preserve the heights.
-    let read = parse(&text, &Options::default()).expect("a robot");
+    let read = parse(&text, &LoadOptions::default()).expect("a robot");
     let written = write(&read.description, None).expect("a robot");
     assert_eq!(written.left_out, []);
     assert_eq!(elevation(&written.text), Some(found));
@@ -46,7 +46,7 @@ fn rows_are_turned_and_heights_are_stretched() {
 /// A wrong number of heights is refused, as in MuJoCo.
 #[test]
 fn too_few_heights_are_refused() {
-    let refused = parse(&robot("nrow='2' ncol='3' elevation='1 2 3'"), &Options::default()).unwrap_err();
+    let refused = parse(&robot("nrow='2' ncol='3' elevation='1 2 3'"), &LoadOptions::default()).unwrap_err();
     let [MjcfError::WrongCount { attribute, found: 3, .. }] = refused.errors() else { panic!("{refused}") };
     assert_eq!(attribute, "elevation");
 }

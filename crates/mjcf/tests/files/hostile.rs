@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::time::Duration;
 
 use robot_dynamics::model::Model;
-use robot_dynamics_mjcf::{LoadError, MjcfError, Options, Robot, parse};
+use robot_dynamics_mjcf::{LoadError, LoadOptions, MjcfError, Robot, parse};
 
 /// The processor time of this thread, which does not depend on the load of the machine; zero if the system
 /// does not provide it.
@@ -17,7 +17,7 @@ fn processor_time() -> Duration {
 /// at these sizes.
 fn quickly(what: &str, text: &str) -> Result<Robot, LoadError> {
     let start = processor_time();
-    let answer = parse(text, &Options::default());
+    let answer = parse(text, &LoadOptions::default());
     let took = processor_time().saturating_sub(start);
     assert!(took < Duration::from_secs(20), "{what} took {took:?}");
     answer

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use robot_dynamics::description::Shape;
-use robot_dynamics::mjcf::{FileSet, LoadError, MjcfError, Options, Robot, load, load_among, parse};
+use robot_dynamics::mjcf::{FileSet, LoadError, LoadOptions, MjcfError, Robot, load, load_among, parse};
 
 /// A temporary folder of files, which is removed on drop.
 pub(crate) struct Folder(PathBuf);
@@ -20,7 +20,7 @@ impl Folder {
     }
 
     pub(crate) fn load(&self, file: &str) -> Result<Robot, LoadError> {
-        load(self.0.join(file), &Options::default())
+        load(self.0.join(file), &LoadOptions::default())
     }
 }
 
@@ -115,7 +115,7 @@ fn long_chains_and_missing_files_are_refused() {
     // f0 to f49 are fifty nested includes.
     assert_eq!(refused(folder.load("main.xml")).0, "f50.xml");
     assert_eq!(refused(folder.load("f79.xml")).0, "f80.xml");
-    let options = Options::default();
+    let options = LoadOptions::default();
     assert_eq!(refused(parse("<mujoco><include file='a.xml'/></mujoco>", &options)).0, "a.xml");
     assert_eq!(refused(parse("<mujoco><include/></mujoco>", &options)).0, "");
 }
@@ -148,7 +148,7 @@ fn files_in_memory_are_read_as_those_on_the_disk() {
     let folder = Folder::with("memory", &files);
     let mut on_disk = folder.load("scene.xml").expect("it is there");
     let given = FileSet::new(files.map(|(path, text)| (format!("./given/{path}"), text)));
-    let in_memory = load_among(&given, "given/scene.xml", &Options::default()).expect("it is there");
+    let in_memory = load_among(&given, "given/scene.xml", &LoadOptions::default()).expect("it is there");
     assert!(
         (on_disk.description.links[1].mass_properties.expect("a rock").mass() - 1000.0 / 6000.0).abs() < 1e-6
     );
@@ -161,8 +161,8 @@ fn files_in_memory_are_read_as_those_on_the_disk() {
     assert_eq!(in_memory.description, on_disk.description);
 
     let broken = FileSet::new([("scene.xml", files[0].1)]);
-    assert_eq!(refused(load_among(&broken, "scene.xml", &Options::default())).0, "robot/body.xml");
-    let error = load_among(&broken, "robot.xml", &Options::default()).expect_err("none");
+    assert_eq!(refused(load_among(&broken, "scene.xml", &LoadOptions::default())).0, "robot/body.xml");
+    let error = load_among(&broken, "robot.xml", &LoadOptions::default()).expect_err("none");
     let [MjcfError::Xml { source: robot_dynamics_xml::XmlError::Unreadable { path, .. }, .. }] =
         error.errors()
     else {

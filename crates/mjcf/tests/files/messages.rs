@@ -10,7 +10,7 @@ use robot_dynamics::description::{
     ContactPairDescription, Equality, EqualityDescription, JointKind, LinkShape, Mimic, Pose,
     RobotDescription, SensorDescription, SensorKind, Shape, ShapeRole, pendulum,
 };
-use robot_dynamics_mjcf::{Disposition, FileSet, Finding, LoadError, Options, load_among, parse, write};
+use robot_dynamics_mjcf::{Disposition, FileSet, Finding, LoadError, LoadOptions, load_among, parse, write};
 
 use crate::account::WARNINGS;
 use crate::attach::{LEG, REFUSED, with_leg};
@@ -25,11 +25,11 @@ fn add(out: &mut String, input: &str, message: impl std::fmt::Display) {
 }
 
 fn refused(text: &str) -> LoadError {
-    parse(text, &Options::default()).expect_err(text)
+    parse(text, &LoadOptions::default()).expect_err(text)
 }
 
 /// The findings of a file, except for parts that are read.
-fn list_findings(text: &str, options: &Options) -> String {
+fn list_findings(text: &str, options: &LoadOptions) -> String {
     let report = parse(text, options).expect(text).report;
     let is_relevant = |finding: &&Finding| finding.treatment() != Disposition::Read;
     let with_place =
@@ -77,7 +77,7 @@ fn errors() {
     for text in ["<mujocoinclude/>", "<sdf/>", "<html/>"] {
         add(&mut out, text, refused(text));
     }
-    let strict = parse(&in_file("<gravity/>"), &Options::default().with_strict()).expect_err("a warning");
+    let strict = parse(&in_file("<gravity/>"), &LoadOptions::default().with_strict()).expect_err("a warning");
     add(&mut out, "<gravity/>, strict", strict);
     let ball = "<geom size='0.1'/>";
     let robot = |name: &str| {
@@ -85,7 +85,8 @@ fn errors() {
     };
     let door = format!("<body name='door'><joint name='hinge'/>{ball}</body>");
     for bodies in [robot("r2d2") + &robot("c3po"), door] {
-        let error = parse(&scene(&bodies), &Options::default().with_floating_base()).expect_err("no base");
+        let error =
+            parse(&scene(&bodies), &LoadOptions::default().with_floating_base()).expect_err("no base");
         add(&mut out, &format!("{bodies}, floating"), error);
     }
     assert_snapshot!(out);
@@ -125,7 +126,7 @@ fn meshes() {
             "<mujoco><asset><mesh name='m' file='{file}'/></asset><worldbody><body><joint/><geom type='mesh' mesh='m'/></body></worldbody></mujoco>"
         );
         let files = FileSet::new([("robot.xml", text.as_bytes()), (file, content)]);
-        let error = load_among(&files, "robot.xml", &Options::default()).expect_err(file);
+        let error = load_among(&files, "robot.xml", &LoadOptions::default()).expect_err(file);
         add(&mut out, &format!("{file}: {}", String::from_utf8_lossy(content).escape_debug()), error);
     }
     assert_snapshot!(out);
@@ -162,20 +163,20 @@ fn included_and_attached_files() {
         ("a model of another format", two(attach("a.xml"), "<robot/>".into())),
         ("no main file", Vec::new()),
     ] {
-        let error = load_among(&FileSet::new(files), "f0.xml", &Options::default()).expect_err(input);
+        let error = load_among(&FileSet::new(files), "f0.xml", &LoadOptions::default()).expect_err(input);
         add(&mut out, input, error.to_string().lines().take(3).collect::<Vec<_>>().join("\n"));
     }
     add(&mut out, "an include of a text", refused(&include("a.xml")));
     add(&mut out, "a model of a text", refused("<mujoco><asset><model file='a.xml'/></asset></mujoco>"));
     for (text, _) in REFUSED {
         let files = FileSet::new([("main.xml", with_leg(text)), ("leg.xml", LEG.into())]);
-        add(&mut out, text, load_among(&files, "main.xml", &Options::default()).expect_err(text));
+        add(&mut out, text, load_among(&files, "main.xml", &LoadOptions::default()).expect_err(text));
     }
     let hill = "<mujoco model='leg'><asset><material name='red' rgba='1 0 0 1'/></asset></mujoco>";
     let main = with_leg("<attach model='leg' prefix='p_'/>")
         .replace("</asset>", "<material name='p_red' rgba='1 1 1 1'/></asset>");
     let files = FileSet::new([("main.xml", main.as_str()), ("leg.xml", hill)]);
-    add(&mut out, &main, load_among(&files, "main.xml", &Options::default()).expect_err("two materials"));
+    add(&mut out, &main, load_among(&files, "main.xml", &LoadOptions::default()).expect_err("two materials"));
     let mut doubling: Vec<(String, String)> = (0..40)
         .map(|k| {
             let twice = "<attach model='n' prefix='a'/><attach model='n' prefix='b'/>";
@@ -184,7 +185,7 @@ fn included_and_attached_files() {
         })
         .collect();
     doubling.push(("f40.xml".into(), LEG.into()));
-    let error = load_among(&FileSet::new(doubling), "f0.xml", &Options::default()).expect_err("too many");
+    let error = load_among(&FileSet::new(doubling), "f0.xml", &LoadOptions::default()).expect_err("too many");
     add(
         &mut out,
         "forty models, each of which attaches the next one twice",
@@ -205,7 +206,7 @@ fn findings_of_attached_files() {
             .replace("<asset>", "<compiler conflict='merge'/><asset>"),
     ] {
         let files = FileSet::new([("main.xml", main.as_str()), ("leg.xml", &leg)]);
-        let report = load_among(&files, "main.xml", &Options::default()).expect("a robot").report;
+        let report = load_among(&files, "main.xml", &LoadOptions::default()).expect("a robot").report;
         add(&mut out, &main, report);
     }
     assert_snapshot!(out);
@@ -214,7 +215,7 @@ fn findings_of_attached_files() {
 #[test]
 fn findings() {
     let mut out = String::new();
-    let options = Options::default();
+    let options = LoadOptions::default();
     for (frame, text, _) in WARNINGS {
         add(&mut out, text, list_findings(&frame(text), &options));
     }
@@ -269,7 +270,7 @@ fn findings() {
     let ball = "<geom size='0.1'/>";
     let robot = format!("<body name='r2d2'>{ball}<body name='arm'><joint name='elbow'/>{ball}</body></body>");
     let free = robot.replacen("<geom", "<freejoint name='f'/><geom", 1);
-    let floating = Options::default().with_floating_base();
+    let floating = LoadOptions::default().with_floating_base();
     for bodies in [&robot, &free] {
         add(&mut out, &format!("{bodies}, floating"), list_findings(&scene(bodies), &floating));
     }
@@ -279,7 +280,7 @@ fn findings() {
     add(
         &mut out,
         &format!("{text}, repaired"),
-        list_findings(text, &Options::default().with_repaired_inertia()),
+        list_findings(text, &LoadOptions::default().with_repaired_inertia()),
     );
     assert_snapshot!(out);
 }
@@ -298,7 +299,7 @@ fn report() {
 <actuator><motor name='m' joint='j'/></actuator>
 <sensor><gyro name='s' site='s'/></sensor>
 <keyframe><key name='home' qpos='0 0 0 0 0 1 0 0 0'/></keyframe></mujoco>";
-    let report = parse(text, &Options::default()).expect(text).report;
+    let report = parse(text, &LoadOptions::default()).expect(text).report;
     assert_snapshot!(report.to_string());
 }
 
@@ -355,7 +356,7 @@ fn losses_of_written_files() {
     let text = "<mujoco><worldbody><body name='a'><joint name='j'/><geom name='g' size='0.1'/><body name='b'><joint name='k'/><geom size='0.1'/></body></body></worldbody>
 <tendon><fixed name='t' range='0 1'><joint joint='j' coef='1'/></fixed></tendon><equality><joint name='e' joint1='j' joint2='k'/></equality>
 <actuator><motor name='m' joint='j'/><motor name='n' tendon='t'/></actuator><sensor><tendonpos name='p' tendon='t'/><actuatorfrc name='q' actuator='m'/></sensor></mujoco>";
-    let mut locked = parse(text, &Options::default()).expect(text).description;
+    let mut locked = parse(text, &LoadOptions::default()).expect(text).description;
     locked.joints[0].kind = JointKind::Fixed;
     add(&mut out, "a locked joint", lines(&locked));
     let mut helical = pendulum(2.0, 0.5);

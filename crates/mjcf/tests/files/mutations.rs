@@ -1,7 +1,7 @@
 //! Random changes to valid files: each is read or refused, and neither the reader nor the compiler of models
 //! panics.
 
-use robot_dynamics::mjcf::{Options, load, parse};
+use robot_dynamics::mjcf::{LoadOptions, load, parse};
 use robot_dynamics::model::Model;
 use robot_dynamics::number::SplitMix64;
 
@@ -87,7 +87,7 @@ fn changed_files_are_read_or_refused() {
             for _ in 0..below(&mut random, 4) {
                 file = changed(&file, &mut random);
             }
-            let outcome = std::panic::catch_unwind(|| match parse(&file, &Options::default()) {
+            let outcome = std::panic::catch_unwind(|| match parse(&file, &LoadOptions::default()) {
                 Ok(robot) => {
                     let _ = Model::new(robot.description);
                     true
@@ -136,14 +136,15 @@ fn changed_mesh_files_are_read_or_refused() {
                 }
             }
             std::fs::write(folder.join(&file), &changed).expect("a file");
-            if let Ok(robot) = load(folder.join("robot.xml"), &Options::default()) {
+            if let Ok(robot) = load(folder.join("robot.xml"), &LoadOptions::default()) {
                 let body = robot.description.links[1].mass_properties.expect("a body");
                 assert!(body.mass().is_finite() && body.mass() > 0.0, "{mesh}: {body:?}");
             }
         }
         // The unchanged file loads.
         std::fs::write(folder.join(&file), &bytes).expect("a file");
-        load(folder.join("robot.xml"), &Options::default()).unwrap_or_else(|error| panic!("{mesh}: {error}"));
+        load(folder.join("robot.xml"), &LoadOptions::default())
+            .unwrap_or_else(|error| panic!("{mesh}: {error}"));
     }
     std::fs::remove_dir_all(folder).expect("the folder");
 }

@@ -4,10 +4,10 @@ use robot_dynamics::contact::{ContactSet, Ground, SoftConstraints};
 use robot_dynamics::description::{RobotDescription, ShapeRole};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::simulation::{Method, RunOptions, SimulationBuilder};
-use robot_dynamics_mjcf::{Disposition, Options, parse, write};
+use robot_dynamics_mjcf::{Disposition, LoadOptions, parse, write};
 
 fn read(text: &str) -> RobotDescription {
-    let robot = parse(text, &Options::default()).expect("a robot");
+    let robot = parse(text, &LoadOptions::default()).expect("a robot");
     assert_eq!(robot.report.counts.ignored_physics, 0, "{}", robot.report);
     robot.description
 }
@@ -67,7 +67,7 @@ fn a_pair_is_read_with_its_defaults_and_written() {
 #[test]
 fn anisotropic_friction_is_reported() {
     let text = balls(r#"<pair geom1="ball" geom2="floor" friction="0.3 0.4"/>"#);
-    let robot = parse(&text, &Options::default()).expect("a robot");
+    let robot = parse(&text, &LoadOptions::default()).expect("a robot");
     let is_ignored =
         |one: &&robot_dynamics_mjcf::Finding| one.treatment() == Disposition::Ignored { physics: false };
     let findings: Vec<_> = robot.report.findings.iter().filter(is_ignored).collect();

@@ -2,10 +2,10 @@
 
 use robot_dynamics::description::{Base, JointKind};
 use robot_dynamics::model::Model;
-use robot_dynamics_mjcf::{Disposition, MjcfError, Options, Robot, parse};
+use robot_dynamics_mjcf::{Disposition, LoadOptions, MjcfError, Robot, parse};
 
 pub(crate) fn read(text: &str) -> Robot {
-    parse(text, &Options::default()).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    parse(text, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
 pub(crate) fn in_world(text: &str) -> Robot {
@@ -50,7 +50,7 @@ fn a_free_joint_is_a_floating_one_from_the_world() {
 
 #[test]
 fn a_floating_base_is_added_where_nothing_floats() {
-    let options = Options::default().with_floating_base();
+    let options = LoadOptions::default().with_floating_base();
     let fixed = format!("<mujoco><worldbody><body name='a'><joint/>{BALL}</body></worldbody></mujoco>");
     let robot = parse(&fixed, &options).expect("a robot");
     assert_eq!((robot.description.base, robot.report.counts.degrees_of_freedom), (Base::Floating, 7));
@@ -77,7 +77,7 @@ fn notes_on_base(robot: &Robot) -> Vec<Disposition> {
 /// base moves the mass of the robot.
 #[test]
 fn the_robot_of_a_scene_floats() {
-    let options = Options::default().with_floating_base();
+    let options = LoadOptions::default().with_floating_base();
     let robot = |name: &str| {
         format!(
             "<body name='{name}' pos='0 0 1'>{BALL}<body name='{name} arm'><joint name='{name} elbow' axis='0 1 0'/>{BALL}</body></body>"
@@ -171,7 +171,7 @@ fn the_robot_has_its_models_name_or_its_files() {
     let file = folder.join("walker.xml");
     std::fs::write(&file, "<mujoco/>").expect("a file");
     assert_eq!(
-        robot_dynamics_mjcf::load(&file, &Options::default()).expect("a robot").description.name,
+        robot_dynamics_mjcf::load(&file, &LoadOptions::default()).expect("a robot").description.name,
         "walker"
     );
     std::fs::remove_dir_all(&folder).expect("the folder");
@@ -182,7 +182,7 @@ fn inertias_are_repaired_on_request() {
     let text = "<mujoco><worldbody><body name='a'><joint/><inertial pos='0 0 0' mass='1' diaginertia='1 1 3'/></body></worldbody></mujoco>";
     let written = read(text);
     assert_eq!(written.report.counts.as_written, 1, "{}", written.report);
-    let repaired = parse(text, &Options::default().with_repaired_inertia()).expect("a robot");
+    let repaired = parse(text, &LoadOptions::default().with_repaired_inertia()).expect("a robot");
     assert_eq!(repaired.report.counts.repaired, 1, "{}", repaired.report);
     let body = repaired.description.links[1].mass_properties.expect("a body");
     assert!(body.flaw().is_none(), "{body:?}");
@@ -222,10 +222,10 @@ fn angles_in_a_wrong_unit_are_suspected() {
 #[test]
 fn springs_of_ball_and_free_joints_are_written() {
     let file = crate::golden::root().join("testdata/mjcf/placement_springs.xml");
-    let robot = robot_dynamics_mjcf::load(file, &Options::default()).expect("a robot").description;
+    let robot = robot_dynamics_mjcf::load(file, &LoadOptions::default()).expect("a robot").description;
     let written = robot_dynamics_mjcf::write(&robot, None).expect("a file");
     assert!(written.left_out.iter().all(|left| !left.place.contains("joint")), "{:?}", written.left_out);
-    let back = parse(&written.text, &Options::default()).expect("a robot").description;
+    let back = parse(&written.text, &LoadOptions::default()).expect("a robot").description;
     let mut springs = 0;
     for (own, joint) in robot.joints.iter().zip(&back.joints) {
         assert_eq!((&own.name, own.higher_terms), (&joint.name, joint.higher_terms));

@@ -12,7 +12,7 @@ use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{
     Method, PointForce, SensorInputs, SensorSet, Simulation, SimulationBuilder,
 };
-use robot_dynamics_mjcf::{Disposition, FileSet, Finding, Options, load, load_among, parse};
+use robot_dynamics_mjcf::{Disposition, FileSet, Finding, LoadOptions, load, load_among, parse};
 use serde_json::Value;
 
 use crate::golden::{Golden, numbers, root};
@@ -37,7 +37,7 @@ fn ours(kind: SensorKind, value: &[f64]) -> Vec<f64> {
 
 /// The robot of a file; if `again`, after writing it and reading the text back.
 fn robot(file: &str, again: bool) -> RobotDescription {
-    let robot = load(root().join(file), &Options::default()).expect("a robot");
+    let robot = load(root().join(file), &LoadOptions::default()).expect("a robot");
     assert_eq!(robot.report.counts.ignored, 0, "{}", robot.report);
     if !again {
         return robot.description;
@@ -45,7 +45,7 @@ fn robot(file: &str, again: bool) -> RobotDescription {
     let written = robot_dynamics_mjcf::write(&robot.description, None).expect("a file");
     let lost: Vec<_> = written.left_out.iter().filter(|lost| lost.place.contains("sensor")).collect();
     assert!(lost.is_empty(), "{lost:?}");
-    parse(&written.text, &Options::default()).expect("its own file").description
+    parse(&written.text, &LoadOptions::default()).expect("its own file").description
 }
 
 fn compare(again: bool) {
@@ -115,7 +115,7 @@ fn a_resting_body_shows_its_weight() {
         <inertial pos='0.2 0 0' mass='2' diaginertia='1 1 1'/> <site name='s' euler='90 0 0'/>
       </body></worldbody>
       <sensor><accelerometer site='s'/><force site='s'/><torque site='s'/></sensor></mujoco>";
-    let robot = parse(text, &Options::default()).expect("a robot").description;
+    let robot = parse(text, &LoadOptions::default()).expect("a robot").description;
     assert_eq!(
         robot.sensors.iter().map(|sensor| sensor.name.as_str()).collect::<Vec<_>>(),
         ["sensor_0", "sensor_1", "sensor_2"]
@@ -149,7 +149,7 @@ pub(crate) const UNANSWERED: &str =
 
 #[test]
 fn unsupported_sensors_are_reported() {
-    let robot = parse(UNANSWERED, &Options::default()).expect("a robot");
+    let robot = parse(UNANSWERED, &LoadOptions::default()).expect("a robot");
     assert_eq!(robot.description.sensors.len(), 1);
     let is_ignored = |finding: &&Finding| finding.treatment() == Disposition::Ignored { physics: false };
     let lines: Vec<usize> = robot
@@ -173,7 +173,7 @@ fn an_unknown_object_is_an_error_of_its_line() {
         "<framepos objtype='xbody' objname='nowhere'/>",
         "<subtreecom body='nowhere'/>",
     ] {
-        let error = parse(&format!("{body}\n{sensor}</sensor></mujoco>"), &Options::default());
+        let error = parse(&format!("{body}\n{sensor}</sensor></mujoco>"), &LoadOptions::default());
         let refused = error.expect_err("refused");
         assert!(refused.errors().iter().all(|error| error.line() == Some(2)), "{sensor}: {refused}");
     }
@@ -192,7 +192,7 @@ fn sensors_are_attached_and_replicated() {
       <replicate count='2'><body name='ball'><freejoint/><geom size='0.1'/><site name='mark'/></body></replicate>
       </worldbody><sensor><gyro name='g' site='mark'/></sensor></mujoco>";
     let files = FileSet::new([("main.xml", main), ("hand.xml", hand)]);
-    let robot = load_among(&files, "main.xml", &Options::default()).expect("a robot").description;
+    let robot = load_among(&files, "main.xml", &LoadOptions::default()).expect("a robot").description;
     let named = |sensor: &SensorDescription| match &sensor.object {
         SensorObject::Named(object) => format!("{}: {object}", sensor.name),
         object => format!("{}: {object:?}", sensor.name),
@@ -227,7 +227,7 @@ fn sensors_of_a_description_are_written() {
     let written = robot_dynamics_mjcf::write(&robot, None).expect("a file");
     let left_out: Vec<&str> = written.left_out.iter().map(|lost| lost.place.as_str()).collect();
     assert!(left_out.contains(&"sensor \"all\""), "{left_out:?}");
-    let back = parse(&written.text, &Options::default()).expect("a robot").description;
+    let back = parse(&written.text, &LoadOptions::default()).expect("a robot").description;
     let kinds: Vec<_> = back.sensors.iter().map(|sensor| (sensor.name.as_str(), sensor.kind)).collect();
     assert_eq!(
         kinds,
@@ -255,7 +255,7 @@ const LIMITED: &str = r#"<mujoco><compiler angle="radian"/><option timestep="0.0
   </sensor></mujoco>"#;
 
 fn limited(method: Method) -> Simulation {
-    let robot = parse(LIMITED, &Options::default()).expect("a robot");
+    let robot = parse(LIMITED, &LoadOptions::default()).expect("a robot");
     assert_eq!(robot.report.counts.ignored, 0, "{}", robot.report);
     let model = Model::new(robot.description).expect("a model");
     SimulationBuilder::new(&model).method(method).step(2e-3).build().expect("a simulation")

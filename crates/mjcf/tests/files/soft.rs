@@ -10,7 +10,7 @@ use robot_dynamics::conventions::{
     force_to_mujoco, velocity_to_mujoco,
 };
 use robot_dynamics::description::{HigherTerms, PassiveForces, Softness, Surface};
-use robot_dynamics::mjcf::{Options, load};
+use robot_dynamics::mjcf::{LoadOptions, load};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::simulation::{MujocoEuler, StepForces, StepWorkspace, Stepper};
 use serde_json::Value;
@@ -86,7 +86,7 @@ fn on_plane(own: &Surface) -> Surface {
 
 /// The robot without the forces that are absent in the golden data, and its constraints.
 fn robot(file: &str, record: &Value) -> (Model, SoftConstraints, ContactSet) {
-    let mut robot = load(root().join(file), &Options::default()).expect("a robot").description;
+    let mut robot = load(root().join(file), &LoadOptions::default()).expect("a robot").description;
     for link in &mut robot.links {
         link.gravity_compensation = 0.0;
     }

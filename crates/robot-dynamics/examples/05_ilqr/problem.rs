@@ -21,7 +21,7 @@ pub(crate) struct Problem {
 
 fn robot(file: &str) -> Result<RobotDescription, Box<dyn Error>> {
     let path = format!("{}/../../robots/{file}.urdf", env!("CARGO_MANIFEST_DIR"));
-    Ok(robot_dynamics::urdf::load(&path, &robot_dynamics::urdf::Options::default())?.description)
+    Ok(robot_dynamics::urdf::load(&path, &robot_dynamics::urdf::LoadOptions::default())?.description)
 }
 
 /// A task from rest at `start` to rest at `goal`, within the torque limits of the file.

@@ -8,10 +8,10 @@ use robot_dynamics_description::Pose;
 
 use super::closure::products;
 use super::{Anchor, Constraint, ConstraintSet, FrameConstraint, RollingDisc, SpatialAxis};
-use crate::Implicit;
+use crate::ImplicitIntegrator;
 use crate::contact::{ConstrainedDirection, EqualityRows, Relation, Rolling, Site};
 
-impl Implicit {
+impl ImplicitIntegrator {
     /// Adds these constraints to those of friction, stops and contacts. They become rows of the step's convex
     /// problem, with multipliers of either sign ([`constraint_forces`](Self::constraint_forces)).
     /// [`ConstraintSet::from_equalities`] returns a robot's own.

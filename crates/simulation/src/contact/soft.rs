@@ -47,7 +47,7 @@ clone_in_place! {
     /// A robot's constraints by MuJoCo's soft law. They are limits of positions and of tendons' lengths, dry
     /// friction of both, equalities of joints and connected points, and contacts. Use it to compare with
     /// MuJoCo, and for robots tuned with it. Friction creeps and contacts penetrate, by amounts that `solref`
-    /// and `solimp` determine. [`Implicit`](crate::Implicit) has the rigid law.
+    /// and `solimp` determine. [`ImplicitIntegrator`](crate::ImplicitIntegrator) has the rigid law.
     ///
     /// ```
     /// use robot_dynamics::contact::SoftConstraints;
@@ -187,7 +187,7 @@ impl SoftConstraints {
     }
 
     /// Adds contacts with the ground, and those between links in the set. A ground without a surface takes
-    /// that of each shape, as under the rigid law of [`Implicit`](crate::Implicit). A friction given for the
+    /// that of each shape, as under the rigid law of [`ImplicitIntegrator`](crate::ImplicitIntegrator). A friction given for the
     /// ground replaces that of both.
     ///
     /// ```

@@ -97,7 +97,8 @@ clone_in_place! {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[derive(Debug)]
-    pub struct Implicit {
+    #[doc(alias = "Implicit")]
+    pub struct ImplicitIntegrator {
         joints: Joints,
         factor: StiffFactor,
         impulses: Impulses,
@@ -159,7 +160,7 @@ clone_in_place! {
     }
 }
 
-impl Implicit {
+impl ImplicitIntegrator {
     /// Creates a stepper for this robot. The position limits of its joints and the length limits of its
     /// tendons are stops.
     pub fn new(model: &Model) -> Self {
@@ -248,7 +249,7 @@ impl Implicit {
     }
 }
 
-impl Stepper for Implicit {
+impl Stepper for ImplicitIntegrator {
     type Error = IntegratorError;
 
     fn order(&self) -> u32 {

@@ -10,7 +10,7 @@ use crate::constraints::{ConstrainedStepper, ConstraintOptions};
 use crate::motion::simulate::ActuatedStepper;
 #[cfg(feature = "adaptive")]
 use crate::motion::simulate::AdaptiveStepper;
-use crate::{Actuation, ConstraintSet, ContactSet, Implicit, MujocoEuler, SoftConstraints};
+use crate::{Actuation, ConstraintSet, ContactSet, ImplicitIntegrator, MujocoEuler, SoftConstraints};
 
 impl SimulationBuilder<'_> {
     /// Builds the simulation at rest in the [initial
@@ -171,7 +171,7 @@ impl SimulationBuilder<'_> {
                 (None, _) => StepperKind::Row(row),
             },
             Method::Implicit => {
-                let mut implicit = Implicit::new(model);
+                let mut implicit = ImplicitIntegrator::new(model);
                 if let Some(flag) = &self.interrupt {
                     implicit = implicit.with_interrupt(Arc::clone(flag));
                 }

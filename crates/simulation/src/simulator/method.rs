@@ -14,7 +14,7 @@ use crate::constraints::ConstrainedStepper;
 use crate::motion::simulate::AdaptiveStepper;
 use crate::motion::simulate::{ActuatedStepper, Losses, Stepper};
 use crate::{
-    ActiveSet, ConstraintRecord, ContactLaws, ContactPoint, ContactProblem, Implicit, MujocoEuler,
+    ActiveSet, ConstraintRecord, ContactLaws, ContactPoint, ContactProblem, ImplicitIntegrator, MujocoEuler,
     StepForces, StepWorkspace,
 };
 
@@ -25,7 +25,7 @@ pub enum Method {
     /// A row of the table of integrators.
     Fixed(Integrator),
     /// Steps that remain stable for stiff joints, with static friction, stops, equalities and rigid contact:
-    /// [`Implicit`].
+    /// [`ImplicitIntegrator`].
     Implicit,
     /// MuJoCo's Euler steps with its soft constraints: [`MujocoEuler`].
     Mujoco,
@@ -129,7 +129,7 @@ pub(super) enum StepperKind {
     Row(Integrator),
     Actuated(Box<ActuatedStepper>),
     Constrained(Box<ConstrainedStepper>),
-    Implicit(Box<Implicit>),
+    Implicit(Box<ImplicitIntegrator>),
     Mujoco(Box<MujocoEuler>),
     #[cfg(feature = "adaptive")]
     Adaptive(Box<AdaptiveStepper>),

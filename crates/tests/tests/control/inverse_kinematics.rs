@@ -14,7 +14,7 @@ use robot_dynamics::model::{FrameId, Model, Workspace, check_configuration, neut
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::{InputProblem, InvalidInput};
 
-type Options = InverseKinematicsOptions;
+type LoadOptions = InverseKinematicsOptions;
 type Error = InverseKinematicsError;
 
 fn solve(
@@ -22,7 +22,7 @@ fn solve(
     frame: FrameId,
     target: impl Into<FrameTarget>,
     start: &[f64],
-    options: &Options,
+    options: &LoadOptions,
 ) -> Result<InverseKinematicsSolution, InverseKinematicsError> {
     inverse_kinematics(model, &mut Workspace::new(model), frame, target, start, options)
 }
@@ -97,7 +97,7 @@ fn reachable_targets_are_reached() {
             let Some(wanted) = wanted else { continue };
             let target = pose_of(&model, &wanted, hand);
             let context = format!("{family}, seed {seed}");
-            let found = solve(&model, hand, target, &neutral(&model), &Options::default())
+            let found = solve(&model, hand, target, &neutral(&model), &LoadOptions::default())
                 .unwrap_or_else(|error| panic!("{context}: {error}"));
             assert_within_limits(&model, &found.q, &context);
             let (position, angle) = distance(&pose_of(&model, &found.q, hand), &target);
@@ -108,7 +108,7 @@ fn reachable_targets_are_reached() {
             );
 
             let point = target.translation;
-            let found_point = solve(&model, hand, point, &neutral(&model), &Options::default())
+            let found_point = solve(&model, hand, point, &neutral(&model), &LoadOptions::default())
                 .unwrap_or_else(|error| panic!("{context}, place: {error}"));
             assert_within_limits(&model, &found_point.q, &context);
             let (position, _) = distance(&pose_of(&model, &found_point.q, hand), &target);
@@ -134,7 +134,7 @@ fn near_targets_take_few_steps() {
         let start = random_within_limits(&model, &mut random).iter().map(|q| 0.8 * q).collect::<Vec<_>>();
         let near: Vec<f64> = start.iter().map(|q| q + random.uniform(-0.02, 0.02)).collect();
         let target = pose_of(&model, &near, hand);
-        let found = solve(&model, hand, target, &start, &Options::default().with_restarts(0, 0))
+        let found = solve(&model, hand, target, &start, &LoadOptions::default().with_restarts(0, 0))
             .unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         assert!(found.iterations <= 8 && found.restarts == 0, "seed {seed}: {} steps", found.iterations);
         let moved = found.q.iter().zip(&start).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -152,11 +152,11 @@ fn solution_depends_on_start() {
             .unwrap();
     let hand = model.frame_named(&model.frames()[model.frames().len() - 1].name).unwrap();
     let q = vec![0.1; model.nq()];
-    let found = solve(&model, hand, pose_of(&model, &q, hand), &q, &Options::default()).unwrap();
+    let found = solve(&model, hand, pose_of(&model, &q, hand), &q, &LoadOptions::default()).unwrap();
     assert_eq!((found.q, found.iterations, found.restarts), (q, 0, 0));
     let outside = vec![100.0; model.nq()];
     let target = pose_of(&model, &vec![0.2; model.nq()], hand);
-    let found = solve(&model, hand, target, &outside, &Options::default()).unwrap();
+    let found = solve(&model, hand, target, &outside, &LoadOptions::default()).unwrap();
     assert_within_limits(&model, &found.q, "from outside");
 }
 
@@ -188,7 +188,7 @@ fn planar_arm(limit: f64) -> Model {
 fn unreachable_targets_are_approximated() {
     let best = |model: &Model, target: [f64; 3]| {
         let hand = model.frame_named("hand").unwrap();
-        let options = Options::default().with_restarts(10, 3);
+        let options = LoadOptions::default().with_restarts(10, 3);
         match solve(model, hand, target, &[0.3, 0.4], &options) {
             Err(InverseKinematicsError::NoSolution { best, frame, robot }) => {
                 assert_eq!((frame.as_str(), robot.as_str(), best.restarts), ("hand", "planar", 10));
@@ -222,11 +222,11 @@ fn limits_of_mimic_joints_hold() {
     (elbow.limits.lower, elbow.limits.upper) = (-0.5, 0.5);
     let model = Model::new(robot).unwrap();
     let hand = model.frame_named("hand").unwrap();
-    let error = solve(&model, hand, [-1.0, 0.5, 0.0], &[0.0], &Options::default()).unwrap_err();
+    let error = solve(&model, hand, [-1.0, 0.5, 0.0], &[0.0], &LoadOptions::default()).unwrap_err();
     let InverseKinematicsError::NoSolution { best, .. } = error else { panic!("{error}") };
     // −0.5 ≤ −2 q + 0.2 ≤ 0.5: q is in [−0.15, 0.35], and the upper end is nearest.
     assert!((best.q[0] - 0.35).abs() < 1e-15, "{best:?}");
-    let found = solve(&model, hand, pose_of(&model, &[0.3], hand), &[0.0], &Options::default()).unwrap();
+    let found = solve(&model, hand, pose_of(&model, &[0.3], hand), &[0.0], &LoadOptions::default()).unwrap();
     assert!((found.q[0] - 0.3).abs() < 1e-8, "{found:?}");
 }
 
@@ -238,51 +238,51 @@ fn equal_seeds_give_equal_solutions() {
     let model = Model::new(random_robot(9, &options)).unwrap();
     let hand = model.frame_named(&model.frames()[model.frames().len() - 1].name).unwrap();
     let target = pose_of(&model, &random_within_limits(&model, &mut SplitMix64::new(3)), hand);
-    let once = solve(&model, hand, target, &neutral(&model), &Options::default());
+    let once = solve(&model, hand, target, &neutral(&model), &LoadOptions::default());
     assert!(once.is_ok());
-    assert_eq!(once, solve(&model, hand, target, &neutral(&model), &Options::default()));
+    assert_eq!(once, solve(&model, hand, target, &neutral(&model), &LoadOptions::default()));
 }
 
 #[test]
 fn invalid_input_is_an_error() {
     let model = planar_arm(3.0);
     let hand = model.frame_named("hand").unwrap();
-    let failed = |target: FrameTarget, start: &[f64], options: &Options| {
+    let failed = |target: FrameTarget, start: &[f64], options: &LoadOptions| {
         solve(&model, hand, target, start, options).expect_err("invalid input")
     };
-    let refused = |target: FrameTarget, start: &[f64], options: &Options| {
+    let refused = |target: FrameTarget, start: &[f64], options: &LoadOptions| {
         let Error::Input(InvalidInput { quantity, problem, .. }) = failed(target, start, options) else {
             panic!("not an invalid input")
         };
         (quantity, problem)
     };
     let (good, start) = (FrameTarget::Position([1.0, 0.5, 0.0]), [0.1, 0.2]);
-    assert!(solve(&model, hand, good, &start, &Options::default()).is_ok());
+    assert!(solve(&model, hand, good, &start, &LoadOptions::default()).is_ok());
     let nan = FrameTarget::Position([0.0, f64::NAN, 0.0]);
-    let (quantity, problem) = refused(nan, &start, &Options::default());
+    let (quantity, problem) = refused(nan, &start, &LoadOptions::default());
     assert_eq!(quantity, "the target's position");
     assert!(matches!(problem, InputProblem::NotFinite { index: Some(1), .. }), "{problem:?}");
     let mut pose = Pose::IDENTITY;
     pose.rotation[2][1] = f64::INFINITY;
-    let (quantity, problem) = refused(pose.into(), &start, &Options::default());
+    let (quantity, problem) = refused(pose.into(), &start, &LoadOptions::default());
     assert_eq!(quantity, "the target's rotation");
     let (index, coordinate, value) = (Some(7), None, f64::INFINITY);
     assert_eq!(problem, InputProblem::NotFinite { index, coordinate, value });
     pose.rotation[2][1] = 0.1;
-    let (_, problem) = refused(pose.into(), &start, &Options::default());
+    let (_, problem) = refused(pose.into(), &start, &LoadOptions::default());
     assert!(matches!(problem, InputProblem::NotARotation { .. }), "{problem:?}");
-    let (quantity, problem) = refused(good, &[0.1, f64::NAN], &Options::default());
+    let (quantity, problem) = refused(good, &[0.1, f64::NAN], &LoadOptions::default());
     assert_eq!(quantity, "the start's q");
     assert!(matches!(problem, InputProblem::NotFinite { index: Some(1), .. }), "{problem:?}");
-    let (quantity, problem) = refused(good, &[0.1], &Options::default());
+    let (quantity, problem) = refused(good, &[0.1], &LoadOptions::default());
     assert_eq!(quantity, "the start's q");
     assert!(matches!(problem, InputProblem::WrongLength { found: 1, expected: 2, .. }), "{problem:?}");
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let (quantity, problem) = refused(good, &start, &Options::default().with_tolerances(1e-6, bad));
+        let (quantity, problem) = refused(good, &start, &LoadOptions::default().with_tolerances(1e-6, bad));
         assert_eq!(quantity, "the angle tolerance");
         assert!(matches!(problem, InputProblem::OutOfRange { .. }), "{problem:?}");
     }
-    let error = failed(FrameTarget::Position([3.0, 0.0, 0.0]), &start, &Options::default());
+    let error = failed(FrameTarget::Position([3.0, 0.0, 0.0]), &start, &LoadOptions::default());
     let Error::NoSolution { frame, robot, best } = &error else { panic!("{error}") };
     assert_eq!((frame.as_str(), robot.as_str()), ("hand", "planar"));
     assert!((best.position_error - 1.5).abs() < 1e-6, "{best:?}");
@@ -293,7 +293,7 @@ fn frame_of_another_robot_panics() {
     let (one, other) = (planar_arm(3.0), planar_arm(2.0));
     let hand = other.frame_named("hand").unwrap();
     let call = std::panic::AssertUnwindSafe(|| {
-        drop(solve(&one, hand, [1.0, 0.0, 0.0], &[0.0, 0.0], &Options::default()));
+        drop(solve(&one, hand, [1.0, 0.0, 0.0], &[0.0, 0.0], &LoadOptions::default()));
     });
     assert!(std::panic::catch_unwind(call).is_err());
 }

@@ -10,8 +10,8 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{Model, difference, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
-    ConstantTorque, Effect, Implicit, Integrator, Method, Run, RunError, RunOptions, SimulationBuilder,
-    StepForces, StepWorkspace, Stepper, step,
+    ConstantTorque, Effect, ImplicitIntegrator, Integrator, Method, Run, RunError, RunOptions,
+    SimulationBuilder, StepForces, StepWorkspace, Stepper, step,
 };
 
 use crate::common::damped_tree;
@@ -175,7 +175,7 @@ fn trees_come_to_rest_within_their_limits() {
         let mut random = SplitMix64::new(seed);
         let state = random_state(&model, &mut random);
         let q = robot_dynamics::model::random_within_limits(&model, &mut random);
-        let mut implicit = Implicit::new(&model);
+        let mut implicit = ImplicitIntegrator::new(&model);
         let mut workspace = StepWorkspace::new(&model);
         let tau = vec![0.0; model.nv()];
         let forces = StepForces::new(&tau, true);

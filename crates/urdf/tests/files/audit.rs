@@ -33,7 +33,7 @@ fn every_comparison_detects_a_relative_error_of_1e_6() -> Result<(), Box<dyn Err
     {
         let robot = robot_dynamics::urdf::load(
             folder.join(format!("{name}.urdf")),
-            &robot_dynamics::urdf::Options::default(),
+            &robot_dynamics::urdf::LoadOptions::default(),
         )?;
         let model = Model::new(robot.description)?;
         let comparisons = |checks: Vec<Check>| checks.into_iter().filter(compares).collect::<Vec<_>>();

@@ -1,6 +1,6 @@
 //! One pass lists all errors of a file, without errors that only follow from others.
 
-use robot_dynamics::urdf::{Options, Severity, parse};
+use robot_dynamics::urdf::{LoadOptions, Severity, parse};
 
 use crate::malformed::variant;
 
@@ -52,7 +52,7 @@ const ERRORS: &[(usize, &str)] = &[
 
 #[test]
 fn every_error_is_found_in_one_pass() {
-    let refused = parse(FILE, &Options::default()).expect_err("errors");
+    let refused = parse(FILE, &LoadOptions::default()).expect_err("errors");
     let found: Vec<String> = refused.errors().iter().map(ToString::to_string).collect();
     let listing = found.join("\n");
     assert_eq!(found.len(), ERRORS.len(), "{listing}");
@@ -67,7 +67,7 @@ fn every_error_is_found_in_one_pass() {
 /// Each correction removes its own error and adds no other.
 #[test]
 fn errors_are_independent() {
-    let refused = parse(FILE, &Options::default()).expect_err("errors").errors().len();
+    let refused = parse(FILE, &LoadOptions::default()).expect_err("errors").errors().len();
     for (wrong, right, fewer) in [
         ("value=\"one\"", "value=\"1\"", 1),
         ("hinge", "fixed", 1),
@@ -79,7 +79,7 @@ fn errors_are_independent() {
     ] {
         let text = FILE.replace(wrong, right);
         assert_ne!(text, FILE);
-        let left = parse(&text, &Options::default()).expect_err("the others").errors().len();
+        let left = parse(&text, &LoadOptions::default()).expect_err("the others").errors().len();
         assert_eq!(left, refused - fewer, "{wrong} -> {right}");
     }
 }
@@ -87,7 +87,7 @@ fn errors_are_independent() {
 #[test]
 fn the_first_thousand_errors_are_listed() {
     let text = format!("<robot name=\"r\">{}</robot>", "<link/>".repeat(1500));
-    let refused = parse(&text, &Options::default()).expect_err("errors");
+    let refused = parse(&text, &LoadOptions::default()).expect_err("errors");
     assert_eq!((refused.errors().len(), refused.unlisted()), (1000, 500));
 }
 
@@ -96,7 +96,7 @@ fn the_first_thousand_errors_are_listed() {
 fn strict_reading_collects_warnings_too() {
     let text =
         r#"<robot><link name="a"><inertial><mass value="1"/></inertial></link><link name="a"/></robot>"#;
-    let refused = parse(text, &Options::default().with_strict()).expect_err("errors");
+    let refused = parse(text, &LoadOptions::default().with_strict()).expect_err("errors");
     // A missing name, a missing inertia, and a repeated name.
     assert_eq!(refused.errors().len(), 3, "{refused}");
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use robot_dynamics::model::Model;
-use robot_dynamics::urdf::{Disposition, Options, Severity};
+use robot_dynamics::urdf::{Disposition, LoadOptions, Severity};
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -42,7 +42,7 @@ struct Outcome {
 }
 
 fn outcome(path: &Path, freed: bool) -> Outcome {
-    let options = if freed { Options::default().with_floating_base() } else { Options::default() };
+    let options = if freed { LoadOptions::default().with_floating_base() } else { LoadOptions::default() };
     let refused = |messages| Outcome { severity: Some(Severity::Error), messages, model: None };
     let robot = match robot_dynamics::urdf::load(path, &options) {
         Ok(robot) => robot,

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
-use robot_dynamics::urdf::{LoadError, Options, Robot, UrdfError, load, parse};
+use robot_dynamics::urdf::{LoadError, LoadOptions, Robot, UrdfError, load, parse};
 
 /// The processor time of this thread, which does not depend on the load of the machine; zero if the system
 /// does not provide it.
@@ -16,7 +16,7 @@ fn processor_time() -> Duration {
 /// at these sizes.
 fn quickly(what: &str, text: &str) -> Result<Robot, LoadError> {
     let start = processor_time();
-    let answer = parse(text, &Options::default());
+    let answer = parse(text, &LoadOptions::default());
     let took = processor_time().saturating_sub(start);
     assert!(took < Duration::from_secs(10), "{what} took {took:?}");
     answer
@@ -183,7 +183,7 @@ fn extreme_numbers_are_refused_or_read() {
 fn missing_and_binary_files_are_refused() {
     let folder = std::env::temp_dir().join(format!("urdf-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
-    let options = Options::default();
+    let options = LoadOptions::default();
     assert!(matches!(
         only(&load(folder.join("missing.urdf"), &options).expect_err("no robot")),
         UrdfError::Unreadable { .. }

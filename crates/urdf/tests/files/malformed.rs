@@ -2,7 +2,7 @@
 //!
 //! `messages.rs` has the text of each message.
 
-use robot_dynamics_urdf::{Options, UrdfError, parse};
+use robot_dynamics_urdf::{LoadOptions, UrdfError, parse};
 
 pub(crate) type Frame = fn(&str) -> String;
 
@@ -164,7 +164,7 @@ fn every_malformed_file_is_refused_with_its_errors() {
     assert!(CASES.len() >= 30);
     let mut wrong = Vec::new();
     for (frame, text, expected) in CASES {
-        let found: Vec<(Option<usize>, String)> = match parse(&frame(text), &Options::default()) {
+        let found: Vec<(Option<usize>, String)> = match parse(&frame(text), &LoadOptions::default()) {
             Ok(robot) => vec![(None, format!("accepted:\n{}", robot.report))],
             Err(error) => error.errors().iter().map(|error| (error.line(), variant(error))).collect(),
         };

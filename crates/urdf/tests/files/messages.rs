@@ -13,7 +13,7 @@ use robot_dynamics::description::{
     SensorDescription, SensorKind, Shape, ShapeRole, pendulum,
 };
 use robot_dynamics_urdf::{
-    Disposition, Finding, LoadError, Options, UrdfError, disabled_collisions, parse, write,
+    Disposition, Finding, LoadError, LoadOptions, UrdfError, disabled_collisions, parse, write,
 };
 
 use crate::malformed::CASES;
@@ -28,7 +28,7 @@ fn add(out: &mut String, input: &str, message: impl std::fmt::Display) {
     writeln!(out, "{input}\n=> {message}\n").expect("to a string");
 }
 
-fn refused(text: &str, options: &Options) -> LoadError {
+fn refused(text: &str, options: &LoadOptions) -> LoadError {
     parse(text, options).expect_err(text)
 }
 
@@ -38,7 +38,7 @@ fn with_place(finding: &Finding) -> String {
 
 /// The findings of a file, except for defaults.
 fn list_findings(text: &str) -> String {
-    let report = parse(text, &Options::default()).expect(text).report;
+    let report = parse(text, &LoadOptions::default()).expect(text).report;
     let is_relevant =
         |finding: &&Finding| !matches!(finding.treatment(), Disposition::Read | Disposition::Defaulted);
     report.findings.iter().filter(is_relevant).map(with_place).collect::<Vec<_>>().join("\n=> ")
@@ -48,11 +48,11 @@ fn list_findings(text: &str) -> String {
 fn errors() {
     let mut out = String::new();
     for (frame, text, _) in CASES {
-        add(&mut out, text, refused(&frame(text), &Options::default()));
+        add(&mut out, text, refused(&frame(text), &LoadOptions::default()));
     }
-    add(&mut out, "several errors", refused(crate::collected::FILE, &Options::default()));
+    add(&mut out, "several errors", refused(crate::collected::FILE, &LoadOptions::default()));
     let nameless = format!("<robot name='r'>{}</robot>", "<link/>".repeat(1500));
-    let many = refused(&nameless, &Options::default()).to_string();
+    let many = refused(&nameless, &LoadOptions::default()).to_string();
     add(&mut out, "1500 links without a name", many.lines().last().unwrap_or_default());
     for (input, text) in [
         ("201 nested elements", format!("<robot name='r'>{}", "<a>".repeat(201))),
@@ -64,7 +64,7 @@ fn errors() {
         ("a ring of 12 followers", ring("<mimic joint=\"j{}\"/>")),
         ("a cycle of 12 joints", cycle()),
     ] {
-        add(&mut out, input, refused(&text, &Options::default()));
+        add(&mut out, input, refused(&text, &LoadOptions::default()));
     }
     for error in [
         UrdfError::NotUtf8 { byte: 2 },
@@ -73,7 +73,7 @@ fn errors() {
     ] {
         add(&mut out, &format!("{error:?}"), &error);
     }
-    let strict = refused(&with_joint("continuous", "<flexibility/>"), &Options::default().with_strict());
+    let strict = refused(&with_joint("continuous", "<flexibility/>"), &LoadOptions::default().with_strict());
     add(&mut out, "<flexibility/>, strict", strict);
     assert_snapshot!(out);
 }
@@ -104,7 +104,7 @@ fn warnings() {
     }
     let body = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial>";
     let massless = "<robot name='r'><link name='a'/></robot>";
-    let floating = Options::default().with_floating_base();
+    let floating = LoadOptions::default().with_floating_base();
     let report = parse(massless, &floating).expect("a robot").report;
     let findings: Vec<String> = report.warnings().map(with_place).collect();
     add(&mut out, &format!("{massless}, floating"), findings.join("\n=> "));
@@ -118,7 +118,7 @@ fn warnings() {
             report.findings.iter().filter(|finding| finding.place() == "robot").map(with_place).collect();
         add(&mut out, &format!("{text}, floating"), findings.join("\n=> "));
     }
-    let repair = Options::default().with_repaired_inertia();
+    let repair = LoadOptions::default().with_repaired_inertia();
     for (mass, moments) in [(1, [4.766, 0.0041, 0.0037]), (1, [-1.0, 1.0, 1.0]), (0, [1.0, 1.0, 1.0])] {
         let [x, y, z] = moments;
         let text = format!(
@@ -182,7 +182,7 @@ fn reports() {
     );
     let reports: Vec<String> = [full.as_str(), &bare, &dynamics, world, &mimic]
         .iter()
-        .map(|text| format!("{text}\n=>\n{}", parse(text, &Options::default()).expect(text).report))
+        .map(|text| format!("{text}\n=>\n{}", parse(text, &LoadOptions::default()).expect(text).report))
         .collect();
     assert_snapshot!(reports.join("\n"));
 }

@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use robot_dynamics::model::Model;
-use robot_dynamics::urdf::{Options, parse};
+use robot_dynamics::urdf::{LoadOptions, parse};
 
 /// The robots of this repository, and one small file with every element that is read or reported.
 static FILES: LazyLock<Vec<String>> = LazyLock::new(|| {
@@ -164,13 +164,13 @@ fn apply(text: &str, damage: &Damage) -> String {
 /// files.
 fn check(text: &str) -> Result<(), TestCaseError> {
     // Repair does not change which files are refused, and leaves valid inertias unchanged.
-    let repaired = parse(text, &Options::default().with_repaired_inertia());
-    let Ok(robot) = parse(text, &Options::default()) else {
-        prop_assert!(parse(text, &Options::default().with_strict()).is_err());
+    let repaired = parse(text, &LoadOptions::default().with_repaired_inertia());
+    let Ok(robot) = parse(text, &LoadOptions::default()) else {
+        prop_assert!(parse(text, &LoadOptions::default().with_strict()).is_err());
         prop_assert!(repaired.is_err());
         return Ok(());
     };
-    let robot_again = parse(text, &Options::default()).expect("the same answer");
+    let robot_again = parse(text, &LoadOptions::default()).expect("the same answer");
     prop_assert_eq!(&robot, &robot_again);
     let repaired = repaired.expect("what is read is also read with repairs");
     if repaired.report.counts.repaired == 0 {
@@ -194,7 +194,7 @@ fn check(text: &str) -> Result<(), TestCaseError> {
     let compiled = Model::new(description.clone());
     prop_assert!(compiled.is_ok(), "{:?}", compiled.err());
     let warnings = robot.report.counts.warnings;
-    let strict = parse(text, &Options::default().with_strict());
+    let strict = parse(text, &LoadOptions::default().with_strict());
     prop_assert_eq!(strict.err().map_or(0, |error| error.errors().len() + error.unlisted()), warnings);
     Ok(())
 }
@@ -236,6 +236,6 @@ proptest! {
 #[test]
 fn undamaged_files_are_read() {
     for text in FILES.iter() {
-        parse(text, &Options::default()).expect("a valid file");
+        parse(text, &LoadOptions::default()).expect("a valid file");
     }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use robot_dynamics::description::{JointKind, MassProperties, RobotDescription};
 use robot_dynamics::plausibility::{Culprit, Quantity, RobotStatistics, Suspicion, suspicions};
-use robot_dynamics::urdf::{Options, Robot, parse};
+use robot_dynamics::urdf::{LoadOptions, Robot, parse};
 
 const ROBOTS: [&str; 10] =
     ["dual_arm", "gantry", "gripper", "hand", "humanoid", "panda", "quadruped", "three_r", "two_r", "ur5"];
@@ -15,7 +15,7 @@ fn text(name: &str) -> String {
 }
 
 fn suspected_in(text: &str) -> Vec<Suspicion> {
-    let Robot { description, angles, .. } = parse(text, &Options::default()).expect("a robot");
+    let Robot { description, angles, .. } = parse(text, &LoadOptions::default()).expect("a robot");
     suspicions(&description, &angles)
 }
 
@@ -67,7 +67,7 @@ fn wrong_units_of_all_links_are_suspected() {
         (CentersOfMass, 1e3, scaled(1.0, 1e3, 1.0)),
     ];
     for name in ROBOTS {
-        let robot = parse(&text(name), &Options::default()).expect("a robot").description;
+        let robot = parse(&text(name), &LoadOptions::default()).expect("a robot").description;
         let is_rods = matches!(name, "two_r" | "three_r");
         for (culprit, factor, fault) in &faults {
             let found = suspected(&changed(&robot, |_| true, fault));
@@ -97,7 +97,7 @@ fn wrong_units_of_all_links_are_suspected() {
 #[test]
 fn spacing_in_millimetres_is_suspected() {
     for name in ROBOTS {
-        let mut robot = parse(&text(name), &Options::default()).expect("a robot").description;
+        let mut robot = parse(&text(name), &LoadOptions::default()).expect("a robot").description;
         for joint in &mut robot.joints {
             joint.parent_from_joint.translation = joint.parent_from_joint.translation.map(|x| 1e3 * x);
         }
@@ -123,7 +123,7 @@ fn a_wrong_unit_of_one_link_is_suspected() {
     ];
     let (mut tried, mut missed) = (0, 0);
     for name in ROBOTS {
-        let robot = parse(&text(name), &Options::default()).expect("a robot").description;
+        let robot = parse(&text(name), &LoadOptions::default()).expect("a robot").description;
         let statistics = RobotStatistics::new(&robot);
         for (fault, [mass, center, moments]) in faults {
             for (index, link) in statistics.links.iter().enumerate() {
@@ -171,7 +171,7 @@ fn angles_in_degrees_are_suspected() {
     let degrees = 180.0 / std::f64::consts::PI;
     for name in ROBOTS {
         let good = text(name);
-        let Robot { description, angles, .. } = parse(&good, &Options::default()).expect("a robot");
+        let Robot { description, angles, .. } = parse(&good, &LoadOptions::default()).expect("a robot");
         // Angles below seven degrees could be radians.
         let shows = angles.iter().flat_map(|written| written.angles).any(|angle| angle.abs() * degrees > 7.0);
         let found = suspected_in(&with_attribute(&good, "rpy", degrees));

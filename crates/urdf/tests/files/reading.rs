@@ -2,10 +2,10 @@
 
 use nalgebra::{Matrix3, Rotation3};
 use robot_dynamics::description::{Base, JointKind};
-use robot_dynamics::urdf::{Disposition, Finding, Options, Robot, UrdfError, parse};
+use robot_dynamics::urdf::{Disposition, Finding, LoadOptions, Robot, UrdfError, parse};
 
 fn read(text: &str) -> Robot {
-    parse(text, &Options::default()).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    parse(text, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
 /// A joint `j` of this type and content between a massless root and a link with mass.
@@ -114,7 +114,7 @@ fn quaternions_are_read_in_the_order_x_y_z_w() {
 
 #[test]
 fn a_floating_base_is_six_more_degrees_of_freedom() {
-    let options = Options::default().with_floating_base();
+    let options = LoadOptions::default().with_floating_base();
     let robot = parse(&with_joint("continuous", ""), &options).expect("a robot");
     assert_eq!(robot.description.base, Base::Floating);
     assert_eq!(robot.report.counts.degrees_of_freedom, 7);
@@ -154,7 +154,7 @@ fn parts_that_are_not_read_are_reported() {
         assert!(!found.is_empty() && found.iter().all(|(line, _)| *line >= 5), "{text}:\n{}", robot.report);
         let physics = *treatment == PHYSICS;
         assert_eq!(robot.report.counts.ignored_physics > 0, physics, "{text}:\n{}", robot.report);
-        let strict = parse(&file, &Options::default().with_strict());
+        let strict = parse(&file, &LoadOptions::default().with_strict());
         let refused = strict.as_ref().err().map(robot_dynamics::urdf::LoadError::errors);
         assert_eq!(matches!(refused, Some([UrdfError::Strict { .. }])), physics, "{text}: {strict:?}");
     }
@@ -177,12 +177,12 @@ fn unknown_parts_of_joints_and_inertias_count_as_physics() {
         let file = with_joint("continuous", content);
         let robot = read(&file);
         assert_eq!(places(&robot, Disposition::Ignored { physics }).len(), 1, "{content}:\n{}", robot.report);
-        assert_eq!(parse(&file, &Options::default().with_strict()).is_err(), physics, "{content}");
+        assert_eq!(parse(&file, &LoadOptions::default().with_strict()).is_err(), physics, "{content}");
     }
     let file = r#"<robot name="r"><link name="a"><inertial unit="lb"><mass value="1"/>
         <inertia ixx="1" iyy="1" izz="1"/></inertial></link></robot>"#;
     assert_eq!(places(&read(file), PHYSICS), [(1, r#"link "a"/inertial"#)]);
-    let refused = parse(file, &Options::default().with_strict()).expect_err("strict");
+    let refused = parse(file, &LoadOptions::default().with_strict()).expect_err("strict");
     assert!(matches!(refused.errors(), [UrdfError::Strict { line: 1, .. }]), "{refused}");
 }
 

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use robot_dynamics::description::{Base, JointKind, Pose};
 use robot_dynamics::model::{Model, random_state};
 use robot_dynamics::number::SplitMix64;
-use robot_dynamics::urdf::{Options, Robot, load};
+use robot_dynamics::urdf::{LoadOptions, Robot, load};
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots")
 }
 
 fn robot(name: &str) -> Robot {
-    load(folder().join(format!("{name}.urdf")), &Options::default().with_strict())
+    load(folder().join(format!("{name}.urdf")), &LoadOptions::default().with_strict())
         .unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
@@ -63,7 +63,7 @@ fn every_robot_loads_strictly_with_the_stated_size_and_mass() {
 #[test]
 fn legged_robots_load_with_a_floating_base() {
     for (name, freedom) in [("quadruped", 18), ("humanoid", 40)] {
-        let options = Options::default().with_strict().with_floating_base();
+        let options = LoadOptions::default().with_strict().with_floating_base();
         let loaded = load(folder().join(format!("{name}.urdf")), &options).expect("a robot");
         assert_eq!(loaded.description.base, Base::Floating);
         assert_eq!(loaded.report.counts.degrees_of_freedom, freedom);
@@ -131,7 +131,7 @@ fn the_ur5_tool_is_where_its_lengths_put_it() {
 #[test]
 fn pullbacks_of_every_robot_are_rows_of_its_jacobians() {
     for (name, ..) in ROBOTS {
-        for options in [Options::default(), Options::default().with_floating_base()] {
+        for options in [LoadOptions::default(), LoadOptions::default().with_floating_base()] {
             let loaded = load(folder().join(format!("{name}.urdf")), &options).expect("a robot");
             let model = Model::new(loaded.description).expect("a model");
             let state = random_state(&model, &mut SplitMix64::new(11));

@@ -1,11 +1,11 @@
 //! Shapes of links, and the report of invalid shapes.
 
 use robot_dynamics::description::{Pose, Shape, ShapeRole};
-use robot_dynamics_urdf::{Disposition, Options, Robot, parse};
+use robot_dynamics_urdf::{Disposition, LoadOptions, Robot, parse};
 
 pub(crate) fn with_shapes(inside: &str) -> Robot {
     let text = format!("<robot name=\"r\"><link name=\"arm\">\n{inside}\n</link></robot>");
-    parse(&text, &Options::default().with_strict()).expect("shapes never refuse a file")
+    parse(&text, &LoadOptions::default().with_strict()).expect("shapes never refuse a file")
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn angles_are_kept_as_written() {
           <joint name="elbow" type="continuous"><parent link="base"/><child link="arm"/>
             <origin xyz="1 0 0" rpy="0 0 -180"/></joint>
         </robot>"#,
-        &Options::default(),
+        &LoadOptions::default(),
     )
     .expect("a robot");
     let mut angles: Vec<(&str, [f64; 3])> =

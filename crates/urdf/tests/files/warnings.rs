@@ -5,12 +5,12 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use robot_dynamics::description::Base;
 use robot_dynamics::model::Model;
-use robot_dynamics_urdf::{Disposition, Options, Robot, Severity, UrdfError, parse};
+use robot_dynamics_urdf::{Disposition, LoadOptions, Robot, Severity, UrdfError, parse};
 
 use crate::malformed::Frame;
 
 fn read(text: &str) -> Robot {
-    parse(text, &Options::default()).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    parse(text, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
 /// The text is in the inertial of link `a`, from line 2.
@@ -67,7 +67,7 @@ fn every_suspicious_file_loads_with_its_warning_alone() {
         let found: Vec<_> = robot.report.warnings().map(|w| (w.line(), w.place(), w.severity())).collect();
         assert_eq!(found, [(*line, *place, Severity::Warning)], "{text}");
         assert_eq!(robot.report.counts.warnings, 1, "{text}");
-        let refused = parse(&file, &Options::default().with_strict()).expect_err("a warning");
+        let refused = parse(&file, &LoadOptions::default().with_strict()).expect_err("a warning");
         let [UrdfError::Strict { line: strict_line, place: strict_place, .. }] = refused.errors() else {
             panic!("{refused}")
         };
@@ -124,7 +124,7 @@ fn rounding_is_not_reported() {
             in_inertial(&format!(r#"<origin xyz="0 0 0.03"/><mass value="0.5"/><inertia {inertia}/>"#));
         let robot = read(&text);
         assert_eq!(robot.report.counts.warnings, 0, "{}", robot.report);
-        let repaired = parse(&text, &Options::default().with_repaired_inertia()).expect("a robot");
+        let repaired = parse(&text, &LoadOptions::default().with_repaired_inertia()).expect("a robot");
         assert_eq!(repaired, robot);
     }
     // The tolerance is 1e-9 of m·size²; the size here is the distance of the centre of mass.
@@ -144,7 +144,7 @@ fn repair_changes_only_the_wrong_moment_and_reports_it() {
             r#"<origin rpy="0.3 0.2 0.1"/><mass value="{mass}"/><inertia ixx="{x}" iyy="{y}" izz="{z}"/>"#
         ))
     };
-    let repair = Options::default().with_repaired_inertia();
+    let repair = LoadOptions::default().with_repaired_inertia();
     let r = Rotation3::from_euler_angles(0.3, 0.2, 0.1);
     for (given, mended) in
         [([4.766, 0.0041, 0.0037], [0.0078, 0.0041, 0.0037]), ([-1.0, 1.0, 1.0], [0.0, 1.0, 1.0])]
@@ -181,7 +181,7 @@ fn a_floating_root_gets_no_floating_base() {
              <joint name=\"{name}\" type=\"{kind}\"><parent link=\"mount\"/><child link=\"trunk\"/></joint></robot>"
         )
     };
-    let free = Options::default().with_floating_base();
+    let free = LoadOptions::default().with_floating_base();
     let floats = parse(&file("base", "floating", ""), &free).expect("a robot");
     assert_eq!((floats.description.base, floats.report.counts.degrees_of_freedom), (Base::Fixed, 6));
     assert_eq!(floats.description, read(&file("base", "floating", "")).description);
@@ -218,7 +218,7 @@ fn a_missing_parent_world_is_added() {
     });
     assert_eq!(of_j, of_k + 1, "{}", robot.report);
     assert_eq!(robot.report.counts.warnings, 0, "{}", robot.report);
-    assert!(parse(&file("ground"), &Options::default()).is_err());
+    assert!(parse(&file("ground"), &LoadOptions::default()).is_err());
 }
 
 #[test]
@@ -257,18 +257,18 @@ fn a_robot_without_a_name_has_that_of_the_file() {
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join("walker.urdf");
     std::fs::write(&file, "<robot><link name=\"a\"/></robot>").expect("a file");
-    let robot = robot_dynamics_urdf::load(&file, &Options::default()).expect("a robot");
+    let robot = robot_dynamics_urdf::load(&file, &LoadOptions::default()).expect("a robot");
     assert_eq!((robot.description.name.as_str(), robot.report.robot.as_str()), ("walker", "walker"));
     // Latin-1 is read if it is declared.
     let latin =
         b"<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><robot name=\"B\xe4r\"><link name=\"a\"/></robot>";
     std::fs::write(&file, latin).expect("a file");
     assert_eq!(
-        robot_dynamics_urdf::load(&file, &Options::default()).expect("a robot").description.name,
+        robot_dynamics_urdf::load(&file, &LoadOptions::default()).expect("a robot").description.name,
         "Bär"
     );
     std::fs::write(&file, &latin[43..]).expect("a file");
-    let refused = robot_dynamics_urdf::load(&file, &Options::default()).expect_err("not declared");
+    let refused = robot_dynamics_urdf::load(&file, &LoadOptions::default()).expect_err("not declared");
     assert!(matches!(refused.errors(), [UrdfError::NotUtf8 { byte: 14 }]), "{refused}");
     std::fs::remove_dir_all(&folder).expect("the folder");
 }

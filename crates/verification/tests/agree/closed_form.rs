@@ -8,13 +8,13 @@ use nalgebra::{Cholesky, DMatrix, SVector};
 use robot_dynamics::algorithms::mass_matrix;
 use robot_dynamics::model::{Model, Workspace, neutral, random_within_limits};
 use robot_dynamics::number::SplitMix64;
-use robot_dynamics::urdf::{Options, load};
+use robot_dynamics::urdf::{LoadOptions, load};
 
 fn robots() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots")
 }
 
-fn model(name: &str, options: Options) -> Model {
+fn model(name: &str, options: LoadOptions) -> Model {
     let robot = load(robots().join(format!("{name}.urdf")), &options.with_strict()).expect(name);
     Model::new(robot.description).expect(name)
 }
@@ -39,9 +39,9 @@ fn same_everywhere<const N: usize>(file: &FixedSize<N>, by_hand: &impl Dynamics<
 
 #[test]
 fn planar_arms_equal_their_closed_forms() {
-    let arm = FixedSize::<2>::new(model("two_r", Options::default())).expect("two joints");
+    let arm = FixedSize::<2>::new(model("two_r", LoadOptions::default())).expect("two joints");
     same_everywhere(&arm, &Reach2R::worked_example(), 1);
-    let arm = FixedSize::<3>::new(model("three_r", Options::default())).expect("three joints");
+    let arm = FixedSize::<3>::new(model("three_r", LoadOptions::default())).expect("three joints");
     same_everywhere(&arm, &Reach3R::reach_3r(), 2);
 }
 
@@ -54,7 +54,7 @@ fn every_robot_has_positive_definite_mass_matrix() {
             continue;
         }
         let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
-        for options in [Options::default(), Options::default().with_floating_base()] {
+        for options in [LoadOptions::default(), LoadOptions::default().with_floating_base()] {
             // Arms on massless stands cannot float: their base would have no mass.
             if options.floating_base && !["quadruped", "humanoid", "hand"].contains(&name.as_str()) {
                 continue;

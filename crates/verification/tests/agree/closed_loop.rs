@@ -15,7 +15,7 @@ fn hands_of_dual_arm_hold_each_other() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let robot = robot_dynamics::urdf::load(
         root.join("robots/dual_arm.urdf"),
-        &robot_dynamics::urdf::Options::default(),
+        &robot_dynamics::urdf::LoadOptions::default(),
     )?;
     let model = robot_dynamics::model::Model::new(robot.description)?;
     let loops: Vec<LoopClosure> =

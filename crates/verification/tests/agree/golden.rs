@@ -14,7 +14,7 @@ use robot_dynamics::derivatives::{
     inverse_dynamics_derivatives,
 };
 use robot_dynamics::model::{Model, Workspace};
-use robot_dynamics::urdf::{Options, load};
+use robot_dynamics::urdf::{LoadOptions, load};
 use serde_json::Value;
 
 const SUMMED: f64 = 1e-12;
@@ -60,7 +60,7 @@ fn robots() -> Vec<Golden> {
 
 fn read(golden: &Value) -> Option<Golden> {
     let name = golden["urdf"].as_str()?;
-    let options = Options::default().with_strict();
+    let options = LoadOptions::default().with_strict();
     let options = if golden["base"] == "Floating" { options.with_floating_base() } else { options };
     let loaded = load(root().join(name), &options).unwrap_or_else(|error| panic!("{name}: {error}"));
     let model = Model::new(loaded.description).unwrap_or_else(|error| panic!("{name}: {error}"));

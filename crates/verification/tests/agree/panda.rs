@@ -10,8 +10,8 @@ use robot_dynamics::simulation::Integrator;
 
 fn panda() -> FixedSize<7> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
-    let robot =
-        robot_dynamics::urdf::load(path, &robot_dynamics::urdf::Options::default()).expect("the robot loads");
+    let robot = robot_dynamics::urdf::load(path, &robot_dynamics::urdf::LoadOptions::default())
+        .expect("the robot loads");
     FixedSize::new(Model::new(robot.description).expect("the robot compiles"))
         .expect("seven joints")
         .without_dissipation()

@@ -9,7 +9,7 @@ use robot_dynamics::description::{Base, Finding, LoadReport};
 use robot_dynamics::model::{Model, Workspace, lock_massless};
 use robot_dynamics::simulation::{Effect, RunOptions, Simulation, SimulationBuilder};
 use robot_dynamics::text::file_stem;
-use robot_dynamics::{LoadedDescription, Options, describe_among, describe_text};
+use robot_dynamics::{LoadOptions, LoadedDescription, describe_among, describe_text};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::choice::Choice;
@@ -206,6 +206,6 @@ impl Robot {
     }
 }
 
-fn options(floating_base: bool, repair_inertia: bool) -> Options {
-    Options { floating_base, repair_inertia, ..Options::default() }
+fn options(floating_base: bool, repair_inertia: bool) -> LoadOptions {
+    LoadOptions { floating_base, repair_inertia, ..LoadOptions::default() }
 }

@@ -4,7 +4,7 @@ use robot_dynamics_core::{Model, Workspace, integrate};
 use robot_dynamics_integrators::{DynamicsError, IntegratorError, check_finite};
 
 use super::kept::copy_active;
-use super::{Implicit, Memory};
+use super::{ImplicitIntegrator, Memory};
 use crate::contact::{ContactImpulses, ImpulsiveStep, Mark};
 use crate::motion::simulate::Losses;
 
@@ -29,7 +29,7 @@ enum Advanced {
     None,
 }
 
-impl Implicit {
+impl ImplicitIntegrator {
     /// Takes a step of h of the active components, and returns whether all of them took it. With
     /// `RejectStep`, components with an impact get the mark `Meets` and are excluded, and only the others,
     /// which alone remain active, take the step. If no others exist, no step is taken and all components

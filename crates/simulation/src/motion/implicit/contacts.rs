@@ -2,11 +2,11 @@
 
 use robot_dynamics_core::Model;
 
-use super::Implicit;
+use super::ImplicitIntegrator;
 use crate::contact::ContactImpulses;
 use crate::{ContactPoint, ContactProblem, ContactSet};
 
-impl Implicit {
+impl ImplicitIntegrator {
     /// Adds rigid contacts with Coulomb friction, without penetration and creep.
     ///
     /// # Panics

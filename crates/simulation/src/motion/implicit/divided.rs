@@ -10,7 +10,7 @@ use robot_dynamics_core::Model;
 use robot_dynamics_core::model::Body;
 use robot_dynamics_integrators::{EnergyLedger, IntegratorError};
 
-use super::Implicit;
+use super::ImplicitIntegrator;
 use super::advance::{ImpactPolicy, PARTS};
 use super::kept::copy_positions;
 use crate::contact::{Components, ContactImpulses};
@@ -44,7 +44,7 @@ const MOST_WORK: usize = 2_000_000;
 /// The shortest part of a step.
 const SHORTEST: f64 = 1.0 / (1 << 24) as f64;
 
-impl Implicit {
+impl ImplicitIntegrator {
     /// Whether the energy balance of the component with this first tree fails. The step of h, in parts of
     /// this length, leads from the kept state to this one.
     pub(super) fn is_energy_unbalanced(

@@ -9,7 +9,7 @@ use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_integrators::{DynamicsError, IntegratorError};
 
-use super::Implicit;
+use super::ImplicitIntegrator;
 use super::impulses::along;
 use super::pivots::Pivots;
 use super::stiff_factor::StiffFactor;
@@ -295,7 +295,7 @@ impl Equalities {
     }
 }
 
-impl Implicit {
+impl ImplicitIntegrator {
     /// Adds these rows, each with its name.
     pub(crate) fn with_equalities(mut self, model: &Model, rows: EqualityRows, names: Vec<String>) -> Self {
         self.impulses.make_room(rows.rows());

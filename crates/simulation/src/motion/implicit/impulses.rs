@@ -337,7 +337,7 @@ impl Impulses {
     }
 }
 
-impl super::Implicit {
+impl super::ImplicitIntegrator {
     /// Adds the generalized forces of position limits in the last step, and the force of each tendon's limits
     /// along its length. They are means over the step, or over the last part of a divided step \[N·m or N\].
     /// Stops of ball joints' angles are not included.

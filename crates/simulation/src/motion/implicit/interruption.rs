@@ -6,11 +6,11 @@ use std::sync::atomic::AtomicBool;
 use robot_dynamics_core::Model;
 use robot_dynamics_integrators::IntegratorError;
 
-use super::Implicit;
+use super::ImplicitIntegrator;
 use crate::contact::Interrupt;
 use crate::{StepForces, StepWorkspace};
 
-impl Implicit {
+impl ImplicitIntegrator {
     /// Sets a flag that another thread or a signal handler can use to interrupt a step, which then returns
     /// [`IntegratorError::Interrupted`]. Every loop of the solvers checks it. All state is then that of the
     /// start of the step; after the flag is cleared, the same step can be taken again. Copies of the stepper

@@ -7,7 +7,7 @@ use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::configuration::manifold::{CoordinateRange, coordinate_ranges};
 use robot_dynamics_core::joint::Chart;
 
-use super::{Implicit, equalities, impulses};
+use super::{ImplicitIntegrator, equalities, impulses};
 use crate::contact::{Components, ContactMemory};
 use crate::motion::simulate::Losses;
 
@@ -63,7 +63,7 @@ impl StepSnapshot {
     }
 }
 
-impl Implicit {
+impl ImplicitIntegrator {
     /// Resizes the memory for trees after some were joined.
     pub(super) fn resize_trees(&mut self) {
         let Self { components, kept, start, pivots, is_off, lost, last_of, .. } = self;

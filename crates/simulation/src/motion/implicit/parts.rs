@@ -7,7 +7,7 @@
 use robot_dynamics_core::Model;
 use robot_dynamics_integrators::IntegratorError;
 
-use super::Implicit;
+use super::ImplicitIntegrator;
 use super::advance::{ImpactPolicy, PARTS};
 use super::divided::{FAR, SMALL};
 use super::equalities::Equalities;
@@ -21,7 +21,7 @@ const TRIALS: usize = 3;
 /// The number of repetitions of a step with joined components; then all are joined.
 const MOST_JOINS: usize = 4;
 
-impl Implicit {
+impl ImplicitIntegrator {
     /// Takes a step of h, in parts if necessary.
     pub(super) fn step_whole(
         &mut self,

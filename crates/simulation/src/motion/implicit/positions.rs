@@ -8,7 +8,7 @@ use robot_dynamics_integrators::IntegratorError;
 use super::impulses::land_on_stops;
 use super::joints::Stop;
 use super::kept::copy_positions;
-use super::{Implicit, Memory};
+use super::{ImplicitIntegrator, Memory};
 use crate::contact::{Bound, Components, DEEP, ImpulsiveStep, Mark, ROUNDING, returns};
 use crate::energy_ledger;
 
@@ -19,7 +19,7 @@ const MOST_LIFTS: usize = 4;
 /// A correction of a stop by more than this can add energy \[rad or m\].
 const BEYOND: f64 = 1e-6;
 
-impl Implicit {
+impl ImplicitIntegrator {
     /// Corrects the positions at the end of the step from q; `is_written` states whether `matrix` of the
     /// memory is M̂.
     pub(super) fn correct_positions(

@@ -5,12 +5,12 @@ use robot_dynamics_core::configuration::displacement_rate::displacement_rate;
 use robot_dynamics_core::{Model, Workspace, integrate};
 use robot_dynamics_integrators::DynamicsError;
 
-use super::{Implicit, Memory};
+use super::{ImplicitIntegrator, Memory};
 
 /// γ = 1 − 1/√2: L-stable; of the two L-stable values, the one with the smaller error.
 const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 
-impl Implicit {
+impl ImplicitIntegrator {
     /// The smooth part; writes Θ to `memory.displacement` and v₁ to `memory.stage_v`.
     pub(super) fn smooth(
         &mut self,

@@ -95,11 +95,11 @@ impl<E: StepError + Send + Sync + 'static> Classified for DifferenceError<E> {
 /// use robot_dynamics::derivatives::{LinearizedStep, RobotState, linearize_by_differences};
 /// use robot_dynamics::description::{Limits, pendulum};
 /// use robot_dynamics::model::Model;
-/// use robot_dynamics::simulation::{Implicit, StepForces, StepWorkspace};
+/// use robot_dynamics::simulation::{ImplicitIntegrator, StepForces, StepWorkspace};
 /// let mut robot = pendulum(2.0, 0.5);
 /// robot.joints[0].limits = Limits::new(-0.2, 0.0); // the robot is at its stop
 /// let model = Model::new(robot)?;
-/// let (implicit, mut workspace, h) = (Implicit::new(&model), StepWorkspace::new(&model), 1e-3);
+/// let (implicit, mut workspace, h) = (ImplicitIntegrator::new(&model), StepWorkspace::new(&model), 1e-3);
 /// let (mut a, mut b) = ([0.0; 4], [0.0; 2]);
 /// let push = [2.0 * 9.81 * 0.5 + 3.0]; // towards the stop, 3 N·m more than its weight requires
 /// let forces = StepForces::new(&push, true);

@@ -124,7 +124,7 @@ pub trait Stepper {
     /// slice is empty if the method has no actuators, and zero before the first step.
     ///
     /// The mean is available after [`record`](Self::record). [`MujocoEuler`](crate::MujocoEuler) holds the f
-    /// of the step's start, which is its mean. [`Implicit`](crate::Implicit) evaluates f(u, q̄, Δq/h), where
+    /// of the step's start, which is its mean. [`ImplicitIntegrator`](crate::ImplicitIntegrator) evaluates f(u, q̄, Δq/h), where
     /// q̄ is the middle of Δq. This is the mean if f is linear in q and v, and it is accurate however stiff a
     /// servo is. Explicit methods apply Simpson's rule over the step's ends and middle.
     ///
@@ -189,12 +189,12 @@ pub trait Stepper {
     /// Adds the nv×nv gains K and D of the forces −K δq − D v that the method treats explicitly. They bound
     /// its step, and a run that diverges derives its suggested step from them
     /// ([`RunError::Diverged`](crate::RunError::Diverged)). By default these are the gains of the joints'
-    /// springs and dampers; [`Implicit`](crate::Implicit) adds none.
+    /// springs and dampers; [`ImplicitIntegrator`](crate::ImplicitIntegrator) adds none.
     ///
     /// ```
     /// use robot_dynamics::description::{PassiveForces, pendulum};
     /// use robot_dynamics::model::Model;
-    /// use robot_dynamics::simulation::{Implicit, Integrator, Stepper};
+    /// use robot_dynamics::simulation::{ImplicitIntegrator, Integrator, Stepper};
     /// let mut robot = pendulum(2.0, 0.5);
     /// robot.joints[0].passive = PassiveForces::default().with_spring(30.0, 0.0).with_damping(4.0);
     /// let model = Model::new(robot)?;
@@ -203,7 +203,7 @@ pub trait Stepper {
     ///     stepper(&mut stiffness, &mut damping);
     ///     [stiffness[0], damping[0]]
     /// };
-    /// let (row, implicit) = (Integrator::RungeKutta4, Implicit::new(&model));
+    /// let (row, implicit) = (Integrator::RungeKutta4, ImplicitIntegrator::new(&model));
     /// assert_eq!(gains(&|k, d| row.explicit_gains(&model, true, k, d)), [30.0, 4.0]);
     /// assert_eq!(gains(&|k, d| implicit.explicit_gains(&model, true, k, d)), [0.0, 0.0]);
     /// # Ok::<(), robot_dynamics::description::ModelError>(())
