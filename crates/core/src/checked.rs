@@ -226,7 +226,7 @@ impl Model {
         check_configuration(self, q)?;
         let pose = crate::frame_pose(self, &mut Workspace::new(self), q, frame);
         check_result("the frame's position", &pose.translation)?;
-        Ok(Pose { rotation: pose.rotation, translation: pose.translation })
+        Ok(pose)
     }
 
     /// J, 6×nv, linear then angular; see [`frame_jacobian`](crate::frame_jacobian).

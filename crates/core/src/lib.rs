@@ -84,7 +84,7 @@ pub use algorithms::inverse_dynamics::{
 pub use algorithms::inverse_mass_matrix::inverse_mass_matrix;
 pub use algorithms::jacobian::{frame_bias_acceleration, frame_jacobian};
 pub use algorithms::joint_reactions::joint_reactions;
-pub use algorithms::kinematics::{FramePose, frame_pose, frame_poses};
+pub use algorithms::kinematics::{frame_pose, frame_poses};
 pub use algorithms::mass_matrix::{mass_matrix, mass_matrix_related_entries};
 pub use algorithms::mass_matrix_factor::mass_matrix_factor;
 pub use algorithms::mass_matrix_rate::mass_matrix_rate;

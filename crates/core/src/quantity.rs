@@ -6,13 +6,14 @@ mod table;
 pub use arguments::{Input, Inputs, QuantityResult, ResultShape};
 pub use table::Quantity;
 
-use crate::{FramePose, Model, Workspace};
+use crate::{Model, Workspace};
+use robot_dynamics_description::Pose;
 
 /// Memory for the results of any quantity of one state.
 #[derive(Clone, Debug)]
 pub struct QuantityMemory {
     numbers: [Vec<f64>; 3],
-    poses: Vec<FramePose>,
+    poses: Vec<Pose>,
     /// For each quantity the lengths of its results.
     lengths: [[usize; 3]; Quantity::ALL.len()],
 }
@@ -22,7 +23,7 @@ impl QuantityMemory {
     pub fn new(model: &Model) -> Self {
         let (nv, frames) = (model.nv(), model.frames().len());
         let most = (nv * nv).max(6 * nv).max(12 * frames).max(3);
-        let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
+        let still = Pose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
         let mut lengths = [[0; 3]; Quantity::ALL.len()];
         for quantity in Quantity::ALL {
             for (length, result) in lengths[quantity as usize].iter_mut().zip(quantity.results()) {

@@ -13,11 +13,12 @@ use serde::{Deserialize, Serialize};
 /// its order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
-pub struct Pose {
+#[doc(alias = "FramePose")]
+pub struct Pose<S = f64> {
     /// R, by rows.
-    pub rotation: [[f64; 3]; 3],
+    pub rotation: [[S; 3]; 3],
     /// p \[m\].
-    pub translation: [f64; 3],
+    pub translation: [S; 3],
 }
 
 impl Default for Pose {

@@ -1,11 +1,12 @@
 //! The library's algorithms over any number: over the tracing number, and over floats to compare with.
 
-use robot_dynamics_core::{FrameId, FramePose, InstructionSet, Model, Workspace};
+use robot_dynamics_core::{FrameId, InstructionSet, Model, Workspace};
 use robot_dynamics_integrators::{Integrator, StepScheme};
 use robot_dynamics_number::Scalar;
 use robot_dynamics_simulation::{StepForces, StepStagesWorkspace};
 
 use crate::{Function, FunctionError, Outcome};
+use robot_dynamics_description::Pose;
 
 impl Function {
     /// Computes the function's results, each by rows, by the library's calls over any number.
@@ -205,16 +206,16 @@ fn compute<S: Scalar>(
             );
         }
         Function::FramePoses => {
-            let unknown = FramePose { rotation: [[S::zero(); 3]; 3], translation: [S::zero(); 3] };
+            let unknown = Pose { rotation: [[S::zero(); 3]; 3], translation: [S::zero(); 3] };
             let mut poses = vec![unknown; model.frames().len()];
             robot_dynamics_core::frame_poses(model, w, x, &mut poses);
-            for (to, FramePose { rotation, translation }) in one.chunks_exact_mut(12).zip(&poses) {
+            for (to, Pose { rotation, translation }) in one.chunks_exact_mut(12).zip(&poses) {
                 to[..9].copy_from_slice(rotation.as_flattened());
                 to[9..].copy_from_slice(translation);
             }
         }
         Function::FramePose(_) => {
-            let FramePose { rotation, translation } =
+            let Pose { rotation, translation } =
                 robot_dynamics_core::frame_pose(model, w, x, required(frame));
             one.copy_from_slice(rotation.as_flattened());
             others[0].copy_from_slice(&translation);

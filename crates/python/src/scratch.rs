@@ -3,7 +3,6 @@
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use pyo3::prelude::*;
-use robot_dynamics::algorithms::FramePose;
 use robot_dynamics::batch::{BatchOptions, BatchWorkspace};
 use robot_dynamics::derivatives::LinearizeStepWorkspace;
 use robot_dynamics::model::{Model, Workspace};
@@ -12,12 +11,13 @@ use robot_dynamics::simulation::{SensorMemory, SensorSet};
 
 use crate::ffi::ArrayNumber;
 use crate::threads;
+use robot_dynamics::description::Pose;
 
 /// For one state.
 #[derive(Debug)]
 pub(crate) struct Scratch {
     pub(crate) workspace: Workspace,
-    pub(crate) poses: Vec<FramePose>,
+    pub(crate) poses: Vec<Pose>,
     /// Over dual numbers: what is computed by differentiation.
     dual: Option<Box<Workspace<Dual<f64, 1>>>>,
     sensors: Option<Box<SensorMemory>>,
@@ -26,7 +26,7 @@ pub(crate) struct Scratch {
 
 impl Scratch {
     pub(crate) fn new(model: &Model) -> Self {
-        let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
+        let still = Pose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
         Self {
             workspace: Workspace::new(model),
             poses: vec![still; model.frames().len()],

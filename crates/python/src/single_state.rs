@@ -1,7 +1,7 @@
 //! An algorithm on one state.
 
 use pyo3::prelude::*;
-use robot_dynamics::algorithms::{FramePose, check_rank};
+use robot_dynamics::algorithms::check_rank;
 use robot_dynamics::model::{FrameId, check_configuration};
 use robot_dynamics::quantity::{Input, Inputs, Quantity};
 
@@ -13,6 +13,7 @@ use crate::results::{MOST_RESULTS, Results};
 use crate::robot::Robot;
 use crate::row::{Row, Shape, Width, Work};
 use crate::scratch::Scratch;
+use robot_dynamics::description::Pose;
 
 /// The quickest way: all arguments are arrays of one state as they should be. None where one is not, or
 /// nothing is known of it; who then looks closer says what is wrong.
@@ -210,7 +211,7 @@ fn poses(
 }
 
 /// \[R p; 0 1\] by rows.
-fn homogeneous_of(FramePose { rotation, translation }: &FramePose, matrix: &mut [f64]) {
+fn homogeneous_of(Pose { rotation, translation }: &Pose, matrix: &mut [f64]) {
     for ((to, row), &p) in matrix.chunks_exact_mut(4).zip(rotation).zip(translation) {
         to.copy_from_slice(&[row[0], row[1], row[2], p]);
     }

@@ -95,12 +95,11 @@ pub mod model {
 /// The recursions: each quantity of the equation of motion, kinematics, energies and regressors.
 pub mod algorithms {
     pub use robot_dynamics_core::{
-        CentroidalMomentum, FramePose, FrameWrench, MotionError, PARAMETERS_PER_LINK, ReferenceFrame,
-        SingularMass, SingularMotion, SpatialAcceleration, Twist, bias, center_of_mass,
-        center_of_mass_bias_acceleration, center_of_mass_jacobian, center_of_mass_velocity,
-        centroidal_momentum, centroidal_momentum_bias_rate, centroidal_momentum_matrix,
-        centroidal_momentum_rate, check_rank, christoffel_symbols, coriolis_matrix, dissipation,
-        dissipation_derivative, forward_dynamics, forward_dynamics_by_cholesky,
+        CentroidalMomentum, FrameWrench, MotionError, PARAMETERS_PER_LINK, ReferenceFrame, SingularMass,
+        SingularMotion, SpatialAcceleration, Twist, bias, center_of_mass, center_of_mass_bias_acceleration,
+        center_of_mass_jacobian, center_of_mass_velocity, centroidal_momentum, centroidal_momentum_bias_rate,
+        centroidal_momentum_matrix, centroidal_momentum_rate, check_rank, christoffel_symbols,
+        coriolis_matrix, dissipation, dissipation_derivative, forward_dynamics, forward_dynamics_by_cholesky,
         forward_dynamics_with_wrenches, frame_acceleration, frame_bias_acceleration, frame_jacobian,
         frame_pose, frame_poses, frame_velocity, gravity, inertial_parameters, inverse_dynamics,
         inverse_dynamics_with_wrenches, inverse_mass_matrix, joint_reactions, joint_torque_regressor,

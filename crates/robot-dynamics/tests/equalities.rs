@@ -28,7 +28,7 @@ fn hold(model: &Model, corners: usize) -> ConstraintSet {
     let mut held = |name: &str, rows: &[_]| {
         let frame = model.frame_named(name).expect("a frame");
         let pose = frame_pose(model, workspace, &q, frame);
-        (name.to_owned(), FrameConstraint::contact(frame, pose.into(), rows).into())
+        (name.to_owned(), FrameConstraint::contact(frame, pose, rows).into())
     };
     let holds: Vec<_> = match corners {
         0 => vec![held("left_foot", &FrameConstraint::WELD)],

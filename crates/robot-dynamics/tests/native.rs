@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 
 use robot_dynamics::algorithms::{
-    FramePose, ReferenceFrame, bias, center_of_mass, center_of_mass_jacobian, centroidal_momentum_matrix,
+    ReferenceFrame, bias, center_of_mass, center_of_mass_jacobian, centroidal_momentum_matrix,
     coriolis_matrix, forward_dynamics, frame_jacobian, frame_pose, frame_poses, gravity, inverse_dynamics,
     inverse_mass_matrix, kinetic_energy, mass_matrix, mass_matrix_factor, momentum, potential_energy,
     velocity_product,
@@ -852,7 +852,7 @@ fn frames_of(model: &Model) -> Vec<FrameId> {
     model.frames().iter().map(|frame| model.frame_named(&frame.name).expect("its name")).collect()
 }
 
-fn numbers_of<T: BatchFloat>(FramePose { rotation, translation }: &FramePose<T>) -> Vec<T> {
+fn numbers_of<T: BatchFloat>(Pose { rotation, translation }: &Pose<T>) -> Vec<T> {
     rotation.as_flattened().iter().chain(translation).copied().collect()
 }
 
@@ -860,8 +860,7 @@ fn numbers_of<T: BatchFloat>(FramePose { rotation, translation }: &FramePose<T>)
 /// the Jacobian of that.
 fn compute_frames<T: BatchFloat>(model: &Model, q: &[T], frame: FrameId) -> Vec<Vec<T>> {
     let (w, zero, nv) = (&mut Workspace::<T>::new(model), T::zero(), model.nv());
-    let mut poses =
-        vec![FramePose { rotation: [[zero; 3]; 3], translation: [zero; 3] }; model.frames().len()];
+    let mut poses = vec![Pose { rotation: [[zero; 3]; 3], translation: [zero; 3] }; model.frames().len()];
     frame_poses(model, w, q, &mut poses);
     let mut results =
         vec![poses.iter().flat_map(numbers_of).collect(), numbers_of(&frame_pose(model, w, q, frame))];

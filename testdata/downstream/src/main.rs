@@ -132,7 +132,7 @@ fn two_feet() -> Outcome {
         let pose = frame_pose(&model, &mut workspace, &q, foot);
         contacts.push((
             name,
-            Constraint::FrameConstraint(FrameConstraint::contact(foot, pose.into(), &FrameConstraint::WELD)),
+            Constraint::FrameConstraint(FrameConstraint::contact(foot, pose, &FrameConstraint::WELD)),
         ));
     }
     let set = ConstraintSet::new(&model, contacts)?;

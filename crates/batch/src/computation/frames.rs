@@ -4,7 +4,7 @@ use robot_dynamics_core::algorithms::jacobian::FrameJacobian;
 use robot_dynamics_core::algorithms::kinematics::{NUMBERS_PER_POSE, pose_of};
 use robot_dynamics_core::kinematics::place::place_all_in_world;
 use robot_dynamics_core::model::native::NativeTask;
-use robot_dynamics_core::{FrameId, FramePose, Model, NativeFunction, ReferenceFrame, Workspace};
+use robot_dynamics_core::{FrameId, Model, NativeFunction, ReferenceFrame, Workspace};
 use robot_dynamics_number::StateLanes;
 use robot_dynamics_number::dispatch::Hardware;
 
@@ -41,10 +41,9 @@ impl<T> Operation<T> for Poses<'_> {
     ) {
         place_all_in_world(model, &mut workspace.tree, q);
         for (frame, to) in self.frames.iter().zip(poses.chunks_exact_mut(NUMBERS_PER_POSE)) {
-            let FramePose { rotation, translation } =
-                pose_of(&workspace.tree.screws.world, model.frame_of(*frame));
-            to[..9].copy_from_slice(rotation.as_flattened());
-            to[9..].copy_from_slice(&translation);
+            let pose = pose_of(&workspace.tree.screws.world, model.frame_of(*frame));
+            to[..9].copy_from_slice(pose.rotation.as_flattened());
+            to[9..].copy_from_slice(&pose.translation);
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Inputs and results of inverse kinematics.
 
-use robot_dynamics_core::FramePose;
 use robot_dynamics_description::Pose;
 
 /// The target of a frame.
@@ -15,12 +14,6 @@ pub enum FrameTarget {
 impl From<Pose> for FrameTarget {
     fn from(pose: Pose) -> Self {
         Self::Pose(pose)
-    }
-}
-
-impl From<FramePose> for FrameTarget {
-    fn from(pose: FramePose) -> Self {
-        Self::Pose(pose.into())
     }
 }
 

@@ -1,7 +1,7 @@
 //! The target of a frame at a time: the position of its origin, or its pose.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
-use robot_dynamics_core::{FramePose, SpatialAcceleration, Twist};
+use robot_dynamics_core::{SpatialAcceleration, Twist};
 use robot_dynamics_description::{Pose, Quaternion};
 use robot_dynamics_number::{InputProblem, InvalidInput, check_finite};
 use robot_dynamics_simulation::{CallbackError, ControllerError, IntoCallbackResult, SpatialAxis};
@@ -20,7 +20,7 @@ pub trait TaskTarget {
     /// [`ControllerError`] if the target is missing or invalid.
     fn acceleration(
         self,
-        pose: &FramePose,
+        pose: &Pose,
         velocity: &Twist,
         stiffness: f64,
         damping: f64,
@@ -64,7 +64,7 @@ impl TaskTarget for TaskReference {
     /// e = x\* − x.
     fn acceleration(
         self,
-        pose: &FramePose,
+        pose: &Pose,
         velocity: &Twist,
         stiffness: f64,
         damping: f64,
@@ -88,7 +88,7 @@ impl TaskTarget for PoseReference {
     /// rotates the frame to its target. **(MLS eq. 2.14)**
     fn acceleration(
         self,
-        pose: &FramePose,
+        pose: &Pose,
         velocity: &Twist,
         stiffness: f64,
         damping: f64,
@@ -120,7 +120,7 @@ impl<T: TaskTarget, E: Into<Box<dyn std::error::Error + Send + Sync>>> TaskTarge
 
     fn acceleration(
         self,
-        pose: &FramePose,
+        pose: &Pose,
         velocity: &Twist,
         stiffness: f64,
         damping: f64,

@@ -17,31 +17,14 @@ use crate::workspace::native::computed_natively;
 use crate::workspace::tree::{OverNumber, TreeMemory};
 use crate::{FrameId, Model, Workspace};
 
-/// `world_from_frame`: x_world = R x_frame + p. **(MR §3.3)**
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FramePose<S = f64> {
-    /// R, by rows: its columns are the frame's axes in the world.
-    pub rotation: [[S; 3]; 3],
-    /// p: the frame's origin in the world \[m\].
-    pub translation: [S; 3],
-}
-
 /// The length of a pose as an array.
 pub const NUMBERS_PER_POSE: usize = 12;
 
-impl<S: Copy> FramePose<S> {
-    /// From the rows of R, then p.
-    #[inline(always)]
-    fn of_numbers(numbers: &[S; NUMBERS_PER_POSE]) -> Self {
-        let [x, y, z, translation] = *numbers.as_chunks::<3>().0 else { unreachable!("four threes") };
-        Self { rotation: [x, y, z], translation }
-    }
-}
-
-impl From<FramePose> for Pose {
-    fn from(FramePose { rotation, translation }: FramePose) -> Self {
-        Self { rotation, translation }
-    }
+/// A pose from the rows of R, then p.
+#[inline(always)]
+fn of_numbers<S: Copy>(numbers: &[S; NUMBERS_PER_POSE]) -> Pose<S> {
+    let [x, y, z, translation] = *numbers.as_chunks::<3>().0 else { unreachable!("four threes") };
+    Pose { rotation: [x, y, z], translation }
 }
 
 /// `world_from_frame` in the configuration q \[m\].
@@ -75,16 +58,16 @@ pub fn frame_pose<S: Scalar>(
     workspace: &mut Workspace<S>,
     q: &[S],
     frame: FrameId,
-) -> FramePose<S> {
+) -> Pose<S> {
     workspace.check_inputs(model, q);
     let zero = S::zero();
     let (native, mut numbers) = (&mut workspace.tree.native, [zero; NUMBERS_PER_POSE]);
     model.frame_of(frame);
     let task = NativeFunction::FramePose.of_frame(frame);
     if computed_natively(model, native, task, &[q], &mut [&mut numbers]) {
-        return FramePose::of_numbers(&numbers);
+        return of_numbers(&numbers);
     }
-    let mut pose = FramePose { rotation: [[zero; 3]; 3], translation: [zero; 3] };
+    let mut pose = Pose { rotation: [[zero; 3]; 3], translation: [zero; 3] };
     run(&mut workspace.tree, OneFramePose { model, q, frame: model.frame_of(frame), pose: &mut pose });
     pose
 }
@@ -94,7 +77,7 @@ pub struct OneFramePose<'a, S> {
     model: &'a Model,
     q: &'a [S],
     frame: &'a Frame,
-    pose: &'a mut FramePose<S>,
+    pose: &'a mut Pose<S>,
 }
 
 compiled_once!(pub OneFramePoseKind, OneFramePose);
@@ -114,11 +97,11 @@ impl<S: Scalar> Kernel<OverNumber, S> for OneFramePose<'_, S> {
 /// `world_from_frame` of every frame, in the order of [`Model::frames`].
 ///
 /// ```
-/// use robot_dynamics::algorithms::{FramePose, frame_poses};
+/// use robot_dynamics::algorithms::frame_poses;
 /// use robot_dynamics::description::{Pose, pendulum};
 /// use robot_dynamics::model::{Model, Workspace};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
-/// let mut poses = vec![FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] }; model.frames().len()];
+/// let mut poses = vec![Pose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] }; model.frames().len()];
 /// frame_poses(&model, &mut Workspace::<f64>::new(&model), &[0.3], &mut poses);
 /// let tip = model.frames().iter().position(|frame| frame.name == "tip").expect("the pendulum's tip");
 /// assert!((poses[tip].translation[0] - 0.5 * 0.3_f64.cos()).abs() < 1e-15);
@@ -130,12 +113,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for OneFramePose<'_, S> {
 /// If a slice has the wrong length.
 #[inline]
 #[track_caller]
-pub fn frame_poses<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    poses: &mut [FramePose<S>],
-) {
+pub fn frame_poses<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], poses: &mut [Pose<S>]) {
     workspace.check_inputs(model, q);
     robot_dynamics_description::check_length("the list of poses", poses.len(), model.frames.len());
     run(&mut workspace.tree, FramePoses { model, q, poses });
@@ -145,7 +123,7 @@ pub fn frame_poses<S: Scalar>(
 pub struct FramePoses<'a, S> {
     model: &'a Model,
     q: &'a [S],
-    poses: &'a mut [FramePose<S>],
+    poses: &'a mut [Pose<S>],
 }
 
 compiled_once!(pub FramePosesKind, FramePoses);
@@ -164,11 +142,11 @@ impl<S: Scalar> Kernel<OverNumber, S> for FramePoses<'_, S> {
 
 /// `world_from_frame`, from the placements of the bodies.
 #[inline(always)]
-pub fn pose_of<S: Scalar, N: View<S>>(world: &[Transform<N>], frame: &Frame) -> FramePose<S> {
+pub fn pose_of<S: Scalar, N: View<S>>(world: &[Transform<N>], frame: &Frame) -> Pose<S> {
     let own = constant::<N>(frame);
     let place = if let Some(body) = frame.body { world[body].compose(&own) } else { own };
     let [x, y, z] = place.rotation.rows();
-    FramePose { rotation: [stored(x), stored(y), stored(z)], translation: stored(place.translation.array()) }
+    Pose { rotation: [stored(x), stored(y), stored(z)], translation: stored(place.translation.array()) }
 }
 
 #[inline(always)]

@@ -4,7 +4,8 @@ use Input::{Acceleration, Force, Frame, Velocity};
 
 use super::arguments::ResultShape::{Point, Poses, Rows, Scalar, Square, Vector};
 use super::arguments::{Input, Inputs, QuantityResult};
-use crate::{FramePose, Model, ReferenceFrame, Workspace};
+use crate::{Model, ReferenceFrame, Workspace};
+use robot_dynamics_description::Pose;
 
 /// Generates the enum, its list and its calls from the rows.
 macro_rules! table {
@@ -60,7 +61,7 @@ macro_rules! table {
                 workspace: &mut Workspace,
                 inputs: &Inputs<'_>,
                 results: [&mut [f64]; 3],
-                poses: &mut [FramePose],
+                poses: &mut [Pose],
             ) {
                 match self {
                     $(Self::$variant => {

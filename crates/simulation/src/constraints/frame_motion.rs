@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, Matrix3, RowDVector, Vector3};
 use robot_dynamics_core::{
-    FrameId, FramePose, Model, ReferenceFrame, Twist, Workspace, frame_bias_acceleration, frame_jacobian,
-    frame_pose, frame_velocity,
+    FrameId, Model, ReferenceFrame, Twist, Workspace, frame_bias_acceleration, frame_jacobian, frame_pose,
+    frame_velocity,
 };
 use robot_dynamics_description::Pose;
 
@@ -58,7 +58,7 @@ impl FrameMotion {
         frame: FrameId,
     ) -> Self {
         let nv = model.nv();
-        let FramePose { rotation, translation } = frame_pose(model, workspace, q, frame);
+        let Pose { rotation, translation } = frame_pose(model, workspace, q, frame);
         let mut jacobian = vec![0.0; 6 * nv];
         frame_jacobian(model, workspace, q, frame, ReferenceFrame::LocalWorldAligned, &mut jacobian);
         let Twist { linear, angular } =

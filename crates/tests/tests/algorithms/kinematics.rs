@@ -5,8 +5,8 @@
 //! roundings.
 
 use robot_dynamics::algorithms::{
-    FramePose, ReferenceFrame, SpatialAcceleration, Twist, frame_acceleration, frame_bias_acceleration,
-    frame_jacobian, frame_pose, frame_poses, frame_velocity,
+    ReferenceFrame, SpatialAcceleration, Twist, frame_acceleration, frame_bias_acceleration, frame_jacobian,
+    frame_pose, frame_poses, frame_velocity,
 };
 use robot_dynamics::model::{FrameId, Model, Workspace};
 use robot_dynamics::number::{Dual, Scalar};
@@ -14,6 +14,7 @@ use robot_dynamics::verification::lagrange;
 use robot_dynamics::verification::lagrange::LinkKinematics;
 
 use crate::common::{Robot, families, max_difference, times};
+use robot_dynamics::description::Pose;
 
 const ROUNDING: f64 = 1e-12;
 
@@ -45,7 +46,7 @@ struct Velocities<S> {
     in_world: [S; 6],
 }
 
-fn velocities<S: Scalar>(pose: &FramePose<Dual<S, 1>>) -> Velocities<S> {
+fn velocities<S: Scalar>(pose: &Pose<Dual<S, 1>>) -> Velocities<S> {
     let value = |x: &Dual<S, 1>| x.value;
     let rate = |x: &Dual<S, 1>| x.gradient[0];
     let r = &pose.rotation;
@@ -72,10 +73,9 @@ fn velocities<S: Scalar>(pose: &FramePose<Dual<S, 1>>) -> Velocities<S> {
 }
 
 /// The pose of a frame from the kinematics of the Lagrange recipe, through its link.
-fn reference_pose<S: Scalar>(model: &Model, links: &[LinkKinematics<S>], frame: usize) -> FramePose<S> {
+fn reference_pose<S: Scalar>(model: &Model, links: &[LinkKinematics<S>], frame: usize) -> Pose<S> {
     let description = model.description();
-    let of_link =
-        |link: usize| FramePose { rotation: links[link].rotation(), translation: links[link].origin() };
+    let of_link = |link: usize| Pose { rotation: links[link].rotation(), translation: links[link].origin() };
     if frame < description.links.len() {
         return of_link(frame);
     }
@@ -87,7 +87,7 @@ fn reference_pose<S: Scalar>(model: &Model, links: &[LinkKinematics<S>], frame: 
     let rotation = of_link.rotation.map(|row| {
         std::array::from_fn(|j| (0..3).fold(S::zero(), |sum, k| sum + row[k].scale(own.rotation[k][j])))
     });
-    FramePose { rotation, translation: links[link].point(own.translation.map(S::from_f64)) }
+    Pose { rotation, translation: links[link].point(own.translation.map(S::from_f64)) }
 }
 
 fn numbers(linear: [f64; 3], angular: [f64; 3]) -> Vec<f64> {
@@ -102,7 +102,7 @@ fn acceleration_numbers(acceleration: &SpatialAcceleration) -> Vec<f64> {
     numbers(acceleration.linear, acceleration.angular)
 }
 
-fn entries(pose: &FramePose) -> Vec<f64> {
+fn entries(pose: &Pose) -> Vec<f64> {
     pose.rotation.iter().flatten().chain(&pose.translation).copied().collect()
 }
 
@@ -133,7 +133,7 @@ fn poses_match_the_lagrange_kinematics() {
     for robot in robots() {
         let (model, q) = (&robot.model, &robot.state.q[..]);
         let workspace = &mut Workspace::new(model);
-        let zero = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
+        let zero = Pose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
         let mut all = vec![zero; model.frames().len()];
         frame_poses(model, workspace, q, &mut all);
         let links = lagrange::link_kinematics(model, q);

@@ -1,8 +1,7 @@
 //! Variational steps of long chains, whose mass matrix has a high condition number.
 
 use robot_dynamics::algorithms::{
-    FramePose, frame_pose, gravity, kinetic_energy, kinetic_energy_gradient, mass_matrix, momentum,
-    potential_energy,
+    frame_pose, gravity, kinetic_energy, kinetic_energy_gradient, mass_matrix, momentum, potential_energy,
 };
 use robot_dynamics::constraints::{
     ConstraintOptions, ConstraintSet, DriftCorrection, FrameConstraint, SpatialAxis, constrained_step,
@@ -138,7 +137,7 @@ fn chain_nailed_at_both_ends_keeps_constraint() {
     }
     let (mut workspace, tau) = (Workspace::new(&model), vec![0.0; model.nv()]);
     let frame = model.frame("rod 19").unwrap();
-    let FramePose { rotation, translation } = frame_pose(&model, &mut workspace, &q, frame);
+    let Pose { rotation, translation } = frame_pose(&model, &mut workspace, &q, frame);
     let nail =
         FrameConstraint::contact(frame, Pose { rotation, translation }, &[SpatialAxis::X, SpatialAxis::Z]);
     let set = ConstraintSet::new(&model, [("nail", nail.into())]).unwrap();

@@ -60,7 +60,7 @@ impl Hand {
         let link = link.name.clone();
         let carrier = model.frame_named(&link)?;
         let world_from_link = frame_pose(model, &mut Workspace::new(model), q, carrier);
-        let point = Pose::from(world_from_link).inverse().apply(place);
+        let point = world_from_link.inverse().apply(place);
         let mut name = POINT.to_owned();
         while model.frame(&name).is_some() {
             name.push('\'');

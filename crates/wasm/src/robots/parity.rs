@@ -1,6 +1,6 @@
 //! The robots' values that the native and both WebAssembly builds must agree on.
 
-use robot_dynamics::algorithms::{FramePose, check_rank, frame_poses, gravity, inverse_mass_matrix};
+use robot_dynamics::algorithms::{check_rank, frame_poses, gravity, inverse_mass_matrix};
 use robot_dynamics::model::{Model, Workspace, neutral, normalize_quaternions};
 use robot_dynamics::simulation::{Controller, Effect, GravityCompensatedPd, Method, energy_ledger};
 use robot_dynamics::{LoadOptions, describe_text, simulation};
@@ -9,6 +9,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 use super::Robot;
 use crate::LabError;
 use crate::parity::entry;
+use robot_dynamics::description::Pose;
 
 /// Lines like the chapter's (`parityValues`), for a robot from a file: every algorithm of its experiment, and
 /// every integrator.
@@ -31,7 +32,7 @@ pub fn robot_parity_values(text: &str, floating_base: bool) -> Result<Vec<String
     let speeds: Vec<f64> = (0..nv).map(|k| 0.5 - 0.3 * (k % 4) as f64).collect();
     check_rank(&model, &mut workspace, &start)?;
 
-    let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
+    let still = Pose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
     let mut poses = vec![still; model.frames().len()];
     frame_poses(&model, &mut workspace, &start, &mut poses);
     let poses: Vec<f64> = poses

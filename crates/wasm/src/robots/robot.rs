@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use robot_dynamics::algorithms::FramePose;
 use robot_dynamics::constraints::ConstraintSet;
 use robot_dynamics::description::{Base, Finding, LoadReport};
 use robot_dynamics::model::{Model, Workspace, lock_massless};
@@ -20,6 +19,7 @@ use super::step::Step;
 use super::text::shown;
 use crate::LabError;
 use crate::samples::Samples;
+use robot_dynamics::description::Pose;
 
 /// Sampling period \[s\] and the number of samples kept.
 pub(crate) const INTERVAL: f64 = 0.02;
@@ -33,7 +33,7 @@ pub struct Robot {
     pub(crate) report: LoadReport,
     pub(crate) locked: Vec<String>,
     pub(crate) workspace: Workspace,
-    pub(crate) poses: Vec<FramePose>,
+    pub(crate) poses: Vec<Pose>,
     pub(crate) choice: Choice,
     pub(crate) simulation: Simulation,
     /// The effects that act with nothing switched off.
@@ -161,7 +161,7 @@ impl Robot {
             Ok(loops) => (loops, None),
             Err(error) => (ConstraintSet::default(), Some(error.to_string())),
         };
-        let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
+        let still = Pose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
         // A simulation without effects; the robot's own is built once all its parts exist.
         let mut bare = SimulationBuilder::shared(Arc::clone(&model));
         for effect in Effect::ALL {
