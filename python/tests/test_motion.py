@@ -260,7 +260,7 @@ def test_a_robot_falls_and_comes_to_rest_on_ground() -> None:
         robot.simulate(q, duration=0.1, integrator="mujoco", stops=False)
     with pytest.raises(ValueError, match="`rk4` knows no contact; `implicit` and `mujoco` do"):
         robot.simulate(q, duration=0.1, integrator="rk4", ground=rd.Ground())
-    with pytest.raises(ValueError, match="-1 is no coefficient of friction"):
+    with pytest.raises(ValueError, match="a coefficient of friction must be finite and not negative, got -1"):
         robot.simulate(q, duration=0.1, ground=rd.Ground(friction=-1))
     with pytest.raises(ValueError, match="has no collision shape"):
         rd.example("panda").simulate(np.zeros(7), duration=0.1, ground=rd.Ground())

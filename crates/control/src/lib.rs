@@ -21,6 +21,6 @@ pub use operational_space::{
 };
 pub use time_parameterization::{
     Collocation, CubicSpline, LimitUtilization, MotionLimits, ParameterizationError, PathCoefficients,
-    PathState, SplineError, TimeOptimal, TimedPath, TreePath, TreePathPoint, limit_utilization,
-    path_coefficients, time_optimal,
+    PathState, TimeOptimal, TimedPath, TreePath, TreePathPoint, limit_utilization, path_coefficients,
+    time_optimal,
 };

@@ -23,6 +23,6 @@ pub use coefficients::{PathCoefficients, path_coefficients};
 pub use limits::{MotionLimits, ParameterizationError};
 pub use path::{TreePath, TreePathPoint};
 pub use reachability::{Collocation, TimeOptimal, time_optimal};
-pub use spline::{CubicSpline, SplineError};
+pub use spline::CubicSpline;
 pub use timed_path::{PathState, TimedPath};
 pub use verification::{LimitUtilization, limit_utilization};

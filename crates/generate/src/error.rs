@@ -66,7 +66,7 @@ pub enum GenerateError {
     },
     /// The robot's file is invalid.
     #[error(transparent)]
-    Robot(#[from] robot_dynamics::LoadError),
+    Robot(#[from] robot_dynamics::FileError),
     /// The variable with the folder for a build script's output is not set.
     #[error("the environment variable OUT_DIR is not set: call this from a build script")]
     NoOutput,

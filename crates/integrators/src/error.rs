@@ -28,7 +28,7 @@ pub enum DynamicsError {
 impl Classified for DynamicsError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::NonFinite { .. } => ErrorKind::Diverged,
+            Self::NonFinite { quantity, .. } => kind_of_not_finite(quantity),
             Self::SingularMass { .. } => ErrorKind::Singular,
         }
     }
@@ -171,4 +171,11 @@ pub fn check_finite(quantity: &'static str, values: &[f64]) -> Result<(), Dynami
         Some(index) => Err(DynamicsError::NonFinite { quantity, index }),
         None => Ok(()),
     }
+}
+
+/// The kind of a number that is not finite: bad input if the quantity is an argument, else a divergence.
+#[doc(hidden)]
+pub fn kind_of_not_finite(quantity: &str) -> ErrorKind {
+    let is_argument = matches!(quantity, "q" | "v" | "a" | "qd" | "u" | "tau");
+    if is_argument { ErrorKind::InvalidInput } else { ErrorKind::Diverged }
 }

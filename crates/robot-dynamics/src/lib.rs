@@ -53,8 +53,7 @@ pub use robot_dynamics_number::{Classified, ErrorKind, InputProblem, InvalidInpu
 pub use error::Error;
 pub use height_field::height_field;
 pub use load::{
-    FileError, LoadError, LoadedDescription, Robot, describe, describe_among, describe_text, load, load_with,
-    simulation,
+    FileError, LoadedDescription, Robot, describe, describe_among, describe_text, load, load_with, simulation,
 };
 pub use mesh::mesh_corners;
 
@@ -137,14 +136,14 @@ pub mod quantity {
 /// Closed loops, rolling, supports: constraints on the velocities of a robot.
 pub mod constraints {
     pub use robot_dynamics_simulation::{
-        Anchor, Baumgarte, ConstrainedMotion, ConstrainedMotionError, ConstrainedStepReport,
-        ConstrainedTorque, Constraint, ConstraintDrift, ConstraintOptions, ConstraintRecord, ConstraintRows,
-        ConstraintSet, ConstraintSetError, ContactImpulse, ContactSupport, Coupling, DriftCorrection,
-        FrameConstraint, LoopClosure, NamedDependentRow, NoSlip, Plane, PolynomialCoupling,
-        PositionProjection, RedundantRows, RollingDisc, RollingRow, SpatialAxis, SupportProblem,
-        SupportedTorque, TreeProjections, constrained_forward_dynamics, constrained_inverse_dynamics,
-        constrained_step, constraint_drift, constraint_projections, contact_impulse, project_position,
-        project_velocity, supported_inverse_dynamics,
+        Anchor, Baumgarte, ConstrainedMotion, ConstrainedStepReport, ConstrainedTorque, Constraint,
+        ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintRecord, ConstraintRows, ConstraintSet,
+        ContactImpulse, ContactSupport, Coupling, DriftCorrection, FrameConstraint, LoopClosure,
+        NamedDependentRow, NoSlip, Plane, PolynomialCoupling, PositionProjection, RedundantRows, RollingDisc,
+        RollingRow, SpatialAxis, SupportProblem, SupportedTorque, TreeProjections,
+        constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
+        constraint_projections, contact_impulse, project_position, project_velocity,
+        supported_inverse_dynamics,
     };
 }
 
@@ -183,8 +182,8 @@ pub mod control {
         FrameTarget, IdentificationError, IdentificationResult, InverseKinematicsError,
         InverseKinematicsOptions, InverseKinematicsSolution, LimitUtilization, LinkConsistency, MotionLimits,
         MotionRecord, OperationalSpace, OperationalSpaceWorkspace, ParameterizationError, PathCoefficients,
-        PathState, PoseReference, Reference, SplineError, TaskControl, TaskGains, TaskReference, TaskTarget,
-        TimeOptimal, TimedPath, TreePath, TreePathPoint, dlqr, inertial_parameter_names, inverse_kinematics,
+        PathState, PoseReference, Reference, TaskControl, TaskGains, TaskReference, TaskTarget, TimeOptimal,
+        TimedPath, TreePath, TreePathPoint, dlqr, inertial_parameter_names, inverse_kinematics,
         limit_utilization, operational_space, operational_space_into, path_coefficients,
         physical_consistency, pseudo_inertia, time_optimal,
     };

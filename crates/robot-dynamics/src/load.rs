@@ -73,35 +73,27 @@ impl LoadedDescription {
     /// # Errors
     /// [`ModelError`] if the description is invalid.
     pub fn compile(self) -> Result<Robot, ModelError> {
-        let model = Model::new(self.description)?;
-        #[cfg(feature = "native")]
-        let model = robot_dynamics_functions::with_native_code(model);
-        Ok(Robot { model, report: self.report })
+        Ok(Robot { model: compile(self.description)?, report: self.report })
     }
-}
 
-/// The reason for which a robot is not loaded.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum LoadError {
-    /// The file is refused, with all of its errors.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// The description in the file is invalid.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-}
-
-impl Classified for LoadError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::File(error) => error.kind(),
-            Self::Model(error) => error.kind(),
+    /// [`compile`](Self::compile) with the report in the error.
+    fn compile_with_report(self) -> Result<Robot, FileError> {
+        let Self { description, report, .. } = self;
+        match compile(description) {
+            Ok(model) => Ok(Robot { model, report }),
+            Err(source) => Err(FileError::Model { source, report: Box::new(report) }),
         }
     }
 }
 
-/// The reason for which a robot file is refused, by its format.
+fn compile(description: RobotDescription) -> Result<Model, ModelError> {
+    let model = Model::new(description)?;
+    #[cfg(feature = "native")]
+    let model = robot_dynamics_functions::with_native_code(model);
+    Ok(model)
+}
+
+/// The reason for which a robot file is refused, by its format, or its description is invalid.
 ///
 /// ```
 /// use robot_dynamics::{FileError, LoadOptions, describe_text};
@@ -111,6 +103,7 @@ impl Classified for LoadError {
 /// ```
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[doc(alias = "LoadError")]
 pub enum FileError {
     /// A file with the outermost element `<robot>`, or one of an unknown format.
     #[error(transparent)]
@@ -118,11 +111,23 @@ pub enum FileError {
     /// A file with the outermost element `<mujoco>`.
     #[error(transparent)]
     Mjcf(#[from] robot_dynamics_mjcf::LoadError),
+    /// A file that was read, with an invalid description.
+    #[error("{source}")]
+    Model {
+        /// The problem of the description.
+        source: ModelError,
+        /// The warnings and notes on the file.
+        report: Box<LoadReport>,
+    },
 }
 
 impl Classified for FileError {
     fn kind(&self) -> ErrorKind {
-        ErrorKind::File
+        match self {
+            Self::Urdf(error) => error.kind(),
+            Self::Mjcf(error) => error.kind(),
+            Self::Model { source, .. } => source.kind(),
+        }
     }
 }
 
@@ -132,6 +137,7 @@ impl FileError {
         match self {
             Self::Urdf(error) => error.errors().iter().map(ToString::to_string).collect(),
             Self::Mjcf(error) => error.errors().iter().map(ToString::to_string).collect(),
+            Self::Model { source, .. } => vec![source.to_string()],
         }
     }
 
@@ -140,6 +146,7 @@ impl FileError {
         match self {
             Self::Urdf(error) => error.unlisted(),
             Self::Mjcf(error) => error.unlisted(),
+            Self::Model { .. } => 0,
         }
     }
 
@@ -153,6 +160,7 @@ impl FileError {
                 error.errors(),
                 [robot_dynamics_mjcf::MjcfError::Xml { file, source: robot_dynamics_xml::XmlError::Unreadable { .. } }] if file.is_empty()
             ),
+            Self::Model { .. } => false,
         }
     }
 
@@ -161,6 +169,7 @@ impl FileError {
         match self {
             Self::Urdf(error) => error.report(),
             Self::Mjcf(error) => error.report(),
+            Self::Model { report, .. } => report,
         }
     }
 }
@@ -183,8 +192,8 @@ impl FileError {
 /// ```
 ///
 /// # Errors
-/// [`LoadError`] lists all errors, each with its line and advice.
-pub fn load(path: impl AsRef<Path>) -> Result<Robot, LoadError> {
+/// [`FileError`] lists all errors, each with its line and advice.
+pub fn load(path: impl AsRef<Path>) -> Result<Robot, FileError> {
     load_with(path, &LoadOptions::default())
 }
 
@@ -195,13 +204,13 @@ pub fn load(path: impl AsRef<Path>) -> Result<Robot, LoadError> {
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/humanoid.urdf");
 /// let robot = load_with(file, &LoadOptions::default().with_floating_base())?;
 /// assert_eq!(robot.model.joints()[0].nv, 6);
-/// # Ok::<(), robot_dynamics::LoadError>(())
+/// # Ok::<(), robot_dynamics::FileError>(())
 /// ```
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Robot, LoadError> {
-    Ok(describe(path, options)?.compile()?)
+pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Robot, FileError> {
+    describe(path, options)?.compile_with_report()
 }
 
 /// Reads a robot file without compiling it. [`load`] lists the other files that are opened.

@@ -29,7 +29,7 @@ pub fn is_same_file(one: impl AsRef<Path>, other: impl AsRef<Path>) -> bool {
 /// let robot = robot_dynamics::load(file)?;
 /// assert_eq!(file_read_at(file, &robot.report.files), Some(&*robot.report.files[0]));
 /// assert_eq!(file_read_at("to_come.urdf", &robot.report.files), None);
-/// # Ok::<(), robot_dynamics::LoadError>(())
+/// # Ok::<(), robot_dynamics::Error>(())
 /// ```
 pub fn file_read_at(destination: impl AsRef<Path>, files: &[PathBuf]) -> Option<&Path> {
     let destination = identity(destination.as_ref());

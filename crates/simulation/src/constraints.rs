@@ -39,7 +39,7 @@ mod variational;
 pub use closure::{Anchor, FrameConstraint, SpatialAxis};
 pub use coupling::Coupling;
 pub use drift::{ConstraintDrift, constraint_drift};
-pub use error::{ConstrainedMotionError, ConstraintSetError, NamedDependentRow};
+pub use error::{ConstraintError, NamedDependentRow};
 pub use forward::{ConstrainedMotion, constrained_forward_dynamics};
 pub use impulse::{ContactImpulse, contact_impulse};
 pub use inverse::{ConstrainedTorque, constrained_inverse_dynamics};

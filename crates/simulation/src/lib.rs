@@ -25,13 +25,13 @@ pub mod simulator;
 
 pub use actuation::{Actuation, ActuationWorkspace};
 pub use constraints::{
-    Anchor, Baumgarte, ConstrainedMotion, ConstrainedMotionError, ConstrainedStepReport, ConstrainedTorque,
-    Constraint, ConstraintDrift, ConstraintOptions, ConstraintRecord, ConstraintRows, ConstraintSet,
-    ConstraintSetError, ContactImpulse, ContactSupport, Coupling, DriftCorrection, FrameConstraint,
-    LoopClosure, NamedDependentRow, NoSlip, Plane, PolynomialCoupling, PositionProjection, RedundantRows,
-    RollingDisc, RollingRow, SpatialAxis, SupportProblem, SupportedTorque, TreeProjections,
-    constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
-    constraint_projections, contact_impulse, project_position, project_velocity, supported_inverse_dynamics,
+    Anchor, Baumgarte, ConstrainedMotion, ConstrainedStepReport, ConstrainedTorque, Constraint,
+    ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintRecord, ConstraintRows, ConstraintSet,
+    ContactImpulse, ContactSupport, Coupling, DriftCorrection, FrameConstraint, LoopClosure,
+    NamedDependentRow, NoSlip, Plane, PolynomialCoupling, PositionProjection, RedundantRows, RollingDisc,
+    RollingRow, SpatialAxis, SupportProblem, SupportedTorque, TreeProjections, constrained_forward_dynamics,
+    constrained_inverse_dynamics, constrained_step, constraint_drift, constraint_projections,
+    contact_impulse, project_position, project_velocity, supported_inverse_dynamics,
 };
 pub use contact::{
     ActiveSet, ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet,

@@ -10,7 +10,7 @@ use robot_dynamics::algorithms::{
 };
 use robot_dynamics::batch;
 use robot_dynamics::batch::BatchWorkspace;
-use robot_dynamics::constraints::{ConstraintSet, ConstraintSetError, FrameConstraint};
+use robot_dynamics::constraints::{ConstraintError, ConstraintSet, FrameConstraint};
 use robot_dynamics::description::{RandomRobotOptions, RobotDescription, random_robot};
 use robot_dynamics::model::{FrameId, InstructionSet, Model, Workspace, neutral};
 use robot_dynamics::quantity::{Input, Inputs, Quantity, QuantityMemory};
@@ -86,7 +86,7 @@ fn frame_of_another_robot_panics() {
     };
     assert_names(&message(call), &["light"]);
     let set = ConstraintSet::new(&light, [("pin", FrameConstraint::point_contact(frame, [0.0; 3]).into())]);
-    let foreign = ConstraintSetError::ForeignFrame { constraint: "pin".into(), robot: "light".into() };
+    let foreign = ConstraintError::ForeignFrame { constraint: "pin".into(), robot: "light".into() };
     assert_eq!(set, Err(foreign));
 }
 

@@ -2,7 +2,7 @@
 
 use robot_dynamics_core::Model;
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::{Classified, ErrorKind};
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 use thiserror::Error;
 
 use crate::inverse_kinematics::bounds::Bounds;
@@ -76,10 +76,26 @@ impl MotionLimits {
     }
 }
 
-/// An error of the time parameterization of a path.
+/// An error of a path through waypoints, or of its time parameterization.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
+#[doc(alias = "SplineError")]
 pub enum ParameterizationError {
+    /// Waypoints have different lengths, or a number of one is not finite or too large.
+    #[error(transparent)]
+    Input(#[from] InvalidInput),
+    /// There are fewer than two waypoints.
+    #[error("a spline needs at least two waypoints, got {count}")]
+    TooFewWaypoints {
+        /// The number of waypoints.
+        count: usize,
+    },
+    /// A waypoint equals the one before, and the path would have zero velocity there.
+    #[error("waypoints {} and {index} are the same point; leave one out", .index - 1)]
+    RepeatedWaypoint {
+        /// The index of the second of the two.
+        index: usize,
+    },
     /// A limit of torque or velocity is not positive, or a position limit is NaN.
     #[error(
         "the {quantity} limit of coordinate `{coordinate}` is {value}; it must be {}",
@@ -169,7 +185,12 @@ pub enum ParameterizationError {
 impl Classified for ParameterizationError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::BadLimit { .. } | Self::NotFinite { .. } | Self::BadSpeed { .. } => ErrorKind::InvalidInput,
+            Self::Input(error) => error.kind(),
+            Self::TooFewWaypoints { .. }
+            | Self::RepeatedWaypoint { .. }
+            | Self::BadLimit { .. }
+            | Self::NotFinite { .. }
+            | Self::BadSpeed { .. } => ErrorKind::InvalidInput,
             _ => ErrorKind::Infeasible,
         }
     }

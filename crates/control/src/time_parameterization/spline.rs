@@ -1,57 +1,7 @@
 //! A cubic spline through waypoints.
 
-use robot_dynamics_number::{Classified, ErrorKind};
-use thiserror::Error;
-
-use super::{TreePath, TreePathPoint};
-
-/// An error of a spline through waypoints.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum SplineError {
-    /// There are fewer than two waypoints.
-    #[error("a spline needs at least two waypoints, got {count}")]
-    TooFew {
-        /// The number of waypoints.
-        count: usize,
-    },
-    /// A waypoint has another length than the first.
-    #[error("waypoint {index} has {found} numbers, the first has {expected}")]
-    WrongLength {
-        /// The index of the waypoint.
-        index: usize,
-        /// Its length.
-        found: usize,
-        /// The length of the first waypoint.
-        expected: usize,
-    },
-    /// A number is NaN or infinite.
-    #[error("waypoint {index} has a number that is not finite: {value}")]
-    NotFinite {
-        /// The index of the waypoint.
-        index: usize,
-        /// The number.
-        value: f64,
-    },
-    /// Waypoints are so far apart that the spline is not finite.
-    #[error("the spline is not finite at waypoint {index}: its numbers are too large; check their units")]
-    Overflow {
-        /// The index of the waypoint.
-        index: usize,
-    },
-    /// A waypoint equals the one before, and the path would have zero velocity there.
-    #[error("waypoints {} and {index} are the same point; leave one out", .index - 1)]
-    Repeated {
-        /// The index of the second of the two.
-        index: usize,
-    },
-}
-
-impl Classified for SplineError {
-    fn kind(&self) -> ErrorKind {
-        ErrorKind::InvalidInput
-    }
-}
+use super::{ParameterizationError, TreePath, TreePathPoint};
+use robot_dynamics_number::{InputProblem, InvalidInput, check_finite, check_result};
 
 /// The natural cubic spline through waypoints, twice continuously differentiable, for plain coordinates only.
 ///
@@ -63,7 +13,7 @@ impl Classified for SplineError {
 /// use robot_dynamics::control::{CubicSpline, TreePath};
 /// let path = CubicSpline::through(&[vec![0.0, 0.0], vec![1.0, 0.5], vec![0.5, 1.0]])?;
 /// assert_eq!(path.at(1.0).q, [0.5, 1.0]);
-/// # Ok::<(), robot_dynamics::control::SplineError>(())
+/// # Ok::<(), robot_dynamics::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CubicSpline {
@@ -77,26 +27,26 @@ impl CubicSpline {
     /// Creates a spline through these configurations, in order.
     ///
     /// # Errors
-    /// [`SplineError`] if there are fewer than two waypoints, their lengths differ, a number is not finite,
-    /// or two consecutive waypoints are equal.
-    pub fn through(waypoints: &[Vec<f64>]) -> Result<Self, SplineError> {
+    /// [`ParameterizationError`] if there are fewer than two waypoints, their lengths differ, a number
+    /// is not finite, or two consecutive waypoints are equal.
+    pub fn through(waypoints: &[Vec<f64>]) -> Result<Self, ParameterizationError> {
         if waypoints.len() < 2 {
-            return Err(SplineError::TooFew { count: waypoints.len() });
+            return Err(ParameterizationError::TooFewWaypoints { count: waypoints.len() });
         }
         let expected = waypoints[0].len();
         let mut knots = vec![0.0];
         for (index, point) in waypoints.iter().enumerate() {
             if point.len() != expected {
-                return Err(SplineError::WrongLength { index, found: point.len(), expected });
+                let (found, owner, hint) = (point.len(), "the path".into(), ", as the first waypoint has");
+                let problem = InputProblem::WrongLength { found, expected, owner, hint };
+                return Err(InvalidInput::new(format!("waypoint {index}"), problem).into());
             }
-            if let Some(&value) = point.iter().find(|x| !x.is_finite()) {
-                return Err(SplineError::NotFinite { index, value });
-            }
+            check_finite(&format!("waypoint {index}"), point)?;
             if index > 0 {
                 let before = &waypoints[index - 1];
                 let chord: f64 = point.iter().zip(before).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
                 if chord == 0.0 {
-                    return Err(SplineError::Repeated { index });
+                    return Err(ParameterizationError::RepeatedWaypoint { index });
                 }
                 knots.push(knots[index - 1] + chord.sqrt());
             }
@@ -106,9 +56,8 @@ impl CubicSpline {
             *s /= length;
         }
         let curvatures = curvatures(&knots, waypoints);
-        let finite = |i: &usize| knots[*i].is_finite() && curvatures[*i].iter().all(|x| x.is_finite());
-        if let Some(index) = (0..knots.len()).find(|i| !finite(i)) {
-            return Err(SplineError::Overflow { index });
+        for (index, (knot, curvature)) in knots.iter().zip(&curvatures).enumerate() {
+            check_result(&format!("the spline at waypoint {index}"), curvature.iter().chain([knot]))?;
         }
         Ok(Self { knots, points: waypoints.to_vec(), curvatures })
     }

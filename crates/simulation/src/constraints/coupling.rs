@@ -7,8 +7,9 @@ use nalgebra::RowDVector;
 use robot_dynamics_core::Model;
 use robot_dynamics_core::configuration::manifold::coordinate_ranges;
 use robot_dynamics_core::joint::Chart;
+use robot_dynamics_number::check_number;
 
-use super::ConstraintSetError;
+use super::ConstraintError;
 use super::set::RowsAt;
 
 /// Σ cᵢ vᵢ = 0 with constant c: gears, belts, differentials, a locked joint.
@@ -27,23 +28,18 @@ impl Coupling {
     /// A coupling of coordinates, given by name ([`Model::coordinate_names`]), with coefficients.
     ///
     /// # Errors
-    /// [`ConstraintSetError::UnknownCoordinate`], [`ConstraintSetError::BadNumber`].
-    pub fn new(model: &Model, terms: &[(&str, f64)], offset: f64) -> Result<Self, ConstraintSetError> {
+    /// [`ConstraintError::UnknownCoordinate`], [`ConstraintError::Input`].
+    pub fn new(model: &Model, terms: &[(&str, f64)], offset: f64) -> Result<Self, ConstraintError> {
         let names = model.coordinate_names();
-        let bad = |quantity: &'static str, value: f64| ConstraintSetError::BadNumber { quantity, value };
         let term = |&(name, coefficient): &(&str, f64)| {
-            if !coefficient.is_finite() {
-                return Err(bad("a coupling's coefficient", coefficient));
-            }
+            check_number("a coupling's coefficient", coefficient)?;
             let found = names.iter().position(|known| known == name);
-            found.map(|index| (index, coefficient)).ok_or_else(|| ConstraintSetError::UnknownCoordinate {
+            found.map(|index| (index, coefficient)).ok_or_else(|| ConstraintError::UnknownCoordinate {
                 name: name.to_owned(),
                 robot: model.name().to_owned(),
             })
         };
-        if !offset.is_finite() {
-            return Err(bad("a coupling's offset", offset));
-        }
+        check_number("a coupling's offset", offset)?;
         Ok(Self { terms: terms.iter().map(term).collect::<Result<_, _>>()?, offset })
     }
 

@@ -6,7 +6,7 @@ use robot_dynamics_description::check_length;
 
 use super::forward::LargestEntry;
 use super::set::ConstraintRows;
-use super::{ConstrainedMotionError, ConstraintSet};
+use super::{ConstraintError, ConstraintSet};
 
 /// The constraint error of a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,14 +35,14 @@ impl ConstraintDrift {
         rows: &ConstraintRows,
         v: &[f64],
         allowed: f64,
-    ) -> Result<(), ConstrainedMotionError> {
+    ) -> Result<(), ConstraintError> {
         let velocity = &rows.matrix * DVector::from_column_slice(v);
         for (quantity, values) in [("the position error", &rows.position_error), ("the velocity", &velocity)]
         {
             // A value that is not finite is an error.
             if let Some(i) = (0..values.len()).find(|&i| values[i].is_nan() || values[i].abs() > allowed) {
                 let name = set.row_names()[i].clone();
-                return Err(ConstrainedMotionError::OffConstraint { quantity, name, error: values[i].abs() });
+                return Err(ConstraintError::OffConstraint { quantity, name, error: values[i].abs() });
             }
         }
         Ok(())

@@ -1,12 +1,40 @@
 //! Errors of constraints, and of motions with constraints.
 
-use robot_dynamics_number::{Classified, ErrorKind};
+use robot_dynamics_integrators::kind_of_not_finite;
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 use thiserror::Error;
 
-/// An invalid constraint of a robot.
+/// The name of a constraint row that depends on the rows before it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct NamedDependentRow {
+    /// The row's index in A.
+    pub row: usize,
+    /// Its name, for example `pin.rx`.
+    pub name: String,
+    /// The earlier rows whose combination it is; empty for a row of zeros.
+    pub combination_of: Vec<String>,
+}
+
+impl core::fmt::Display for NamedDependentRow {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self.combination_of.as_slice() {
+            [] => write!(f, "`{}` is zero", self.name),
+            rows => write!(f, "`{}` depends on `{}`", self.name, rows.join("`, `")),
+        }
+    }
+}
+
+/// An invalid constraint, or the reason why a constrained motion was not computed.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
-pub enum ConstraintSetError {
+#[doc(alias = "ConstraintSetError")]
+#[doc(alias = "ConstrainedMotionError")]
+pub enum ConstraintError {
+    /// A vector has a number that is not finite, or an option, a tolerance, a radius, a coefficient, the
+    /// weight of the forces or the step is out of its range.
+    #[error(transparent)]
+    Input(#[from] InvalidInput),
     /// A loop names a frame that the robot does not have.
     #[error("constraint `{constraint}`: robot `{robot}` has no link or frame `{frame}`")]
     UnknownFrame {
@@ -49,68 +77,13 @@ pub enum ConstraintSetError {
         /// `has no rows` or `has a row twice`.
         problem: &'static str,
     },
-    /// A number out of its range.
-    #[error("{quantity} is {value}; it must be finite, and positive where it is a radius")]
-    BadNumber {
-        /// The quantity.
-        quantity: &'static str,
-        /// Its value.
-        value: f64,
-    },
-}
-
-impl Classified for ConstraintSetError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::UnknownFrame { .. } | Self::UnknownCoordinate { .. } => ErrorKind::UnknownName,
-            Self::BadNumber { .. } => ErrorKind::InvalidInput,
-            Self::ForeignFrame { .. } | Self::DuplicateName { .. } | Self::BadRows { .. } => {
-                ErrorKind::Constraint
-            }
-        }
-    }
-}
-
-/// The name of a constraint row that depends on the rows before it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct NamedDependentRow {
-    /// The row's index in A.
-    pub row: usize,
-    /// Its name, for example `pin.rx`.
-    pub name: String,
-    /// The earlier rows whose combination it is; empty for a row of zeros.
-    pub combination_of: Vec<String>,
-}
-
-impl core::fmt::Display for NamedDependentRow {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self.combination_of.as_slice() {
-            [] => write!(f, "`{}` is zero", self.name),
-            rows => write!(f, "`{}` depends on `{}`", self.name, rows.join("`, `")),
-        }
-    }
-}
-
-/// The reason why a constrained motion was not computed.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ConstrainedMotionError {
-    /// An input or a result is NaN or infinite.
+    /// An input or a result of a step is NaN or infinite.
     #[error("{quantity}[{index}] is not finite")]
     NotFinite {
         /// The quantity.
         quantity: &'static str,
         /// The index of the entry.
         index: usize,
-    },
-    /// An option, a tolerance or a coefficient is NaN or infinite.
-    #[error("{quantity} is {value}; it must be finite")]
-    BadNumber {
-        /// The name of the number.
-        quantity: &'static str,
-        /// Its value.
-        value: f64,
     },
     /// An invalid support.
     #[error("support {index}: {problem}")]
@@ -119,18 +92,6 @@ pub enum ConstrainedMotionError {
         index: usize,
         /// The fault of the support.
         problem: &'static str,
-    },
-    /// Forces with zero or negative weight are not unique.
-    #[error("the weight of the forces must be positive, got {weight} m²")]
-    BadSupportWeight {
-        /// The given weight \[m²\].
-        weight: f64,
-    },
-    /// A step that is not positive and finite.
-    #[error("the step must be positive and finite, got {step} s")]
-    BadStep {
-        /// The given step \[s\].
-        step: f64,
     },
     /// M is singular.
     #[error(transparent)]
@@ -215,16 +176,18 @@ pub enum ConstrainedMotionError {
     },
 }
 
-impl Classified for ConstrainedMotionError {
+impl Classified for ConstraintError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::NotFinite { .. }
-            | Self::BadNumber { .. }
-            | Self::BadSupport { .. }
-            | Self::BadSupportWeight { .. }
-            | Self::BadStep { .. } => ErrorKind::InvalidInput,
+            Self::Input(error) => error.kind(),
+            Self::BadSupport { .. } => ErrorKind::InvalidInput,
+            Self::NotFinite { quantity, .. } => kind_of_not_finite(quantity),
+            Self::UnknownFrame { .. } | Self::UnknownCoordinate { .. } => ErrorKind::UnknownName,
             Self::SingularMass(error) => error.kind(),
-            Self::NonFiniteRow { .. }
+            Self::ForeignFrame { .. }
+            | Self::DuplicateName { .. }
+            | Self::BadRows { .. }
+            | Self::NonFiniteRow { .. }
             | Self::DependentRows { .. }
             | Self::Inconsistent { .. }
             | Self::NearlyDependentRow { .. }
@@ -236,14 +199,9 @@ impl Classified for ConstrainedMotionError {
 }
 
 /// Returns an error if an entry of the vector is not finite.
-pub(super) fn check_entries(quantity: &'static str, x: &[f64]) -> Result<(), ConstrainedMotionError> {
+pub(super) fn check_entries(quantity: &'static str, x: &[f64]) -> Result<(), ConstraintError> {
     match x.iter().position(|x| !x.is_finite()) {
-        Some(index) => Err(ConstrainedMotionError::NotFinite { quantity, index }),
+        Some(index) => Err(ConstraintError::NotFinite { quantity, index }),
         None => Ok(()),
     }
-}
-
-/// Returns an error if the number is not finite.
-pub(super) fn check_number(quantity: &'static str, value: f64) -> Result<(), ConstrainedMotionError> {
-    if value.is_finite() { Ok(()) } else { Err(ConstrainedMotionError::BadNumber { quantity, value }) }
 }

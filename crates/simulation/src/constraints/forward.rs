@@ -9,11 +9,12 @@
 use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::{Model, Workspace, bias};
 use robot_dynamics_description::check_length;
+use robot_dynamics_number::check_finite;
 
 use super::error::check_entries;
 use super::row_factor::{MassFactor, RowFactor};
 use super::set::ConstraintRows;
-use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet, NamedDependentRow, RedundantRows};
+use super::{ConstraintError, ConstraintOptions, ConstraintSet, NamedDependentRow, RedundantRows};
 
 /// Acceleration and multipliers at a state.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +59,7 @@ pub struct ConstrainedMotion {
 /// ```
 ///
 /// # Errors
-/// [`ConstrainedMotionError`] if an input, an option, a row or a result is not finite, or M is singular. The
+/// [`ConstraintError`] if an input, an option, a row or a result is not finite, or M is singular. The
 /// same if dependent rows are refused, or rows contradict each other by more than rounding.
 ///
 /// # Panics
@@ -73,13 +74,13 @@ pub fn constrained_forward_dynamics(
     q: &[f64],
     v: &[f64],
     tau: &[f64],
-) -> Result<ConstrainedMotion, ConstrainedMotionError> {
+) -> Result<ConstrainedMotion, ConstraintError> {
     workspace.check_inputs(model, q);
     check_length("q", q.len(), model.nq());
     check_length("v", v.len(), model.nv());
     check_length("tau", tau.len(), model.nv());
     for (quantity, values) in [("q", q), ("v", v), ("tau", tau)] {
-        check_entries(quantity, values)?;
+        check_finite(quantity, values)?;
     }
     options.check()?;
     let rows = set.rows(model, workspace, q, v);
@@ -91,7 +92,7 @@ pub fn constrained_forward_dynamics(
     let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
     let dependent = factor.dependent_rows(set);
     if options.redundant == RedundantRows::Refuse && !dependent.is_empty() {
-        return Err(ConstrainedMotionError::DependentRows { rank: factor.rank(), rows: dependent });
+        return Err(ConstraintError::DependentRows { rank: factor.rank(), rows: dependent });
     }
     let target = target(&rows, v, options);
     let Solution { acceleration, mut multipliers, free } =
@@ -110,7 +111,7 @@ pub fn constrained_forward_dynamics(
     let scale = target.amax_or_zero() + entry * acceleration.abs().sum();
     let rounding = 64.0 * f64::EPSILON * entry * free;
     if let Some(worst) = missed.iter().position(|x| x.abs() > 1e-4 * scale + rounding) {
-        return Err(ConstrainedMotionError::Inconsistent { name: set.row_names()[worst].clone(), residual });
+        return Err(ConstraintError::Inconsistent { name: set.row_names()[worst].clone(), residual });
     }
     Ok(ConstrainedMotion { acceleration, multipliers, rank: factor.rank(), dependent, residual })
 }

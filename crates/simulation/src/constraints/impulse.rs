@@ -7,10 +7,11 @@
 use nalgebra::DVector;
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::check_length;
+use robot_dynamics_number::{check_finite, check_number};
 
-use super::error::{check_entries, check_number};
+use super::error::check_entries;
 use super::row_factor::{MassFactor, RowFactor};
-use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet};
+use super::{ConstraintError, ConstraintOptions, ConstraintSet};
 
 /// The result of an impact.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +56,7 @@ pub struct ContactImpulse {
 /// ```
 ///
 /// # Errors
-/// [`ConstrainedMotionError`] if M is singular, or an input, an option, a row or a result is not finite.
+/// [`ConstraintError`] if M is singular, or an input, an option, a row or a result is not finite.
 ///
 /// # Panics
 /// If a slice has the wrong length, or the restitution e is outside \[0, 1\].
@@ -68,14 +69,14 @@ pub fn contact_impulse(
     q: &[f64],
     v: &[f64],
     restitution: f64,
-) -> Result<ContactImpulse, ConstrainedMotionError> {
+) -> Result<ContactImpulse, ConstraintError> {
     workspace.check_inputs(model, q);
     check_number("the restitution", restitution)?;
     assert!((0.0..=1.0).contains(&restitution), "the restitution must lie in [0, 1], got {restitution}");
     check_length("q", q.len(), model.nq());
     check_length("v", v.len(), model.nv());
-    check_entries("q", q)?;
-    check_entries("v", v)?;
+    check_finite("q", q)?;
+    check_finite("v", v)?;
     options.check()?;
     let rows = set.rows(model, workspace, q, v);
     let mass = MassFactor::new(model, workspace, q)?;

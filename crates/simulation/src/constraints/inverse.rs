@@ -8,11 +8,12 @@ use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::factorization::singular_values::SingularValues;
 use robot_dynamics_core::{Model, Workspace, inverse_dynamics};
 use robot_dynamics_description::check_length;
+use robot_dynamics_number::check_finite;
 
 use super::error::check_entries;
 use super::forward::LargestEntry;
 use super::row_factor::ROUNDING;
-use super::{ConstrainedMotionError, ConstraintSet};
+use super::{ConstraintError, ConstraintSet};
 
 /// The torques and multipliers of a motion.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +60,7 @@ pub struct ConstrainedTorque {
 /// ```
 ///
 /// # Errors
-/// [`ConstrainedMotionError`]: q, v, a, a row or a result is not finite.
+/// [`ConstraintError`]: q, v, a, a row or a result is not finite.
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -72,14 +73,14 @@ pub fn constrained_inverse_dynamics(
     v: &[f64],
     a: &[f64],
     actuated: &[bool],
-) -> Result<ConstrainedTorque, ConstrainedMotionError> {
+) -> Result<ConstrainedTorque, ConstraintError> {
     workspace.check_inputs(model, q);
     let nv = model.nv();
     check_length("q", q.len(), model.nq());
     check_length("v", v.len(), nv);
     check_length("a", a.len(), nv);
     for (quantity, values) in [("q", q), ("v", v), ("a", a)] {
-        check_entries(quantity, values)?;
+        check_finite(quantity, values)?;
     }
     check_length("the list of actuated coordinates", actuated.len(), nv);
     let rows = set.rows(model, workspace, q, v);

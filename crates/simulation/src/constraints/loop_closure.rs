@@ -5,7 +5,7 @@ use robot_dynamics_description::Pose;
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use super::{Anchor, ConstraintSetError, FrameConstraint, SpatialAxis};
+use super::{Anchor, ConstraintError, FrameConstraint, SpatialAxis};
 
 /// A loop closed between two frames of a robot, by name.
 ///
@@ -37,12 +37,12 @@ impl LoopClosure {
     /// Finds the frames. A robot's own frame named `world` takes precedence over the world.
     ///
     /// # Errors
-    /// [`ConstraintSetError::UnknownFrame`] if a frame is missing.
-    pub fn resolve(&self, model: &Model) -> Result<FrameConstraint, ConstraintSetError> {
+    /// [`ConstraintError::UnknownFrame`] if a frame is missing.
+    pub fn resolve(&self, model: &Model) -> Result<FrameConstraint, ConstraintError> {
         let anchor = |name: &str| match model.frame(name) {
             Some(frame) => Ok(Anchor::Frame(frame)),
             None if name == "world" => Ok(Anchor::World(Pose::IDENTITY)),
-            None => Err(ConstraintSetError::UnknownFrame {
+            None => Err(ConstraintError::UnknownFrame {
                 constraint: self.name.clone(),
                 frame: name.to_owned(),
                 robot: model.name().to_owned(),

@@ -1,9 +1,7 @@
 //! Options of constrained motions.
 
 use robot_dynamics_integrators::Integrator;
-
-use super::ConstrainedMotionError;
-use super::error::check_number;
+use robot_dynamics_number::{InvalidInput, check_number};
 
 /// The treatment of rows that depend on other rows.
 ///
@@ -63,7 +61,7 @@ impl ConstraintOptions {
     }
 
     /// Returns an error if an option is not finite.
-    pub(super) fn check(&self) -> Result<(), ConstrainedMotionError> {
+    pub(super) fn check(&self) -> Result<(), InvalidInput> {
         check_number("the dependence", self.dependence)?;
         if let Some(Baumgarte { rate }) = self.stabilization {
             check_number("Baumgarte's rate", rate)?;

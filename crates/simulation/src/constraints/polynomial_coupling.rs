@@ -6,8 +6,9 @@
 use nalgebra::RowDVector;
 use robot_dynamics_core::Model;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
+use robot_dynamics_number::check_number;
 
-use super::ConstraintSetError;
+use super::ConstraintError;
 use super::set::RowsAt;
 
 /// y − y⁰ = p(x − x⁰), p a polynomial of degree 4 at most: MJCF's equality of joints.
@@ -39,19 +40,16 @@ impl PolynomialCoupling {
     /// A coupling of joints of one degree of freedom, given by name, each with its reference position.
     ///
     /// # Errors
-    /// [`ConstraintSetError::UnknownCoordinate`], [`ConstraintSetError::BadNumber`].
+    /// [`ConstraintError::UnknownCoordinate`], [`ConstraintError::Input`].
     pub fn new(
         model: &Model,
         joint: (&str, f64),
         leader: Option<(&str, f64)>,
         polynomial: [f64; 5],
-    ) -> Result<Self, ConstraintSetError> {
+    ) -> Result<Self, ConstraintError> {
         let numbers = polynomial.into_iter().chain([joint.1]).chain(leader.map(|leader| leader.1));
-        if let Some(value) = numbers.into_iter().find(|number| !number.is_finite()) {
-            return Err(ConstraintSetError::BadNumber {
-                quantity: "a number of a polynomial coupling",
-                value,
-            });
+        for value in numbers {
+            check_number("a number of a polynomial coupling", value)?;
         }
         let position = |(name, reference): (&str, f64)| {
             let own = model.joints().iter().find(|own| own.name == name);
@@ -59,7 +57,7 @@ impl PolynomialCoupling {
             if is_single {
                 Ok(JointSum::new(model, -reference, [(name, 1.0)]))
             } else {
-                Err(ConstraintSetError::UnknownCoordinate { name: name.into(), robot: model.name().into() })
+                Err(ConstraintError::UnknownCoordinate { name: name.into(), robot: model.name().into() })
             }
         };
         let leader = leader.map_or(Ok(JointSum::default()), position)?;

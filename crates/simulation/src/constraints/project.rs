@@ -7,11 +7,12 @@
 use nalgebra::DVector;
 use robot_dynamics_core::{Model, Workspace, integrate};
 use robot_dynamics_description::check_length;
+use robot_dynamics_number::{check_finite, check_number};
 
-use super::error::{check_entries, check_number};
+use super::error::check_entries;
 use super::forward::LargestEntry;
 use super::row_factor::{MassFactor, RowFactor};
-use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet};
+use super::{ConstraintError, ConstraintOptions, ConstraintSet};
 
 /// The most Gauss–Newton steps of a projection; near the constraint it takes three.
 const MAX_ITERATIONS: usize = 100;
@@ -58,7 +59,7 @@ pub struct PositionProjection {
 /// ```
 ///
 /// # Errors
-/// [`ConstrainedMotionError::NotConverged`] with the worst row; a singular M; an input, an option or a row
+/// [`ConstraintError::NotConverged`] with the worst row; a singular M; an input, an option or a row
 /// that is not finite.
 ///
 /// # Panics
@@ -71,9 +72,9 @@ pub fn project_position(
     options: &ConstraintOptions,
     tolerance: f64,
     q: &mut [f64],
-) -> Result<PositionProjection, ConstrainedMotionError> {
+) -> Result<PositionProjection, ConstraintError> {
     check_length("q", q.len(), model.nq());
-    check_entries("q", q)?;
+    check_finite("q", q)?;
     check_number("the tolerance", tolerance)?;
     options.check()?;
     let rest = vec![0.0; model.nv()];
@@ -91,7 +92,7 @@ pub fn project_position(
         let give_up = |iterations| {
             let worst = rows.position_error.icamax();
             let name = set.row_names()[worst].clone();
-            ConstrainedMotionError::NotConverged { iterations, name, error }
+            ConstraintError::NotConverged { iterations, name, error }
         };
         if iterations == MAX_ITERATIONS {
             return Err(give_up(iterations));
@@ -156,7 +157,7 @@ pub fn project_position(
 /// ```
 ///
 /// # Errors
-/// [`ConstrainedMotionError`] if M is singular, or an input, an option, a row or a result is not finite.
+/// [`ConstraintError`] if M is singular, or an input, an option, a row or a result is not finite.
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -168,12 +169,12 @@ pub fn project_velocity(
     options: &ConstraintOptions,
     q: &[f64],
     v: &mut [f64],
-) -> Result<f64, ConstrainedMotionError> {
+) -> Result<f64, ConstraintError> {
     workspace.check_inputs(model, q);
     check_length("q", q.len(), model.nq());
     check_length("v", v.len(), model.nv());
-    check_entries("q", q)?;
-    check_entries("v", v)?;
+    check_finite("q", q)?;
+    check_finite("v", v)?;
     options.check()?;
     let rows = set.rows(model, workspace, q, v);
     let mass = MassFactor::new(model, workspace, q)?;

@@ -6,10 +6,11 @@
 use nalgebra::DMatrix;
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::check_length;
+use robot_dynamics_number::check_finite;
 
 use super::error::check_entries;
 use super::row_factor::{MassFactor, RowFactor};
-use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet};
+use super::{ConstraintError, ConstraintOptions, ConstraintSet};
 
 /// P_u on forces and P on velocities, both nv×nv of rank nv − rank A.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,7 +50,7 @@ pub struct TreeProjections {
 /// ```
 ///
 /// # Errors
-/// [`ConstrainedMotionError`] if M is singular, or q, an option, a row or a result is not finite.
+/// [`ConstraintError`] if M is singular, or q, an option, a row or a result is not finite.
 ///
 /// # Panics
 /// If q has the wrong length.
@@ -60,11 +61,11 @@ pub fn constraint_projections(
     set: &ConstraintSet,
     options: &ConstraintOptions,
     q: &[f64],
-) -> Result<TreeProjections, ConstrainedMotionError> {
+) -> Result<TreeProjections, ConstraintError> {
     workspace.check_inputs(model, q);
     let nv = model.nv();
     check_length("q", q.len(), model.nq());
-    check_entries("q", q)?;
+    check_finite("q", q)?;
     options.check()?;
     let rows = set.rows(model, workspace, q, &vec![0.0; nv]);
     let mass = MassFactor::new(model, workspace, q)?;

@@ -9,7 +9,7 @@ use robot_dynamics_core::factorization::sparse;
 use robot_dynamics_core::{Model, Workspace, check_rank, mass_matrix};
 
 use super::set::ConstraintRows;
-use super::{ConstrainedMotionError, ConstraintSet, NamedDependentRow};
+use super::{ConstraintError, ConstraintSet, NamedDependentRow};
 
 /// M(q) and its factor.
 pub(super) struct MassFactor {
@@ -19,11 +19,7 @@ pub(super) struct MassFactor {
 }
 
 impl MassFactor {
-    pub(super) fn new(
-        model: &Model,
-        workspace: &mut Workspace,
-        q: &[f64],
-    ) -> Result<Self, ConstrainedMotionError> {
+    pub(super) fn new(model: &Model, workspace: &mut Workspace, q: &[f64]) -> Result<Self, ConstraintError> {
         check_rank(model, workspace, q)?;
         let nv = model.nv();
         let mut lower = vec![0.0; nv * nv];
@@ -109,7 +105,7 @@ impl RowFactor {
         mass: &MassFactor,
         rows: &ConstraintRows,
         dependence: f64,
-    ) -> Result<Self, ConstrainedMotionError> {
+    ) -> Result<Self, ConstraintError> {
         rows.check(set)?;
         Ok(Self::new(mass, &rows.matrix, dependence))
     }

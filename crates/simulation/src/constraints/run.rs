@@ -4,7 +4,7 @@ use robot_dynamics_core::{Model, SingularMass, Workspace};
 use robot_dynamics_number::{Classified, ErrorKind};
 
 use super::step::step_in;
-use super::{ConstrainedMotionError, ConstraintDrift, ConstraintOptions, ConstraintSet, DriftCorrection};
+use super::{ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintSet, DriftCorrection};
 use crate::{StepError, StepFault, StepForces, StepWorkspace, Stepper};
 
 /// The constraint errors and corrections of a run.
@@ -38,7 +38,7 @@ impl ConstrainedStepper {
 }
 
 impl Stepper for ConstrainedStepper {
-    type Error = ConstrainedMotionError;
+    type Error = ConstraintError;
 
     fn order(&self) -> u32 {
         self.options.integrator.order()
@@ -52,7 +52,7 @@ impl Stepper for ConstrainedStepper {
         _: f64,
         q: &[f64],
         v: &[f64],
-    ) -> Result<(), ConstrainedMotionError> {
+    ) -> Result<(), ConstraintError> {
         self.options.check()?;
         let rows = self.constraints.rows(model, workspace, q, v);
         ConstraintDrift::require_below(&self.constraints, &rows, v, self.options.dependence.max(1e-6))?;
@@ -73,7 +73,7 @@ impl Stepper for ConstrainedStepper {
         h: f64,
         q: &mut [f64],
         v: &mut [f64],
-    ) -> Result<(), ConstrainedMotionError> {
+    ) -> Result<(), ConstraintError> {
         let Self { constraints, options, correction, record } = self;
         let report = step_in(model, workspace, constraints, options, *correction, forces, h, q, v)?;
         record.drift = record.drift.max(report.corrected);
@@ -84,9 +84,9 @@ impl Stepper for ConstrainedStepper {
     }
 }
 
-impl StepError for ConstrainedMotionError {
-    fn kind(&self) -> ErrorKind {
-        Classified::kind(self)
+impl StepError for ConstraintError {
+    fn error_kind(&self) -> ErrorKind {
+        self.kind()
     }
 
     fn fault(self, _: &Model) -> StepFault<Self> {

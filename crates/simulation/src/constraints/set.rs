@@ -7,10 +7,10 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 use robot_dynamics_core::model::identity::Identity;
 use robot_dynamics_core::{FrameId, Model, Workspace};
 use robot_dynamics_description::{Equality, EqualityDescription, check_length};
+use robot_dynamics_number::{check_number, check_positive};
 
 use super::{
-    Anchor, ConstrainedMotionError, Constraint, ConstraintSetError, FrameConstraint, LoopClosure,
-    PolynomialCoupling, SpatialAxis,
+    Anchor, Constraint, ConstraintError, FrameConstraint, LoopClosure, PolynomialCoupling, SpatialAxis,
 };
 
 /// Named constraints of one robot, in order.
@@ -50,14 +50,14 @@ pub struct ConstraintRows {
 
 impl ConstraintRows {
     /// Returns an error if a row is not finite.
-    pub(super) fn check(&self, set: &ConstraintSet) -> Result<(), ConstrainedMotionError> {
+    pub(super) fn check(&self, set: &ConstraintSet) -> Result<(), ConstraintError> {
         let finite = |i: usize| {
             self.bias[i].is_finite()
                 && self.position_error[i].is_finite()
                 && self.matrix.row(i).iter().all(|x| x.is_finite())
         };
         match (0..set.len()).find(|&i| !finite(i)) {
-            Some(i) => Err(ConstrainedMotionError::NonFiniteRow { name: set.row_names()[i].clone() }),
+            Some(i) => Err(ConstraintError::NonFiniteRow { name: set.row_names()[i].clone() }),
             None => Ok(()),
         }
     }
@@ -67,12 +67,12 @@ impl ConstraintSet {
     /// Checks the constraints against the robot.
     ///
     /// # Errors
-    /// [`ConstraintSetError`]: a duplicate name, missing or repeated rows, an invalid radius, a number that
+    /// [`ConstraintError`]: a duplicate name, missing or repeated rows, an invalid radius, a number that
     /// is not finite, or a frame of another model.
     pub fn new<N: Into<String>>(
         model: &Model,
         constraints: impl IntoIterator<Item = (N, Constraint)>,
-    ) -> Result<Self, ConstraintSetError> {
+    ) -> Result<Self, ConstraintError> {
         let mut set = Self { robot: Some(model.identity.clone()), ..Self::default() };
         for (name, constraint) in constraints {
             set.add(model, name.into(), constraint)?;
@@ -83,8 +83,8 @@ impl ConstraintSet {
     /// The loops given beside a robot file.
     ///
     /// # Errors
-    /// As [`ConstraintSet::new`], and [`ConstraintSetError::UnknownFrame`].
-    pub fn from_loops(model: &Model, loops: &[LoopClosure]) -> Result<Self, ConstraintSetError> {
+    /// As [`ConstraintSet::new`], and [`ConstraintError::UnknownFrame`].
+    pub fn from_loops(model: &Model, loops: &[LoopClosure]) -> Result<Self, ConstraintError> {
         let mut set = Self { robot: Some(model.identity.clone()), ..Self::default() };
         for closure in loops {
             set.add(model, closure.name.clone(), closure.resolve(model)?.into())?;
@@ -110,7 +110,7 @@ impl ConstraintSet {
     ///
     /// # Errors
     /// As [`ConstraintSet::new`]. The equalities of a compiled robot do not cause errors.
-    pub fn from_equalities(model: &Model) -> Result<Self, ConstraintSetError> {
+    pub fn from_equalities(model: &Model) -> Result<Self, ConstraintError> {
         let mut set = Self { robot: Some(model.identity.clone()), ..Self::default() };
         for equality in model.description().equalities.iter().filter(|equality| equality.active) {
             let constraint = match &equality.kind {
@@ -132,12 +132,12 @@ impl ConstraintSet {
         Ok(set)
     }
 
-    fn add(&mut self, model: &Model, name: String, constraint: Constraint) -> Result<(), ConstraintSetError> {
+    fn add(&mut self, model: &Model, name: String, constraint: Constraint) -> Result<(), ConstraintError> {
         if self.names.contains(&name) {
-            return Err(ConstraintSetError::DuplicateName { name });
+            return Err(ConstraintError::DuplicateName { name });
         }
         let rows = constraint.row_names();
-        let bad_rows = |problem| ConstraintSetError::BadRows { constraint: name.clone(), problem };
+        let bad_rows = |problem| ConstraintError::BadRows { constraint: name.clone(), problem };
         if rows.is_empty() {
             return Err(bad_rows("has no rows"));
         }
@@ -147,21 +147,14 @@ impl ConstraintSet {
         if let Constraint::RollingDisc(disc) = &constraint {
             let axle = disc.axle.iter().map(|x| x * x).sum::<f64>().sqrt();
             for (quantity, value) in [("a disc's radius", disc.radius), ("the length of an axle", axle)] {
-                if !(value > 0.0 && value.is_finite()) {
-                    return Err(ConstraintSetError::BadNumber { quantity, value });
-                }
+                check_positive(quantity, value, "m")?;
             }
         }
         for (quantity, value) in numbers(&constraint) {
-            if !value.is_finite() {
-                return Err(ConstraintSetError::BadNumber { quantity, value });
-            }
+            check_number(quantity, value)?;
         }
         if frames(&constraint).into_iter().any(|frame| !model.has_frame(frame)) {
-            return Err(ConstraintSetError::ForeignFrame {
-                constraint: name,
-                robot: model.name().to_owned(),
-            });
+            return Err(ConstraintError::ForeignFrame { constraint: name, robot: model.name().to_owned() });
         }
         self.row_names.extend(rows.iter().map(|row| format!("{name}.{row}")));
         self.names.push(name);
@@ -227,7 +220,7 @@ fn joined(
     model: &Model,
     equality: &EqualityDescription,
     rows: &[SpatialAxis],
-) -> Result<Constraint, ConstraintSetError> {
+) -> Result<Constraint, ConstraintError> {
     let [frame_a, frame_b] = ["a", "b"].map(|side| equality.frame_name(side));
     let closure = LoopClosure { name: equality.name.clone(), frame_a, frame_b, rows: rows.to_vec() };
     Ok(closure.resolve(model)?.into())

@@ -8,11 +8,12 @@
 use robot_dynamics_core::{Model, Workspace, integrate};
 use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::{Stage, StepScheme};
+use robot_dynamics_number::{check_number, check_positive};
 
-use super::error::{check_entries, check_number};
+use super::error::check_entries;
 use super::variational::variational_step;
 use super::{
-    ConstrainedMotionError, ConstraintDrift, ConstraintOptions, ConstraintSet, constrained_forward_dynamics,
+    ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintSet, constrained_forward_dynamics,
     project_position, project_velocity,
 };
 use crate::motion::integrate::explicit::{Motion, StageMemory, explicit_step};
@@ -112,9 +113,9 @@ pub struct ConstrainedStepReport {
 ///
 /// # Errors
 /// The errors of [`constrained_forward_dynamics`] at any stage, and those of [`project_position`].
-/// [`ConstrainedMotionError::BadStep`] if `h` is not positive and finite.
-/// [`ConstrainedMotionError::StepNotConverged`] if a variational step is too long or starts far off the
-/// constraint. [`ConstrainedMotionError::StabilizedVariationalStep`].
+/// [`ConstraintError::Input`] if `h` is not positive and finite.
+/// [`ConstraintError::StepNotConverged`] if a variational step is too long or starts far off the
+/// constraint. [`ConstraintError::StabilizedVariationalStep`].
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -130,7 +131,7 @@ pub fn constrained_step(
     h: f64,
     q: &mut [f64],
     v: &mut [f64],
-) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
+) -> Result<ConstrainedStepReport, ConstraintError> {
     check_step(model, options, correction, forces, h, q, v)?;
     match options.integrator.scheme() {
         StepScheme::Explicit(stages) => {
@@ -155,7 +156,7 @@ pub(super) fn step_in(
     h: f64,
     q: &mut [f64],
     v: &mut [f64],
-) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
+) -> Result<ConstrainedStepReport, ConstraintError> {
     check_step(model, options, correction, forces, h, q, v)?;
     match options.integrator.scheme() {
         StepScheme::Explicit(stages) => {
@@ -177,10 +178,8 @@ fn check_step(
     h: f64,
     q: &[f64],
     v: &[f64],
-) -> Result<(), ConstrainedMotionError> {
-    if !(h > 0.0 && h.is_finite()) {
-        return Err(ConstrainedMotionError::BadStep { step: h });
-    }
+) -> Result<(), ConstraintError> {
+    check_positive("the step", h, "s")?;
     check_length("q", q.len(), model.nq());
     check_length("v", v.len(), model.nv());
     check_length("tau", forces.tau.len(), model.nv());
@@ -192,7 +191,7 @@ fn check_step(
         check_number("the tolerance", tolerance)?;
     }
     if matches!(options.integrator.scheme(), StepScheme::Variational(_)) && options.stabilization.is_some() {
-        return Err(ConstrainedMotionError::StabilizedVariationalStep);
+        return Err(ConstraintError::StabilizedVariationalStep);
     }
     Ok(())
 }
@@ -208,7 +207,7 @@ fn variational_row(
     parts: (f64, &[f64]),
     q: &mut [f64],
     v: &mut [f64],
-) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
+) -> Result<ConstrainedStepReport, ConstraintError> {
     let done = variational_step(model, workspace, set, options, forces, parts, q, v)?;
     let corrected = constraint_drift(model, &mut workspace.dynamics, set, q, v);
     Ok(ConstrainedStepReport {
@@ -233,7 +232,7 @@ struct Held<'a> {
 }
 
 impl Motion<f64> for Held<'_> {
-    type Error = ConstrainedMotionError;
+    type Error = ConstraintError;
 
     fn move_along(&self, q: &[f64], displacement: &[f64], moved: &mut [f64]) {
         integrate(self.model, q, displacement, moved);
@@ -262,7 +261,7 @@ fn explicit_row(
     h: f64,
     q: &mut [f64],
     v: &mut [f64],
-) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
+) -> Result<ConstrainedStepReport, ConstraintError> {
     let mut memory = vec![0.0; StageMemory::<f64>::size(model, stages.len())];
     let mut memory = StageMemory::new(model, stages.len(), &mut memory);
     let force = vec![0.0; model.nv()];

@@ -12,9 +12,10 @@ use robot_dynamics_core::{
     FrameId, Model, ReferenceFrame, Workspace, frame_jacobian, frame_pose, inverse_dynamics,
 };
 use robot_dynamics_description::check_length;
+use robot_dynamics_number::{check_finite, check_positive};
 
-use super::error::{check_entries, check_number};
-use super::{ConstrainedMotionError, ConstraintSet};
+use super::error::check_entries;
+use super::{ConstraintError, ConstraintSet};
 use crate::contact::{ConeProblem, Set, axes};
 
 /// A contact point that supports a robot, with Coulomb's friction: its force satisfies |p_t| ≤ μ p_n.
@@ -121,7 +122,7 @@ pub struct SupportedTorque {
 /// ```
 ///
 /// # Errors
-/// [`ConstrainedMotionError`]: q, v, a, a number of a support, a row or a result is not finite, or a number
+/// [`ConstraintError`]: q, v, a, a number of a support, a row or a result is not finite, or a number
 /// is out of its range.
 ///
 /// # Panics
@@ -135,7 +136,7 @@ pub fn supported_inverse_dynamics(
     v: &[f64],
     a: &[f64],
     actuated: &[bool],
-) -> Result<SupportedTorque, ConstrainedMotionError> {
+) -> Result<SupportedTorque, ConstraintError> {
     workspace.check_inputs(model, q);
     let nv = model.nv();
     check_length("q", q.len(), model.nq());
@@ -143,7 +144,7 @@ pub fn supported_inverse_dynamics(
     check_length("a", a.len(), nv);
     check_length("the list of actuated coordinates", actuated.len(), nv);
     for (quantity, values) in [("q", q), ("v", v), ("a", a)] {
-        check_entries(quantity, values)?;
+        check_finite(quantity, values)?;
     }
     check_supports(supports)?;
     let mut force = DVector::zeros(nv);
@@ -182,7 +183,7 @@ pub fn supported_inverse_dynamics(
 }
 
 /// Returns an error if a number of a support is invalid.
-fn check_supports(supports: &SupportProblem<'_>) -> Result<(), ConstrainedMotionError> {
+fn check_supports(supports: &SupportProblem<'_>) -> Result<(), ConstraintError> {
     for (index, ContactSupport { point, normal, friction, .. }) in supports.points.iter().enumerate() {
         let length = Vector3::from(*normal).norm();
         let problem = if point.iter().any(|x| !x.is_finite()) {
@@ -194,14 +195,9 @@ fn check_supports(supports: &SupportProblem<'_>) -> Result<(), ConstrainedMotion
         } else {
             continue;
         };
-        return Err(ConstrainedMotionError::BadSupport { index, problem });
+        return Err(ConstraintError::BadSupport { index, problem });
     }
-    let weight = supports.force_weight;
-    check_number("the weight of the forces", weight)?;
-    if weight <= 0.0 {
-        return Err(ConstrainedMotionError::BadSupportWeight { weight });
-    }
-    Ok(())
+    Ok(check_positive("the weight of the forces", supports.force_weight, "m²")?)
 }
 
 /// Adds the rows of a support: the velocity of its point along the normal and tangential to it.

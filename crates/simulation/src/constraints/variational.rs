@@ -22,8 +22,7 @@ use robot_dynamics_integrators::{DynamicsError, IntegratorError};
 
 use super::row_factor::{MassFactor, RowFactor};
 use super::{
-    ConstrainedMotionError, ConstraintOptions, ConstraintSet, RedundantRows, constraint_drift,
-    project_velocity,
+    ConstraintError, ConstraintOptions, ConstraintSet, RedundantRows, constraint_drift, project_velocity,
 };
 use crate::motion::integrate::rounding::{is_rounding, largest, rounding_scale};
 use crate::motion::integrate::variational::{
@@ -43,7 +42,7 @@ pub(super) fn variational_step(
     (h, fractions): (f64, &[f64]),
     q: &mut [f64],
     v: &mut [f64],
-) -> Result<Done, ConstrainedMotionError> {
+) -> Result<Done, ConstraintError> {
     begin(model, workspace, forces, q, v);
     let mut rank = None;
     for part in fractions.iter().map(|fraction| fraction * h) {
@@ -100,14 +99,14 @@ impl HeldRows {
         workspace: &mut StepWorkspace,
         set: &ConstraintSet,
         options: &ConstraintOptions,
-    ) -> Result<Self, ConstrainedMotionError> {
+    ) -> Result<Self, ConstraintError> {
         let StepWorkspace { dynamics, q_start, v, p_start, .. } = workspace;
         let rows = set.rows(model, dynamics, q_start, v);
         let mass = MassFactor::new(model, dynamics, q_start)?;
         let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
         let dependent = factor.dependent_rows(set);
         if options.redundant == RedundantRows::Refuse && !dependent.is_empty() {
-            return Err(ConstrainedMotionError::DependentRows { rank: factor.rank(), rows: dependent });
+            return Err(ConstraintError::DependentRows { rank: factor.rank(), rows: dependent });
         }
         let matrix = rows.matrix.select_rows(&factor.independent);
         Ok(Self { independent: factor.independent, matrix, momentum: p_start.clone() })
@@ -126,7 +125,7 @@ impl HeldRows {
         set: &ConstraintSet,
         forces: &StepForces<'_>,
         h: f64,
-    ) -> Result<(), ConstrainedMotionError> {
+    ) -> Result<(), ConstraintError> {
         let give_up = |residual, iterations, value: Option<&DVector<f64>>| {
             let error = IntegratorError::NotConverged { residual, iterations, step: h };
             named(model, error, set, value.map(|value| self.independent[value.icamax_or_zero()]))
@@ -200,10 +199,10 @@ impl HeldRows {
         set: &ConstraintSet,
         slope: &DMatrix<f64>,
         responses: &DMatrix<f64>,
-    ) -> ConstrainedMotionError {
+    ) -> ConstraintError {
         let pivots = (slope * responses).lu().u().diagonal().abs();
         let least = (0..pivots.len()).min_by(|&i, &j| pivots[i].total_cmp(&pivots[j])).unwrap_or(0);
-        ConstrainedMotionError::NearlyDependentRow { name: set.row_names()[self.independent[least]].clone() }
+        ConstraintError::NearlyDependentRow { name: set.row_names()[self.independent[least]].clone() }
     }
 
     /// `p_start` ← p₀ + A₀ᵀλ.
@@ -275,21 +274,16 @@ impl RowEquations {
 
 /// The step's error as a constraint error with a row's name.
 #[allow(clippy::needless_pass_by_value)] // it is turned into another
-fn named(
-    model: &Model,
-    error: IntegratorError,
-    set: &ConstraintSet,
-    row: Option<usize>,
-) -> ConstrainedMotionError {
+fn named(model: &Model, error: IntegratorError, set: &ConstraintSet, row: Option<usize>) -> ConstraintError {
     match error {
         IntegratorError::Dynamics(DynamicsError::SingularMass { coordinate, pivot }) => {
             SingularMass::at(model, coordinate, pivot).into()
         }
         IntegratorError::NotConverged { residual, iterations, step } => {
             let name = row.and_then(|row| set.row_names().get(row)).cloned().unwrap_or_else(|| "none".into());
-            ConstrainedMotionError::StepNotConverged { residual, iterations, step, name }
+            ConstraintError::StepNotConverged { residual, iterations, step, name }
         }
-        _ => ConstrainedMotionError::NotFinite { quantity: "the implicit step", index: 0 },
+        _ => ConstraintError::NotFinite { quantity: "the implicit step", index: 0 },
     }
 }
 

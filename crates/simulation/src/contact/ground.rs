@@ -4,7 +4,7 @@ use core::f64::consts::FRAC_PI_2;
 
 use nalgebra::Vector3;
 use robot_dynamics_description::Surface;
-use robot_dynamics_number::{Classified, ErrorKind};
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 
 /// A half-space that bodies do not enter: { x : n·x < d }.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,10 +42,16 @@ impl Ground {
     /// ```
     ///
     /// # Errors
-    /// [`ContactError::Slope`].
+    /// [`ContactError::Input`].
     pub fn slope(angle: f64) -> Result<Self, ContactError> {
         if angle.is_nan() || angle.abs() >= FRAC_PI_2 {
-            return Err(ContactError::Slope { angle });
+            return Err(InvalidInput::out_of_range(
+                "a slope",
+                angle,
+                "rad",
+                "between -π/2 and π/2, both excluded",
+            )
+            .into());
         }
         Ok(Self { normal: [-angle.sin(), 0.0, angle.cos()], ..Self::level(0.0) })
     }
@@ -99,10 +105,10 @@ impl Ground {
         if let Some(friction) = self.friction
             && !(friction >= 0.0 && friction.is_finite())
         {
-            return Err(ContactError::Friction { friction });
+            return Err(bad_friction(friction).into());
         }
         if !(0.0..=1.0).contains(&self.restitution) {
-            return Err(ContactError::Restitution { restitution: self.restitution });
+            return Err(bad_restitution(self.restitution).into());
         }
         if let Some(quantity) = self.surface.and_then(|surface| surface.not_finite()) {
             return Err(ContactError::Surface { shape: "a ground".into(), quantity });
@@ -127,20 +133,12 @@ pub fn axes(n: Vector3<f64>) -> [Vector3<f64>; 3] {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ContactError {
-    /// A slope must be between −π/2 and π/2, both excluded.
-    Slope {
-        /// \[rad\].
-        angle: f64,
-    },
+    /// A slope, a coefficient of friction or a coefficient of restitution is out of its range.
+    Input(InvalidInput),
     /// A normal without a direction, or a plane without a position.
     Normal {
         /// The given normal.
         normal: [f64; 3],
-    },
-    /// A coefficient of friction must be 0 or more.
-    Friction {
-        /// The given coefficient.
-        friction: f64,
     },
     /// Links that cannot touch each other.
     Pair {
@@ -168,11 +166,6 @@ pub enum ContactError {
         /// The requirement that they violate.
         quantity: &'static str,
     },
-    /// A coefficient of restitution lies between 0 and 1.
-    Restitution {
-        /// The given coefficient.
-        restitution: f64,
-    },
     /// A coefficient of restitution under MuJoCo's law, which has no restitution.
     RestitutionUnderSoftLaw {
         /// The given coefficient.
@@ -194,20 +187,12 @@ impl Classified for ContactError {
 impl core::fmt::Display for ContactError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Slope { angle } => {
-                write!(
-                    f,
-                    "a slope of {angle} rad is no ground: it must lie between -π/2 and π/2, both excluded"
-                )
-            }
+            Self::Input(error) => error.fmt(f),
             Self::Normal { normal } => {
                 write!(
                     f,
                     "{normal:?} is no normal of a ground: a finite unit vector and a finite offset are needed"
                 )
-            }
-            Self::Friction { friction } => {
-                write!(f, "{friction} is no coefficient of friction: it must be a finite number, 0 or more")
             }
             Self::Pair { links: [one, two] } => {
                 write!(
@@ -224,9 +209,6 @@ impl core::fmt::Display for ContactError {
                 write!(f, "{shape}: its {quantity} is no finite number; correct the description")
             }
             Self::HeightField { quantity } => write!(f, "a height field's {quantity}"),
-            Self::Restitution { restitution } => {
-                write!(f, "{restitution} is no coefficient of restitution: it must lie between 0 and 1")
-            }
             Self::RestitutionUnderSoftLaw { restitution } => {
                 write!(
                     f,
@@ -239,3 +221,19 @@ impl core::fmt::Display for ContactError {
 }
 
 impl core::error::Error for ContactError {}
+
+impl From<InvalidInput> for ContactError {
+    fn from(error: InvalidInput) -> Self {
+        Self::Input(error)
+    }
+}
+
+/// The error of an invalid coefficient of friction.
+pub(super) fn bad_friction(friction: f64) -> InvalidInput {
+    InvalidInput::out_of_range("a coefficient of friction", friction, "", "finite and not negative")
+}
+
+/// The error of an invalid coefficient of restitution.
+pub(super) fn bad_restitution(restitution: f64) -> InvalidInput {
+    InvalidInput::out_of_range("a coefficient of restitution", restitution, "", "between 0 and 1")
+}

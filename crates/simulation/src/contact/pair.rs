@@ -10,7 +10,7 @@ use robot_dynamics_description::Surface;
 use super::candidates::Candidates;
 use super::closest::Nearest;
 use super::components::floating_part;
-use super::ground::axes;
+use super::ground::{axes, bad_friction, bad_restitution};
 use super::meeting::{MOST_MEETING, Meeting};
 use super::placement::Placement;
 use super::soft::mixed;
@@ -119,7 +119,7 @@ impl ContactSet {
     /// The surface's other numbers are those of the two shapes' mix.
     ///
     /// # Errors
-    /// [`ContactError::Friction`]; [`ContactError::Pair`] if no two of their shapes have a known contact
+    /// [`ContactError::Input`]; [`ContactError::Pair`] if no two of their shapes have a known contact
     /// search, or neither link moves relative to the other.
     ///
     /// # Panics
@@ -145,7 +145,7 @@ impl ContactSet {
     pub fn with_pair(mut self, model: &Model, links: [&str; 2], friction: f64) -> Result<Self, ContactError> {
         model.check_identity(&self.robot, "the contact set");
         if !(friction >= 0.0 && friction.is_finite()) {
-            return Err(ContactError::Friction { friction });
+            return Err(bad_friction(friction).into());
         }
         let links_of = |set: &Self, shapes: [usize; 2]| {
             let [a, b] = shapes.map(|shape| set.shapes[shape].link.as_str());
@@ -183,15 +183,15 @@ impl ContactSet {
     /// use robot_dynamics::model::Model;
     /// let contacts = ContactSet::new(&Model::new(pendulum(2.0, 0.5))?, &[])?;
     /// assert!(contacts.clone().with_link_restitution(0.9).is_ok());
-    /// assert_eq!(contacts.with_link_restitution(1.1).err(), Some(ContactError::Restitution { restitution: 1.1 }));
+    /// assert!(matches!(contacts.with_link_restitution(1.1), Err(ContactError::Input(_))));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// [`ContactError::Restitution`].
+    /// [`ContactError::Input`].
     pub fn with_link_restitution(self, restitution: f64) -> Result<Self, ContactError> {
         if !(0.0..=1.0).contains(&restitution) {
-            return Err(ContactError::Restitution { restitution });
+            return Err(bad_restitution(restitution).into());
         }
         Ok(Self { link_restitution: restitution, ..self })
     }

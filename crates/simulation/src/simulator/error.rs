@@ -6,7 +6,7 @@ use robot_dynamics_integrators::{DynamicsError, IntegratorError};
 use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 use thiserror::Error;
 
-use crate::constraints::{ConstrainedMotionError, ConstraintSetError};
+use crate::constraints::ConstraintError;
 use crate::motion::simulate::{ActuatedStepError, RunError, StepError, StepFault};
 use crate::{CallbackError, ContactError};
 
@@ -22,7 +22,7 @@ pub enum SimulationError {
     Contact(#[from] ContactError),
     /// The equalities do not fit the robot.
     #[error(transparent)]
-    Equalities(#[from] ConstraintSetError),
+    Equalities(#[from] ConstraintError),
     /// The links with gravity compensation do not form a valid model.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -84,7 +84,7 @@ pub enum MethodError {
     Actuated(#[from] ActuatedStepError),
     /// An error of explicit and variational steps under equalities.
     #[error(transparent)]
-    Constrained(#[from] ConstrainedMotionError),
+    Constrained(#[from] ConstraintError),
     /// An error of a custom stepper.
     #[error(transparent)]
     Own(#[from] CallbackError),
@@ -97,19 +97,19 @@ pub enum MethodError {
 impl Classified for MethodError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::Integrator(error) => Classified::kind(error),
-            Self::Actuated(error) => Classified::kind(error),
-            Self::Constrained(error) => Classified::kind(error),
-            Self::Own(error) => Classified::kind(error),
+            Self::Integrator(error) => error.kind(),
+            Self::Actuated(error) => error.kind(),
+            Self::Constrained(error) => error.kind(),
+            Self::Own(error) => error.kind(),
             #[cfg(feature = "adaptive")]
-            Self::Adaptive(error) => Classified::kind(error),
+            Self::Adaptive(error) => error.kind(),
         }
     }
 }
 
 impl StepError for MethodError {
-    fn kind(&self) -> ErrorKind {
-        Classified::kind(self)
+    fn error_kind(&self) -> ErrorKind {
+        self.kind()
     }
 
     fn is_interruption(&self) -> bool {

@@ -7,7 +7,7 @@ use robot_dynamics_core::{Model, SingularMass, Workspace};
 use robot_dynamics_integrators::{DynamicsError, EnergyLedger, IntegratorError};
 
 use super::MethodError;
-use crate::constraints::ConstrainedMotionError;
+use crate::constraints::ConstraintError;
 use crate::motion::simulate::{Losses, StepError, StepFault, Stepper};
 use crate::{ActiveSet, CallbackError, ContactLaws, StepForces, StepWorkspace};
 
@@ -75,7 +75,7 @@ fn widened<E: StepError + Send + Sync + 'static>(error: E, model: &Model) -> Met
         StepFault::NotFinite { quantity, index } => {
             IntegratorError::Dynamics(DynamicsError::NonFinite { quantity, index }).into()
         }
-        StepFault::SingularMass(source) => ConstrainedMotionError::SingularMass(source).into(),
+        StepFault::SingularMass(source) => ConstraintError::SingularMass(source).into(),
         StepFault::Other(error) => CallbackError::new(error).into(),
     }
 }

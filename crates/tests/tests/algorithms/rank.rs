@@ -4,7 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics::algorithms::{MotionError, check_rank, mass_rank};
 use robot_dynamics::constraints::{
-    ConstrainedMotionError, ConstraintOptions, ConstraintSet, FrameConstraint, SpatialAxis,
+    ConstraintError, ConstraintOptions, ConstraintSet, FrameConstraint, SpatialAxis,
     constrained_forward_dynamics,
 };
 use robot_dynamics::control::operational_space;
@@ -337,7 +337,7 @@ fn functions_with_inverse_name_singular_joints() {
         .unwrap();
     let options = ConstraintOptions::default();
     let error = constrained_forward_dynamics(&model, workspace, &set, &options, &q, &v, &tau).unwrap_err();
-    let ConstrainedMotionError::SingularMass(mass) = &error else { panic!("{error}") };
+    let ConstraintError::SingularMass(mass) = &error else { panic!("{error}") };
     assert_eq!(mass.joints(), names);
     let forces = StepForces::new(&tau, false);
     let (a, b) = (&mut [0.0; 16], &mut [0.0; 8]);

@@ -5,8 +5,8 @@ use std::error::Error;
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics::algorithms::inverse_dynamics;
 use robot_dynamics::control::{
-    Collocation, CubicSpline, MotionLimits, ParameterizationError, PathCoefficients, SplineError,
-    TimeOptimal, TimedPath, TreePath, TreePathPoint, limit_utilization, path_coefficients, time_optimal,
+    Collocation, CubicSpline, MotionLimits, ParameterizationError, PathCoefficients, TimeOptimal, TimedPath,
+    TreePath, TreePathPoint, limit_utilization, path_coefficients, time_optimal,
 };
 use robot_dynamics::description::{
     JointDescription, JointKind, LinkDescription, MassProperties, Pose, RobotDescription,
@@ -69,7 +69,7 @@ fn spline_is_twice_differentiable() -> Tested {
     }
     assert!(size(&path.at(0.0).ddq) == 0.0 && size(&path.at(1.0).ddq) < 1e-12);
     let error = CubicSpline::through(&[vec![0.0], vec![1.0], vec![1.0]]).unwrap_err();
-    assert_eq!(error, SplineError::Repeated { index: 2 });
+    assert_eq!(error, ParameterizationError::RepeatedWaypoint { index: 2 });
     Ok(())
 }
 

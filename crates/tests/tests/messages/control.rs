@@ -65,7 +65,7 @@ pub(crate) fn inverse_kinematics_error() -> Section {
 }
 
 pub(crate) fn spline_error() -> Section {
-    let mut section = Section::new("SplineError");
+    let mut section = Section::new("ParameterizationError of CubicSpline");
     let error = CubicSpline::through(&[vec![0.0], vec![1.0], vec![1.0]]).expect_err("a point twice");
     section.row("a point twice", error);
     section

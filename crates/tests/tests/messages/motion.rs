@@ -1,6 +1,6 @@
 use robot_dynamics::batch::{BatchWorkspace, Rollout, RolloutStates, Torques, rollout};
 use robot_dynamics::constraints::{
-    ConstrainedMotionError, ConstraintOptions, ConstraintSet, ContactSupport, FrameConstraint, LoopClosure,
+    ConstraintError, ConstraintOptions, ConstraintSet, ContactSupport, FrameConstraint, LoopClosure,
     RedundantRows, SpatialAxis, SupportProblem, constrained_forward_dynamics, supported_inverse_dynamics,
 };
 use robot_dynamics::control::operational_space;
@@ -57,7 +57,7 @@ pub(crate) fn motion_error() -> Section {
 }
 
 pub(crate) fn constraint_set_error() -> Section {
-    let mut section = Section::new("ConstraintSetError");
+    let mut section = Section::new("ConstraintError");
     let model = Model::new(arm()).expect("a robot");
     let loops = r#"[{"name": "pin", "frame_a": "finger", "frame_b": "hand", "rows": ["x", "y"]}]"#;
     let loops: Vec<LoopClosure> = serde_json::from_str(loops).expect("a loop");
@@ -74,7 +74,7 @@ pub(crate) fn constraint_set_error() -> Section {
 }
 
 pub(crate) fn constrained_motion_error() -> Section {
-    let mut section = Section::new("ConstrainedMotionError");
+    let mut section = Section::new("ConstraintError");
     let model = Model::new(arm()).expect("a robot");
     let hand = model.frame("hand").expect("a link");
     let w = &mut Workspace::new(&model);
@@ -84,19 +84,19 @@ pub(crate) fn constrained_motion_error() -> Section {
     let (q, zero) = ([0.3, 0.4], [0.0; 2]);
     let error = constrained_forward_dynamics(&model, w, &set, &options, &q, &zero, &zero);
     section.row("dependent rows", error.expect_err("dependent rows"));
-    section.row("feedback in a variational step", ConstrainedMotionError::StabilizedVariationalStep);
+    section.row("feedback in a variational step", ConstraintError::StabilizedVariationalStep);
     let name = || "pin.x".to_owned();
     section.row(
         "a step of 2 s",
-        ConstrainedMotionError::StepNotConverged { residual: 0.25, iterations: 50, step: 2.0, name: name() },
+        ConstraintError::StepNotConverged { residual: 0.25, iterations: 50, step: 2.0, name: name() },
     );
     section.row(
         "a point out of reach",
-        ConstrainedMotionError::NotConverged { iterations: 50, name: name(), error: 0.5 },
+        ConstraintError::NotConverged { iterations: 50, name: name(), error: 0.5 },
     );
     section.row(
         "a start off the constraint",
-        ConstrainedMotionError::OffConstraint { quantity: "the position error", name: name(), error: 0.5 },
+        ConstraintError::OffConstraint { quantity: "the position error", name: name(), error: 0.5 },
     );
     let mut supported = |input: &str, change: &dyn Fn(&mut ContactSupport), weight: f64| {
         let mut foot = ContactSupport::new(hand, [0.0; 3], [0.0, 0.0, 1.0], 0.5);

@@ -17,6 +17,7 @@ use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
     IntegratorError, Run, RunOptions, StepForces, StepInfo, StepWorkspace, Stepper,
 };
+use robot_dynamics::{InputProblem, InvalidInput};
 
 use crate::dropped::{body, implicit_on, run_on, stepper};
 
@@ -300,13 +301,25 @@ fn body_in_ground_comes_out_slowly() {
 fn invalid_grounds_are_errors() {
     let model = Model::new(brick()).unwrap();
     let level = Ground::level(0.0);
-    assert!(matches!(Ground::slope(1.6), Err(ContactError::Slope { .. })));
+    let out_of_range = |quantity, value, unit, requirement| {
+        ContactError::Input(InvalidInput::out_of_range(quantity, value, unit, requirement))
+    };
+    let slope = out_of_range("a slope", 1.6, "rad", "between -π/2 and π/2, both excluded");
+    assert_eq!(Ground::slope(1.6), Err(slope));
     assert!(matches!(Ground::through([0.0; 3], [0.0; 3]), Err(ContactError::Normal { .. })));
     let refused = |ground: Ground| ContactSet::new(&model, &[ground]).unwrap_err();
-    assert_eq!(refused(level.with_friction(-1.0)), ContactError::Friction { friction: -1.0 });
+    assert_eq!(
+        refused(level.with_friction(-1.0)),
+        out_of_range("a coefficient of friction", -1.0, "", "finite and not negative")
+    );
     let error = refused(level.with_friction(f64::NAN));
-    assert!(matches!(error, ContactError::Friction { friction } if friction.is_nan()), "{error}");
-    assert_eq!(refused(level.with_restitution(1.5)), ContactError::Restitution { restitution: 1.5 });
+    let ContactError::Input(error) = error else { panic!("{error}") };
+    assert_eq!(error.quantity, "a coefficient of friction");
+    assert!(matches!(error.problem, InputProblem::OutOfRange { value, .. } if value.is_nan()), "{error}");
+    assert_eq!(
+        refused(level.with_restitution(1.5)),
+        out_of_range("a coefficient of restitution", 1.5, "", "between 0 and 1")
+    );
     let error = refused(Ground::level(f64::INFINITY));
     assert!(matches!(error, ContactError::Normal { .. }), "{error}");
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_4, FRAC_PI_6};
 
 use nalgebra::Vector3;
+use robot_dynamics::InvalidInput;
 use robot_dynamics::contact::{ContactError, ContactSet, Ground, HeightField};
 use robot_dynamics::description::{Pose, Shape, Surface};
 use robot_dynamics::model::{Model, Workspace};
@@ -301,8 +302,13 @@ fn invalid_fields_are_errors() {
     let refused = |field: &HeightField| set(&model, &[]).with_height_field(field).unwrap_err();
     let error = refused(&good().with_surface(slippery));
     assert!(matches!(error, ContactError::Surface { quantity: "friction", .. }), "{error}");
-    assert_eq!(refused(&good().with_friction(-1.0)), ContactError::Friction { friction: -1.0 });
-    assert_eq!(refused(&good().with_restitution(2.0)), ContactError::Restitution { restitution: 2.0 });
+    let out_of_range = |quantity, value, requirement| {
+        ContactError::Input(InvalidInput::out_of_range(quantity, value, "", requirement))
+    };
+    let friction = out_of_range("a coefficient of friction", -1.0, "finite and not negative");
+    assert_eq!(refused(&good().with_friction(-1.0)), friction);
+    let restitution = out_of_range("a coefficient of restitution", 2.0, "between 0 and 1");
+    assert_eq!(refused(&good().with_restitution(2.0)), restitution);
     let error = refused(&good().with_pose(askew));
     assert!(matches!(error, ContactError::HeightField { .. }), "{error}");
 }

@@ -441,5 +441,6 @@ fn invalid_pairs_are_errors() {
     let error = contacts.clone().with_pair(&model, ["body0", "body1"], 0.5).unwrap_err();
     assert_eq!(error, ContactError::Pair { links: ["body0".into(), "body1".into()] });
     let error = contacts.with_pair(&model, ["body0", "body0"], f64::NAN).unwrap_err();
-    assert!(matches!(error, ContactError::Friction { .. }), "{error}");
+    let ContactError::Input(error) = error else { panic!("{error}") };
+    assert_eq!(error.quantity, "a coefficient of friction");
 }

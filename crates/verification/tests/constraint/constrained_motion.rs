@@ -7,10 +7,10 @@ use dynamics::{KnifeEdge, PlanarBody};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, matrix, vector};
 use robot_dynamics::algorithms::frame_pose;
 use robot_dynamics::constraints::{
-    Baumgarte, ConstrainedMotionError, ConstrainedStepReport, ConstraintDrift, ConstraintOptions,
-    ConstraintSet, ConstraintSetError, DriftCorrection, FrameConstraint, LoopClosure, NoSlip, Plane,
-    RedundantRows, RollingDisc, RollingRow, constrained_forward_dynamics, constrained_inverse_dynamics,
-    constrained_step, constraint_drift, project_position, project_velocity,
+    Baumgarte, ConstrainedStepReport, ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintSet,
+    DriftCorrection, FrameConstraint, LoopClosure, NoSlip, Plane, RedundantRows, RollingDisc, RollingRow,
+    constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
+    project_position, project_velocity,
 };
 use robot_dynamics::description::{
     Base, FrameDescription, JointDescription, JointKind, LinkDescription, MassProperties, Pose,
@@ -227,7 +227,7 @@ fn hinge_of_planar_linkage_is_redundant() -> Tested {
     }
     let options = ConstraintOptions { redundant: RedundantRows::Refuse, ..Default::default() };
     let error = constrained_forward_dynamics(&model, w, &hinge, &options, &q, &v, &[0.0; 3]).unwrap_err();
-    let ConstrainedMotionError::DependentRows { rank: 2, rows } = &error else { panic!("{error}") };
+    let ConstraintError::DependentRows { rank: 2, rows } = &error else { panic!("{error}") };
     let names: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
     assert_eq!(names, ["pin.z", "pin.rx", "pin.ry"]);
     Ok(())
@@ -352,7 +352,7 @@ fn start_off_constraint_is_an_error() -> Tested {
     let RunError::Step { source: MethodError::Constrained(source), .. } = &error.error else {
         panic!("{error}")
     };
-    let ConstrainedMotionError::OffConstraint { quantity: "the position error", name, .. } = source else {
+    let ConstraintError::OffConstraint { quantity: "the position error", name, .. } = source else {
         panic!("{error}")
     };
     assert_eq!(name, "pin.x");
@@ -362,12 +362,12 @@ fn start_off_constraint_is_an_error() -> Tested {
     let mut q = [0.3, 0.4, 0.5];
     let w = &mut Workspace::new(&model);
     let error = project_position(&model, w, &set, &ConstraintOptions::default(), 1e-9, &mut q).unwrap_err();
-    let ConstrainedMotionError::NotConverged { name, .. } = &error else { panic!("{error}") };
+    let ConstraintError::NotConverged { name, .. } = &error else { panic!("{error}") };
     assert!(name == "nail.x" && q == [0.3, 0.4, 0.5], "{error}");
     let wrong = LoopClosure { frame_a: "elbow".into(), ..loops[0].clone() };
     let error = ConstraintSet::from_loops(&model, &[wrong]).unwrap_err();
     let [constraint, frame, robot] = ["pin", "elbow", "four_bar"].map(str::to_owned);
-    assert_eq!(error, ConstraintSetError::UnknownFrame { constraint, frame, robot });
+    assert_eq!(error, ConstraintError::UnknownFrame { constraint, frame, robot });
     assert_eq!(GROUND, 0.9);
     Ok(())
 }

@@ -6,9 +6,9 @@ use std::ops::ControlFlow;
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics::algorithms::{center_of_mass, centroidal_momentum, frame_pose};
 use robot_dynamics::constraints::{
-    Baumgarte, ConstrainedMotionError, ConstraintOptions, ConstraintSet, Coupling, DriftCorrection,
-    FrameConstraint, LoopClosure, RedundantRows, RollingDisc, SpatialAxis, constrained_step,
-    constraint_drift, project_position, project_velocity,
+    Baumgarte, ConstraintError, ConstraintOptions, ConstraintSet, Coupling, DriftCorrection, FrameConstraint,
+    LoopClosure, RedundantRows, RollingDisc, SpatialAxis, constrained_step, constraint_drift,
+    project_position, project_velocity,
 };
 use robot_dynamics::description::{
     Base, FrameDescription, JointKinds, LinkDescription, MassProperties, Pose, RandomRobotOptions,
@@ -53,7 +53,7 @@ fn advance(
     h: f64,
     steps: usize,
     row: Integrator,
-) -> Result<State, ConstrainedMotionError> {
+) -> Result<State, ConstraintError> {
     let tau = vec![0.0; model.nv()];
     let forces = StepForces::new(&tau, false);
     let correction = match row {
@@ -264,13 +264,13 @@ fn step_without_rows_is_free_step() -> Tested {
 fn constrained_maps_preserve_area() -> Tested {
     let (model, set, state) = four_bar()?;
     let options_of_projection = ConstraintOptions::default();
-    let tangent = |q: &[f64]| -> Result<Vec<f64>, ConstrainedMotionError> {
+    let tangent = |q: &[f64]| -> Result<Vec<f64>, ConstraintError> {
         let mut t = vec![1.0, 0.0, 0.0];
         project_velocity(&model, &mut Workspace::new(&model), &set, &options_of_projection, q, &mut t)?;
         let crank = t[0];
         Ok(t.iter().map(|t| t / crank).collect())
     };
-    let along = |state: &State| -> Result<f64, ConstrainedMotionError> {
+    let along = |state: &State| -> Result<f64, ConstraintError> {
         let mass = model.mass_matrix(&state.q).expect("a configuration");
         let t = nalgebra::DVector::from_vec(tangent(&state.q)?);
         Ok(t.dot(&(mass * nalgebra::DVector::from_column_slice(&state.v))))
@@ -404,7 +404,7 @@ fn rolling_coin_is_reversible_and_keeps_its_rows() -> Tested {
     let time = 0.25;
     let reference = advance(&model, &set, &state, time / 4000.0, 4000, Integrator::RungeKutta4)?;
     for row in VARIATIONAL {
-        let error = |steps: usize| -> Result<f64, ConstrainedMotionError> {
+        let error = |steps: usize| -> Result<f64, ConstraintError> {
             let end = advance(&model, &set, &state, time / steps as f64, steps, row)?;
             Ok(distance(&model, &end, &reference))
         };
@@ -452,7 +452,7 @@ fn dependent_rows_are_dropped_or_errors() -> Tested {
     let none = DriftCorrection::None;
     let error = constrained_step(&model, workspace, &hinge, &refuse, none, &forces, 1e-3, &mut q, &mut v)
         .expect_err("dependent rows");
-    let ConstrainedMotionError::DependentRows { rows, .. } = &error else { panic!("{error}") };
+    let ConstraintError::DependentRows { rows, .. } = &error else { panic!("{error}") };
     assert!(rows[0].name == "pin.z" && rows[0].combination_of.is_empty(), "{error}");
     assert!(q == state.q && v == state.v, "{q:?} {v:?}");
     Ok(())
@@ -478,12 +478,12 @@ fn invalid_steps_are_errors() -> Tested {
         ConstraintOptions { stabilization: Some(Baumgarte { rate: 10.0 }), ..options(VARIATIONAL[0]) };
     let error = attempt(fed_back, 1e-3);
     let RunError::Step { source: MethodError::Constrained(source), .. } = &error else { panic!("{error}") };
-    assert_eq!(*source, ConstrainedMotionError::StabilizedVariationalStep);
+    assert_eq!(*source, ConstraintError::StabilizedVariationalStep);
     let error = attempt(options(VARIATIONAL[0]), 2.0);
     let RunError::Step { step: 0, source: MethodError::Constrained(source), .. } = &error else {
         panic!("{error}")
     };
-    let ConstrainedMotionError::StepNotConverged { step: 2.0, name, .. } = source else { panic!("{error}") };
+    let ConstraintError::StepNotConverged { step: 2.0, name, .. } = source else { panic!("{error}") };
     assert!(name.starts_with("pin."), "{error}");
     Ok(())
 }

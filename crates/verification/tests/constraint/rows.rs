@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 use robot_dynamics::algorithms::{bias, kinetic_energy};
 use robot_dynamics::constraints::{
-    Anchor, ConstrainedMotionError, Constraint, ConstraintOptions, ConstraintSet, Coupling, FrameConstraint,
-    NoSlip, Plane, RedundantRows, RollingDisc, RollingRow, SpatialAxis, constrained_forward_dynamics,
+    Anchor, Constraint, ConstraintError, ConstraintOptions, ConstraintSet, Coupling, FrameConstraint, NoSlip,
+    Plane, RedundantRows, RollingDisc, RollingRow, SpatialAxis, constrained_forward_dynamics,
     constrained_inverse_dynamics, constraint_projections, contact_impulse, project_position,
     project_velocity,
 };
@@ -303,7 +303,7 @@ fn redundant_rows_change_multipliers_only() {
         let allowed = 1e-12 * (1.0 + robot.condition().sqrt()) * (1.0 + once.acceleration.amax());
         robot.require("a", (&dropped.acceleration - &once.acceleration).amax(), allowed);
         let error = solve(&twice, RedundantRows::Refuse).expect_err("half of the rows are redundant");
-        let ConstrainedMotionError::DependentRows { rows, .. } = &error else { panic!("{error}") };
+        let ConstraintError::DependentRows { rows, .. } = &error else { panic!("{error}") };
         assert!(rows.iter().all(|row| row.name.contains("again.")), "{error}");
 
         let shortest = solve(&twice, RedundantRows::Proximal { damping: 1e-6 }).expect("consistent rows");
@@ -348,8 +348,7 @@ fn positions_are_projected() {
             }
             // Near a singular pose the frame may not return: the error names a row.
             Err(
-                ConstrainedMotionError::NotConverged { name, .. }
-                | ConstrainedMotionError::NearlyDependentRow { name },
+                ConstraintError::NotConverged { name, .. } | ConstraintError::NearlyDependentRow { name },
             ) => assert!(name.starts_with("hold."), "{name}"),
             Err(error) => panic!("{error}"),
         }

@@ -5,7 +5,7 @@ use robot_dynamics::algorithms::{
     ReferenceFrame, forward_dynamics, frame_jacobian, frame_pose, inverse_dynamics,
 };
 use robot_dynamics::constraints::{
-    ConstrainedMotionError, ConstraintSet, ContactSupport, FrameConstraint, SupportProblem, SupportedTorque,
+    ConstraintError, ConstraintSet, ContactSupport, FrameConstraint, SupportProblem, SupportedTorque,
     constrained_inverse_dynamics, supported_inverse_dynamics,
 };
 use robot_dynamics::description::{
@@ -14,6 +14,7 @@ use robot_dynamics::description::{
 };
 use robot_dynamics::model::{Model, Workspace, neutral};
 use robot_dynamics::number::SplitMix64;
+use robot_dynamics::{InputProblem, InvalidInput};
 
 const G: f64 = 9.81;
 
@@ -301,13 +302,16 @@ fn invalid_supports_are_errors() {
         [&|foot| foot.normal = [0.0; 3], &|foot| foot.point[1] = f64::NAN, &|foot| foot.friction = -1.0];
     for spoil in spoils {
         let error = refused(spoil, 1.0);
-        assert!(matches!(error, ConstrainedMotionError::BadSupport { index: 2, .. }), "{error}");
+        assert!(matches!(error, ConstraintError::BadSupport { index: 2, .. }), "{error}");
     }
-    assert_eq!(refused(&|_| {}, 0.0), ConstrainedMotionError::BadSupportWeight { weight: 0.0 });
+    let weight = InvalidInput::out_of_range("the weight of the forces", 0.0, "m²", "positive and finite");
+    assert_eq!(refused(&|_| {}, 0.0), ConstraintError::Input(weight));
     let supports = SupportProblem::new(&feet);
     let w = &mut Workspace::new(&model);
     let nowhere = [f64::NAN, 0.0, 0.0, 0.0, 0.0, 0.0];
     let error =
         supported_inverse_dynamics(&model, w, &supports, &q, &nowhere, &rest, &[false; 6]).unwrap_err();
-    assert_eq!(error, ConstrainedMotionError::NotFinite { quantity: "v", index: 0 });
+    let ConstraintError::Input(error) = error else { panic!("{error}") };
+    assert_eq!(error.quantity, "v");
+    assert!(matches!(error.problem, InputProblem::NotFinite { index: Some(0), .. }), "{error}");
 }

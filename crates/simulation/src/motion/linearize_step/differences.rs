@@ -61,7 +61,7 @@ impl<E: core::error::Error> core::error::Error for DifferenceError<E> {}
 impl<E: StepError + Send + Sync + 'static> Classified for DifferenceError<E> {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::Step(error) => error.kind(),
+            Self::Step(error) => error.error_kind(),
             Self::Discontinuous { .. } => ErrorKind::Infeasible,
         }
     }

@@ -38,7 +38,7 @@ impl Classified for ActuatedStepError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::NotExplicit { .. } => ErrorKind::Unsupported,
-            Self::Step(error) => Classified::kind(error),
+            Self::Step(error) => error.kind(),
         }
     }
 }
@@ -50,8 +50,8 @@ impl From<DynamicsError> for ActuatedStepError {
 }
 
 impl StepError for ActuatedStepError {
-    fn kind(&self) -> ErrorKind {
-        Classified::kind(self)
+    fn error_kind(&self) -> ErrorKind {
+        self.kind()
     }
 
     fn fault(self, model: &Model) -> StepFault<Self> {

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use robot_dynamics_core::SingularMass;
-use robot_dynamics_integrators::IntegratorError;
+use robot_dynamics_integrators::{IntegratorError, kind_of_not_finite};
 use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 
 use super::divergence::DivergenceCause;
@@ -129,11 +129,12 @@ impl<E: StepError + Send + Sync + 'static> Classified for RunError<E> {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::Input(error) => error.kind(),
-            Self::NotFinite { .. } | Self::Diverged { .. } => ErrorKind::Diverged,
+            Self::NotFinite { quantity, .. } => kind_of_not_finite(quantity),
+            Self::Diverged { .. } => ErrorKind::Diverged,
             Self::SingularMass { source, .. } => source.kind(),
             Self::Controller { source, .. } => source.kind(),
             Self::EventNotFinite { .. } | Self::Event { .. } => ErrorKind::Callback,
-            Self::Step { source, .. } => source.kind(),
+            Self::Step { source, .. } => source.error_kind(),
         }
     }
 }

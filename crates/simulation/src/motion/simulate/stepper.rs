@@ -288,7 +288,7 @@ pub trait StepError: Error + Sized {
     }
 
     /// The kind of the error.
-    fn kind(&self) -> ErrorKind {
+    fn error_kind(&self) -> ErrorKind {
         ErrorKind::Callback
     }
 
@@ -299,14 +299,14 @@ pub trait StepError: Error + Sized {
 }
 
 impl StepError for CallbackError {
-    fn kind(&self) -> ErrorKind {
-        Classified::kind(self)
+    fn error_kind(&self) -> ErrorKind {
+        self.kind()
     }
 }
 
 impl StepError for IntegratorError {
-    fn kind(&self) -> ErrorKind {
-        Classified::kind(self)
+    fn error_kind(&self) -> ErrorKind {
+        self.kind()
     }
 
     fn is_interruption(&self) -> bool {

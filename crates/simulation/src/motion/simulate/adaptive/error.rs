@@ -58,14 +58,14 @@ impl Classified for AdaptiveStepError {
         match self {
             Self::StepTooSmall { .. } | Self::TooManySteps { .. } => ErrorKind::NotConverged,
             Self::Diverged { .. } => ErrorKind::Diverged,
-            Self::Step(error) => Classified::kind(error),
+            Self::Step(error) => error.kind(),
         }
     }
 }
 
 impl StepError for AdaptiveStepError {
-    fn kind(&self) -> ErrorKind {
-        Classified::kind(self)
+    fn error_kind(&self) -> ErrorKind {
+        self.kind()
     }
 
     fn is_interruption(&self) -> bool {
