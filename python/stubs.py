@@ -92,6 +92,7 @@ RETURNS = {
     "_disabled_collisions": "list[tuple[str, str]]",
     "_copy": "Simulation",
     "_joints": "list[Any]",
+    "_links": "list[tuple[str, int, int | None, float, list[float], list[list[float]]]]",
     "neutral": "NDArray[np.float64]",
     "random_configuration": "NDArray[np.float64]",
     "example_text": "str",

@@ -53,9 +53,9 @@ impl<'a> Task<'a> {
     pub fn new(model: &'a Model, states: &'a StateTable) -> Self {
         let (nq, nv) = (model.nq(), model.nv());
         assert_eq!(states.dimensions(), (nq, nv), "states of another robot than {}", model.name());
-        let moving = model.joints().iter().filter(|joint| joint.nv > 0 && joint.parent != "world");
-        let tip = moving.map(|joint| &joint.child).nth(states.tip());
-        let tip = tip.or(model.joints().last().map(|joint| &joint.child)).expect("a robot with joints");
+        let moving = model.joints().iter().filter(|joint| joint.nv > 0 && joint.parent_link != "world");
+        let tip = moving.map(|joint| &joint.child_link).nth(states.tip());
+        let tip = tip.or(model.joints().last().map(|joint| &joint.child_link)).expect("a robot with joints");
         Self {
             model,
             states,

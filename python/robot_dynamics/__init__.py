@@ -32,6 +32,7 @@ from robot_dynamics._native import (
 from robot_dynamics.checks import Audit, Check
 from robot_dynamics.constraints import Closure, Contact, Coupling, NoSlip, PointContact, RollingDisc, Support
 from robot_dynamics.control import Dlqr, InverseKinematicsSolution, OperationalSpace, dlqr
+from robot_dynamics.conventions import MujocoState, PinocchioState, RobotState
 from robot_dynamics.errors import (
     BadSimulationsError,
     BadStatesError,
@@ -72,7 +73,7 @@ from robot_dynamics.results import (
     InverseDynamicsPullback,
     InverseDynamicsPullbackWithParameters,
 )
-from robot_dynamics.robot import Joint, Robot
+from robot_dynamics.robot import Joint, Link, Robot
 from robot_dynamics.sensors import PointForce, Sensor
 from robot_dynamics.simulation import ContactPoint, Simulation, SimulationBatch
 
@@ -118,18 +119,22 @@ __all__ = [
     "Joint",
     "JointMap",
     "LinearizedStep",
+    "Link",
     "LoadError",
     "LoadReport",
     "LoadWarning",
     "Motion",
+    "MujocoState",
     "NoSlip",
     "OperationalSpace",
+    "PinocchioState",
     "PlanningError",
     "PointContact",
     "PointForce",
     "QuantityError",
     "Robot",
     "RobotDynamicsError",
+    "RobotState",
     "RobotText",
     "RollingDisc",
     "Rollout",

@@ -190,6 +190,10 @@ class Robot:
         """See `constraint_rows`."""
     def _contact_impulse(self, constraints: Any, q: Any, v: Any, restitution: Any) -> Any:
         """See `contact_impulse`."""
+    def _convert(self, convention: Any, back: Any, names: Any, given: Any) -> Any:
+        """See `to_mujoco` and `to_pinocchio`; `back` converts in the other direction. All arrays have a row a
+        state; the names are those of the arguments.
+        """
     def _differentiable_row(self, **options: Any) -> Any:
         """The explicit method of a simulation with these options whose gradients are known, and whether damping
         and friction act.
@@ -214,6 +218,8 @@ class Robot:
         """
     def _linearize_step(self, q: Any, v: Any, tau: Any, controls: Any, **options: Any) -> Any:
         """See `linearize_step`."""
+    def _links(self) -> list[tuple[str, int, int | None, float, list[float], list[list[float]]]]:
+        """Links in the file's order, as the fields of `robot_dynamics.Link`."""
     def _lock(self, joints: Any) -> Any:
         """See `lock`."""
     def _lock_massless(self) -> Any:

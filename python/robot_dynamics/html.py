@@ -37,11 +37,11 @@ def robot_html(robot: Robot) -> str:
 
 def _joints(robot: Robot) -> str:
     """Table of the joints."""
-    depth = {joint.child: 0 for joint in robot.joints}
+    depth = {joint.child_link: 0 for joint in robot.joints}
     for joint in robot.joints:  # parents come first
-        depth[joint.child] = depth.get(joint.parent, 0) + 1
+        depth[joint.child_link] = depth.get(joint.parent_link, 0) + 1
     head = "".join(f"<th>{name}</th>" for name in ("joint", "kind", "moves", "v", "range", "velocity", "effort"))
-    rows = "".join(_row(joint, depth[joint.child]) for joint in robot.joints)
+    rows = "".join(_row(joint, depth[joint.child_link]) for joint in robot.joints)
     return (
         f"<details open><summary>{len(robot.joints)} joint{'s' if len(robot.joints) != 1 else ''}</summary>"
         f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></details>"
@@ -57,7 +57,7 @@ def _row(joint: Joint, depth: int) -> str:
     limits = joint.limits
     is_bounded = limits.lower > -float("inf") or limits.upper < float("inf")
     words = [f'<td style="padding-left:{0.9 * (depth - 1):.1f}em">{escape(joint.name)}</td>']
-    words += [f"<td>{escape(word)}</td>" for word in (joint.kind, joint.child, place)]
+    words += [f"<td>{escape(word)}</td>" for word in (joint.kind, joint.child_link, place)]
     numbers = (
         f"{limits.lower:.4g} … {limits.upper:.4g}" if is_bounded else "",
         "" if limits.velocity == float("inf") else f"{limits.velocity:.4g}",

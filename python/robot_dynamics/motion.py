@@ -481,12 +481,13 @@ def _configuration_layout(robot: Robot) -> tuple[tuple[str, ...], Array]:
     names: list[str] = []
     limits = np.tile([-np.inf, np.inf], (robot.nq, 1))
     coordinates = robot.coordinate_names
-    for name, _, _, _, (first, count), (first_v, count_v), _, (lower, upper, _, _), _ in robot._joints():
-        own = coordinates[first_v : first_v + count_v]
-        if count > count_v:  # a quaternion in place of three rotations
-            own = [f"{name}.{part}" for part in (*"xyz"[: count - 4], "qx", "qy", "qz", "qw")]
+    for joint in robot.joints:
+        own = coordinates[joint.v]
+        count = joint.q.stop - joint.q.start
+        if count > len(own):  # a quaternion in place of three rotations
+            own = [f"{joint.name}.{part}" for part in (*"xyz"[: count - 4], "qx", "qy", "qz", "qw")]
         else:
-            limits[first : first + count] = lower, upper
+            limits[joint.q] = joint.limits.lower, joint.limits.upper
         names += own
     return tuple(names), limits
 

@@ -17,7 +17,7 @@ from robot_dynamics.numbers import ReferenceFrame
 from robot_dynamics.results import BY_ALGORITHM
 from robot_dynamics.robot import Robot
 
-REFERENCE_FRAMES: tuple[str, ...] = get_args(ReferenceFrame)
+REFERENCE_FRAMES: tuple[ReferenceFrame, ...] = get_args(ReferenceFrame)
 """The reference frames of a frame's velocity, acceleration and Jacobian; the last is the default."""
 
 AUDIT = ("kinetic_energy", "potential_energy", "power", "dissipated_power", "torque_residual")

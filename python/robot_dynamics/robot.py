@@ -16,6 +16,7 @@ from robot_dynamics import (
     _native,
     checks,
     control,
+    conventions,
     files,
     identification,
     motion,
@@ -63,20 +64,45 @@ class Joint:
     """A joint of a robot."""
 
     name: str
+    """Name of the joint."""
+    index: int
+    """Index in `Robot.joints`."""
     kind: str
     """For example ``revolute``."""
-    parent: str
-    """The link that carries it."""
-    child: str
+    parent_link: str
+    """The link that carries it; ``world`` for a floating base."""
+    child_link: str
     """The link that it moves."""
+    parent_joint: int | None
+    """Index of the joint that carries the parent link; `None` at the root."""
     q: slice
-    """Where its numbers are in a configuration."""
+    """Its entries in a configuration; empty for fixed and mimic joints."""
     v: slice
-    """Where its numbers are in a velocity."""
+    """Its entries in a velocity; empty for fixed and mimic joints."""
     mimic: tuple[str, float, float] | None
-    """The joint that it follows, ratio and offset."""
+    """Leader of a mimic joint, with ratio and offset [rad or m]."""
     limits: Limits
+    """Limits for each of its degrees of freedom."""
     passive: Passive
+    """Passive forces for each of its degrees of freedom."""
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A link of a robot."""
+
+    name: str
+    """Name of the link."""
+    index: int
+    """Index in `Robot.links`."""
+    parent_joint: int | None
+    """Index of the joint that carries it; `None` for the root of a robot on a fixed base."""
+    mass: float
+    """Mass [kg]; 0 if the file gives none."""
+    center_of_mass: NDArray[np.float64]
+    """Centre of mass in the link's frame (3,) [m]."""
+    inertia: NDArray[np.float64]
+    """Rotational inertia about the centre of mass, along the link's axes (3, 3) [kg·m²]."""
 
 
 @dataclass(frozen=True)
@@ -123,21 +149,46 @@ class Robot(_native.Robot):
 
     @cached_property
     def joints(self) -> tuple[Joint, ...]:
-        """The joints, depth first, so that the coordinates of a subtree lie side by side."""
+        """The joints, depth first, so that the coordinates of each subtree are contiguous.
+
+        >>> robot = rd.example("two_r")
+        >>> elbow = robot.joints[1]
+        >>> elbow.name, elbow.parent_link, robot.joints[elbow.parent_joint].name, elbow.q
+        ('elbow', 'upper', 'shoulder', slice(1, 2, None))
+        """
         return tuple(
             Joint(
                 name,
+                index,
                 kind,
-                parent,
-                child,
+                parent_link,
+                child_link,
+                parent_joint,
                 slice(q[0], q[0] + q[1]),
                 slice(v[0], v[0] + v[1]),
                 mimic,
                 Limits(*limits),
                 Passive(*passive),
             )
-            for name, kind, parent, child, q, v, mimic, limits, passive in self._joints()
+            for (name, index, kind), (parent_link, child_link, parent_joint), q, v, mimic, limits, passive in self._joints()
         )
+
+    @cached_property
+    def links(self) -> tuple[Link, ...]:
+        """The links, in the file's order.
+
+        >>> robot = rd.example("two_r")
+        >>> fore = robot.links[2]
+        >>> fore.name, fore.mass, fore.center_of_mass, robot.joints[fore.parent_joint].name
+        ('fore', 1.0, array([0.5, 0. , 0. ]), 'elbow')
+        """
+        links = []
+        for name, index, parent_joint, mass, center_of_mass, inertia in self._links():
+            arrays = np.array(center_of_mass), np.array(inertia)
+            for array in arrays:
+                array.flags.writeable = False
+            links.append(Link(name, index, parent_joint, mass, *arrays))
+        return tuple(links)
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
@@ -147,7 +198,7 @@ class Robot(_native.Robot):
     @cached_property
     def link_names(self) -> tuple[str, ...]:
         """The names of the links, in the file's order."""
-        return tuple(link["name"] for link in self._data[0]["links"])
+        return tuple(link.name for link in self.links)
 
     @cached_property
     def limits(self) -> CoordinateLimits:
@@ -467,6 +518,12 @@ class Robot(_native.Robot):
     # Checks.
     audit = checks.audit
     suspicions = checks.suspicions
+
+    # Conventions of other libraries.
+    to_mujoco = conventions.to_mujoco
+    from_mujoco = conventions.from_mujoco
+    to_pinocchio = conventions.to_pinocchio
+    from_pinocchio = conventions.from_pinocchio
 
     # Files and generated code.
     to_text = files.to_text

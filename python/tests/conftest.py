@@ -44,6 +44,12 @@ class States:
         return [getattr(self, name) for name in names]
 
 
+def present(array: NDArray[np.float64] | None) -> NDArray[np.float64]:
+    """An array that must not be missing."""
+    assert array is not None
+    return array
+
+
 def load(name: str) -> rd.Robot:
     """Load a robot of the repository, with a floating base if it has legs."""
     return rd.load(ROBOTS / f"{name}.urdf", floating_base=NAMES.get(name, False))

@@ -68,8 +68,8 @@ impl<'a> Inspection<'a> {
         let joint = |joint: &'a Joint| JointRow {
             name: &joint.name,
             kind: joint.kind.name(),
-            parent: &joint.parent,
-            child: &joint.child,
+            parent: &joint.parent_link,
+            child: &joint.child_link,
             q_index: joint.q_index,
             nq: joint.nq,
             v_index: joint.v_index,

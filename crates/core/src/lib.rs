@@ -117,6 +117,6 @@ pub use model::native::{NativeCode, NativeFunction, NativeReport, NativeUse};
 #[cfg(feature = "native")]
 pub use model::native::{NativeTrace, Tracer};
 pub use model::random_state::{RandomState, random_state};
-pub use model::{Frame, FrameId, Joint, Model, ReferenceFrame};
+pub use model::{Frame, FrameId, Joint, Link, Model, ReferenceFrame};
 pub use quantity::{Input, Inputs, Quantity, QuantityMemory, QuantityResult, ResultShape};
 pub use workspace::buffers::Workspace;

@@ -42,6 +42,7 @@ mod constraint_set;
 mod constraints;
 mod control;
 mod controllers;
+mod conventions;
 mod description;
 mod files;
 mod identification;

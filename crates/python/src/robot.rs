@@ -163,12 +163,14 @@ impl Robot {
     }
 }
 
-/// Name, kind, parent and child; where it is in q and in v; what it follows; limits; passive forces.
+/// Name, index, parent joint, mass, centre of mass and inertia of a link.
+type LinkFields<'a> = (&'a str, usize, Option<usize>, f64, [f64; 3], [[f64; 3]; 3]);
+
+/// Name, index, kind, parent link, child link and parent joint of a joint; first entry and count in q and in
+/// v; leader, ratio and offset of a mimic joint; limits; passive forces.
 type JointFields<'a> = (
-    &'a str,
-    &'a str,
-    &'a str,
-    &'a str,
+    (&'a str, usize, &'a str),
+    (&'a str, &'a str, Option<usize>),
     (usize, usize),
     (usize, usize),
     Option<(&'a str, f64, f64)>,
@@ -218,6 +220,23 @@ impl Robot {
         self.state_of(self.model.description())
     }
 
+    /// Links in the file's order, as the fields of `robot_dynamics.Link`.
+    fn _links(&self) -> Vec<LinkFields<'_>> {
+        let links = self.model.links().iter();
+        links
+            .map(|link| {
+                (
+                    &*link.name,
+                    link.index,
+                    link.parent_joint,
+                    link.mass(),
+                    link.center_of_mass(),
+                    link.inertia(),
+                )
+            })
+            .collect()
+    }
+
     /// Joints in the order of their coordinates, as the fields of `robot_dynamics.Joint`.
     fn _joints(&self) -> Vec<JointFields<'_>> {
         let joints = self.model.joints().iter();
@@ -225,10 +244,8 @@ impl Robot {
             .map(|joint| {
                 let (limits, passive) = (&joint.limits, &joint.passive);
                 (
-                    &*joint.name,
-                    joint.kind.name(),
-                    &*joint.parent,
-                    &*joint.child,
+                    (&*joint.name, joint.index, joint.kind.name()),
+                    (&*joint.parent_link, &*joint.child_link, joint.parent_joint),
                     (joint.q_index, joint.nq),
                     (joint.v_index, joint.nv),
                     joint.mimic.as_ref().map(|mimic| (&*mimic.joint, mimic.ratio, mimic.offset)),

@@ -82,8 +82,8 @@ pub mod description {
 /// The compiled model, its configuration space and its memory.
 pub mod model {
     pub use robot_dynamics_core::{
-        Frame, FrameId, InstructionSet, Joint, JointMap, JointMapError, Model, NativeCode, NativeFunction,
-        NativeReport, NativeUse, RandomState, Workspace, check_configuration, check_vector,
+        Frame, FrameId, InstructionSet, Joint, JointMap, JointMapError, Link, Model, NativeCode,
+        NativeFunction, NativeReport, NativeUse, RandomState, Workspace, check_configuration, check_vector,
         cotangent_from_coordinates, cotangent_to_coordinates, difference, integrate, interpolate,
         lock_massless, neutral, normalize_quaternions, random_state, random_within_limits,
     };

@@ -264,7 +264,7 @@ fn hot_calls_allocate_nothing() {
 fn sensors_allocate_nothing() {
     for robot in robots() {
         let mut description = robot.model.description().clone();
-        let link = robot.model.joints()[0].child.clone();
+        let link = robot.model.joints()[0].child_link.clone();
         let of_robot = [SensorKind::Clock, SensorKind::KineticEnergy, SensorKind::PotentialEnergy];
         let of_frame = [
             SensorKind::Accelerometer,

@@ -49,11 +49,11 @@ pub(super) fn piece(model: &Model, count: usize, threads: usize) -> usize {
 pub(super) fn tip(model: &Model) -> (FrameId, String) {
     let joints = model.joints();
     let depth = |joint: &Joint| {
-        let carrier = |joint: &Joint| joints.iter().find(|other| other.child == joint.parent);
+        let carrier = |joint: &Joint| joints.iter().find(|other| other.child_link == joint.parent_link);
         core::iter::successors(Some(joint), |joint| carrier(joint)).filter(|joint| joint.nv > 0).count()
     };
     // The first of equally deep frames.
     let deepest = joints.iter().rev().max_by_key(|joint| depth(joint));
-    let name = deepest.map_or(&model.frames()[0].name, |joint| &joint.child);
+    let name = deepest.map_or(&model.frames()[0].name, |joint| &joint.child_link);
     (model.frame(name).expect("every link is a frame"), name.clone())
 }

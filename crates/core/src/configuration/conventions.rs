@@ -1,6 +1,7 @@
-//! Conversion of states and forces to and from MuJoCo's convention.
+//! Conversion of states and forces to and from the conventions of MuJoCo and of Pinocchio
+//! ([`PinocchioLayout`]).
 //!
-//! | | this library (and Pinocchio) | MuJoCo |
+//! | | this library | MuJoCo |
 //! | --- | --- | --- |
 //! | quaternion in q | x y z w | w x y z |
 //! | free joint, linear velocity | of the frame's origin, in body axes | of the frame's origin, in world axes |
@@ -8,8 +9,13 @@
 //! | ball joint, angular velocity | in body axes | in body axes |
 //! | free joint, force | dual to the velocity: body axes | dual to its own: force in world axes, moment in body axes |
 //!
-//! "World" is the parent frame of the floating joint. Joints must have the same order on both sides. In
-//! MuJoCo a universal joint is two hinges, and a planar joint two slides and a hinge, with the same numbers.
+//! "World" is the parent frame of the floating joint. The order of joints is the same on both sides: depth
+//! first, siblings in the file's order. In MuJoCo a universal joint is two hinges, and a planar joint two
+//! slides and a hinge, with the same numbers. A mimic joint has no entry here; MuJoCo has one for it.
+
+mod pinocchio;
+
+pub use pinocchio::PinocchioLayout;
 
 use robot_dynamics_description::{Quaternion, check_length};
 

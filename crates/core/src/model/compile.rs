@@ -13,6 +13,7 @@ use robot_dynamics_number::algebra::{padded, padded_columns};
 use crate::joint::{Chart, PrimitiveJoint};
 use crate::model::frame::frames;
 use crate::model::identity::Identity;
+use crate::model::link;
 use crate::model::mass::fixed_first_moment;
 use crate::model::placed_link::PlacedLink;
 use crate::model::reference_point::{choose_points, travels_far};
@@ -62,6 +63,7 @@ fn compile(description: RobotDescription) -> Result<Model, ModelError> {
     let (link_index, links) = (&compiler.link_index, &compiler.links);
     let frames = frames(&description, link_index, links);
     let segments = Segments::new(&description, link_index, tree.root, &compiler.joints, links);
+    let model_links = link::links(&description, &compiler.parent_joints);
     let Compiler { joints, mut bodies, travels, dofs, nq, nv, has_mimic, .. } = compiler;
     let masses = description.links.iter().filter_map(|link| Some(link.mass_properties.as_ref()?.mass()));
     let mass = masses.sum::<f64>() + 0.0; // an empty sum is −0
@@ -74,6 +76,7 @@ fn compile(description: RobotDescription) -> Result<Model, ModelError> {
     let points = choose_points(&mut bodies, &travels);
     let mut model = Model {
         joints,
+        links: model_links,
         frames,
         segments,
         first_angle: if has_mimic { None } else { first_angle(&bodies, nq) },
@@ -110,6 +113,8 @@ struct Compiler<'a> {
     description: &'a RobotDescription,
     link_index: HashMap<&'a str, usize>,
     links: Vec<PlacedLink>,
+    /// For each link, the joint of which it is the child.
+    parent_joints: Vec<Option<usize>>,
     joints: Vec<Joint>,
     bodies: Vec<Body>,
     /// Whether each body can slide far from its parent.
@@ -132,6 +137,7 @@ impl<'a> Compiler<'a> {
             description,
             link_index,
             links: vec![PlacedLink { body: None, body_from_link: Pose::IDENTITY }; description.links.len()],
+            parent_joints: vec![None; description.links.len()],
             joints: Vec::new(),
             bodies: Vec::new(),
             travels: Vec::new(),
@@ -162,7 +168,7 @@ impl<'a> Compiler<'a> {
         if joint.kind.nv() == 0 {
             let body_from_link = parent.body_from_link.compose(&joint.parent_from_joint);
             self.links[child] = PlacedLink { body: parent.body, body_from_link };
-            self.push_joint(joint, 0, 0);
+            self.push_joint(joint, child, (0, 0));
         } else {
             self.placed.insert(&joint.name, (self.dofs.len(), self.joints.len()));
             self.move_link(joint, parent, child);
@@ -238,17 +244,23 @@ impl<'a> Compiler<'a> {
             placed = PlacedLink { body: Some(body), body_from_link: turn.inverse() };
         }
         self.links[child] = placed;
-        self.push_joint(joint, nq, nv);
+        self.push_joint(joint, child, (nq, nv));
         self.nq += nq;
         self.nv += nv;
     }
 
-    fn push_joint(&mut self, joint: &JointDescription, nq: usize, nv: usize) {
+    fn push_joint(&mut self, joint: &JointDescription, child: usize, (nq, nv): (usize, usize)) {
+        let index = self.joints.len();
+        let parent_link = self.link_index.get(joint.parent.as_str()); // missing for a floating base
+        let parent_joint = parent_link.and_then(|&link| self.parent_joints[link]);
+        self.parent_joints[child] = Some(index);
         self.joints.push(Joint {
+            index,
             name: joint.name.clone(),
             kind: joint.kind,
-            parent: joint.parent.clone(),
-            child: joint.child.clone(),
+            parent_link: joint.parent.clone(),
+            child_link: joint.child.clone(),
+            parent_joint,
             q_index: self.nq,
             nq,
             v_index: self.nv,

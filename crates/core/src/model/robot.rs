@@ -15,6 +15,7 @@ use crate::model::body::{Body, Dof};
 use crate::model::frame::{Frame, FrameId, refuse_frame};
 use crate::model::identity::Identity;
 use crate::model::joint::Joint;
+use crate::model::link::Link;
 #[cfg(not(feature = "native"))]
 pub(crate) use crate::model::native::absent::Native;
 #[cfg(feature = "native")]
@@ -31,6 +32,7 @@ pub struct Model {
     pub description: RobotDescription,
     pub identity: Identity,
     pub joints: Vec<Joint>,
+    pub links: Vec<Link>,
     pub frames: Vec<Frame>,
     pub segments: Segments,
     pub bodies: Vec<Body>,
@@ -165,11 +167,40 @@ impl Model {
     /// use robot_dynamics::model::Model;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let hinge = model.joint("hinge").expect("the pendulum's joint");
-    /// assert_eq!((hinge.q_index, hinge.v_index, hinge.child.as_str()), (0, 0, "rod"));
+    /// assert_eq!((hinge.q_index, hinge.v_index, hinge.child_link.as_str()), (0, 0, "rod"));
     /// # Ok::<(), robot_dynamics::description::ModelError>(())
     /// ```
     pub fn joint(&self, name: &str) -> Option<&Joint> {
         self.joints.iter().find(|joint| joint.name == name)
+    }
+
+    /// All links, in the description's order: a link's index is its frame's index, too.
+    ///
+    /// ```
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let rod = &model.links()[1];
+    /// assert_eq!((rod.name.as_str(), rod.index, rod.parent_joint, rod.mass()), ("rod", 1, Some(0), 2.0));
+    /// assert_eq!(model.links()[0].parent_joint, None); // the root
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    pub fn links(&self) -> &[Link] {
+        &self.links
+    }
+
+    /// The link of this name.
+    ///
+    /// ```
+    /// use robot_dynamics::description::pendulum;
+    /// use robot_dynamics::model::Model;
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// assert_eq!(model.link("rod").map(|rod| rod.center_of_mass()), Some([0.5, 0.0, 0.0]));
+    /// assert_eq!(model.link("hand"), None);
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
+    /// ```
+    pub fn link(&self, name: &str) -> Option<&Link> {
+        self.links.iter().find(|link| link.name == name)
     }
 
     /// All frames: the links first, in the description's order.

@@ -47,13 +47,14 @@ impl Segments {
         placed: &[PlacedLink],
     ) -> Self {
         let first = usize::from(description.base == Base::Fixed);
-        let children = joints.iter().skip(1 - first).map(|joint| link_index[joint.child.as_str()]);
+        let children = joints.iter().skip(1 - first).map(|joint| link_index[joint.child_link.as_str()]);
         let order: Vec<usize> = core::iter::once(root).chain(children).collect();
         let mut of_link = vec![0; order.len()];
         for (index, &link) in order.iter().enumerate() {
             of_link[link] = index;
         }
-        let parents = joints.iter().skip(1 - first).map(|joint| of_link[link_index[joint.parent.as_str()]]);
+        let parents =
+            joints.iter().skip(1 - first).map(|joint| of_link[link_index[joint.parent_link.as_str()]]);
         let parents = core::iter::once(None).chain(parents.map(Some));
         let mut list: Vec<Segment> = (order.iter().zip(parents))
             .map(|(&link, parent)| Segment::new(description, link, parent, &placed[link]))

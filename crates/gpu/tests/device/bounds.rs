@@ -103,10 +103,10 @@ fn roots(model: &Model, q: &[f64], mass: &DMatrix<f64>) -> Vec<f64> {
         };
         let (mut hanging, mut moment, mut origin) = (0.0, 0.0_f64, Some(joint));
         while let Some(about) = origin {
-            let there = hanging_on(model, q, &joint.child, &about.child);
+            let there = hanging_on(model, q, &joint.child_link, &about.child_link);
             hanging = there.0;
             moment = moment.max(there.1);
-            origin = model.joints().iter().find(|before| before.child == about.parent);
+            origin = model.joints().iter().find(|before| before.child_link == about.parent_link);
         }
         for (k, velocity) in joint.kind.velocities().iter().enumerate() {
             let square = if velocity.measure == Measure::Angle { moment } else { hanging };
@@ -125,7 +125,11 @@ fn hanging_on(model: &Model, q: &[f64], link: &str, about: &str) -> (f64, f64) {
     let (mut mass, mut trace) = (0.0, 0.0);
     while let Some(name) = pending.pop() {
         pending.extend(
-            model.joints().iter().filter(|joint| joint.parent == name).map(|joint| joint.child.as_str()),
+            model
+                .joints()
+                .iter()
+                .filter(|joint| joint.parent_link == name)
+                .map(|joint| joint.child_link.as_str()),
         );
         let description = model.description().links.iter().find(|there| there.name == name).unwrap();
         let Some(properties) = &description.mass_properties else { continue };

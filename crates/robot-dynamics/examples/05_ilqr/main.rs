@@ -109,7 +109,7 @@ impl Problem {
         let Self { model, task, h } = self;
         let workspace = &mut Workspace::new(model);
         let moving = model.joints().iter().filter(|joint| joint.nv > 0);
-        let mut frames: Vec<&str> = moving.map(|joint| joint.child.as_str()).collect();
+        let mut frames: Vec<&str> = moving.map(|joint| joint.child_link.as_str()).collect();
         frames.extend(model.frames().last().map(|frame| frame.name.as_str()));
         let mut chains = Vec::new();
         for k in (0..=task.steps).step_by(task.steps / POSES) {

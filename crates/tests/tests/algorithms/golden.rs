@@ -295,7 +295,7 @@ fn frames_match_pinocchio() {
         let (model, nv) = (&robot.model, robot.golden.nv);
         let w = &mut Workspace::new(model);
         let frame = |joint: &str| {
-            let child = &model.joint(joint).unwrap_or_else(|| panic!("no joint {joint}")).child;
+            let child = &model.joint(joint).unwrap_or_else(|| panic!("no joint {joint}")).child_link;
             model.frame(child).expect("every link is a frame")
         };
         let tip = frame(&robot.golden.tip);
@@ -355,7 +355,7 @@ fn regressor_matches_pinocchio() {
             let theirs = state.field("joint_torque_regressor");
             let mut expected = vec![0.0; nv * n];
             for (column, place) in robot.golden.joints.iter().enumerate() {
-                let child = &model.joint(&place.name).expect("matched by name").child;
+                let child = &model.joint(&place.name).expect("matched by name").child_link;
                 let own = links.iter().position(|link| link == child).expect("a moving link");
                 for row in 0..nv {
                     let from = robot.v[row] * n + 10 * column;

@@ -126,7 +126,7 @@ fn reactions_are_momentum_rates_of_links_beyond() {
             each.iter().flat_map(|(f, n)| f.iter().chain(n)).fold(1.0, |most: f64, x| most.max(x.abs()));
         for (joint, found) in model.joints().iter().zip(reactions.chunks(6)) {
             let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
-            let links = beyond(model, &joint.child);
+            let links = beyond(model, &joint.child_link);
             for link in &links {
                 let (f, n) = each[index(link)];
                 (force, moment) = (plus(force, f), plus(moment, n));
@@ -134,7 +134,7 @@ fn reactions_are_momentum_rates_of_links_beyond() {
             for (_, f, n) in external.iter().filter(|(link, ..)| links.contains(link)) {
                 (force, moment) = (minus(force, *f), minus(moment, *n));
             }
-            let pose = &poses[index(&joint.child)];
+            let pose = &poses[index(&joint.child_link)];
             let (r, p) = (pose.rotation().map(|row| row.map(value)), pose.origin().map(value));
             let moment = minus(moment, cross(p, force));
             let expected = [turned_back(&r, force), turned_back(&r, moment)].concat();

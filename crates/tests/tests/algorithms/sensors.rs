@@ -50,7 +50,7 @@ fn sensors_of_whole_robot_match_its_quantities() {
         KineticEnergy, PotentialEnergy, SubtreeAngularMomentum, SubtreeCenterOfMass, SubtreeLinearVelocity,
     };
     for robot in robots("floating trees") {
-        let root = robot.model.joints()[0].child.clone();
+        let root = robot.model.joints()[0].child_link.clone();
         let kinds = [SubtreeCenterOfMass, SubtreeLinearVelocity, SubtreeAngularMomentum];
         let mut sensors: Vec<_> =
             kinds.iter().map(|&kind| SensorDescription::new(kind.name(), kind, root.as_str())).collect();
@@ -108,7 +108,9 @@ fn accelerometers_forces_and_torques_match_frame_functions() {
             }
             let own = model.description().frames.iter().find(|own| own.name == *name);
             let link = own.map_or(name, |own| &own.link);
-            let Some(joint) = model.joints().iter().position(|joint| joint.child == *link) else { continue };
+            let Some(joint) = model.joints().iter().position(|joint| joint.child_link == *link) else {
+                continue;
+            };
             // From the frame of the link to that of the sensor, through the world.
             let link = frame_pose(model, w, q, model.frame(link).expect("the link"));
             let in_world = |x: &[f64]| -> [f64; 3] {

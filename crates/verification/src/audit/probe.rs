@@ -150,8 +150,8 @@ impl Arms {
         let (mut mass, mut lever) = (vec![0.0; model.nv()], vec![0.0_f64; model.nv()]);
         // Children follow their parents.
         for joint in model.joints().iter().rev() {
-            let moved = below.get(joint.child.as_str()).copied().unwrap_or_default();
-            *below.entry(joint.parent.as_str()).or_default() += moved;
+            let moved = below.get(joint.child_link.as_str()).copied().unwrap_or_default();
+            *below.entry(joint.parent_link.as_str()).or_default() += moved;
             let leader = joint.mimic.as_ref().and_then(|m| model.joints().iter().find(|j| j.name == m.joint));
             let (first, count) =
                 leader.map_or((joint.v_index, joint.nv), |leader| (leader.v_index, leader.nv));
