@@ -12,8 +12,9 @@ mod measured;
 mod placement_spring;
 mod tendon;
 mod transmission;
+mod workspace;
 
-pub use law::ActuationWorkspace;
+pub use workspace::ActuationWorkspace;
 
 use carried_weight::CarriedWeight;
 use placement_spring::PlacementSpring;
@@ -216,6 +217,7 @@ impl Actuation {
 
     /// Returns memory for the calls, which then do not allocate.
     pub fn workspace(&self) -> ActuationWorkspace {
-        ActuationWorkspace::new(self)
+        let carried = self.weight.as_ref().map(|weight| &weight.model);
+        ActuationWorkspace::new(self.nv, self.actuators.len(), self.tendons.len(), carried)
     }
 }

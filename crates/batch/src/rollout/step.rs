@@ -10,7 +10,8 @@ use robot_dynamics_integrators::Stage;
 use robot_dynamics_number::dispatch::{Hardware, LaneKernel};
 use robot_dynamics_number::{Float, Scalar, StateLanes};
 use robot_dynamics_simulation::Rollout;
-use robot_dynamics_simulation::motion::integrate::explicit::{Motion, StageMemory, explicit_step};
+use robot_dynamics_simulation::motion::integrate::explicit::{Motion, explicit_step};
+use robot_dynamics_simulation::motion::integrate::stage_memory::StageMemory;
 
 use super::job::Job;
 use super::progress::Shared;

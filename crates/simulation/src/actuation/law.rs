@@ -1,42 +1,14 @@
 //! The forces at a state, the stored energy and the dissipated power.
 
 use robot_dynamics_core::configuration::joint_sum::JointSum;
-use robot_dynamics_core::{Model, Workspace, gravity, potential_energy};
+use robot_dynamics_core::{Model, gravity, potential_energy};
 use robot_dynamics_description::{Activation, check_length};
 
 use super::placement_spring::PlacementSpring;
 use super::tendon::Tendon;
-use super::transmission::{Drive, FrameMemory};
+use super::transmission::Drive;
+use super::workspace::ActuationWorkspace;
 use super::{Actuation, Coupling};
-
-/// The memory of [`Actuation`]'s calls.
-#[derive(Clone, Debug)]
-pub struct ActuationWorkspace {
-    pub(super) frames: FrameMemory,
-    /// The workspace of the robot with the carried masses.
-    carried: Option<Workspace>,
-    pub(super) weight: Vec<f64>,
-    /// The force of each actuator, and the total force of the actuators on each tendon.
-    forces: Vec<f64>,
-    on_tendons: Vec<f64>,
-}
-
-impl ActuationWorkspace {
-    pub(super) fn new(actuation: &Actuation) -> Self {
-        Self {
-            frames: FrameMemory::new(actuation.nv),
-            carried: actuation.weight.as_ref().map(|weight| Workspace::new(&weight.model)),
-            weight: vec![0.0; actuation.nv],
-            forces: vec![0.0; actuation.actuators.len()],
-            on_tendons: vec![0.0; actuation.tendons.len()],
-        }
-    }
-
-    /// Each actuator's force in the last call.
-    pub(crate) fn actuator_forces(&self) -> &[f64] {
-        &self.forces
-    }
-}
 
 impl Actuation {
     /// Returns τ of tendons, actuators and carried weight together, nv entries \[N·m or N\]. `u` holds each

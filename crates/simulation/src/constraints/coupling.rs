@@ -10,7 +10,7 @@ use robot_dynamics_core::joint::Chart;
 use robot_dynamics_number::check_number;
 
 use super::ConstraintError;
-use super::set::RowsAt;
+use super::rows::RowsAt;
 
 /// Σ cᵢ vᵢ = 0 with constant c: gears, belts, differentials, a locked joint.
 ///

@@ -5,7 +5,7 @@ use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::check_length;
 
 use super::forward::LargestEntry;
-use super::set::ConstraintRows;
+use super::rows::ConstraintRows;
 use super::{ConstraintError, ConstraintSet};
 
 /// The constraint error of a state.

@@ -13,7 +13,7 @@ use robot_dynamics_number::check_finite;
 
 use super::error::check_entries;
 use super::row_factor::{MassFactor, RowFactor};
-use super::set::ConstraintRows;
+use super::rows::ConstraintRows;
 use super::{ConstraintError, ConstraintOptions, ConstraintSet, NamedDependentRow, RedundantRows};
 
 /// Acceleration and multipliers at a state.

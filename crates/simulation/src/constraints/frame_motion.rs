@@ -7,7 +7,7 @@ use robot_dynamics_core::{
 };
 use robot_dynamics_description::Pose;
 
-use super::Anchor;
+use super::anchor::Anchor;
 
 /// A frame at a state, in world axes.
 pub(super) struct FrameMotion {

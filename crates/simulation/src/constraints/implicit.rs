@@ -6,7 +6,7 @@ use robot_dynamics_core::configuration::manifold::coordinate_ranges;
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_description::Pose;
 
-use super::closure::products;
+use super::frame_constraint::products;
 use super::{Anchor, Constraint, ConstraintSet, FrameConstraint, RollingDisc, SpatialAxis};
 use crate::ImplicitIntegrator;
 use crate::contact::{ConstrainedDirection, EqualityRows, Relation, Rolling, Site};

@@ -84,7 +84,7 @@ pub fn constrained_inverse_dynamics(
     }
     check_length("the list of actuated coordinates", actuated.len(), nv);
     let rows = set.rows(model, workspace, q, v);
-    rows.check(set)?;
+    rows.check(set.row_names())?;
     let rows = rows.matrix;
     let mut force = DVector::zeros(nv);
     inverse_dynamics(model, workspace, q, v, a, force.as_mut_slice());

@@ -10,7 +10,7 @@ use robot_dynamics_core::{
 };
 
 use super::SpatialAxis;
-use super::set::RowsAt;
+use super::rows::RowsAt;
 
 /// Components of a frame's velocity, along the frame's own axes, that vanish.
 ///

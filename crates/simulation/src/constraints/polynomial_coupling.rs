@@ -9,7 +9,7 @@ use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_number::check_number;
 
 use super::ConstraintError;
-use super::set::RowsAt;
+use super::rows::RowsAt;
 
 /// y − y⁰ = p(x − x⁰), p a polynomial of degree 4 at most: MJCF's equality of joints.
 ///

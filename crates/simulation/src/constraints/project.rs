@@ -80,7 +80,7 @@ pub fn project_position(
     let rest = vec![0.0; model.nv()];
     let (mut at, mut moved) = (q.to_vec(), q.to_vec());
     let mut rows = set.rows(model, workspace, &at, &rest);
-    rows.check(set)?;
+    rows.check(set.row_names())?;
     let before = rows.position_error.amax_or_zero();
     let mut iterations = 0;
     loop {

@@ -10,7 +10,7 @@ use robot_dynamics_core::{FrameId, Model, Workspace};
 use serde::{Deserialize, Serialize};
 
 use super::frame_motion::FrameMotion;
-use super::set::RowsAt;
+use super::rows::RowsAt;
 
 /// The plane n·x = offset in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::factorization::sparse;
 use robot_dynamics_core::{Model, Workspace, check_rank, mass_matrix};
 
-use super::set::ConstraintRows;
+use super::rows::ConstraintRows;
 use super::{ConstraintError, ConstraintSet, NamedDependentRow};
 
 /// M(q) and its factor.
@@ -106,7 +106,7 @@ impl RowFactor {
         rows: &ConstraintRows,
         dependence: f64,
     ) -> Result<Self, ConstraintError> {
-        rows.check(set)?;
+        rows.check(set.row_names())?;
         Ok(Self::new(mass, &rows.matrix, dependence))
     }
 

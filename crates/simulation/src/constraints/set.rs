@@ -3,12 +3,13 @@
 //! Each constraint writes its rows in order, dense over nv coordinates. Cost: O(K nv) for K rows. A set
 //! belongs to one model: using it with another panics.
 
-use nalgebra::{DMatrix, DVector, RowDVector};
+use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::model::identity::Identity;
 use robot_dynamics_core::{FrameId, Model, Workspace};
 use robot_dynamics_description::{Equality, EqualityDescription, check_length};
 use robot_dynamics_number::{check_number, check_positive};
 
+use super::rows::{ConstraintRows, RowsAt};
 use super::{
     Anchor, Constraint, ConstraintError, FrameConstraint, LoopClosure, PolynomialCoupling, SpatialAxis,
 };
@@ -32,35 +33,6 @@ pub struct ConstraintSet {
     constraints: Vec<Constraint>,
     names: Vec<String>,
     row_names: Vec<String>,
-}
-
-/// The rows of a set at a state.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct ConstraintRows {
-    /// A(q), K×nv.
-    pub matrix: DMatrix<f64>,
-    /// Ȧv, K: the rate of A v at a = 0.
-    pub bias: DVector<f64>,
-    /// φ(q) with φ̇ = A v, K; 0 in rows without φ.
-    pub position_error: DVector<f64>,
-    /// Whether each row has φ.
-    pub holonomic: Vec<bool>,
-}
-
-impl ConstraintRows {
-    /// Returns an error if a row is not finite.
-    pub(super) fn check(&self, set: &ConstraintSet) -> Result<(), ConstraintError> {
-        let finite = |i: usize| {
-            self.bias[i].is_finite()
-                && self.position_error[i].is_finite()
-                && self.matrix.row(i).iter().all(|x| x.is_finite())
-        };
-        match (0..set.len()).find(|&i| !finite(i)) {
-            Some(i) => Err(ConstraintError::NonFiniteRow { name: set.row_names()[i].clone() }),
-            None => Ok(()),
-        }
-    }
 }
 
 impl ConstraintSet {
@@ -185,7 +157,7 @@ impl ConstraintSet {
     #[track_caller]
     pub(super) fn check_robot(&self, model: &Model) {
         if let Some(robot) = &self.robot {
-            model.check_identity(&robot, "the constraint set");
+            model.check_identity(robot, "the constraint set");
         }
     }
 
@@ -249,23 +221,5 @@ fn numbers(constraint: &Constraint) -> Vec<(&'static str, f64)> {
             .collect(),
         Constraint::RollingDisc(disc) => vec![("a plane's offset", disc.plane.offset())],
         Constraint::NoSlip(_) | Constraint::Coupling(_) | Constraint::PolynomialCoupling(_) => Vec::new(),
-    }
-}
-
-/// The position of the next row.
-pub(super) struct RowsAt<'a> {
-    rows: &'a mut ConstraintRows,
-    at: usize,
-}
-
-impl RowsAt<'_> {
-    /// Writes one row of A with its entry of Ȧv, and its φ if it has one.
-    pub(super) fn push(&mut self, row: &RowDVector<f64>, bias: f64, position_error: Option<f64>) {
-        let Self { rows, at } = self;
-        rows.matrix.set_row(*at, row);
-        rows.bias[*at] = bias;
-        rows.position_error[*at] = position_error.unwrap_or(0.0);
-        rows.holonomic[*at] = position_error.is_some();
-        *at += 1;
     }
 }

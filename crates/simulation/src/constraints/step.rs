@@ -16,8 +16,9 @@ use super::{
     ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintSet, constrained_forward_dynamics,
     project_position, project_velocity,
 };
-use crate::motion::integrate::explicit::{Motion, StageMemory, explicit_step};
+use crate::motion::integrate::explicit::{Motion, explicit_step};
 use crate::motion::integrate::net_force;
+use crate::motion::integrate::stage_memory::StageMemory;
 use crate::{StepForces, StepWorkspace, constraint_drift};
 
 /// The correction of the drift after each step.

@@ -159,7 +159,7 @@ pub fn supported_inverse_dynamics(
     }
     if let Some(set) = supports.constraints {
         let rows = set.rows(model, workspace, q, v);
-        rows.check(set)?;
+        rows.check(set.row_names())?;
         for row in rows.matrix.row_iter() {
             problem.push(Set::Interval(f64::NEG_INFINITY, f64::INFINITY), 1, 0..nv);
             problem.last().1.iter_mut().zip(row.iter()).for_each(|(entry, x)| *entry = *x);

@@ -27,7 +27,9 @@ use self::displacement::{rate_change, retraction_change};
 use self::product::multiply_changes;
 use crate::StepForces;
 use crate::motion::RobotState;
-use crate::motion::integrate::explicit::{explicit_names, most_stages, scale, start_from, sum_stages};
+use crate::motion::integrate::explicit::explicit_names;
+use crate::motion::integrate::stage_memory::most_stages;
+use crate::motion::integrate::vectors::{scale, start_from, sum_stages};
 use crate::motion::integrate::{check_step, net_force};
 
 pub use self::differences::{DifferenceError, linearize_by_differences};

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use robot_dynamics_core::Model;
 
 use super::error::StepFailure;
-use super::step_inputs::record_acceleration;
 use super::stepping::Memory;
 use super::{MethodError, Observer, RunOptions, Simulation};
 use crate::motion::simulate::{Between, EventDetector, StepError};
@@ -225,7 +224,7 @@ impl Simulation {
                 *peak = peak.max((memory.tau[k] + by_actuators.get(k).unwrap_or(&0.0)).abs());
             }
             let length = if run.ended_by_event { run.time - time } else { self.step };
-            record_acceleration(memory, length);
+            memory.record_acceleration(length);
             if run.ended_by_event {
                 // Later steps are counted from the event.
                 self.base = (run.steps, run.time);

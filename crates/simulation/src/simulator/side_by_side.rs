@@ -6,7 +6,6 @@ use robot_dynamics_core::{InstructionSet, Model};
 use robot_dynamics_integrators::Integrator;
 
 use super::error::StepFailure;
-use super::step_inputs::record_acceleration;
 use super::{Method, Simulation};
 use crate::StepForces;
 use crate::motion::simulate::RunLoop;
@@ -84,7 +83,7 @@ impl Simulation {
         memory.before.copy_from_slice(&run.v);
         memory.q.copy_from_slice(q);
         memory.v.copy_from_slice(v);
-        record_acceleration(memory, self.step);
+        memory.record_acceleration(self.step);
         let end = course.time(run.steps + 1);
         RunLoop::enter(run, stepper, (ledger, end), (q, v));
         self.end_step(self.step);

@@ -69,11 +69,3 @@ fn bad_input(run: &Run, message: String) -> StepFailure {
     let source = ControllerError::Callback(CallbackError::new(message));
     RunError::Controller { step: run.steps, time: run.time, source }
 }
-
-/// Records the mean acceleration of a step of length h.
-pub(super) fn record_acceleration(memory: &mut Memory, h: f64) {
-    let Memory { acceleration, before, v, .. } = memory;
-    for (k, acceleration) in acceleration.iter_mut().enumerate() {
-        *acceleration = (v[k] - before[k]) / h;
-    }
-}

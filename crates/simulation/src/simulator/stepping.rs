@@ -8,7 +8,6 @@ use robot_dynamics_number::InvalidInput;
 
 use super::error::StepFailure;
 use super::method::SimulationStepper;
-use super::step_inputs::record_acceleration;
 use super::{AppliedWrench, Effect, Method, MethodError};
 use crate::motion::simulate::RunLoop;
 use crate::{Actuation, ContactSet, Run, RunFailure, StepForces, StepWorkspace};
@@ -86,6 +85,16 @@ pub(super) struct Memory {
     pub(super) applied: Vec<f64>,
     pub(super) middle: Vec<f64>,
     pub(super) jacobian: Vec<f64>,
+}
+
+impl Memory {
+    /// Records the mean acceleration of a step of length h.
+    pub(super) fn record_acceleration(&mut self, h: f64) {
+        let Self { acceleration, before, v, .. } = self;
+        for (k, acceleration) in acceleration.iter_mut().enumerate() {
+            *acceleration = (v[k] - before[k]) / h;
+        }
+    }
 }
 
 /// The parts from which a builder creates a simulation.
@@ -339,7 +348,7 @@ impl Simulation {
         let end = course.time(run.steps + 1);
         let state = (&mut memory.q[..], &mut memory.v[..]);
         let ledger = course.take(stepper, workspace, run, &forces, self.step, state)?;
-        record_acceleration(memory, self.step);
+        memory.record_acceleration(self.step);
         RunLoop::enter(run, stepper, (ledger, end), (&memory.q, &memory.v));
         self.end_step(self.step);
         Ok(())

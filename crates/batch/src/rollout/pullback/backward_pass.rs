@@ -7,7 +7,7 @@ use robot_dynamics_integrators::Stage;
 use robot_dynamics_number::dispatch::{Hardware, LaneKernel};
 use robot_dynamics_number::{Float, StateLanes};
 use robot_dynamics_simulation::Rollout;
-use robot_dynamics_simulation::motion::pullback::course::{RolloutInputs, memory_size, pull_back};
+use robot_dynamics_simulation::motion::pullback::checkpoints::{RolloutInputs, memory_size, pull_back};
 use robot_dynamics_simulation::motion::pullback::stages::{Accelerations, At, Cotangents};
 
 use super::bad_rows::spoil;

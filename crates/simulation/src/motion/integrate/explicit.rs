@@ -3,10 +3,13 @@
 use robot_dynamics_core::configuration::displacement_rate::displacement_rate;
 use robot_dynamics_core::workspace::native::computed_natively;
 use robot_dynamics_core::{Model, NativeFunction, Workspace, integrate};
-use robot_dynamics_integrators::{DynamicsError, Integrator, Stage, StepScheme, check_finite};
+use robot_dynamics_integrators::{DynamicsError, Integrator, Stage, check_finite};
 use robot_dynamics_number::Scalar;
 
-use super::{StepForces, StepWorkspace, accelerate};
+use super::forces::{StepForces, accelerate};
+use super::stage_memory::StageMemory;
+use super::vectors::{scale, start_from, sum_stages};
+use super::workspace::StepWorkspace;
 
 /// The system that the stages integrate.
 pub trait Motion<S: Scalar> {
@@ -20,52 +23,11 @@ pub trait Motion<S: Scalar> {
     fn accelerate(&mut self, q: &[S], v: &[S], acceleration: &mut [S]) -> Result<(), Self::Error>;
 }
 
-/// The memory of a step, cut from one slice.
-pub struct StageMemory<'a, S> {
-    /// q and v of a stage, and finally those of the step's end.
-    pub q: &'a mut [S],
-    pub v: &'a mut [S],
-    /// Θ.
-    displacement: &'a mut [S],
-    /// Θ̇ and v̇ of all stages.
-    rates: &'a mut [S],
-    pub accelerations: &'a mut [S],
-}
-
-impl<'a, S> StageMemory<'a, S> {
-    /// The number of entries that a step with this many stages needs.
-    pub fn size(model: &Model, stages: usize) -> usize {
-        model.nq + 2 * model.nv * (1 + stages)
-    }
-
-    pub fn new(model: &Model, stages: usize, memory: &'a mut [S]) -> Self {
-        let (nq, nv) = (model.nq, model.nv);
-        let mut rest = memory;
-        let mut take = |count: usize| rest.split_off_mut(..count).unwrap_or_default();
-        Self {
-            q: take(nq),
-            v: take(nv),
-            displacement: take(nv),
-            rates: take(stages * nv),
-            accelerations: take(stages * nv),
-        }
-    }
-}
-
 /// The names of the rows with explicit stages, for messages.
 pub fn explicit_names() -> String {
     let names: Vec<_> =
         Integrator::ALL.into_iter().filter(|row| row.is_explicit()).map(Integrator::name).collect();
     names.join(", ")
-}
-
-/// The largest number of stages of any row.
-pub fn most_stages() -> usize {
-    let stages = |row: Integrator| match row.scheme() {
-        StepScheme::Explicit(stages) => stages.len(),
-        StepScheme::Variational(_) => 0,
-    };
-    Integrator::ALL.into_iter().map(stages).max().unwrap_or(0)
 }
 
 /// Takes a step from (q, v) over h, and writes the end to `memory.q` and `memory.v`. See [`Stage`]. On joints
@@ -118,43 +80,6 @@ pub fn explicit_step<S: Scalar, M: Motion<S>>(
     scale(h, displacement);
     motion.move_along(q, displacement, q_stage);
     Ok(())
-}
-
-/// Σⱼ kⱼ xⱼ over the first `count` stages.
-#[inline(always)]
-pub fn sum_stages<S: Scalar>(count: usize, k: impl Fn(usize) -> f64, x: &[S], sum: &mut [S]) {
-    let n = sum.len();
-    let mut is_first = true;
-    for j in 0..count {
-        let k = k(j);
-        if k == 0.0 {
-            continue;
-        }
-        let (k, x) = (S::from_f64(k), &x[j * n..(j + 1) * n]);
-        for i in 0..n {
-            sum[i] = if is_first { k * x[i] } else { k.mul_add(x[i], sum[i]) };
-        }
-        is_first = false;
-    }
-    if is_first {
-        sum.fill(S::zero());
-    }
-}
-
-/// x ← start + h x.
-#[inline(always)]
-pub fn start_from<S: Scalar>(start: &[S], h: S, x: &mut [S]) {
-    for i in 0..x.len() {
-        x[i] = h.mul_add(x[i], start[i]);
-    }
-}
-
-/// x ← h x.
-#[inline(always)]
-pub fn scale<S: Scalar>(h: S, x: &mut [S]) {
-    for x in x.iter_mut() {
-        *x = h * *x;
-    }
 }
 
 /// A tree under constant forces.
@@ -220,9 +145,4 @@ pub fn advance(
     q.copy_from_slice(memory.q);
     v.copy_from_slice(memory.v);
     Ok(())
-}
-
-/// x ← x + k y.
-pub fn add_scaled(x: &mut [f64], k: f64, y: &[f64]) {
-    x.iter_mut().zip(y).for_each(|(x, y)| *x += k * y);
 }

@@ -10,37 +10,18 @@ use robot_dynamics_core::Model;
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_integrators::IntegratorError;
 
-use super::dense_factor::DenseFactor;
-use super::explicit::add_scaled;
+use super::forces::StepForces;
+use super::middle::{evaluate_middle, place_middle};
+use super::newton_memory::Newton;
 use super::rounding::{is_rounding, largest, rounding_scale};
-use super::variational::{evaluate_middle, place_middle};
-use super::{StepForces, StepWorkspace};
+use super::vectors::add_scaled;
+use super::workspace::StepWorkspace;
 
 /// The limit of corrections.
 const MAX_CORRECTIONS: usize = 60;
 
 /// The smallest fraction of a correction that is tried.
 const SHORTEST: f64 = 1.0 / 64.0;
-
-/// Memory of the method.
-#[derive(Clone, Debug)]
-pub(crate) struct Newton {
-    /// v at the start of the step: the initial guess.
-    pub(super) start: Vec<f64>,
-    /// The iterate, its c, and Newton's correction.
-    v: Vec<f64>,
-    rest: Vec<f64>,
-    correction: Vec<f64>,
-    /// −∂c/∂v.
-    slope: DenseFactor,
-}
-
-impl Newton {
-    pub(crate) fn new(nv: usize) -> Self {
-        let zero = || vec![0.0; nv];
-        Self { start: zero(), v: zero(), rest: zero(), correction: zero(), slope: DenseFactor::new(nv) }
-    }
-}
 
 /// Solves for the middle velocity from the initial guess in `workspace.newton.start`, with the factor of the
 /// first middle's M. The results are those of [`solve_middle`](super::variational). `failed` is the error of

@@ -7,7 +7,7 @@ use robot_dynamics_core::workspace::buffers::Dense;
 use robot_dynamics_core::workspace::compiled_once::run;
 use robot_dynamics_core::{Model, Workspace};
 
-use super::StepWorkspace;
+use super::workspace::StepWorkspace;
 
 /// max |xᵢ|; NaN if an entry is NaN.
 pub fn largest(x: &[f64]) -> f64 {

@@ -8,8 +8,9 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::Stage;
 use robot_dynamics_number::Scalar;
 
-use super::explicit::{Motion, StageMemory, explicit_step, most_stages};
-use super::{StepForces, net_force};
+use super::explicit::{Motion, explicit_step};
+use super::forces::{StepForces, net_force};
+use super::stage_memory::{StageMemory, most_stages};
 
 /// Scratch for [`step_stages`] on one model.
 #[derive(Clone, Debug)]

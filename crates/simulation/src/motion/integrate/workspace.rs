@@ -4,9 +4,9 @@ use robot_dynamics_core::configuration::manifold::coordinate_ranges;
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_core::{Model, Workspace};
 
-use super::explicit::{StageMemory, most_stages};
 use super::mass_factor::MassFactor;
-use super::newton::Newton;
+use super::newton_memory::Newton;
+use super::stage_memory::{StageMemory, most_stages};
 
 /// Scratch for [`step`](crate::step) on one model; like [`Workspace`], it holds no state between calls.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use robot_dynamics_core::configuration::manifold::{CoordinateRange, coordinate_r
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_number::algebra::V3;
 
-use crate::motion::integrate::explicit::add_scaled;
+use crate::motion::integrate::vectors::add_scaled;
 
 /// The displacement of one joint: linear and angular part.
 type Pair = (V3<f64>, V3<f64>);

@@ -26,7 +26,8 @@ use robot_dynamics_core::derivatives::pull_dissipation;
 use robot_dynamics_integrators::Stage;
 use robot_dynamics_number::Scalar;
 
-use crate::motion::integrate::explicit::{Motion, scale, start_from, sum_stages};
+use crate::motion::integrate::explicit::Motion;
+use crate::motion::integrate::vectors::{scale, start_from, sum_stages};
 
 /// Forward dynamics and its pullback, for one state or for several states in lanes.
 pub trait Accelerations<S: Scalar> {

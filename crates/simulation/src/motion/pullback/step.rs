@@ -16,7 +16,7 @@ use super::stages::{Accelerations, At, Cotangents, Held, PullbackMemory, add, pu
 use crate::StepForces;
 use crate::motion::RobotState;
 use crate::motion::integrate::check_step;
-use crate::motion::integrate::explicit::most_stages;
+use crate::motion::integrate::stage_memory::most_stages;
 
 /// Scratch for [`step_pullback`] on one model.
 #[derive(Clone, Debug)]

@@ -8,11 +8,12 @@ use robot_dynamics_integrators::{
 };
 use robot_dynamics_number::{Classified, ErrorKind};
 
-use super::divergence::{add_actuation_gains, add_passive_gains};
+use super::gains::{add_actuation_gains, add_passive_gains};
 use super::ledger::end_energies;
 use super::{StepError, StepFault, Stepper};
 use crate::motion::drive::ActuatorLoad;
-use crate::motion::integrate::explicit::{Motion, StageMemory, advance, explicit_names};
+use crate::motion::integrate::explicit::{Motion, advance, explicit_names};
+use crate::motion::integrate::stage_memory::StageMemory;
 use crate::motion::integrate::{accelerate, check_step};
 use crate::{Actuation, ActuationWorkspace, StepForces, StepWorkspace};
 

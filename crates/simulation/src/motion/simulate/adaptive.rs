@@ -6,6 +6,7 @@ mod local_error;
 mod method;
 mod motion;
 mod options;
+mod statistics;
 mod stepper;
 
 pub use course::AdaptiveRun;
@@ -14,6 +15,7 @@ pub use method::AdaptiveMethod;
 pub use motion::ExternalInputs;
 pub(crate) use motion::HeldActuation;
 pub use options::{AdaptiveOptions, ControlTiming};
+pub use statistics::StepStatistics;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -27,37 +29,6 @@ use self::motion::{Motion, MotionFailure};
 use self::stepper::{Advance, StepSequence};
 use super::Stepper;
 use crate::{Actuation, StepForces, StepWorkspace};
-
-/// Statistics of the steps of adaptive runs.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[non_exhaustive]
-pub struct StepStatistics {
-    /// Accepted steps.
-    pub accepted: usize,
-    /// Steps that were rejected because their error was too large.
-    pub rejected: usize,
-    /// Evaluations of the motion. An accepted explicit step takes 26, its polynomial included, and a rejected
-    /// one 15. Implicit steps include those of Newton's method and of Jacobians by finite differences.
-    pub evaluations: usize,
-    /// The shortest step taken \[s\]; 0 before the first.
-    pub shortest: f64,
-    /// The longest \[s\].
-    pub longest: f64,
-}
-
-impl StepStatistics {
-    /// Adds the statistics of later steps.
-    fn add(&mut self, later: &Self) {
-        if later.accepted > 0 {
-            self.shortest =
-                if self.accepted == 0 { later.shortest } else { self.shortest.min(later.shortest) };
-            self.longest = self.longest.max(later.longest);
-        }
-        self.accepted += later.accepted;
-        self.rejected += later.rejected;
-        self.evaluations += later.evaluations;
-    }
-}
 
 /// The record of adaptive steps since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -175,7 +146,9 @@ impl Stepper for AdaptiveStepper {
         let applied = ExternalInputs { driven: self.driven_from(0.0), ..ExternalInputs::held(forces.tau) };
         let motion = Motion::new(model, forces.dissipation, self.energy, applied);
         let y = [&*q, &*v, &[0.0, 0.0]].concat();
-        let mut steps = StepSequence::start(self, &motion, (0.0, h), &y).map_err(MotionFailure::of_step)?;
+        let mut steps =
+            StepSequence::start(self.record.method, &self.options, self.wanted, &motion, (0.0, h), &y)
+                .map_err(MotionFailure::of_step)?;
         let moved = loop {
             match steps.advance(&motion, h, self.interrupt.as_deref()) {
                 Ok(Advance::Moved) if steps.t >= h => break Ok(()),

@@ -1,15 +1,12 @@
 //! Detection of divergence, and a step that would avoid it.
 
-use core::fmt;
-
 use nalgebra::DMatrix;
 use robot_dynamics_core::{Model, Workspace, mass_matrix};
 
+use super::divergence_cause::DivergenceCause;
 use super::ledger::fastest;
 use super::run::RunLoop;
 use super::{Run, RunError, StepError, Stepper};
-use crate::Actuation;
-use crate::motion::drive::Drive;
 
 /// A coordinate that moves further than this in a step has lost the digits of its angle \[rad or m\], and the
 /// run cannot continue.
@@ -21,31 +18,6 @@ pub(super) const GROWN: f64 = 10.0;
 
 /// A step resolves the motion if no coordinate moves further than this \[rad or m\].
 const RESOLVED: f64 = 0.1;
-
-/// The reason for the suggested step in [`RunError::Diverged`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum DivergenceCause {
-    /// Springs, dampers and servos that the method treats explicitly; the suggestion is half of the limit of
-    /// stability.
-    Stiffness,
-    /// The speed at the start; a suggested step moves no coordinate by more than 0.1 rad or m.
-    Speed,
-    /// Neither explains the divergence; the suggestion is a tenth of the step.
-    Unknown,
-}
-
-impl fmt::Display for DivergenceCause {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Stiffness => "half of what the springs, dampers and servos let the method take",
-            Self::Speed => "with which the speed at the start moves no coordinate by more than 0.1 rad or m",
-            Self::Unknown => {
-                "a tenth of this one; if that changes nothing, look at the controller's gains and for dampers with the wrong sign"
-            }
-        })
-    }
-}
 
 impl RunLoop<'_> {
     /// Whether a step at v moves a coordinate beyond the limit.
@@ -131,45 +103,5 @@ impl Gains {
         let (square, rate) = (largest(&self.stiffness)?, largest(&self.damping)?);
         let limit = 4.0 / (rate + (rate * rate + 4.0 * square).sqrt());
         limit.is_finite().then_some(limit)
-    }
-}
-
-/// Adds K and D of the joints' springs and, with `dissipation`, of their dampers.
-pub fn add_passive_gains(model: &Model, dissipation: bool, stiffness: &mut [f64], damping: &mut [f64]) {
-    let nv = model.nv();
-    for dof in &model.dofs {
-        let (at, square) = (dof.coordinate * (nv + 1), dof.ratio * dof.ratio);
-        stiffness[at] += square * dof.passive.stiffness.max(0.0);
-        damping[at] += if dissipation { square * dof.passive.damping.max(0.0) } else { 0.0 };
-    }
-}
-
-/// Adds K and D of tendons and servos.
-pub(crate) fn add_actuation_gains(
-    actuation: &Actuation,
-    nv: usize,
-    stiffness: &mut [f64],
-    damping: &mut [f64],
-) {
-    let (mut k, mut d, mut couplings) = (vec![0.0; nv], vec![0.0; nv], Vec::new());
-    actuation.add_gains(&mut k, &mut d, &mut couplings);
-    for i in 0..nv {
-        stiffness[i * (nv + 1)] += k[i];
-        damping[i * (nv + 1)] += d[i];
-    }
-    for coupling in &couplings {
-        for &(i, one) in &coupling.row {
-            for &(j, other) in &coupling.row {
-                stiffness[i * nv + j] += coupling.stiffness * one * other;
-                damping[i * nv + j] += coupling.damping * one * other;
-            }
-        }
-    }
-}
-
-impl Drive {
-    /// Adds K and D of its tendons and servos.
-    pub(crate) fn add_gains(&self, nv: usize, stiffness: &mut [f64], damping: &mut [f64]) {
-        add_actuation_gains(self.actuation(), nv, stiffness, damping);
     }
 }

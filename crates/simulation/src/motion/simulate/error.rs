@@ -6,7 +6,7 @@ use robot_dynamics_core::SingularMass;
 use robot_dynamics_integrators::{IntegratorError, kind_of_not_finite};
 use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 
-use super::divergence::DivergenceCause;
+use super::divergence_cause::DivergenceCause;
 use super::event::{Cause, NoValue};
 use super::{CallbackError, ControllerError, Run, StepError};
 

@@ -6,7 +6,7 @@ use robot_dynamics_core::{Model, SingularMass, Workspace, check_rank};
 use robot_dynamics_integrators::{DynamicsError, EnergyLedger, Integrator, IntegratorError};
 use robot_dynamics_number::{Classified, ErrorKind};
 
-use super::divergence::add_passive_gains;
+use super::gains::add_passive_gains;
 use super::{CallbackError, Losses, record_step};
 use crate::{ActiveSet, ContactLaws, StepForces, StepWorkspace, step};
 

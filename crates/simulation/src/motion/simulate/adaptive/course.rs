@@ -8,7 +8,7 @@ use robot_dynamics_core::{Model, Workspace, check_rank};
 use super::super::divergence::{GROWN, LOST};
 use super::super::event::EventDetector;
 use super::super::ledger::fastest;
-use super::super::run::Observer;
+use super::super::results::Observer;
 use super::super::{Controller, Run, RunError, Stepper};
 use super::error::AdaptiveStepError;
 use super::motion::{ExternalInputs, Motion, MotionFailure, TORQUE};
@@ -72,8 +72,15 @@ impl AdaptiveRun<'_, '_> {
             return Ok(());
         }
         let step = self.run.steps;
-        let mut steps = StepSequence::start(self.stepper, &motion, (start, end), &y)
-            .map_err(|failure| failure.at(model, start, step))?;
+        let mut steps = StepSequence::start(
+            self.stepper.record.method,
+            &self.stepper.options,
+            self.stepper.wanted,
+            &motion,
+            (start, end),
+            &y,
+        )
+        .map_err(|failure| failure.at(model, start, step))?;
         let done = self.take(&mut steps, &motion, (instants, time_of), (held, tau), (watch, &mut samples));
         self.stepper.record.statistics.add(&steps.statistics);
         self.stepper.wanted = steps.wanted();

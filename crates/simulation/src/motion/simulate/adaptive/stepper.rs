@@ -6,7 +6,8 @@ use super::error::AdaptiveStepError;
 use super::local_error::least_accurate;
 use super::method::{AdaptiveMethod, Steps};
 use super::motion::{Motion, MotionFailure};
-use super::{AdaptiveStepper, StepStatistics};
+use super::options::AdaptiveOptions;
+use super::statistics::StepStatistics;
 
 /// The state of the integration.
 pub(super) struct StepSequence {
@@ -37,23 +38,25 @@ pub(super) enum Advance {
 }
 
 impl StepSequence {
-    /// Starts at y(t₀).
+    /// Starts at y(t₀); `wanted` is the first step to attempt \[s\].
     pub(super) fn start(
-        stepper: &AdaptiveStepper,
+        kind: AdaptiveMethod,
+        options: &AdaptiveOptions,
+        wanted: f64,
         motion: &Motion<'_, '_>,
         (t, end): (f64, f64),
         y: &[f64],
     ) -> Result<Self, MotionFailure> {
-        let (kind, tolerance) = (stepper.record.method, stepper.options.tolerance);
+        let tolerance = options.tolerance;
         let mut sequence = Self {
             kind,
-            method: kind.start(tolerance, stepper.wanted.min(end - t)),
+            method: kind.start(tolerance, wanted.min(end - t)),
             tolerance,
             end,
             from: t,
             t,
             wanted: end - t,
-            most_steps: stepper.options.max_steps,
+            most_steps: options.max_steps,
             since: 0,
             failure: None,
             statistics: StepStatistics::default(),
@@ -204,18 +207,18 @@ mod tests {
         let rest = vec![0.0; model.nv()];
         let motion = Motion::new(&model, false, 1.0, ExternalInputs::held(&rest));
         let errors = [0.07, 0.05].map(|h| {
-            let at = |tolerance, max_steps| {
+            let start = |tolerance, max_steps, end| {
                 let method = AdaptiveMethod::Explicit;
                 let options = AdaptiveOptions { tolerance, method, max_steps, ..AdaptiveOptions::default() };
-                AdaptiveStepper::new(options, None)
+                StepSequence::start(method, &options, 0.0, &motion, (0.0, end), &y).unwrap()
             };
-            let mut step = StepSequence::start(&at(1e-2, 10), &motion, (0.0, h), &y).unwrap();
+            let mut step = start(1e-2, 10, h);
             step.wanted = h;
             step.advance(&motion, h, None).unwrap();
             assert_eq!((step.t, step.statistics.rejected), (h, 0), "one step of {h} s");
             let off = |fraction: f64| {
                 let t = fraction * h;
-                let mut exact = StepSequence::start(&at(1e-13, 1000), &motion, (0.0, t), &y).unwrap();
+                let mut exact = start(1e-13, 1000, t);
                 while exact.t < t {
                     exact.advance(&motion, t, None).unwrap();
                 }

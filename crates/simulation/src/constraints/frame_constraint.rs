@@ -7,57 +7,10 @@
 use nalgebra::Vector3;
 use robot_dynamics_core::{FrameId, Model, Workspace};
 use robot_dynamics_description::Pose;
-#[cfg(feature = "serde")]
-use serde::{Deserialize, Serialize};
 
+use super::anchor::{Anchor, SpatialAxis};
 use super::frame_motion::FrameMotion;
-use super::set::RowsAt;
-
-/// One side of a closure.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Anchor {
-    /// A frame of the robot.
-    Frame(FrameId),
-    /// A pose in the world: `world_from_anchor`.
-    World(Pose),
-}
-
-/// A direction in which frame b must not move relative to frame a, in the axes of a.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
-#[doc(alias = "ClosureRow")]
-pub enum SpatialAxis {
-    /// Along x \[m\].
-    X,
-    /// Along y \[m\].
-    Y,
-    /// Along z \[m\].
-    Z,
-    /// Rotation about x \[rad\].
-    Rx,
-    /// Rotation about y \[rad\].
-    Ry,
-    /// Rotation about z \[rad\].
-    Rz,
-}
-
-impl SpatialAxis {
-    /// The name in a loop's file: `x`, ..., `rz`.
-    pub fn name(self) -> &'static str {
-        ["x", "y", "z", "rx", "ry", "rz"][self as usize]
-    }
-
-    /// Whether the row constrains a rotation.
-    pub fn is_turn(self) -> bool {
-        self as usize >= 3
-    }
-
-    /// 0, 1, 2 for x, y, z.
-    pub(super) fn axis(self) -> usize {
-        self as usize % 3
-    }
-}
+use super::rows::RowsAt;
 
 /// Frame b joined to frame a in the directions of the rows.
 ///

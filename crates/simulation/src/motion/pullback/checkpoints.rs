@@ -6,7 +6,8 @@ use robot_dynamics_number::Scalar;
 
 use super::rollout::Rollout;
 use super::stages::{Accelerations, Held, PullbackMemory, pull_back_step};
-use crate::motion::integrate::explicit::{StageMemory, explicit_step};
+use crate::motion::integrate::explicit::explicit_step;
+use crate::motion::integrate::stage_memory::StageMemory;
 
 /// The forces of a rollout, and the cotangents along it.
 pub trait RolloutInputs<S> {

@@ -1,0 +1,36 @@
+//! The memory of actuation.
+
+use robot_dynamics_core::{Model, Workspace};
+
+use super::transmission::FrameMemory;
+
+/// The memory of [`Actuation`](super::Actuation)'s calls.
+#[derive(Clone, Debug)]
+pub struct ActuationWorkspace {
+    pub(super) frames: FrameMemory,
+    /// The workspace of the robot with the carried masses.
+    pub(super) carried: Option<Workspace>,
+    pub(super) weight: Vec<f64>,
+    /// The force of each actuator, and the total force of the actuators on each tendon.
+    pub(super) forces: Vec<f64>,
+    pub(super) on_tendons: Vec<f64>,
+}
+
+impl ActuationWorkspace {
+    /// For this many degrees of freedom, actuators and tendons; `carried` is the robot with the carried
+    /// masses.
+    pub(super) fn new(nv: usize, actuators: usize, tendons: usize, carried: Option<&Model>) -> Self {
+        Self {
+            frames: FrameMemory::new(nv),
+            carried: carried.map(Workspace::new),
+            weight: vec![0.0; nv],
+            forces: vec![0.0; actuators],
+            on_tendons: vec![0.0; tendons],
+        }
+    }
+
+    /// Each actuator's force in the last call.
+    pub(crate) fn actuator_forces(&self) -> &[f64] {
+        &self.forces
+    }
+}
