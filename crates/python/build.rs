@@ -1,5 +1,5 @@
-//! The linker's arguments for a module of Python, whose names are found on macOS when it is loaded; and the
-//! robots that come with the package, where the compiler finds them.
+//! Sets the linker's arguments for a Python module, whose symbols macOS resolves when it is loaded. Copies
+//! the robots of the package to where the compiler finds them.
 
 use std::path::PathBuf;
 

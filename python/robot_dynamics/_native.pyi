@@ -17,7 +17,7 @@ __all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensate
 __version__: str
 
 def _html(text: str) -> str:
-    """A text between the tags, or within an attribute, of HTML."""
+    """The text escaped for HTML, between tags or in an attribute."""
 
 def _nanoseconds(robot: Robot, name: str, state: Sequence[Numbers], rounds: int) -> float:
     """The least time of one call of a quantity from Rust, over rounds of a hundred calls [ns]."""
@@ -26,7 +26,7 @@ def _random_robot(seed: int, joints: int, floating_base: bool) -> str:
     """See `random_robot`."""
 
 def _visible(text: str, keeps_lines: bool) -> str:
-    """A text with each character that cannot be seen as its escape; ends of lines stay where `keeps_lines`."""
+    """A text in which each invisible character is replaced by its escape; line ends stay if `keeps_lines`."""
 
 def _write_text(path: Any, text: str) -> None:
     """Writes a text file as a whole or not at all."""
@@ -43,7 +43,7 @@ def example_text(name: str) -> str:
     """The file of a robot that comes with the package, as text."""
 
 def num_threads() -> int:
-    """How many threads a batch is computed by where a call does not say: one a core, or what `set_num_threads`
+    """The number of threads that compute a batch by default: one per core, or the number that `set_num_threads`
     chose.
 
     >>> rd.num_threads() >= 1
@@ -51,15 +51,15 @@ def num_threads() -> int:
     """
 
 def quantities() -> list[tuple[str, list[str], int]]:
-    """The library's table of algorithms: of each its name and what it reads. For the tests, which ask for a
-    method of each.
+    """The library's table of algorithms: the name and the inputs of each. The tests check that each has a
+    method.
     """
 
 def set_num_threads(threads: int | None, /) -> None:
-    """Chooses how many threads a batch is computed by where a call does not say; `None` for one a core.
+    """Chooses how many threads compute a batch by default; `None` for one per core.
 
-    Results are the same bits for any number of threads. Workers of a cluster, which are processes side by
-    side, want one.
+    Results are the same bits for any number of threads. Workers of a cluster are processes side by side and
+    should use one thread each.
 
     >>> rd.set_num_threads(1)
     >>> rd.num_threads()
@@ -69,8 +69,8 @@ def set_num_threads(threads: int | None, /) -> None:
 
 @final
 class BaseParameters:
-    """The combinations β of inertial parameters that torques show; `robot_dynamics.Robot.base_parameters` finds
-    them.
+    """The combinations β of inertial parameters that torques determine; `robot_dynamics.Robot.base_parameters`
+    finds them.
     """
     def __len__(self, /) -> int: ...
     @property
@@ -78,26 +78,26 @@ class BaseParameters:
         """The matrix of β = combinations · π."""
     @property
     def invisible(self) -> list[str]:
-        """The parameters that no torque shows."""
+        """The parameters that affect no torque."""
     @property
     def names(self) -> list[str]:
         """Each combination in words, for example `upper.Iyy + fore.m`."""
     def nearest_parameters(self, values: Numbers, nominal: Numbers) -> NDArray[np.float64]:
         """The π nearest to a given one that has these β."""
     def values(self, parameters: Numbers) -> NDArray[np.float64]:
-        """β of given π."""
+        """β of the given π."""
 
 @final
 class ComputedTorque:
-    """τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains: follows a motion, the error of
-    plain coordinates obeying ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Where no motor is
-    (`robot.actuated_dofs`), as on a floating base, the torque is 0: those coordinates move as they must, and
-    the others follow in spite of it while nothing else touches the robot.
+    """Follows a motion: τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains. The error of
+    plain coordinates obeys ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Coordinates without a motor
+    (`robot.actuated_dofs`), as those of a floating base, have torque 0 and move freely. The others follow the
+    motion in spite of it while nothing else touches the robot.
 
     `reference` is the motion (q*, v*, a*), or q* alone to stand there, or a function of t that gives one of
     these. `stiffness` Kp [1/s²] and `damping` Kd [1/s] are (nv,); Kd = 2 √Kp is critically damped.
-    `dissipation` compensates the joints' damping and friction, too. It is a function of (t, q, v); in
-    `simulate` it runs in the library.
+    `dissipation` compensates the joints' damping and friction, too. The controller is a function of (t, q,
+    v); in `simulate` it runs in the library.
 
     >>> robot = rd.example("two_r")
     >>> swing = lambda t: ([np.sin(t), np.cos(t)], [np.cos(t), -np.sin(t)], [-np.sin(t), -np.cos(t)])
@@ -120,12 +120,12 @@ class Constraints:
 
 @final
 class GravityCompensatedPd:
-    """τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose.
-    Where no motor is (`robot.actuated_dofs`), as on a floating base, the torque is 0.
+    """Holds a pose: τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit.
+    Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0.
 
     `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N],
-    the robot's where not given. g is taken at the `target`, or with `gravity_at="state"` where the robot is.
-    It is a function of (t, q, v); in `simulate` it runs without Python.
+    by default the robot's. g is taken at the `target`, or with `gravity_at="state"` at the robot's
+    configuration. The controller is a function of (t, q, v); in `simulate` it runs without Python.
 
     >>> robot = rd.example("panda")
     >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
@@ -138,9 +138,9 @@ class GravityCompensatedPd:
 
 @final
 class JointMap:
-    """The numbers of q and v of a robot with joints locked, in those of the whole robot, and back.
+    """Converts q and v between a robot with joints locked and the whole robot.
 
-    `reference` is a configuration of the whole robot, where its locked joints stay.
+    `reference` is a configuration of the whole robot. Its locked joints stay there.
 
     >>> whole = rd.example("panda")
     >>> part = whole.lock("panda_joint7")
@@ -150,22 +150,22 @@ class JointMap:
     """
     def __new__(cls, full: Robot, reduced: Robot, reference: Numbers | None = None) -> Self: ...
     def expand_configuration(self, q: Numbers) -> NDArray[np.float64]:
-        """The whole robot's q of the part's."""
+        """The whole robot's q from the part's q."""
     def expand_velocity(self, v: Numbers) -> NDArray[np.float64]:
-        """The whole robot's v of the part's: 0 for the locked joints."""
+        """The whole robot's v from the part's v; it is 0 for the locked joints."""
     @property
     def locked_joints(self) -> list[str]:
-        """The joints that the part holds still."""
+        """The joints that are locked in the part."""
     @property
     def q_indices(self) -> list[int]:
-        """Where the part's q is in the whole one's."""
+        """The indices of the part's q in the whole robot's q."""
     def restrict_configuration(self, q: Numbers) -> NDArray[np.float64]:
-        """The part's q of the whole robot's."""
+        """The part's q from the whole robot's q."""
     def restrict_velocity(self, v: Numbers) -> NDArray[np.float64]:
-        """The part's v of the whole robot's."""
+        """The part's v from the whole robot's v."""
     @property
     def v_indices(self) -> list[int]:
-        """Where the part's v is in the whole one's."""
+        """The indices of the part's v in the whole robot's v."""
 
 @disjoint_base
 class Robot:
@@ -191,7 +191,7 @@ class Robot:
     def _contact_impulse(self, constraints: Any, q: Any, v: Any, restitution: Any) -> Any:
         """See `contact_impulse`."""
     def _convert(self, convention: Any, back: Any, names: Any, given: Any) -> Any:
-        """See `to_mujoco` and `to_pinocchio`; `back` converts in the other direction. All arrays have a row a
+        """See `to_mujoco` and `to_pinocchio`; `back` converts in the other direction. All arrays have a row per
         state; the names are those of the arguments.
         """
     def _differentiable_row(self, **options: Any) -> Any:
@@ -199,11 +199,11 @@ class Robot:
         and friction act.
         """
     def _disabled_collisions(self, path: Any) -> list[tuple[str, str]]:
-        """The pairs of links that an SRDF file keeps from touching."""
+        """The pairs of links whose collisions an SRDF file disables."""
     def _effort_limits(self) -> Any:
         """The effort limits of all coordinates."""
     def _file_read_at(self, path: Any) -> Any:
-        """The file that the robot comes from which is at this path, by whatever link."""
+        """The one of the robot's files that is at this path; links are resolved."""
     def _generate(self, target: Any, functions: Any, folder: Any, *, single: Any, fused: Any, platform_sine: Any, lanes: Any, name: Any, states: Any) -> Any:
         """See `generate`."""
     def _identify(self, q: Any, v: Any, a: Any, tau: Any, base: Any, *, dissipation: Any) -> Any:
@@ -427,8 +427,8 @@ class Robot:
     def cotangent_from_coordinates(self, q: NDArray[_F], coordinates: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
     def cotangent_from_coordinates(self, q: Numbers, coordinates: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """A gradient by the numbers of q as the gradient by displacements q ⊕ δ; right for any function,
-        whatever it does with quaternions that are not of length 1.
+        """Converts a gradient by the numbers of q to the gradient by displacements q ⊕ δ. This is right for any
+        function, whatever it does with quaternions that are not of length 1.
 
         q (..., nq), coordinates (..., nq) → (..., nv).
 
@@ -440,9 +440,9 @@ class Robot:
     def cotangent_to_coordinates(self, q: NDArray[_F], cotangent: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
     def cotangent_to_coordinates(self, q: Numbers, cotangent: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """A gradient by displacements q ⊕ δ as the gradient by the numbers of q, of a function that depends on
-        the direction of each quaternion alone, as those of this package: x̄ = R ū, q̄ = 2 q ⊗ (w̄, 0)/|q|²;
-        elsewhere the same numbers.
+        """Converts a gradient by displacements q ⊕ δ to the gradient by the numbers of q. The function must
+        depend only on the direction of each quaternion, as those of this package do. Then x̄ = R ū and q̄ = 2
+        q ⊗ (w̄, 0)/|q|²; for other coordinates the numbers are the same.
 
         q (..., nq), cotangent (..., nv) → (..., nq).
 
@@ -479,8 +479,8 @@ class Robot:
     def dissipation_pullback(self, v: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> DissipationPullback[_F]: ...
     @overload
     def dissipation_pullback(self, v: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> DissipationPullback[np.float64]:
-        """λᵀ ∂b/∂v and λᵀ ∂b/∂p of `dissipation` b(v) for a cotangent λ of b and the `parameters()` p: of each
-        joint λ v by its damping, λ sign v by its friction, whose sign is held.
+        """λᵀ ∂b/∂v and λᵀ ∂b/∂p of `dissipation` b(v) for a cotangent λ of b, where p are the `parameters()`.
+        For each joint they are λ v by its damping and λ sign v by its friction; the sign is held constant.
 
         v (..., nv), cotangent (..., nv) → `by_velocity` (..., nv), `by_parameters` (..., parameters).
 
@@ -491,7 +491,9 @@ class Robot:
         """
     @property
     def fingerprint(self) -> int:
-        """A number that tells robots apart: equal where every name and every digit of the descriptions is."""
+        """A number that identifies a robot. It is equal if every name and every digit of the descriptions are
+        equal.
+        """
     @overload
     def forward_dynamics(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
@@ -524,8 +526,8 @@ class Robot:
     def forward_dynamics_pullback(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> ForwardDynamicsPullback[_F]: ...
     @overload
     def forward_dynamics_pullback(self, q: Numbers, v: Numbers, tau: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> ForwardDynamicsPullback[np.float64]:
-        """λᵀ ∂a/∂q, λᵀ ∂a/∂v and λᵀ ∂a/∂τ of a(q, v, τ) for a cotangent λ of a: O(n), neither M nor a Jacobian
-        is formed.
+        """λᵀ ∂a/∂q, λᵀ ∂a/∂v and λᵀ ∂a/∂τ of a(q, v, τ) for a cotangent λ of a. The cost is O(n); neither M nor
+        a Jacobian is formed.
 
         q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
         `by_force`, each (..., nv); by q as in `inverse_dynamics_pullback`. Raises SingularMassError where
@@ -540,11 +542,11 @@ class Robot:
     def forward_dynamics_pullback_with_parameters(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> ForwardDynamicsPullbackWithParameters[_F]: ...
     @overload
     def forward_dynamics_pullback_with_parameters(self, q: Numbers, v: Numbers, tau: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> ForwardDynamicsPullbackWithParameters[np.float64]:
-        """`forward_dynamics_pullback` with λᵀ ∂a/∂p for the `parameters()` p, too: of the inertial ones
-        −(M⁻¹λ)ᵀY of the `joint_torque_regressor`, which is not formed.
+        """`forward_dynamics_pullback` with λᵀ ∂a/∂p for the `parameters()` p, too. For the inertial ones it is
+        −(M⁻¹λ)ᵀY with the `joint_torque_regressor` Y, which is not formed.
 
         q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
-        `by_force`, each (..., nv), and `by_parameters` (..., parameters), a row a state, named by
+        `by_force`, each (..., nv), and `by_parameters` (..., parameters), a row per state, named by
         `parameter_names`. Raises SingularMassError where joints move no inertia.
 
         >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
@@ -561,10 +563,11 @@ class Robot:
         frame, J a + J̇ v. It does not include gravity.
 
         q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
-        ``"local_world_aligned"`` is the classical acceleration p̈ of the frame's origin p. ``"local"`` is the
-        spatial acceleration p̈ − ω × ṗ along the frame's axes, ``"world"`` that at the world's origin. They
-        equal Pinocchio's ``getFrameAcceleration``. Its ``getFrameAcceleration(LOCAL_WORLD_ALIGNED)`` is
-        p̈ − ω × ṗ; its ``getFrameClassicalAcceleration(LOCAL_WORLD_ALIGNED)`` equals this function.
+        In ``"local_world_aligned"`` it is p̈, the classical acceleration of the frame's origin. In
+        ``"local"`` it is the spatial acceleration p̈ − ω × ṗ along the frame's axes, and in ``"world"`` that
+        at the world's origin. These two equal Pinocchio's ``getFrameAcceleration``. Its
+        ``getFrameAcceleration(LOCAL_WORLD_ALIGNED)`` is p̈ − ω × ṗ; its
+        ``getFrameClassicalAcceleration(LOCAL_WORLD_ALIGNED)`` equals this function.
 
         >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
         >>> robot.frame_acceleration(zero, [1.0, 0.0], zero, "tip").round(12)[:2]  # −ω² r
@@ -658,9 +661,9 @@ class Robot:
     def frame_velocity(self, q: Numbers, v: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """A frame's velocity: J v with J of `frame_jacobian` in the same reference frame.
 
-        q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s]. `reference_frame`: ``"local"``
-        is ṗ of the frame's origin p and ω along the frame's axes, ``"local_world_aligned"`` both along the
-        world's axes, ``"world"`` ṗ − ω × p and ω along the world's axes.
+        q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s]. By `reference_frame`,
+        ``"local"`` is ṗ of the frame's origin p and ω along the frame's axes, and ``"local_world_aligned"``
+        both along the world's axes. In ``"world"`` they are ṗ − ω × p and ω along the world's axes.
 
         >>> robot, q, v = rd.example("two_r"), [0.0, np.pi / 2], [1.0, 0.5]
         >>> bool(np.allclose(robot.frame_velocity(q, v, "tip"), robot.frame_jacobian(q, "tip") @ v))
@@ -785,7 +788,7 @@ class Robot:
     @overload
     def inverse_dynamics_pullback(self, q: Numbers, v: Numbers, a: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> InverseDynamicsPullback[np.float64]:
         """λᵀ ∂τ/∂q, λᵀ ∂τ/∂v and λᵀ ∂τ/∂a of τ(q, v, a) for a cotangent λ of τ, as reverse differentiation needs
-        them: O(n), no Jacobian is formed.
+        them. The cost is O(n); no Jacobian is formed.
 
         q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
         `by_acceleration`, each (..., nv). By q means by displacements q ⊕ δq; `cotangent_to_coordinates`
@@ -800,13 +803,13 @@ class Robot:
     def inverse_dynamics_pullback_with_parameters(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> InverseDynamicsPullbackWithParameters[_F]: ...
     @overload
     def inverse_dynamics_pullback_with_parameters(self, q: Numbers, v: Numbers, a: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> InverseDynamicsPullbackWithParameters[np.float64]:
-        """`inverse_dynamics_pullback` with λᵀ ∂τ/∂p for the `parameters()` p, too: of the inertial ones λᵀY of
-        the `joint_torque_regressor`, which is not formed.
+        """`inverse_dynamics_pullback` with λᵀ ∂τ/∂p for the `parameters()` p, too. For the inertial ones it is
+        λᵀY with the `joint_torque_regressor` Y, which is not formed.
 
         q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
-        `by_acceleration`, each (..., nv), and `by_parameters` (..., parameters), a row a state, named by
-        `parameter_names`. Damping and friction are not in τ: theirs are 0; of `dissipation` the gradients are
-        λ v and λ sign v.
+        `by_acceleration`, each (..., nv), and `by_parameters` (..., parameters), a row per state, named by
+        `parameter_names`. Damping and friction are not in τ, so their gradients are 0. Those of `dissipation`
+        are λ v and λ sign v.
 
         >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> gradient = robot.inverse_dynamics_pullback_with_parameters(q, v, a, [1.0, 0.0])
@@ -897,12 +900,12 @@ class Robot:
     def mass_matrix_factor(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
     def mass_matrix_factor(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """The factor of M(q) = LᵀDL: below the diagonal L, whose own diagonal is 1, on the diagonal D, above it
-        zeros.
+        """The factor of M(q) = LᵀDL: L below the diagonal (its own diagonal is 1), D on the diagonal, zeros
+        above it.
 
-        q (..., nq) → (..., nv, nv). L is zero where M is because two freedoms do not carry one another:
-        solving costs no more than the tree is deep. The product of the diagonal is det M. Raises
-        SingularMassError where joints move no inertia.
+        q (..., nq) → (..., nv, nv). L is zero where M is zero because neither of two degrees of freedom moves
+        the other. The cost of solving therefore grows with nv times the depth of the tree. The product of the
+        diagonal is det M. Raises SingularMassError where joints move no inertia.
 
         >>> factor = rd.example("two_r").mass_matrix_factor([0.3, 1.2])
         >>> l, d = np.tril(factor, -1) + np.eye(2), np.diag(factor.diagonal())
@@ -924,7 +927,7 @@ class Robot:
         """
     @property
     def massless_joints(self) -> list[str]:
-        """Joints that move no inertia in any pose: while there are such, accelerations have no value."""
+        """Joints that move no inertia in any pose. If there are any, accelerations have no value."""
     @overload
     def momentum(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
@@ -942,11 +945,11 @@ class Robot:
         """The robot's name."""
     @property
     def native(self) -> str:
-        """Which code computes the functions that were called, a line each: machine code, which is made when a
-        function is first called, or its recursion, and why.
+        """The code that computes each function called so far, a line each. It is machine code, made when a
+        function is first called, or the function's recursion, with the reason.
 
-        The environment variable `ROBOT_DYNAMICS_NATIVE=0`, set before the start, leaves all functions to the
-        recursions; results then differ by rounding.
+        With the environment variable `ROBOT_DYNAMICS_NATIVE=0`, set before the start, the recursions compute
+        all functions. Results then differ by rounding.
 
         >>> robot = rd.example("panda")
         >>> tau = robot.gravity(robot.neutral())
@@ -969,9 +972,9 @@ class Robot:
     def parameter_names(self) -> list[str]:
         """The names of the parameters, for example `upper.m`, `shoulder.damping` or `gravity.z`."""
     def parameters(self) -> NDArray[np.float64]:
-        """The parameters of the dynamics: for each moving link m, m c (3) and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about
-        its origin, what is fixed to it included; for each joint that is not fixed armature, damping,
-        friction, stiffness and rest, all 0 for a floating base; gravity (3).
+        """The parameters of the dynamics. For each moving link, with the links fixed to it: m, m c (3) and Ixx,
+        Ixy, Iyy, Ixz, Iyz, Izz about its origin. For each joint that is not fixed: armature, damping,
+        friction, stiffness and rest, all 0 for a floating base. Then gravity (3).
 
         → (parameters,), named by `parameter_names`; `with_parameters` makes a robot with others.
 
@@ -1005,8 +1008,8 @@ class Robot:
         True
         """
     def random_configuration(self, size: int | Sequence[int] | None = None, *, seed: int) -> NDArray[np.float64]:
-        """Random configurations within the joint limits, (*size, nq); without limits from −π to π, or −1 m to 1
-        m; rotations evenly. The same seed gives the same ones.
+        """Random configurations within the joint limits, (*size, nq). Without limits they are from −π to π, or
+        −1 m to 1 m; rotations are uniform. The same seed gives the same configurations.
 
         >>> robot = rd.example("panda")
         >>> q = robot.random_configuration(1000, seed=1)
@@ -1058,11 +1061,11 @@ class Simulation:
         """The torques that acted in the last step, within the effort limits (nv,) [N·m or N]."""
     @property
     def center_of_pressure(self) -> NDArray[np.float64] | None:
-        """The point about which the normal forces of the grounds have no moment (3,) [m]; `None` where nothing
+        """The point about which the normal forces of the grounds have no moment (3,) [m]; `None` if nothing
         presses on a ground.
         """
     def clear_wrenches(self) -> None:
-        """Takes all wrenches away."""
+        """Removes all wrenches."""
     @property
     def constraint_forces(self) -> dict[str, float]:
         """The multiplier of each row of the equalities by its name, the mean over the last step [N or N·m]."""
@@ -1080,16 +1083,16 @@ class Simulation:
     @property
     def joint_reactions(self) -> dict[str, NDArray[np.float64]]:
         """The force [N] and moment [N·m] that each joint transmits to its child, by its name, fixed joints
-        included: (6,) along the axes of the child's frame and about its origin, as a force-torque sensor
-        there reads. Forces of equalities are not counted.
+        included. Each is (6,) along the axes of the child's frame and about its origin, as a force-torque
+        sensor there reads. Forces of equalities are not counted.
         """
     @property
     def left_out(self) -> tuple[str, ...]:
         """The features that the robot's file states and this simulation leaves out, each with the reason."""
     @property
     def losses(self) -> Any:
-        """The energy that damping, friction, stops, sliding and impacts took, where the method tells them apart
-        [J].
+        """The energy [J] that damping, friction, stops, sliding and impacts took; `None` if the method does not
+        separate them.
         """
     @property
     def method(self) -> str:
@@ -1101,7 +1104,7 @@ class Simulation:
     def reason(self) -> str:
         """Why that method was chosen."""
     def restore(self, snapshot: Snapshot) -> None:
-        """Comes back to a snapshot of this simulation or of a copy of it, exactly."""
+        """Restores a snapshot of this simulation or of a copy of it, exactly."""
     @property
     def robot(self) -> Robot:
         """The robot."""
@@ -1111,11 +1114,11 @@ class Simulation:
     def sensors(self) -> dict[str, NDArray[np.float64]]:
         """The values of the robot's sensors by name, at the end of the last step."""
     def set_state(self, q: Numbers, v: Numbers) -> None:
-        """Goes on from (q, v) at the same time, with the same inputs. The energy account begins anew."""
+        """Continues from (q, v) at the same time, with the same inputs. The energy account starts again."""
     def snapshot(self) -> Snapshot:
-        """All that changes, to come back to by `restore`."""
+        """Saves all that changes, for `restore`."""
     def step(self, count: int = 1) -> None:
-        """Takes so many steps; an interrupt ends them between two."""
+        """Takes `count` steps; an interrupt ends them between two steps."""
     @property
     def steps(self) -> int:
         """Steps since the last reset."""
@@ -1182,23 +1185,24 @@ class SimulationBatch:
 
 @final
 class Snapshot:
-    """All that changes in a simulation: `Simulation.snapshot`."""
+    """The state of a simulation with all that changes in it, made by `Simulation.snapshot`."""
 
 @final
 class TaskControl:
-    """τ = Jᵀ(Λ (ẍ* + kp e + kd (ẋ* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀, τ₀ = C v + g + M (kr (q* ⊖ q) − kn v): leads
-    a frame.
+    """Moves a frame along a reference: τ = Jᵀ(Λ (ẍ* + kp e + kd (ẋ* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀. In the null
+    space, τ₀ = C v + g + M (kr (q* ⊖ q) − kn v).
 
-    `reference` is where the frame should be in the world: its origin (3,), orientation free, or its pose (4,
-    4); with velocity and acceleration along the world's axes as (x*, ẋ*, ẍ*), of a pose six numbers each; or
-    a function of t that gives one of these, asked once at t = 0 to see which. `rows` are those of x, y, z,
-    rx, ry, rz along the world's axes that follow, all of the reference's where not given: ("x", "z") of an
-    arm that moves in that plane. kp `stiffness` [1/s²], kd `damping` [1/s], 2 √kp being critically damped; kn
-    `null_damping` [1/s] of what the frame does not feel, which kr `posture_stiffness` [1/s²] pulls to the
-    `posture` q* (nq,). Where the frame cannot accelerate in every direction there is no torque. Coordinates
-    without a motor (`robot.actuated_dofs`), as those of a floating base, get none: the base recoils, and the
-    frame follows in spite of it while nothing else touches the robot. It is a function of (t, q, v); in
-    `simulate` it runs in the library.
+    `reference` is the frame's target in the world: its origin (3,), orientation free, or its pose (4, 4).
+    With velocity and acceleration along the world's axes it is (x*, ẋ*, ẍ*), for a pose with six numbers
+    each. It may also be a function of t that gives one of these, called once at t = 0 to find which. `rows`
+    names the controlled directions among x, y, z, rx, ry, rz along the world's axes: ("x", "z") for an arm in
+    that plane. By default they are all directions of the reference. The gains are kp `stiffness` [1/s²] and
+    kd `damping` [1/s]; kd = 2 √kp is critically damped. Motion in the null space, which leaves the frame at
+    rest, has the damping kn `null_damping` [1/s]. In it, kr `posture_stiffness` [1/s²] pulls to the `posture`
+    q* (nq,). If the frame cannot accelerate in every chosen direction, the controller raises an error.
+    Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0. The base
+    recoils, and the frame follows in spite of it while nothing else touches the robot. The controller is a
+    function of (t, q, v); in `simulate` it runs in the library.
 
     >>> robot, q = rd.example("panda"), np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
     >>> goal = robot.frame_pose(q, "panda_link8") @ np.block([[np.eye(3), np.full((3, 1), 0.05)], [0.0, 0.0, 0.0, 1.0]])

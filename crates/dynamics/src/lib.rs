@@ -63,10 +63,11 @@
 //!
 //! # Sources
 //!
-//! **PRM** Choset et al., *Principles of Robot Motion* (2005) · **MLS** Murray, Li, Sastry, *A Mathematical
-//! Introduction to Robotic Manipulation* (1994) · **MR** Lynch, Park, *Modern Robotics* (2017) · **RBDA**
-//! Featherstone, *Rigid Body Dynamics Algorithms* (2008) · **HLW** Hairer, Lubich, Wanner, *Geometric
-//! Numerical Integration* (2006).
+//! - **PRM** Choset et al., *Principles of Robot Motion* (2005)
+//! - **MLS** Murray, Li, Sastry, *A Mathematical Introduction to Robotic Manipulation* (1994)
+//! - **MR** Lynch, Park, *Modern Robotics* (2017)
+//! - **RBDA** Featherstone, *Rigid Body Dynamics Algorithms* (2008)
+//! - **HLW** Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006)
 
 // The equation of motion,
 mod equation;

@@ -10,8 +10,9 @@ use crate::{Christoffel, Dynamics, Lagrangian, Link, PlanarArm, PlanarKinematics
 /// q = (q1, q2) \[rad\]: q1 from the horizontal x axis to link 1, q2 from link 1 to link 2, both
 /// counter-clockwise. With c = cos q2, h = m2 l1 r2 sin q2:
 ///
-/// M11 = I1 + I2 + m1 r1² + m2(l1² + r2² + 2 l1 r2 c), M12 = I2 + m2(r2² + l1 r2 c), M22 = I2 + m2 r2²,
-/// C q̇ = (−2h q̇1 q̇2 − h q̇2², h q̇1²), V = m1 a_g r1 sin q1 + m2 a_g (l1 sin q1 + r2 sin(q1+q2)).
+/// - M11 = I1 + I2 + m1 r1² + m2(l1² + r2² + 2 l1 r2 c), M12 = I2 + m2(r2² + l1 r2 c), M22 = I2 + m2 r2²
+/// - C q̇ = (−2h q̇1 q̇2 − h q̇2², h q̇1²)
+/// - V = m1 a_g r1 sin q1 + m2 a_g (l1 sin q1 + r2 sin(q1+q2))
 ///
 /// ```
 /// use dynamics::{Dynamics, Reach2R};

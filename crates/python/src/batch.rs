@@ -1,5 +1,5 @@
-//! An algorithm on many states: in chunks, between which Python may interrupt, without the interpreter's
-//! lock.
+//! Runs an algorithm on many states in chunks, without the interpreter's lock. Python may interrupt it
+//! between two chunks.
 
 use std::time::Instant;
 
@@ -16,8 +16,8 @@ use crate::row::{Row, Width, Work};
 use crate::single_state::{self, homogeneous};
 use crate::threads;
 
-/// Numbers of the first chunk's results, with at least so many and at most so many states; of the next chunks
-/// as many as take about `CHUNK_SECONDS`.
+/// The first chunk has about `FIRST_NUMBERS` numbers of results, with its states limited to `FIRST_STATES`.
+/// The next chunks are sized to take about `CHUNK_SECONDS`.
 const FIRST_NUMBERS: usize = 1 << 18;
 const FIRST_STATES: core::ops::RangeInclusive<usize> = 64..=8192;
 const CHUNK_SECONDS: f64 = 0.1;
@@ -29,7 +29,7 @@ const STATES_PER_PIECE: usize = 32;
 pub(crate) enum Rows<'a, T> {
     /// A row a state.
     Own(&'a [T]),
-    /// One row for all, repeated as often as a chunk asked for.
+    /// One row for all states, repeated for each state of the largest chunk so far.
     One { row: &'a [T], repeated: Vec<T> },
 }
 
@@ -56,7 +56,7 @@ impl<'a, T: Number> Rows<'a, T> {
     }
 }
 
-/// Computes all states; the bad ones, ascending, whose results are NaN.
+/// Computes all states. Returns the bad ones, ascending; their results are NaN.
 pub(crate) fn run<T: Number>(
     py: Python<'_>,
     robot: &Robot,
@@ -96,7 +96,7 @@ pub(crate) fn run<T: Number>(
     Ok(bad)
 }
 
-/// Computes all states in one go, without Python; the bad ones, ascending, whose results are NaN.
+/// Computes all states at once, without Python. Returns the bad ones, ascending; their results are NaN.
 pub(crate) fn run_at_once<T: Number>(
     robot: &Robot,
     row: &Row,
@@ -112,7 +112,7 @@ pub(crate) fn run_at_once<T: Number>(
     Ok(bad)
 }
 
-/// The rows of so many states from the front of each result.
+/// Splits the rows of this many states off the front of each result.
 fn split_off<'a, T>(
     results: &mut [&'a mut [T]; MOST_RESULTS],
     states: usize,
@@ -121,7 +121,7 @@ fn split_off<'a, T>(
     core::array::from_fn(|k| results[k].split_off_mut(..states * sizes[k]).unwrap_or_default())
 }
 
-/// What all chunks share.
+/// The data that all chunks share.
 struct Job<'a> {
     robot: &'a Robot,
     row: &'a Row,
@@ -144,7 +144,7 @@ impl<'a> Job<'a> {
         Self { robot, row, frames, widths, sizes, threads }
     }
 
-    /// The bad states of one chunk, ascending.
+    /// Computes one chunk. Returns its bad states, ascending.
     fn chunk<T: Number>(
         &self,
         workspace: &mut BatchWorkspace<T>,
@@ -203,7 +203,7 @@ impl<'a> Job<'a> {
         bad
     }
 
-    /// Homogeneous matrices from the library's twelve numbers.
+    /// Converts the library's twelve numbers of each pose to a homogeneous matrix.
     fn poses<T: Number>(
         &self,
         workspace: &mut BatchWorkspace<T>,
@@ -226,7 +226,7 @@ impl<'a> Job<'a> {
         outcome.unwrap_or(Ok(()))
     }
 
-    /// One state after the other, by all threads.
+    /// Computes the states one by one, on all threads.
     fn each<T: Number>(
         &self,
         states: usize,
@@ -249,7 +249,7 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Some states, in float64 whatever the type of the arrays.
+    /// Computes some states in float64, whatever the type of the arrays.
     fn piece<T: Number>(
         &self,
         start: usize,

@@ -1,4 +1,4 @@
-//! One call from Python: the shapes decide whether it is of one state or of many.
+//! One call from Python. The shapes decide whether it computes one state or many.
 
 use pyo3::prelude::*;
 use robot_dynamics::model::FrameId;
@@ -14,7 +14,7 @@ use crate::robot::Robot;
 use crate::row::{Row, Width};
 use crate::{single_state, threads};
 
-/// States up to which one thread is as quick as several.
+/// Up to this many states, one thread is as fast as several.
 pub(crate) const FEW_STATES: usize = 256;
 
 /// Computes a row.
@@ -34,7 +34,7 @@ pub(crate) fn call<'py>(
     }
 }
 
-/// Any arguments.
+/// Computes a row from arguments of any kind.
 #[inline(never)]
 fn with_care<'py>(
     py: Python<'py>,
@@ -88,7 +88,7 @@ impl<'py> Call<'_, 'py> {
         if bad.is_empty() { Ok(result) } else { Err(self.bad_states::<T>(bad, result)?) }
     }
 
-    /// The bad states; none where the arrays to write lie over others.
+    /// Computes all states and returns the bad ones; `None` if an array to write overlaps another.
     fn compute<T: Number>(&self, arrays: &[Bound<'py, PyAny>]) -> PyResult<Option<Vec<usize>>> {
         let mut read = [Array::NONE; 4];
         for (read, given) in read.iter_mut().zip(&self.all) {
@@ -107,7 +107,7 @@ impl<'py> Call<'_, 'py> {
         }
     }
 
-    /// One state, in float64.
+    /// Computes one state, in float64.
     fn single<T: Number>(&self, x: [&[T]; 4], results: [&mut [T]; MOST_RESULTS]) -> PyResult<()> {
         let doubles = x.map(|x| x.iter().map(|x| x.double()).collect::<Vec<f64>>());
         let mut computed = results.each_ref().map(|result| vec![0.0; result.len()]);
@@ -141,7 +141,8 @@ impl<'py> Call<'_, 'py> {
         batch::run(self.py, self.robot, self.row, self.frames, states, operands, results, threads)
     }
 
-    /// A batch looks at no state's rank: joints that never move inertia are refused for all.
+    /// Refuses joints that never move inertia, for all states: a batch does not check the rank of M in each
+    /// state.
     fn refuse_massless(&self) -> PyResult<()> {
         match &self.robot.massless {
             Some(text) if self.row.inverts_mass() => Err(Class::SingularMass.error(self.py, text)),
@@ -149,7 +150,7 @@ impl<'py> Call<'_, 'py> {
         }
     }
 
-    /// The exception that names the bad states and has the result of all others.
+    /// The exception that names the bad states and carries the results of all others.
     #[cold]
     fn bad_states<T: Number>(&self, bad: Vec<usize>, result: Bound<'py, PyAny>) -> PyResult<PyErr> {
         let (py, states) = (self.py, self.lead.iter().product::<usize>());

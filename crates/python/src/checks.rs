@@ -1,4 +1,4 @@
-//! The laws as checks of one robot, and numbers that look like a wrong unit.
+//! Checks the laws of dynamics on one robot, and finds numbers that suggest a wrong unit.
 
 use pyo3::prelude::*;
 use robot_dynamics::plausibility::suspicions;

@@ -1,4 +1,5 @@
-//! What a call takes without Python, beside which `bench/peers/python_calls.py` puts what it takes with it.
+//! The time of a call without Python. `bench/peers/python_calls.py` compares it with the time of the same
+//! call from Python.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -53,7 +53,7 @@ impl Constraints {
 }
 
 impl Constraints {
-    /// The set, for the robot that it was made for.
+    /// The set; an error if it was made for another robot.
     pub(crate) fn of(&self, py: Python<'_>, robot: &Robot) -> PyResult<&ConstraintSet> {
         if self.fingerprint == robot.model.fingerprint() {
             return Ok(&self.set);

@@ -1,4 +1,5 @@
-//! Laws of control, which a simulation runs without calling Python but for what they follow.
+//! Control laws. A simulation runs them without Python and calls Python only for a reference that is a
+//! function.
 
 mod computed_torque;
 mod law;

@@ -76,7 +76,7 @@ impl<'a> Convention<'a> {
 
 #[pymethods]
 impl Robot {
-    /// See `to_mujoco` and `to_pinocchio`; `back` converts in the other direction. All arrays have a row a
+    /// See `to_mujoco` and `to_pinocchio`; `back` converts in the other direction. All arrays have a row per
     /// state; the names are those of the arguments.
     fn _convert<'py>(
         &self,

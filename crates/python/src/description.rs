@@ -1,5 +1,5 @@
-//! Another robot from a robot: joints locked, a payload attached, gravity scaled; and the numbers of one in
-//! the other.
+//! Robots derived from another robot: joints locked, a payload attached, gravity scaled. [`JointMap`]
+//! converts coordinates between the two.
 
 use pyo3::prelude::*;
 use robot_dynamics::description::{EditError, MassProperties, RobotDescription};
@@ -11,7 +11,7 @@ use crate::numbers::{self, array, configuration, shaped, vector};
 use crate::robot::Robot;
 
 impl Robot {
-    /// The state of a robot with another description, from which the Python half makes it.
+    /// The state of a robot with another description; the Python half makes the robot from it.
     fn edited(
         &self,
         py: Python<'_>,
@@ -82,9 +82,9 @@ impl Robot {
     }
 }
 
-/// The numbers of q and v of a robot with joints locked, in those of the whole robot, and back.
+/// Converts q and v between a robot with joints locked and the whole robot.
 ///
-/// `reference` is a configuration of the whole robot, where its locked joints stay.
+/// `reference` is a configuration of the whole robot. Its locked joints stay there.
 ///
 /// >>> whole = rd.example("panda")
 /// >>> part = whole.lock("panda_joint7")
@@ -119,25 +119,25 @@ impl JointMap {
         Ok(Self { map, full: full.clone().unbind(), reduced: reduced.clone().unbind() })
     }
 
-    /// Where the part's q is in the whole one's.
+    /// The indices of the part's q in the whole robot's q.
     #[getter]
     fn q_indices(&self) -> Vec<usize> {
         self.map.q_indices().to_vec()
     }
 
-    /// Where the part's v is in the whole one's.
+    /// The indices of the part's v in the whole robot's v.
     #[getter]
     fn v_indices(&self) -> Vec<usize> {
         self.map.v_indices().to_vec()
     }
 
-    /// The joints that the part holds still.
+    /// The joints that are locked in the part.
     #[getter]
     fn locked_joints(&self) -> Vec<String> {
         self.map.locked_joints().to_vec()
     }
 
-    /// The whole robot's q of the part's.
+    /// The whole robot's q from the part's q.
     fn expand_configuration<'py>(
         &self,
         py: Python<'py>,
@@ -148,14 +148,14 @@ impl JointMap {
         array(py, &full)
     }
 
-    /// The whole robot's v of the part's: 0 for the locked joints.
+    /// The whole robot's v from the part's v; it is 0 for the locked joints.
     fn expand_velocity<'py>(&self, py: Python<'py>, v: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let mut full = vec![0.0; self.full.get().model.nv()];
         self.map.expand_velocity(&vector(py, self.reduced.get(), "v", v)?, &mut full);
         array(py, &full)
     }
 
-    /// The part's q of the whole robot's.
+    /// The part's q from the whole robot's q.
     fn restrict_configuration<'py>(
         &self,
         py: Python<'py>,
@@ -166,7 +166,7 @@ impl JointMap {
         array(py, &reduced)
     }
 
-    /// The part's v of the whole robot's.
+    /// The part's v from the whole robot's v.
     fn restrict_velocity<'py>(&self, py: Python<'py>, v: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let mut reduced = vec![0.0; self.reduced.get().model.nv()];
         self.map.restrict_velocity(&vector(py, self.full.get(), "v", v)?, &mut reduced);
@@ -174,7 +174,7 @@ impl JointMap {
     }
 }
 
-/// Where `lock` holds joints by itself.
+/// The configuration at which `lock` holds joints by default.
 fn resting(model: &Model) -> Vec<f64> {
     let mut q = robot_dynamics::model::neutral(model);
     for joint in model.joints() {

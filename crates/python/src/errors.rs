@@ -75,7 +75,7 @@ impl Class {
             for (name, value) in attributes {
                 arguments.set_item(name, value)?;
             }
-            // It may go to a terminal, with names of a robot's file in it.
+            // The message may go to a terminal, and it contains names from a robot's file.
             let message = lines(&message.to_string()).into_owned();
             let exception = class.call((message,), Some(&arguments))?;
             PyResult::Ok(PyErr::from_value(exception))

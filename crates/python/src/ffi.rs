@@ -1,8 +1,8 @@
-//! numpy's memory as slices: the one place of this crate with unsafe code.
+//! numpy's memory as slices. Only this module of the crate has unsafe code.
 //!
-//! Arrays are read and written where they lie. The rule is numpy's own: while a call runs, no other thread
-//! may write to an array that it reads or writes, nor resize it. What one thread gives, an array that is
-//! written and read in one call, is found and copied.
+//! Arrays are read and written in place. The rule is numpy's own: while a call runs, no other thread may
+//! write to an array that it reads or writes, nor resize it. An overlap between arrays that one call reads
+//! and writes is found, and the call writes into new arrays instead.
 
 #![allow(unsafe_code)]
 
@@ -18,7 +18,7 @@ use robot_dynamics::batch::BatchFloat;
 
 use crate::results::MOST_RESULTS;
 
-/// What an array holds.
+/// The type of an array's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     F64,
@@ -69,7 +69,7 @@ pub(crate) struct Array<'a> {
 /// The other byte order, as numpy writes it.
 const SWAPPED: u8 = if cfg!(target_endian = "little") { b'>' } else { b'<' };
 
-/// What makes an array's memory a slice.
+/// The flags of an array whose memory is a slice.
 const PLAIN: i32 = NPY_ARRAY_C_CONTIGUOUS | NPY_ARRAY_ALIGNED;
 
 impl<'a> Array<'a> {
@@ -86,10 +86,9 @@ impl<'a> Array<'a> {
     /// The header of an object that is a numpy array.
     #[inline]
     pub(crate) fn of(object: &'a Bound<'_, PyAny>) -> Option<Self> {
-        // SAFETY: the thread is attached to Python, as it has a `Bound`; the object is alive while that is
-        // borrowed, and what it points at is alive with it. Only after the check of its type its header is
-        // looked at; numpy promises its layout across versions. A shape has `nd` lengths that are not
-        // negative.
+        // SAFETY: the thread is attached to Python, as it has a `Bound`. While that is borrowed, the object
+        // and the memory that it points at are valid. The header is read only after the check of the type;
+        // numpy guarantees its layout across versions. A shape has `nd` lengths that are not negative.
         unsafe {
             if PyArray_Check(object.py(), object.as_ptr()) == 0 {
                 return None;
@@ -122,18 +121,18 @@ impl<'a> Array<'a> {
         self.len == 0 || (self.is_plain && self.kind == T::KIND)
     }
 
-    /// Where its numbers lie, for a plain array.
+    /// The addresses of a plain array's numbers.
     fn addresses<T>(&self) -> core::ops::Range<usize> {
         let start = self.data.addr();
         start..start + self.len * size_of::<T>()
     }
 }
 
-/// What a call reads and writes.
+/// The slices that a call reads and writes.
 pub(crate) type Slices<'a, T> = ([&'a [T]; 4], [&'a mut [T]; MOST_RESULTS]);
 
-/// The arrays' numbers, some to read and some to write; none where an array is not a slice of T, is not to be
-/// written to, or where what is written lies over something else.
+/// The arrays' numbers, some to read and some to write. `None` if an array is not a slice of T, or if one to
+/// write is read-only or overlaps another.
 #[inline]
 pub(crate) fn slices<'a, T: ArrayNumber>(
     read: &[Array<'a>; 4],
@@ -144,7 +143,7 @@ pub(crate) fn slices<'a, T: ArrayNumber>(
     {
         return None;
     }
-    // What has no numbers lies over nothing.
+    // An empty array overlaps nothing.
     for (k, array) in written.iter().enumerate().filter(|(_, array)| array.len > 0) {
         let own = array.addresses::<T>();
         let mut others = read.iter().chain(&written[..k]).map(Array::addresses::<T>);
@@ -152,9 +151,9 @@ pub(crate) fn slices<'a, T: ArrayNumber>(
             return None;
         }
     }
-    // SAFETY: each array is contiguous, aligned and of this type, so that its memory is `len` numbers (of an
-    // empty one nothing is made of its pointer), and lives as long as the `Bound` it was looked up with. What
-    // is written overlaps nothing else here; other threads keep to the rule above.
+    // SAFETY: each array is contiguous, aligned and of this type, so its memory is `len` numbers; the pointer
+    // of an empty array is not used. The memory is valid as long as the `Bound` that the array was read from.
+    // A written array overlaps nothing else here; other threads keep to the rule above.
     unsafe {
         let reading = read.each_ref().map(|array| match array.len {
             0 => &[][..],

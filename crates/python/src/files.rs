@@ -1,4 +1,4 @@
-//! What is written of a robot: its file in either format, and code for it alone.
+//! A robot as text: its file in either format, and generated code for it.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use robot_dynamics_generate::{Arithmetic, Function, Precision, Request, Sine, Ta
 use crate::errors::Class;
 use crate::robot::Robot;
 
-/// The text, and of what it leaves out the place, the words, and whether it is physics.
+/// The text, and for each omission its place, its description, and whether it affects the physics.
 type Written = (String, Vec<(String, String, bool)>);
 
 #[pymethods]
@@ -37,7 +37,7 @@ impl Robot {
         Ok((written.text, left_out.collect()))
     }
 
-    /// The file that the robot comes from which is at this path, by whatever link.
+    /// The one of the robot's files that is at this path; links are resolved.
     fn _file_read_at(&self, path: PathBuf) -> Option<PathBuf> {
         file_read_at(path, &self.report.files).map(Path::to_owned)
     }
@@ -112,14 +112,14 @@ impl Robot {
     }
 }
 
-/// A text with each character that cannot be seen as its escape; ends of lines stay where `keeps_lines`.
+/// A text in which each invisible character is replaced by its escape; line ends stay if `keeps_lines`.
 #[pyfunction]
 pub(crate) fn _visible(text: &str, keeps_lines: bool) -> String {
     let written = if keeps_lines { lines(text) } else { one_line(text) };
     written.into_owned()
 }
 
-/// A text between the tags, or within an attribute, of HTML.
+/// The text escaped for HTML, between tags or in an attribute.
 #[pyfunction]
 pub(crate) fn _html(text: &str) -> String {
     xml(text).into_owned()

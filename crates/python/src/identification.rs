@@ -9,8 +9,8 @@ use crate::errors::Class;
 use crate::numbers::{array, array_of, object, record, shaped};
 use crate::robot::Robot;
 
-/// The combinations β of inertial parameters that torques show; `robot_dynamics.Robot.base_parameters` finds
-/// them.
+/// The combinations β of inertial parameters that torques determine; `robot_dynamics.Robot.base_parameters`
+/// finds them.
 #[pyclass(frozen, module = "robot_dynamics._native")]
 #[derive(Debug)]
 pub(crate) struct BaseParameters {
@@ -26,7 +26,7 @@ impl BaseParameters {
         self.parameters.parameters.iter().map(ToString::to_string).collect()
     }
 
-    /// The parameters that no torque shows.
+    /// The parameters that affect no torque.
     #[getter]
     fn invisible(&self) -> Vec<String> {
         self.parameters.invisible.clone()
@@ -38,7 +38,7 @@ impl BaseParameters {
         array_of(py, &self.parameters.combinations)
     }
 
-    /// β of given π.
+    /// β of the given π.
     fn values<'py>(&self, py: Python<'py>, parameters: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let (_, parameters) = shaped(py, "parameters", parameters, &[self.parameters.combinations.ncols()])?;
         let values = self.parameters.values(&parameters);

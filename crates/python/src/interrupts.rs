@@ -8,16 +8,18 @@ use std::time::Duration;
 use pyo3::prelude::*;
 use robot_dynamics::batch::RolloutProgress;
 
-/// How often the waiting thread looks for an interrupt.
+/// How often the waiting thread checks for an interrupt.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Steps of all states together up to which nobody waits for one.
+/// Up to this many steps of all states together, the calling thread does the work and does not check for
+/// interrupts.
 pub(crate) const FEW_STEPS: usize = 10_000;
 
-/// Does work without the interpreter's lock; an interrupt sets the flag that it is given, and is then the
+/// Does work without the interpreter's lock. An interrupt sets the flag that the work gets, and becomes the
 /// error.
 ///
-/// Signals come to Python's first thread, which therefore waits for another one, unless the work is short.
+/// Python handles signals in its main thread. Unless the work is short, the calling thread therefore waits
+/// while another thread works.
 pub(crate) fn interruptible<R: Send>(
     py: Python<'_>,
     is_short: bool,
@@ -30,7 +32,7 @@ pub(crate) fn interruptible<R: Send>(
     interruptible_by(py, &cancelled, || work(&cancelled))
 }
 
-/// The same for work that looks at this flag.
+/// The same for work that checks this flag.
 pub(crate) fn interruptible_by<R: Send>(
     py: Python<'_>,
     flag: &AtomicBool,
@@ -41,7 +43,7 @@ pub(crate) fn interruptible_by<R: Send>(
     let outcome = std::thread::scope(|scope| {
         let worker = scope.spawn(move || {
             let outcome = work();
-            // Whoever waits may have gone.
+            // The receiver may be gone.
             let _ = send.send(());
             outcome
         });

@@ -1,29 +1,29 @@
 //! The native half of the Python package `robot_dynamics`: robots, and arrays of their states.
 //!
-//! A call goes through these files, from Python to the libraries and back: `rows` has the methods, a line
-//! each; `call` decides by the shapes whether one state is meant or many; `operand` and `outcome` turn
-//! objects into arrays and results into objects; `single` computes one state, `batch` many; `ffi` is where
-//! memory of numpy becomes a slice.
+//! A call passes through these files, from Python to the libraries and back. `rows` has the methods, a line
+//! each. `call` decides by the shapes whether one state is meant or many. `operand` turns objects into
+//! arrays, and `outcome` turns results into objects. `single_state` computes one state, `batch` many. `ffi`
+//! turns memory of numpy into slices.
 
-// The macros' types, arguments of keyword in Python, and docstrings in Python's own syntax.
+// The macros need these types, keyword arguments are many, and docstrings have Python's syntax.
 #![allow(clippy::needless_pass_by_value, clippy::too_many_arguments, clippy::doc_link_with_quotes)]
 
-// Exceptions, which the Python half defines;
+// Exceptions, which the Python half defines.
 mod errors;
 
-// numpy's memory as slices;
+// numpy's memory as slices.
 mod ffi;
 
-// threads, what they compute with, and how Python interrupts them;
+// Threads, their working memory, and interrupts from Python.
 mod interrupts;
 mod scratch;
 mod threads;
 
-// the robot;
+// The robot.
 mod number;
 mod robot;
 
-// one call of an algorithm: what it reads, what it gives, on one state and on many,
+// One call of an algorithm on one state or many: its arguments and its results.
 mod batch;
 mod call;
 mod operand;
@@ -32,10 +32,10 @@ mod results;
 mod row;
 mod single_state;
 
-// and all of them;
+// All algorithms.
 mod rows;
 
-// what is of one state, or of whole motions.
+// Functions of one state or of whole motions.
 mod checks;
 mod clock;
 mod constraint_set;
@@ -56,13 +56,13 @@ mod rollout_pullback;
 mod sensors;
 mod simulation;
 
-// The same for programs that XLA compiles, which call without Python.
+// Calls from programs that XLA compiles, which run without Python.
 mod xla;
 
 use pyo3::prelude::*;
 
 /// The native half of `robot_dynamics`; use that package.
-// No state outside of the robots, which are immutable, and of locks: the module needs no global interpreter
+// All state is in the robots, which are immutable, or behind locks: the module needs no global interpreter
 // lock.
 #[pymodule(name = "_native", gil_used = false)]
 mod native {

@@ -58,7 +58,7 @@ impl Robot {
     }
 }
 
-/// The slopes of a step, whose contacts are those that a step from there finds.
+/// The derivatives of a step. Its contacts are those that a step from this state finds.
 fn by_differences<S: Stepper + Clone>(
     py: Python<'_>,
     model: &Model,

@@ -1,4 +1,4 @@
-//! Numbers of one thing at a time: for whatever is no row of the table, in float64.
+//! Arguments and results in float64, for methods that are not rows of the table.
 
 use pyo3::BoundObject;
 use pyo3::prelude::*;
@@ -30,7 +30,7 @@ pub(crate) fn numbers(
     Ok((header.shape.to_vec(), read.map_or_else(Vec::new, |([x, ..], _)| x.to_vec())))
 }
 
-/// An argument of that shape, any length where `usize::MAX` stands.
+/// An argument of that shape; `usize::MAX` stands for any length.
 pub(crate) fn shaped(
     py: Python<'_>,
     name: &str,
@@ -64,7 +64,7 @@ pub(crate) fn vector(
     }
 }
 
-/// nv finite numbers, zeros where nothing is given.
+/// nv finite numbers, zeros by default.
 pub(crate) fn vector_or_zeros(
     py: Python<'_>,
     robot: &Robot,

@@ -1,4 +1,4 @@
-//! Arguments as arrays: what is taken, what is refused, and with which words.
+//! Arguments as arrays: the accepted types and shapes, and the errors for all others.
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -27,7 +27,7 @@ impl Given<'_> {
     }
 }
 
-/// numpy, imported once by whoever asks.
+/// The module numpy.
 pub(crate) fn numpy(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
     py.import("numpy")
 }
@@ -52,7 +52,7 @@ pub(crate) fn given<'py>(
     let name = operand.name;
     let mut array = as_array(py, name, object)?;
     if let (Width::One, Some(kind), None) = (operand.width, first, Array::of(object)) {
-        // A number that is no array has no type of its own; it takes the others', as in numpy.
+        // A number that is not an array has no type of its own. It takes the type of the others, as in numpy.
         array = array.call_method1("astype", (dtype(kind),))?;
     }
     let (array, kind) = as_floats(py, name, array)?;
@@ -114,7 +114,7 @@ fn type_name(object: &Bound<'_, PyAny>) -> String {
     object.get_type().name().map_or_else(|_| "object".into(), |name| name.to_string())
 }
 
-/// The same numbers as float64 or float32, contiguous and aligned: as they lie, or a copy.
+/// The same numbers as float64 or float32, contiguous and aligned: the array itself, or a copy.
 pub(crate) fn as_floats<'py>(
     py: Python<'py>,
     name: &str,

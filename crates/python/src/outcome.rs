@@ -38,18 +38,19 @@ pub(crate) fn bad_states<'py>(
     Ok(Class::BadStates.error_with(py, message, &[("indices", indices), ("result", result)]))
 }
 
-/// The arrays that a call writes into, and what becomes of them.
+/// The arrays that a call writes into, and the arrays of `out=`.
 pub(crate) struct Outcome<'py> {
     /// An array for each result, which the algorithm writes.
     pub(crate) arrays: Vec<Bound<'py, PyAny>>,
-    /// Of `out=`: the object itself, and its arrays.
+    /// The object given as `out=`, and its arrays.
     wanted: Option<(Bound<'py, PyAny>, Vec<Bound<'py, PyAny>>)>,
-    /// Whether the arrays of `out=` are not those written, so that they are copied to.
+    /// Whether the call writes into other arrays, whose numbers are then copied to those of `out=`.
     is_apart: bool,
 }
 
 impl<'py> Outcome<'py> {
-    /// Arrays for the results of a batch of these dimensions, `out=` where it can be written to as it is.
+    /// Arrays for the results of a batch of these dimensions: those of `out=` if they can be written
+    /// directly.
     pub(crate) fn of<T: ArrayNumber>(
         py: Python<'py>,
         model: &Model,
@@ -85,7 +86,7 @@ impl<'py> Outcome<'py> {
         Ok(Self { arrays, wanted: Some((out.clone(), parts)), is_apart: !are_plain })
     }
 
-    /// Writes into new arrays instead: those of `out=` lie over something that is read.
+    /// Writes into new arrays instead, because those of `out=` overlap an argument.
     pub(crate) fn set_apart<T: ArrayNumber>(&mut self, py: Python<'py>) {
         let apart =
             |array: &Bound<'py, PyAny>| new::<T>(py, Array::of(array).map_or(&[][..], |header| header.shape));

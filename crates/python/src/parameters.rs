@@ -1,4 +1,4 @@
-//! What gradients by parameters are of: the parameters of a robot, their names, and a robot with others.
+//! The parameters of a robot that gradients are taken by, their names, and a robot with other parameters.
 
 use pyo3::prelude::*;
 use robot_dynamics::algorithms::PARAMETERS_PER_LINK;
@@ -12,9 +12,9 @@ use crate::robot::Robot;
 
 #[pymethods]
 impl Robot {
-    /// The parameters of the dynamics: for each moving link m, m c (3) and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about
-    /// its origin, what is fixed to it included; for each joint that is not fixed armature, damping,
-    /// friction, stiffness and rest, all 0 for a floating base; gravity (3).
+    /// The parameters of the dynamics. For each moving link, with the links fixed to it: m, m c (3) and Ixx,
+    /// Ixy, Iyy, Ixz, Iyz, Izz about its origin. For each joint that is not fixed: armature, damping,
+    /// friction, stiffness and rest, all 0 for a floating base. Then gravity (3).
     ///
     /// → (parameters,), named by `parameter_names`; `with_parameters` makes a robot with others.
     ///
@@ -56,8 +56,8 @@ impl Robot {
 }
 
 impl Robot {
-    /// Refuses a link that no body can be, by the rule of `physical_consistency`. Links that keep their
-    /// parameters are as the robot's file has them.
+    /// Refuses a link with parameters that no body has, by the rule of `physical_consistency`. Links whose
+    /// parameters do not change are not refused.
     fn check_bodies(&self, values: &[f64], described: &RobotDescription) -> Result<(), String> {
         let inertial = PARAMETERS_PER_LINK * self.model.moving_links().count();
         let verdicts =

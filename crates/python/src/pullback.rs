@@ -10,7 +10,7 @@ use robot_dynamics::model::{Model, Workspace};
 use crate::ffi::ArrayNumber;
 use crate::results::{MOST_RESULTS, Results};
 
-/// Of which.
+/// The function whose pullback is computed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Pullback {
     InverseDynamics,
@@ -18,8 +18,8 @@ pub(crate) enum Pullback {
 }
 
 impl Pullback {
-    /// Of one state: q, v, a or τ and the cotangent, into the cotangents of the first three and, unless that
-    /// is empty, of the parameters.
+    /// Computes one state. Reads q, v, a or τ, and the cotangent. Writes the cotangents of the first three
+    /// and, if their slice is not empty, of the parameters.
     pub(crate) fn of_one(
         self,
         model: &Model,
@@ -59,7 +59,7 @@ impl Pullback {
         }
     }
 
-    /// Of many.
+    /// Computes many states.
     pub(crate) fn of_many<T: ArrayNumber>(
         self,
         model: &Model,

@@ -24,19 +24,19 @@ use crate::simulation::options::Setup;
 pub struct Robot {
     pub(crate) model: Model,
     pub(crate) report: LoadReport,
-    /// Angles as a file writes them; of a robot from its state none.
+    /// Angles as the file writes them; empty for a robot made from its state.
     pub(crate) angles: Vec<WrittenAngles>,
     /// All frames, in their order.
     pub(crate) frames: Vec<FrameId>,
     by_name: HashMap<String, usize>,
     /// Where quaternions begin in q.
     pub(crate) quaternions: Vec<usize>,
-    /// Whether some link that a joint carries has moments that leave M no margin: then each inverse is
-    /// preceded by a check.
+    /// Whether some link that a joint carries has moments that leave M no margin. A check of M then precedes
+    /// each inverse.
     pub(crate) watches_rank: bool,
-    /// Why M is singular in every configuration, where it is.
+    /// The reason why M is singular in every configuration, if it is.
     pub(crate) massless: Option<String>,
-    /// Made where they are asked for first.
+    /// Made at the first use.
     pub(crate) sensors: OnceLock<SensorSet>,
     /// The simulation of the last rollout, with its arguments.
     pub(crate) prepared: Mutex<Option<Box<(Setup, Simulation)>>>,
@@ -45,7 +45,7 @@ pub struct Robot {
     pub(crate) batches_f32: Slots<Batch<f32>>,
 }
 
-/// Robots that come with the package; `build.rs` knows where they are.
+/// Robots that come with the package; `build.rs` copies their files.
 const EXAMPLES: [(&str, &str); 5] = [
     ("two_r", include_str!(concat!(env!("OUT_DIR"), "/two_r.urdf"))),
     ("ur5", include_str!(concat!(env!("OUT_DIR"), "/ur5.urdf"))),
@@ -65,7 +65,8 @@ pub(crate) fn example_text(name: &str) -> PyResult<&'static str> {
 }
 
 /// Whether M is positive definite in every configuration because each link behind a joint is a body with
-/// inertia in all directions. Where it is not, M may still be; then it is looked at.
+/// inertia in all directions. If not, M may still be positive definite; it is then checked in each
+/// configuration.
 fn has_margin(description: &RobotDescription) -> bool {
     let moved = description.joints.iter().filter(|joint| joint.kind != JointKind::Fixed);
     moved.map(|joint| &joint.child).all(|child| {
@@ -93,8 +94,7 @@ impl Robot {
     pub(crate) fn of(model: Model, report: LoadReport) -> Self {
         let by_name: HashMap<String, usize> =
             model.frames().iter().enumerate().rev().map(|(k, frame)| (frame.name.clone(), k)).collect();
-        // Frames are looked up by name, as the library does; of two with one name the first counts there,
-        // too.
+        // Frames are looked up by name, as in the library: of two frames with one name, the first counts.
         let frames = model.frames().iter().filter_map(|frame| model.frame(&frame.name)).collect();
         let names: Vec<&str> = model.massless_joints().collect();
         let massless = (!names.is_empty()).then(|| {
@@ -121,7 +121,7 @@ impl Robot {
         }
     }
 
-    /// What `_state` gives, with another description.
+    /// The result of `_state` with another description.
     pub(crate) fn state_of(&self, description: &RobotDescription) -> PyResult<String> {
         let state = (description, &self.report);
         serde_json::to_string(&state).map_err(|error| PyValueError::new_err(error.to_string()))
@@ -166,8 +166,8 @@ impl Robot {
 /// Name, index, parent joint, mass, centre of mass and inertia of a link.
 type LinkFields<'a> = (&'a str, usize, Option<usize>, f64, [f64; 3], [[f64; 3]; 3]);
 
-/// Name, index, kind, parent link, child link and parent joint of a joint; first entry and count in q and in
-/// v; leader, ratio and offset of a mimic joint; limits; passive forces.
+/// Name, index, kind, parent link, child link and parent joint of a joint. Then first entry and count in q
+/// and in v; leader, ratio and offset of a mimic joint; limits; passive forces.
 type JointFields<'a> = (
     (&'a str, usize, &'a str),
     (&'a str, &'a str, Option<usize>),
@@ -268,7 +268,7 @@ impl Robot {
         }
     }
 
-    /// The pairs of links that an SRDF file keeps from touching.
+    /// The pairs of links whose collisions an SRDF file disables.
     fn _disabled_collisions(&self, path: PathBuf) -> PyResult<Vec<(String, String)>> {
         let refused = |error: robot_dynamics::urdf::SrdfError| {
             PyValueError::new_err(format!("{}: {error}", path.display()))
@@ -341,23 +341,24 @@ impl Robot {
         self.model.coordinate_names()
     }
 
-    /// Joints that move no inertia in any pose: while there are such, accelerations have no value.
+    /// Joints that move no inertia in any pose. If there are any, accelerations have no value.
     #[getter]
     fn massless_joints(&self) -> Vec<&str> {
         self.model.massless_joints().collect()
     }
 
-    /// A number that tells robots apart: equal where every name and every digit of the descriptions is.
+    /// A number that identifies a robot. It is equal if every name and every digit of the descriptions are
+    /// equal.
     #[getter]
     fn fingerprint(&self) -> u64 {
         self.model.fingerprint()
     }
 
-    /// Which code computes the functions that were called, a line each: machine code, which is made when a
-    /// function is first called, or its recursion, and why.
+    /// The code that computes each function called so far, a line each. It is machine code, made when a
+    /// function is first called, or the function's recursion, with the reason.
     ///
-    /// The environment variable `ROBOT_DYNAMICS_NATIVE=0`, set before the start, leaves all functions to the
-    /// recursions; results then differ by rounding.
+    /// With the environment variable `ROBOT_DYNAMICS_NATIVE=0`, set before the start, the recursions compute
+    /// all functions. Results then differ by rounding.
     ///
     /// >>> robot = rd.example("panda")
     /// >>> tau = robot.gravity(robot.neutral())

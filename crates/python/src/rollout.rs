@@ -56,7 +56,7 @@ impl Robot {
         }
         let kind = common_kind(py, &all)?;
         let arrays = all.into_iter().map(|given| given.array).collect();
-        // Where a state goes wrong, its simulation says why.
+        // If a state fails, a simulation from it finds the reason.
         let single = || {
             Setup::of(options)?.with_prepared(py, self, |simulation| {
                 let mut simulation = simulation.clone();
@@ -77,7 +77,7 @@ impl Robot {
     }
 }
 
-/// How far, and what is kept.
+/// The steps of a rollout, and how many of them are kept.
 #[derive(Clone, Copy)]
 struct Steps {
     step: f64,
@@ -109,7 +109,7 @@ impl<'py> Call<'_, 'py> {
             return Ok(Vec::new());
         };
         let lead = &shape[..shape.len() - 1];
-        // Moved in place, so copies of what is given.
+        // They are moved in place, so the arguments are copied.
         let copy = |array: &Bound<'py, PyAny>| array.call_method1("copy", ("C",));
         let samples = how.steps.checked_div(how.stride).unwrap_or(0);
         let table = |width: usize| [lead, &[samples, width]].concat();
@@ -134,7 +134,7 @@ impl<'py> Call<'_, 'py> {
         Err(outcome::bad_states(py, &bad, describe_bad(&bad, lead, &reason), numbers::object(py, moved)?)?)
     }
 
-    /// The error of a simulation from a state of the batch; `None` where it comes to the end.
+    /// The error of a simulation from a state of the batch; `None` if it reaches the end.
     #[cold]
     fn reason(&self, state: usize) -> PyResult<Option<String>> {
         let (py, model, steps) = (self.py, &self.robot.model, self.how.steps);
@@ -159,7 +159,7 @@ impl<'py> Call<'_, 'py> {
         Ok(run.err().map(|failure| failure.error.to_string()))
     }
 
-    /// Moves the states by a row of the table; those that went wrong.
+    /// Moves the states by a row of the table. Returns those that failed.
     fn moved<T: Number>(
         &self,
         row: Integrator,
@@ -183,7 +183,7 @@ impl<'py> Call<'_, 'py> {
         self.bad(outcome?)
     }
 
-    /// The same by a stepper.
+    /// The same with a stepper.
     fn moved_by<S: Stepper + Clone + Sync>(
         &self,
         stepper: &S,
@@ -226,12 +226,12 @@ impl<'py> Call<'_, 'py> {
     }
 }
 
-/// Threads for so many steps of all states together, where the caller says nothing.
+/// The default number of threads for this many steps of all states together.
 pub(crate) fn threads_for(work: usize) -> usize {
     if work <= 256 { 1 } else { threads::default_count() }
 }
 
-/// The reason of a state where nothing else is known.
+/// The reason of a failed state if no other is known.
 pub(crate) const NOT_FINITE: &str =
     "a number given or computed for it on the way is not finite; try a smaller step";
 

@@ -91,7 +91,7 @@ impl Robot {
 }
 
 impl Robot {
-    /// The same with the step [s]; an error that names what acts and has no gradients.
+    /// The same with the step [s]. The error names the effects that act and have no gradients.
     fn differentiable_row(
         &self,
         py: Python<'_>,
@@ -137,7 +137,7 @@ struct Call<'a, 'py> {
     threads: Option<usize>,
 }
 
-/// What a rollout's pullback reads and writes.
+/// The numbers that a rollout's pullback reads and writes.
 struct Numbers<'a, T> {
     q: &'a [T],
     v: &'a [T],
@@ -154,12 +154,12 @@ fn header<'a>(array: Option<&'a Bound<'_, PyAny>>) -> Array<'a> {
 }
 
 impl<'py> Call<'_, 'py> {
-    /// The arrays are q, v, the cotangents of the end, then τ and the trajectory's cotangents where there are
-    /// such.
+    /// The arrays are q, v, the cotangents of the end, then τ and the trajectory's cotangents if there are
+    /// any.
     fn run<T: Number>(self, all: &[Given<'py>]) -> PyResult<Vec<Option<Bound<'py, PyAny>>>> {
         let Self { py, robot, has_tau, .. } = self;
         let lead = all[0].lead();
-        // Moved in place, so copies of what is given.
+        // They are changed in place, so the arguments are copied.
         let copy = |given: &Given<'py>| given.array.call_method1("copy", ("C",));
         let (by_position, by_velocity) = (copy(&all[2])?, copy(&all[3])?);
         let tau = has_tau.then(|| &all[4]);
@@ -169,7 +169,7 @@ impl<'py> Call<'_, 'py> {
         let none = Array::NONE;
         let read = |k: usize| header(all.get(k).map(|given| &given.array));
         let first_of_trajectory = 4 + usize::from(has_tau);
-        // Two calls, as one reads at most four arrays; what is written is new, and lies over nothing.
+        // Two calls, as one reads at most four arrays. The written arrays are new, so they overlap nothing.
         let first = ffi::slices::<T>(
             &[read(0), read(1), header(tau.map(|tau| &tau.array)), none],
             &[Some(&by_position), Some(&by_velocity), by_force.as_ref(), by_parameters.as_ref()].map(header),
@@ -210,7 +210,7 @@ impl<'py> Call<'_, 'py> {
         )?)
     }
 
-    /// One state, in float64.
+    /// Computes one state, in float64.
     fn one<T: Number>(&self, numbers: Numbers<'_, T>) -> PyResult<()> {
         let double = |x: &[T]| x.iter().map(|x| x.double()).collect::<Vec<f64>>();
         let model = &self.robot.model;
@@ -246,7 +246,7 @@ impl<'py> Call<'_, 'py> {
         Ok(())
     }
 
-    /// The states without a valid gradient, whose rows are NaN.
+    /// Computes many states. Returns those without a valid gradient; their rows are NaN.
     fn many<T: Number>(&self, states: usize, numbers: Numbers<'_, T>) -> PyResult<Vec<usize>> {
         let Numbers { q, v, tau, trajectory, by_position, by_velocity, by_force, by_parameters } = numbers;
         let torques = match (self.has_tau, self.each_step) {

@@ -1,4 +1,4 @@
-//! What an algorithm reads and gives: a row of the table that Python's methods are made of.
+//! The arguments and results of an algorithm: a row of the table that Python's methods are made from.
 
 use pyo3::PyResult;
 use pyo3::exceptions::PyValueError;
@@ -16,9 +16,9 @@ use crate::scratch::Scratch;
 pub(crate) struct Row {
     /// The method's name, which is the library's.
     pub(crate) name: &'static str,
-    /// What it reads, in the order of the arguments.
+    /// Its operands, in the order of the arguments.
     pub(crate) operands: &'static [Operand],
-    /// The shapes of its results; of several, the names are the fields of a named tuple in
+    /// The shapes of its results. The names of several results are the fields of a named tuple in
     /// `robot_dynamics.results`.
     pub(crate) results: &'static [Shape],
     pub(crate) work: Work,
@@ -163,8 +163,8 @@ pub(crate) enum Work {
     OfFrame(OfFrame, ReferenceFrame),
 }
 
-/// An algorithm on one state: what it reads in the order of the row's operands, the frames of the call, what
-/// it writes.
+/// An algorithm on one state. Its arguments are the operands in the row's order, the frames of the call, and
+/// the results.
 pub(crate) type Each = fn(&Model, &mut Scratch, &[&[f64]; 4], &[FrameId], Results<'_>);
 
 /// An algorithm on one state of a frame in a reference frame.
@@ -176,7 +176,7 @@ pub(crate) const fn of_frame(work: OfFrame) -> [Work; 3] {
     [Work::OfFrame(work, local), Work::OfFrame(work, world), Work::OfFrame(work, aligned)]
 }
 
-/// The reference frame of a name, which `argument` has.
+/// The reference frame with this name, which the argument `argument` states.
 pub(crate) fn reference_frame_of(argument: &str, name: &str) -> PyResult<ReferenceFrame> {
     ReferenceFrame::ALL.into_iter().find(|reference_frame| reference_frame.name() == name).ok_or_else(|| {
         let [local, world, aligned] = ReferenceFrame::ALL.map(ReferenceFrame::name);
@@ -185,7 +185,7 @@ pub(crate) fn reference_frame_of(argument: &str, name: &str) -> PyResult<Referen
 }
 
 impl Row {
-    /// Whether it has no value where M is singular.
+    /// Whether the result is undefined where M is singular.
     pub(crate) fn inverts_mass(&self) -> bool {
         matches!(self.work, Work::Quantity(quantity) if quantity.inverts_mass())
             || self.name.starts_with("forward_dynamics")

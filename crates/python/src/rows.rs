@@ -1,4 +1,4 @@
-//! The methods of a robot that compute something of its states: a line each, with what Python's help shows.
+//! The methods of a robot that compute a quantity of its states: a line each, with the text of Python's help.
 //!
 //! A row of the library's table of algorithms is named with its `Quantity`; any other algorithm on one state
 //! is a closure.
@@ -23,8 +23,8 @@ pub(crate) fn row_named(name: &str) -> Option<&'static Row> {
     all.copied().find(|row| row.name == name)
 }
 
-/// The library's table of algorithms: of each its name and what it reads. For the tests, which ask for a
-/// method of each.
+/// The library's table of algorithms: the name and the inputs of each. The tests check that each has a
+/// method.
 #[pyfunction]
 pub(crate) fn quantities() -> Vec<(&'static str, Vec<&'static str>, usize)> {
     let name = |input: &Input| match input {

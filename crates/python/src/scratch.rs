@@ -1,4 +1,5 @@
-//! Memory for the algorithms, kept with each robot: whoever computes takes one that is free, or makes one.
+//! Working memory for the algorithms, kept with each robot. A call takes memory that is free, or makes new
+//! memory.
 
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
@@ -13,12 +14,12 @@ use crate::ffi::ArrayNumber;
 use crate::threads;
 use robot_dynamics::description::Pose;
 
-/// For one state.
+/// Memory for one state.
 #[derive(Debug)]
 pub(crate) struct Scratch {
     pub(crate) workspace: Workspace,
     pub(crate) poses: Vec<Pose>,
-    /// Over dual numbers: what is computed by differentiation.
+    /// The workspace over dual numbers, for results computed by differentiation.
     dual: Option<Box<Workspace<Dual<f64, 1>>>>,
     sensors: Option<Box<SensorMemory>>,
     linearized: Option<Box<LinearizeStepWorkspace>>,
@@ -49,7 +50,7 @@ impl Scratch {
     }
 }
 
-/// For batches, by so many threads of one process.
+/// Memory for batches, with a number of threads of one process.
 #[derive(Debug)]
 pub(crate) struct Batch<T: ArrayNumber> {
     process: u32,
@@ -71,8 +72,8 @@ impl<T: ArrayNumber> Batch<T> {
     }
 }
 
-/// Some places for memory. No one waits for a place: where all are taken, or a fork has left them so, memory
-/// is made for the one call.
+/// Some slots for memory. No call waits for a slot: if all are taken, or a fork has left them locked, memory
+/// is made for that call alone.
 #[derive(Debug)]
 pub(crate) struct Slots<T>([Mutex<Option<Box<T>>>; 8]);
 
@@ -81,12 +82,12 @@ impl<T> Slots<T> {
         Self([const { Mutex::new(None) }; 8])
     }
 
-    /// A free place, and whether it is as wanted comes first.
+    /// A free slot that `wanted` accepts.
     fn free(&self, wanted: impl Fn(&Option<Box<T>>) -> bool) -> Option<MutexGuard<'_, Option<Box<T>>>> {
         self.0.iter().find_map(|slot| {
             let slot = match slot.try_lock() {
                 Ok(slot) => slot,
-                // Memory is all scratch: what a panic left in it is overwritten.
+                // All of the memory is scratch: the next call overwrites the values that a panic left in it.
                 Err(TryLockError::Poisoned(slot)) => slot.into_inner(),
                 Err(TryLockError::WouldBlock) => return None,
             };
@@ -107,7 +108,7 @@ impl Slots<Scratch> {
 }
 
 impl<T: ArrayNumber> Slots<Batch<T>> {
-    /// Takes memory for batches by so many threads.
+    /// Takes memory for batches with this many threads.
     pub(crate) fn take(&self, model: &Model, threads: usize) -> PyResult<Box<Batch<T>>> {
         let process = std::process::id();
         let fits = |slot: &Option<Box<Batch<T>>>| {
@@ -119,7 +120,7 @@ impl<T: ArrayNumber> Slots<Batch<T>> {
         Batch::start(model, threads).map(Box::new)
     }
 
-    /// Gives it back: to an empty place, or to one whose memory is another process's.
+    /// Returns it to an empty slot, or to one whose memory belongs to another process.
     pub(crate) fn give(&self, batch: Box<Batch<T>>) {
         let process = batch.process;
         let open = |slot: &Option<Box<Batch<T>>>| slot.as_ref().is_none_or(|other| other.process != process);

@@ -31,7 +31,7 @@ use crate::numbers::{array, configuration, object, record, vector, vector_or_zer
 use crate::outcome;
 use crate::robot::Robot;
 
-/// How often a run looks for an interrupt.
+/// How often a run checks for an interrupt.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Events as the Python half describes them: name, function of (t, q, v), direction, whether it ends the run.
@@ -56,7 +56,7 @@ fn events_of(robot: &Robot, given: Vec<EventFields>, stop_at_limits: bool) -> Ve
     events
 }
 
-/// Ends a run when Python has a signal for it.
+/// Ends a run when Python has a signal to handle.
 struct Watch {
     last: Instant,
     steps: u32,
@@ -124,7 +124,8 @@ fn contact_forces<'py>(py: Python<'py>, run: &Run, links: usize) -> PyResult<Bou
     outcome::filled(py, &[run.trajectory.len(), links, 3], &forces)
 }
 
-/// The exception of a run that failed: with the run until then, and what Python itself had raised.
+/// The exception of a run that failed, with the run until then and the exception that Python itself had
+/// raised.
 fn failed<'py>(
     py: Python<'py>,
     error: &(dyn std::error::Error + 'static),
@@ -139,7 +140,7 @@ fn failed<'py>(
         };
         let own = callback.and_then(CallbackError::downcast_ref::<PyErr>);
         if let Some(own) = own {
-            // An interrupt is no error of the motion.
+            // An interrupt is not an error of the motion.
             if !own.is_instance_of::<PyException>(py) {
                 return own.clone_ref(py);
             }
@@ -196,12 +197,12 @@ impl Robot {
             };
             let options =
                 RunOptions::new().controller(&mut torques).events(events).sample_every(sample_every);
-            // Adaptive steps look at the flag, and evaluate no more samples than are kept, unless forces of
-            // actuators are.
+            // Adaptive steps check the flag. They evaluate only the samples that are kept, unless forces of
+            // actuators are kept too.
             let is_observed = !is_adaptive || simulation.control_names().next().is_some();
             simulation.run_steps(steps, if is_observed { options.observer(&mut observer) } else { options })
         };
-        // Whoever calls Python at each step keeps the interpreter's lock.
+        // A run that calls Python at each step keeps the interpreter's lock.
         let outcome = if has_callbacks {
             run(events)
         } else if is_adaptive {

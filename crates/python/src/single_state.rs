@@ -15,8 +15,8 @@ use crate::row::{Row, Shape, Width, Work};
 use crate::scratch::Scratch;
 use robot_dynamics::description::Pose;
 
-/// The quickest way: all arguments are arrays of one state as they should be. None where one is not, or
-/// nothing is known of it; who then looks closer says what is wrong.
+/// The fastest path, for arguments that are all suitable arrays of one state. `None` if one is not; the
+/// general path then computes the result or finds the error.
 #[inline]
 pub(crate) fn at_once<'py>(
     py: Python<'py>,
@@ -59,7 +59,7 @@ pub(crate) fn at_once<'py>(
     Ok(Some(out.clone()))
 }
 
-/// Computes one state, and refuses what is not finite before and after.
+/// Computes one state. Refuses arguments and results that are not finite.
 #[inline]
 pub(crate) fn checked(
     py: Python<'_>,
@@ -72,7 +72,7 @@ pub(crate) fn checked(
     attempt(robot, row, x, frames, results).map_err(|(class, text)| class.error(py, text))
 }
 
-/// The same without Python: of which class the error is, and its words.
+/// The same without Python. The error has its class and its message.
 #[inline]
 pub(crate) fn attempt(
     robot: &Robot,

@@ -16,14 +16,14 @@ struct Pool {
 
 static POOLS: Mutex<Vec<Pool>> = Mutex::new(Vec::new());
 
-/// What `set_num_threads` said; 0 for one a core.
+/// The number that `set_num_threads` chose; 0 for one thread per core.
 static CHOSEN: AtomicUsize = AtomicUsize::new(0);
 
-/// Running threads of this process, so many.
+/// A pool of this process with this many running threads.
 pub(crate) fn pool(count: usize) -> PyResult<Threads> {
     let process = std::process::id();
     let start = || Threads::start(count).map_err(|error| PyRuntimeError::new_err(error.to_string()));
-    // Not `lock`: had another thread held it when this process was forked, nobody would ever let go of it.
+    // Not `lock`: if another thread held the lock when this process was forked, it would never be released.
     for _ in 0..1000 {
         let mut pools = match POOLS.try_lock() {
             Ok(pools) => pools,
@@ -44,7 +44,7 @@ pub(crate) fn pool(count: usize) -> PyResult<Threads> {
     start()
 }
 
-/// Threads of a batch where the caller says nothing.
+/// The default number of threads of a batch.
 pub(crate) fn default_count() -> usize {
     match CHOSEN.load(Ordering::Relaxed) {
         0 => std::thread::available_parallelism().map_or(1, core::num::NonZero::get),
@@ -52,7 +52,7 @@ pub(crate) fn default_count() -> usize {
     }
 }
 
-/// The argument `threads=`: none for the default.
+/// The argument `threads=`; `None` for the default.
 pub(crate) fn count_of(threads: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
     let Some(threads) = threads else { return Ok(None) };
     let count: i64 = threads.extract().map_err(|_| {
@@ -66,7 +66,7 @@ pub(crate) fn count_of(threads: Option<&Bound<'_, PyAny>>) -> PyResult<Option<us
     }
 }
 
-/// How many threads a batch is computed by where a call does not say: one a core, or what `set_num_threads`
+/// The number of threads that compute a batch by default: one per core, or the number that `set_num_threads`
 /// chose.
 ///
 /// >>> rd.num_threads() >= 1
@@ -76,10 +76,10 @@ pub(crate) fn num_threads() -> usize {
     default_count()
 }
 
-/// Chooses how many threads a batch is computed by where a call does not say; `None` for one a core.
+/// Chooses how many threads compute a batch by default; `None` for one per core.
 ///
-/// Results are the same bits for any number of threads. Workers of a cluster, which are processes side by
-/// side, want one.
+/// Results are the same bits for any number of threads. Workers of a cluster are processes side by side and
+/// should use one thread each.
 ///
 /// >>> rd.set_num_threads(1)
 /// >>> rd.num_threads()

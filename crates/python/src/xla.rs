@@ -1,7 +1,8 @@
-//! What programs compiled by XLA call: the rows of the table and rollouts, on robots that stay.
+//! The functions that programs compiled by XLA call: the rows of the table, and rollouts. Their robots stay
+//! in memory.
 //!
-//! A call comes from a thread of XLA's, without Python: nothing here asks for the interpreter. The rows of
-//! bad states are NaN, as an error would end the whole program.
+//! A call comes from a thread of XLA's, without Python: no code here needs the interpreter. The rows of bad
+//! states are NaN, as an error would end the whole program.
 
 mod calls;
 mod groups;

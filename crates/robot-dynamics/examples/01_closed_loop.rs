@@ -1,9 +1,9 @@
 //! How does a mechanism with a closed loop move, and what does its pin carry?
 //!
-//! A four-bar linkage: crank and coupler on one branch of the tree, the rocker on another, and a pin between
-//! coupler and rocker, declared as it would stand beside a robot file. Let go with the crank turning. The
-//! plot shows what becomes of the pin and of the energy when the drift is left alone, pulled back, or
-//! projected out.
+//! The mechanism is a four-bar linkage. Crank and coupler are one branch of the tree, and the rocker is
+//! another. A pin joins coupler and rocker; it is declared in JSON, as in a file beside a robot file. The
+//! linkage starts with the crank turning. The plot shows the gap of the pin and the energy error if the drift
+//! is left alone, pulled back, or projected out.
 //!
 //! `cargo run --release --example 01_closed_loop -p robot-dynamics`
 #![allow(dead_code)] // the tests use the parts and leave out `main`
@@ -25,11 +25,11 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::simulation::{Effect, Method, RunOptions, SimulationBuilder};
 
-/// The pin. The mechanism is plane, so x and y say everything.
+/// The pin. The mechanism is planar, so the rows x and y are sufficient.
 pub(crate) const PIN: &str =
     r#"[{"name": "pin", "frame_a": "coupler_end", "frame_b": "rocker_end", "rows": ["x", "y"]}]"#;
 
-/// Lengths of crank, coupler and rocker \[m\], and their masses \[kg\]: uniform rods.
+/// Lengths of crank, coupler and rocker \[m\]. They are uniform rods.
 pub(crate) const LENGTHS: [f64; 3] = [0.3, 0.8, 0.7];
 /// Masses of crank, coupler and rocker \[kg\].
 pub(crate) const MASSES: [f64; 3] = [1.0, 2.0, 1.5];
@@ -70,7 +70,7 @@ pub(crate) fn start(model: &Model, set: &ConstraintSet) -> Result<(Vec<f64>, Vec
     let options = ConstraintOptions::default();
     let mut q = vec![1.2, -0.7, 1.9];
     project_position(model, workspace, set, &options, 1e-13, &mut q)?;
-    // The crank's speed is chosen, the others follow: P of a velocity, scaled.
+    // The crank's speed is chosen and the others follow: a velocity is projected and then scaled.
     let mut v = vec![1.0, 0.0, 0.0];
     project_velocity(model, workspace, set, &options, &q, &mut v)?;
     let scale = 6.0 / v[0];
@@ -80,7 +80,7 @@ pub(crate) fn start(model: &Model, set: &ConstraintSet) -> Result<(Vec<f64>, Vec
     Ok((q, v))
 }
 
-/// What the example prints.
+/// The numbers that the example prints.
 pub(crate) struct Numbers {
     /// λ of the pin at the start, along the coupler's axes \[N\].
     pub(crate) pin_force: [f64; 2],

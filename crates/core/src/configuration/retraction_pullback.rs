@@ -11,12 +11,12 @@
 //!
 //! With f′ = R f, a cotangent (f, n) of q₁ gives these cotangents:
 //!
-//! for q₀: (f′, R n + x × f′);
-//! for ρ: f′ − c₂ φ × f′ + c₃ φ × (φ × f′);
-//! for φ: n + c₂ φ × n + c₃ φ × (φ × n) + c₂ ρ × f′ + c₃ ((φ × ρ) × f′ + ρ × (f′ × φ))
-//!       + φ (f′·((2c₄ − c₃) φ × ρ + (3c₅ − c₄) φ × (φ × ρ))),
+//! - for q₀: (f′, R n + x × f′)
+//! - for ρ: f′ − c₂ φ × f′ + c₃ φ × (φ × f′)
+//! - for φ: n + c₂ φ × n + c₃ φ × (φ × n) + c₂ ρ × f′ + c₃ ((φ × ρ) × f′ + ρ × (f′ × φ)) + k φ
 //!
-//! because ∂c₂/∂φ = (2c₄ − c₃) φ and ∂c₃/∂φ = (3c₅ − c₄) φ. No formula divides by |φ| or branches on it.
+//! Here k = f′·((2c₄ − c₃) φ × ρ + (3c₅ − c₄) φ × (φ × ρ)), because ∂c₂/∂φ = (2c₄ − c₃) φ and
+//! ∂c₃/∂φ = (3c₅ − c₄) φ. No formula divides by |φ| or branches on it.
 
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::V3;

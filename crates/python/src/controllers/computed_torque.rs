@@ -8,15 +8,15 @@ use crate::errors::Class;
 use crate::numbers::{configuration, vector};
 use crate::robot::Robot;
 
-/// τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains: follows a motion, the error of
-/// plain coordinates obeying ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Where no motor is
-/// (`robot.actuated_dofs`), as on a floating base, the torque is 0: those coordinates move as they must, and
-/// the others follow in spite of it while nothing else touches the robot.
+/// Follows a motion: τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains. The error of
+/// plain coordinates obeys ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Coordinates without a motor
+/// (`robot.actuated_dofs`), as those of a floating base, have torque 0 and move freely. The others follow the
+/// motion in spite of it while nothing else touches the robot.
 ///
 /// `reference` is the motion (q*, v*, a*), or q* alone to stand there, or a function of t that gives one of
 /// these. `stiffness` Kp [1/s²] and `damping` Kd [1/s] are (nv,); Kd = 2 √Kp is critically damped.
-/// `dissipation` compensates the joints' damping and friction, too. It is a function of (t, q, v); in
-/// `simulate` it runs in the library.
+/// `dissipation` compensates the joints' damping and friction, too. The controller is a function of (t, q,
+/// v); in `simulate` it runs in the library.
 ///
 /// >>> robot = rd.example("two_r")
 /// >>> swing = lambda t: ([np.sin(t), np.cos(t)], [np.cos(t), -np.sin(t)], [-np.sin(t), -np.cos(t)])
@@ -74,7 +74,7 @@ impl ComputedTorque {
 }
 
 impl ComputedTorque {
-    /// The law for this robot, which must be its own.
+    /// The law for this robot; an error if the controller was made for another.
     pub(super) fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>> {
         check_own(py, self.robot.get(), robot)?;
         let followed = self.reference.share(py);

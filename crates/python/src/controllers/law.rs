@@ -11,11 +11,11 @@ use crate::robot::Robot;
 /// A law that a simulation runs.
 pub(crate) struct Law<'a> {
     pub(crate) controller: Box<dyn Controller + Send + 'a>,
-    /// Whether what it follows is a function of Python's.
+    /// Whether its reference is a Python function.
     pub(crate) is_called: bool,
 }
 
-/// Refuses a robot that a law is not of.
+/// Refuses a robot that the law was not made for.
 pub(super) fn check_own(py: Python<'_>, own: &Robot, robot: &Robot) -> PyResult<()> {
     if own.model.fingerprint() == robot.model.fingerprint() {
         return Ok(());

@@ -1,4 +1,4 @@
-//! A spring to a pose, damping, and the weight held.
+//! A spring to a pose, damping, and gravity compensation.
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -9,12 +9,12 @@ use crate::errors::Class;
 use crate::numbers::{configuration, shaped, vector};
 use crate::robot::Robot;
 
-/// τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose.
-/// Where no motor is (`robot.actuated_dofs`), as on a floating base, the torque is 0.
+/// Holds a pose: τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit.
+/// Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0.
 ///
 /// `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N],
-/// the robot's where not given. g is taken at the `target`, or with `gravity_at="state"` where the robot is.
-/// It is a function of (t, q, v); in `simulate` it runs without Python.
+/// by default the robot's. g is taken at the `target`, or with `gravity_at="state"` at the robot's
+/// configuration. The controller is a function of (t, q, v); in `simulate` it runs without Python.
 ///
 /// >>> robot = rd.example("panda")
 /// >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
@@ -90,7 +90,7 @@ impl GravityCompensatedPd {
 }
 
 impl GravityCompensatedPd {
-    /// The law for this robot, which must be its own.
+    /// The law for this robot; an error if the controller was made for another.
     pub(crate) fn law<'a>(
         &self,
         py: Python<'_>,

@@ -1,4 +1,4 @@
-//! A frame led along its path through its operational-space inertia.
+//! A controller that moves a frame along a reference, through its operational-space inertia.
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -14,19 +14,20 @@ use crate::numbers::{configuration, numbers, pose_of, shaped};
 use crate::operand::shown;
 use crate::robot::Robot;
 
-/// τ = Jᵀ(Λ (ẍ* + kp e + kd (ẋ* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀, τ₀ = C v + g + M (kr (q* ⊖ q) − kn v): leads
-/// a frame.
+/// Moves a frame along a reference: τ = Jᵀ(Λ (ẍ* + kp e + kd (ẋ* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀. In the null
+/// space, τ₀ = C v + g + M (kr (q* ⊖ q) − kn v).
 ///
-/// `reference` is where the frame should be in the world: its origin (3,), orientation free, or its pose (4,
-/// 4); with velocity and acceleration along the world's axes as (x*, ẋ*, ẍ*), of a pose six numbers each; or
-/// a function of t that gives one of these, asked once at t = 0 to see which. `rows` are those of x, y, z,
-/// rx, ry, rz along the world's axes that follow, all of the reference's where not given: ("x", "z") of an
-/// arm that moves in that plane. kp `stiffness` [1/s²], kd `damping` [1/s], 2 √kp being critically damped; kn
-/// `null_damping` [1/s] of what the frame does not feel, which kr `posture_stiffness` [1/s²] pulls to the
-/// `posture` q* (nq,). Where the frame cannot accelerate in every direction there is no torque. Coordinates
-/// without a motor (`robot.actuated_dofs`), as those of a floating base, get none: the base recoils, and the
-/// frame follows in spite of it while nothing else touches the robot. It is a function of (t, q, v); in
-/// `simulate` it runs in the library.
+/// `reference` is the frame's target in the world: its origin (3,), orientation free, or its pose (4, 4).
+/// With velocity and acceleration along the world's axes it is (x*, ẋ*, ẍ*), for a pose with six numbers
+/// each. It may also be a function of t that gives one of these, called once at t = 0 to find which. `rows`
+/// names the controlled directions among x, y, z, rx, ry, rz along the world's axes: ("x", "z") for an arm in
+/// that plane. By default they are all directions of the reference. The gains are kp `stiffness` [1/s²] and
+/// kd `damping` [1/s]; kd = 2 √kp is critically damped. Motion in the null space, which leaves the frame at
+/// rest, has the damping kn `null_damping` [1/s]. In it, kr `posture_stiffness` [1/s²] pulls to the `posture`
+/// q* (nq,). If the frame cannot accelerate in every chosen direction, the controller raises an error.
+/// Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0. The base
+/// recoils, and the frame follows in spite of it while nothing else touches the robot. The controller is a
+/// function of (t, q, v); in `simulate` it runs in the library.
 ///
 /// >>> robot, q = rd.example("panda"), np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
 /// >>> goal = robot.frame_pose(q, "panda_link8") @ np.block([[np.eye(3), np.full((3, 1), 0.05)], [0.0, 0.0, 0.0, 1.0]])
@@ -44,7 +45,7 @@ pub(crate) struct TaskControl {
     posture: Option<(Vec<f64>, f64)>,
 }
 
-/// Which directions are led.
+/// The directions that are controlled.
 enum Leading {
     Position(Followed<TaskReference>),
     Pose(Followed<PoseReference>),
@@ -115,7 +116,7 @@ impl TaskControl {
 }
 
 impl TaskControl {
-    /// The law for this robot, which must be its own.
+    /// The law for this robot; an error if the controller was made for another.
     pub(super) fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>> {
         check_own(py, self.robot.get(), robot)?;
         macro_rules! law {

@@ -1,4 +1,4 @@
-//! XLA's typed foreign functions: the door from a call frame to slices.
+//! XLA's typed foreign functions: the arrays of a call frame as slices.
 
 mod layout;
 
@@ -19,7 +19,7 @@ use super::{ArrayNumber, Kind};
 
 pub(crate) use self::layout::{CallFrame, Failure};
 
-/// What a call gives to read and to write.
+/// The attributes of a call, and its arrays to read and to write.
 #[derive(Debug)]
 pub(crate) struct XlaCall<'a> {
     frame: PhantomData<&'a CallFrame>,
@@ -89,17 +89,18 @@ impl<'a> XlaCall<'a> {
         self.attributes.iter().find(|(own, _)| *own == name.as_bytes()).map(|(_, value)| *value)
     }
 
-    /// What is read.
+    /// The arrays to read.
     pub(crate) fn arguments(&self) -> &[Buffer<'a>] {
         &self.arguments
     }
 
-    /// What is written.
+    /// The arrays to write.
     pub(crate) fn results(&self) -> &[Buffer<'a>] {
         &self.results
     }
 
-    /// The numbers, to read and to write; none where one is of another type. They are taken out once.
+    /// Takes out the arrays' numbers, to read and to write; `None` if an array has another type. A second
+    /// call returns empty lists.
     #[allow(clippy::type_complexity)] // two lists
     pub(crate) fn take<T: ArrayNumber>(&mut self) -> Option<(Vec<&'a [T]>, Vec<&'a mut [T]>)> {
         let fits = |buffer: &Buffer<'_>| {
@@ -109,10 +110,10 @@ impl<'a> XlaCall<'a> {
             return None;
         }
         let (arguments, results) = (core::mem::take(&mut self.arguments), core::mem::take(&mut self.results));
-        // SAFETY: XLA gives each buffer with room for as many numbers of its type as its dimensions say,
-        // which lie there until the call returns; those of results are the call's alone, as no alias was
-        // asked for. Aligned, and looked at above. An empty one is nowhere. As the lists are taken out, no
-        // second slice of a result is made.
+        // SAFETY: each buffer of XLA's has as many numbers of its type as its dimensions say. They are valid
+        // until the call returns. Only this call uses those of results, as no alias was requested. Type and
+        // alignment were checked above. The pointer of an empty buffer is not used. As the lists are taken
+        // out, no second slice of a result is made.
         unsafe {
             let read = |buffer: Buffer<'a>| match buffer.len {
                 0 => &[][..],
@@ -127,13 +128,13 @@ impl<'a> XlaCall<'a> {
     }
 }
 
-/// A slice of what C says are so many.
+/// The slice of `count` entries at a C pointer.
 ///
 /// # Safety
-/// They are there, for as long as 'a.
+/// The entries are valid for 'a.
 unsafe fn listed<'a, T>(start: *const T, count: i64) -> &'a [T] {
     match usize::try_from(count) {
-        // SAFETY: the caller's word.
+        // SAFETY: the caller guarantees it.
         Ok(count) if count > 0 && !start.is_null() => unsafe { core::slice::from_raw_parts(start, count) },
         _ => &[],
     }
@@ -142,10 +143,10 @@ unsafe fn listed<'a, T>(start: *const T, count: i64) -> &'a [T] {
 /// The buffers of a list; an error if one is missing.
 ///
 /// # Safety
-/// The list is XLA's and lives for 'a.
+/// The list is XLA's and valid for 'a.
 unsafe fn buffers_of<'a>(list: &Buffers) -> Result<Vec<Buffer<'a>>, String> {
-    // SAFETY: both lists have `count` entries, each entry of kind `BUFFER` points at one; its dimensions are
-    // `rank` many.
+    // SAFETY: both lists have `count` entries. Each entry of kind `BUFFER` points at a buffer, which has
+    // `rank` dimensions.
     unsafe {
         let (kinds, buffers) = (listed(list.kinds, list.count), listed(list.buffers, list.count));
         kinds
@@ -172,10 +173,10 @@ unsafe fn buffers_of<'a>(list: &Buffers) -> Result<Vec<Buffer<'a>>, String> {
 /// The call of a frame.
 ///
 /// # Safety
-/// The frame is XLA's, in the stage of execution, and lives for 'a.
+/// The frame is XLA's, in the stage of execution, and valid for 'a.
 unsafe fn call_of<'a>(frame: &'a CallFrame) -> Result<XlaCall<'a>, String> {
-    // SAFETY: the lists of attributes have `count` entries; a value is what its kind says, and lives as the
-    // frame does.
+    // SAFETY: the lists of attributes have `count` entries. A value has the type that its kind says, and is
+    // valid as long as the frame.
     unsafe {
         let list = &frame.attributes;
         let kinds = listed(list.kinds, list.count);
@@ -212,7 +213,7 @@ unsafe fn call_of<'a>(frame: &'a CallFrame) -> Result<XlaCall<'a>, String> {
     }
 }
 
-/// What a handler does: reads and writes the call's arrays, or says what is wrong.
+/// The work of a handler: it reads and writes the call's arrays, or returns the reason of a failure.
 pub(crate) type Work = fn(XlaCall<'_>) -> Result<(), String>;
 
 /// Answers a question for metadata, or does the work and turns its failure into XLA's.
@@ -220,8 +221,9 @@ pub(crate) type Work = fn(XlaCall<'_>) -> Result<(), String>;
 /// # Safety
 /// The frame is one that XLA calls a handler with.
 pub(super) unsafe fn handle(frame: *mut CallFrame, work: Work) -> *mut Failure {
-    // SAFETY: XLA's frame and what it points at live until the handler returns, and nobody else writes there.
-    // An extension of kind `METADATA` is a `MetadataExtension`, whose metadata has at least the fields above.
+    // SAFETY: XLA's frame and the memory that it points at are valid until the handler returns, and nobody
+    // else writes there. An extension of kind `METADATA` is a `MetadataExtension`, whose metadata has at
+    // least the fields above.
     unsafe {
         let frame = &*frame;
         if let Some(extension) = frame.extension.as_ref()
@@ -236,8 +238,8 @@ pub(super) unsafe fn handle(frame: *mut CallFrame, work: Work) -> *mut Failure {
         if frame.stage != EXECUTE {
             return null_mut();
         }
-        // A panic must not pass through C++. What it may leave half done is scratch and the results, which
-        // fail with it.
+        // A panic must not pass through C++. It can leave only scratch memory and the results incomplete, and
+        // then the call fails.
         let done = catch_unwind(AssertUnwindSafe(|| work(call_of(frame)?)));
         let (message, code) = match done {
             Ok(Ok(())) => return null_mut(),
@@ -265,14 +267,14 @@ pub(super) unsafe fn handle(frame: *mut CallFrame, work: Work) -> *mut Failure {
 /// A handler as XLA calls it.
 pub(crate) type Handler = unsafe extern "C" fn(*mut CallFrame) -> *mut Failure;
 
-/// The name of capsules with a handler, by which XLA knows them.
+/// The name that XLA requires of capsules with a handler.
 const CAPSULE: &CStr = c"xla._CUSTOM_CALL_TARGET";
 
-/// A handler as Python hands it to XLA.
+/// The capsule with a handler that Python passes to XLA.
 pub(crate) fn capsule(py: Python<'_>, handler: Handler) -> PyResult<Bound<'_, PyCapsule>> {
     let pointer = NonNull::new(handler as *mut c_void);
     let pointer = pointer.ok_or_else(|| pyo3::exceptions::PyRuntimeError::new_err("no handler"))?;
-    // SAFETY: the pointer is that of a function, which is there as long as the process; whoever takes it out
+    // SAFETY: the pointer is that of a function, which exists as long as the process. Code that takes it out
     // of a capsule of this name calls it as XLA calls handlers.
     unsafe { PyCapsule::new_with_pointer(py, pointer, CAPSULE) }
 }

@@ -1,4 +1,4 @@
-//! The equation of motion: its terms, its solutions, their slopes; energies, momenta, regressors.
+//! The equation of motion: its terms, its solutions, their derivatives; energies, momenta, regressors.
 
 use robot_dynamics::quantity::Quantity;
 
@@ -85,12 +85,12 @@ rows! {
     /// True
     inverse_mass_matrix(q) => [Square] Of(Quantity::InverseMassMatrix);
 
-    /// The factor of M(q) = LᵀDL: below the diagonal L, whose own diagonal is 1, on the diagonal D, above it
-    /// zeros.
+    /// The factor of M(q) = LᵀDL: L below the diagonal (its own diagonal is 1), D on the diagonal, zeros
+    /// above it.
     ///
-    /// q (..., nq) → (..., nv, nv). L is zero where M is because two freedoms do not carry one another:
-    /// solving costs no more than the tree is deep. The product of the diagonal is det M. Raises
-    /// SingularMassError where joints move no inertia.
+    /// q (..., nq) → (..., nv, nv). L is zero where M is zero because neither of two degrees of freedom moves
+    /// the other. The cost of solving therefore grows with nv times the depth of the tree. The product of the
+    /// diagonal is det M. Raises SingularMassError where joints move no inertia.
     ///
     /// >>> factor = rd.example("two_r").mass_matrix_factor([0.3, 1.2])
     /// >>> l, d = np.tril(factor, -1) + np.eye(2), np.diag(factor.diagonal())

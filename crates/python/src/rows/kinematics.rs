@@ -127,9 +127,9 @@ frame_rows! {
 
     /// A frame's velocity: J v with J of `frame_jacobian` in the same reference frame.
     ///
-    /// q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s]. `reference_frame`: ``"local"``
-    /// is ṗ of the frame's origin p and ω along the frame's axes, ``"local_world_aligned"`` both along the
-    /// world's axes, ``"world"`` ṗ − ω × p and ω along the world's axes.
+    /// q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s]. By `reference_frame`,
+    /// ``"local"`` is ṗ of the frame's origin p and ω along the frame's axes, and ``"local_world_aligned"``
+    /// both along the world's axes. In ``"world"`` they are ṗ − ω × p and ω along the world's axes.
     ///
     /// >>> robot, q, v = rd.example("two_r"), [0.0, np.pi / 2], [1.0, 0.5]
     /// >>> bool(np.allclose(robot.frame_velocity(q, v, "tip"), robot.frame_jacobian(q, "tip") @ v))
@@ -147,10 +147,11 @@ frame_rows! {
     /// frame, J a + J̇ v. It does not include gravity.
     ///
     /// q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
-    /// ``"local_world_aligned"`` is the classical acceleration p̈ of the frame's origin p. ``"local"`` is the
-    /// spatial acceleration p̈ − ω × ṗ along the frame's axes, ``"world"`` that at the world's origin. They
-    /// equal Pinocchio's ``getFrameAcceleration``. Its ``getFrameAcceleration(LOCAL_WORLD_ALIGNED)`` is
-    /// p̈ − ω × ṗ; its ``getFrameClassicalAcceleration(LOCAL_WORLD_ALIGNED)`` equals this function.
+    /// In ``"local_world_aligned"`` it is p̈, the classical acceleration of the frame's origin. In
+    /// ``"local"`` it is the spatial acceleration p̈ − ω × ṗ along the frame's axes, and in ``"world"`` that
+    /// at the world's origin. These two equal Pinocchio's ``getFrameAcceleration``. Its
+    /// ``getFrameAcceleration(LOCAL_WORLD_ALIGNED)`` is p̈ − ω × ṗ; its
+    /// ``getFrameClassicalAcceleration(LOCAL_WORLD_ALIGNED)`` equals this function.
     ///
     /// >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
     /// >>> robot.frame_acceleration(zero, [1.0, 0.0], zero, "tip").round(12)[:2]  # −ω² r

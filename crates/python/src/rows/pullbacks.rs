@@ -1,5 +1,5 @@
-//! Gradients without Jacobians: what a change of a result is worth, as what changes of its arguments are
-//! worth.
+//! Vector-Jacobian products: the gradient by a result becomes the gradients by its arguments, without a
+//! Jacobian.
 
 use super::table::rows;
 use crate::pullback::Pullback;
@@ -8,7 +8,7 @@ use crate::row::Work::{Each, Pullback as Of};
 
 rows! {
     /// λᵀ ∂τ/∂q, λᵀ ∂τ/∂v and λᵀ ∂τ/∂a of τ(q, v, a) for a cotangent λ of τ, as reverse differentiation needs
-    /// them: O(n), no Jacobian is formed.
+    /// them. The cost is O(n); no Jacobian is formed.
     ///
     /// q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
     /// `by_acceleration`, each (..., nv). By q means by displacements q ⊕ δq; `cotangent_to_coordinates`
@@ -20,8 +20,8 @@ rows! {
     /// True
     inverse_dynamics_pullback(q, v, a, cotangent) => [Vector, Vector, Vector] Of(Pullback::InverseDynamics);
 
-    /// λᵀ ∂a/∂q, λᵀ ∂a/∂v and λᵀ ∂a/∂τ of a(q, v, τ) for a cotangent λ of a: O(n), neither M nor a Jacobian
-    /// is formed.
+    /// λᵀ ∂a/∂q, λᵀ ∂a/∂v and λᵀ ∂a/∂τ of a(q, v, τ) for a cotangent λ of a. The cost is O(n); neither M nor
+    /// a Jacobian is formed.
     ///
     /// q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
     /// `by_force`, each (..., nv); by q as in `inverse_dynamics_pullback`. Raises SingularMassError where
@@ -33,13 +33,13 @@ rows! {
     /// True
     forward_dynamics_pullback(q, v, tau, cotangent) => [Vector, Vector, Vector] Of(Pullback::ForwardDynamics);
 
-    /// `inverse_dynamics_pullback` with λᵀ ∂τ/∂p for the `parameters()` p, too: of the inertial ones λᵀY of
-    /// the `joint_torque_regressor`, which is not formed.
+    /// `inverse_dynamics_pullback` with λᵀ ∂τ/∂p for the `parameters()` p, too. For the inertial ones it is
+    /// λᵀY with the `joint_torque_regressor` Y, which is not formed.
     ///
     /// q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
-    /// `by_acceleration`, each (..., nv), and `by_parameters` (..., parameters), a row a state, named by
-    /// `parameter_names`. Damping and friction are not in τ: theirs are 0; of `dissipation` the gradients are
-    /// λ v and λ sign v.
+    /// `by_acceleration`, each (..., nv), and `by_parameters` (..., parameters), a row per state, named by
+    /// `parameter_names`. Damping and friction are not in τ, so their gradients are 0. Those of `dissipation`
+    /// are λ v and λ sign v.
     ///
     /// >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
     /// >>> gradient = robot.inverse_dynamics_pullback_with_parameters(q, v, a, [1.0, 0.0])
@@ -48,11 +48,11 @@ rows! {
     inverse_dynamics_pullback_with_parameters(q, v, a, cotangent) => [Vector, Vector, Vector, AllParameters]
         Of(Pullback::InverseDynamics);
 
-    /// `forward_dynamics_pullback` with λᵀ ∂a/∂p for the `parameters()` p, too: of the inertial ones
-    /// −(M⁻¹λ)ᵀY of the `joint_torque_regressor`, which is not formed.
+    /// `forward_dynamics_pullback` with λᵀ ∂a/∂p for the `parameters()` p, too. For the inertial ones it is
+    /// −(M⁻¹λ)ᵀY with the `joint_torque_regressor` Y, which is not formed.
     ///
     /// q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
-    /// `by_force`, each (..., nv), and `by_parameters` (..., parameters), a row a state, named by
+    /// `by_force`, each (..., nv), and `by_parameters` (..., parameters), a row per state, named by
     /// `parameter_names`. Raises SingularMassError where joints move no inertia.
     ///
     /// >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
@@ -63,8 +63,8 @@ rows! {
     forward_dynamics_pullback_with_parameters(q, v, tau, cotangent) => [Vector, Vector, Vector, AllParameters]
         Of(Pullback::ForwardDynamics);
 
-    /// λᵀ ∂b/∂v and λᵀ ∂b/∂p of `dissipation` b(v) for a cotangent λ of b and the `parameters()` p: of each
-    /// joint λ v by its damping, λ sign v by its friction, whose sign is held.
+    /// λᵀ ∂b/∂v and λᵀ ∂b/∂p of `dissipation` b(v) for a cotangent λ of b, where p are the `parameters()`.
+    /// For each joint they are λ v by its damping and λ sign v by its friction; the sign is held constant.
     ///
     /// v (..., nv), cotangent (..., nv) → `by_velocity` (..., nv), `by_parameters` (..., parameters).
     ///
@@ -77,9 +77,9 @@ rows! {
         robot_dynamics::derivatives::dissipation_pullback(m, x[0], x[1], by_v, by_parameters);
     });
 
-    /// A gradient by displacements q ⊕ δ as the gradient by the numbers of q, of a function that depends on
-    /// the direction of each quaternion alone, as those of this package: x̄ = R ū, q̄ = 2 q ⊗ (w̄, 0)/|q|²;
-    /// elsewhere the same numbers.
+    /// Converts a gradient by displacements q ⊕ δ to the gradient by the numbers of q. The function must
+    /// depend only on the direction of each quaternion, as those of this package do. Then x̄ = R ū and q̄ = 2
+    /// q ⊗ (w̄, 0)/|q|²; for other coordinates the numbers are the same.
     ///
     /// q (..., nq), cotangent (..., nv) → (..., nq).
     ///
@@ -90,8 +90,8 @@ rows! {
     cotangent_to_coordinates(q, cotangent) => [Configuration]
         Each(|m, _, x, _, [out, ..]| robot_dynamics::model::cotangent_to_coordinates(m, x[0], x[1], out));
 
-    /// A gradient by the numbers of q as the gradient by displacements q ⊕ δ; right for any function,
-    /// whatever it does with quaternions that are not of length 1.
+    /// Converts a gradient by the numbers of q to the gradient by displacements q ⊕ δ. This is right for any
+    /// function, whatever it does with quaternions that are not of length 1.
     ///
     /// q (..., nq), coordinates (..., nq) → (..., nv).
     ///

@@ -19,8 +19,8 @@ impl Robot {
         outcome::filled(py, &[self.model.nq()], &robot_dynamics::model::neutral(&self.model))
     }
 
-    /// Random configurations within the joint limits, (*size, nq); without limits from −π to π, or −1 m to 1
-    /// m; rotations evenly. The same seed gives the same ones.
+    /// Random configurations within the joint limits, (*size, nq). Without limits they are from −π to π, or
+    /// −1 m to 1 m; rotations are uniform. The same seed gives the same configurations.
     ///
     /// >>> robot = rd.example("panda")
     /// >>> q = robot.random_configuration(1000, seed=1)

@@ -140,7 +140,7 @@ impl SimulationBatch {
     /// See `step`.
     fn _step(&mut self, py: Python<'_>, count: usize, which: Option<Vec<usize>>) -> PyResult<()> {
         let which = which.map(|which| self.mask(&which)).transpose()?;
-        // Threads of a process that was forked are its own.
+        // A process that was forked has its own threads.
         self.stepped.set_threads(&threads::pool(self.threads)?);
         let work = self.stepped.simulations().len() * count;
         let stepped = &mut self.stepped;
@@ -215,8 +215,8 @@ impl SimulationBatch {
         Ok(mask)
     }
 
-    /// The states at which simulations are put: rows for those of the numbers, one for all, or where the file
-    /// places the robot, at rest.
+    /// The states that simulations are set to: a row for each of the numbers, one row for all, or the file's
+    /// configuration at rest.
     fn places(
         &self,
         py: Python<'_>,
@@ -257,7 +257,7 @@ impl SimulationBatch {
     }
 }
 
-/// So many rows, or one for all, one after the other.
+/// This many rows, or one for all, one after the other.
 fn rows_of(
     py: Python<'_>,
     name: &str,

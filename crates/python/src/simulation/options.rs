@@ -92,7 +92,7 @@ impl Setup {
         Ok(setup)
     }
 
-    /// The same without contacts, which explicit methods do not know: they need not be set up.
+    /// The same without contacts. Explicit methods do not support them, so they need not be set up.
     pub(crate) fn without_contacts(mut self) -> Self {
         self.without.push(Effect::Contacts.name().into());
         self
@@ -106,7 +106,7 @@ impl Setup {
         self.integrator.as_deref() == Some(Method::Adaptive.name())
     }
 
-    /// Refuses steps as long as a tolerance allows, where each step has the length `dt`.
+    /// Refuses adaptive steps, where each step has the length `dt`.
     pub(crate) fn refuse_adaptive(self, py: Python<'_>) -> PyResult<Self> {
         if !self.is_adaptive() {
             return Ok(self);
@@ -121,7 +121,7 @@ impl Setup {
         ))
     }
 
-    /// With torques that are held for so long \[s\], unless the arguments say how long.
+    /// With torques that are held for this time \[s\], unless the arguments state a time.
     pub(crate) fn holding(mut self, period: Option<f64>) -> Self {
         self.control_period = self.control_period.or(period);
         self

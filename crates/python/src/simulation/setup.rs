@@ -20,7 +20,8 @@ use crate::errors::Class;
 use crate::robot::Robot;
 
 impl Setup {
-    /// The simulation. On a ground that was given, what does not touch it is told in one warning.
+    /// Builds the simulation. If a ground was given, one warning lists the features that the simulation
+    /// leaves out.
     pub(crate) fn build(&self, py: Python<'_>, robot: &Robot) -> PyResult<Simulation> {
         let mut builder = robot_dynamics::simulation(&robot.model).step(self.dt);
         if let Some(name) = &self.integrator {
@@ -68,16 +69,16 @@ impl Setup {
         Ok(simulation)
     }
 
-    /// Calls with the simulation, which is set up anew only where the arguments are not those of the robot's
-    /// last call.
+    /// Calls `call` with the simulation. It is set up again only if the arguments differ from those of the
+    /// robot's last call.
     pub(crate) fn with_prepared<R>(
         self,
         py: Python<'_>,
         robot: &Robot,
         call: impl FnOnce(&mut Simulation) -> PyResult<R>,
     ) -> PyResult<R> {
-        // No one waits: where another thread has it, or a fork has left it so, a simulation is set up for
-        // this call alone.
+        // This does not wait. If another thread has the lock, or a fork has left it locked, a simulation is
+        // set up for this call alone.
         let Ok(mut kept) = robot.prepared.try_lock() else { return call(&mut self.build(py, robot)?) };
         let own = match kept.take() {
             Some(mut own) if own.0 == self => {
@@ -94,7 +95,7 @@ impl Setup {
         call(&mut own.1)
     }
 
-    /// On a ground that was given, what does not touch it is told in one warning.
+    /// If a ground was given, one warning lists the features that the simulation leaves out.
     fn warn_of_left_out(&self, py: Python<'_>, simulation: &Simulation) -> PyResult<()> {
         if self.ground.is_some() && !simulation.left_out().is_empty() {
             let left_out =
@@ -182,7 +183,7 @@ pub(crate) fn controls_of(
     Ok(())
 }
 
-/// The exception of a step that failed, with what Python itself had raised as its cause.
+/// The exception of a step that failed. Its cause is the exception that Python itself had raised, if any.
 pub(super) fn failed_step(py: Python<'_>, error: &StepFailure) -> PyErr {
     let raised = Class::Simulation.error(py, error);
     if let StepFailure::Controller { source: ControllerError::Callback(callback), .. } = error

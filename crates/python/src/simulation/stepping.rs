@@ -23,7 +23,7 @@ pub(crate) struct Simulation {
     wrenches: Vec<AppliedWrench>,
 }
 
-/// All that changes in a simulation: `Simulation.snapshot`.
+/// The state of a simulation with all that changes in it, made by `Simulation.snapshot`.
 #[pyclass(frozen, module = "robot_dynamics._native")]
 pub(crate) struct Snapshot(Kept, Vec<AppliedWrench>);
 
@@ -209,7 +209,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Takes all wrenches away.
+    /// Removes all wrenches.
     fn clear_wrenches(&mut self) {
         self.wrenches.clear();
         self.stepped.set_wrenches(&[]);
@@ -239,13 +239,13 @@ impl Simulation {
         Ok(())
     }
 
-    /// Goes on from (q, v) at the same time, with the same inputs. The energy account begins anew.
+    /// Continues from (q, v) at the same time, with the same inputs. The energy account starts again.
     fn set_state(&mut self, py: Python<'_>, q: &Bound<'_, PyAny>, v: &Bound<'_, PyAny>) -> PyResult<()> {
         let (q, v) = (configuration(py, self.robot.get(), q)?, vector(py, self.robot.get(), "v", v)?);
         self.stepped.set_state(&q, &v).map_err(|error| Class::Simulation.error(py, error))
     }
 
-    /// Takes so many steps; an interrupt ends them between two.
+    /// Takes `count` steps; an interrupt ends them between two steps.
     #[pyo3(signature = (count=1))]
     fn step(&mut self, py: Python<'_>, count: usize) -> PyResult<()> {
         for done in 0..count {
@@ -263,12 +263,12 @@ impl Simulation {
         self.step(py, steps)
     }
 
-    /// All that changes, to come back to by `restore`.
+    /// Saves all that changes, for `restore`.
     fn snapshot(&self) -> Snapshot {
         Snapshot(self.stepped.snapshot(), self.wrenches.clone())
     }
 
-    /// Comes back to a snapshot of this simulation or of a copy of it, exactly.
+    /// Restores a snapshot of this simulation or of a copy of it, exactly.
     fn restore(&mut self, snapshot: &Snapshot) -> PyResult<()> {
         if !self.stepped.fits(&snapshot.0) {
             return Err(PyValueError::new_err("the snapshot is of another simulation"));
@@ -297,7 +297,7 @@ impl Simulation {
         self.stepped.contacts().into_iter().map(fields).collect()
     }
 
-    /// The point about which the normal forces of the grounds have no moment (3,) [m]; `None` where nothing
+    /// The point about which the normal forces of the grounds have no moment (3,) [m]; `None` if nothing
     /// presses on a ground.
     #[getter]
     fn center_of_pressure<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
@@ -315,8 +315,8 @@ impl Simulation {
     }
 
     /// The force [N] and moment [N·m] that each joint transmits to its child, by its name, fixed joints
-    /// included: (6,) along the axes of the child's frame and about its origin, as a force-torque sensor
-    /// there reads. Forces of equalities are not counted.
+    /// included. Each is (6,) along the axes of the child's frame and about its origin, as a force-torque
+    /// sensor there reads. Forces of equalities are not counted.
     #[getter]
     fn joint_reactions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let reactions = PyDict::new(py);
@@ -341,8 +341,8 @@ impl Simulation {
         ledger_of(py, self.stepped.ledger())
     }
 
-    /// The energy that damping, friction, stops, sliding and impacts took, where the method tells them apart
-    /// [J].
+    /// The energy [J] that damping, friction, stops, sliding and impacts took; `None` if the method does not
+    /// separate them.
     #[getter]
     fn losses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         losses_of(py, self.stepped.losses())

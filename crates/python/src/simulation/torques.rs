@@ -1,4 +1,4 @@
-//! Where a run's torques come from.
+//! The sources of a run's torques.
 
 use pyo3::prelude::*;
 use robot_dynamics::simulation::{CallbackError, Controller, ControllerError};
@@ -7,7 +7,7 @@ use crate::controllers::{self, Law};
 use crate::numbers::{self, array, shaped};
 use crate::robot::Robot;
 
-/// Where torques come from.
+/// The source of torques.
 pub(crate) enum Torques<'a> {
     Held(Vec<f64>),
     /// A row for each step.
@@ -49,12 +49,12 @@ impl<'a> Torques<'a> {
         Ok(Self::EachStep { rows, nv, step })
     }
 
-    /// Whether it calls Python.
+    /// Whether the source calls Python.
     pub(super) fn is_called(&self) -> bool {
         matches!(self, Self::Called { .. } | Self::Law(Law { is_called: true, .. }))
     }
 
-    /// How long each torque is held, where that is said by the torques themselves.
+    /// How long each torque is held, if the torques themselves define it.
     pub(super) fn period(&self) -> Option<f64> {
         match self {
             Self::EachStep { step, .. } => Some(*step),
@@ -72,7 +72,7 @@ impl Controller for Torques<'_> {
                 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
                 // the time of a step of the run
                 let k = (t / *step).round() as usize;
-                // A run without steps has a torque all the same: none.
+                // A run without steps has no row; its torque is zero.
                 let last = (rows.len() / (*nv).max(1)).saturating_sub(1);
                 let row = rows.get(k.min(last) * *nv..).and_then(|rows| rows.get(..*nv));
                 match row {

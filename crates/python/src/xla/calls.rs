@@ -9,8 +9,8 @@ use robot_dynamics::derivatives::parameter_count;
 use crate::ffi::xla::XlaCall;
 use crate::robot::Robot;
 
-/// The robots that programs call, by their fingerprints. Nobody knows when the last program is gone: they
-/// stay.
+/// The robots that programs call, by their fingerprints. They are never dropped, because the end of the last
+/// program is not reported.
 static ROBOTS: RwLock<Option<HashMap<u64, &'static Robot>>> = RwLock::new(None);
 
 #[pymethods]

@@ -1,5 +1,5 @@
-//! The robots that the states of a call are of: one for all, or, where a program computes a robot's
-//! parameters, one for all neighbours with the same.
+//! The robots of the states of a call. One robot serves all states, unless the program computes a robot's
+//! parameters. Then neighbouring states with the same parameters share a robot.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -14,21 +14,22 @@ use crate::robot::Robot;
 use crate::single_state::is_finite;
 use crate::threads;
 
-/// How many robots with computed parameters are kept: a program computes many things of one.
+/// How many robots with computed parameters are kept: a program makes many calls with one robot.
 const KEPT: usize = 8;
 
-/// A robot, by the fingerprint of that whose geometry it has, and by the bits of its parameters.
+/// A robot with computed parameters: the fingerprint of the robot whose geometry it has, and the bits of the
+/// parameters.
 type Made = (u64, Vec<u64>, Arc<Robot>);
 
 static MADE: Mutex<VecDeque<Made>> = Mutex::new(VecDeque::new());
 
-/// States one after the other with the same parameters, if any.
+/// Neighbouring states with the same parameters, if any.
 struct Group {
     parameters: Option<Vec<f64>>,
     states: Range<usize>,
 }
 
-/// What some states read and write, a slice for each table.
+/// The slices that some states read and write, one for each table.
 pub(super) type Tables<'a, T> = (Vec<&'a [T]>, Vec<&'a mut [T]>);
 
 /// The groups of all states; `parameters` are one row for all, or a row each.
@@ -58,11 +59,11 @@ fn made(robot: &Robot, parameters: &[f64]) -> Result<Robot, String> {
     Ok(Robot::of(model, robot.report.clone()))
 }
 
-/// The same, from those that are kept where it is one of them.
+/// The same, from the kept robots if it is one of them.
 fn kept(robot: &Robot, parameters: &[f64]) -> Result<Arc<Robot>, String> {
     let of = robot.model.fingerprint();
     let bits: Vec<u64> = parameters.iter().map(|x| x.to_bits()).collect();
-    // Not `lock`: a fork may have left it locked for ever. Whoever does not get it makes a robot.
+    // Not `lock`: a fork may have left it locked for ever. Without the lock, a new robot is made.
     let open = || match MADE.try_lock() {
         Ok(all) => Some(all),
         Err(TryLockError::Poisoned(all)) => Some(all.into_inner()),
@@ -87,7 +88,7 @@ fn kept(robot: &Robot, parameters: &[f64]) -> Result<Arc<Robot>, String> {
 /// Does the work of each group with its robot: `threads` on one, or one on each of several. Parameters that
 /// are not finite give results of NaN.
 ///
-/// `work` gets the robot, what its states read and write, how many these are, and how many threads may work.
+/// `work` gets the robot, the tables of its states, the number of states, and the number of threads.
 pub(super) fn by_groups<'a, T: Number>(
     robot: &Robot,
     parameters: Option<&[T]>,

@@ -19,7 +19,7 @@ use crate::robot::Robot;
 use crate::rollout::threads_for;
 use crate::threads;
 
-/// What calls about rollouts say of them.
+/// The parts that all calls about rollouts have in common.
 struct Course {
     robot: &'static Robot,
     how: Rollout,
@@ -55,7 +55,7 @@ impl Course {
         }
     }
 
-    /// Does the work of the states of each robot: with its tables, how many states they are of, by how many
+    /// Does the work of the states of each robot, with its tables, the number of states and the number of
     /// threads.
     fn run<'a, T: Number>(
         &self,
@@ -75,7 +75,7 @@ impl Course {
     }
 }
 
-/// The errors of a rollout, but for those of bad states, whose rows are NaN.
+/// The errors of a rollout, except those of bad states, whose rows are NaN.
 fn error_of(outcome: Result<(), RolloutError>) -> Result<(), String> {
     match outcome {
         Ok(()) | Err(RolloutError::BadStates(_)) => Ok(()),
@@ -83,7 +83,7 @@ fn error_of(outcome: Result<(), RolloutError>) -> Result<(), String> {
     }
 }
 
-/// A list's entries, one after the other; none left is a mistake of the caller's.
+/// The next entry of a list; an error of the caller if none is left.
 fn next<T>(list: &mut impl Iterator<Item = T>) -> Result<T, String> {
     list.next().ok_or_else(|| "the call has too few arrays".to_owned())
 }
@@ -97,8 +97,8 @@ macro_rules! over_floats {
     };
 }
 
-/// A rollout: q, v, the torques and the parameters, where there are such, to the end's q and v, and the
-/// trajectory's.
+/// A rollout. It reads q, v, and the torques and the parameters if there are any. It writes q and v at the
+/// end and along the trajectory.
 pub(crate) fn rollout(call: XlaCall<'_>) -> Result<(), String> {
     over_floats!(call, rollout_over)
 }
@@ -124,8 +124,9 @@ fn rollout_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
     })
 }
 
-/// Its pullback: q, v and the torques, the cotangents of the end and of the trajectory, and the parameters,
-/// to those of the start, of the torques and of the parameters; all by displacements.
+/// Its pullback. It reads q, v and the torques, the cotangents of the end and of the trajectory, and the
+/// parameters. It writes the cotangents of the start, of the torques and of the parameters; all by
+/// displacements.
 pub(crate) fn rollout_pullback(call: XlaCall<'_>) -> Result<(), String> {
     over_floats!(call, rollout_pullback_over)
 }
@@ -172,9 +173,9 @@ fn rollout_pullback_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
     })
 }
 
-/// Its tangent: q, v and the torques, with the changes of each by displacements, to the changes of the end
-/// and of the trajectory. Step by step (δq, δv) ← A (δq, δv) + B δτ + P δp, in float64; p are the parameters,
-/// δp of each state and the last of the changes.
+/// Its tangent. It reads q, v and the torques, with the changes of each by displacements. It writes the
+/// changes of the end and of the trajectory. Each step computes (δq, δv) ← A (δq, δv) + B δτ + P δp, in
+/// float64. The parameters are p; δp has a row per state and is the last of the changes.
 pub(crate) fn rollout_tangent(call: XlaCall<'_>) -> Result<(), String> {
     over_floats!(call, rollout_tangent_over)
 }
@@ -285,7 +286,7 @@ struct AlongParameters {
     change: Vec<f64>,
     workspace: StepPullbackWorkspace,
     row: Vec<f64>,
-    /// The cotangent, and those of q, v and τ that it becomes.
+    /// The cotangent, and the cotangents of q, v and τ that the pullback gives.
     cotangent: Vec<f64>,
     by_force: Vec<f64>,
 }

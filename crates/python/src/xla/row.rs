@@ -91,7 +91,7 @@ fn row_over<T: Number>(
     )
 }
 
-/// One state, in float64; NaN where it is bad.
+/// Computes one state, in float64; its results are NaN if it is bad.
 fn one<T: Number>(
     robot: &Robot,
     row: &Row,

@@ -1,11 +1,11 @@
-//! What an axis spans, and the round numbers on it.
+//! The range of an axis, and the round numbers on it.
 
-/// How values are laid out.
+/// How values are spaced.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Axis {
     /// Evenly.
     Linear,
-    /// By their powers of ten; below 10⁻¹⁷ at the bottom.
+    /// By their powers of ten; values below 10⁻¹⁷ are at the bottom.
     Logarithmic,
 }
 
@@ -16,20 +16,20 @@ pub(super) struct Span {
     high: f64,
 }
 
-/// How much more than its values an axis upwards spans.
+/// The range of a vertical axis, over that of its values.
 pub(super) const ROOM: f64 = 1.12;
 
-/// What is drawn of zero on a logarithmic axis.
+/// The value that stands for zero on a logarithmic axis.
 const FLOOR: f64 = 1e-17;
 
 impl Span {
-    /// Just the values.
+    /// The range of the values, without a margin.
     pub(super) fn exactly(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = extremes(values);
         Self { axis: Axis::Linear, low, high }
     }
 
-    /// The values and a little room; whole decades.
+    /// The range of the values with a margin; whole decades on a logarithmic axis.
     pub(super) fn around(values: impl Iterator<Item = f64>, axis: Axis) -> Self {
         let (low, high) = match axis {
             Axis::Linear => {

@@ -14,7 +14,7 @@ pub(crate) use axis::Axis;
 /// A picture.
 pub(crate) struct Figure {
     pub(crate) title: String,
-    /// What the horizontal axes show.
+    /// The label of the horizontal axes.
     pub(crate) across: String,
     pub(crate) panels: Vec<Panel>,
 }
@@ -34,11 +34,11 @@ pub(crate) struct Line {
     pub(crate) points: Vec<(f64, f64)>,
 }
 
-/// Eight colours told apart by most eyes, also on paper.
+/// Eight colours that most people can tell apart, also on paper.
 const COLOURS: [&str; 8] =
     ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#3c3c3c", "#7839be"];
 
-/// Pixels: the whole width, a diagram's frame, the room above and below it.
+/// Pixels: the whole width, a diagram's frame, and the margins above and below it.
 const WIDTH: f64 = 960.0;
 const LEFT: f64 = 78.0;
 const RIGHT: f64 = 790.0;
@@ -46,7 +46,7 @@ const HEIGHT: f64 = 220.0;
 const ABOVE: f64 = 34.0;
 const BELOW: f64 = 34.0;
 const TITLE: f64 = 40.0;
-/// More points than these show no more.
+/// A line drawn with more points would show no more.
 const MOST_POINTS: usize = 500;
 
 impl Line {
@@ -148,8 +148,8 @@ impl Panel {
     }
 }
 
-/// About [`MOST_POINTS`] points: the lowest and the highest of each stretch, in their order. Of an error on a
-/// logarithmic axis the largest alone: it passes through zero on its way.
+/// About [`MOST_POINTS`] points: the lowest and the highest of each stretch, in their order. On a logarithmic
+/// axis only the highest is kept, because an error passes through zero within a stretch.
 fn thinned(points: &[(f64, f64)], axis: Axis) -> Vec<(f64, f64)> {
     let stretch = 2 * points.len() / MOST_POINTS;
     if stretch < 3 {

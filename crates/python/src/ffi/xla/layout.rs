@@ -6,7 +6,7 @@
 
 use core::ffi::{c_char, c_int, c_void};
 
-/// The version of the calls that the fields below are of, and the least that XLA still takes (found with
+/// The version of the calls that the fields below belong to. It is the lowest that XLA accepts (found with
 /// jaxlib 0.10, whose own is 0.3, and which refuses 0.0).
 pub(super) const API_MAJOR: c_int = 0;
 pub(super) const API_MINOR: c_int = 1;
