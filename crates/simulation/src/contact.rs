@@ -367,7 +367,7 @@ fn size_not_finite(shape: &Shape) -> Option<&'static str> {
         }
         Shape::Box { size } => ("size", size),
         Shape::Ellipsoid { half_axes } => ("half axis", half_axes),
-        _ => return None,
+        Shape::Plane { .. } | Shape::HeightField { .. } | Shape::Mesh { .. } => return None,
     };
     sizes.iter().any(|x| !x.is_finite()).then_some(quantity)
 }

@@ -20,7 +20,8 @@ pub(super) fn file_joints(kind: &JointKind) -> Vec<FileJoint> {
         }
         JointKind::Spherical => vec![("ball", None)],
         JointKind::Floating => vec![("free", None)],
-        _ => Vec::new(), // fixed joints, and types that are refused
+        // A body without a joint is fixed. Helical joints are refused before.
+        JointKind::Fixed | JointKind::Helical { .. } => Vec::new(),
     }
 }
 

@@ -64,7 +64,7 @@ impl Form {
             }
             Shape::Cylinder { radius, length } => Self::Cylinder { radius, half: 0.5 * length },
             Shape::Ellipsoid { half_axes } => Self::Ellipsoid(half_axes.into()),
-            _ => return None,
+            Shape::Plane { .. } | Shape::HeightField { .. } | Shape::Mesh { .. } => return None,
         })
     }
 

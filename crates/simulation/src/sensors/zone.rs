@@ -23,7 +23,7 @@ impl Zone {
             Shape::Ellipsoid { half_axes } => Some(Self::Ellipsoid(half_axes)),
             Shape::Cylinder { radius, length } => Some(Self::Cylinder(radius, 0.5 * length)),
             Shape::Capsule { radius, length } => Some(Self::Capsule(radius, 0.5 * length)),
-            _ => None,
+            Shape::Plane { .. } | Shape::HeightField { .. } | Shape::Mesh { .. } => None,
         }
     }
 

@@ -105,8 +105,13 @@ impl Robot {
             let axis = match joint.kind {
                 JointKind::Revolute { axis }
                 | JointKind::Continuous { axis }
-                | JointKind::Prismatic { axis } => axis,
-                _ => [0.0; 3],
+                | JointKind::Prismatic { axis }
+                | JointKind::Helical { axis, .. } => axis,
+                JointKind::Fixed
+                | JointKind::Universal { .. }
+                | JointKind::Planar { .. }
+                | JointKind::Spherical
+                | JointKind::Floating => [0.0; 3],
             };
             let moves =
                 self.model.joint(&joint.name).map_or(0..0, |joint| joint.v_index..joint.v_index + joint.nv);
