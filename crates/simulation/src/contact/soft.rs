@@ -10,13 +10,16 @@
 //! joint is along the world's axes, which is u̇ + ω × u in the body's.
 
 mod active_set;
-mod books;
 mod connection;
 mod contact_rows;
+mod contact_search;
+mod forces;
 mod impedance;
 mod joint_rows;
 mod point;
+mod reference;
 mod rows;
+mod sides;
 mod weights;
 
 use robot_dynamics_core::clone_in_place::clone_in_place;
@@ -27,6 +30,7 @@ use robot_dynamics_core::{FrameId, Model, Workspace, bias, mass_matrix};
 use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::DynamicsError;
 
+use self::reference::{RowReference, StepState};
 use self::rows::JointRows;
 use self::weights::InverseWeights;
 use super::field::PlacedField;
@@ -94,53 +98,8 @@ clone_in_place! {
         /// The limits and contacts that act, if they are given instead of found.
         fixed: Option<ActiveSet>,
         /// B and K d r of each block's rows.
-        asked: Vec<Asked>,
+        asked: Vec<RowReference>,
     }
-}
-
-/// The reference of one constraint's rows.
-#[derive(Clone, Copy, Debug)]
-struct Asked {
-    row: usize,
-    rows: usize,
-    damping: f64,
-    /// B of the rows after the first.
-    side_damping: f64,
-    /// K d r of the first row.
-    spring: f64,
-    /// Ȧ v of its only row, if it is included.
-    drift: Option<f64>,
-    of: Of,
-}
-
-/// The origin of a row.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Of {
-    Friction,
-    /// A limit of a ball joint's angle, or an equality.
-    Stop,
-    /// A limit of this coordinate, with the sign of its force times the joint's ratio.
-    Limit(usize, f64),
-    /// A limit of the tendon with this number.
-    TendonLimit(usize, f64),
-    Contact,
-}
-
-impl Asked {
-    /// The reference of one row.
-    fn new(of: Of, row: usize, damping: f64, spring: f64) -> Self {
-        Self { row, rows: 1, damping, side_damping: damping, spring, drift: None, of }
-    }
-}
-
-/// The robot's state and the step h.
-struct State<'a> {
-    model: &'a Model,
-    workspace: &'a mut Workspace,
-    q: &'a [f64],
-    v: &'a [f64],
-    h: f64,
-    dissipates: bool,
 }
 
 impl SoftConstraints {
@@ -255,8 +214,14 @@ impl SoftConstraints {
         self.contacts.clear();
         self.contacts.extend(contacts);
         self.find_contacts(model);
-        let is_tree =
-            self.add_rows(State { model, workspace, q, v, h: self.time_step, dissipates: self.dissipates });
+        let is_tree = self.add_rows(StepState {
+            model,
+            workspace,
+            q,
+            v,
+            h: self.time_step,
+            dissipates: self.dissipates,
+        });
         self.find_reference(model, v);
         self.problem.take(&self.mass, &self.carriers[usize::from(!is_tree)]);
         if !self.problem.solve_soft(self.is_warm) {

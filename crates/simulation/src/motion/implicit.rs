@@ -29,18 +29,20 @@
 
 mod advance;
 mod bounded;
+mod constraints;
 mod contacts;
 mod divided;
 mod equalities;
 mod impulses;
 mod interruption;
 mod joints;
-mod kept;
 mod momentum;
 mod parts;
 mod pivots;
 mod positions;
+mod restoration;
 mod smooth;
+mod snapshot;
 mod stiff_factor;
 
 use nalgebra::Vector3;
@@ -54,8 +56,8 @@ use robot_dynamics_integrators::{EnergyLedger, IntegratorError};
 use self::equalities::Equalities;
 use self::impulses::Impulses;
 use self::joints::Joints;
-use self::kept::StepSnapshot;
 use self::momentum::FreeTranslations;
+use self::snapshot::StepSnapshot;
 use self::stiff_factor::StiffFactor;
 use crate::contact::{Components, ContactImpulses, Interrupt};
 use crate::motion::drive::{Drive, record};

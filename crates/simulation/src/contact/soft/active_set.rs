@@ -4,18 +4,15 @@
 //! active set changes, and is differentiable only with a fixed active set.
 
 use robot_dynamics_core::clone_in_place::clone_in_place;
-use robot_dynamics_core::{FrameId, Model};
-
-use super::{ContactPartner, ContactSet, Pair, SoftConstraints, SoftContact, TouchingPoint};
 
 clone_in_place! {
     /// The limits and contacts that act in a step: see [`Stepper::active_set`](crate::Stepper::active_set).
     #[derive(Debug, Default, PartialEq, Eq)]
     pub struct ActiveSet {
         /// Numbers of points of the contact set.
-        contacts: Vec<usize>,
+        pub(super) contacts: Vec<usize>,
         /// Numbers of limits of joints and tendons.
-        limits: Vec<usize>,
+        pub(super) limits: Vec<usize>,
     }
 }
 
@@ -54,7 +51,13 @@ pub(super) struct ActiveLimits<'a> {
     fixed: Option<&'a [usize]>,
 }
 
-impl ActiveLimits<'_> {
+impl<'a> ActiveLimits<'a> {
+    /// Starts a new set of limits; those of `fixed` act if it is given.
+    pub(super) fn new(active: &'a mut ActiveSet, fixed: Option<&'a ActiveSet>) -> Self {
+        active.limits.clear();
+        Self { now: &mut active.limits, fixed: fixed.map(|fixed| &fixed.limits[..]) }
+    }
+
     /// Whether the limit with this number acts.
     pub(super) fn admits(&mut self, number: usize, is_near: bool) -> bool {
         let acts = self.fixed.map_or(is_near, |fixed| fixed.contains(&number));
@@ -62,91 +65,5 @@ impl ActiveLimits<'_> {
             self.now.push(number);
         }
         acts
-    }
-}
-
-impl SoftConstraints {
-    /// The limits and contacts that acted at the last state.
-    pub(crate) fn active_set(&self) -> &ActiveSet {
-        &self.active
-    }
-
-    /// Lets exactly these limits and contacts act from here on, at any distance; `None`: those that are near.
-    pub(crate) fn fix_active_set(&mut self, set: Option<ActiveSet>) {
-        self.fixed = set;
-    }
-
-    pub(super) fn active_limits<'a>(
-        active: &'a mut ActiveSet,
-        fixed: Option<&'a ActiveSet>,
-    ) -> ActiveLimits<'a> {
-        active.limits.clear();
-        ActiveLimits { now: &mut active.limits, fixed: fixed.map(|fixed| &fixed.limits[..]) }
-    }
-
-    /// Adds the contacts of the shapes with the ground, and with each other.
-    pub(super) fn find_contacts(&mut self, model: &Model) {
-        self.active.contacts.clear();
-        self.found.clear();
-        let Self { ground: Some(set), placement, contacts, found, active, fixed, links, shapes, .. } = self
-        else {
-            return;
-        };
-        let [on_grounds, of_pairs] = set.widest_margins();
-        if fixed.is_none() {
-            set.find_near(model, placement, of_pairs);
-        }
-        let set = &*set;
-        let mut add = |point: &TouchingPoint, is_fixed: bool| {
-            let Some(contact) = contact_at(set, (links, shapes), point) else { return };
-            if contact.distance < contact.margin || (is_fixed && contact.distance.is_finite()) {
-                contacts.push(contact);
-                found.push((point.shape, point.against));
-                active.contacts.push(point.number);
-            }
-        };
-        if let Some(fixed) = fixed {
-            fixed.contacts.iter().for_each(|&number| add(&set.point(placement, number), true));
-            return;
-        }
-        set.look(placement, on_grounds, |point| add(&point, false));
-        set.look_at_pairs(placement, of_pairs, |point| add(&point, false));
-    }
-}
-
-/// The contact there; `None` if the shape does not touch a ground.
-fn contact_at(
-    set: &ContactSet,
-    (links, shapes): (&[FrameId], &[Option<FrameId>]),
-    point: &TouchingPoint,
-) -> Option<SoftContact> {
-    let normal = point.axes[0];
-    if let ContactPartner::Pair(index) = point.against {
-        let Pair { shapes: [one, two], surface, .. } = &set.pairs[index];
-        let contact = SoftContact::new(shapes[*one]?, point.at.into(), normal.into(), point.gap);
-        return Some(SoftContact { other: shapes[*two], ..contact.with_surface(surface) });
-    }
-    let shape = &set.shapes[point.shape];
-    let (stated, friction, _) = set.stated(point);
-    let mut surface = stated.copied().unwrap_or(shape.surface);
-    surface.friction[0] = friction.unwrap_or(surface.friction[0]);
-    let at = point.at - normal * (0.5 * point.gap);
-    let contact = SoftContact::new(links[shape.on_ground?], at.into(), normal.into(), point.gap);
-    Some(contact.with_surface(&surface))
-}
-
-impl ContactSet {
-    /// The largest margins of contacts with grounds and of those between links \[m\].
-    fn widest_margins(&self) -> [f64; 2] {
-        let shapes = self.shapes.iter().map(|shape| {
-            let on_ground = shape.on_grounds.first().map(|(_, surface)| surface);
-            on_ground.unwrap_or(&shape.surface).margin
-        });
-        let mixes = self.ground_surfaces.iter().flatten().flatten().flatten().map(|surface| surface.margin);
-        let grounds = shapes.chain(mixes).chain(self.fields.iter().map(super::PlacedField::margin));
-        // Margins of two shapes add up.
-        let of_shapes = self.shapes.iter().map(|shape| 2.0 * shape.surface.margin);
-        let pairs = of_shapes.chain(self.pairs.iter().map(|pair| pair.surface.margin));
-        [grounds.fold(0.0, f64::max), pairs.fold(0.0, f64::max)]
     }
 }

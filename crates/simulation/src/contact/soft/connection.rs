@@ -11,8 +11,8 @@ use robot_dynamics_core::{FrameId, ReferenceFrame, frame_bias_acceleration, fram
 use robot_dynamics_description::Softness;
 
 use super::impedance::Response;
-use super::rows::{Side, push};
-use super::{Asked, Of, State};
+use super::reference::{RowOrigin, RowReference, StepState};
+use super::sides::{Side, push};
 use crate::contact::ConeProblem;
 use crate::contact::cone_problem::Set;
 use crate::contact::placement::Placement;
@@ -31,11 +31,11 @@ impl Connection {
     pub(super) fn add(
         &self,
         placement: &Placement,
-        state: &mut State<'_>,
+        state: &mut StepState<'_>,
         problem: &mut ConeProblem,
-        asked: &mut Vec<Asked>,
+        asked: &mut Vec<RowReference>,
     ) {
-        let State { model, workspace, q, v, h, .. } = state;
+        let StepState { model, workspace, q, v, h, .. } = state;
         let [(turn, at), (other_turn, other_at)] = self.frames.map(|frame| placement.frame(model, frame));
         let drift = self.frames.map(|frame| {
             frame_bias_acceleration(model, workspace, q, v, frame, ReferenceFrame::LocalWorldAligned)
@@ -74,7 +74,10 @@ impl Connection {
             let row = push(problem, model, placement, free, sides, &[direction]);
             problem.soften(response.softness(self.weights[k / 3]));
             let drift = Some(drift);
-            asked.push(Asked { drift, ..Asked::new(Of::Stop, row, response.damping, stiffness * violation) });
+            asked.push(RowReference {
+                drift,
+                ..RowReference::new(RowOrigin::Stop, row, response.damping, stiffness * violation)
+            });
         }
     }
 }

@@ -4,9 +4,11 @@ use nalgebra::Vector3;
 use robot_dynamics_core::Model;
 use robot_dynamics_description::Softness;
 
+use super::active_set::ActiveLimits;
 use super::impedance::Response;
-use super::rows::{self, Side};
-use super::{Asked, LEAST_FRICTION, Of, SoftConstraints, SoftContact, State};
+use super::reference::{RowOrigin, RowReference, StepState};
+use super::sides::{self, Side};
+use super::{LEAST_FRICTION, SoftConstraints, SoftContact};
 use crate::contact::cone_problem::{MOST_ROWS, Set};
 use crate::contact::ground::axes;
 use crate::contact::rows_of;
@@ -38,9 +40,9 @@ impl SoftConstraints {
     }
 
     /// Adds all rows. Returns whether the coordinates of each constraint lie on one path to the root.
-    pub(super) fn add_rows(&mut self, mut state: State<'_>) -> bool {
-        let State { model, h, .. } = state;
-        let active = Self::active_limits(&mut self.active, self.fixed.as_ref());
+    pub(super) fn add_rows(&mut self, mut state: StepState<'_>) -> bool {
+        let StepState { model, h, .. } = state;
+        let active = ActiveLimits::new(&mut self.active, self.fixed.as_ref());
         let rows = (&mut self.problem, &mut self.asked);
         let mut is_tree = self.joints.add(&self.placement, &mut state, active, rows);
         self.starts.clear();
@@ -73,13 +75,13 @@ impl SoftConstraints {
             *direction = if k < 3 { (axis, none) } else { (none, axis) };
         }
         let (placement, problem) = (&self.placement, &mut self.problem);
-        let row = rows::push(problem, model, placement, set, sides, &directions[..rows]);
+        let row = sides::push(problem, model, placement, set, sides, &directions[..rows]);
         problem.soften(cone * cone * response.softness(weight[0]));
         let spring = scale[0] * response.spring;
         let of_sides = |solref| Response::new(&Softness { solref, ..contact.softness }, h, violation).damping;
         let side_damping = contact.solreffriction.map_or(response.damping, of_sides);
-        let asked = Asked::new(Of::Contact, row, response.damping, spring);
-        self.asked.push(Asked { rows, side_damping, ..asked });
+        let asked = RowReference::new(RowOrigin::Contact, row, response.damping, spring);
+        self.asked.push(RowReference { rows, side_damping, ..asked });
         self.starts.push(row);
         is_tree
     }

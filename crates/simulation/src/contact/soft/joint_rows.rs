@@ -5,8 +5,8 @@ use robot_dynamics_description::Quaternion;
 
 use super::active_set::ActiveLimits;
 use super::impedance::Response;
+use super::reference::{RowOrigin, RowReference, StepState};
 use super::rows::JointRows;
-use super::{Asked, Of, State};
 use crate::contact::ConeProblem;
 use crate::contact::cone_problem::Set;
 use crate::contact::placement::Placement;
@@ -18,7 +18,7 @@ const LINE: Set = Set::Interval(f64::NEG_INFINITY, f64::INFINITY);
 /// The problem that rows are added to, with their references.
 struct Rows<'a> {
     problem: &'a mut ConeProblem,
-    asked: &'a mut Vec<Asked>,
+    asked: &'a mut Vec<RowReference>,
 }
 
 impl JointRows {
@@ -26,11 +26,11 @@ impl JointRows {
     pub(super) fn add(
         &self,
         placement: &Placement,
-        state: &mut State<'_>,
+        state: &mut StepState<'_>,
         mut active: ActiveLimits<'_>,
-        (problem, asked): (&mut ConeProblem, &mut Vec<Asked>),
+        (problem, asked): (&mut ConeProblem, &mut Vec<RowReference>),
     ) -> bool {
-        let State { h, q, .. } = *state;
+        let StepState { h, q, .. } = *state;
         let mut rows = Rows { problem, asked };
         if state.dissipates {
             self.add_friction_rows(h, &mut rows);
@@ -52,7 +52,7 @@ impl JointRows {
             let set = Set::Interval(-friction.most, friction.most);
             let row = rows.problem.push_row(set, 1.0, &friction.slopes);
             rows.problem.soften(response.softness(friction.weight));
-            rows.asked.push(Asked::new(Of::Friction, row, response.damping, 0.0));
+            rows.asked.push(RowReference::new(RowOrigin::Friction, row, response.damping, 0.0));
         }
     }
 
@@ -66,8 +66,8 @@ impl JointRows {
             let row = rows.problem.push(HALF_LINE, 1, core::iter::once(limit.coordinate));
             rows.problem.last().1[0] = limit.sign * limit.ratio;
             rows.problem.soften(response.softness(limit.weight));
-            rows.asked.push(Asked::new(
-                Of::Limit(limit.coordinate, limit.sign * limit.ratio),
+            rows.asked.push(RowReference::new(
+                RowOrigin::Limit(limit.coordinate, limit.sign * limit.ratio),
                 row,
                 response.damping,
                 response.spring,
@@ -91,7 +91,7 @@ impl JointRows {
             let row = rows.problem.push(HALF_LINE, 1, turn.coordinate..turn.coordinate + 3);
             rows.problem.last().1.copy_from_slice((turned / -angle).as_slice());
             rows.problem.soften(response.softness(turn.weight));
-            rows.asked.push(Asked::new(Of::Stop, row, response.damping, response.spring));
+            rows.asked.push(RowReference::new(RowOrigin::Stop, row, response.damping, response.spring));
         }
     }
 
@@ -105,8 +105,8 @@ impl JointRows {
             let response = Response::new(&limit.softness.limit, h, distance);
             let row = rows.problem.push_row(HALF_LINE, limit.sign, &limit.slopes);
             rows.problem.soften(response.softness(limit.weight));
-            rows.asked.push(Asked::new(
-                Of::TendonLimit(limit.number, limit.sign),
+            rows.asked.push(RowReference::new(
+                RowOrigin::TendonLimit(limit.number, limit.sign),
                 row,
                 response.damping,
                 response.spring,
@@ -134,7 +134,7 @@ impl JointRows {
                 *entry = if k == coordinate { 1.0 } else { -slope };
             }
             rows.problem.soften(response.softness(equal.weight));
-            rows.asked.push(Asked::new(Of::Stop, row, response.damping, response.spring));
+            rows.asked.push(RowReference::new(RowOrigin::Stop, row, response.damping, response.spring));
         }
     }
 }

@@ -2,80 +2,15 @@
 
 use std::collections::HashMap;
 
-use nalgebra::Vector3;
+use robot_dynamics_core::Model;
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::factorization::sparse::{carriers, coordinate_carriers};
-use robot_dynamics_core::{FrameId, Model};
-use robot_dynamics_description::{
-    Equality, JointKind, JointSoftness, Softness, TendonDescription, TendonSoftness,
-};
+use robot_dynamics_description::{Equality, JointKind, JointSoftness, Softness, TendonSoftness};
 
 use super::connection::Connection;
+use super::sides::tendon_length;
 use super::weights::InverseWeights;
-use crate::contact::ConeProblem;
-use crate::contact::cone_problem::Set;
-use crate::contact::placement::Placement;
-
-/// A point of a body on which a constraint acts, and its sign.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Side {
-    body: Option<usize>,
-    sign: f64,
-    point: Vector3<f64>,
-}
-
-impl Side {
-    #[track_caller]
-    pub(super) fn new(model: &Model, frame: FrameId, sign: f64, point: Vector3<f64>) -> Self {
-        Self { body: model.frame_of(frame).body, sign, point }
-    }
-}
-
-/// Adds rows with the velocities and angular velocities of the sides along these directions. Returns the
-/// first row's index.
-pub(super) fn push(
-    problem: &mut ConeProblem,
-    model: &Model,
-    placement: &Placement,
-    set: Set,
-    sides: [Option<Side>; 2],
-    directions: &[(Vector3<f64>, Vector3<f64>)],
-) -> usize {
-    // The coordinates of both sides, in increasing order, each once.
-    let path =
-        |side: Option<Side>| side.and_then(|side| side.body).map_or(&[][..], |body| placement.path(body));
-    let [mut one, mut two] = sides.map(path);
-    let support = core::iter::from_fn(|| {
-        let next = match (one.first(), two.first()) {
-            (Some(a), Some(b)) => a.min(b),
-            (a, b) => a.or(b)?,
-        };
-        one = if one.first() == Some(next) { &one[1..] } else { one };
-        two = if two.first() == Some(next) { &two[1..] } else { two };
-        Some(*next)
-    });
-    let row = problem.push(set, directions.len(), support);
-    let (support, entries) = problem.last();
-    let count = support.len();
-    for side in sides.into_iter().flatten() {
-        let Some(body) = side.body else { continue };
-        placement.each_motion(model, body, side.point, |dof, velocity, spin| {
-            let Ok(column) = support.binary_search(&dof.coordinate) else { return };
-            let factor = side.sign * dof.ratio;
-            for (r, (along, about)) in directions.iter().enumerate() {
-                entries[r * count + column] += factor * (along.dot(&velocity) + about.dot(&spin));
-            }
-        });
-    }
-    row
-}
-
-/// ℓ(q).
-pub(super) fn tendon_length(model: &Model, tendon: &TendonDescription) -> JointSum {
-    let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
-    JointSum::new(model, tendon.offset, terms)
-}
 
 clone_in_place! {
     /// The constraints of joints and tendons.

@@ -11,7 +11,7 @@ use robot_dynamics_core::{Model, Workspace, mass_matrix, neutral};
 use robot_dynamics_description::JointDescription;
 use robot_dynamics_integrators::DynamicsError;
 
-use super::rows::tendon_length;
+use super::sides::tendon_length;
 use crate::contact::placement::Placement;
 
 /// The means of the diagonals of J M⁻¹ Jᵀ.

@@ -3,7 +3,7 @@
 use robot_dynamics_core::{Model, Workspace, integrate};
 use robot_dynamics_integrators::{DynamicsError, IntegratorError, check_finite};
 
-use super::kept::copy_active;
+use super::restoration::copy_active;
 use super::{ImplicitIntegrator, Memory};
 use crate::contact::{ContactImpulses, ImpulsiveStep, Mark};
 use crate::motion::simulate::Losses;

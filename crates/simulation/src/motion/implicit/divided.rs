@@ -12,7 +12,7 @@ use robot_dynamics_integrators::{EnergyLedger, IntegratorError};
 
 use super::ImplicitIntegrator;
 use super::advance::{ImpactPolicy, PARTS};
-use super::kept::copy_positions;
+use super::restoration::copy_positions;
 use crate::contact::{Components, ContactImpulses};
 use crate::motion::drive::record;
 use crate::motion::simulate::Losses;

@@ -9,7 +9,6 @@ use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_integrators::{DynamicsError, IntegratorError};
 
-use super::ImplicitIntegrator;
 use super::impulses::along;
 use super::pivots::Pivots;
 use super::stiff_factor::StiffFactor;
@@ -73,7 +72,17 @@ impl Remembered {
 }
 
 impl Equalities {
-    fn new(model: &Model, rows: EqualityRows, names: Vec<String>) -> Self {
+    /// The names of the rows.
+    pub(super) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The impulses of the rows, where dependent rows share theirs.
+    pub(super) fn shared_impulses(&self) -> Vec<f64> {
+        self.pivots.share(self.rows.rows(), &self.memory.impulses, DEPENDENCE)
+    }
+
+    pub(super) fn new(model: &Model, rows: EqualityRows, names: Vec<String>) -> Self {
         let (count, nv) = (rows.rows().len(), model.nv);
         Self {
             rows,
@@ -292,33 +301,5 @@ impl Equalities {
             }
         }
         Ok(())
-    }
-}
-
-impl ImplicitIntegrator {
-    /// Adds these rows, each with its name.
-    pub(crate) fn with_equalities(mut self, model: &Model, rows: EqualityRows, names: Vec<String>) -> Self {
-        self.impulses.make_room(rows.rows());
-        self.components.unite(rows.rows().iter().map(|row| &row.terms[..]));
-        self.resize_trees();
-        let mut equalities = Equalities::new(model, rows, names);
-        for kept in [&mut self.kept, &mut self.start] {
-            kept.equalities = Some(equalities.memory().clone());
-        }
-        self.equalities = Some(equalities);
-        self
-    }
-
-    /// The multiplier of each constraint's row by name, as the mean over the last step \[N, or N·m for a
-    /// rotation\]. Row k exerts the force Aₖᵀλₖ. Dependent rows share their forces: λ has the least norm
-    /// ([`Pivots::share`]). Empty without [`with_constraints`](Self::with_constraints).
-    pub(crate) fn constraint_forces(&self) -> impl Iterator<Item = (&str, f64)> {
-        let (names, impulses) = match &self.equalities {
-            Some(Equalities { names, memory, rows, pivots, .. }) => {
-                (&names[..], pivots.share(rows.rows(), &memory.impulses, DEPENDENCE))
-            }
-            None => (&[][..], Vec::new()),
-        };
-        names.iter().map(String::as_str).zip(impulses)
     }
 }

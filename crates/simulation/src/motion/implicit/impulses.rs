@@ -337,19 +337,6 @@ impl Impulses {
     }
 }
 
-impl super::ImplicitIntegrator {
-    /// Adds the generalized forces of position limits in the last step, and the force of each tendon's limits
-    /// along its length. They are means over the step, or over the last part of a divided step \[N·m or N\].
-    /// Stops of ball joints' angles are not included.
-    pub(crate) fn add_limit_forces(&self, coordinates: &mut [f64], tendons: &mut [f64]) {
-        let forces = self.impulses.stop_forces();
-        coordinates.iter_mut().zip(forces).for_each(|(sum, force)| *sum += force);
-        for (row, number) in self.joints.tendon_rows() {
-            tendons[number] += forces[row];
-        }
-    }
-}
-
 /// Whether a joint at q is on its stop.
 fn is_on(stop: &Stop, held: &[f64], q: &[f64]) -> bool {
     is_on_at(stop, held, stop.gap(q))

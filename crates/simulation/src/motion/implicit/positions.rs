@@ -7,7 +7,7 @@ use robot_dynamics_integrators::IntegratorError;
 
 use super::impulses::land_on_stops;
 use super::joints::Stop;
-use super::kept::copy_positions;
+use super::restoration::copy_positions;
 use super::{ImplicitIntegrator, Memory};
 use crate::contact::{Bound, Components, DEEP, ImpulsiveStep, Mark, ROUNDING, returns};
 use crate::energy_ledger;

@@ -3,7 +3,8 @@
 use robot_dynamics_core::factorization::sparse;
 use robot_dynamics_integrators::DynamicsError;
 
-use super::{Of, SoftConstraints};
+use super::SoftConstraints;
+use super::reference::RowOrigin;
 use crate::ContactPoint;
 
 impl SoftConstraints {
@@ -77,10 +78,10 @@ impl SoftConstraints {
         for asked in asked {
             for row in asked.row..asked.row + asked.rows {
                 let kind = match asked.of {
-                    Of::Friction => 0,
-                    Of::Stop | Of::Limit(..) | Of::TendonLimit(..) => 1,
-                    Of::Contact if row > asked.row => 2,
-                    Of::Contact => 3,
+                    RowOrigin::Friction => 0,
+                    RowOrigin::Stop | RowOrigin::Limit(..) | RowOrigin::TendonLimit(..) => 1,
+                    RowOrigin::Contact if row > asked.row => 2,
+                    RowOrigin::Contact => 3,
                 };
                 losses[kind] -= problem.multiplier[row] * speeds[row];
             }
@@ -94,8 +95,8 @@ impl SoftConstraints {
         for asked in &self.asked {
             let force = self.problem.multiplier[asked.row];
             match asked.of {
-                Of::Limit(coordinate, factor) => coordinates[coordinate] += factor * force,
-                Of::TendonLimit(tendon, sign) => tendons[tendon] += sign * force,
+                RowOrigin::Limit(coordinate, factor) => coordinates[coordinate] += factor * force,
+                RowOrigin::TendonLimit(tendon, sign) => tendons[tendon] += sign * force,
                 _ => {}
             }
         }
