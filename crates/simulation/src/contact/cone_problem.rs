@@ -50,9 +50,11 @@
 //!   distributions.
 //! - The condition number of H is about 1/R times that of M.
 
+mod block;
 mod descent;
 mod dissection;
 mod entries;
+mod island_solution;
 mod islands;
 mod many_shifts;
 mod newton;
@@ -61,48 +63,27 @@ mod products;
 mod projection;
 mod response;
 mod rows;
+mod set;
+mod shift_search;
 mod shifts;
 mod solution;
 mod square;
+mod sweep_memory;
 mod sweeps;
 mod tolerances;
-
-use core::ops::Range;
 
 use robot_dynamics_core::factorization::paths::{Paths, usual_entries};
 use robot_dynamics_core::factorization::sparse;
 
+use self::block::Block;
 use self::islands::Islands;
 use self::projection::ProjectionDerivative;
 use self::rows::Rows;
-use self::shifts::Search;
-use self::sweeps::Sweeps;
+use self::shift_search::Search;
+use self::sweep_memory::Sweeps;
 use super::interrupt::Interrupt;
 
-/// The set K of a block's multipliers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Set {
-    /// One row, whose multiplier is between these bounds.
-    Interval(f64, f64),
-    /// The cone |p_t| ≤ slope·p_n.
-    Cone(f64),
-}
-
-#[derive(Clone, Debug)]
-struct Block {
-    set: Set,
-    rows: Range<usize>,
-    /// The range of the block's coordinates in `support`.
-    support: Range<usize>,
-    /// The index of its first entry of A.
-    entries: usize,
-    /// R: velocity per impulse.
-    softness: f64,
-    /// The shift s of Coulomb's law.
-    shift: f64,
-    /// Whether the part that contains this block has to be solved.
-    is_due: bool,
-}
+pub use self::set::{MOST_ROWS, Set};
 
 robot_dynamics_core::clone_in_place::clone_in_place! {
     /// The convex problem of a step, and the memory for its solution.
@@ -161,6 +142,8 @@ robot_dynamics_core::clone_in_place::clone_in_place! {
         known: Known,
         search: Search,
         islands: Islands,
+        /// The problem of one part.
+        part: Option<Box<ConeProblem>>,
         sweeps: Sweeps,
         /// Ends a solution early, without a result.
         pub(super) interrupt: Interrupt,
@@ -220,17 +203,12 @@ impl ConeProblem {
             known: Known::default(),
             search: Search::new(n),
             islands: Islands::default(),
+            part: None,
             sweeps: Sweeps::default(),
             interrupt: Interrupt::default(),
             rounds: 0,
             is_coulomb: true,
         }
-    }
-
-    /// Allocates memory for the solution part by part.
-    pub(super) fn with_islands(mut self) -> Self {
-        self.islands = Islands::new(self.n);
-        self
     }
 
     /// Sets M, given as a full square matrix; `carrier` (λ) describes its zeros.
@@ -368,6 +346,3 @@ impl ConeProblem {
         self.blocks.iter().map(|block| (block.set, block.rows.len()))
     }
 }
-
-/// The most rows of a block: normal, two tangential, torsional and two rolling directions.
-pub const MOST_ROWS: usize = 6;

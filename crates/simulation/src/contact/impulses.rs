@@ -1,30 +1,30 @@
 //! The impulses of contacts in one step, and their memory between steps.
 
 mod account;
-mod begun;
-mod found;
+mod axes;
+mod contact_state;
 pub(crate) mod lift;
+mod memory;
 mod relative;
-mod remembered;
 mod results;
+mod search;
+mod step_start;
 
-use nalgebra::Vector3;
 use robot_dynamics_core::Model;
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::factorization::paths::Paths;
 
-use self::begun::Begun;
-use self::found::Near;
-use self::relative::directions;
-use self::remembered::Carried;
+use self::axes::directions;
+use self::contact_state::{Active, Begun, Near};
+use self::memory::Carried;
 use super::cone_problem::{MOST_ROWS, Set};
 use super::interrupt::Interrupt;
 use super::placement::{Placement, Twist};
 use super::touch::TouchingPoint;
 use super::{ConeProblem, ContactSet};
 
-pub use self::found::DEEP;
-pub use self::remembered::Remembered;
+pub use self::memory::Remembered;
+pub use self::search::DEEP;
 
 /// The time constant with which a penetration or violated stop at the start of a step is corrected, and a
 /// rounding gap closed \[s\].
@@ -94,31 +94,6 @@ clone_in_place! {
         parked: Vec<Carried>,
         /// The pairs of trees that are near each other while components move separately.
         near: Vec<Near>,
-    }
-}
-
-/// A contact of this step.
-#[derive(Clone, Copy, Debug)]
-struct Active {
-    point: TouchingPoint,
-    /// One of the trees of the contact.
-    tree: usize,
-    /// The index of its first row, and the number of rows.
-    row: usize,
-    rows: usize,
-    /// The factors of its rows, and the velocity added to its normal speed.
-    scale: [f64; MOST_ROWS],
-    bias: f64,
-    /// The index of the same contact in the last step, if any.
-    known: Option<usize>,
-    /// Its velocity at the start of the step, as [`ContactImpulses::velocity`].
-    before: [f64; MOST_ROWS],
-}
-
-impl Active {
-    fn new(point: TouchingPoint, tree: usize, known: Option<usize>) -> Self {
-        let (scale, before) = ([1.0; MOST_ROWS], [0.0; MOST_ROWS]);
-        Self { point, tree, row: 0, rows: 1, scale, bias: 0.0, known, before }
     }
 }
 
@@ -273,11 +248,4 @@ impl ContactImpulses {
         (active.row, active.rows, active.scale) = (row, rows, scale);
         (active.bias, active.before) = (bias, before);
     }
-}
-
-/// Force and moment in world axes.
-fn in_world(point: &TouchingPoint, force: &[f64; MOST_ROWS]) -> (Vector3<f64>, Vector3<f64>) {
-    let [n, s, t] = &point.axes;
-    let at = |k: usize| n * force[k] + s * force[k + 1] + t * force[k + 2];
-    (at(0), at(3))
 }

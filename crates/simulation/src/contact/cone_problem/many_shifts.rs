@@ -5,25 +5,13 @@
 //! ds = U dx − (s − μ|c_t|). This unsymmetric matrix has the zeros of H, and its size does not depend on the
 //! number of sliding cones.
 
-use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_number::dispatch::run_here;
 
+use super::ConeProblem;
 use super::projection::norm;
+use super::set::Set;
+use super::shift_search::Many;
 use super::square::Add;
-use super::{ConeProblem, Set};
-
-clone_in_place! {
-    /// Memory for the unsymmetric factor.
-    #[derive(Debug, Default)]
-    pub(super) struct Many {
-        lower: Vec<f64>,
-        upper: Vec<f64>,
-        /// −V and U of each sliding cone, one entry for each of its coordinates.
-        pulls: Vec<f64>,
-        turns: Vec<f64>,
-        way: Vec<f64>,
-    }
-}
 
 impl ConeProblem {
     /// Computes ds of the sliding cones into the search's `shifts`.

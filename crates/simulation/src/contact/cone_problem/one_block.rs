@@ -1,8 +1,8 @@
 //! The impulse of one block, with all others fixed: it separates, sticks or slides.
 
 use super::projection::norm;
+use super::set::{MOST_ROWS, Set};
 use super::tolerances::TOLERANCES;
-use super::{MOST_ROWS, Set};
 
 /// Computes the impulse p of one block by its law. c is its velocity under the previous p. Returns the
 /// sliding speed, 0 if it sticks.

@@ -1,7 +1,7 @@
 //! The projection onto a friction cone, and its derivative.
 
+use super::set::{MOST_ROWS, Set};
 use super::tolerances::TOLERANCES;
-use super::{MOST_ROWS, Set};
 
 /// Projects p onto the cone |p_t| ≤ μp_n.
 #[inline(always)]

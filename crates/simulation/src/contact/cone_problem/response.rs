@@ -2,12 +2,13 @@
 
 use robot_dynamics_number::dispatch::{Call, Hardware, run_here};
 
+use super::ConeProblem;
 use super::entries::{map, sum};
 use super::projection::{
     Place, ProjectionDerivative, is_between, place_of, project, project_to_border, project_with_derivative,
 };
+use super::set::Set;
 use super::tolerances::TOLERANCES;
-use super::{ConeProblem, Set};
 use crate::contact::law::ContactViolation;
 
 impl ConeProblem {

@@ -9,7 +9,8 @@ use robot_dynamics_core::factorization::paths::{
 };
 use robot_dynamics_number::dispatch::{Call, Hardware, run_here};
 
-use super::{Block, Set};
+use super::block::Block;
+use super::set::Set;
 
 /// Adjacent blocks over the same coordinates, or adjacent blocks of one row over one coordinate each.
 #[derive(Clone, Debug)]

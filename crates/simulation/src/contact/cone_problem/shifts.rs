@@ -5,67 +5,18 @@
 //! solves this with the known factor once for each sliding contact. If that does not converge, the
 //! fixed-point iteration s ← F(s) does, with Anderson's extrapolation over the last three iterates.
 
-use robot_dynamics_core::clone_in_place::clone_in_place;
-use robot_dynamics_core::factorization::paths::{Four, WIDTH};
+use robot_dynamics_core::factorization::paths::WIDTH;
 
+use super::ConeProblem;
+use super::block::Block;
 use super::entries::dot;
-use super::many_shifts::Many;
 use super::projection::{Place, ProjectionDerivative, norm, place_of};
+use super::set::Set;
+use super::shift_search::Search;
 use super::tolerances::TOLERANCES;
-use super::{Block, ConeProblem, Set};
 
 /// From this number of sliding cones on, one unsymmetric factor of H's size serves all of them.
 const LEAST_FOR_COMMON_FACTOR: usize = 64;
-
-clone_in_place! {
-    /// Memory for the search for s.
-    #[derive(Debug)]
-    pub(super) struct Search {
-        /// For each cone s and μ|c_t| − s, in the last three iterations.
-        past: [Vec<(f64, f64)>; 3],
-        /// The indices of the sliding cones among the cones.
-        pub(super) sliding: Vec<usize>,
-        /// dx/ds of each, for four of them side by side.
-        ways: Vec<Four>,
-        /// ∂F/∂s − 1, and the change of s.
-        derivatives: Vec<f64>,
-        pub(super) shifts: Vec<f64>,
-        pub(super) many: Many,
-        /// The error of s in the last iteration.
-        off: f64,
-        /// The number of fixed-point iterations left before Newton's method is tried again.
-        by_images: usize,
-        /// The next such number.
-        images: usize,
-    }
-}
-
-impl Search {
-    /// Allocates memory for n coordinates and 32 sliding cones.
-    pub(super) fn new(n: usize) -> Self {
-        Self {
-            past: core::array::from_fn(|_| Vec::with_capacity(32)),
-            sliding: Vec::with_capacity(32),
-            ways: Vec::with_capacity(32 / WIDTH * n),
-            derivatives: Vec::with_capacity(32 * 32 + WIDTH),
-            shifts: Vec::with_capacity(32),
-            many: Many::default(),
-            off: f64::INFINITY,
-            by_images: 0,
-            images: TOLERANCES.fixed_point_iterations,
-        }
-    }
-
-    /// The largest error of s in a solution, as a fraction of the speed.
-    pub(super) fn largest_error(&self) -> f64 {
-        if self.by_images == 0 { TOLERANCES.shift_error } else { TOLERANCES.fixed_point_shift_error }
-    }
-
-    pub(super) fn clear(&mut self) {
-        self.past.iter_mut().for_each(Vec::clear);
-        (self.off, self.by_images, self.images) = (f64::INFINITY, 0, TOLERANCES.fixed_point_iterations);
-    }
-}
 
 impl ConeProblem {
     /// Sets s = μ|c_t| at the x that p̄ causes, where p̄ slides: sliding contacts are expected to continue.

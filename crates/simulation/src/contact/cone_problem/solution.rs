@@ -1,9 +1,10 @@
 //! The outer iterations: the method of multipliers, and the search for s.
 
+use super::ConeProblem;
 use super::entries::{largest, map, sum};
 use super::projection::ProjectionDerivative;
+use super::set::Set;
 use super::tolerances::TOLERANCES;
-use super::{ConeProblem, Set};
 
 /// The convergence of the outer iterations.
 #[derive(Clone, Copy, Debug)]

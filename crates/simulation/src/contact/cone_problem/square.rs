@@ -5,7 +5,7 @@ use core::array::from_fn;
 use robot_dynamics_core::factorization::paths::{Paths, add, add_three, filled_up};
 use robot_dynamics_number::dispatch::{Call, Hardware};
 
-use super::Block;
+use super::block::Block;
 use super::projection::{Place, ProjectionDerivative};
 use super::rows::Rows;
 

@@ -6,51 +6,18 @@
 //! because M⁻¹Aᵀ of a block has entries at its own trees only. A few sweeps come near the solution, but
 //! converge slowly from there. Newton's method, which follows, converges fast near the solution.
 
-use core::ops::Range;
-
-use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_number::dispatch::{Call, Hardware, run_here};
 
+use super::ConeProblem;
+use super::block::Block;
 use super::one_block::{factor_dense, solve_block, solve_dense};
 use super::projection::{norm, project};
+use super::set::{MOST_ROWS, Set};
+use super::sweep_memory::{Places, Sweeps};
 use super::tolerances::TOLERANCES;
-use super::{Block, ConeProblem, MOST_ROWS, Set};
 
 /// The fewest cones for which sweeps run; with fewer, Newton's method starts directly.
 const LEAST_CONES: usize = 8;
-
-clone_in_place! {
-    /// Memory for the sweeps.
-    #[derive(Debug, Default)]
-    pub(super) struct Sweeps {
-        /// The coordinates of each tree, one tree after the other.
-        pub(super) trees: Vec<Range<usize>>,
-        /// The number of each coordinate's tree.
-        tree_of: Vec<usize>,
-        /// The factor L of each tree, M = L Lᵀ, square, one after the other.
-        factors: Vec<f64>,
-        begins: Vec<usize>,
-        /// The trees of each block.
-        block_trees: Vec<usize>,
-        /// The places of each block's trees, of its M⁻¹Aᵀ row by row, and of its W.
-        blocks: Vec<Places>,
-        responses: Vec<f64>,
-        inertia: Vec<f64>,
-        column: Vec<f64>,
-        /// p̄ and s before the sweeps.
-        multiplier: Vec<f64>,
-        shifts: Vec<f64>,
-    }
-}
-
-/// The indices where the entries of a block begin.
-#[derive(Clone, Debug)]
-struct Places {
-    trees: Range<usize>,
-    response: usize,
-    width: usize,
-    inertia: usize,
-}
 
 impl ConeProblem {
     /// Moves p̄ and s near the solution, if there are many cones. They stay unchanged if they are near it

@@ -1,7 +1,9 @@
 //! The forces and energy losses of a step.
 
-use super::remembered::{Carried, Total};
-use super::{Active, ContactImpulses, MOST_ROWS, QUIET, in_world};
+use super::axes::in_world;
+use super::contact_state::Active;
+use super::memory::{Carried, Total};
+use super::{ContactImpulses, MOST_ROWS, QUIET};
 use crate::contact::components::{Components, Mark};
 use crate::contact::touch::ContactPartner;
 

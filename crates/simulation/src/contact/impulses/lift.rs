@@ -4,8 +4,9 @@ use robot_dynamics_core::factorization::paths::Paths;
 use robot_dynamics_core::factorization::sparse::NONE;
 use robot_dynamics_core::{Model, Workspace};
 
-use super::begun::Begun;
-use super::{Active, ContactImpulses, ImpulsiveStep, STUCK, Set, TouchingPoint, returns};
+use super::contact_state::Active;
+use super::contact_state::Begun;
+use super::{ContactImpulses, ImpulsiveStep, STUCK, Set, TouchingPoint, returns};
 use crate::contact::ContactSet;
 use crate::contact::placement::Placement;
 

@@ -3,21 +3,15 @@
 use nalgebra::Vector3;
 use robot_dynamics_core::{Model, Workspace};
 
-use super::relative::along_axes;
-use super::remembered::Carried;
-use super::{Active, ContactImpulses, MOST_ROWS};
+use super::ContactImpulses;
+use super::axes::along_axes;
+use super::contact_state::Active;
+use super::contact_state::Begun;
+use super::memory::Carried;
 use crate::contact::touch::{ContactPartner, TouchingPoint};
 
 /// The fewest points of two links that form a face.
 const FACE: usize = 3;
-
-/// A contact of the last step at the start of a step: its gap and velocity.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Begun {
-    pub(super) number: usize,
-    pub(super) gap: f64,
-    pub(super) velocity: [f64; MOST_ROWS],
-}
 
 impl ContactImpulses {
     /// Starts a step at (q, v).

@@ -2,9 +2,11 @@
 
 use robot_dynamics_core::{Model, Workspace};
 
+use super::contact_state::Active;
+use super::contact_state::Near;
 use super::lift::NEAR;
-use super::remembered::Carried;
-use super::{Active, ContactImpulses, lift};
+use super::memory::Carried;
+use super::{ContactImpulses, lift};
 use crate::contact::components::{Components, Mark};
 use crate::contact::touch::{ContactPartner, TouchingPoint};
 use crate::contact::{ContactSet, Touching};
@@ -18,15 +20,6 @@ const SAME: f64 = 1e-9;
 /// The correction of a penetration or violated stop deeper than this changes the energy by more than the
 /// scheme's error \[rad or m\].
 pub const DEEP: f64 = 1e-4;
-
-/// Two shapes near each other at the end of a step: their trees, the gap, and the largest displacement of
-/// each.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Near {
-    trees: [usize; 2],
-    gap: f64,
-    ways: [f64; 2],
-}
 
 impl ContactImpulses {
     /// Finds the contacts of the step of h that leads to q₁. Each contact joins its trees and marks their
