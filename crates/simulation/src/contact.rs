@@ -13,6 +13,7 @@
 //! Cost: each Newton step factors a matrix with the zeros of M. Contacts are tested at the ends of steps
 //! only, so a fast body can pass another within one step.
 
+mod broad_phase;
 mod candidates;
 mod closest;
 mod components;
@@ -24,23 +25,31 @@ mod convex;
 #[cfg(not(feature = "convex"))]
 #[path = "contact/convex/without.rs"]
 mod convex;
+mod described_pairs;
 mod equality;
 mod field;
+mod field_contacts;
 mod form;
 mod ground;
 mod impulses;
 mod interrupt;
 mod law;
+mod link_contacts;
 mod link_pairs;
 mod meeting;
+mod named_pairs;
 mod pair;
+mod pair_points;
+mod placed_shape;
 mod placement;
 mod plane;
 mod point;
 mod problem;
+mod shape_checks;
 mod soft;
-mod stated;
 mod touch;
+mod touching;
+mod touching_point;
 
 pub use field::HeightField;
 pub use ground::{ContactError, Ground};
@@ -59,8 +68,6 @@ pub use impulses::{
 };
 pub use interrupt::Interrupt;
 
-use std::collections::BTreeSet;
-
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_core::model::WORLD;
 use robot_dynamics_core::model::identity::Identity;
@@ -68,13 +75,14 @@ use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::{LinkShape, Pose, Shape, ShapeRole, Surface};
 
 use self::candidates::{Candidates, Sweep};
-use self::convex::Convex;
 use self::field::PlacedField;
 use self::form::Form;
 use self::meeting::MOST_MEETING;
+use self::named_pairs::NamedPairs;
 use self::pair::Pair;
-use self::placement::Placement;
-use self::stated::NamedPairs;
+use self::placement::{Placement, coordinates_of};
+use self::shape_checks::{described, size_not_finite};
+use self::touching::Touching;
 
 /// The shapes of one robot that can touch the ground, and the grounds.
 ///
@@ -124,34 +132,6 @@ pub struct ContactSet {
     link_restitution: f64,
     /// The number of points of all shapes together.
     points: usize,
-}
-
-/// A shape of a link.
-#[derive(Clone, Debug)]
-struct Touching {
-    name: String,
-    link: String,
-    /// The index of its link among those that can touch the ground.
-    on_ground: Option<usize>,
-    /// The body that moves it, or [`WORLD`].
-    body: usize,
-    /// The coordinates that move it, in increasing order.
-    coordinates: Vec<usize>,
-    /// `body_from_shape`.
-    rotation: Matrix3<f64>,
-    translation: Vector3<f64>,
-    form: Form,
-    /// The convex form, if one of its pairs needs it.
-    convex: Option<Convex>,
-    reach: f64,
-    /// Half the size of the bounding box of its points, along its axes and centred on its origin \[m\].
-    extent: Vector3<f64>,
-    surface: Surface,
-    /// The planes and height fields paired with it, by name, each with the surface of that pair. A ground
-    /// without a name represents the first.
-    on_grounds: Vec<(String, Surface)>,
-    /// The number of its first point among those of all shapes.
-    first: usize,
 }
 
 impl ContactSet {
@@ -337,47 +317,4 @@ impl ContactSet {
     fn count(&self) -> usize {
         self.ground_point_count() + self.pairs.len() * MOST_MEETING
     }
-}
-
-/// The number of rows of a contact: normal, two of sliding, torsion, two of rolling.
-fn rows_of(condim: u8) -> usize {
-    match condim {
-        0..=2 => 1,
-        3 => 3,
-        4 | 5 => 4,
-        _ => 6,
-    }
-}
-
-/// The coordinates that move a body, in increasing order.
-fn coordinates_of(model: &Model, body: usize) -> Vec<usize> {
-    let parent = |&at: &usize| (model.bodies[at].parent != WORLD).then(|| model.bodies[at].parent);
-    let dofs = core::iter::successors(Some(body), parent)
-        .flat_map(|at| model.bodies[at].dof..model.bodies[at].dof + model.bodies[at].motion.nv());
-    let coordinates: BTreeSet<usize> = dofs.map(|dof| model.dofs[dof].coordinate).collect();
-    coordinates.into_iter().collect()
-}
-
-/// The first size of a shape that is not finite.
-fn size_not_finite(shape: &Shape) -> Option<&'static str> {
-    let (quantity, sizes): (&'static str, &[f64]) = match shape {
-        Shape::Sphere { radius } => ("radius", &[*radius]),
-        Shape::Capsule { radius, length } | Shape::Cylinder { radius, length } => {
-            ("radius or length", &[*radius, *length])
-        }
-        Shape::Box { size } => ("size", size),
-        Shape::Ellipsoid { half_axes } => ("half axis", half_axes),
-        Shape::Plane { .. } | Shape::HeightField { .. } | Shape::Mesh { .. } => return None,
-    };
-    sizes.iter().any(|x| !x.is_finite()).then_some(quantity)
-}
-
-/// A description of a shape for messages.
-fn described(shape: &LinkShape) -> String {
-    let what = match &shape.shape {
-        Shape::Mesh { name, .. } => format!("mesh `{name}`"),
-        Shape::HeightField { name, .. } => format!("height field `{name}`"),
-        other => format!("{other:?}"),
-    };
-    format!("{what} of link `{}`", shape.link)
 }

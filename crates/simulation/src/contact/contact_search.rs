@@ -1,7 +1,8 @@
 //! The pairs of shapes with a known contact search.
 
+use super::ContactSet;
 use super::convex::{Convex, KNOWN};
-use super::{ContactSet, Touching};
+use super::touching::Touching;
 
 /// Pairs without a known contact search are named one by one up to this number.
 const MOST_NOTES: usize = 100_000;

@@ -20,7 +20,7 @@ use self::memory::Carried;
 use super::cone_problem::{MOST_ROWS, Set};
 use super::interrupt::Interrupt;
 use super::placement::{Placement, Twist};
-use super::touch::TouchingPoint;
+use super::touching_point::TouchingPoint;
 use super::{ConeProblem, ContactSet};
 
 pub use self::memory::Remembered;

@@ -1,5 +1,7 @@
 //! The pose of each body, and its motion by each degree of freedom, in the world.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::kinematics::place::place_all_in_world;
@@ -11,8 +13,6 @@ use robot_dynamics_core::{Frame, FrameId, Model, Workspace};
 use robot_dynamics_number::algebra::V3;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
-
-use super::coordinates_of;
 
 /// A velocity and ω, or a force and its moment.
 pub(super) type Twist = [Vector3<f64>; 2];
@@ -209,4 +209,13 @@ impl<S: Scalar> Kernel<OverNumber, S> for PlacedBodies<'_, S> {
             }
         }
     }
+}
+
+/// The coordinates that move a body, in increasing order.
+pub(super) fn coordinates_of(model: &Model, body: usize) -> Vec<usize> {
+    let parent = |&at: &usize| (model.bodies[at].parent != WORLD).then(|| model.bodies[at].parent);
+    let dofs = core::iter::successors(Some(body), parent)
+        .flat_map(|at| model.bodies[at].dof..model.bodies[at].dof + model.bodies[at].motion.nv());
+    let coordinates: BTreeSet<usize> = dofs.map(|dof| model.dofs[dof].coordinate).collect();
+    coordinates.into_iter().collect()
 }

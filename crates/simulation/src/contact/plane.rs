@@ -4,7 +4,8 @@ use robot_dynamics_core::Model;
 use robot_dynamics_description::{LinkShape, Shape, ShapeRole, Surface};
 
 use super::soft::mixed;
-use super::{ContactError, ContactSet, Ground, Touching};
+use super::touching::Touching;
+use super::{ContactError, ContactSet, Ground};
 
 impl ContactSet {
     /// Adds a half-space to the grounds.

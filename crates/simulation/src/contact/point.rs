@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::touch::{ContactPartner, TouchingPoint};
+use super::touching_point::{ContactPartner, TouchingPoint};
 use super::{ContactImpulses, ContactSet};
 
 /// A contact point of a shape with a ground or another shape, with the force and moment there.

@@ -37,7 +37,7 @@ use super::field::PlacedField;
 use super::interrupt::Interrupt;
 use super::pair::Pair;
 use super::placement::Placement;
-use super::touch::{ContactPartner, TouchingPoint};
+use super::touching_point::{ContactPartner, TouchingPoint};
 use super::{ConeProblem, ContactError, ContactSet};
 
 pub use self::active_set::ActiveSet;

@@ -1,49 +1,20 @@
 //! A contact point of a shape.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use robot_dynamics_core::Model;
 
+use super::ContactSet;
 use super::form::ABOUT;
 use super::meeting::MOST_MEETING;
 use super::pair::Met;
+use super::placed_shape::Placed;
 use super::placement::Placement;
-use super::{ContactSet, Touching};
+use super::touching::Touching;
+use super::touching_point::{ContactPartner, TouchingPoint};
 use crate::Ground;
-
-/// The contact partner of a shape.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum ContactPartner {
-    /// A ground, by its index in the set.
-    Ground(usize),
-    /// A height field, by its index in the set.
-    Field(usize),
-    /// The first shape of a pair, by the pair's index in the set; the shape is the second.
-    Pair(usize),
-}
-
-/// A point of a shape relative to a ground or another shape.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TouchingPoint {
-    /// Its number among all points on all grounds, and then of all pairs.
-    pub(super) number: usize,
-    pub(super) shape: usize,
-    pub(super) against: ContactPartner,
-    /// The distance; negative if it penetrates \[m\].
-    pub(super) gap: f64,
-    /// The position in the world \[m\].
-    pub(super) at: Vector3<f64>,
-    /// In the world: the normal, which points into the shape, and two tangential directions.
-    pub(super) axes: [Vector3<f64>; 3],
-}
 
 /// The most points of one shape that touch one ground.
 pub(super) const MOST_POINTS: usize = 1 + ABOUT.len();
-
-/// A shape in the world.
-pub(super) struct Placed {
-    pub(super) center: Vector3<f64>,
-    pub(super) rotation: Matrix3<f64>,
-}
 
 impl ContactSet {
     /// Calls `look` for each point of each shape whose gap to a ground is at most `within` \[m\].
@@ -75,7 +46,7 @@ impl ContactSet {
                 };
                 let points = (0..shape.form.count()).filter(is_low);
                 let points = points.map(|k| {
-                    let placed = placed.get_or_insert_with(|| Placed::new(shape, placement));
+                    let placed = placed.get_or_insert_with(|| shape.placed(placement));
                     self.at_ground(placed, (index, ground_index), k, &down)
                 });
                 let near = points.filter(|point| point.gap <= within);
@@ -89,7 +60,7 @@ impl ContactSet {
                 }
             }
             if !self.fields.is_empty() {
-                let placed = placed.unwrap_or_else(|| Placed::new(shape, placement));
+                let placed = placed.unwrap_or_else(|| shape.placed(placement));
                 self.look_at_fields((index, &placed), within, &mut look);
             }
         }
@@ -141,12 +112,12 @@ impl ContactSet {
             return self.point_of_pair_after(placement, number, last);
         }
         if number >= self.points * self.grounds.len() {
-            return self.point_at_field(|shape| Placed::new(shape, placement), number);
+            return self.point_at_field(|shape| shape.placed(placement), number);
         }
         let (ground, point) = (number / self.points, number % self.points);
         let index = self.shapes.partition_point(|shape| shape.first <= point) - 1;
         let shape = &self.shapes[index];
-        let placed = Placed::new(shape, placement);
+        let placed = shape.placed(placement);
         let (up, _) = placement.along(shape.body, &self.grounds[ground].1[0]);
         let down = -shape.rotation.tr_mul(&up);
         self.at_ground(&placed, (index, ground), point - shape.first, &down)
@@ -210,17 +181,5 @@ impl Outermost {
                 look(*point);
             }
         }
-    }
-}
-
-impl Placed {
-    pub(super) fn new(shape: &Touching, placement: &Placement) -> Self {
-        let (rotation, p) = placement.body(shape.body);
-        Self { center: p + rotation * shape.translation, rotation: rotation * shape.rotation }
-    }
-
-    /// The position of a point of the shape in the world.
-    pub(super) fn at(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        self.center + self.rotation * point
     }
 }

@@ -8,7 +8,7 @@ use parry3d_f64::shape::SharedShape;
 
 use super::closest::Nearest;
 use super::form::Form;
-use super::touch::Placed;
+use super::placed_shape::Placed;
 
 /// A shape in parry's form.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use super::closest::Nearest;
 use super::form::Form;
-use super::touch::Placed;
+use super::placed_shape::Placed;
 
 /// A type without values.
 #[derive(Clone, Debug)]

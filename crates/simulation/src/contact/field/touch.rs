@@ -4,10 +4,13 @@ use nalgebra::Vector3;
 
 use super::PlacedField;
 use super::smooth::{Near, Smooth};
+use crate::contact::ContactSet;
 use crate::contact::form::Form;
 use crate::contact::ground::axes;
-use crate::contact::touch::{ContactPartner, MOST_POINTS, Outermost, Placed, TouchingPoint};
-use crate::contact::{ContactSet, Touching};
+use crate::contact::placed_shape::Placed;
+use crate::contact::touch::{MOST_POINTS, Outermost};
+use crate::contact::touching::Touching;
+use crate::contact::touching_point::{ContactPartner, TouchingPoint};
 
 /// A shape that may touch a field, both by their indices.
 #[derive(Clone, Copy)]
@@ -367,7 +370,7 @@ mod tests {
             let half_axes = Vector3::from_fn(|_, _| random.uniform(0.05, 0.3));
             let (set, placement, field, _) =
                 placed(Shape::Ellipsoid { half_axes: half_axes.into() }, &mut random);
-            let shape = Placed::new(&set.shapes[0], &placement);
+            let shape = set.shapes[0].placed(&placement);
             let into =
                 |x: Vector3<f64>| shape.rotation.tr_mul(&(x - shape.center)).component_div(&half_axes).norm();
             let mut least = f64::INFINITY;

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use robot_dynamics_description::Surface;
 
 use super::MOST_ROWS;
-use crate::contact::rows_of;
-use crate::contact::touch::TouchingPoint;
+use crate::contact::shape_checks::rows_of;
+use crate::contact::touching_point::TouchingPoint;
 
 /// Force and moment in world axes.
 pub(super) fn in_world(point: &TouchingPoint, force: &[f64; MOST_ROWS]) -> (Vector3<f64>, Vector3<f64>) {

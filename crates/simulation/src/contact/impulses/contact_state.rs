@@ -1,7 +1,7 @@
 //! Contacts that act, that a step starts with, and that are near.
 
 use super::MOST_ROWS;
-use crate::contact::touch::TouchingPoint;
+use crate::contact::touching_point::TouchingPoint;
 
 /// A contact of this step.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@ use robot_dynamics_core::clone_in_place::clone_in_place;
 
 use crate::contact::cone_problem::MOST_ROWS;
 use crate::contact::placement::Placement;
-use crate::contact::touch::TouchingPoint;
+use crate::contact::touching_point::TouchingPoint;
 use crate::{ContactLaws, ContactSet};
 
 clone_in_place! {

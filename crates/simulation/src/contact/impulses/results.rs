@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::ContactImpulses;
-use crate::contact::touch::TouchingPoint;
+use crate::contact::touching_point::TouchingPoint;
 use crate::contact::{ContactLaws, ContactProblem, ContactSet};
 
 impl ContactImpulses {

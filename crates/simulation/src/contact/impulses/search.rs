@@ -7,9 +7,10 @@ use super::contact_state::Near;
 use super::lift::NEAR;
 use super::memory::Carried;
 use super::{ContactImpulses, lift};
+use crate::contact::ContactSet;
 use crate::contact::components::{Components, Mark};
-use crate::contact::touch::{ContactPartner, TouchingPoint};
-use crate::contact::{ContactSet, Touching};
+use crate::contact::touching::Touching;
+use crate::contact::touching_point::{ContactPartner, TouchingPoint};
 
 /// A touchdown slower than this is not an impact that divides the step \[m/s\].
 const SLOW: f64 = 0.05;

@@ -8,7 +8,7 @@ use super::axes::along_axes;
 use super::contact_state::Active;
 use super::contact_state::Begun;
 use super::memory::Carried;
-use crate::contact::touch::{ContactPartner, TouchingPoint};
+use crate::contact::touching_point::{ContactPartner, TouchingPoint};
 
 /// The fewest points of two links that form a face.
 const FACE: usize = 3;

@@ -11,7 +11,7 @@ use super::sides::{self, Side};
 use super::{LEAST_FRICTION, SoftConstraints, SoftContact};
 use crate::contact::cone_problem::{MOST_ROWS, Set};
 use crate::contact::ground::axes;
-use crate::contact::rows_of;
+use crate::contact::shape_checks::rows_of;
 
 impl SoftConstraints {
     /// The contacts of the last state, each with force and moment in world axes.

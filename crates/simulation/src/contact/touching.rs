@@ -1,0 +1,45 @@
+//! A shape of a link that can touch.
+
+use nalgebra::{Matrix3, Vector3};
+use robot_dynamics_description::Surface;
+
+use super::convex::Convex;
+use super::form::Form;
+use super::placed_shape::Placed;
+use super::placement::Placement;
+
+/// A shape of a link.
+#[derive(Clone, Debug)]
+pub(super) struct Touching {
+    pub(super) name: String,
+    pub(super) link: String,
+    /// The index of its link among those that can touch the ground.
+    pub(super) on_ground: Option<usize>,
+    /// The body that moves it, or [`WORLD`](robot_dynamics_core::model::WORLD).
+    pub(super) body: usize,
+    /// The coordinates that move it, in increasing order.
+    pub(super) coordinates: Vec<usize>,
+    /// `body_from_shape`.
+    pub(super) rotation: Matrix3<f64>,
+    pub(super) translation: Vector3<f64>,
+    pub(super) form: Form,
+    /// The convex form, if one of its pairs needs it.
+    pub(super) convex: Option<Convex>,
+    pub(super) reach: f64,
+    /// Half the size of the bounding box of its points, along its axes and centred on its origin \[m\].
+    pub(super) extent: Vector3<f64>,
+    pub(super) surface: Surface,
+    /// The planes and height fields paired with it, by name, each with the surface of that pair. A ground
+    /// without a name represents the first.
+    pub(super) on_grounds: Vec<(String, Surface)>,
+    /// The number of its first point among those of all shapes.
+    pub(super) first: usize,
+}
+
+impl Touching {
+    /// The shape in the world.
+    pub(super) fn placed(&self, placement: &Placement) -> Placed {
+        let (rotation, p) = placement.body(self.body);
+        Placed { center: p + rotation * self.translation, rotation: rotation * self.rotation }
+    }
+}
