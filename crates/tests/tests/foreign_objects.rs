@@ -82,7 +82,7 @@ fn frame_of_another_robot_panics() {
     assert_names(&message(|| frame_pose(&light, &mut workspace, &q, frame)), &["light"]);
     let mut jacobian = vec![0.0; 6 * light.nv()];
     let call = || {
-        frame_jacobian(&light, &mut workspace, &q, frame, ReferenceFrame::LocalWorldAligned, &mut jacobian)
+        frame_jacobian(&light, &mut workspace, &q, frame, ReferenceFrame::LocalWorldAligned, &mut jacobian);
     };
     assert_names(&message(call), &["light"]);
     let set = ConstraintSet::new(&light, [("pin", FrameConstraint::point_contact(frame, [0.0; 3]).into())]);

@@ -172,7 +172,7 @@ impl<'a> Attempt<'a> {
 
     /// e: log(T\*⁻¹T), or p − p\* with zeros.
     fn error(&self, workspace: &mut Workspace, q: &[f64]) -> Error {
-        let pose: Pose = frame_pose(self.model, workspace, q, self.frame).into();
+        let pose = frame_pose(self.model, workspace, q, self.frame);
         match self.target {
             FrameTarget::Pose(target) => {
                 let relative = target.inverse().compose(&pose);

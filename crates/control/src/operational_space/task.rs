@@ -222,6 +222,6 @@ where
         check_torque(&self.rest_torque)?;
         let mut chosen = [0.0; MOST_ROWS];
         chosen.iter_mut().zip(&self.places).for_each(|(entry, &place)| *entry = command[place]);
-        Ok(space.torque_with_posture(&chosen[..self.rows.len()], &self.rest_torque, tau)?)
+        space.torque_with_posture(&chosen[..self.rows.len()], &self.rest_torque, tau)
     }
 }

@@ -123,13 +123,13 @@ pub fn frame_velocity_derivative<S: Scalar>(
             for_each_carrier(model, tree, frame, |Carrier { dof, s, velocity, .. }| {
                 let carried = motion_cross(velocity, s);
                 add_column(model, by_position, *dof, &moving.motion_in_frame(&carried));
-            })
+            });
         }
         ReferenceFrame::World => {
             for_each_carrier(model, tree, frame, |Carrier { dof, s, velocity, .. }| {
                 let change = sum(&motion_cross(s, twist), &motion_cross(velocity, s));
                 add_column(model, by_position, *dof, &moving.motion_in_world(&change));
-            })
+            });
         }
         // ∂ṗ = ∂u + ∂ω × p + ω × ∂p with ∂p = s + σ × p.
         ReferenceFrame::LocalWorldAligned => {

@@ -1,8 +1,8 @@
 //! Inverse dynamics with unilateral frictional contacts: τ + Σ Jᵀp + Aᵀλ = M a + C v + g, |p_t| ≤ μ p_n.
 //!
-//! The result has the least |τ|² + ρ(|p|² + |λ|²). The unknown is the multiplier y of the equation, min ½yᵀWy
-//! + (M a + C v + g)ᵀy + Σ ψ(Jy), by the Newton method of `contact::cone_problem`. Cost: a factor of a matrix
-//! of size nv for each Newton step.
+//! The result has the least |τ|² + ρ(|p|² + |λ|²). The unknown is the multiplier y of the equation. It
+//! minimizes ½yᵀWy + (M a + C v + g)ᵀy + Σ ψ(Jy), by the Newton method of `contact::cone_problem`. Cost: a
+//! factor of a matrix of size nv for each Newton step.
 //!
 //! A motion that the supports cannot cause is not an error: the residual says how much is missing.
 

@@ -94,7 +94,7 @@ fn tree() -> (Model, [Vec<f64>; 4]) {
 fn inverse_kinematics_rejects_non_finite() {
     let m = &arm(7);
     let (w, hand) = (&mut Workspace::new(m), last_frame(m));
-    let pose: Pose = robot_dynamics::algorithms::frame_pose(m, w, &[0.3; 7], hand).into();
+    let pose = robot_dynamics::algorithms::frame_pose(m, w, &[0.3; 7], hand);
     let options = robot_dynamics::control::InverseKinematicsOptions::default().with_restarts(1, 0);
     let arguments = [
         argument("q", vec![0.2; 7]),

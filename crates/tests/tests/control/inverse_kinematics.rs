@@ -28,7 +28,7 @@ fn solve(
 }
 
 fn pose_of(model: &Model, q: &[f64], frame: FrameId) -> Pose {
-    frame_pose(model, &mut Workspace::new(model), q, frame).into()
+    frame_pose(model, &mut Workspace::new(model), q, frame)
 }
 
 /// |p − p\*| and the angle θ of R\*ᵀR, by |R − R\*|² = 8 sin² ½θ, which is accurate for small angles.

@@ -190,7 +190,7 @@ fn soles_at_corners_match_welds() -> Tested {
         let welds = soles.iter().map(|link| {
             let frame = model.frame_named(link).expect("a sole");
             let place = frame_pose(&model, &mut Workspace::new(&model), &q, frame);
-            (link.clone(), FrameConstraint::contact(frame, place.into(), &FrameConstraint::WELD).into())
+            (link.clone(), FrameConstraint::contact(frame, place, &FrameConstraint::WELD).into())
         });
         let weld = ConstraintSet::new(&model, welds.collect::<Vec<_>>())?;
         let mut v: Vec<f64> = (0..model.nv()).map(|_| random.uniform(-1.0, 1.0)).collect();
@@ -298,7 +298,7 @@ fn duplicate_rows_share_force() -> Tested {
         let q = random_state(&model, random).q;
         let frame = model.frame_named(&model.description().links.last().expect("a link").name.clone())?;
         let place = frame_pose(&model, w, &q, frame);
-        let weld = FrameConstraint::contact(frame, place.into(), &FrameConstraint::WELD);
+        let weld = FrameConstraint::contact(frame, place, &FrameConstraint::WELD);
         let ball = FrameConstraint::point_contact(frame, place.translation);
         let once = ConstraintSet::new(&model, [("weld", weld.clone().into())])?;
         let twice = ConstraintSet::new(&model, [("weld", weld.into()), ("ball", ball.into())])?;
