@@ -108,11 +108,11 @@ impl<T> Batches<T> {
     ///
     /// ```
     /// use robot_dynamics::simulation::Integrator;
-    /// use robot_dynamics_gpu::{Device, Function, Rollout, Torques};
+    /// use robot_dynamics_gpu::{Device, Function, Rollout, RolloutStates, Torques};
     /// # let model = robot_dynamics::model::Model::new(robot_dynamics::description::pendulum(2.0, 0.5))?;
     /// # let Ok(device) = Device::open() else { return Ok(()) }; // none here
     /// let mut pendulums = device.compile::<f32>(&model, &[Function::Rk4Step])?;
-    /// let (mut q, mut v) = (vec![0.0; 10_000], vec![0.0; 10_000]);
+    /// let (mut q, mut v) = (vec![0.0_f32; 10_000], vec![0.0_f32; 10_000]);
     /// let how = Rollout::new(Integrator::RungeKutta4, 1e-3, 200);
     /// pendulums.rollout(&how, Torques::Zero, RolloutStates::ends(&mut q, &mut v), None)?;
     /// // Energy is conserved: ½ l v² = g sin q.
