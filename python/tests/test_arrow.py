@@ -44,8 +44,9 @@ def test_every_quantity_is_what_its_method_gives(quadruped: rd.Robot) -> None:
         if name.startswith("audit"):
             continue
         reads = list(arrow.Computation(quadruped, [name]).reads)
-        method = getattr(quadruped, name.split(":")[0])
-        expected = method(*(state[each] for each in reads), **({"frame": frame} if ":" in name else {}))
+        method_name, *given = name.split(":")
+        arguments = dict(zip(("frame", "reference_frame"), given, strict=False))
+        expected = getattr(quadruped, method_name)(*(state[each] for each in reads), **arguments)
         for column, array in zip(found.columns, expected if isinstance(expected, tuple) else [expected], strict=True):
             assert np.array_equal(numbers(column), array), name
 
