@@ -23,7 +23,9 @@ def rows() -> list[tuple[str, list[str]]]:
             arguments = list(inspect.signature(value).parameters)
             if "out" in arguments:
                 own = [each for each in arguments if each not in ("self", "out", "threads", "reference_frame")]
-                references = [[each] for each in REFERENCE_FRAMES] if "reference_frame" in arguments else [[]]
+                references: list[list[str]] = [[]]
+                if "reference_frame" in arguments:
+                    references = [[each] for each in REFERENCE_FRAMES]
                 found += [(name, own + reference) for reference in references]
     return found
 
