@@ -511,7 +511,7 @@ def project(
     v : array_like, shape (nv,), optional
         Velocity [rad/s or m/s]; default: 0.
     tolerance : float
-        Largest |φ| that is allowed [m or rad].
+        Largest magnitude of φ that is allowed [m or rad].
 
     Returns
     -------

@@ -95,9 +95,9 @@ def time_optimal(
     waypoints : array_like, shape (n, nq)
         Configurations on the path.
     torque : array_like, shape (nv,), optional
-        Limits of |τ| [N·m or N]; default: those of the robot.
+        Limits of the magnitude of τ [N·m or N]; default: those of the robot.
     velocity : array_like, shape (nv,), optional
-        Limits of |v| [rad/s or m/s]; default: those of the robot.
+        Limits of the magnitude of v [rad/s or m/s]; default: those of the robot.
     lower : array_like, shape (nv,), optional
         Lower limits of q [rad or m]; default: those of the robot.
     upper : array_like, shape (nv,), optional

@@ -165,7 +165,7 @@ class Workers:
         Parameters
         ----------
         function : callable
-            Function f(robot, *item).
+            Function `f(robot, *item)`.
         items : sequence of tuple
             Arguments of the calls. Arrays are read-only in the workers.
 

@@ -56,7 +56,7 @@ class Mppi:
     seed : int
         Seed of the random numbers.
     limits : array_like, shape (nv,), optional
-        Limits of |τ| [N·m or N]; default: the effort limits of the robot.
+        Limits of the magnitude of τ [N·m or N]; default: the effort limits of the robot.
     integrator : str, optional
         Method; see `Robot.simulate`.
     conservative : bool
