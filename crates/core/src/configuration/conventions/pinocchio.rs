@@ -199,13 +199,7 @@ impl PinocchioLayout {
     /// If a slice has the wrong length.
     #[track_caller]
     pub fn velocity_to_pinocchio(&self, q: &[f64], v: &[f64], pinocchio_v: &mut [f64]) {
-        self.check(q, v, pinocchio_v);
-        for joint in &self.joints {
-            pinocchio_v[joint.pinocchio_v..][..joint.nv].copy_from_slice(&v[joint.v..][..joint.nv]);
-            if joint.kind == Kind::Planar {
-                rotate(-q[joint.q + 2], &mut pinocchio_v[joint.pinocchio_v..]);
-            }
-        }
+        self.tangent_to_pinocchio(q, v, pinocchio_v);
     }
 
     /// Pinocchio's v → v. q is in this library's convention.
@@ -228,13 +222,7 @@ impl PinocchioLayout {
     /// If a slice has the wrong length.
     #[track_caller]
     pub fn velocity_from_pinocchio(&self, q: &[f64], pinocchio_v: &[f64], v: &mut [f64]) {
-        self.check(q, pinocchio_v, v);
-        for joint in &self.joints {
-            v[joint.v..][..joint.nv].copy_from_slice(&pinocchio_v[joint.pinocchio_v..][..joint.nv]);
-            if joint.kind == Kind::Planar {
-                rotate(q[joint.q + 2], &mut v[joint.v..]);
-            }
-        }
+        self.tangent_from_pinocchio(q, pinocchio_v, v);
     }
 
     /// τ → Pinocchio's τ; the power τ·v is preserved.
@@ -257,13 +245,7 @@ impl PinocchioLayout {
     /// If a slice has the wrong length.
     #[track_caller]
     pub fn force_to_pinocchio(&self, q: &[f64], tau: &[f64], pinocchio_tau: &mut [f64]) {
-        self.check(q, tau, pinocchio_tau);
-        for joint in &self.joints {
-            pinocchio_tau[joint.pinocchio_v..][..joint.nv].copy_from_slice(&tau[joint.v..][..joint.nv]);
-            if joint.kind == Kind::Planar {
-                rotate(-q[joint.q + 2], &mut pinocchio_tau[joint.pinocchio_v..]);
-            }
-        }
+        self.tangent_to_pinocchio(q, tau, pinocchio_tau);
     }
 
     /// Pinocchio's τ → τ. q is in this library's convention.
@@ -286,13 +268,7 @@ impl PinocchioLayout {
     /// If a slice has the wrong length.
     #[track_caller]
     pub fn force_from_pinocchio(&self, q: &[f64], pinocchio_tau: &[f64], tau: &mut [f64]) {
-        self.check(q, pinocchio_tau, tau);
-        for joint in &self.joints {
-            tau[joint.v..][..joint.nv].copy_from_slice(&pinocchio_tau[joint.pinocchio_v..][..joint.nv]);
-            if joint.kind == Kind::Planar {
-                rotate(q[joint.q + 2], &mut tau[joint.v..]);
-            }
-        }
+        self.tangent_from_pinocchio(q, pinocchio_tau, tau);
     }
 
     /// v̇ → Pinocchio's v̇. Axes of a planar joint's link rotate: u̇ = Rᵀẍ − ω × u with u = Rᵀẋ.
@@ -316,7 +292,7 @@ impl PinocchioLayout {
     #[track_caller]
     pub fn acceleration_to_pinocchio(&self, q: &[f64], v: &[f64], a: &[f64], pinocchio_a: &mut [f64]) {
         check_length("v", v.len(), self.nv);
-        self.force_to_pinocchio(q, a, pinocchio_a);
+        self.tangent_to_pinocchio(q, a, pinocchio_a);
         self.add_transport(q, v, -1.0, pinocchio_a);
     }
 
@@ -344,7 +320,32 @@ impl PinocchioLayout {
         check_length("the accelerations", pinocchio_a.len(), self.nv);
         let mut sum = pinocchio_a.to_vec();
         self.add_transport(q, v, 1.0, &mut sum);
-        self.force_from_pinocchio(q, &sum, a);
+        self.tangent_from_pinocchio(q, &sum, a);
+    }
+
+    /// Rotates and reorders nv numbers. The axes are orthonormal, so velocities, forces and the accelerations
+    /// without transport convert alike.
+    #[track_caller]
+    fn tangent_to_pinocchio(&self, q: &[f64], x: &[f64], pinocchio_x: &mut [f64]) {
+        self.check(q, x, pinocchio_x);
+        for joint in &self.joints {
+            pinocchio_x[joint.pinocchio_v..][..joint.nv].copy_from_slice(&x[joint.v..][..joint.nv]);
+            if joint.kind == Kind::Planar {
+                rotate(-q[joint.q + 2], &mut pinocchio_x[joint.pinocchio_v..]);
+            }
+        }
+    }
+
+    /// The inverse of [`tangent_to_pinocchio`](Self::tangent_to_pinocchio).
+    #[track_caller]
+    fn tangent_from_pinocchio(&self, q: &[f64], pinocchio_x: &[f64], x: &mut [f64]) {
+        self.check(q, pinocchio_x, x);
+        for joint in &self.joints {
+            x[joint.v..][..joint.nv].copy_from_slice(&pinocchio_x[joint.pinocchio_v..][..joint.nv]);
+            if joint.kind == Kind::Planar {
+                rotate(q[joint.q + 2], &mut x[joint.v..]);
+            }
+        }
     }
 
     /// Adds `sign` ω × u to the linear acceleration of each planar joint, with u along the link's axes.
