@@ -7,7 +7,7 @@ use std::fs;
 use crate::files::{self, SourceFile};
 use crate::layers::{LAYERS, LEAVES, ORDERED, OWNED};
 use crate::manifest::{Manifest, Workspace};
-use crate::modules::{Crate, components};
+use crate::modules::{Crate, Use, components};
 use crate::root::root;
 
 /// The file that shows the graphs, between these lines.
@@ -73,7 +73,7 @@ pub(crate) fn cycles(crates: &[Crate]) -> Vec<(Vec<String>, String)> {
     let mut found = Vec::new();
     for one in crates {
         let uses = one.uses();
-        let edges: Vec<(usize, usize)> = uses.iter().map(|used| (used.from, used.to)).collect();
+        let edges = edges(&uses);
         for component in components(one.files.len(), &edges) {
             let ring = shortest_cycle(&component, &edges);
             let shown = ring.iter().map(|&(from, to)| {
@@ -93,8 +93,7 @@ pub(crate) fn cycles(crates: &[Crate]) -> Vec<(Vec<String>, String)> {
 pub(crate) fn list_cycles(below: &str) -> Result<(), String> {
     for one in &crates(&files::all()?)? {
         let uses = one.uses();
-        let edges: Vec<(usize, usize)> = uses.iter().map(|used| (used.from, used.to)).collect();
-        for component in components(one.files.len(), &edges) {
+        for component in components(one.files.len(), &edges(&uses)) {
             if !component.iter().any(|&file| one.files[file].path.starts_with(below)) {
                 continue;
             }
@@ -108,6 +107,11 @@ pub(crate) fn list_cycles(below: &str) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// The uses as pairs of files.
+fn edges(uses: &[Use]) -> Vec<(usize, usize)> {
+    uses.iter().map(|used| (used.from, used.to)).collect()
 }
 
 fn below_source(path: &str) -> &str {
