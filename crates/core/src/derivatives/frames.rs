@@ -223,15 +223,14 @@ struct FrameAccelerationDerivatives<'a, S: Scalar> {
 impl<S: Scalar> FrameAccelerationDerivatives<'_, S> {
     #[inline(always)]
     fn add_local(&self, carrier: &Carrier<S>, by_position: &mut [S], by_velocity: &mut [S]) {
-        let (Self { model, moving }, Carrier { dof, s, turned, velocity, acceleration }) = (self, carrier);
+        let (Self { model, moving }, Carrier { dof, s, velocity, acceleration, .. }) = (self, carrier);
         let once = motion_cross(velocity, s);
         let mut change = motion_cross(&once, &moving.twist);
         change.add(&motion_cross(acceleration, s));
         change.add(&motion_cross(velocity, &once));
         add_column(model, by_position, *dof, &moving.motion_in_frame(&change));
-        let mut change = sum(turned, &once);
-        change.add(&motion_cross(s, &moving.twist));
-        add_column(model, by_velocity, *dof, &moving.motion_in_frame(&change));
+        let by_v = self.spatial_by_velocity(carrier, &once);
+        add_column(model, by_velocity, *dof, &moving.motion_in_frame(&by_v));
     }
 
     #[inline(always)]
@@ -271,13 +270,19 @@ impl<S: Scalar> FrameAccelerationDerivatives<'_, S> {
     /// ∂A/∂q and ∂A/∂v at the inertial frame's origin, along the world's axes; `once` is ψ.
     #[inline(always)]
     fn spatial(&self, carrier: &Carrier<S>, once: &MotionVector<S>) -> [MotionVector<S>; 2] {
-        let (twist, Carrier { s, turned, velocity, acceleration, .. }) = (&self.moving.twist, carrier);
+        let (twist, Carrier { s, velocity, acceleration, .. }) = (&self.moving.twist, carrier);
         let mut by_q = motion_cross(s, &self.moving.rate);
         by_q.add(&motion_cross(once, twist));
         by_q.add(&motion_cross(acceleration, s));
         by_q.add(&motion_cross(velocity, once));
-        let mut by_v = sum(turned, once);
-        by_v.add(&motion_cross(s, twist));
-        [by_q, by_v]
+        [by_q, self.spatial_by_velocity(carrier, once)]
+    }
+
+    /// ∂A/∂v_j = Ṡ_j + ψ_j + S_j × V, in the inertial frame.
+    #[inline(always)]
+    fn spatial_by_velocity(&self, carrier: &Carrier<S>, once: &MotionVector<S>) -> MotionVector<S> {
+        let mut by_v = sum(&carrier.turned, once);
+        by_v.add(&motion_cross(&carrier.s, &self.moving.twist));
+        by_v
     }
 }
