@@ -90,7 +90,7 @@ fn inverse_mass_matrix(table: &ElementTable, robot: &RobotDescription) -> Option
     let mut q = neutral(&model);
     for joint in &table.joints {
         let placed = model.joints().iter().find(|own| own.name == joint.name)?;
-        q[placed.q_index..placed.q_index + placed.nq].copy_from_slice(&joint.initial);
+        q[placed.q()].copy_from_slice(&joint.initial);
     }
     Some(model.mass_matrix(&q).ok()?.cholesky()?.inverse())
 }

@@ -181,7 +181,7 @@ fn resting(model: &Model) -> Vec<f64> {
         if let Ok(position) = model.description().resting_position(&joint.name)
             && position.len() == joint.nq
         {
-            q[joint.q_index..joint.q_index + joint.nq].copy_from_slice(&position);
+            q[joint.q()].copy_from_slice(&position);
         }
     }
     q

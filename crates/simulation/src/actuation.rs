@@ -80,7 +80,7 @@ impl Actuation {
         let (mut bounded, mut by_actuators) = (Vec::new(), Vec::new());
         for joint in model.joints() {
             let Some(own) = description.joints.iter().find(|own| own.name == joint.name) else { continue };
-            let coordinates = joint.v_index..joint.v_index + joint.nv;
+            let coordinates = joint.v();
             if own.actuator_force_range != [f64::NEG_INFINITY, f64::INFINITY] {
                 bounded.extend(coordinates.clone().map(|coordinate| (coordinate, own.actuator_force_range)));
             }

@@ -77,7 +77,7 @@ impl<'a> Hold<'a> {
 pub(crate) fn driven(model: &Model) -> Vec<bool> {
     let mut driven = vec![true; model.nv()];
     for free in model.joints().iter().filter(|joint| joint.kind == JointKind::Floating) {
-        driven[free.v_index..free.v_index + free.nv].fill(false);
+        driven[free.v()].fill(false);
     }
     driven
 }

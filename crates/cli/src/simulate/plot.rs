@@ -10,7 +10,7 @@ use plotters::prelude::{
     BitMapBackend, DrawingArea, DrawingBackend, IntoDrawingArea, SVGBackend, Text, WHITE,
 };
 use plotters::style::{FontStyle, register_font};
-use robot_dynamics::model::Model;
+use robot_dynamics::model::{Joint, Model};
 
 use self::panel::{Axis, Corners, Line, Panel};
 use super::csv::OptionalColumns;
@@ -167,8 +167,7 @@ impl Plot<'_> {
     fn coordinates(&self, times: &[f64]) -> Panel {
         let columns = columns::configuration(self.model);
         let joints = self.model.joints().iter();
-        let plain: Vec<usize> =
-            joints.filter(|j| j.nq == j.nv).flat_map(|j| j.q_index..j.q_index + j.nq).collect();
+        let plain: Vec<usize> = joints.filter(|j| j.nq == j.nv).flat_map(Joint::q).collect();
         let shown = if plain.is_empty() { (0..columns.len()).collect() } else { plain };
         let mut units: Vec<&str> = shown.iter().map(|&i| columns[i].unit).collect();
         units.sort_unstable_by(|a, b| b.cmp(a));

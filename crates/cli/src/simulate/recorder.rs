@@ -55,7 +55,7 @@ impl Recorder {
     pub(crate) fn new(model: &Model) -> Self {
         let mut limits = vec![(f64::NEG_INFINITY, f64::INFINITY); model.nq()];
         for joint in model.joints().iter().filter(|joint| joint.nq == joint.nv) {
-            limits[joint.q_index..joint.q_index + joint.nq].fill((joint.limits.lower, joint.limits.upper));
+            limits[joint.q()].fill((joint.limits.lower, joint.limits.upper));
         }
         Self {
             samples: Vec::new(),

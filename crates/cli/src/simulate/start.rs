@@ -117,7 +117,7 @@ fn first_outside(model: &Model, q: &[f64]) -> Option<String> {
     let mut plain = model.joints().iter().filter(|joint| joint.nq == joint.nv);
     let outside = |joint: &&robot_dynamics::model::Joint| {
         let Limits { lower, upper, .. } = joint.limits;
-        q[joint.q_index..joint.q_index + joint.nq].iter().any(|q| !(lower..=upper).contains(q))
+        q[joint.q()].iter().any(|q| !(lower..=upper).contains(q))
     };
     plain.find(outside).map(|joint| joint.name.clone())
 }
@@ -133,7 +133,7 @@ fn at_fraction(model: &Model, fraction: f64) -> Vec<f64> {
             (_, upper) if upper.is_finite() => (upper - 2.0, upper),
             _ => (-1.0, 1.0),
         };
-        q[joint.q_index..joint.q_index + joint.nq].fill(lower + fraction * (upper - lower));
+        q[joint.q()].fill(lower + fraction * (upper - lower));
     }
     q
 }

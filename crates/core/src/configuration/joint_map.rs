@@ -141,8 +141,8 @@ impl JointMap {
                 let (joint, reduced, full) = (joint.name.clone(), movement(joint), movement(own));
                 return Err(JointMapError::DifferentJoint { joint, reduced, full });
             }
-            q_indices.extend(own.q_index..own.q_index + own.nq);
-            v_indices.extend(own.v_index..own.v_index + own.nv);
+            q_indices.extend(own.q());
+            v_indices.extend(own.v());
         }
         // A mimic joint that is locked while its leader moves.
         for joint in full.joints() {
@@ -160,7 +160,7 @@ impl JointMap {
             if reduced.joint(&joint.name).is_some_and(|other| other.nq > 0) {
                 continue;
             }
-            let q = &reference[joint.q_index..joint.q_index + joint.nq];
+            let q = &reference[joint.q()];
             let distance = distance_from_reference(full, reduced, joint, q);
             if distance.is_nan() || distance > SAME_PLACE {
                 return Err(JointMapError::LockedElsewhere { joint: joint.name.clone(), distance });

@@ -35,13 +35,13 @@ impl Model {
         for (joint, numbers) in &pose.positions {
             let found = self.joints.iter().find(|own| own.name == *joint && own.nq == numbers.len());
             if let Some(own) = found {
-                q[own.q_index..own.q_index + own.nq].copy_from_slice(numbers);
+                q[own.q()].copy_from_slice(numbers);
             }
         }
         for (joint, numbers) in &pose.velocities {
             let found = self.joints.iter().find(|own| own.name == *joint && own.nv == numbers.len());
             if let Some(own) = found {
-                v[own.v_index..own.v_index + own.nv].copy_from_slice(numbers);
+                v[own.v()].copy_from_slice(numbers);
             }
         }
         Some((q, v))

@@ -360,8 +360,7 @@ impl<'a> Compiler<'a> {
         for (coordinate, root) in rotors.iter().flat_map(|rotor| rotor.roots(&self.dofs)) {
             costs_energy[coordinate] |= root > 0.0;
         }
-        let is_massless =
-            |joint: &Joint| costs_energy[joint.v_index..joint.v_index + joint.nv].iter().any(|costs| !costs);
+        let is_massless = |joint: &Joint| costs_energy[joint.v()].iter().any(|costs| !costs);
         self.joints.iter().enumerate().filter(|(_, joint)| is_massless(joint)).map(|(i, _)| i).collect()
     }
 

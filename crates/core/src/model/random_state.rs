@@ -36,7 +36,7 @@ pub struct RandomState {
 pub fn random_state(model: &Model, random: &mut SplitMix64) -> RandomState {
     let mut q = vec![0.0; model.nq()];
     for joint in model.joints() {
-        let q = &mut q[joint.q_index..joint.q_index + joint.nq];
+        let q = &mut q[joint.q()];
         if joint.nq == 0 {
             continue;
         }

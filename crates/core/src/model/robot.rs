@@ -305,7 +305,7 @@ impl Model {
     pub fn coordinate_limits(&self) -> Vec<Limits> {
         let mut limits = vec![Limits::default(); self.nv];
         for joint in self.joints.iter().filter(|joint| joint.nv > 0) {
-            limits[joint.v_index..joint.v_index + joint.nv].fill(joint.limits);
+            limits[joint.v()].fill(joint.limits);
         }
         limits
     }

@@ -331,7 +331,7 @@ fn passive_forces_and_the_potential_energy() {
             actuation.passive_forces(&model, &mut memory, &q, &v, &mut tau);
             for joint in model.joints() {
                 let passive = &joint.passive;
-                for k in joint.v_index..joint.v_index + joint.nv {
+                for k in joint.v() {
                     tau[k] -= passive.damping * v[k];
                     if passive.stiffness != 0.0 {
                         tau[k] -= passive.stiffness * (q[joint.q_index] - passive.rest);

@@ -47,7 +47,7 @@ fn assert_within_limits(model: &Model, q: &[f64], context: &str) {
     for joint in model.joints().iter().filter(|joint| joint.nq == joint.nv) {
         let values = match &joint.mimic {
             Some(_) => vec![mimic_value(model, joint, q)],
-            None => q[joint.q_index..joint.q_index + joint.nq].to_vec(),
+            None => q[joint.q()].to_vec(),
         };
         let rounding = if joint.mimic.is_some() { 1e-14 } else { 0.0 };
         let Limits { lower, upper, .. } = joint.limits;

@@ -16,7 +16,7 @@ fn locked(robot: &Robot, every: usize) -> (Model, Vec<f64>) {
     let mut reference = robot.state.q.clone();
     let fixes_base = description.base == Base::Floating && robot.seed % 2 == 1;
     for (k, joint) in robot.model.joints().iter().filter(|joint| joint.nq > 0).enumerate() {
-        let own = joint.q_index..joint.q_index + joint.nq;
+        let own = joint.q();
         if k == 0 && description.base == Base::Floating {
             if fixes_base {
                 reference[own].copy_from_slice(&neutral(&robot.model)[..7]);
@@ -245,7 +245,7 @@ fn locked_massless_joints_are_filled_in() {
     for name in &names {
         let joint = full.joint(name).unwrap();
         let rest = full.description().resting_position(name).unwrap();
-        reference[joint.q_index..joint.q_index + joint.nq].copy_from_slice(&rest);
+        reference[joint.q()].copy_from_slice(&rest);
     }
     let reduced = Model::new(description).unwrap();
     let map = JointMap::new(&full, &reduced, &reference).unwrap();

@@ -24,12 +24,12 @@ fn locked_joint_matches_joint_at_rest() {
         let pick = usize::try_from(seed).expect("a small seed") % candidates.len();
         let joint = candidates[pick];
         let mut locked = description;
-        let q = joint.q_index..joint.q_index + joint.nq;
+        let q = joint.q();
         locked.lock_joint(&joint.name, &state.q[q.clone()]).expect("its own position fits");
         let locked = Model::new(locked).expect("a robot");
         locked_kinds.insert(joint.kind.name());
 
-        let rows = joint.v_index..joint.v_index + joint.nv;
+        let rows = joint.v();
         state.v[rows.clone()].fill(0.0);
         state.a[rows.clone()].fill(0.0);
         let expected = whole.inverse_dynamics(&state.q, &state.v, &state.a).expect("a finite state");

@@ -34,7 +34,7 @@ fn varied(x: &[f64], k: usize) -> Vec<First> {
 /// q ⊕ ε eₖ to first order: q̇ of v = eₖ, with quaternions by nalgebra.
 fn moved(model: &Model, q: &[f64], k: usize) -> Vec<First> {
     let mut moved = constants(q);
-    let joint = model.joints().iter().find(|joint| (joint.v_index..joint.v_index + joint.nv).contains(&k));
+    let joint = model.joints().iter().find(|joint| joint.v().contains(&k));
     let joint = joint.expect("a joint has the coordinate");
     let (i, k) = (joint.q_index, k - joint.v_index);
     if joint.nq == joint.nv {

@@ -162,7 +162,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 pub(crate) fn moved_along(model: &Model, q: &[f64], delta: &[f64]) -> Vec<Dual<f64, 1>> {
     let mut moved: Vec<_> = q.iter().map(|&q| Dual::constant(q)).collect();
     for joint in model.joints().iter().filter(|joint| joint.nv > 0) {
-        let delta = &delta[joint.v_index..joint.v_index + joint.nv];
+        let delta = &delta[joint.v()];
         if joint.nq == joint.nv {
             (0..joint.nq).for_each(|i| moved[joint.q_index + i].gradient = [delta[i]]);
             continue;

@@ -3,6 +3,7 @@
 use dynamics::MassProperties;
 use robot_dynamics::algorithms::frame_poses;
 use robot_dynamics::description::{JointKind, LinkShape, Shape, ShapeRole};
+use robot_dynamics::model::Joint;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::Robot;
@@ -113,8 +114,7 @@ impl Robot {
                 | JointKind::Spherical
                 | JointKind::Floating => [0.0; 3],
             };
-            let moves =
-                self.model.joint(&joint.name).map_or(0..0, |joint| joint.v_index..joint.v_index + joint.nv);
+            let moves = self.model.joint(&joint.name).map_or(0..0, Joint::v);
             Some(DrawnJoint {
                 parent: number(&joint.parent)?,
                 child: number(&joint.child)?,

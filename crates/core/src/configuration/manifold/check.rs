@@ -95,6 +95,6 @@ fn not_finite(quantity: &str, index: usize, coordinate: String, value: f64) -> I
 
 /// The name of the joint of this entry of q.
 fn joint_of(model: &Model, index: usize) -> String {
-    let owner = model.joints.iter().find(|joint| (joint.q_index..joint.q_index + joint.nq).contains(&index));
+    let owner = model.joints.iter().find(|joint| joint.q().contains(&index));
     owner.map_or_else(String::new, |joint| joint.name.clone())
 }

@@ -31,7 +31,7 @@ use crate::Model;
 pub fn random_within_limits(model: &Model, random: &mut SplitMix64) -> Vec<f64> {
     let mut q = neutral(model);
     for joint in model.joints.iter().filter(|joint| joint.nq > 0) {
-        let part = &mut q[joint.q_index..joint.q_index + joint.nq];
+        let part = &mut q[joint.q()];
         let positions = joint.kind.plain_positions();
         let (plain, quaternion) = part.split_at_mut(positions.len());
         for (x, position) in plain.iter_mut().zip(positions) {

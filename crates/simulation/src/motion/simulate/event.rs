@@ -93,7 +93,7 @@ impl<'a> Event<'a> {
     pub fn joint_limits(model: &Model) -> Vec<Event<'static>> {
         let mut events = Vec::new();
         for joint in model.joints().iter().filter(|joint| joint.nq == joint.nv) {
-            for i in joint.q_index..joint.q_index + joint.nq {
+            for i in joint.q() {
                 let (lower, upper) = (joint.limits.lower, joint.limits.upper);
                 if upper.is_finite() {
                     let name = format!("`{}` at its upper limit", joint.name);

@@ -140,7 +140,7 @@ impl RunLoop<'_> {
 
     /// The first entry in v of the joint that owns this entry of q.
     fn first_coordinate_of(&self, index: usize) -> usize {
-        let owner = self.model.joints().iter().find(|j| (j.q_index..j.q_index + j.nq).contains(&index));
+        let owner = self.model.joints().iter().find(|j| j.q().contains(&index));
         owner.map_or(0, |joint| joint.v_index)
     }
 

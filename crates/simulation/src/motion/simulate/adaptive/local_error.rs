@@ -25,7 +25,7 @@ pub(super) fn least_accurate(motion: &Motion<'_, '_>, t: f64, y: &[f64], h: f64)
     let coordinate = if largest >= nq {
         largest - nq
     } else {
-        let owner = model.joints().iter().find(|j| (j.q_index..j.q_index + j.nq).contains(&largest));
+        let owner = model.joints().iter().find(|j| j.q().contains(&largest));
         // The four numbers of a quaternion do not match its three axes one to one, so the last entries share
         // a name.
         owner.map_or(0, |joint| joint.v_index + (largest - joint.q_index).min(joint.nv - 1))
