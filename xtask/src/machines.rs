@@ -143,23 +143,27 @@ fn install_emulator() -> Result<(), String> {
     install_package("machines", "qemu-user")
 }
 
+/// The toolchain of Miri. The date keeps its results the same on every machine. It also leaves an installed
+/// nightly toolchain as it is, because an update may fail halfway and leave it broken.
+const INTERPRETER: &str = "nightly-2026-10-30";
+
 /// The numbers' tests in Miri, over AVX2 as well as portable code.
 pub(crate) fn interpret() -> Result<(), String> {
     if !CAN_EMULATE {
         return Ok(());
     }
-    let nightly = |arguments: &[&str]| {
+    let cargo_miri = |arguments: &[&str]| {
         let mut command = Command::new("rustup");
-        command.args(["run", "nightly", "cargo", "miri"]).args(arguments).current_dir(root());
+        command.args(["run", INTERPRETER, "cargo", "miri"]).args(arguments).current_dir(root());
         command
     };
-    if !nightly(&["--version"]).output().is_ok_and(|output| output.status.success()) {
+    if !cargo_miri(&["--version"]).output().is_ok_and(|output| output.status.success()) {
         let mut install = Command::new("rustup");
-        install.args(["toolchain", "install", "nightly", "--profile", "minimal"]);
+        install.args(["toolchain", "install", INTERPRETER, "--profile", "minimal"]);
         install.args(["--component", "miri,rust-src", "--no-self-update"]);
         step("machines: Miri", install)?;
     }
-    let mut test = nightly(&["test", "--locked", "--package", "robot-dynamics-number", "--lib"]);
+    let mut test = cargo_miri(&["test", "--locked", "--package", "robot-dynamics-number", "--lib"]);
     test.env("RUSTFLAGS", "-C target-feature=+avx2,+fma");
     // Without these flags the interpreter has no clock, and varies the last digits of sines.
     test.env("MIRIFLAGS", "-Zmiri-disable-isolation -Zmiri-deterministic-floats");
