@@ -105,6 +105,7 @@ RETURNS = {
     "nearest_parameters": "NDArray[np.float64]",
     "parameters": "NDArray[np.float64]",
     "_xla_handle": "int",
+    "_defaults": "dict[str, Any]",
     "_xla_handlers": "dict[str, Any]",
     "_random_robot": "str",
     "_write_text": "None",

@@ -50,7 +50,7 @@ def main() -> None:
         if len(whole) + len(failed) == arguments.robots:
             break
         run = [arguments.command, "simulate", file, "--lock-massless", "--ground", "--duration", arguments.duration]
-        run += ["--csv", table, "--every", "10"]
+        run += ["--csv", table, "--sample-period", "0.01"]
         try:
             done = subprocess.run([*run, "--floating-base"], capture_output=True, text=True, timeout=900)
             if "floating" in done.stderr and done.returncode:

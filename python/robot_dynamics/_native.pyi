@@ -12,9 +12,12 @@ from robot_dynamics.results import DissipationPullback, ForwardDynamicsDerivativ
 
 _F = TypeVar("_F", np.float64, np.float32)
 
-__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', '__version__', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
+
+def _defaults() -> dict[str, Any]:
+    """The default values of options that the Rust library defines."""
 
 def _html(text: str) -> str:
     """The text escaped for HTML, between tags or in an attribute."""
@@ -129,7 +132,7 @@ class GravityCompensatedPd:
 
     >>> robot = rd.example("panda")
     >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
-    >>> motion = robot.simulate(np.zeros(7), tau=hold, duration=0.5, dt=1e-4, sample_every=100, without=["limits"])
+    >>> motion = robot.simulate(np.zeros(7), tau=hold, duration=0.5, dt=1e-4, sample_period=0.01, without=["limits"])
     >>> bool(np.abs(motion.q[-1] - 0.2).max() < np.abs(motion.q[0] - 0.2).max())
     True
     """
@@ -242,7 +245,7 @@ class Robot:
         """See `sensor_values`."""
     def _sensors(self) -> Any:
         """See `sensors`."""
-    def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, sample_every: Any, events: Any, stop_at_limits: Any, controls: Any, **options: Any) -> Any:
+    def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, sample_period: Any, events: Any, stop_at_limits: Any, controls: Any, **options: Any) -> Any:
         """See `simulate`."""
     def _state(self) -> str:
         """The description and the report as JSON, from which an equal robot is made."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from robot_dynamics import _native
+from robot_dynamics import _native, defaults
 from robot_dynamics._native import _html as escape
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ class Audit:
         return f"<table style=\"white-space: nowrap; text-align: left\"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
 
 
-def audit(robot: Robot, *, states: int = 20, seed: int = 1) -> Audit:
+def audit(robot: Robot, *, states: int = defaults.AUDIT_STATES, seed: int = defaults.AUDIT_SEED) -> Audit:
     """Check each law of mechanics on this robot in random states, by two independent computations.
 
     Parameters

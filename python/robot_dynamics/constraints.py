@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from robot_dynamics import defaults
 from robot_dynamics._native import Constraints
 from robot_dynamics.numbers import Numbers
 
@@ -397,7 +398,7 @@ def supported_inverse_dynamics(
     *,
     actuated: Sequence[bool] | None = None,
     constraints: Constraints | None = None,
-    force_weight: float = 1e-3,
+    force_weight: float = defaults.FORCE_WEIGHT,
 ) -> SupportedTorque:
     """Torques of a motion on supports, with support forces p in their friction cones.
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from robot_dynamics import _native
+from robot_dynamics import _native, defaults
 from robot_dynamics.numbers import Numbers
 
 if TYPE_CHECKING:
@@ -135,11 +135,11 @@ def inverse_kinematics(
     target: Numbers,
     start: Numbers | None = None,
     *,
-    position_tolerance: float = 1e-9,
-    angle_tolerance: float = 1e-9,
-    max_iterations: int = 100,
-    max_restarts: int = 20,
-    seed: int = 1,
+    position_tolerance: float = defaults.POSITION_TOLERANCE,
+    angle_tolerance: float = defaults.ANGLE_TOLERANCE,
+    max_iterations: int = defaults.MAX_ITERATIONS,
+    max_restarts: int = defaults.MAX_RESTARTS,
+    seed: int = defaults.SEED,
 ) -> InverseKinematicsSolution:
     """Find a configuration within the joint limits that brings a frame to a pose or a position.
 

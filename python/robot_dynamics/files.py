@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from robot_dynamics import _native
+from robot_dynamics import _native, defaults
 
 if TYPE_CHECKING:
     from robot_dynamics.robot import Robot
@@ -119,7 +119,7 @@ def write(robot: Robot, path: str | PathLike[str]) -> tuple[UnsupportedFeature, 
 def generate(
     robot: Robot,
     target: Literal["rust", "c", "casadi", "wgsl", "cuda"],
-    functions: Sequence[str] = ("inverse_dynamics", "forward_dynamics", "mass_matrix"),
+    functions: Sequence[str] = defaults.GENERATED_FUNCTIONS,
     folder: str | PathLike[str] | None = None,
     *,
     single: bool = False,
@@ -127,7 +127,7 @@ def generate(
     platform_sine: bool = False,
     lanes: bool = False,
     name: str | None = None,
-    states: int = 5,
+    states: int = defaults.GENERATED_STATES,
 ) -> dict[str, str]:
     """Generate straight-line code without allocation for this robot alone.
 

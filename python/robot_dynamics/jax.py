@@ -32,6 +32,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from robot_dynamics import defaults
 from robot_dynamics.errors import DTypeError, ShapeError
 
 if TYPE_CHECKING:
@@ -193,7 +194,7 @@ def rollout(
     tau: jax.Array | None = None,
     *,
     steps: int,
-    dt: float = 1e-3,
+    dt: float = defaults.DT,
     integrator: str = "rk4",
     conservative: bool = False,
     without: Sequence[str] = (),

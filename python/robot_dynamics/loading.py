@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 
-from robot_dynamics import _native
+from robot_dynamics import _native, defaults
 from robot_dynamics.errors import LoadWarning
 from robot_dynamics.robot import Robot
 
@@ -132,7 +132,7 @@ def example(name: str = "panda", *, floating_base: bool = False) -> Robot:
     return Robot("text", _native.example_text(name), floating_base=floating_base)
 
 
-def random_robot(seed: int, *, joints: int = 10, floating_base: bool = False) -> Robot:
+def random_robot(seed: int, *, joints: int = defaults.RANDOM_JOINTS, floating_base: bool = False) -> Robot:
     """Generate a random robot for tests: a tree of joints of all kinds with springs, damping and friction.
 
     Parameters

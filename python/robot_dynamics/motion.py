@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
+from robot_dynamics import defaults
 from robot_dynamics import ground as grounds
 from robot_dynamics._native import Constraints
 from robot_dynamics.errors import BadStatesError, SimulationError
@@ -320,13 +321,13 @@ def simulate(
     tau: Numbers | Controller | None = None,
     *,
     duration: float,
-    dt: float = 1e-3,
+    dt: float = defaults.DT,
     integrator: str | None = None,
     conservative: bool = False,
     without: Sequence[str] = (),
     dissipation: bool = True,
     stops: bool = True,
-    sample_every: int = 1,
+    sample_period: float | Literal["ends"] | None = None,
     events: Sequence[Event] = (),
     stop_at_limits: bool = False,
     constraints: Constraints | None = None,
@@ -381,8 +382,9 @@ def simulate(
         Whether damping and friction act.
     stops : bool
         Whether position limits act.
-    sample_every : int
-        Number of steps between samples. The first and the last state are always samples.
+    sample_period : float or "ends", optional
+        Time between samples [s], rounded to the nearest whole number of steps, at least one; default: each
+        step. The first and the last state are always samples, with ``"ends"`` the only ones.
     events : sequence of Event
         Events to find.
     stop_at_limits : bool
@@ -431,7 +433,7 @@ def simulate(
     """
     directions = {"both": 0, "rising": 1, "falling": -1}
     fields = [(event.name, event.function, directions[event.direction], event.terminal) for event in events]
-    how = {"duration": duration, "sample_every": sample_every, "events": fields, "stop_at_limits": stop_at_limits}
+    how = {"duration": duration, "sample_period": sample_period, "events": fields, "stop_at_limits": stop_at_limits}
     try:
         if integrator == "adaptive":
             check_adaptive_options(ground=ground, constraints=constraints)
@@ -499,7 +501,7 @@ def rollout(
     tau: Numbers | None = None,
     *,
     steps: int,
-    dt: float = 1e-3,
+    dt: float = defaults.DT,
     integrator: str | None = None,
     conservative: bool = False,
     without: Sequence[str] = (),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robot_dynamics import defaults
 from robot_dynamics.errors import BadStatesError, ShapeError
 from robot_dynamics.motion import RolloutInputs, disabled_effects, effort_limits
 from robot_dynamics.numbers import Numbers
@@ -59,7 +60,7 @@ def rollout_pullback(
     by_position_trajectory: Numbers | None = None,
     by_velocity_trajectory: Numbers | None = None,
     steps: int,
-    dt: float = 1e-3,
+    dt: float = defaults.DT,
     integrator: str = "rk4",
     conservative: bool = False,
     without: Sequence[str] = (),

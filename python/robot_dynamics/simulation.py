@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from robot_dynamics import _native
+from robot_dynamics import _native, defaults
 from robot_dynamics import ground as grounds
 from robot_dynamics._native import Constraints
 from robot_dynamics.errors import ShapeError
@@ -71,7 +71,7 @@ class Simulation(_native.Simulation):
         cls,
         robot: Robot,
         *,
-        dt: float = 1e-3,
+        dt: float = defaults.DT,
         integrator: str | None = None,
         conservative: bool = False,
         without: Sequence[str] = (),
@@ -279,7 +279,7 @@ class SimulationBatch(_native.SimulationBatch):
         robot: Robot,
         count: int,
         *,
-        dt: float = 1e-3,
+        dt: float = defaults.DT,
         integrator: str | None = None,
         conservative: bool = False,
         without: Sequence[str] = (),

@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from robot_dynamics import defaults
 from robot_dynamics.errors import BadStatesError, SimulationError, SingularMassError, StateError
 from robot_dynamics.motion import disabled_effects
 
@@ -140,7 +141,7 @@ def rollout(
     tau: torch.Tensor | None = None,
     *,
     steps: int,
-    dt: float = 1e-3,
+    dt: float = defaults.DT,
     integrator: str = "rk4",
     conservative: bool = False,
     without: Sequence[str] = (),

@@ -115,10 +115,10 @@ def test_adaptive_steps_are_as_accurate_as_asked_for(panda: rd.Robot) -> None:
     assert exact.statistics is not None and rough.statistics is not None
     assert exact.steps == exact.statistics.accepted > rough.statistics.accepted
     assert 0.0 < exact.statistics.shortest <= exact.statistics.longest < 0.5
-    fine = panda.simulate(s.q[0], s.v[0], duration=0.5, dt=1e-4, sample_every=500, without=["limits"])
+    fine = panda.simulate(s.q[0], s.v[0], duration=0.5, dt=1e-4, sample_period=0.05, without=["limits"])
     assert_allclose(fine.q, exact.q, atol=1e-9)
     assert fine.statistics is None
-    ends = panda.simulate(s.q[0], s.v[0], **how, sample_every=0, tolerance=1e-13)
+    ends = panda.simulate(s.q[0], s.v[0], **how, sample_period="ends", tolerance=1e-13)
     assert ends.times.tolist() == [0.0, 0.5] and np.array_equal(ends.q[-1], exact.q[-1])
 
 
@@ -126,7 +126,7 @@ def test_adaptive_runs_hold_torques_that_are_held(panda: rd.Robot) -> None:
     rows = np.random.default_rng(1).uniform(-5.0, 5.0, (10, 7))
     held = panda.simulate(Q, tau=rows, duration=0.5, dt=0.05, integrator="adaptive", tolerance=1e-12)
     # The reference uses small steps of order 4 and holds each row for 500 of them.
-    fine = panda.simulate(Q, tau=np.repeat(rows, 500, axis=0), duration=0.5, dt=1e-4, sample_every=500, without=["limits"])
+    fine = panda.simulate(Q, tau=np.repeat(rows, 500, axis=0), duration=0.5, dt=1e-4, sample_period=0.05, without=["limits"])
     assert_allclose(held.q, fine.q, atol=1e-9)
     asked: list[float] = []
 
@@ -178,7 +178,7 @@ def test_adaptive_steps_say_what_they_leave_out(panda: rd.Robot) -> None:
     assert left_out(rubbed, conservative=True) == ["equalities"]
     # Damping acts if no joint has friction, and the energy account includes its work.
     motion = damped.simulate([0.0], **how)
-    fine = damped.simulate([0.0], duration=0.5, integrator="rk4", without=["actuators"], sample_every=100)
+    fine = damped.simulate([0.0], duration=0.5, integrator="rk4", without=["actuators"], sample_period=0.1)
     assert_allclose(motion.q, fine.q, atol=1e-9)
     assert motion.ledger.dissipated > 0.1 and abs(motion.ledger.imbalance) < 1e-9
     assert rubbed.simulate([0.0], **how).ledger.dissipated == 0.0

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 import robot_dynamics as rd
+from robot_dynamics import defaults
 from robot_dynamics.sampling import Mppi
 from conftest import ROBOTS, load
 
@@ -45,6 +46,34 @@ def test_defaults_are_one_rule(path: str) -> None:
         assert parameters[name].default == STATED[name], name
     # The exception: gradients require an explicit method.
     assert parameters["integrator"].default == ("rk4" if path in DIFFERENTIATES else None)
+
+
+SHARED: dict[str, dict[str, object]] = {
+    "rd.Robot.inverse_kinematics": {
+        "position_tolerance": defaults.POSITION_TOLERANCE,
+        "angle_tolerance": defaults.ANGLE_TOLERANCE,
+        "max_iterations": defaults.MAX_ITERATIONS,
+        "max_restarts": defaults.MAX_RESTARTS,
+        "seed": defaults.SEED,
+    },
+    "rd.Robot.supported_inverse_dynamics": {"force_weight": defaults.FORCE_WEIGHT},
+    "rd.random_robot": {"joints": defaults.RANDOM_JOINTS},
+    "rd.Robot.audit": {"states": defaults.AUDIT_STATES, "seed": defaults.AUDIT_SEED},
+    "rd.Robot.generate": {"functions": defaults.GENERATED_FUNCTIONS, "states": defaults.GENERATED_STATES},
+}
+"""Defaults that the Rust library defines, by function."""
+
+
+@pytest.mark.parametrize("path", SHARED)
+def test_defaults_are_those_of_rust(path: str) -> None:
+    parameters = inspect.signature(found(path)).parameters
+    assert {name: parameters[name].default for name in SHARED[path]} == SHARED[path]
+
+
+@pytest.mark.parametrize("path", [path for path in CHOOSES + DIFFERENTIATES if path not in ("gym.RobotEnv", "sampling.Mppi")])
+def test_steps_have_the_length_of_rust(path: str) -> None:
+    default = inspect.signature(found(path)).parameters["dt"].default
+    assert default in (defaults.DT, inspect.Parameter.empty)
 
 
 def test_no_other_default_switches_something_off() -> None:

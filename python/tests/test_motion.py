@@ -41,7 +41,7 @@ def test_a_pendulum_swings_with_its_period() -> None:
 
 def test_the_books_balance_and_samples_are_the_motion(robot: rd.Robot) -> None:
     s = states(robot, 1)
-    how: dict[str, Any] = {"duration": 0.005, "dt": 1e-4, "sample_every": 10}
+    how: dict[str, Any] = {"duration": 0.005, "dt": 1e-4, "sample_period": 1e-3}
     motion = robot.simulate(s.q[0], s.v[0], 0.1 * s.tau[0], integrator="rk4", **how)
     assert motion.times.tolist() == pytest.approx([0.0, 0.001, 0.002, 0.003, 0.004, 0.005])
     assert np.array_equal(motion.q[0], s.q[0]) and motion.steps == 50
@@ -195,7 +195,7 @@ import numpy as np, robot_dynamics as rd
 robot = rd.example("two_r")
 q = robot.neutral()
 print("ready", flush=True)
-{call.replace("1e6)", "1e6, sample_every=0)")}
+{call.replace("1e6)", "1e6, sample_period='ends')")}
 """
     errors, _ = interrupted(program)
     assert "KeyboardInterrupt" in errors and "SimulationError" not in errors
@@ -244,15 +244,15 @@ def test_actuators_of_a_file_act_at_their_controls() -> None:
 def test_a_robot_falls_and_comes_to_rest_on_ground() -> None:
     robot = rd.example("quadruped", floating_base=True)
     q = np.array([0, 0, 0.5, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4])
-    motion = robot.simulate(q, duration=2.0, dissipation=True, ground=rd.Ground(), sample_every=100)
+    motion = robot.simulate(q, duration=2.0, dissipation=True, ground=rd.Ground(), sample_period=0.1)
     assert np.abs(motion.v[-1]).max() < 1e-6
     assert motion.contact_forces is not None and motion.contact_forces.shape == (21, len(motion.contact_links), 3)
     assert_allclose(motion.contact_forces[-1].sum(axis=0), [0, 0, 9.81 * robot.mass], atol=1e-3)
     assert motion.losses is not None and motion.losses["impacts"] > 1.0
     assert "front_left_foot" in motion.contact_links
-    slid = robot.simulate(q, duration=2.0, ground=rd.Ground(slope=0.3, friction=0.0), sample_every=0)
+    slid = robot.simulate(q, duration=2.0, ground=rd.Ground(slope=0.3, friction=0.0), sample_period="ends")
     assert slid.q[-1, 0] < -1.0
-    soft = robot.simulate(q, duration=2.0, dissipation=True, ground=rd.Ground(), integrator="mujoco", sample_every=0)
+    soft = robot.simulate(q, duration=2.0, dissipation=True, ground=rd.Ground(), integrator="mujoco", sample_period="ends")
     assert soft.contact_forces is not None and np.abs(soft.v[-1]).max() < 1e-2
     # The contact is compliant: it carries the same weight, slightly lower.
     assert_allclose(soft.contact_forces[-1].sum(axis=0), [0, 0, 9.81 * robot.mass], atol=0.5)
@@ -330,7 +330,7 @@ def test_rollouts_on_the_ground_are_runs_on_the_ground(integrator: str) -> None:
     ends = [robot.rollout(q, steps=200, stride=50, threads=threads, **common) for threads in (1, 2)]
     assert np.array_equal(ends[0].q, ends[1].q) and np.array_equal(ends[0].v_trajectory, ends[1].v_trajectory)
     for state in (0, 4):
-        run = robot.simulate(q[state], duration=0.2, sample_every=50, **common)
+        run = robot.simulate(q[state], duration=0.2, sample_period=0.05, **common)
         assert np.array_equal(run.q[1:], ends[0].q_trajectory[state])
         assert np.array_equal(run.v[-1], ends[0].v[state])
 

@@ -173,7 +173,7 @@ def test_balls_lie_on_fixed_geometry_and_on_each_other() -> None:
     assert sorted(forces.values()) == pytest.approx([3 * 9.81, 4 * 9.81], abs=1e-6)
     assert {frozenset(pair) for pair in forces} == {frozenset(("low", "table")), frozenset(("low", "up"))}
     assert np.array_equal(robot.simulate([0.0, 0.0], duration=2.0).q[-1], sim.q)
-    below = robot.simulate([0.0, 0.0], duration=0.5, without=["link-contacts"], sample_every=0)
+    below = robot.simulate([0.0, 0.0], duration=0.5, without=["link-contacts"], sample_period="ends")
     assert below.q[-1, 0] < -0.5  # without support
 
 
@@ -198,7 +198,7 @@ def test_a_reset_starts_anew() -> None:
 
 def test_a_loop_holds_and_its_forces_have_names() -> None:
     robot = rd.loads(LINKAGE)
-    run = robot.simulate(robot.neutral(), duration=0.5, sample_every=0)
+    run = robot.simulate(robot.neutral(), duration=0.5, sample_period="ends")
     assert run.position_drift is None or run.position_drift < 1e-8
     sim = rd.Simulation(robot)
     sim.run_for(0.5)

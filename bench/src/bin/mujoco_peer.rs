@@ -64,7 +64,7 @@ fn answer(robot: &RobotDescription, asked: &Value) -> Result<Value, Failure> {
         let controls = numbers(&asked["ctrl"]);
         let steps = asked["steps"].as_u64().ok_or("no steps")?;
         let mut simulation = SimulationBuilder::new(&model)
-            .step(step)
+            .dt(step)
             .method(Method::Fixed(Integrator::RungeKutta4))
             .without(Effect::Contacts)
             .build()?;

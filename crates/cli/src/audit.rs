@@ -6,7 +6,9 @@ use std::process::ExitCode;
 
 use robot_dynamics::plausibility::{Suspicion, suspicions};
 use robot_dynamics::text::one_line;
-use robot_dynamics::verification::audit::{Check, Verdict, audit, ignored_physics};
+use robot_dynamics::verification::audit::{
+    Check, DEFAULT_SEED, DEFAULT_STATES, Verdict, audit, ignored_physics,
+};
 use serde::Serialize;
 
 use self::suspect::Suspect;
@@ -35,10 +37,10 @@ pub(crate) struct Arguments {
     #[arg(long)]
     json: bool,
     /// Number of random states for each check.
-    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, default_value_t = DEFAULT_STATES, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     states: u32,
     /// Seed of the random states.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = DEFAULT_SEED)]
     seed: u64,
 }
 

@@ -33,7 +33,7 @@ pub(crate) struct Arguments {
     /// frame_jacobian_local_world_aligned:NAME, frame_jacobian_local:NAME, frame_jacobian_world:NAME.
     /// Derivatives of any of these: NAME_derivatives and NAME_pullback.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = parse_function)]
-    #[arg(default_values = ["inverse_dynamics", "forward_dynamics", "mass_matrix"])]
+    #[arg(default_values_t = Request::DEFAULT_FUNCTIONS)]
     functions: Vec<Function>,
     /// Output folder. Existing files are replaced only if they were generated.
     #[arg(short, long, value_name = "FOLDER")]
@@ -64,7 +64,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     measure: bool,
     /// Number of random states that the test compares.
-    #[arg(long, value_name = "COUNT", default_value_t = 5)]
+    #[arg(long, value_name = "COUNT", default_value_t = Request::DEFAULT_STATES)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     states: u16,
 }
@@ -159,7 +159,7 @@ fn command(arguments: &Arguments) -> String {
     if let Some(name) = &arguments.name {
         text.extend([" --name ", name]);
     }
-    if arguments.states != 5 {
+    if arguments.states != Request::DEFAULT_STATES {
         text.extend([" --states ", &arguments.states.to_string()]);
     }
     text

@@ -50,8 +50,7 @@ fn text() -> Result<String> {
     let (kinetic, potential) = (arm.kinetic_energy(&q, &qd)?, arm.potential_energy(&q)?);
     let m11 = |q2: f64| Ok::<f64, Box<dyn std::error::Error>>(arm.mass_matrix(&[q[0], q2])?[(0, 0)]);
     let drift = |integrator: Integrator| -> Result<f64> {
-        let builder =
-            SimulationBuilder::new(&arm).conservative().method(Method::Fixed(integrator)).step(1e-3);
+        let builder = SimulationBuilder::new(&arm).conservative().method(Method::Fixed(integrator)).dt(1e-3);
         let mut simulation = builder.build()?;
         simulation.reset(&q, &[0.0, 0.0])?;
         simulation.run_for(10.0)?;

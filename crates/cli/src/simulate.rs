@@ -31,7 +31,6 @@ use self::csv::OptionalColumns;
 use self::files::Files;
 use self::ground::Floor;
 use self::hold::Hold;
-use self::option_values::TOLERANCE;
 use self::plot::Plot;
 use self::recorder::Recorder;
 use self::run::RunResult;
@@ -71,7 +70,7 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     let mut goal = start.q.clone();
     set(&model, "--goal", &arguments.goal, Numbers::Configuration, &mut goal)?;
     let mut hold = if is_held {
-        Some(Hold::new(&model, &goal, arguments.gains, arguments.step).map_err(Failure::new)?)
+        Some(Hold::new(&model, &goal, arguments.gains, arguments.dt).map_err(Failure::new)?)
     } else {
         None
     };
@@ -80,14 +79,14 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     let (csv, plot) = (arguments.csv.as_deref(), arguments.plot.as_deref());
     let touching = setup.ground_links().to_vec();
     let columns = OptionalColumns { touching: &touching, has_losses: setup.has_losses() };
+    let stride = arguments.steps_between_rows().map_err(Failure::new)?;
     let read: Vec<PathBuf> = report.files.iter().chain(&arguments.srdf).cloned().collect();
-    let mut files =
-        Files::open(&model, (arguments.robot.path(), &read), (csv, arguments.every, columns), plot)?;
+    let mut files = Files::open(&model, (arguments.robot.path(), &read), (csv, stride, columns), plot)?;
     let print_summary = if files.use_standard_output() { print_error } else { print };
 
     let progress = progress(steps);
     let recorder = Recorder::new(&model);
-    let mut observer = Observer { recorder, files, progress: &progress, steps, step: arguments.step };
+    let mut observer = Observer { recorder, files, progress: &progress, steps, step: arguments.dt };
     let clock = Instant::now();
     let controller = hold.as_mut().map(|hold| &mut hold.controller as &mut dyn Controller);
     let ran = run::run(arguments, &model, &start, (&mut setup, drive.as_ref()), steps, controller, |info| {
@@ -147,15 +146,15 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
 
 /// The whole number of steps that is nearest to the duration, at least one.
 fn steps(arguments: &Arguments) -> Result<usize, Failure> {
-    let steps = arguments.duration / arguments.step;
+    let steps = arguments.duration / arguments.dt;
     if steps > MAX_STEPS {
-        let [duration, step, steps] = [arguments.duration, arguments.step, steps].map(short);
+        let [duration, step, steps] = [arguments.duration, arguments.dt, steps].map(short);
         return Err(Failure::new(format!(
             "{duration} s in steps of {step} s are {steps} steps, at most {MAX_STEPS:e} are allowed; take a longer \
-             --step or a shorter --duration"
+             --dt or a shorter --duration"
         )));
     }
-    let nearest = steps_in(arguments.duration, arguments.step);
+    let nearest = steps_in(arguments.duration, arguments.dt);
     nearest.map(|steps| steps.max(1)).map_err(|error| Failure::new(error.to_string()))
 }
 
@@ -181,8 +180,8 @@ fn caption(
     let partial = if is_whole { String::new() } else { format!(" · ends early at {time:.3} s") };
     let name = one_line(model.name());
     let steps = match setup.method() {
-        Method::Adaptive => format!("tolerance {:e}", arguments.tolerance.unwrap_or(TOLERANCE)),
-        _ => format!("h = {} s", arguments.step),
+        Method::Adaptive => format!("tolerance {:e}", arguments.adaptive_tolerance()),
+        _ => format!("h = {} s", arguments.dt),
     };
     format!("{name}: {motors}, {damping} · {}, {steps}{partial}", setup.method())
 }

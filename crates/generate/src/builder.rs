@@ -44,7 +44,7 @@ impl Builder {
         Self {
             file: file.into(),
             floating: false,
-            functions: vec![Function::InverseDynamics, Function::ForwardDynamics, Function::MassMatrix],
+            functions: Request::DEFAULT_FUNCTIONS.into(),
             arithmetic: Arithmetic::default(),
             lanes: false,
             straight: false,

@@ -30,6 +30,13 @@ pub struct Request {
 }
 
 impl Request {
+    /// The functions that front ends generate unless others are named.
+    pub const DEFAULT_FUNCTIONS: [Function; 3] =
+        [Function::InverseDynamics, Function::ForwardDynamics, Function::MassMatrix];
+
+    /// The default number of random states of the test.
+    pub const DEFAULT_STATES: u16 = 5;
+
     /// A request for these functions in double precision, compared with the library's values in five states.
     ///
     /// ```
@@ -45,7 +52,7 @@ impl Request {
             lanes: false,
             straight: false,
             name: None,
-            states: 5,
+            states: Self::DEFAULT_STATES.into(),
             command: None,
         }
     }

@@ -43,6 +43,7 @@ mod constraints;
 mod control;
 mod controllers;
 mod conventions;
+mod defaults;
 mod description;
 mod files;
 mod identification;
@@ -81,6 +82,8 @@ mod native {
     use super::control::dlqr;
     #[pymodule_export]
     use super::controllers::{ComputedTorque, GravityCompensatedPd, TaskControl};
+    #[pymodule_export]
+    use super::defaults::_defaults;
     #[pymodule_export]
     use super::description::JointMap;
     #[pymodule_export]

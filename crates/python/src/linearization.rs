@@ -32,7 +32,7 @@ impl Robot {
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let prepared = Setup::of(options)?.refuse_adaptive(py)?.with_prepared(py, self, |simulation| {
             set_controls(self, simulation, controls)?;
-            Ok((simulation.stepper(), simulation.step_size(), simulation.dissipates()))
+            Ok((simulation.stepper(), simulation.dt(), simulation.dissipates()))
         })?;
         let (stepper, h, dissipates) = prepared;
         let (q, v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);

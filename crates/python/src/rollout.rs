@@ -43,7 +43,7 @@ impl Robot {
         const V: Operand = Operand { name: "v", width: Width::Nv };
         let prepared = Setup::of(options)?.refuse_adaptive(py)?.with_prepared(py, self, |simulation| {
             set_controls(self, simulation, controls.clone())?;
-            let how = (simulation.step_size(), simulation.dissipates());
+            let how = (simulation.dt(), simulation.dissipates());
             let (method, reason) = (simulation.method(), simulation.reason().to_owned());
             Ok((how, method, reason, simulation.stepper()))
         })?;

@@ -99,7 +99,7 @@ impl Robot {
     ) -> PyResult<(Integrator, f64, bool)> {
         let simulation = Setup::of(options)?.without_contacts().build(py, self)?;
         if let Some(row) = simulation.stepper().row() {
-            return Ok((row, simulation.step_size(), simulation.dissipates()));
+            return Ok((row, simulation.dt(), simulation.dissipates()));
         }
         let (name, method) = (self.model.name(), simulation.method());
         let text = match method {

@@ -14,11 +14,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use pyo3::exceptions::PyException;
+use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use robot_dynamics::simulation::{
-    CallbackError, ControllerError, Event, Run, RunOptions, Simulation, StepFailure, StepInfo, steps_in,
+    CallbackError, ControllerError, Event, Run, RunOptions, SampleInterval, Simulation, StepFailure,
+    StepInfo, steps_in,
 };
 
 use self::energy_account::{ledger_of, losses_of, statistics_of};
@@ -54,6 +55,24 @@ fn events_of(robot: &Robot, given: Vec<EventFields>, stop_at_limits: bool) -> Ve
         events.extend(Event::joint_limits(&robot.model).into_iter().map(Event::terminal));
     }
     events
+}
+
+/// The time between samples \[s\], or `ends`.
+#[derive(FromPyObject)]
+enum SamplePeriod {
+    Seconds(f64),
+    Word(String),
+}
+
+fn sample_interval(period: Option<SamplePeriod>) -> PyResult<SampleInterval> {
+    match period {
+        None => Ok(SampleInterval::default()),
+        Some(SamplePeriod::Seconds(seconds)) => Ok(SampleInterval::Seconds(seconds)),
+        Some(SamplePeriod::Word(word)) if word == "ends" => Ok(SampleInterval::Ends),
+        Some(SamplePeriod::Word(word)) => Err(PyValueError::new_err(format!(
+            "sample_period = {word:?} must be a time in seconds, None or \"ends\""
+        ))),
+    }
 }
 
 /// Ends a run when Python has a signal to handle.
@@ -155,7 +174,7 @@ fn failed<'py>(
 #[pymethods]
 impl Robot {
     /// See `simulate`.
-    #[pyo3(signature = (q, v, tau, *, duration, sample_every, events, stop_at_limits, controls, **options))]
+    #[pyo3(signature = (q, v, tau, *, duration, sample_period, events, stop_at_limits, controls, **options))]
     fn _simulate<'py>(
         &self,
         py: Python<'py>,
@@ -163,7 +182,7 @@ impl Robot {
         v: Option<&Bound<'py, PyAny>>,
         tau: Option<&Bound<'py, PyAny>>,
         duration: f64,
-        sample_every: usize,
+        sample_period: Option<SamplePeriod>,
         events: Vec<EventFields>,
         stop_at_limits: bool,
         controls: Option<HashMap<String, f64>>,
@@ -172,6 +191,8 @@ impl Robot {
         let setup = Setup::of(options)?;
         let (step, is_adaptive) = (setup.dt(), setup.is_adaptive());
         let steps = steps_of(py, duration, step)?;
+        let samples = sample_interval(sample_period)?;
+        let stride = samples.steps(step).map_err(|error| Class::Simulation.error(py, error))?;
         let mut torques = Torques::of(py, self, tau, steps, step)?;
         let flag = Arc::new(AtomicBool::new(false));
         let setup = setup.holding(torques.period()).interrupted_by(Arc::clone(&flag));
@@ -188,15 +209,14 @@ impl Robot {
             let events = &mut events_of(self, events, stop_at_limits);
             let last = steps;
             let mut observer = |info: &StepInfo<'_>| {
-                let is_kept =
-                    info.step == last || (sample_every > 0 && info.step.is_multiple_of(sample_every));
+                let is_kept = info.step == last || (stride > 0 && info.step.is_multiple_of(stride));
                 if is_kept || info.step == 0 {
                     actuators.extend_from_slice(info.actuator_forces);
                 }
                 watch.look()
             };
-            let options =
-                RunOptions::new().controller(&mut torques).events(events).sample_every(sample_every);
+            let mut options = RunOptions::new().controller(&mut torques).events(events);
+            options.samples = samples;
             // Adaptive steps check the flag. They evaluate only the samples that are kept, unless forces of
             // actuators are kept too.
             let is_observed = !is_adaptive || simulation.control_names().next().is_some();

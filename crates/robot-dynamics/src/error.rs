@@ -17,7 +17,7 @@ use robot_dynamics_number::{Classified, ErrorKind};
 /// use robot_dynamics::{Error, ErrorKind};
 /// fn torque(step: f64) -> Result<f64, Error> {
 ///     let model = Model::new(pendulum(2.0, 0.5))?; // ModelError
-///     let mut simulation = robot_dynamics::simulation(&model).step(step).build()?; // SimulationError
+///     let mut simulation = robot_dynamics::simulation(&model).dt(step).build()?; // SimulationError
 ///     simulation.step()?; // RunError
 ///     Ok(model.gravity_forces(simulation.q())?[0]) // MotionError
 /// }

@@ -45,8 +45,8 @@ impl Robot {
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
 /// let robot = robot_dynamics::load(file)?;
-/// let simulation = robot_dynamics::simulation(&robot.model).step(0.01).build()?;
-/// assert_eq!(simulation.step_size(), 0.01);
+/// let simulation = robot_dynamics::simulation(&robot.model).dt(0.01).build()?;
+/// assert_eq!(simulation.dt(), 0.01);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn simulation(model: &Model) -> SimulationBuilder<'static> {

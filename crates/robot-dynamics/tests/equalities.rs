@@ -39,7 +39,7 @@ fn hold(model: &Model, corners: usize) -> ConstraintSet {
 
 fn standing(model: &Model, set: ConstraintSet, torques: &[f64]) -> Simulation {
     let builder = SimulationBuilder::new(model).method(Method::Implicit).without(Effect::Limits);
-    let mut simulation = builder.step(1e-3).constraints(set).build().expect("a simulation");
+    let mut simulation = builder.dt(1e-3).constraints(set).build().expect("a simulation");
     simulation.reset(&neutral(model), &vec![0.0; model.nv()]).expect("a start");
     simulation.set_torques(torques);
     simulation

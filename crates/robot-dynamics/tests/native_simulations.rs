@@ -40,7 +40,7 @@ fn robots() -> Vec<Model> {
 }
 
 fn simulation(model: &Model, row: Integrator) -> Simulation {
-    SimulationBuilder::new(model).method(Method::Fixed(row)).step(1e-3).build().expect("a simulation")
+    SimulationBuilder::new(model).method(Method::Fixed(row)).dt(1e-3).build().expect("a simulation")
 }
 
 /// Starts from a random state under random torques.

@@ -85,7 +85,7 @@ fn started(run: &Value) -> Simulation {
         if is_floating { LoadOptions::default().with_floating_base() } else { LoadOptions::default() };
     let model =
         load_with(&file, &options).unwrap_or_else(|error| panic!("{}: {error}", file.display())).model;
-    let mut builder = simulation(&model).step(number(&run["step"]));
+    let mut builder = simulation(&model).dt(number(&run["step"]));
     if let Some(method) = run["method"].as_str() {
         builder = builder.method(method.parse().unwrap());
     }

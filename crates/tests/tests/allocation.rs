@@ -546,7 +546,7 @@ fn controlled_run_allocates_at_start_only() {
     let here = PoseReference::at_rest(Pose { rotation: pose.rotation, translation: pose.translation });
     let mut simulation = SimulationBuilder::new(&model)
         .method(Method::Fixed(Integrator::RungeKutta4))
-        .step(1e-3)
+        .dt(1e-3)
         .build()
         .unwrap();
     let mut count = |steps: usize| {

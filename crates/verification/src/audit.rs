@@ -32,6 +32,12 @@ use robot_dynamics_description::LoadReport;
 
 use self::probe::Probe;
 
+/// The default number of random states of an audit in the command and in Python.
+pub const DEFAULT_STATES: u32 = 20;
+
+/// The default seed of the random states of an audit in the command and in Python.
+pub const DEFAULT_SEED: u64 = 1;
+
 /// Checks a robot's dynamics against independent derivations at random states within its limits. Equal seeds
 /// give equal states, and every check reports its worst state.
 ///

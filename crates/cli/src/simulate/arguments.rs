@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use robot_dynamics::simulation::{Effect, Method};
+use robot_dynamics::simulation::{AdaptiveOptions, Effect, Method, SimulationBuilder, steps_in};
 
 use super::hold::Gains;
 use super::option_values::{GroundOption, friction, tolerance};
@@ -39,10 +39,10 @@ pub(crate) struct Arguments {
     #[arg(allow_negative_numbers = true)]
     pub(super) duration: f64,
     /// Time step, control period and sampling period in s.
-    #[arg(long, default_value_t = 1e-3, value_name = "SECONDS", value_parser = positive)]
+    #[arg(long, alias = "step", default_value_t = SimulationBuilder::DEFAULT_DT, value_name = "SECONDS", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
-    pub(super) step: f64,
-    /// Integrator. Fixed steps of --step: explicit-euler, semi-implicit-euler, rk4, variational-midpoint,
+    pub(super) dt: f64,
+    /// Integrator. Fixed steps of --dt: explicit-euler, semi-implicit-euler, rk4, variational-midpoint,
     /// variational-yoshida4, implicit, mujoco. Only implicit and mujoco support limits and contact: implicit
     /// with rigid contact, stiction and stops, mujoco with MuJoCo's soft constraints. Variable steps within
     /// --tolerance: adaptive, of order 9, or implicit of order 5 for stiff damping. [default: rk4 if all
@@ -94,11 +94,26 @@ pub(crate) struct Arguments {
     /// output, and the summary to standard error.
     #[arg(long, value_name = "FILE")]
     pub(super) csv: Option<PathBuf>,
-    /// Number of steps between rows of the CSV file.
-    #[arg(long, default_value_t = 1, value_name = "STEPS", value_parser = clap::value_parser!(u32).range(1..))]
-    pub(super) every: u32,
+    /// Time between rows of the CSV file in s, rounded to the nearest whole number of steps, at least one
+    /// [default: each step]. The first and the last state always get a row.
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
+    pub(super) sample_period: Option<f64>,
     /// Plot joint coordinates, energies, the energy error, energy losses and ground forces to FILE.svg or
     /// FILE.png.
     #[arg(long, value_name = "FILE", value_parser = path)]
     pub(super) plot: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// The tolerance of adaptive steps.
+    pub(super) fn adaptive_tolerance(&self) -> f64 {
+        self.tolerance.unwrap_or(AdaptiveOptions::DEFAULT_TOLERANCE)
+    }
+
+    /// The number of steps between rows of the CSV file, at least one.
+    pub(super) fn steps_between_rows(&self) -> Result<usize, String> {
+        let steps = steps_in(self.sample_period.unwrap_or(self.dt), self.dt)
+            .map_err(|error| format!("--sample-period: {error}"))?;
+        Ok(steps.max(1))
+    }
 }

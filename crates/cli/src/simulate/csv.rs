@@ -39,7 +39,8 @@ impl OptionalColumns<'_> {
 /// A table with time, q, v, τ, energies, losses and contact forces.
 pub(crate) struct CsvFile {
     file: OutputFile,
-    every: usize,
+    /// Number of steps between rows.
+    stride: usize,
     /// Number of losses with a column.
     losses: usize,
     last: usize,
@@ -48,11 +49,11 @@ pub(crate) struct CsvFile {
 }
 
 impl CsvFile {
-    /// Writes the header. Then every `every`-th step and the last step get a row.
+    /// Writes the header. Then every `stride`-th step and the last step get a row.
     pub(crate) fn start(
         mut file: OutputFile,
         model: &Model,
-        every: usize,
+        stride: usize,
         columns: OptionalColumns<'_>,
     ) -> std::io::Result<Self> {
         let named = |letter: &'static str, columns: Vec<Column>| {
@@ -70,13 +71,13 @@ impl CsvFile {
         }
         let head: Vec<String> = head.iter().map(|cell| csv_cell(cell).into_owned()).collect();
         writeln!(file, "{}", head.join(","))?;
-        Ok(Self { file, every, losses: losses.len(), last: 0, rows: 0, line: String::new() })
+        Ok(Self { file, stride, losses: losses.len(), last: 0, rows: 0, line: String::new() })
     }
 
     /// Writes the row of this step if it is due or the last.
     pub(crate) fn record(&mut self, info: &StepInfo<'_>, is_last: bool) -> std::io::Result<()> {
         use std::fmt::Write as _;
-        if !info.step.is_multiple_of(self.every) && !is_last || self.rows > 0 && info.step == self.last {
+        if !info.step.is_multiple_of(self.stride) && !is_last || self.rows > 0 && info.step == self.last {
             return Ok(());
         }
         let ledger = info.ledger;

@@ -38,7 +38,7 @@ impl Files {
     pub(crate) fn open(
         model: &Model,
         (robot, read): (&Path, &[PathBuf]),
-        (csv, every, columns): (Option<&Path>, u32, OptionalColumns<'_>),
+        (csv, stride, columns): (Option<&Path>, usize, OptionalColumns<'_>),
         plot: Option<&Path>,
     ) -> Result<Self, Failure> {
         let outputs: Vec<_> = [("--csv", csv), ("--plot", plot)]
@@ -49,7 +49,7 @@ impl Files {
         let csv = match csv {
             Some(path) => {
                 let shown = path.display().to_string();
-                let started = CsvFile::start(OutputFile::create(path)?, model, every as usize, columns);
+                let started = CsvFile::start(OutputFile::create(path)?, model, stride, columns);
                 Some((started.context(format!("cannot write {shown}"))?, shown))
             }
             None => None,

@@ -12,7 +12,7 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     if !is_adaptive && arguments.tolerance.is_some() {
         let given = arguments.integrator.map_or_else(|| "the default".into(), |method| method.to_string());
         return Err(Failure::new(format!(
-            "--tolerance needs --integrator {adaptive}; {given} takes fixed steps of --step"
+            "--tolerance needs --integrator {adaptive}; {given} takes fixed steps of --dt"
         )));
     }
     if is_adaptive && arguments.ground.is_some() {

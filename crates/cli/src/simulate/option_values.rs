@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use robot_dynamics::contact::Ground;
+use robot_dynamics::simulation::AdaptiveOptions;
 
 /// The value of `--ground`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -47,14 +48,12 @@ pub(crate) fn friction(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The default tolerance.
-pub(crate) const TOLERANCE: f64 = 1e-9;
-
 /// Parses a tolerance in the range that adaptive steps support.
 pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
+    let range = AdaptiveOptions::TOLERANCE_RANGE;
     match text.parse::<f64>() {
-        Ok(x) if (1e-13..=1e-2).contains(&x) => Ok(x),
-        Ok(_) => Err("the tolerance must be between 1e-13 and 1e-2".into()),
+        Ok(x) if range.contains(&x) => Ok(x),
+        Ok(_) => Err(format!("the tolerance must be between {:e} and {:e}", range.start(), range.end())),
         Err(_) => Err("not a number".into()),
     }
 }

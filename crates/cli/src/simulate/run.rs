@@ -47,10 +47,10 @@ pub(crate) fn run(
             }
             match simulation.run_steps(steps, options) {
                 Ok(run) => (run, None),
-                Err(failure) => (failure.until, Some(failure_message(model, &failure.error, arguments.step))),
+                Err(failure) => (failure.until, Some(failure_message(model, &failure.error, arguments.dt))),
             }
         }
-        Err(error) => (simulation.record().clone(), Some(failure_message(model, &error, arguments.step))),
+        Err(error) => (simulation.record().clone(), Some(failure_message(model, &error, arguments.dt))),
     };
     RunResult { run, adaptive: simulation.adaptive_record().copied(), failure }
 }
@@ -72,11 +72,11 @@ fn failure_message(model: &Model, error: &StepFailure, h: f64) -> String {
     match error {
         RunError::NotFinite { quantity, coordinate, step, .. } => format!(
             "the motion diverged at t = {} s (step {step}): {quantity} is not finite at `{coordinate}`; use a smaller \
-             --step than {h} s",
+             --dt than {h} s",
             short(*step as f64 * h)
         ),
         RunError::Diverged { coordinate, speed, step, time, suggested_step, cause, .. } => format!(
-            "the motion diverged: `{coordinate}` has v = {speed:.1e} at t = {} s (step {step}); try --step {suggested_step:.1e}, \
+            "the motion diverged: `{coordinate}` has v = {speed:.1e} at t = {} s (step {step}); try --dt {suggested_step:.1e}, \
              {cause}",
             short(*time)
         ),

@@ -5,7 +5,6 @@ use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{AdaptiveOptions, ControlTiming, Effect, Method, Simulation};
 
 use super::arguments::Arguments;
-use super::option_values::TOLERANCE;
 use crate::failure::{Context, Failure};
 use crate::interruption;
 
@@ -28,7 +27,7 @@ impl Setup {
     ///
     /// The arguments contradict each other.
     pub(crate) fn choose(arguments: &Arguments, model: &Model, is_held: bool) -> Result<Self, Failure> {
-        let mut builder = robot_dynamics::simulation(model).step(arguments.step);
+        let mut builder = robot_dynamics::simulation(model).dt(arguments.dt);
         builder = builder.interrupt(interruption::shared_flag());
         match arguments.integrator {
             Some(Method::Adaptive) => builder = builder.adaptive(adaptive(arguments, is_held)),
@@ -96,15 +95,15 @@ impl Setup {
     }
 }
 
-/// Motors are sampled and held over periods of `--step`, as with fixed steps.
+/// Motors are sampled and held over periods of `--dt`, as with fixed steps.
 fn adaptive(arguments: &Arguments, is_held: bool) -> AdaptiveOptions {
-    // At most 1e5 times the longest reasonable --step; the sum saturates.
+    // At most 1e5 times the longest reasonable --dt; the sum saturates.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    let max_steps = ((MAX_STEPS.0 * arguments.step) as usize).saturating_add(MAX_STEPS.1);
+    let max_steps = ((MAX_STEPS.0 * arguments.dt) as usize).saturating_add(MAX_STEPS.1);
     AdaptiveOptions {
-        tolerance: arguments.tolerance.unwrap_or(TOLERANCE),
+        tolerance: arguments.adaptive_tolerance(),
         control: if is_held {
-            ControlTiming::Held { period: arguments.step }
+            ControlTiming::Held { period: arguments.dt }
         } else {
             ControlTiming::Continuous
         },

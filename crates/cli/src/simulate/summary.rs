@@ -13,7 +13,6 @@ use super::drive::ActuatorControls;
 use super::files::WrittenFiles;
 use super::ground::{Floor, touching_links};
 use super::hold::{Hold, driven};
-use super::option_values::TOLERANCE;
 use super::recorder::Recorder;
 use super::run::RunResult;
 use super::setup::Setup;
@@ -140,11 +139,11 @@ impl Summary<'_> {
 
     /// The integrator and its steps.
     fn method(&self) -> String {
-        let (integrator, step, end) = (self.setup.method(), self.arguments.step, short(self.ran.run.time));
+        let (integrator, step, end) = (self.setup.method(), self.arguments.dt, short(self.ran.run.time));
         let Some(AdaptiveRecord { method, statistics, quaternion_error, .. }) = &self.ran.adaptive else {
             return format!("{integrator}, {} of {step} s, {end} s", count(self.ran.run.steps, "step"));
         };
-        let tolerance = self.arguments.tolerance.unwrap_or(TOLERANCE);
+        let tolerance = self.arguments.adaptive_tolerance();
         let kind = if *method == AdaptiveMethod::Implicit { "implicit since damping is stiff, " } else { "" };
         let mut text = format!(
             "{integrator}, {kind}order {}, tolerance {tolerance:e}: {} of {} to {} s, {} rejected, {} evaluations, {end} s",
@@ -225,7 +224,7 @@ impl Summary<'_> {
         if relative > 1e-2 {
             let finer = match self.setup.method() {
                 Method::Adaptive => "--tolerance",
-                _ => "--step",
+                _ => "--dt",
             };
             let _ = writeln!(text, "  the integrator's error dominates the motion: use a smaller {finer}");
         }
@@ -366,7 +365,7 @@ fn exhausted_substeps(laws: &ContactLaws) -> String {
     let (verb, steps) = (if laws.unsettled == 1 { "was" } else { "were" }, count(laws.unsettled, "step"));
     format!(
         "\n  {steps} {verb} divided until the budget of substeps was used up, with an energy error of up to {} J in a step; \
-         a shorter --step needs fewer substeps\n",
+         a shorter --dt needs fewer substeps\n",
         short(laws.imbalance)
     )
 }

@@ -21,7 +21,7 @@ fn processor_time(process: u32) -> f64 {
 fn an_interruption_between_samples() {
     let folder = Folder::new("between_samples");
     let run = ["simulate", "panda.urdf", "--integrator", "adaptive", "--tolerance", "1e-13"];
-    let long = ["--step", "100000", "--duration", "100000", "--csv", "run.csv"];
+    let long = ["--dt", "100000", "--duration", "100000", "--csv", "run.csv"];
     let child = folder.command(&[&run[..], &long[..]].concat()).spawn().unwrap();
     let clock = std::time::Instant::now();
     let started = || folder.names().iter().any(|name| name.starts_with(".unfinished"));

@@ -191,10 +191,10 @@ const REFUSED: &str = "
     simulate quadruped.urdf --floating-base --pose floating_base=0,0,1
     simulate quadruped.urdf --floating-base --velocity floating_base=1
 
-    simulate panda.urdf --step 0
-    simulate panda.urdf --step -0.001
-    simulate panda.urdf --step NaN
-    simulate panda.urdf --step short
+    simulate panda.urdf --dt 0
+    simulate panda.urdf --dt -0.001
+    simulate panda.urdf --dt NaN
+    simulate panda.urdf --dt short
     simulate panda.urdf --duration inf
     simulate panda.urdf --duration 1e300
     simulate panda.urdf --integrator euler
@@ -206,7 +206,7 @@ const REFUSED: &str = "
     simulate panda.urdf --integrator adaptive --tolerance small
     simulate panda.urdf --kp 1 --kd -1
     simulate panda.urdf --kp 1
-    simulate panda.urdf --every 0
+    simulate panda.urdf --sample-period 0
 
     simulate panda.urdf --controls
     simulate arm.xml --controls pan=1
@@ -330,8 +330,8 @@ const SUMMARIES: &str = "
     simulate quadruped.urdf --duration 0.01 --ground z=1
     simulate balls.xml --duration 0.01 --ground
     simulate bowl.xml --duration 0.01 --ground file
-    simulate panda.urdf --integrator explicit-euler --step 0.05
-    simulate humanoid.urdf --integrator variational-midpoint --step 0.01
+    simulate panda.urdf --integrator explicit-euler --dt 0.05
+    simulate humanoid.urdf --integrator variational-midpoint --dt 0.01
     simulate panda.urdf --velocity panda_joint1=1e150 --integrator adaptive
 ";
 

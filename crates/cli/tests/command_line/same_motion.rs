@@ -47,10 +47,10 @@ fn arguments(run: &Value) -> Vec<String> {
     let step = run["step"].as_f64().unwrap();
     let duration = (step * run["steps"].as_f64().unwrap()).to_string();
     let mut all: Vec<String> =
-        ["simulate", run["file"].as_str().unwrap(), "--csv", "run.csv", "--every", "1000000"]
+        ["simulate", run["file"].as_str().unwrap(), "--csv", "run.csv", "--sample-period", "1e6"]
             .map(str::to_owned)
             .into();
-    all.extend(["--step".to_owned(), step.to_string(), "--duration".to_owned(), duration]);
+    all.extend(["--dt".to_owned(), step.to_string(), "--duration".to_owned(), duration]);
     let mut add = |option: &str, value: String| {
         all.push(option.to_owned());
         if !value.is_empty() {

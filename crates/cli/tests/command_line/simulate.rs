@@ -18,8 +18,8 @@ fn panda_keeps_its_energy() {
     // After about four seconds rounding determines the motion, and with it the drift. Before, the drift is
     // that of a method of order 4.
     let drift = |step: &str| {
-        let text = folder
-            .output(&["simulate", "panda.urdf", "--conservative", "--duration", "2", "--step", step], "");
+        let text =
+            folder.output(&["simulate", "panda.urdf", "--conservative", "--duration", "2", "--dt", step], "");
         number_after(&text, DRIFT)
     };
     let (whole, half) = (drift("0.001"), drift("0.0005"));
@@ -96,8 +96,8 @@ fn csv_holds_every_sample() {
     assert!(
         rows.iter().all(|row| (row[7] + row[8] - row[9]).abs() < 1e-12 && (row[9] - rows[0][9]).abs() < 1e-9)
     );
-    // With a stride: every hundredth step and the last.
-    let run = ["simulate", "two_r.urdf", "--duration", "0.45", "--csv", "run.csv", "--every", "100"];
+    // With a period: a row each 0.1 s and the last.
+    let run = ["simulate", "two_r.urdf", "--duration", "0.45", "--csv", "run.csv", "--sample-period", "0.1"];
     folder.output(&run, "");
     let times: Vec<String> = folder
         .read("run.csv")
@@ -161,7 +161,7 @@ fn torques_stop_at_the_limits() {
 fn damping_and_floating_bases() {
     let folder = Folder::new("damping");
     let unaccounted = |step: &str, method: &[&str], losses: &str| {
-        let run = ["simulate", "gripper.urdf", "--duration", "2", "--step", step];
+        let run = ["simulate", "gripper.urdf", "--duration", "2", "--dt", step];
         let run = [&run[..], method].concat();
         let text = folder.output(&run, "");
         assert!(number_after(&text, losses) > 0.1, "{text}");
@@ -196,11 +196,11 @@ fn damping_and_floating_bases() {
 fn a_diverging_run_keeps_its_results() {
     let folder = Folder::new("blow_up");
     folder.write("run.csv", b"older\n");
-    let run = ["simulate", "panda.urdf", "--integrator", "explicit-euler", "--step", "0.05"];
+    let run = ["simulate", "panda.urdf", "--integrator", "explicit-euler", "--dt", "0.05"];
     let files = ["--csv", "run.csv", "--plot", "run.svg"];
     let ran = folder.run(&[&run[..], &files[..]].concat(), b"");
     assert_eq!(ran.code, Some(1));
-    assert!(ran.err.contains("`panda_joint") && ran.err.contains("--step 5.0e-3"), "{}", ran.err);
+    assert!(ran.err.contains("`panda_joint") && ran.err.contains("--dt 5.0e-3"), "{}", ran.err);
     assert!(ran.err.contains("run.partial.csv"), "{}", ran.err);
     assert_eq!(ran.err.lines().count(), 1, "{}", ran.err);
     // An older file of that name stays.
@@ -216,7 +216,7 @@ fn a_diverging_run_keeps_its_results() {
 #[test]
 fn an_interruption_keeps_results() {
     let folder = Folder::new("interrupted");
-    let run = ["simulate", "panda.urdf", "--duration", "100000", "--csv", "run.csv", "--every", "1000"];
+    let run = ["simulate", "panda.urdf", "--duration", "100000", "--csv", "run.csv", "--sample-period", "1"];
     let child = folder.command(&run).spawn().unwrap();
     // The run has started once its temporary file has rows.
     let is_running = || {
@@ -296,8 +296,8 @@ fn adaptive_steps_keep_their_tolerance() {
     let row =
         |text: &str| text.lines().find(|line| line.contains("panda_joint4")).map(ToOwned::to_owned).unwrap();
     let run = ["simulate", "panda.urdf", "--conservative", "--duration", "1"];
-    let fixed = folder.output(&[&run[..], &["--step", "1e-4"]].concat(), "");
-    let adaptive = folder.output(&[&run[..], &["--step", "1e-4", "--integrator", "adaptive"]].concat(), "");
+    let fixed = folder.output(&[&run[..], &["--dt", "1e-4"]].concat(), "");
+    let adaptive = folder.output(&[&run[..], &["--dt", "1e-4", "--integrator", "adaptive"]].concat(), "");
     assert_eq!(row(&fixed), row(&adaptive));
 }
 
@@ -319,7 +319,7 @@ fn adaptive_steps_hold_the_motors_between_samples() {
 fn a_run_stops_at_a_located_limit() {
     let folder = Folder::new("limit");
     let run = ["simulate", "panda.urdf", "--integrator", "adaptive", "--stop-at-limits", "--csv", "run.csv"];
-    let text = folder.output(&[&run[..], &["--every", "100"]].concat(), "");
+    let text = folder.output(&[&run[..], &["--sample-period", "0.1"]].concat(), "");
     assert!(text.contains("--stop-at-limits"), "{text}");
     let time = number_after(&text, "`panda_joint2` at its upper limit at ");
     let csv = folder.read("run.csv");
@@ -363,7 +363,7 @@ fn adaptive_options_that_do_not_fit_are_refused() {
 #[test]
 fn a_variational_step_that_does_not_converge_fails() {
     let folder = Folder::new("run_away");
-    let run = ["simulate", "humanoid.urdf", "--integrator", "variational-midpoint", "--step", "0.01"];
+    let run = ["simulate", "humanoid.urdf", "--integrator", "variational-midpoint", "--dt", "0.01"];
     let ran = folder.run(&run, b"");
     assert_eq!(ran.code, Some(1));
     assert_eq!(ran.err.lines().count(), 1, "{}", ran.err);

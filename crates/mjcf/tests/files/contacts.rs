@@ -30,7 +30,7 @@ fn steps_with_the_surfaces_of_the_file_are_mujocos() {
         let model = Model::new(robot.description).expect("a model");
         let h = record["time_step"].as_f64().expect("a number");
         let mut simulation =
-            SimulationBuilder::new(&model).method(Method::Mujoco).step(h).build().expect("a simulation");
+            SimulationBuilder::new(&model).method(Method::Mujoco).dt(h).build().expect("a simulation");
         assert_eq!(simulation.left_out(), [""; 0], "{file}");
         let (mut q, mut v) = (vec![0.0; model.nq()], vec![0.0; model.nv()]);
         let (mut qpos, mut qvel) = (q.clone(), v.clone());

@@ -41,7 +41,7 @@ fn motions_end_where_mujocos_do() {
         let (step, duration) = (numbers(&motion["step"])[0], numbers(&motion["duration"])[0]);
         let controls = numbers(&motion["ctrl"]);
         let mut simulation = SimulationBuilder::new(&model)
-            .step(step)
+            .dt(step)
             .method(Method::Fixed(robot_dynamics::simulation::Integrator::RungeKutta4))
             .without(Effect::Contacts)
             .build()

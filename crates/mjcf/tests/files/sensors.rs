@@ -258,7 +258,7 @@ fn limited(method: Method) -> Simulation {
     let robot = parse(LIMITED, &LoadOptions::default()).expect("a robot");
     assert_eq!(robot.report.counts.ignored, 0, "{}", robot.report);
     let model = Model::new(robot.description).expect("a model");
-    SimulationBuilder::new(&model).method(method).step(2e-3).build().expect("a simulation")
+    SimulationBuilder::new(&model).method(method).dt(2e-3).build().expect("a simulation")
 }
 
 fn sensed(simulation: &Simulation) -> Vec<f64> {

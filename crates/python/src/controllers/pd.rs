@@ -18,7 +18,7 @@ use crate::robot::Robot;
 ///
 /// >>> robot = rd.example("panda")
 /// >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
-/// >>> motion = robot.simulate(np.zeros(7), tau=hold, duration=0.5, dt=1e-4, sample_every=100, without=["limits"])
+/// >>> motion = robot.simulate(np.zeros(7), tau=hold, duration=0.5, dt=1e-4, sample_period=0.01, without=["limits"])
 /// >>> bool(np.abs(motion.q[-1] - 0.2).max() < np.abs(motion.q[0] - 0.2).max())
 /// True
 #[pyclass(frozen, module = "robot_dynamics._native")]

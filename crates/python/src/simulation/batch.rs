@@ -56,7 +56,7 @@ impl SimulationBatch {
     /// Length of a step [s].
     #[getter]
     fn dt(&self) -> f64 {
-        self.stepped.simulations().first().map_or(f64::NAN, Single::step_size)
+        self.stepped.simulations().first().map_or(f64::NAN, Single::dt)
     }
 
     /// The names of the actuators that act, in the order of `controls`.

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::simulation::{Effect, Method};
+use robot_dynamics::simulation::{Effect, Method, SimulationBuilder};
 
 use crate::constraint_set::Constraints;
 use crate::errors::Class;
@@ -58,7 +58,7 @@ impl PartialEq for Setup {
 impl Setup {
     pub(crate) fn of(options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut setup = Self {
-            dt: 1e-3,
+            dt: SimulationBuilder::DEFAULT_DT,
             integrator: None,
             without: Vec::new(),
             conservative: false,

@@ -23,14 +23,14 @@ impl Setup {
     /// Builds the simulation. If a ground was given, one warning lists the features that the simulation
     /// leaves out.
     pub(crate) fn build(&self, py: Python<'_>, robot: &Robot) -> PyResult<Simulation> {
-        let mut builder = robot_dynamics::simulation(&robot.model).step(self.dt);
+        let mut builder = robot_dynamics::simulation(&robot.model).dt(self.dt);
         if let Some(name) = &self.integrator {
             builder = builder.method(method_of(py, name)?);
         }
         if self.is_adaptive() {
             let held = |period| ControlTiming::Held { period };
             builder = builder.adaptive(AdaptiveOptions {
-                tolerance: self.tolerance.unwrap_or(1e-9),
+                tolerance: self.tolerance.unwrap_or(AdaptiveOptions::DEFAULT_TOLERANCE),
                 control: self.control_period.map_or(ControlTiming::Continuous, held),
                 ..AdaptiveOptions::default()
             });
@@ -125,7 +125,7 @@ fn correction_of(word: &str) -> PyResult<DriftCorrection> {
     match word {
         "none" => Ok(DriftCorrection::None),
         "velocity" => Ok(DriftCorrection::Velocity),
-        "position" => Ok(DriftCorrection::Position { tolerance: 1e-12 }),
+        "position" => Ok(DriftCorrection::Position { tolerance: SimulationBuilder::EQUALITY_TOLERANCE }),
         _ => Err(PyValueError::new_err(format!(
             "correction = {word:?} must be \"none\", \"velocity\" or \"position\""
         ))),

@@ -74,7 +74,7 @@ impl Simulation {
     /// Length of a step [s].
     #[getter]
     fn dt(&self) -> f64 {
-        self.stepped.step_size()
+        self.stepped.dt()
     }
 
     /// The method by which steps are taken.

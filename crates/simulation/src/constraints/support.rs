@@ -54,9 +54,12 @@ pub struct SupportProblem<'a> {
 }
 
 impl<'a> SupportProblem<'a> {
-    /// These points alone, with ρ = 1e-3 m².
+    /// The default ρ \[m²\].
+    pub const DEFAULT_FORCE_WEIGHT: f64 = 1e-3;
+
+    /// These points alone, with the default ρ of 1e-3 m².
     pub const fn new(points: &'a [ContactSupport]) -> Self {
-        Self { points, constraints: None, force_weight: 1e-3 }
+        Self { points, constraints: None, force_weight: Self::DEFAULT_FORCE_WEIGHT }
     }
 
     /// Adds closed loops.

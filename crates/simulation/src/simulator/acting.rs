@@ -57,7 +57,7 @@ impl Kinds {
                 || has_damping(model)
                 || tendons.iter().any(|tendon| tendon.passive.damping != 0.0),
             link_contacts,
-            stiffest: stiffest(model, actuation, dissipates, builder.step),
+            stiffest: stiffest(model, actuation, dissipates, builder.dt),
         }
     }
 

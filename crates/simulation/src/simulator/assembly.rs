@@ -20,7 +20,7 @@ impl SimulationBuilder<'_> {
     /// [`SimulationError`] if the step, a ground, a surface or a set of constraints is invalid, or if the
     /// method does not support a request.
     pub fn build(mut self) -> Result<Simulation, SimulationError> {
-        check_positive("the step", self.step, "s")?;
+        check_positive("the step", self.dt, "s")?;
         let model = Arc::clone(&self.model);
         let mut left_out = Vec::new();
         #[cfg_attr(not(feature = "adaptive"), allow(unused_mut))]
@@ -70,7 +70,7 @@ impl SimulationBuilder<'_> {
         let parts = super::stepping::Parts {
             acting,
             model,
-            step: self.step,
+            step: self.dt,
             method: (method, reason),
             dissipates,
             effort,
@@ -191,7 +191,7 @@ impl SimulationBuilder<'_> {
             }
             Method::Mujoco => {
                 let impratio = model.description().impratio.unwrap_or(1.0);
-                let mut law = SoftConstraints::new(model, self.step)?.with_impratio(impratio);
+                let mut law = SoftConstraints::new(model, self.dt)?.with_impratio(impratio);
                 if let Some(contacts) = contacts {
                     law = law.with_ground(model, contacts)?;
                 }

@@ -15,12 +15,6 @@ use crate::AdaptiveOptions;
 use crate::constraints::{ConstraintOptions, DriftCorrection};
 use crate::{ConstraintSet, ContactSet, Ground, HeightField, Stepper};
 
-/// The default step \[s\].
-const STEP: f64 = 1e-3;
-
-/// Tolerance of the projection onto the equalities after each step \[m or rad\].
-const ON_EQUALITIES: f64 = 1e-12;
-
 /// Returns the points of a mesh, or why they are missing.
 type PointsOf<'a> = Box<dyn FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String> + Send + 'a>;
 
@@ -54,7 +48,7 @@ type FieldOf<'a> = Box<dyn FnMut(&LinkShape) -> Result<HeightField, String> + Se
 /// ```
 pub struct SimulationBuilder<'a> {
     pub(super) model: Arc<Model>,
-    pub(super) step: f64,
+    pub(super) dt: f64,
     pub(super) method: Option<Method>,
     pub(super) switched_off: Vec<Effect>,
     pub(super) grounds: Vec<Ground>,
@@ -76,6 +70,12 @@ pub struct SimulationBuilder<'a> {
 }
 
 impl<'a> SimulationBuilder<'a> {
+    /// The default step \[s\].
+    pub const DEFAULT_DT: f64 = 1e-3;
+
+    /// The default tolerance of the projection onto the equalities after each step \[m or rad\].
+    pub const EQUALITY_TOLERANCE: f64 = 1e-12;
+
     /// Creates a builder for a copy of this robot.
     pub fn new(model: &Model) -> Self {
         Self::shared(Arc::new(model.clone()))
@@ -96,7 +96,7 @@ impl<'a> SimulationBuilder<'a> {
     pub fn shared(model: Arc<Model>) -> Self {
         Self {
             model,
-            step: STEP,
+            dt: Self::DEFAULT_DT,
             method: None,
             switched_off: Vec::new(),
             grounds: Vec::new(),
@@ -106,7 +106,7 @@ impl<'a> SimulationBuilder<'a> {
             contacts: None,
             constraints: None,
             options: ConstraintOptions::of_files(),
-            correction: DriftCorrection::Position { tolerance: ON_EQUALITIES },
+            correction: DriftCorrection::Position { tolerance: Self::EQUALITY_TOLERANCE },
             #[cfg(feature = "adaptive")]
             adaptive: AdaptiveOptions::default(),
             own: None,
@@ -118,10 +118,11 @@ impl<'a> SimulationBuilder<'a> {
         }
     }
 
-    /// Sets the step \[s\]; the default is 1 ms.
+    /// Sets the step \[s\]; the default is [`DEFAULT_DT`](Self::DEFAULT_DT).
     #[must_use]
-    pub fn step(self, step: f64) -> Self {
-        Self { step, ..self }
+    #[doc(alias("step", "step_size"))]
+    pub fn dt(self, dt: f64) -> Self {
+        Self { dt, ..self }
     }
 
     /// Sets the integration method.
@@ -165,7 +166,7 @@ impl<'a> SimulationBuilder<'a> {
     /// }
     ///
     /// let model = Model::new(pendulum(2.0, 0.5))?;
-    /// let mut simulation = SimulationBuilder::new(&model).stepper(Euler).step(1e-4).build()?;
+    /// let mut simulation = SimulationBuilder::new(&model).stepper(Euler).dt(1e-4).build()?;
     /// let run = simulation.run(0.1, RunOptions::new())?;
     /// assert!(run.ledger.drift() < 1e-3);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -204,7 +205,7 @@ impl<'a> SimulationBuilder<'a> {
     ///     Event::touchdown("floor", &model, model.frame("brick").expect("a link"), 0.0).terminal(),
     /// ];
     /// let options = AdaptiveOptions { tolerance: 1e-12, ..AdaptiveOptions::default() };
-    /// let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(0.1).build()?;
+    /// let mut simulation = SimulationBuilder::new(&model).adaptive(options).dt(0.1).build()?;
     /// simulation.reset(&q, &[0.0, 0.0, 3.0, 0.0, 0.0, 0.0])?;
     /// let run = simulation.run(10.0, RunOptions::new().events(&mut events))?;
     /// assert!((run.events[0].time - 3.0 / 9.81).abs() < 1e-12);

@@ -25,7 +25,7 @@ impl Simulation {
     /// let mut robot = pendulum(2.0, 0.5);
     /// let servo = ActuatorDescription::new("servo", Transmission::joint("hinge", 1.0)).servo(1e6, 1e5);
     /// robot.actuators.push(servo);
-    /// let mut simulation = SimulationBuilder::new(&Model::new(robot)?).step(1e-2).build()?;
+    /// let mut simulation = SimulationBuilder::new(&Model::new(robot)?).dt(1e-2).build()?;
     /// assert_eq!(simulation.method(), Method::Implicit); // explicit steps of 10 ms diverge with these gains
     /// simulation.set_controls(&[0.4]);
     /// simulation.run_for(2.0)?;

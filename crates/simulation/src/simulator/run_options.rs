@@ -41,8 +41,17 @@ impl Default for SampleInterval {
 }
 
 impl SampleInterval {
-    /// The number of steps between samples; 0 for none between the ends.
-    pub(super) fn steps(self, step: f64) -> Result<usize, InvalidInput> {
+    /// The number of steps between samples, for steps of this length \[s\]; 0 for none between the ends.
+    ///
+    /// # Errors
+    /// [`InvalidInput`] if a time is negative or not finite.
+    ///
+    /// ```
+    /// use robot_dynamics::simulation::SampleInterval;
+    /// assert_eq!(SampleInterval::Seconds(0.0302).steps(0.01)?, 3);
+    /// # Ok::<(), robot_dynamics::InvalidInput>(())
+    /// ```
+    pub fn steps(self, step: f64) -> Result<usize, InvalidInput> {
         match self {
             Self::Ends => Ok(0),
             Self::Steps(steps) => Ok(steps),
@@ -95,7 +104,7 @@ impl<'r, 'e> RunOptions<'r, 'e> {
     ///     Event::touchdown("floor", &model, model.frame("brick").expect("a link"), 0.0).terminal(),
     /// ];
     /// let v = [0.0, 0.0, 3.0, 0.0, 0.0, 0.0];
-    /// let mut simulation = SimulationBuilder::new(&model).step(0.01).build()?;
+    /// let mut simulation = SimulationBuilder::new(&model).dt(0.01).build()?;
     /// let run = simulation.run_from(&q, &v, 10.0, RunOptions::new().events(&mut events))?;
     /// assert!((run.events[0].time - 3.0 / 9.81).abs() < 1e-12);
     /// assert!(run.ended_by_event && run.q[2].abs() < 1e-12);

@@ -113,7 +113,7 @@ impl Simulation {
     /// use robot_dynamics::description::pendulum;
     /// use robot_dynamics::model::Model;
     /// use robot_dynamics::simulation::{RunOptions, SimulationBuilder};
-    /// let mut simulation = SimulationBuilder::new(&Model::new(pendulum(2.0, 0.5))?).step(1e-3).build()?;
+    /// let mut simulation = SimulationBuilder::new(&Model::new(pendulum(2.0, 0.5))?).dt(1e-3).build()?;
     /// let run = simulation.run_steps(25, RunOptions::new())?;
     /// assert_eq!((run.steps, run.time, run.trajectory.len()), (25, 0.025, 26));
     /// # Ok::<(), Box<dyn std::error::Error>>(())

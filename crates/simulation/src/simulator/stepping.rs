@@ -176,7 +176,8 @@ impl Simulation {
     }
 
     /// The step \[s\].
-    pub fn step_size(&self) -> f64 {
+    #[doc(alias = "step_size")]
+    pub fn dt(&self) -> f64 {
         self.step
     }
 
@@ -376,7 +377,7 @@ impl Simulation {
     /// use robot_dynamics::description::pendulum;
     /// use robot_dynamics::model::Model;
     /// use robot_dynamics::simulation::SimulationBuilder;
-    /// let simulation = SimulationBuilder::new(&Model::new(pendulum(2.0, 0.5))?).step(0.01).build()?;
+    /// let simulation = SimulationBuilder::new(&Model::new(pendulum(2.0, 0.5))?).dt(0.01).build()?;
     /// assert_eq!(simulation.steps_in(0.2499)?, 25);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -19,7 +19,7 @@ const H: f64 = 0.01;
 fn simulation(model: &Model) -> Simulation {
     SimulationBuilder::new(model)
         .method(Method::Fixed(Integrator::RungeKutta4))
-        .step(H)
+        .dt(H)
         .without(Effect::Dissipation)
         .build()
         .unwrap()

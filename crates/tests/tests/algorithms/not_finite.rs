@@ -300,7 +300,7 @@ fn steps_and_runs_reject_non_finite() {
     probe("runs", &[torque, step, q, v], |x| {
         let integrator = Integrator::RungeKutta4;
         let mut simulation =
-            text(SimulationBuilder::new(m).method(Method::Fixed(integrator)).step(x[1][0]).build())?;
+            text(SimulationBuilder::new(m).method(Method::Fixed(integrator)).dt(x[1][0]).build())?;
         let mut control = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[0]);
         let ran = simulation.run_steps_from(&x[2], &x[3], 2, RunOptions::new().controller(&mut control));
         let kept = match &ran {
@@ -527,7 +527,7 @@ fn constraints_reject_non_finite() {
                 .method(Method::Fixed(integrator))
                 .constraints(set.clone())
                 .constraint_options(options_of(x), correction);
-            let mut simulation = text(builder.step(x[6][0]).build())?;
+            let mut simulation = text(builder.dt(x[6][0]).build())?;
             let mut control = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[5]);
             let ran = simulation.run_steps_from(
                 &x[3],
@@ -796,7 +796,7 @@ fn adaptive_runs_reject_non_finite() {
                 ..AdaptiveOptions::default()
             };
             let builder = SimulationBuilder::new(m).without(Effect::Dissipation).adaptive(options);
-            let mut simulation = text(builder.step(x[2][0]).build())?;
+            let mut simulation = text(builder.dt(x[2][0]).build())?;
             let mut torque = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[4]);
             let mut events = [Event::new("one", |_, _: &[f64], _: &[f64]| x[5][0])];
             let options = RunOptions::new().controller(&mut torque).events(&mut events);

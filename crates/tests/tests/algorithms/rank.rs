@@ -316,7 +316,7 @@ fn functions_with_inverse_name_singular_joints() {
     for integrator in Integrator::ALL {
         let mut simulation = SimulationBuilder::new(&model)
             .method(Method::Fixed(integrator))
-            .step(1e-3)
+            .dt(1e-3)
             .without(Effect::Dissipation)
             .build()
             .unwrap();
@@ -377,7 +377,7 @@ fn run_ends_where_mass_becomes_singular() {
     let step = 1.0 / 1024.0;
     let mut simulation = SimulationBuilder::new(&model)
         .method(Method::Fixed(Integrator::ExplicitEuler))
-        .step(step)
+        .dt(step)
         .without(Effect::Dissipation)
         .build()
         .unwrap();

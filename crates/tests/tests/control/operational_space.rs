@@ -131,7 +131,7 @@ fn computed_torque_has_linear_errors() -> Tested {
             ComputedTorque::new(&model, reference, &vec![rate * rate; nv], &vec![2.0 * rate; nv])?;
         let mut simulation = SimulationBuilder::new(&model)
             .method(Method::Fixed(Integrator::RungeKutta4))
-            .step(h)
+            .dt(h)
             .without(Effect::Dissipation)
             .without(Effect::EffortLimits)
             .build()
@@ -169,7 +169,7 @@ fn task_control_has_linear_errors() -> Tested {
     let mut control = TaskControl::new(&model, frame, reference, gains)?;
     let mut simulation = SimulationBuilder::new(&model)
         .method(Method::Fixed(Integrator::RungeKutta4))
-        .step(h)
+        .dt(h)
         .without(Effect::Dissipation)
         .without(Effect::EffortLimits)
         .build()
@@ -231,7 +231,7 @@ fn run_of(model: &Model, step: f64) -> Simulation {
     let integrator = Integrator::RungeKutta4;
     SimulationBuilder::new(model)
         .method(Method::Fixed(integrator))
-        .step(step)
+        .dt(step)
         .without(Effect::Dissipation)
         .without(Effect::EffortLimits)
         .build()

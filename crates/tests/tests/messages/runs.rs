@@ -15,7 +15,7 @@ use crate::robots::{floating_arm, gimbal, two_bodies};
 fn simulation(robot: robot_dynamics::description::RobotDescription) -> Simulation {
     let model = Model::new(robot).expect("a robot");
     let builder = SimulationBuilder::new(&model).method(Method::Fixed(Integrator::RungeKutta4));
-    builder.step(1.0 / 64.0).build().expect("a simulation")
+    builder.dt(1.0 / 64.0).build().expect("a simulation")
 }
 
 pub(crate) fn run_error() -> Section {

@@ -19,7 +19,7 @@ use crate::common::damped_tree;
 
 /// A run of explicit steps of order 4 with actuators and springs, and with held controls.
 fn driven_run(model: &Model, h: f64, (q, v): (&[f64], &[f64]), controls: &[f64], steps: usize) -> Run {
-    let builder = SimulationBuilder::new(model).step(h).method(Method::Fixed(Integrator::RungeKutta4));
+    let builder = SimulationBuilder::new(model).dt(h).method(Method::Fixed(Integrator::RungeKutta4));
     let mut simulation = builder.without(Effect::Contacts).build().unwrap();
     simulation.reset(q, v).unwrap();
     simulation.set_controls(controls);
@@ -391,7 +391,7 @@ fn springs_of_free_and_ball_joints_reach_equilibrium() {
         let v: Vec<f64> = (0..model.nv()).map(|k| 0.1 * (k as f64).cos()).collect();
         SimulationBuilder::new(model)
             .method(Method::Implicit)
-            .step(h)
+            .dt(h)
             .build()
             .unwrap()
             .run_steps_from(&neutral(model), &v, steps, RunOptions::new().sample_ends())

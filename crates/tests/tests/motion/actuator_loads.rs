@@ -67,7 +67,7 @@ impl Impulse {
 /// |Σ h τ − m Δv| over half a second in `steps` steps of a method.
 fn by_method(model: &Model, steps: usize, method: Method) -> f64 {
     let mut impulse = Impulse::new(DURATION / steps as f64, f64::INFINITY);
-    let mut simulation = SimulationBuilder::new(model).method(method).step(impulse.h).build().unwrap();
+    let mut simulation = SimulationBuilder::new(model).method(method).dt(impulse.h).build().unwrap();
     simulation.set_controls(&[0.8]);
     let mut see = |info: &StepInfo<'_>| impulse.see(info);
     let run = simulation.run_steps(steps, RunOptions::new().observer(&mut see)).unwrap();
@@ -78,7 +78,7 @@ fn by_method(model: &Model, steps: usize, method: Method) -> f64 {
 fn by_explicit(model: &Model, steps: usize, range: f64) -> (f64, f64) {
     let mut impulse = Impulse::new(DURATION / steps as f64, range);
     let row = Method::Fixed(Integrator::RungeKutta4);
-    let mut simulation = SimulationBuilder::new(model).step(impulse.h).method(row).build().unwrap();
+    let mut simulation = SimulationBuilder::new(model).dt(impulse.h).method(row).build().unwrap();
     simulation.set_controls(&[0.8]);
     let mut see = |info: &StepInfo<'_>| impulse.see(info);
     let run = simulation.run_steps(steps, RunOptions::new().observer(&mut see)).unwrap();
@@ -128,7 +128,7 @@ fn at_rest_actuators_carry_the_weight() {
         .push(ActuatorDescription::new("servo", Transmission::joint("hinge", 1.0)).servo(500.0, 50.0));
     let model = Model::new(robot).unwrap();
     let mut last = 0.0;
-    let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).step(1e-2).build().unwrap();
+    let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).dt(1e-2).build().unwrap();
     simulation.set_controls(&[1.0]);
     let mut observer = |info: &StepInfo<'_>| {
         last = info.actuator_torques[0];

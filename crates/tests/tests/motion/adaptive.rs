@@ -29,7 +29,7 @@ fn to(tolerance: f64) -> AdaptiveOptions {
 /// Without damping.
 fn free(model: &Model, options: AdaptiveOptions, step: f64) -> Simulation {
     let builder = SimulationBuilder::new(model).without(Effect::Dissipation).adaptive(options);
-    builder.step(step).build().unwrap()
+    builder.dt(step).build().unwrap()
 }
 
 fn statistics(simulation: &Simulation) -> StepStatistics {
@@ -105,14 +105,14 @@ fn error_follows_tolerance() {
         let end = 0.4;
         let rows = SimulationBuilder::new(&model).method(Method::Fixed(Integrator::RungeKutta4));
         let reference = rows
-            .step(end / 8000.0)
+            .dt(end / 8000.0)
             .build()
             .unwrap()
             .run_steps_from(&state.q, &state.v, 8000, RunOptions::new().sample_ends().controller(&mut torque))
             .unwrap();
         let mut errors = Vec::new();
         for tolerance in [1e-4, 1e-6, 1e-8, 1e-10] {
-            let damped = SimulationBuilder::new(&model).adaptive(to(tolerance)).step(end / 100.0);
+            let damped = SimulationBuilder::new(&model).adaptive(to(tolerance)).dt(end / 100.0);
             let mut simulation = damped.build().unwrap();
             let options = RunOptions::new().controller(&mut torque);
             let run = simulation.run_steps_from(&state.q, &state.v, 100, options).unwrap();
@@ -293,7 +293,7 @@ fn flag_interrupts_between_samples() {
     let model = pendulum();
     let flag = Arc::new(AtomicBool::new(false));
     let builder = SimulationBuilder::new(&model).adaptive(to(1e-9)).interrupt(Arc::clone(&flag));
-    let mut simulation = builder.step(100.0).build().unwrap();
+    let mut simulation = builder.dt(100.0).build().unwrap();
     let mut late = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
         tau[0] = 0.0;
         if t > 0.5 {
@@ -363,7 +363,7 @@ fn stiff_damping_is_integrated_implicitly() {
         let model = Model::new(robot).unwrap();
         let run = |method, tolerance| {
             let options = AdaptiveOptions { method, ..to(tolerance) };
-            let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(0.03).build().unwrap();
+            let mut simulation = SimulationBuilder::new(&model).adaptive(options).dt(0.03).build().unwrap();
             let run = simulation.run_steps_from(&state.q, &state.v, 10, RunOptions::new()).unwrap();
             (run, *simulation.adaptive_record().unwrap())
         };
@@ -406,7 +406,7 @@ fn stiff_damper_follows_closed_form() {
     let model = Model::new(robot).unwrap();
     let run = |method| {
         let options = AdaptiveOptions { method, max_steps: 10_000, ..to(1e-9) };
-        let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(0.5).build().unwrap();
+        let mut simulation = SimulationBuilder::new(&model).adaptive(options).dt(0.5).build().unwrap();
         let run = simulation.run_steps_from(&[0.5], &[0.0], 4, RunOptions::new());
         println!("{:?}", simulation.adaptive_record());
         run

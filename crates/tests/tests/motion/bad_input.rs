@@ -42,7 +42,7 @@ fn ball() -> Shape {
 
 fn run(model: &Model, ground: Ground, soft: bool, (q, v): (&[f64], &[f64]), steps: usize) -> Ended {
     let contacts = ContactSet::new(model, &[ground]).unwrap().with_links(model);
-    let builder = if soft { soft_on(model, contacts, H) } else { implicit_on(model, contacts).step(H) };
+    let builder = if soft { soft_on(model, contacts, H) } else { implicit_on(model, contacts).dt(H) };
     builder.build().unwrap().run_steps_from(q, v, steps, RunOptions::new().sample_ends())
 }
 

@@ -369,7 +369,7 @@ fn roll(side: usize, (h, steps): (f64, usize)) {
     let (mut sum, mut seen) = (0.0, 0);
     let clock = std::time::Instant::now();
     crate::dropped::implicit_on(&model, contacts)
-        .step(h)
+        .dt(h)
         .build()
         .unwrap()
         .run_steps_from(

@@ -56,7 +56,7 @@ fn stiff_servos_are_reported() {
     let model = Model::new(robot).unwrap();
     let steps = |h| steps_of(0.5, h);
     let by = |method: Method, h: f64| {
-        let mut simulation = SimulationBuilder::new(&model).step(h).method(method).build().unwrap();
+        let mut simulation = SimulationBuilder::new(&model).dt(h).method(method).build().unwrap();
         simulation.set_controls(&[0.5]);
         simulation.run_steps(steps(h), RunOptions::new())
     };
@@ -83,7 +83,7 @@ fn stiff_joints_are_reported() {
                 let steps = steps_of(2.0, h);
                 SimulationBuilder::new(&model)
                     .method(Method::Fixed(row))
-                    .step(h)
+                    .dt(h)
                     .build()
                     .unwrap()
                     .run_steps_from(&[0.1], &[1e-3], steps, RunOptions::new())
@@ -119,7 +119,7 @@ fn fast_tumbling_is_reported() {
     let model = Model::new(robot).unwrap();
     let ended = |h: f64, steps: usize| {
         let (q, v) = ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0, 1000.0, 1.0]);
-        SimulationBuilder::new(&model).method(Method::Mujoco).step(h).build().unwrap().run_steps_from(
+        SimulationBuilder::new(&model).method(Method::Mujoco).dt(h).build().unwrap().run_steps_from(
             &q,
             &v,
             steps,
@@ -142,7 +142,7 @@ fn inputs_that_are_not_finite_are_not_divergence() {
     let mut torque = ConstantTorque(vec![f64::NAN]);
     let ended = SimulationBuilder::new(&model)
         .method(Method::Fixed(Integrator::RungeKutta4))
-        .step(1e-3)
+        .dt(1e-3)
         .build()
         .unwrap()
         .run_steps_from(&[0.0], &[0.0], 10, RunOptions::new().controller(&mut torque));
@@ -165,7 +165,7 @@ fn diverging_constrained_runs_are_reported() {
     let model = Model::new(robot).unwrap();
     for row in [Integrator::SemiImplicitEuler, Integrator::RungeKutta4] {
         assert_named(&format!("{row} with an equality"), 5e-3, |h| {
-            let builder = SimulationBuilder::new(&model).step(h).method(Method::Fixed(row));
+            let builder = SimulationBuilder::new(&model).dt(h).method(Method::Fixed(row));
             let mut simulation = builder.build().unwrap();
             simulation.reset(&[0.1, 0.001], &[0.0; 2]).unwrap();
             simulation.run_steps(steps_of(2.0, h), RunOptions::new())
@@ -181,7 +181,7 @@ fn diverging_implicit_runs_are_reported() {
         tau[0] = -400.0 * q[0] - 0.1 * v[0];
         Ok(())
     };
-    let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).step(5e-3).build().unwrap();
+    let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).dt(5e-3).build().unwrap();
     let ended =
         simulation.run_steps_from(&[0.1], &[0.0], 2000, RunOptions::new().controller(&mut controller));
     let error = ended.unwrap_err().error;
@@ -197,7 +197,7 @@ fn diverging_adaptive_runs_are_reported() {
     robot.joints[0].passive = PassiveForces::default().with_damping(-1e-3);
     let model = Model::new(robot).unwrap();
     let options = robot_dynamics::simulation::AdaptiveOptions::default();
-    let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(1000.0).build().unwrap();
+    let mut simulation = SimulationBuilder::new(&model).adaptive(options).dt(1000.0).build().unwrap();
     let error = simulation.run_steps_from(&[0.0], &[1e-3], 1, RunOptions::new()).unwrap_err().error;
     let RunError::Step { time, source: MethodError::Adaptive(ref source), .. } = error else {
         panic!("{error}")
@@ -214,7 +214,7 @@ fn diverging_states_of_batches_are_reported() {
     let mut robot = finger();
     robot.joints[0].passive = PassiveForces::default().with_damping(2.0);
     let model = Model::new(robot).unwrap();
-    let builder = SimulationBuilder::new(&model).step(5e-3).method(Method::Fixed(Integrator::RungeKutta4));
+    let builder = SimulationBuilder::new(&model).dt(5e-3).method(Method::Fixed(Integrator::RungeKutta4));
     let mut batch = SimulationBatch::new(&builder.build().unwrap(), 3, &Threads::start(2).unwrap());
     // The first two are at rest at the pose where gravity has no moment.
     for (simulation, speed) in batch.simulations_mut().iter_mut().zip([0.0, 0.0, 1e-3]) {

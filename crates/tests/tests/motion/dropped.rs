@@ -37,7 +37,7 @@ pub(crate) fn implicit_over(model: &Model, ground: Option<Ground>) -> Simulation
 
 /// Steps of h by MuJoCo's law with these contacts.
 pub(crate) fn soft_on(model: &Model, contacts: ContactSet, h: f64) -> SimulationBuilder<'static> {
-    SimulationBuilder::new(model).method(Method::Mujoco).contacts(contacts).step(h)
+    SimulationBuilder::new(model).method(Method::Mujoco).contacts(contacts).dt(h)
 }
 
 /// The stepper of a simulation, for steps from any state.
@@ -52,7 +52,7 @@ pub(crate) fn run_watched(
     (h, steps): (f64, usize),
     mut watch: impl FnMut(&StepInfo<'_>),
 ) -> Run {
-    let mut simulation = builder.step(h).build().unwrap();
+    let mut simulation = builder.dt(h).build().unwrap();
     let mut observer = |info: &StepInfo<'_>| {
         watch(info);
         ControlFlow::Continue(())

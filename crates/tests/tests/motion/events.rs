@@ -23,7 +23,7 @@ fn until(end: f64) -> impl Fn(&StepInfo<'_>) -> ControlFlow<()> {
 }
 
 fn simulation(model: &Model, integrator: Integrator, step: f64) -> Simulation {
-    SimulationBuilder::new(model).method(Method::Fixed(integrator)).step(step).build().unwrap()
+    SimulationBuilder::new(model).method(Method::Fixed(integrator)).dt(step).build().unwrap()
 }
 
 fn brick() -> Model {
@@ -364,7 +364,7 @@ fn crossings_match_adaptive_run() {
     let exact = SimulationBuilder::new(&model)
         .without(Effect::Dissipation)
         .adaptive(options)
-        .step(5.0)
+        .dt(5.0)
         .build()
         .unwrap()
         .run_steps_from(&[-0.5], &[0.0], 1, RunOptions::new().events(&mut events()))
@@ -413,7 +413,7 @@ fn constrained_runs_have_events() {
         .method(Method::Fixed(options.integrator))
         .constraints(constraints)
         .constraint_options(options, DriftCorrection::None)
-        .step(0.01)
+        .dt(0.01)
         .build()
         .unwrap();
     let events = || {

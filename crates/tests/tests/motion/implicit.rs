@@ -17,7 +17,7 @@ use robot_dynamics::simulation::{
 use crate::common::damped_tree;
 
 fn let_go(model: &Model, q: &[f64], v: &[f64], h: f64, steps: usize) -> Run {
-    let mut simulation = SimulationBuilder::new(model).method(Method::Implicit).step(h).build().unwrap();
+    let mut simulation = SimulationBuilder::new(model).method(Method::Implicit).dt(h).build().unwrap();
     simulation.run_steps_from(q, v, steps, RunOptions::new().sample_ends()).unwrap()
 }
 
@@ -267,7 +267,7 @@ fn damping_moves_massless_joint() {
     robot.joints[0].passive.damping = 0.0;
     robot.joints[0].passive.stiffness = 0.0;
     let model = Model::new(robot).unwrap();
-    let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).step(1e-3).build().unwrap();
+    let mut simulation = SimulationBuilder::new(&model).method(Method::Implicit).dt(1e-3).build().unwrap();
     let failure = simulation.run_steps_from(&[0.0], &[0.0], 10, RunOptions::new()).unwrap_err();
     let RunError::SingularMass { source, .. } = &failure.error else { panic!("{failure}") };
     assert_eq!(source.joints(), ["hinge"]);
@@ -305,7 +305,7 @@ fn stiff_actuators_are_implicit() {
         let run = |model: &Model, h: f64, steps: usize| {
             let state = random_state(model, &mut SplitMix64::new(seed));
             let mut simulation =
-                SimulationBuilder::new(model).method(Method::Implicit).step(h).build().unwrap();
+                SimulationBuilder::new(model).method(Method::Implicit).dt(h).build().unwrap();
             let controls = vec![0.2; simulation.control_names().count()];
             simulation.set_controls(&controls);
             simulation.run_steps_from(&state.q, &state.v, steps, RunOptions::new().sample_ends()).unwrap()
@@ -357,7 +357,7 @@ fn stiff_cable_acts_along_itself_only() {
     let (h, steps) = (1e-3, 500);
     let run = SimulationBuilder::new(&model)
         .method(Method::Implicit)
-        .step(h)
+        .dt(h)
         .build()
         .unwrap()
         .run_steps_from(

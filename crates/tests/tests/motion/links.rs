@@ -59,7 +59,7 @@ fn run_watched(
         if watch(info) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     };
     implicit_on(model, contacts.clone())
-        .step(h)
+        .dt(h)
         .build()
         .unwrap()
         .run_steps_from(q, v, steps, RunOptions::new().sample_ends().observer(&mut observer))

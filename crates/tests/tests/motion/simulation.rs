@@ -23,7 +23,7 @@ fn simulation(model: &Model, integrator: Integrator, step: f64) -> Simulation {
     SimulationBuilder::new(model)
         .method(Method::Fixed(integrator))
         .without(Effect::EffortLimits)
-        .step(step)
+        .dt(step)
         .build()
         .unwrap()
 }

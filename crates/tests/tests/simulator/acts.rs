@@ -224,7 +224,7 @@ fn conflicting_options_are_errors() {
     let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
     let ground = SimulationBuilder::new(&model).conservative().ground(Ground::level(0.0)).build();
     assert_eq!(ground.expect_err("no contacts"), SimulationError::GroundWithoutContacts);
-    let step = SimulationBuilder::new(&model).step(0.0).build();
+    let step = SimulationBuilder::new(&model).dt(0.0).build();
     assert_eq!(
         step.expect_err("no step"),
         InvalidInput::out_of_range("the step", 0.0, "s", "positive and finite").into()

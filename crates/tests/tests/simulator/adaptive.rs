@@ -42,10 +42,10 @@ fn start(simulation: &mut Simulation) {
 #[test]
 fn steps_runs_and_small_fixed_steps_agree() {
     for seed in 0..4 {
-        let mut run = builder(seed).adaptive(to(1e-11)).step(0.05).build().unwrap();
+        let mut run = builder(seed).adaptive(to(1e-11)).dt(0.05).build().unwrap();
         let mut steps = run.clone();
         let row = Method::Fixed(Integrator::RungeKutta4);
-        let [mut coarse, mut fine] = [2e-4, 1e-4].map(|h| builder(seed).method(row).step(h).build().unwrap());
+        let [mut coarse, mut fine] = [2e-4, 1e-4].map(|h| builder(seed).method(row).dt(h).build().unwrap());
         for simulation in [&mut run, &mut steps, &mut coarse, &mut fine] {
             start(simulation);
         }
@@ -76,7 +76,7 @@ fn steps_runs_and_small_fixed_steps_agree() {
 /// A snapshot also restores the length of the next step: the results are equal bit for bit.
 #[test]
 fn restored_steps_are_equal_bit_for_bit() {
-    let mut simulation = builder(1).adaptive(to(1e-8)).step(0.01).build().unwrap();
+    let mut simulation = builder(1).adaptive(to(1e-8)).dt(0.01).build().unwrap();
     start(&mut simulation);
     simulation.run_for(0.1).unwrap();
     let snapshot = simulation.snapshot();
@@ -97,7 +97,7 @@ fn effort_limits_hold() {
     for control in [ControlTiming::Continuous, ControlTiming::Held { period: 0.1 }] {
         let options = AdaptiveOptions { control, ..to(1e-10) };
         let ends = [3.0, 50.0].map(|torque| {
-            let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(0.1).build().unwrap();
+            let mut simulation = SimulationBuilder::new(&model).adaptive(options).dt(0.1).build().unwrap();
             let mut push = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau[0] = torque;
             let run = simulation
                 .run_steps_from(&[0.1], &[0.0], 5, RunOptions::new().controller(&mut push))
@@ -115,7 +115,7 @@ fn effort_limits_hold() {
 #[test]
 fn observer_sees_every_step() {
     let model = Model::new(pendulum(2.0, 0.5)).unwrap();
-    let mut simulation = SimulationBuilder::new(&model).adaptive(to(1e-9)).step(0.01).build().unwrap();
+    let mut simulation = SimulationBuilder::new(&model).adaptive(to(1e-9)).dt(0.01).build().unwrap();
     let mut seen = Vec::new();
     let mut observer = |info: &StepInfo<'_>| {
         seen.push(info.time);
@@ -133,7 +133,7 @@ fn observer_sees_every_step() {
 /// As the stepper of a batch it takes the same steps as the simulation.
 #[test]
 fn stepper_takes_the_same_steps() {
-    let mut simulation = builder(2).adaptive(to(1e-10)).step(0.02).build().unwrap();
+    let mut simulation = builder(2).adaptive(to(1e-10)).dt(0.02).build().unwrap();
     let model = simulation.model().clone();
     let (mut q, mut v) = (neutral(&model), vec![0.2; model.nv()]);
     simulation.reset(&q, &v).unwrap();
@@ -167,11 +167,11 @@ fn actuators_and_tendons_act() {
     robot.tendons.push(cable);
     let model = Model::new(robot).unwrap();
     let builder = || SimulationBuilder::new(&model).without(Effect::EffortLimits).without(Effect::Limits);
-    let mut run = builder().adaptive(to(1e-11)).step(0.05).build().unwrap();
+    let mut run = builder().adaptive(to(1e-11)).dt(0.05).build().unwrap();
     assert!(run.left_out().is_empty(), "{:?}", run.left_out());
     assert_eq!(run.acting(), [Effect::Dissipation, Effect::Springs, Effect::Actuators]);
     let mut steps = run.clone();
-    let mut fixed = builder().method(Method::Fixed(Integrator::RungeKutta4)).step(5e-5).build().unwrap();
+    let mut fixed = builder().method(Method::Fixed(Integrator::RungeKutta4)).dt(5e-5).build().unwrap();
     let v: Vec<f64> = (0..model.nv()).map(|k| 0.3 * (k as f64).cos()).collect();
     for simulation in [&mut run, &mut steps, &mut fixed] {
         simulation.reset(&neutral(&model), &v).unwrap();

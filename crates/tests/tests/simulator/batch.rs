@@ -55,7 +55,7 @@ fn batches_equal_single_simulations_bit_for_bit() {
     for (row, number) in rows.flat_map(|row| (0..6).map(move |number| (row, number))) {
         let kinds = [JointKinds::SingleFreedom, JointKinds::VectorSpace, JointKinds::All][number % 3];
         let model = robot(number, kinds);
-        let builder = SimulationBuilder::new(&model).method(Method::Fixed(row)).step(2e-3);
+        let builder = SimulationBuilder::new(&model).method(Method::Fixed(row)).dt(2e-3);
         let simulation = if number < 3 { builder.build() } else { builder.conservative().build() };
         let mut single = copies(&simulation.expect("a simulation"), 21, number as u64);
         let mut batch = batch_of(&single, 1 + number % 2);
@@ -106,7 +106,7 @@ fn failed_simulations_do_not_affect_others() {
 fn simulations_of_batch_may_differ() {
     let of = |length: f64, step: f64| {
         let model = Model::new(pendulum(2.0, length)).expect("a pendulum");
-        SimulationBuilder::new(&model).step(step).build().expect("a simulation")
+        SimulationBuilder::new(&model).dt(step).build().expect("a simulation")
     };
     let mut single = copies(&of(0.5, 1e-3), 9, 3);
     (single[2], single[8]) = (of(0.7, 1e-3), of(0.5, 2e-3));

@@ -15,7 +15,7 @@ use crate::hopper::hopper;
 /// ∫Σf dt = m Δċ − m g T. The contact forces of a step are its mean; the forces by link and by contact point
 /// agree.
 fn check(simulation: &mut Simulation, mass: f64, steps: u32) {
-    let h = simulation.step_size();
+    let h = simulation.dt();
     let velocity = |simulation: &Simulation| {
         let model = simulation.model();
         center_of_mass_velocity(model, &mut Workspace::new(model), simulation.q(), simulation.v())

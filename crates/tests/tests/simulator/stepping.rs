@@ -151,7 +151,7 @@ fn failed_step_leaves_state_unchanged() {
 #[test]
 fn durations_are_rounded_to_whole_steps() {
     let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
-    let mut simulation = SimulationBuilder::new(&model).step(0.01).build().expect("a simulation");
+    let mut simulation = SimulationBuilder::new(&model).dt(0.01).build().expect("a simulation");
     let mut by_steps = simulation.clone();
     let options = RunOptions::new().sample_period(0.03);
     let run = simulation.run_from(&[0.3], &[0.0], 0.104, options).expect("a run");

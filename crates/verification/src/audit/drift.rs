@@ -70,7 +70,7 @@ fn milliseconds(step: f64) -> String {
 fn drift(probe: &Probe<'_>, state: &State, integrator: Integrator, step: f64) -> f64 {
     let free = SimulationBuilder::new(probe.model).method(Method::Fixed(integrator)).conservative();
     let tree = free.without(Effect::Equalities).without(Effect::Springs);
-    let Ok(mut simulation) = tree.step(step).build() else { return f64::INFINITY };
+    let Ok(mut simulation) = tree.dt(step).build() else { return f64::INFINITY };
     // At most 0.2 s / 7 µs.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let steps = (DURATION / step).round() as usize;

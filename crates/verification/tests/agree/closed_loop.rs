@@ -45,7 +45,7 @@ fn hands_of_dual_arm_hold_each_other() -> Result<(), Box<dyn Error>> {
     let mut simulation = SimulationBuilder::new(&model)
         .method(Method::Fixed(options.integrator))
         .constraints(set.clone())
-        .step(5e-4)
+        .dt(5e-4)
         .without(Effect::Dissipation)
         .constraint_options(options, DriftCorrection::Position { tolerance: 1e-12 })
         .build()?;

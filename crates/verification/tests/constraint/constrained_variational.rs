@@ -123,7 +123,7 @@ fn energy_errors(
     let mut simulation = SimulationBuilder::new(model)
         .method(Method::Fixed(row))
         .constraints(set.clone())
-        .step(h)
+        .dt(h)
         .without(Effect::Dissipation)
         .constraint_options(options(row), DriftCorrection::None)
         .build()?;
@@ -466,7 +466,7 @@ fn invalid_steps_are_errors() -> Tested {
         let mut simulation = SimulationBuilder::new(&model)
             .method(Method::Fixed(options.integrator))
             .constraints(set.clone())
-            .step(h)
+            .dt(h)
             .without(Effect::Dissipation)
             .constraint_options(options, DriftCorrection::None)
             .build()

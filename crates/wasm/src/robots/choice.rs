@@ -1,6 +1,6 @@
 //! The options of a robot's motion.
 
-use robot_dynamics::simulation::{Effect, Method};
+use robot_dynamics::simulation::{Effect, Method, SimulationBuilder};
 
 /// Options of the builder.
 #[derive(Clone, Debug)]
@@ -17,6 +17,6 @@ pub(crate) struct Choice {
 
 impl Default for Choice {
     fn default() -> Self {
-        Self { method: None, step: 1e-3, off: Vec::new(), ground: false }
+        Self { method: None, step: SimulationBuilder::DEFAULT_DT, off: Vec::new(), ground: false }
     }
 }

@@ -187,7 +187,7 @@ impl Robot {
             *tau += simulation.actuator_torques().get(k).unwrap_or(&0.0);
             *tau += if self.hand.is_some() { self.pull[k] } else { 0.0 };
         }
-        Step { q, v, tau, h: simulation.step_size() }
+        Step { q, v, tau, h: simulation.dt() }
     }
 }
 

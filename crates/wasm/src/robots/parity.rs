@@ -56,7 +56,7 @@ pub fn robot_parity_values(text: &str, floating_base: bool) -> Result<Vec<String
     for name in Method::names().filter(|name| *name != "adaptive") {
         // Links overlap in this pose, and contact magnifies rounding.
         let builder = simulation(&model).without(Effect::Contacts);
-        let mut stepped = builder.method(name.parse()?).step(1e-4).build()?;
+        let mut stepped = builder.method(name.parse()?).dt(1e-4).build()?;
         stepped.reset(&start, &speeds)?;
         for _ in 0..20 {
             stepped.step()?;

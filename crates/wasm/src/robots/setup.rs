@@ -137,7 +137,7 @@ impl Robot {
             let given = number.and_then(|number| meshes.get(&number));
             given.cloned().ok_or_else(|| "its file is missing".to_owned())
         };
-        let mut builder = robot_dynamics::simulation(&self.model).step(choice.step).meshes(corners);
+        let mut builder = robot_dynamics::simulation(&self.model).dt(choice.step).meshes(corners);
         if let Some(method) = choice.method {
             builder = builder.method(method);
         }

@@ -50,7 +50,7 @@ use crate::{ActiveSet, ContactLaws, StepForces, StepWorkspace, step};
 /// }
 ///
 /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
-/// let mut simulation = SimulationBuilder::new(&model).stepper(Leapfrog).step(1e-4).build()?;
+/// let mut simulation = SimulationBuilder::new(&model).stepper(Leapfrog).dt(1e-4).build()?;
 /// let run = simulation.run(0.01, RunOptions::new())?;
 /// assert!(run.ledger.drift() < 1e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -1,12 +1,10 @@
 //! Options of adaptive steps.
 
+use std::ops::RangeInclusive;
+
 use robot_dynamics_number::{InvalidInput, check_positive};
 
 use super::AdaptiveMethod;
-
-/// The smallest and the largest tolerance. Below, rounding dominates the error of a step; above, the result
-/// is not meaningful.
-const TOLERANCES: (f64, f64) = (1e-13, 1e-2);
 
 /// Options of adaptive Runge–Kutta steps with error control, for accurate motions over short and medium
 /// times. The steps are explicit of order 9, or implicit of order 5 if damping is stiff ([`AdaptiveMethod`]).
@@ -38,7 +36,7 @@ impl Default for AdaptiveOptions {
     /// samples.
     fn default() -> Self {
         Self {
-            tolerance: 1e-9,
+            tolerance: Self::DEFAULT_TOLERANCE,
             method: AdaptiveMethod::Automatic,
             control: ControlTiming::Continuous,
             max_steps: 1_000_000,
@@ -62,12 +60,20 @@ pub enum ControlTiming {
 }
 
 impl AdaptiveOptions {
-    pub fn check(&self) -> Result<(), InvalidInput> {
+    /// The default tolerance.
+    pub const DEFAULT_TOLERANCE: f64 = 1e-9;
+
+    /// The allowed tolerances. Below, rounding dominates the error of a step; above, the result is not
+    /// meaningful.
+    pub const TOLERANCE_RANGE: RangeInclusive<f64> = 1e-13..=1e-2;
+
+    pub(crate) fn check(&self) -> Result<(), InvalidInput> {
         if let ControlTiming::Held { period } = self.control {
             check_positive("the control period", period, "s")?;
         }
-        let (least, most) = TOLERANCES;
-        if !(least..=most).contains(&self.tolerance) {
+        let range = Self::TOLERANCE_RANGE;
+        if !range.contains(&self.tolerance) {
+            let (least, most) = (range.start(), range.end());
             let requirement = format!("between {least:e} and {most:e}");
             return Err(InvalidInput::out_of_range("the tolerance", self.tolerance, "", requirement));
         }
