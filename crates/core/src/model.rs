@@ -1,6 +1,7 @@
 //! The compiled robot: from a description to the arrays of the recursions.
 
 pub mod actuated;
+mod ancestors;
 pub mod body;
 pub mod compile;
 pub mod frame;

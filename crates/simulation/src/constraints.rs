@@ -20,7 +20,6 @@ mod drift;
 mod error;
 mod forward;
 mod frame_constraint;
-mod frame_motion;
 mod implicit;
 mod impulse;
 mod inverse;

@@ -26,7 +26,6 @@ mod convex;
 #[path = "contact/convex/without.rs"]
 mod convex;
 mod described_pairs;
-mod equality;
 mod field;
 mod field_contacts;
 mod form;
@@ -41,7 +40,6 @@ mod named_pairs;
 mod pair;
 mod pair_points;
 mod placed_shape;
-mod placement;
 mod plane;
 mod point;
 mod problem;
@@ -60,7 +58,6 @@ pub use soft::{ActiveSet, SoftConstraints, SoftContact};
 
 pub use components::{Components, Mark};
 pub use cone_problem::{ConeProblem, Set};
-pub use equality::{ConstrainedDirection, EqualityRow, EqualityRows, Relation, Rolling, Site};
 pub use ground::axes;
 pub use impulses::lift::{Bound, ROUNDING};
 pub use impulses::{
@@ -80,9 +77,9 @@ use self::form::Form;
 use self::meeting::MOST_MEETING;
 use self::named_pairs::NamedPairs;
 use self::pair::Pair;
-use self::placement::{Placement, coordinates_of};
 use self::shape_checks::{described, size_not_finite};
 use self::touching::Touching;
+use crate::placement::Placement;
 
 /// The shapes of one robot that can touch the ground, and the grounds.
 ///
@@ -246,7 +243,7 @@ impl ContactSet {
             link: shape.link.clone(),
             on_ground,
             body,
-            coordinates: if body == WORLD { Vec::new() } else { coordinates_of(model, body) },
+            coordinates: model.coordinates_between(WORLD, body).into_iter().collect(),
             rotation: Matrix3::from_fn(|i, j| rotation[i][j]),
             translation: translation.into(),
             form,

@@ -5,6 +5,12 @@
 // Actuators, tendons, passive forces beyond the joints.
 mod actuation;
 
+// The places and motions of bodies in the world.
+mod placement;
+
+// Rows of equalities.
+mod equality;
+
 // Contact.
 #[doc(hidden)]
 pub mod contact;

@@ -1,9 +1,11 @@
 //! The frames that a constraint joins, and the directions along which it joins them.
 
-use robot_dynamics_core::FrameId;
+use robot_dynamics_core::{FrameId, Model};
 use robot_dynamics_description::Pose;
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
+
+use crate::equality::site::Site;
 
 /// One side of a closure.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +14,16 @@ pub enum Anchor {
     Frame(FrameId),
     /// A pose in the world: `world_from_anchor`.
     World(Pose),
+}
+
+impl Anchor {
+    #[track_caller]
+    pub(super) fn site(&self, model: &Model) -> Site {
+        match self {
+            Self::Frame(frame) => Site::of_frame(model, *frame),
+            Self::World(pose) => Site::in_world(pose),
+        }
+    }
 }
 
 /// A direction in which frame b must not move relative to frame a, in the axes of a.

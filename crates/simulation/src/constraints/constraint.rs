@@ -1,13 +1,15 @@
 //! One constraint of any kind.
 
-use robot_dynamics_core::{Model, Workspace};
+use robot_dynamics_core::{FrameId, Model};
+use robot_dynamics_number::{check_number, check_positive};
 
+use super::ConstraintError;
 use super::coupling::Coupling;
 use super::frame_constraint::FrameConstraint;
 use super::no_slip::NoSlip;
 use super::polynomial_coupling::PolynomialCoupling;
 use super::rolling::RollingDisc;
-use super::rows::RowsAt;
+use crate::equality::relation::Relation;
 
 /// One constraint on a tree.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,16 +28,6 @@ pub enum Constraint {
 }
 
 impl Constraint {
-    /// The number of rows.
-    pub(super) fn count(&self) -> usize {
-        match self {
-            Self::FrameConstraint(closure) => closure.rows.len(),
-            Self::NoSlip(no_slip) => no_slip.rows.len(),
-            Self::RollingDisc(disc) => disc.rows.len(),
-            Self::Coupling(_) | Self::PolynomialCoupling(_) => 1,
-        }
-    }
-
     /// The names of its rows, which are appended to its own name.
     pub(super) fn row_names(&self) -> Vec<&'static str> {
         match self {
@@ -47,21 +39,44 @@ impl Constraint {
         }
     }
 
-    pub(super) fn write(
-        &self,
-        model: &Model,
-        workspace: &mut Workspace,
-        q: &[f64],
-        v: &[f64],
-        rows: &mut RowsAt<'_>,
-    ) {
+    /// Its rows, as functions of the configuration.
+    pub(super) fn relation(&self, model: &Model) -> Relation {
         match self {
-            Self::FrameConstraint(closure) => closure.write(model, workspace, q, v, rows),
-            Self::NoSlip(no_slip) => no_slip.write(model, workspace, q, v, rows),
-            Self::RollingDisc(disc) => disc.write(model, workspace, q, v, rows),
-            Self::Coupling(coupling) => coupling.write(model, q, rows),
-            Self::PolynomialCoupling(coupling) => coupling.write(model, q, v, rows),
+            Self::FrameConstraint(closure) => closure.relation(model),
+            Self::NoSlip(no_slip) => no_slip.relation(model),
+            Self::RollingDisc(disc) => disc.relation(model),
+            Self::Coupling(coupling) => coupling.relation(model),
+            Self::PolynomialCoupling(coupling) => coupling.relation(),
         }
+    }
+
+    /// The frames that it joins.
+    pub(super) fn frames(&self) -> Vec<FrameId> {
+        match self {
+            Self::FrameConstraint(closure) => closure.frames().collect(),
+            Self::NoSlip(no_slip) => vec![no_slip.frame],
+            Self::RollingDisc(disc) => vec![disc.frame],
+            Self::Coupling(_) | Self::PolynomialCoupling(_) => Vec::new(),
+        }
+    }
+
+    /// Checks the numbers in its geometry.
+    pub(super) fn check_numbers(&self) -> Result<(), ConstraintError> {
+        match self {
+            Self::FrameConstraint(closure) => {
+                for number in closure.numbers() {
+                    check_number("a number of an anchor's pose", number)?;
+                }
+            }
+            Self::RollingDisc(disc) => {
+                check_positive("a disc's radius", disc.radius, "m")?;
+                let axle = disc.axle.iter().map(|x| x * x).sum::<f64>().sqrt();
+                check_positive("the length of an axle", axle, "m")?;
+                check_number("a plane's offset", disc.plane.offset())?;
+            }
+            Self::NoSlip(_) | Self::Coupling(_) | Self::PolynomialCoupling(_) => {}
+        }
+        Ok(())
     }
 }
 

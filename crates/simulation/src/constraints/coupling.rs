@@ -3,14 +3,13 @@
 //! Gears, belts, differentials and locked joints are such rows. A row costs its number of terms. Coordinates
 //! of quaternion joints have no φ.
 
-use nalgebra::RowDVector;
 use robot_dynamics_core::Model;
 use robot_dynamics_core::configuration::manifold::coordinate_ranges;
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_number::check_number;
 
 use super::ConstraintError;
-use super::rows::RowsAt;
+use crate::equality::relation::Relation;
 
 /// Σ cᵢ vᵢ = 0 with constant c: gears, belts, differentials, a locked joint.
 ///
@@ -43,14 +42,16 @@ impl Coupling {
         Ok(Self { terms: terms.iter().map(term).collect::<Result<_, _>>()?, offset })
     }
 
-    pub(super) fn write(&self, model: &Model, q: &[f64], rows: &mut RowsAt<'_>) {
-        let mut row = RowDVector::zeros(model.nv());
-        let mut error = Some(-self.offset);
-        for &(coordinate, coefficient) in &self.terms {
-            row[coordinate] += coefficient;
-            let plain = coordinate_ranges(model).find(|s| s.chart == Chart::Line && s.v == coordinate);
-            error = error.zip(plain).map(|(sum, stretch)| sum + coefficient * q[stretch.q]);
+    /// The row of the coordinates.
+    pub(super) fn relation(&self, model: &Model) -> Relation {
+        let position = |&(coordinate, factor): &(usize, f64)| {
+            let plain = coordinate_ranges(model).find(|s| s.chart == Chart::Line && s.v == coordinate)?;
+            Some((plain.q, factor))
+        };
+        Relation::Sum {
+            terms: self.terms.clone(),
+            positions: self.terms.iter().map(position).collect(),
+            offset: self.offset,
         }
-        rows.push(&row, 0.0, error);
     }
 }

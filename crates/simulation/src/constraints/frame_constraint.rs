@@ -1,16 +1,15 @@
 //! Two frames joined: a closed loop, a foot on the floor, a hand on a rail.
 //!
 //! With d = p_b − p_a and the axes a_k of frame a, a translation has φ = a_k·d. Rotations have products of
-//! the axes of both frames. Each row costs two frame Jacobians, O(depth). Three rotational rows are singular
+//! the axes of both frames. Each row costs O(depth). Three rotational rows are singular
 //! at half a turn from a.
 
-use nalgebra::Vector3;
-use robot_dynamics_core::{FrameId, Model, Workspace};
+use robot_dynamics_core::{FrameId, Model};
 use robot_dynamics_description::Pose;
 
 use super::anchor::{Anchor, SpatialAxis};
-use super::frame_motion::FrameMotion;
-use super::rows::RowsAt;
+use crate::equality::direction::ConstrainedDirection;
+use crate::equality::relation::Relation;
 
 /// Frame b joined to frame a in the directions of the rows.
 ///
@@ -61,54 +60,39 @@ impl FrameConstraint {
         Self { a: Anchor::World(world_from_contact), b: Anchor::Frame(frame), rows: rows.to_vec() }
     }
 
-    pub(super) fn write(
-        &self,
-        model: &Model,
-        workspace: &mut Workspace,
-        q: &[f64],
-        v: &[f64],
-        rows: &mut RowsAt<'_>,
-    ) {
-        let a = FrameMotion::of(model, workspace, q, v, &self.a);
-        let b = FrameMotion::of(model, workspace, q, v, &self.b);
+    /// The rows between the two sides.
+    pub(super) fn relation(&self, model: &Model) -> Relation {
         let turns: Vec<usize> = self.rows.iter().filter(|row| row.is_turn()).map(|row| row.axis()).collect();
-        for row in &self.rows {
+        let direction = |row: &SpatialAxis| {
             if row.is_turn() {
-                write_turn(&a, &b, &products(row.axis(), &turns), rows);
+                ConstrainedDirection::Turn(products(row.axis(), &turns))
             } else {
-                write_shift(&a, &b, row.axis(), rows);
+                ConstrainedDirection::Shift(row.axis())
             }
-        }
+        };
+        let sites = [&self.a, &self.b].map(|anchor| anchor.site(model));
+        Relation::Sites(sites, self.rows.iter().map(direction).collect())
     }
-}
 
-/// φ = a_k·d: with e = a_k, φ̇ = e·(ḋ − ω_a × d), φ̈ = e·(d̈ − ω̇_a × d − 2 ω_a × ḋ + ω_a × (ω_a × d)).
-fn write_shift(a: &FrameMotion, b: &FrameMotion, k: usize, rows: &mut RowsAt<'_>) {
-    let (e, d, rate) = (a.axis(k), b.position - a.position, b.velocity - a.velocity);
-    let row = b.row(&e, &Vector3::zeros()) - a.row(&e, &d.cross(&e));
-    let seen_from_a =
-        b.bias - a.bias - a.spin_bias.cross(&d) - a.spin.cross(&rate) * 2.0 + a.spin.cross(&a.spin.cross(&d));
-    rows.push(&row, e.dot(&seen_from_a), Some(e.dot(&d)));
-}
-
-/// φ = Σ c α·β of axes α of a and β of b. With ω = ω_b − ω_a, the rate of α·β is ω·(β × α). Its rate in turn
-/// is ω̇·(β × α) + ω·((ω_b × β) × α + β × (ω_a × α)).
-fn write_turn(a: &FrameMotion, b: &FrameMotion, products: &[(f64, usize, usize)], rows: &mut RowsAt<'_>) {
-    let spin = b.spin - a.spin;
-    let (mut normal, mut bias, mut error) = (Vector3::zeros(), 0.0, 0.0);
-    for &(c, i, j) in products {
-        let (alpha, beta) = (a.axis(i), b.axis(j));
-        normal += beta.cross(&alpha) * c;
-        bias += c * spin.dot(&(b.spin.cross(&beta).cross(&alpha) + beta.cross(&a.spin.cross(&alpha))));
-        error += c * alpha.dot(&beta);
+    /// The frames of its sides that are not in the world.
+    pub(super) fn frames(&self) -> impl Iterator<Item = FrameId> {
+        let frame = |anchor: &Anchor| if let Anchor::Frame(frame) = anchor { Some(*frame) } else { None };
+        [&self.a, &self.b].into_iter().filter_map(frame)
     }
-    bias += normal.dot(&(b.spin_bias - a.spin_bias));
-    let zero = Vector3::zeros();
-    rows.push(&(b.row(&zero, &normal) - a.row(&zero, &normal)), bias, Some(error));
+
+    /// The numbers of its sides in the world.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
+        let pose = |anchor: &Anchor| if let Anchor::World(pose) = anchor { Some(*pose) } else { None };
+        let numbers = |pose: Pose| {
+            let [x, y, z] = pose.rotation;
+            [x, y, z, pose.translation].into_iter().flatten()
+        };
+        [&self.a, &self.b].into_iter().filter_map(pose).flat_map(numbers)
+    }
 }
 
 /// The products (c, i, j) with φ_k = Σ c a_i·b_j, for these constrained rotations.
-pub(super) fn products(k: usize, turns: &[usize]) -> Vec<(f64, usize, usize)> {
+fn products(k: usize, turns: &[usize]) -> Vec<(f64, usize, usize)> {
     let (next, last) = ((k + 1) % 3, (k + 2) % 3);
     match turns.len() {
         2 if !turns.contains(&next) => vec![(1.0, last, next)],

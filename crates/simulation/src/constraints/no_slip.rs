@@ -4,13 +4,13 @@
 //! The rows do not follow from a position, so there is no φ to correct: a drift along them stays. A row costs
 //! O(depth).
 
-use nalgebra::RowDVector;
-use robot_dynamics_core::{
-    FrameId, Model, ReferenceFrame, Workspace, frame_bias_acceleration, frame_jacobian,
-};
+use robot_dynamics_core::{FrameId, Model};
+use robot_dynamics_description::Pose;
 
 use super::SpatialAxis;
-use super::rows::RowsAt;
+use crate::equality::direction::ConstrainedDirection;
+use crate::equality::relation::Relation;
+use crate::equality::site::Site;
 
 /// Components of a frame's velocity, along the frame's own axes, that vanish.
 ///
@@ -30,22 +30,12 @@ impl NoSlip {
         Self { frame, rows: vec![SpatialAxis::Y] }
     }
 
-    pub(super) fn write(
-        &self,
-        model: &Model,
-        workspace: &mut Workspace,
-        q: &[f64],
-        v: &[f64],
-        rows: &mut RowsAt<'_>,
-    ) {
-        let nv = model.nv();
-        let mut jacobian = vec![0.0; 6 * nv];
-        frame_jacobian(model, workspace, q, self.frame, ReferenceFrame::Local, &mut jacobian);
-        let bias = frame_bias_acceleration(model, workspace, q, v, self.frame, ReferenceFrame::Local);
-        let bias = [bias.linear, bias.angular].concat();
-        for &row in &self.rows {
-            let k = row as usize;
-            rows.push(&RowDVector::from_row_slice(&jacobian[k * nv..][..nv]), bias[k], None);
-        }
+    /// The rows of the frame in the world.
+    pub(super) fn relation(&self, model: &Model) -> Relation {
+        let directions = self.rows.iter().map(|row| ConstrainedDirection::Slip(*row as usize));
+        Relation::Sites(
+            [Site::in_world(&Pose::IDENTITY), Site::of_frame(model, self.frame)],
+            directions.collect(),
+        )
     }
 }

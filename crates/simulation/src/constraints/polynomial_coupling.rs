@@ -3,13 +3,12 @@
 //! φ = y − y⁰ − p(x − x⁰), φ̇ = ẏ − p′ẋ, and its rate at v̇ = 0 is −p″ẋ². A row costs two entries. It is
 //! MJCF's equality of joints.
 
-use nalgebra::RowDVector;
 use robot_dynamics_core::Model;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_number::check_number;
 
 use super::ConstraintError;
-use super::rows::RowsAt;
+use crate::equality::relation::Relation;
 
 /// y − y⁰ = p(x − x⁰), p a polynomial of degree 4 at most: MJCF's equality of joints.
 ///
@@ -64,19 +63,12 @@ impl PolynomialCoupling {
         Ok(Self { joint: position(joint)?, leader, polynomial })
     }
 
-    pub(super) fn write(&self, model: &Model, q: &[f64], v: &[f64], rows: &mut RowsAt<'_>) {
-        let x = self.leader.at(q);
-        // p, p′ and ½p″ by Horner's rule.
-        let (mut p, mut slope, mut half_curvature) = (0.0, 0.0, 0.0);
-        for c in self.polynomial.iter().rev() {
-            half_curvature = half_curvature * x + slope;
-            slope = slope * x + p;
-            p = p * x + c;
+    /// The row of the two joints.
+    pub(super) fn relation(&self) -> Relation {
+        Relation::Polynomial {
+            joint: self.joint.clone(),
+            leader: self.leader.clone(),
+            polynomial: self.polynomial,
         }
-        let mut row = RowDVector::zeros(model.nv());
-        self.joint.spread(1.0, row.as_mut_slice());
-        self.leader.spread(-slope, row.as_mut_slice());
-        let bias = -2.0 * half_curvature * self.leader.rate(v).powi(2);
-        rows.push(&row, bias, Some(self.joint.at(q) - p));
     }
 }

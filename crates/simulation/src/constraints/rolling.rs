@@ -5,12 +5,14 @@
 //! O(depth). An axle along the plane's normal has no heading, and the rows are not finite there.
 
 use nalgebra::{Unit, Vector3};
-use robot_dynamics_core::{FrameId, Model, Workspace};
+use robot_dynamics_core::{FrameId, Model};
+use robot_dynamics_description::Pose;
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use super::frame_motion::FrameMotion;
-use super::rows::RowsAt;
+use crate::equality::direction::{ConstrainedDirection, Rolling};
+use crate::equality::relation::Relation;
+use crate::equality::site::Site;
 
 /// The plane n·x = offset in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,39 +93,20 @@ impl RollingDisc {
         Self { frame, axle, radius, plane: Plane::level(0.0), rows }
     }
 
-    pub(super) fn write(
-        &self,
-        model: &Model,
-        workspace: &mut Workspace,
-        q: &[f64],
-        v: &[f64],
-        rows: &mut RowsAt<'_>,
-    ) {
-        let disc = FrameMotion::of_frame(model, workspace, q, v, self.frame);
-        let (n, r) = (self.plane.normal.into_inner(), self.radius);
-        let s = disc.rotation * Vector3::from(self.axle).normalize();
-        let s_rate = disc.spin.cross(&s);
-        // w, u, h and their rates; a unit vector x/|x| changes at (ẋ − u (u·ẋ))/|x|.
-        let turned = |u: &Vector3<f64>, rate: Vector3<f64>, length: f64| (rate - u * u.dot(&rate)) / length;
-        let w = n - s * n.dot(&s);
-        let length = w.norm();
-        let u = w / length;
-        let u_rate = turned(&u, -s * n.dot(&s_rate) - s_rate * n.dot(&s), length);
-        let h = s.cross(&n) / length;
-        let h_rate = turned(&h, s_rate.cross(&n), length);
-
-        let velocity = disc.velocity - disc.spin.cross(&u) * r;
-        let bias = disc.bias - (disc.spin_bias.cross(&u) + disc.spin.cross(&u_rate)) * r;
-        for row in &self.rows {
-            let (d, d_rate, error) = match row {
-                RollingRow::Forward => (h, h_rate, None),
-                RollingRow::Side => (n.cross(&h), n.cross(&h_rate), None),
-                RollingRow::Normal => {
-                    (n, Vector3::zeros(), Some(n.dot(&disc.position) - r * length - self.plane.offset))
-                }
-            };
-            // d·V = d·ṗ − r ω·(u × d)
-            rows.push(&disc.row(&d, &(d.cross(&u) * r)), d.dot(&bias) + d_rate.dot(&velocity), error);
-        }
+    /// The rows of the disc in the world.
+    pub(super) fn relation(&self, model: &Model) -> Relation {
+        let direction = |row: &RollingRow| {
+            ConstrainedDirection::Roll(Box::new(Rolling {
+                axle: Vector3::from(self.axle).normalize(),
+                radius: self.radius,
+                normal: self.plane.normal.into_inner(),
+                offset: self.plane.offset,
+                direction: *row as usize,
+            }))
+        };
+        Relation::Sites(
+            [Site::in_world(&Pose::IDENTITY), Site::of_frame(model, self.frame)],
+            self.rows.iter().map(direction).collect(),
+        )
     }
 }

@@ -1,6 +1,6 @@
 //! The rows of a set of constraints at a state.
 
-use nalgebra::{DMatrix, DVector, RowDVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::ConstraintError;
 
@@ -30,23 +30,5 @@ impl ConstraintRows {
             Some(i) => Err(ConstraintError::NonFiniteRow { name: names[i].clone() }),
             None => Ok(()),
         }
-    }
-}
-
-/// The position of the next row.
-pub(super) struct RowsAt<'a> {
-    pub rows: &'a mut ConstraintRows,
-    pub at: usize,
-}
-
-impl RowsAt<'_> {
-    /// Writes one row of A with its entry of Ȧv, and its φ if it has one.
-    pub(super) fn push(&mut self, row: &RowDVector<f64>, bias: f64, position_error: Option<f64>) {
-        let Self { rows, at } = self;
-        rows.matrix.set_row(*at, row);
-        rows.bias[*at] = bias;
-        rows.position_error[*at] = position_error.unwrap_or(0.0);
-        rows.holonomic[*at] = position_error.is_some();
-        *at += 1;
     }
 }

@@ -1,18 +1,17 @@
 //! Named constraints, and their rows at a state: A(q), Ȧv and φ(q).
 //!
-//! Each constraint writes its rows in order, dense over nv coordinates. Cost: O(K nv) for K rows. A set
-//! belongs to one model: using it with another panics.
+//! Each constraint has rows that are sparse over the coordinates (`equality`). Implicit steps use them as
+//! they are. [`ConstraintSet::rows`] writes them to a dense matrix, at a cost of O(n + K nv) for n bodies and
+//! K rows. A set belongs to one model: using it with another panics.
 
 use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::model::identity::Identity;
-use robot_dynamics_core::{FrameId, Model, Workspace};
+use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::{Equality, EqualityDescription, check_length};
-use robot_dynamics_number::{check_number, check_positive};
 
-use super::rows::{ConstraintRows, RowsAt};
-use super::{
-    Anchor, Constraint, ConstraintError, FrameConstraint, LoopClosure, PolynomialCoupling, SpatialAxis,
-};
+use super::rows::ConstraintRows;
+use super::{Constraint, ConstraintError, FrameConstraint, LoopClosure, PolynomialCoupling, SpatialAxis};
+use crate::equality::rows::EqualityRows;
 
 /// Named constraints of one robot, in order.
 ///
@@ -26,13 +25,22 @@ use super::{
 /// assert_eq!(set.row_names(), ["pin.x", "pin.y", "pin.z"]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct ConstraintSet {
     /// The robot of these constraints; `None` for the empty default set, which constrains no robot.
     robot: Option<Identity>,
     constraints: Vec<Constraint>,
     names: Vec<String>,
     row_names: Vec<String>,
+    /// The rows of all constraints; `None` for the empty default set.
+    equalities: Option<EqualityRows>,
+}
+
+/// Equal constraints of the same robot, with the same names.
+impl PartialEq for ConstraintSet {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.robot, &self.constraints, &self.names) == (&other.robot, &other.constraints, &other.names)
+    }
 }
 
 impl ConstraintSet {
@@ -49,7 +57,7 @@ impl ConstraintSet {
         for (name, constraint) in constraints {
             set.add(model, name.into(), constraint)?;
         }
-        Ok(set)
+        Ok(set.with_rows(model))
     }
 
     /// The loops given beside a robot file.
@@ -61,7 +69,7 @@ impl ConstraintSet {
         for closure in loops {
             set.add(model, closure.name.clone(), closure.resolve(model)?.into())?;
         }
-        Ok(set)
+        Ok(set.with_rows(model))
     }
 
     /// The active equalities of the robot's description. Joints become [`PolynomialCoupling`]s, and
@@ -101,7 +109,19 @@ impl ConstraintSet {
             };
             set.add(model, equality.name.clone(), constraint)?;
         }
-        Ok(set)
+        Ok(set.with_rows(model))
+    }
+
+    /// Prepares the rows of the constraints.
+    fn with_rows(mut self, model: &Model) -> Self {
+        let relations = self.constraints.iter().map(|constraint| constraint.relation(model));
+        self.equalities = Some(EqualityRows::new(model, relations));
+        self
+    }
+
+    /// The rows, which need a placement before they are read; `None` for the empty default set.
+    pub(super) fn equalities(&self) -> Option<&EqualityRows> {
+        self.equalities.as_ref()
     }
 
     fn add(&mut self, model: &Model, name: String, constraint: Constraint) -> Result<(), ConstraintError> {
@@ -116,16 +136,8 @@ impl ConstraintSet {
         if (1..rows.len()).any(|i| rows[..i].contains(&rows[i])) {
             return Err(bad_rows("has a row twice"));
         }
-        if let Constraint::RollingDisc(disc) = &constraint {
-            let axle = disc.axle.iter().map(|x| x * x).sum::<f64>().sqrt();
-            for (quantity, value) in [("a disc's radius", disc.radius), ("the length of an axle", axle)] {
-                check_positive(quantity, value, "m")?;
-            }
-        }
-        for (quantity, value) in numbers(&constraint) {
-            check_number(quantity, value)?;
-        }
-        if frames(&constraint).into_iter().any(|frame| !model.has_frame(frame)) {
+        constraint.check_numbers()?;
+        if constraint.frames().into_iter().any(|frame| !model.has_frame(frame)) {
             return Err(ConstraintError::ForeignFrame { constraint: name, robot: model.name().to_owned() });
         }
         self.row_names.extend(rows.iter().map(|row| format!("{name}.{row}")));
@@ -177,11 +189,13 @@ impl ConstraintSet {
             position_error: DVector::zeros(count),
             holonomic: vec![false; count],
         };
-        let mut next = RowsAt { rows: &mut rows, at: 0 };
-        for constraint in &self.constraints {
-            let end = next.at + constraint.count();
-            constraint.write(model, workspace, q, v, &mut next);
-            debug_assert_eq!(next.at, end, "a constraint wrote another number of rows than it has");
+        let Some(mut equalities) = self.equalities.clone() else { return rows };
+        equalities.place(model, workspace, q);
+        rows.bias = equalities.bias(model, q, v).into();
+        for (i, row) in equalities.rows().iter().enumerate() {
+            row.terms.iter().for_each(|&(k, factor)| rows.matrix[(i, k)] = factor);
+            rows.position_error[i] = row.error.unwrap_or(0.0);
+            rows.holonomic[i] = row.error.is_some();
         }
         rows
     }
@@ -196,30 +210,4 @@ fn joined(
     let [frame_a, frame_b] = ["a", "b"].map(|side| equality.frame_name(side));
     let closure = LoopClosure { name: equality.name.clone(), frame_a, frame_b, rows: rows.to_vec() };
     Ok(closure.resolve(model)?.into())
-}
-
-fn frames(constraint: &Constraint) -> Vec<FrameId> {
-    match constraint {
-        Constraint::FrameConstraint(FrameConstraint { a, b, .. }) => [a, b]
-            .into_iter()
-            .filter_map(|anchor| if let Anchor::Frame(frame) = anchor { Some(*frame) } else { None })
-            .collect(),
-        Constraint::NoSlip(no_slip) => vec![no_slip.frame],
-        Constraint::RollingDisc(disc) => vec![disc.frame],
-        Constraint::Coupling(_) | Constraint::PolynomialCoupling(_) => Vec::new(),
-    }
-}
-
-/// The numbers in a constraint's geometry.
-fn numbers(constraint: &Constraint) -> Vec<(&'static str, f64)> {
-    match constraint {
-        Constraint::FrameConstraint(FrameConstraint { a, b, .. }) => [a, b]
-            .into_iter()
-            .filter_map(|anchor| if let Anchor::World(pose) = anchor { Some(pose) } else { None })
-            .flat_map(|pose| pose.rotation.as_flattened().iter().chain(&pose.translation))
-            .map(|&x| ("a number of an anchor's pose", x))
-            .collect(),
-        Constraint::RollingDisc(disc) => vec![("a plane's offset", disc.plane.offset())],
-        Constraint::NoSlip(_) | Constraint::Coupling(_) | Constraint::PolynomialCoupling(_) => Vec::new(),
-    }
 }

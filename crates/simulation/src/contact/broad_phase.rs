@@ -7,8 +7,8 @@ use robot_dynamics_core::Model;
 use super::ContactSet;
 use super::candidates::{Candidates, Sweep};
 use super::pair::Pair;
-use super::placement::Placement;
 use super::soft::mixed;
+use crate::placement::Placement;
 
 /// Pairs named by a file or a user have lower numbers than this; pairs by the rule start here.
 const MOST_NAMED: usize = 1 << 22;

@@ -19,9 +19,9 @@ use self::contact_state::{Active, Begun, Near};
 use self::memory::Carried;
 use super::cone_problem::{MOST_ROWS, Set};
 use super::interrupt::Interrupt;
-use super::placement::{Placement, Twist};
 use super::touching_point::TouchingPoint;
 use super::{ConeProblem, ContactSet};
+use crate::placement::{Placement, Twist};
 
 pub use self::memory::Remembered;
 pub use self::search::DEEP;

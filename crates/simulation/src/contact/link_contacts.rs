@@ -11,10 +11,10 @@ use super::ground::{axes, bad_friction, bad_restitution};
 use super::meeting::MOST_MEETING;
 use super::pair::{Met, Pair};
 use super::placed_shape::Placed;
-use super::placement::Placement;
 use super::soft::mixed;
 use super::touching_point::{ContactPartner, TouchingPoint};
 use super::{ContactError, ContactSet};
+use crate::placement::Placement;
 
 /// The overlap of two shapes in the neutral configuration that exceeds rounding \[m\].
 const OVERLAP: f64 = 1e-9;

@@ -1,14 +1,11 @@
 //! Two shapes of links that may touch.
 
-use std::collections::BTreeSet;
-
 use robot_dynamics_core::Model;
 use robot_dynamics_core::model::WORLD;
 use robot_dynamics_description::Surface;
 
 use super::meeting::Meeting;
 use super::placed_shape::Placed;
-use super::placement::coordinates_of;
 
 /// Two shapes of links that may touch.
 #[derive(Clone, Debug)]
@@ -29,23 +26,10 @@ pub(super) struct Pair {
 
 impl Pair {
     pub(super) fn new(model: &Model, [(one, a), (two, b)]: [(usize, usize); 2], surface: Surface) -> Self {
-        let path = |body: usize| {
-            let parent = |&at: &usize| (model.bodies[at].parent != WORLD).then(|| model.bodies[at].parent);
-            core::iter::successors((body != WORLD).then_some(body), parent)
-        };
-        let common = path(a).find(|body| path(b).any(|other| other == *body)).unwrap_or(WORLD);
-        let own = |body: usize| {
-            path(body).take_while(move |at| *at != common).flat_map(|at| {
-                let dofs = model.bodies[at].dof..model.bodies[at].dof + model.bodies[at].motion.nv();
-                dofs.map(|dof| model.dofs[dof].coordinate)
-            })
-        };
-        let coordinates: BTreeSet<usize> = own(a).chain(own(b)).collect();
-        let last = |body: usize| {
-            let all = if body == WORLD { Vec::new() } else { coordinates_of(model, body) };
-            all.last().copied()
-        };
-        let has_both = own(a).next().is_some() && own(b).next().is_some();
+        let common = model.common_ancestor([a, b]);
+        let [own_a, own_b] = [a, b].map(|body| model.coordinates_between(common, body));
+        let last = |body: usize| model.coordinates_between(WORLD, body).last().copied();
+        let has_both = !own_a.is_empty() && !own_b.is_empty();
         let ends = match (last(a), last(b)) {
             (Some(a), Some(b)) if has_both => Some([a, b]),
             _ => None,
@@ -54,7 +38,7 @@ impl Pair {
             number: 0,
             shapes: [one, two],
             common,
-            coordinates: coordinates.into_iter().collect(),
+            coordinates: own_a.union(&own_b).copied().collect(),
             ends,
             surface,
         }

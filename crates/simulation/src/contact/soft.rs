@@ -32,11 +32,11 @@ use robot_dynamics_integrators::DynamicsError;
 
 use self::reference::{RowReference, StepState};
 use self::rows::JointRows;
+use self::sides::Bodies;
 use self::weights::InverseWeights;
 use super::field::PlacedField;
 use super::interrupt::Interrupt;
 use super::pair::Pair;
-use super::placement::Placement;
 use super::touching_point::{ContactPartner, TouchingPoint};
 use super::{ConeProblem, ContactError, ContactSet};
 
@@ -81,7 +81,7 @@ clone_in_place! {
         /// The frames of the ground's links, and of the links of all shapes.
         links: Vec<FrameId>,
         shapes: Vec<Option<FrameId>>,
-        placement: Placement,
+        bodies: Bodies,
         problem: ConeProblem,
         mass: Vec<f64>,
         /// λ of M's zeros, and λ of a dense matrix.
@@ -124,7 +124,7 @@ impl SoftConstraints {
             ground: None,
             links: Vec::new(),
             shapes: Vec::new(),
-            placement: Placement::new(model),
+            bodies: Bodies::new(model),
             problem: ConeProblem::new(n),
             mass: vec![0.0; n * n],
             carriers: [coordinate_carriers(model), dense],
@@ -207,7 +207,7 @@ impl SoftConstraints {
             check_length(what, slice.len(), model.nv);
         }
         mass_matrix(model, workspace, q, &mut self.mass);
-        self.placement.set(model, workspace, q);
+        self.bodies.placement.set(model, workspace, q);
         self.problem.clear();
         self.find_force(model, workspace, (q, v), tau);
         self.asked.clear();

@@ -8,10 +8,10 @@ use super::form::ABOUT;
 use super::meeting::MOST_MEETING;
 use super::pair::Met;
 use super::placed_shape::Placed;
-use super::placement::Placement;
 use super::touching::Touching;
 use super::touching_point::{ContactPartner, TouchingPoint};
 use crate::Ground;
+use crate::placement::Placement;
 
 /// The most points of one shape that touch one ground.
 pub(super) const MOST_POINTS: usize = 1 + ABOUT.len();

@@ -6,7 +6,7 @@ use robot_dynamics_description::Surface;
 use super::convex::Convex;
 use super::form::Form;
 use super::placed_shape::Placed;
-use super::placement::Placement;
+use crate::placement::Placement;
 
 /// A shape of a link.
 #[derive(Clone, Debug)]

@@ -9,5 +9,6 @@ mod constrained_motion;
 mod constrained_variational;
 mod examples;
 mod inverse;
+mod row_jacobians;
 mod rows;
 mod support;

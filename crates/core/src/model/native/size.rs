@@ -39,7 +39,7 @@ pub(super) fn most_operations(function: NativeFunction, width: Width) -> usize {
 pub(super) fn estimated_operations(model: &Model, NativeTask { function, frame }: NativeTask) -> usize {
     if let Some(frame) = frame {
         let of_link = if function == NativeFunction::FramePose { 18 } else { 45 };
-        return of_link * carriers(model, model.frame_of(frame).body);
+        return of_link * model.body_and_ancestors(model.frame_of(frame).body.unwrap_or(WORLD)).count();
     }
     let (bodies, pairs, triples) = counts(model);
     match function {
@@ -63,12 +63,6 @@ pub(super) fn estimated_operations(model: &Model, NativeTask { function, frame }
         NativeFunction::GravityDerivative => 30 * bodies + 2 * pairs,
         _ => 50 * bodies,
     }
-}
-
-/// The number of bodies from this one to the root, itself included.
-fn carriers(model: &Model, body: Option<usize>) -> usize {
-    let next = |&body: &usize| Some(model.bodies[body].parent).filter(|&parent| parent != WORLD);
-    core::iter::successors(body, next).count()
 }
 
 /// The number of bodies; of pairs of a body and an ancestor, itself included; and Σ depth² of the bodies.

@@ -246,7 +246,7 @@ mod tests {
 
     use super::*;
     use crate::HeightField;
-    use crate::contact::placement::Placement;
+    use crate::placement::Placement;
 
     /// One shape of a free body, a field, and the body's placement at a random height above or in its
     /// surface.

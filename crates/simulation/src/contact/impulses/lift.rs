@@ -8,7 +8,7 @@ use super::contact_state::Active;
 use super::contact_state::Begun;
 use super::{ContactImpulses, ImpulsiveStep, STUCK, Set, TouchingPoint, returns};
 use crate::contact::ContactSet;
-use crate::contact::placement::Placement;
+use crate::placement::Placement;
 
 /// Penetrations that are rounding, before and after the correction; the correction moves along curves \[m or
 /// rad\].

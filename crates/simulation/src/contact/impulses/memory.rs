@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use robot_dynamics_core::clone_in_place::clone_in_place;
 
 use crate::contact::cone_problem::MOST_ROWS;
-use crate::contact::placement::Placement;
 use crate::contact::touching_point::TouchingPoint;
+use crate::placement::Placement;
 use crate::{ContactLaws, ContactSet};
 
 clone_in_place! {

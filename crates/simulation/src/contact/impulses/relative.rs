@@ -9,10 +9,10 @@ use robot_dynamics_description::Surface;
 
 use super::axes::{along_axes, in_world};
 use super::{ContactImpulses, MOST_ROWS};
-use crate::contact::placement::{Placement, Twist};
 use crate::contact::touching::Touching;
 use crate::contact::touching_point::{ContactPartner, TouchingPoint};
 use crate::contact::{Components, ContactSet};
+use crate::placement::{Placement, Twist};
 
 impl Touching {
     /// The tree that moves it, or [`NONE`].

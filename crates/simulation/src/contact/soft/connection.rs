@@ -12,10 +12,9 @@ use robot_dynamics_description::Softness;
 
 use super::impedance::Response;
 use super::reference::{RowOrigin, RowReference, StepState};
-use super::sides::{Side, push};
+use super::sides::{Bodies, Side, push};
 use crate::contact::ConeProblem;
 use crate::contact::cone_problem::Set;
-use crate::contact::placement::Placement;
 
 /// Two frames whose origins coincide, or that coincide.
 #[derive(Clone, Debug)]
@@ -30,13 +29,14 @@ pub(super) struct Connection {
 impl Connection {
     pub(super) fn add(
         &self,
-        placement: &Placement,
+        bodies: &Bodies,
         state: &mut StepState<'_>,
         problem: &mut ConeProblem,
         asked: &mut Vec<RowReference>,
     ) {
         let StepState { model, workspace, q, v, h, .. } = state;
-        let [(turn, at), (other_turn, other_at)] = self.frames.map(|frame| placement.frame(model, frame));
+        let [(turn, at), (other_turn, other_at)] =
+            self.frames.map(|frame| bodies.placement.frame(model, frame));
         let drift = self.frames.map(|frame| {
             frame_bias_acceleration(model, workspace, q, v, frame, ReferenceFrame::LocalWorldAligned)
         });
@@ -71,7 +71,7 @@ impl Connection {
                 let about = other_turn * (axis * s + e.cross(&axis)) * 0.5;
                 ((none, about), e[k - 3], e_bend[k - 3])
             };
-            let row = push(problem, model, placement, free, sides, &[direction]);
+            let row = push(problem, model, bodies, free, sides, &[direction]);
             problem.soften(response.softness(self.weights[k / 3]));
             let drift = Some(drift);
             asked.push(RowReference {

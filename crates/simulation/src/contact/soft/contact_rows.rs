@@ -44,7 +44,7 @@ impl SoftConstraints {
         let StepState { model, h, .. } = state;
         let active = ActiveLimits::new(&mut self.active, self.fixed.as_ref());
         let rows = (&mut self.problem, &mut self.asked);
-        let mut is_tree = self.joints.add(&self.placement, &mut state, active, rows);
+        let mut is_tree = self.joints.add(&self.bodies, &mut state, active, rows);
         self.starts.clear();
         for index in 0..self.contacts.len() {
             is_tree &= self.add_contact(model, h, self.contacts[index]);
@@ -74,8 +74,8 @@ impl SoftConstraints {
             let axis = axes[k % 3] * scale[k];
             *direction = if k < 3 { (axis, none) } else { (none, axis) };
         }
-        let (placement, problem) = (&self.placement, &mut self.problem);
-        let row = sides::push(problem, model, placement, set, sides, &directions[..rows]);
+        let (bodies, problem) = (&self.bodies, &mut self.problem);
+        let row = sides::push(problem, model, bodies, set, sides, &directions[..rows]);
         problem.soften(cone * cone * response.softness(weight[0]));
         let spring = scale[0] * response.spring;
         let of_sides = |solref| Response::new(&Softness { solref, ..contact.softness }, h, violation).damping;

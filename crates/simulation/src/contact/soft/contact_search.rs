@@ -20,13 +20,13 @@ impl SoftConstraints {
     pub(super) fn find_contacts(&mut self, model: &Model) {
         self.active.contacts.clear();
         self.found.clear();
-        let Self { ground: Some(set), placement, contacts, found, active, fixed, links, shapes, .. } = self
+        let Self { ground: Some(set), bodies, contacts, found, active, fixed, links, shapes, .. } = self
         else {
             return;
         };
         let [on_grounds, of_pairs] = set.widest_margins();
         if fixed.is_none() {
-            set.find_near(model, placement, of_pairs);
+            set.find_near(model, &bodies.placement, of_pairs);
         }
         let set = &*set;
         let mut add = |point: &TouchingPoint, is_fixed: bool| {
@@ -38,11 +38,11 @@ impl SoftConstraints {
             }
         };
         if let Some(fixed) = fixed {
-            fixed.contacts.iter().for_each(|&number| add(&set.point(placement, number), true));
+            fixed.contacts.iter().for_each(|&number| add(&set.point(&bodies.placement, number), true));
             return;
         }
-        set.look(placement, on_grounds, |point| add(&point, false));
-        set.look_at_pairs(placement, of_pairs, |point| add(&point, false));
+        set.look(&bodies.placement, on_grounds, |point| add(&point, false));
+        set.look_at_pairs(&bodies.placement, of_pairs, |point| add(&point, false));
     }
 }
 

@@ -7,9 +7,9 @@ use super::active_set::ActiveLimits;
 use super::impedance::Response;
 use super::reference::{RowOrigin, RowReference, StepState};
 use super::rows::JointRows;
+use super::sides::Bodies;
 use crate::contact::ConeProblem;
 use crate::contact::cone_problem::Set;
-use crate::contact::placement::Placement;
 
 /// The force of a row that can only push, and of a row that pushes and pulls.
 const HALF_LINE: Set = Set::Interval(0.0, f64::INFINITY);
@@ -25,7 +25,7 @@ impl JointRows {
     /// Adds the rows at q. Returns whether the coordinates of each lie on one path to the root.
     pub(super) fn add(
         &self,
-        placement: &Placement,
+        bodies: &Bodies,
         state: &mut StepState<'_>,
         mut active: ActiveLimits<'_>,
         (problem, asked): (&mut ConeProblem, &mut Vec<RowReference>),
@@ -41,7 +41,7 @@ impl JointRows {
         self.add_equality_rows((q, h), &mut rows);
         let Rows { problem, asked } = rows;
         for connection in &self.connections {
-            connection.add(placement, state, problem, asked);
+            connection.add(bodies, state, problem, asked);
         }
         self.keeps_tree
     }

@@ -2,12 +2,27 @@
 
 use nalgebra::Vector3;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
+use robot_dynamics_core::model::WORLD;
 use robot_dynamics_core::{FrameId, Model};
 use robot_dynamics_description::TendonDescription;
 
 use crate::contact::ConeProblem;
 use crate::contact::cone_problem::Set;
-use crate::contact::placement::Placement;
+use crate::placement::Placement;
+
+/// The placement of all bodies, and the coordinates that move each, in increasing order.
+#[derive(Clone, Debug)]
+pub(super) struct Bodies {
+    pub(super) placement: Placement,
+    paths: Vec<Vec<usize>>,
+}
+
+impl Bodies {
+    pub(super) fn new(model: &Model) -> Self {
+        let path = |body| model.coordinates_between(WORLD, body).into_iter().collect();
+        Self { placement: Placement::new(model), paths: (0..model.bodies.len()).map(path).collect() }
+    }
+}
 
 /// A point of a body on which a constraint acts, and its sign.
 #[derive(Clone, Copy, Debug)]
@@ -29,14 +44,14 @@ impl Side {
 pub(super) fn push(
     problem: &mut ConeProblem,
     model: &Model,
-    placement: &Placement,
+    bodies: &Bodies,
     set: Set,
     sides: [Option<Side>; 2],
     directions: &[(Vector3<f64>, Vector3<f64>)],
 ) -> usize {
     // The coordinates of both sides, in increasing order, each once.
     let path =
-        |side: Option<Side>| side.and_then(|side| side.body).map_or(&[][..], |body| placement.path(body));
+        |side: Option<Side>| side.and_then(|side| side.body).map_or(&[][..], |body| &bodies.paths[body]);
     let [mut one, mut two] = sides.map(path);
     let support = core::iter::from_fn(|| {
         let next = match (one.first(), two.first()) {
@@ -52,7 +67,7 @@ pub(super) fn push(
     let count = support.len();
     for side in sides.into_iter().flatten() {
         let Some(body) = side.body else { continue };
-        placement.each_motion(model, body, side.point, |dof, velocity, spin| {
+        bodies.placement.each_motion(model, body, side.point, |dof, velocity, spin| {
             let Ok(column) = support.binary_search(&dof.coordinate) else { return };
             let factor = side.sign * dof.ratio;
             for (r, (along, about)) in directions.iter().enumerate() {

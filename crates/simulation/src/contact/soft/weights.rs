@@ -12,7 +12,7 @@ use robot_dynamics_description::JointDescription;
 use robot_dynamics_integrators::DynamicsError;
 
 use super::sides::tendon_length;
-use crate::contact::placement::Placement;
+use crate::placement::Placement;
 
 /// The means of the diagonals of J M⁻¹ Jᵀ.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@ use robot_dynamics_core::Model;
 
 use super::ImplicitIntegrator;
 use super::equalities::Equalities;
-use crate::contact::EqualityRows;
+use crate::equality::rows::EqualityRows;
 
 impl ImplicitIntegrator {
     /// Adds these rows, each with its name.

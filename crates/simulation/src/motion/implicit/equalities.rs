@@ -12,7 +12,8 @@ use robot_dynamics_integrators::{DynamicsError, IntegratorError};
 use super::impulses::along;
 use super::pivots::Pivots;
 use super::stiff_factor::StiffFactor;
-use crate::contact::{Components, EqualityRow, EqualityRows, Interrupt, Mark, returns};
+use crate::contact::{Components, Interrupt, Mark, returns};
+use crate::equality::rows::{EqualityRow, EqualityRows};
 
 /// A row is dependent, and excluded, if its part independent of the earlier rows is below this fraction of
 /// its length (both in M̂⁻¹). So is a row below this fraction of the longest row of the same constraint in

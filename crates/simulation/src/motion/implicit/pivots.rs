@@ -10,7 +10,7 @@ use robot_dynamics_core::clone_in_place::clone_in_place;
 
 use super::impulses::along;
 use super::stiff_factor::StiffFactor;
-use crate::contact::EqualityRow;
+use crate::equality::rows::EqualityRow;
 
 /// A row is as good as the best one if its squared independent part is at least this fraction of the best
 /// one's.

@@ -8,7 +8,8 @@ use super::super::joints::Stop;
 use super::super::stiff_factor::StiffFactor;
 use super::landing::land_on_stops;
 use super::{Impulses, ROUNDING};
-use crate::contact::{Components, EqualityRow, returns};
+use crate::contact::{Components, returns};
+use crate::equality::rows::EqualityRow;
 
 /// The number of repeated corrections of φ, because φ is not linear.
 const MOST_ROUNDS: usize = 8;

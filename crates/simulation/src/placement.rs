@@ -1,7 +1,5 @@
 //! The pose of each body, and its motion by each degree of freedom, in the world.
 
-use std::collections::BTreeSet;
-
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::kinematics::place::place_all_in_world;
@@ -15,47 +13,56 @@ use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
 
 /// A velocity and ω, or a force and its moment.
-pub(super) type Twist = [Vector3<f64>; 2];
+pub(crate) type Twist = [Vector3<f64>; 2];
+
+/// The motion of a body's origin in world axes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BodyMotion {
+    pub(crate) velocity: Vector3<f64>,
+    /// ω.
+    pub(crate) spin: Vector3<f64>,
+    pub(crate) acceleration: Vector3<f64>,
+    /// ω̇.
+    pub(crate) spin_rate: Vector3<f64>,
+}
 
 clone_in_place! {
     /// The bodies in one configuration.
     #[derive(Debug)]
-    pub(super) struct Placement {
+    pub(crate) struct Placement {
         /// `world_from_body`: R by rows, then p.
         bodies: Vec<[f64; 12]>,
         /// The velocity of the body's origin, and ω, for each degree of freedom of the tree.
         columns: Vec<[f64; 6]>,
-        paths: Vec<Vec<usize>>,
         /// The configuration; NaN before the first call.
         q: Vec<f64>,
     }
 }
 
 impl Placement {
-    pub(super) fn new(model: &Model) -> Self {
+    pub(crate) fn new(model: &Model) -> Self {
         let bodies = model.bodies.len();
         Self {
             bodies: vec![[0.0; 12]; bodies],
             columns: vec![[0.0; 6]; model.dofs.len()],
-            paths: (0..bodies).map(|body| coordinates_of(model, body)).collect(),
             q: vec![f64::NAN; model.nq],
         }
     }
 
     /// Computes the placement at q.
-    pub(super) fn set(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64]) {
+    pub(crate) fn set(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64]) {
         self.q.copy_from_slice(q);
         let Self { bodies, columns, .. } = self;
         run(&mut workspace.tree, PlacedBodies { model, q, bodies, columns });
     }
 
     /// Whether this is the placement at q.
-    pub(super) fn is_at(&self, q: &[f64]) -> bool {
+    pub(crate) fn is_at(&self, q: &[f64]) -> bool {
         self.q == q
     }
 
     /// R and p of a body, or of the world.
-    pub(super) fn body(&self, body: usize) -> (Matrix3<f64>, Vector3<f64>) {
+    pub(crate) fn body(&self, body: usize) -> (Matrix3<f64>, Vector3<f64>) {
         if body == WORLD {
             return (Matrix3::identity(), Vector3::zeros());
         }
@@ -65,7 +72,7 @@ impl Placement {
 
     /// Rᵀn of a body, and n·p: a direction in the body's axes, and the distance of its origin along it.
     #[inline]
-    pub(super) fn along(&self, body: usize, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
+    pub(crate) fn along(&self, body: usize, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
         if body == WORLD {
             return (*n, 0.0);
         }
@@ -75,7 +82,7 @@ impl Placement {
     }
 
     /// A frame's axes and origin.
-    pub(super) fn frame(&self, model: &Model, frame: FrameId) -> (Matrix3<f64>, Vector3<f64>) {
+    pub(crate) fn frame(&self, model: &Model, frame: FrameId) -> (Matrix3<f64>, Vector3<f64>) {
         let Frame { body, body_from_frame, .. } = model.frame_of(frame);
         let turn = Matrix3::from_fn(|i, j| body_from_frame.rotation[i][j]);
         let at = Vector3::from(body_from_frame.translation);
@@ -87,7 +94,7 @@ impl Placement {
     /// Calls `look` with each degree of freedom that moves a body, from its own last one to the root's first.
     /// The other arguments are the velocity of a point of the body and ω per unit rate.
     #[inline]
-    pub(super) fn each_motion(
+    pub(crate) fn each_motion(
         &self,
         model: &Model,
         body: usize,
@@ -99,7 +106,7 @@ impl Placement {
 
     /// The same, up to a body that carries it, without that body's own degrees of freedom.
     #[inline]
-    pub(super) fn each_motion_on(
+    pub(crate) fn each_motion_on(
         &self,
         model: &Model,
         [body, carrier]: [usize; 2],
@@ -117,7 +124,7 @@ impl Placement {
     }
 
     /// The velocity of each body's origin, and ω.
-    pub(super) fn velocities(&self, model: &Model, v: &[f64], to: &mut Vec<Twist>) {
+    pub(crate) fn velocities(&self, model: &Model, v: &[f64], to: &mut Vec<Twist>) {
         to.clear();
         for (i, body) in model.bodies.iter().enumerate() {
             let [mut velocity, mut spin] = [Vector3::zeros(); 2];
@@ -134,9 +141,42 @@ impl Placement {
         }
     }
 
+    /// The motion of each body at v̇ = 0.
+    pub(crate) fn motions(&self, model: &Model, v: &[f64]) -> Vec<BodyMotion> {
+        let mut motions: Vec<BodyMotion> = Vec::with_capacity(model.bodies.len());
+        for (i, body) in model.bodies.iter().enumerate() {
+            let carrier = if body.parent == WORLD { BodyMotion::default() } else { motions[body.parent] };
+            let lever = if body.parent == WORLD {
+                Vector3::zeros()
+            } else {
+                self.origin(i) - self.origin(body.parent)
+            };
+            let [mut moved, mut turned] = [Vector3::zeros(); 2];
+            for (dof, [u, w]) in self.freedoms(model, i) {
+                let rate = dof.ratio * v[dof.coordinate];
+                moved += u * rate;
+                turned += w * rate;
+            }
+            let BodyMotion { velocity, spin, acceleration, spin_rate } = carrier;
+            let carried = spin.cross(&lever);
+            let own_spin = spin + turned;
+            motions.push(BodyMotion {
+                velocity: velocity + carried + moved,
+                spin: own_spin,
+                // The columns of a joint are constant in its body, and turn with it.
+                acceleration: acceleration
+                    + spin_rate.cross(&lever)
+                    + spin.cross(&(carried + moved))
+                    + own_spin.cross(&moved),
+                spin_rate: spin_rate + own_spin.cross(&turned),
+            });
+        }
+        motions
+    }
+
     /// Adds to `forces` the generalized forces of a force on each body, with its moment about the world's
     /// origin. They are passed on to the bodies that carry the bodies.
-    pub(super) fn add_forces(&self, model: &Model, wrenches: &mut [Twist], forces: &mut [f64]) {
+    pub(crate) fn add_forces(&self, model: &Model, wrenches: &mut [Twist], forces: &mut [f64]) {
         for i in (0..wrenches.len()).rev() {
             let [force, moment] = wrenches[i];
             let about = moment - self.origin(i).cross(&force);
@@ -152,7 +192,7 @@ impl Placement {
     }
 
     /// The origin of a body's frame.
-    pub(super) fn origin(&self, body: usize) -> Vector3<f64> {
+    pub(crate) fn origin(&self, body: usize) -> Vector3<f64> {
         let [.., x, y, z] = self.bodies[body];
         Vector3::new(x, y, z)
     }
@@ -170,11 +210,6 @@ impl Placement {
         model.dofs[freedoms]
             .iter()
             .zip(columns.map(|&[a, b, c, d, e, f]| [Vector3::new(a, b, c), Vector3::new(d, e, f)]))
-    }
-
-    /// The coordinates that move a body, in increasing order.
-    pub(super) fn path(&self, body: usize) -> &[usize] {
-        &self.paths[body]
     }
 }
 
@@ -209,13 +244,4 @@ impl<S: Scalar> Kernel<OverNumber, S> for PlacedBodies<'_, S> {
             }
         }
     }
-}
-
-/// The coordinates that move a body, in increasing order.
-pub(super) fn coordinates_of(model: &Model, body: usize) -> Vec<usize> {
-    let parent = |&at: &usize| (model.bodies[at].parent != WORLD).then(|| model.bodies[at].parent);
-    let dofs = core::iter::successors(Some(body), parent)
-        .flat_map(|at| model.bodies[at].dof..model.bodies[at].dof + model.bodies[at].motion.nv());
-    let coordinates: BTreeSet<usize> = dofs.map(|dof| model.dofs[dof].coordinate).collect();
-    coordinates.into_iter().collect()
 }

@@ -1,0 +1,18 @@
+//! Rows of equalities: closed loops, coupled joints, rolling wheels.
+//!
+//! A row is A v = 0 with φ̇ = A v, if it comes from a position. A is sparse: it has entries for the
+//! coordinates that move the sides of the row relative to each other. Rows need only the placement of the
+//! bodies in the world, O(n) for all bodies and O(depth) for each row. Steps, runs and projections use the
+//! same rows.
+//!
+//! | file | content |
+//! | --- | --- |
+//! | `site` | a frame on a body, its place and its motion |
+//! | `direction` | the motions that a row between two sites prevents: A, φ and Ȧv of each |
+//! | `relation` | an equality with its rows, of sites or of joint positions |
+//! | `rows` | all rows of a robot |
+
+pub(crate) mod direction;
+pub(crate) mod relation;
+pub(crate) mod rows;
+pub(crate) mod site;
