@@ -15,7 +15,8 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
-use robot_dynamics_simulation::simulator::{Simulation, StepFailure};
+use robot_dynamics_simulation::RunError;
+use robot_dynamics_simulation::simulator::Simulation;
 
 #[cfg(feature = "native")]
 use self::kernels::{SIDE_BY_SIDE, StepKernels, advance_side_by_side, kernels_for};
@@ -109,7 +110,7 @@ impl SimulationBatch {
     /// Takes `steps` steps of each simulation. Returns the index and the error of each simulation that
     /// failed, in ascending order. These are at the end of their last successful step, and the others have
     /// taken all steps. If `cancelled` is set during the call, each simulation stops after its current step.
-    pub fn step(&mut self, steps: usize, cancelled: &AtomicBool) -> Vec<(usize, StepFailure)> {
+    pub fn step(&mut self, steps: usize, cancelled: &AtomicBool) -> Vec<(usize, RunError)> {
         self.advance(None, steps, cancelled)
     }
 
@@ -138,7 +139,7 @@ impl SimulationBatch {
         which: &[bool],
         steps: usize,
         cancelled: &AtomicBool,
-    ) -> Vec<(usize, StepFailure)> {
+    ) -> Vec<(usize, RunError)> {
         self.check_count("which", which.len(), 1);
         self.for_each(
             |number, simulation| {
@@ -167,7 +168,7 @@ impl SimulationBatch {
     /// # Panics
     /// Panics if a table does not have one row for each simulation.
     #[track_caller]
-    pub fn reset_where(&mut self, which: &[bool], q: &[f64], v: &[f64]) -> Vec<(usize, StepFailure)> {
+    pub fn reset_where(&mut self, which: &[bool], q: &[f64], v: &[f64]) -> Vec<(usize, RunError)> {
         self.place(which, q, v, Simulation::reset)
     }
 
@@ -191,12 +192,12 @@ impl SimulationBatch {
     /// # Panics
     /// Panics if a table does not have one row for each simulation.
     #[track_caller]
-    pub fn set_states_where(&mut self, which: &[bool], q: &[f64], v: &[f64]) -> Vec<(usize, StepFailure)> {
+    pub fn set_states_where(&mut self, which: &[bool], q: &[f64], v: &[f64]) -> Vec<(usize, RunError)> {
         self.place(which, q, v, Simulation::set_state)
     }
 
     #[track_caller]
-    fn place(&mut self, which: &[bool], q: &[f64], v: &[f64], place: Place) -> Vec<(usize, StepFailure)> {
+    fn place(&mut self, which: &[bool], q: &[f64], v: &[f64], place: Place) -> Vec<(usize, RunError)> {
         let Some(first) = self.simulations.first() else { return Vec::new() };
         let (nq, nv) = (first.q().len(), first.v().len());
         self.check_count("which", which.len(), 1);
@@ -220,7 +221,7 @@ impl SimulationBatch {
         which: Option<&[bool]>,
         steps: usize,
         cancelled: &AtomicBool,
-    ) -> Vec<(usize, StepFailure)> {
+    ) -> Vec<(usize, RunError)> {
         let is_meant = |number: usize| which.is_none_or(|which| which[number]);
         if self.kernels.is_empty() {
             return self.for_each(|number, simulation| {
@@ -252,8 +253,8 @@ impl SimulationBatch {
     /// Applies a function to each simulation on all threads. Returns the failures in ascending order.
     fn for_each(
         &mut self,
-        act: impl Fn(usize, &mut Simulation) -> Result<(), StepFailure> + Sync,
-    ) -> Vec<(usize, StepFailure)> {
+        act: impl Fn(usize, &mut Simulation) -> Result<(), RunError> + Sync,
+    ) -> Vec<(usize, RunError)> {
         let act = |(number, simulation): (usize, &mut Simulation)| {
             act(number, simulation).err().map(|failure| (number, failure))
         };
@@ -266,4 +267,4 @@ impl SimulationBatch {
 }
 
 /// Sets the state (q, v) of a simulation.
-type Place = fn(&mut Simulation, &[f64], &[f64]) -> Result<(), StepFailure>;
+type Place = fn(&mut Simulation, &[f64], &[f64]) -> Result<(), RunError>;

@@ -1,9 +1,10 @@
 //! Holding a pose: PD control with gravity compensation and torque limits.
 
 use nalgebra::SVector;
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::{IntegratorError, check_computed};
+use robot_dynamics_number::check_finite;
 
-use crate::{Dynamics, check_finite, rk4_step};
+use crate::{Dynamics, rk4_step};
 
 /// The torque limits of the `Reach` arm, joint 1 and joint 2 \[N·m\].
 pub const REACH_TORQUE_LIMITS: SVector<f64, 2> = SVector::<f64, 2>::new(20.0, 12.0);
@@ -113,11 +114,11 @@ pub struct HoldReport<const N: usize> {
 /// let report = hold(&arm, &control, &vector![1.4, 0.2], &Vector2::zeros(), &run)?;
 /// assert!(report.settling_time.is_some());
 /// assert!(report.peak_torque[0] <= 20.0 && report.peak_torque[1] <= 12.0);
-/// # Ok::<(), robot_dynamics_integrators::DynamicsError>(())
+/// # Ok::<(), robot_dynamics_integrators::IntegratorError>(())
 /// ```
 ///
 /// # Errors
-/// [`DynamicsError::NonFinite`] if the target, a gain, the start, the step or the band is not finite, or if
+/// [`IntegratorError::NotFinite`] if the target, a gain, the start, the step or the band is not finite, or if
 /// [`rk4_step`] fails.
 ///
 /// # Panics
@@ -128,7 +129,7 @@ pub fn hold<D: Dynamics<N> + ?Sized, const N: usize>(
     q: &SVector<f64, N>,
     qd: &SVector<f64, N>,
     run: &HoldRun,
-) -> Result<HoldReport<N>, DynamicsError> {
+) -> Result<HoldReport<N>, IntegratorError> {
     for (quantity, values) in [
         ("q*", control.target.as_slice()),
         ("Kp", control.stiffness.as_slice()),
@@ -162,7 +163,7 @@ pub fn hold<D: Dynamics<N> + ?Sized, const N: usize>(
         }
         // Before the limits, which would hide an infinity.
         let demand = control.demand(system, &report.q, &report.qd);
-        check_finite("u", demand.as_slice())?;
+        check_computed("u", demand.as_slice())?;
         let torque = control.torque(system, &report.q, &report.qd);
         report.peak_torque = report.peak_torque.sup(&torque.abs());
         report.peak_demand = report.peak_demand.sup(&demand.abs());

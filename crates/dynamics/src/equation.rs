@@ -1,7 +1,8 @@
 //! The equation of motion M(q) q̈ + C(q,q̇) q̇ + g(q) + b(q,q̇) = u as a trait.
 
 use nalgebra::{SMatrix, SVector};
-use robot_dynamics_integrators::{DynamicsError, check_finite};
+use robot_dynamics_integrators::{IntegratorError, check_computed};
+use robot_dynamics_number::check_finite;
 
 /// A mechanical system of `N` coordinates: M(q) q̈ + C(q,q̇) q̇ + g(q) + b(q,q̇) = u. **(PRM 10.7)**
 ///
@@ -52,24 +53,25 @@ pub trait Dynamics<const N: usize> {
     /// The acceleration q̈ = M⁻¹(u − Cq̇ − g − b), or the reason for its absence.
     ///
     /// # Errors
-    /// [`DynamicsError::NonFinite`] names the first quantity with a NaN or an infinity;
-    /// [`DynamicsError::SingularMass`] names the coordinate at which M stops being positive definite.
+    /// [`IntegratorError::Input`] and [`IntegratorError::NotFinite`] name the first argument, or the first
+    /// term, with a NaN or an infinity;
+    /// [`IntegratorError::SingularMass`] names the coordinate at which M stops being positive definite.
     fn try_forward(
         &self,
         q: &SVector<f64, N>,
         qd: &SVector<f64, N>,
         u: &SVector<f64, N>,
-    ) -> Result<SVector<f64, N>, DynamicsError> {
+    ) -> Result<SVector<f64, N>, IntegratorError> {
         check_finite("q", q.as_slice())?;
         check_finite("qd", qd.as_slice())?;
         check_finite("u", u.as_slice())?;
         let force = u - self.bias(q, qd);
         if force.iter().any(|x| !x.is_finite()) {
             // The sum is not finite; find the term that is not.
-            check_finite("C q̇", self.velocity_product(q, qd).as_slice())?;
-            check_finite("g", self.gravity(q).as_slice())?;
-            check_finite("b", self.dissipation(q, qd).as_slice())?;
-            check_finite("u − C q̇ − g − b", force.as_slice())?;
+            check_computed("C q̇", self.velocity_product(q, qd).as_slice())?;
+            check_computed("g", self.gravity(q).as_slice())?;
+            check_computed("b", self.dissipation(q, qd).as_slice())?;
+            check_computed("u − C q̇ − g − b", force.as_slice())?;
         }
         solve_mass(&self.mass(q), &force)
     }
@@ -126,18 +128,18 @@ pub trait Dynamics<const N: usize> {
 /// let qdd = solve_mass(&mass, &u)?; // the acceleration from rest without gravity
 /// assert!((mass * qdd - u).norm() < 1e-14);
 /// assert!(solve_mass(&matrix![1.0, 2.0; 2.0, 1.0], &u).is_err()); // no mass matrix: vᵀM v can be negative
-/// # Ok::<(), robot_dynamics_integrators::DynamicsError>(())
+/// # Ok::<(), robot_dynamics_integrators::IntegratorError>(())
 /// ```
 ///
 /// # Errors
-/// [`DynamicsError`] if M is not finite or not positive definite, with the coordinate, or if x is too large
+/// [`IntegratorError`] if M is not finite or not positive definite, with the coordinate, or if x is too large
 /// for an `f64`.
 pub fn solve_mass<const N: usize>(
     mass: &SMatrix<f64, N, N>,
     force: &SVector<f64, N>,
-) -> Result<SVector<f64, N>, DynamicsError> {
+) -> Result<SVector<f64, N>, IntegratorError> {
     if let Some(index) = mass.iter().position(|x| !x.is_finite()) {
-        return Err(DynamicsError::NonFinite { quantity: "M", index: index % N });
+        return Err(IntegratorError::NotFinite { quantity: "M", index: index % N });
     }
     let mut lower = *mass;
     for j in 0..N {
@@ -151,7 +153,7 @@ pub fn solve_mass<const N: usize>(
         // A pivot below the rounding error of its row counts as zero.
         let pivot = lower[(j, j)];
         if pivot <= f64::EPSILON * mass[(j, j)].abs() * N as f64 || pivot.is_nan() {
-            return Err(DynamicsError::SingularMass { coordinate: j, pivot });
+            return Err(IntegratorError::SingularMass { coordinate: j, pivot });
         }
         let root = pivot.sqrt();
         for i in j..N {
@@ -177,14 +179,15 @@ pub fn solve_mass<const N: usize>(
 }
 
 /// Detects an overflow at its origin, before 0 · ∞ spreads it over the other coordinates.
-fn check_entry(x: f64, index: usize) -> Result<(), DynamicsError> {
-    if x.is_finite() { Ok(()) } else { Err(DynamicsError::NonFinite { quantity: "qdd", index }) }
+fn check_entry(x: f64, index: usize) -> Result<(), IntegratorError> {
+    if x.is_finite() { Ok(()) } else { Err(IntegratorError::NotFinite { quantity: "qdd", index }) }
 }
 
 #[cfg(test)]
 mod tests {
     use nalgebra::{matrix, vector};
     use proptest::prelude::*;
+    use robot_dynamics_number::{InputProblem, InvalidInput};
 
     use super::*;
     use crate::{PlanarArm, Reach2R, christoffel};
@@ -230,7 +233,12 @@ mod tests {
     fn error_names_quantity_that_is_not_finite() {
         let (zero, bad) = (V2::zeros(), vector![0.0, f64::NAN]);
         let found = |system: Constant, q: V2, qd: V2, u: V2| match system.try_forward(&q, &qd, &u) {
-            Err(DynamicsError::NonFinite { quantity, index: 1 }) => quantity,
+            Err(IntegratorError::NotFinite { quantity, index: 1 }) => quantity.to_owned(),
+            Err(IntegratorError::Input(InvalidInput {
+                quantity,
+                problem: InputProblem::NotFinite { index: Some(1), .. },
+                ..
+            })) => quantity,
             other => panic!("{other:?}"),
         };
         assert_eq!(found(PLAIN, bad, zero, zero), "q");
@@ -252,7 +260,7 @@ mod tests {
     #[test]
     fn error_names_coordinate_of_singular_mass() {
         let at = |mass: SMatrix<f64, 3, 3>| match solve_mass(&mass, &vector![1.0, 1.0, 1.0]) {
-            Err(DynamicsError::SingularMass { coordinate, pivot }) if pivot.abs() < 1e-15 => coordinate,
+            Err(IntegratorError::SingularMass { coordinate, pivot }) if pivot.abs() < 1e-15 => coordinate,
             other => panic!("{other:?}"),
         };
         assert_eq!(at(matrix![0.0, 0.0, 0.0; 0.0, 1.0, 0.0; 0.0, 0.0, 1.0]), 0);
@@ -261,21 +269,21 @@ mod tests {
         assert_eq!(at(matrix![0.7, 0.1, 0.8; 0.1, 0.3, 0.4; 0.8, 0.4, 1.2]), 2);
         let weightless = Reach2R::uniform(1.0, 2.0, 1.0, 0.0, 9.81);
         let error = weightless.try_forward(&V2::zeros(), &V2::zeros(), &V2::zeros()).unwrap_err();
-        assert_eq!(error, DynamicsError::SingularMass { coordinate: 1, pivot: 0.0 });
+        assert_eq!(error, IntegratorError::SingularMass { coordinate: 1, pivot: 0.0 });
     }
 
     /// An indefinite matrix is an error, although it is invertible.
     #[test]
     fn indefinite_mass_is_an_error() {
         let error = solve_mass(&matrix![1.0, 2.0; 2.0, 1.0], &vector![1.0, 1.0]).unwrap_err();
-        assert_eq!(error, DynamicsError::SingularMass { coordinate: 1, pivot: -3.0 });
+        assert_eq!(error, IntegratorError::SingularMass { coordinate: 1, pivot: -3.0 });
     }
 
     #[test]
     fn error_messages_name_quantity_and_remedy() {
-        let error = DynamicsError::NonFinite { quantity: "u", index: 1 };
-        assert_eq!(error.to_string(), "u[1] is not finite; check the state and the parameters");
-        let text = DynamicsError::SingularMass { coordinate: 2, pivot: -0.5 }.to_string();
+        let error = IntegratorError::NotFinite { quantity: "M", index: 1 };
+        assert_eq!(error.to_string(), "M[1] is not finite; check the state and the parameters");
+        let text = IntegratorError::SingularMass { coordinate: 2, pivot: -0.5 }.to_string();
         assert!(text.contains("pivot -5e-1 at coordinate 2") && text.contains("no inertia"), "{text}");
     }
 

@@ -1,7 +1,7 @@
 //! The inertia ellipse: joint velocities of equal kinetic energy.
 
 use nalgebra::{SMatrix, SVector};
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 
 /// Sweeps of the eigenvalue iteration. Convergence is quadratic: 8 suffice below N = 100; 30 is the limit.
 const SWEEPS: usize = 30;
@@ -34,8 +34,8 @@ impl<const N: usize> InertiaEllipse<N> {
     /// The ellipsoid q̇ᵀM q̇ = 1 of a mass matrix.
     ///
     /// # Errors
-    /// [`DynamicsError`] if M is not finite or not positive definite.
-    pub fn new(mass: &SMatrix<f64, N, N>) -> Result<Self, DynamicsError> {
+    /// [`IntegratorError`] if M is not finite or not positive definite.
+    pub fn new(mass: &SMatrix<f64, N, N>) -> Result<Self, IntegratorError> {
         crate::solve_mass(mass, &SVector::zeros())?;
         let (eigenvalues, vectors) = symmetric_eigen(mass);
         let mut order: [usize; N] = core::array::from_fn(|i| i);
@@ -43,7 +43,7 @@ impl<const N: usize> InertiaEllipse<N> {
         // Cholesky accepts a pivot of a few ε; the corresponding eigenvalue can round to zero or below.
         if let Some(&i) = order.first().filter(|&&i| eigenvalues[i] <= 0.0) {
             let coordinate = vectors.column(i).iamax();
-            return Err(DynamicsError::SingularMass { coordinate, pivot: eigenvalues[i] });
+            return Err(IntegratorError::SingularMass { coordinate, pivot: eigenvalues[i] });
         }
         let directions = SMatrix::from_fn(|row, i| {
             let column = vectors.column(order[i]);
@@ -59,7 +59,7 @@ impl<const N: usize> InertiaEllipse<N> {
     ///
     /// # Panics
     /// If `energy` is not positive and finite.
-    pub fn of_energy(mass: &SMatrix<f64, N, N>, energy: f64) -> Result<Self, DynamicsError> {
+    pub fn of_energy(mass: &SMatrix<f64, N, N>, energy: f64) -> Result<Self, IntegratorError> {
         assert!(energy > 0.0 && energy.is_finite(), "the energy must be positive and finite, got {energy} J");
         let unit = Self::new(mass)?;
         Ok(Self { semi_axes: unit.semi_axes * (2.0 * energy).sqrt(), ..unit })

@@ -144,8 +144,7 @@ pub use robot_dynamics_description::{
     six_digits,
 };
 pub use robot_dynamics_integrators::{
-    DynamicsError, EnergyLedger, Integrator, IntegratorError, Stage, StepScheme, Symplectic, check_finite,
-    energy_scale,
+    EnergyLedger, Integrator, IntegratorError, Stage, StepScheme, Symplectic, energy_scale,
 };
 pub use rp_arm::RpArm;
 pub use worked_example::WorkedExample;

@@ -1,10 +1,12 @@
 //! Linearisation of the forward dynamics about a state and a force.
 
 use nalgebra::{SMatrix, SVector};
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 use robot_dynamics_number::Dual;
 
-use crate::{Christoffel, Dynamics, Lagrangian, check_finite, solve_mass};
+use robot_dynamics_number::check_finite;
+
+use crate::{Christoffel, Dynamics, Lagrangian, solve_mass};
 
 /// The three N×N Jacobians of q̈(q, q̇, u): δq̈ = ∂q̈/∂q δq + ∂q̈/∂q̇ δq̇ + ∂q̈/∂u δu.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +43,7 @@ pub fn linearize<L: Lagrangian<N>, const N: usize>(
     q: &SVector<f64, N>,
     qd: &SVector<f64, N>,
     u: &SVector<f64, N>,
-) -> Result<Linearization<N>, DynamicsError> {
+) -> Result<Linearization<N>, IntegratorError> {
     check_finite("q", q.as_slice())?;
     check_finite("qd", qd.as_slice())?;
     check_finite("u", u.as_slice())?;
@@ -87,7 +89,7 @@ pub fn linearize<L: Lagrangian<N>, const N: usize>(
 /// let exact = linearize(&arm, &q, &qd, &u)?;
 /// assert!((differences.by_position - exact.by_position).norm() < 1e-7);
 /// assert!((differences.by_velocity - exact.by_velocity).norm() < 1e-7);
-/// # Ok::<(), robot_dynamics_integrators::DynamicsError>(())
+/// # Ok::<(), robot_dynamics_integrators::IntegratorError>(())
 /// ```
 ///
 /// # Errors
@@ -101,7 +103,7 @@ pub fn linearize_by_differences<D: Dynamics<N> + ?Sized, const N: usize>(
     qd: &SVector<f64, N>,
     u: &SVector<f64, N>,
     step: f64,
-) -> Result<Linearization<N>, DynamicsError> {
+) -> Result<Linearization<N>, IntegratorError> {
     assert!(step > 0.0 && step.is_finite(), "the difference step must be positive and finite, got {step}");
     system.try_forward(q, qd, u)?;
     Ok(Linearization {
@@ -115,8 +117,8 @@ pub fn linearize_by_differences<D: Dynamics<N> + ?Sized, const N: usize>(
 fn central_difference<const N: usize>(
     x: &SVector<f64, N>,
     step: f64,
-    f: impl Fn(&SVector<f64, N>) -> Result<SVector<f64, N>, DynamicsError>,
-) -> Result<SMatrix<f64, N, N>, DynamicsError> {
+    f: impl Fn(&SVector<f64, N>) -> Result<SVector<f64, N>, IntegratorError>,
+) -> Result<SMatrix<f64, N, N>, IntegratorError> {
     let mut jacobian = SMatrix::<f64, N, N>::zeros();
     for k in 0..N {
         let (mut forward, mut backward) = (*x, *x);
@@ -131,7 +133,7 @@ fn central_difference<const N: usize>(
 fn solve_columns<const N: usize>(
     mass: &SMatrix<f64, N, N>,
     right: &SMatrix<f64, N, N>,
-) -> Result<SMatrix<f64, N, N>, DynamicsError> {
+) -> Result<SMatrix<f64, N, N>, IntegratorError> {
     let mut solution = *right;
     for k in 0..N {
         solution.set_column(k, &solve_mass(mass, &right.column(k).into_owned())?);

@@ -1,17 +1,23 @@
-//! Errors of steps and runs.
+//! Errors of forward dynamics, of steps and of runs.
 
 use core::fmt;
-use robot_dynamics_number::{Classified, ErrorKind};
+
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 
 use crate::Integrator;
 
-/// The reason why forward dynamics has no result.
+/// The reason why forward dynamics, a step or a run of an integrator has no result.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum DynamicsError {
-    /// An input or an intermediate quantity is NaN or infinite.
-    NonFinite {
-        /// The quantity: `q`, `qd`, `u`, `M`, `C q̇`, `g`, `b`, their sum, or the result `qdd`.
+#[doc(alias = "DynamicsError")]
+pub enum IntegratorError {
+    /// The step is not positive and finite, or an argument has a number that is not finite.
+    #[doc(alias = "BadStep")]
+    Input(InvalidInput),
+    /// A computed quantity is NaN or infinite: the motion diverged, or a parameter is too large.
+    #[doc(alias = "NonFinite")]
+    NotFinite {
+        /// The quantity: `M`, `C q̇`, `the acceleration`, `v after the step`, ...
         quantity: &'static str,
         /// The first invalid entry (row, for a matrix).
         index: usize,
@@ -23,40 +29,6 @@ pub enum DynamicsError {
         /// The pivot there, in the units of M's diagonal; it must be positive.
         pivot: f64,
     },
-}
-
-impl Classified for DynamicsError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::NonFinite { quantity, .. } => kind_of_not_finite(quantity),
-            Self::SingularMass { .. } => ErrorKind::Singular,
-        }
-    }
-}
-
-impl fmt::Display for DynamicsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NonFinite { quantity, index } => {
-                write!(f, "{quantity}[{index}] is not finite; check the state and the parameters")
-            }
-            Self::SingularMass { coordinate, pivot } => write!(
-                f,
-                "the mass matrix is singular: pivot {pivot:e} at coordinate {coordinate} is not positive; \
-                 some body moved by that coordinate has no inertia"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for DynamicsError {}
-
-/// The reason why a step or a run of an integrator failed.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum IntegratorError {
-    /// The acceleration, or the velocity of a momentum, is undefined at a state within the step.
-    Dynamics(DynamicsError),
     /// The implicit equation of a variational step did not converge to rounding.
     NotConverged {
         /// The last change of the velocity over the step, relative to the velocity.
@@ -71,11 +43,6 @@ pub enum IntegratorError {
     EnergyNotFinite {
         /// The number of steps before it was detected.
         steps_done: usize,
-    },
-    /// A step that is not positive and finite.
-    BadStep {
-        /// The given step \[s\].
-        step: f64,
     },
     /// The initial state violates the robot's constraints.
     OffConstraint {
@@ -98,10 +65,10 @@ pub enum IntegratorError {
 impl Classified for IntegratorError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::Dynamics(error) => error.kind(),
+            Self::Input(error) => error.kind(),
+            Self::NotFinite { .. } | Self::EnergyNotFinite { .. } => ErrorKind::Diverged,
+            Self::SingularMass { .. } => ErrorKind::Singular,
             Self::NotConverged { .. } => ErrorKind::NotConverged,
-            Self::EnergyNotFinite { .. } => ErrorKind::Diverged,
-            Self::BadStep { .. } => ErrorKind::InvalidInput,
             Self::OffConstraint { .. } => ErrorKind::Constraint,
             Self::Interrupted => ErrorKind::Interrupted,
             Self::UnknownName { .. } => ErrorKind::UnknownName,
@@ -112,7 +79,15 @@ impl Classified for IntegratorError {
 impl fmt::Display for IntegratorError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Dynamics(error) => write!(f, "no acceleration at a state of the step: {error}"),
+            Self::Input(error) => error.fmt(f),
+            Self::NotFinite { quantity, index } => {
+                write!(f, "{quantity}[{index}] is not finite; check the state and the parameters")
+            }
+            Self::SingularMass { coordinate, pivot } => write!(
+                f,
+                "the mass matrix is singular: pivot {pivot:e} at coordinate {coordinate} is not positive; \
+                 some body moved by that coordinate has no inertia"
+            ),
             Self::NotConverged { residual, iterations, step } => write!(
                 f,
                 "the implicit step of {step:e} s did not converge: relative change {residual:e} after \
@@ -121,7 +96,6 @@ impl fmt::Display for IntegratorError {
             Self::EnergyNotFinite { steps_done } => {
                 write!(f, "the energy is not finite after {steps_done} steps; take a smaller step")
             }
-            Self::BadStep { step } => write!(f, "the step must be positive and finite, got {step} s"),
             Self::OffConstraint { quantity, name, error } => write!(
                 f,
                 "the {quantity} at the start is off the constraint `{name}` by {error:e}; project it there first"
@@ -140,42 +114,29 @@ impl fmt::Display for IntegratorError {
     }
 }
 
-impl core::error::Error for IntegratorError {
-    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
-        match self {
-            Self::Dynamics(error) => Some(error),
-            _ => None,
-        }
+impl core::error::Error for IntegratorError {}
+
+impl From<InvalidInput> for IntegratorError {
+    fn from(error: InvalidInput) -> Self {
+        Self::Input(error)
     }
 }
 
-impl From<DynamicsError> for IntegratorError {
-    fn from(error: DynamicsError) -> Self {
-        Self::Dynamics(error)
-    }
-}
-
-/// Rejects a slice with a NaN or an infinity, naming the quantity and the entry.
+/// Checks that computed numbers are finite. For arguments, see
+/// [`check_finite`](robot_dynamics_number::check_finite).
 ///
 /// ```
-/// use robot_dynamics_integrators::{DynamicsError, check_finite};
-/// assert_eq!(check_finite("q", &[0.0, 1.0]), Ok(()));
-/// let refused = check_finite("q", &[0.0, f64::NAN]);
-/// assert!(matches!(refused, Err(DynamicsError::NonFinite { quantity: "q", index: 1 })));
+/// use robot_dynamics_integrators::{IntegratorError, check_computed};
+/// assert_eq!(check_computed("M", &[0.0, 1.0]), Ok(()));
+/// let error = check_computed("M", &[0.0, f64::NAN]);
+/// assert!(matches!(error, Err(IntegratorError::NotFinite { quantity: "M", index: 1 })));
 /// ```
 ///
 /// # Errors
-/// [`DynamicsError::NonFinite`] if a value is NaN or infinite.
-pub fn check_finite(quantity: &'static str, values: &[f64]) -> Result<(), DynamicsError> {
+/// [`IntegratorError::NotFinite`] with the first entry that is NaN or infinite.
+pub fn check_computed(quantity: &'static str, values: &[f64]) -> Result<(), IntegratorError> {
     match values.iter().position(|x| !x.is_finite()) {
-        Some(index) => Err(DynamicsError::NonFinite { quantity, index }),
+        Some(index) => Err(IntegratorError::NotFinite { quantity, index }),
         None => Ok(()),
     }
-}
-
-/// The kind of a number that is not finite: bad input if the quantity is an argument, else a divergence.
-#[doc(hidden)]
-pub fn kind_of_not_finite(quantity: &str) -> ErrorKind {
-    let is_argument = matches!(quantity, "q" | "v" | "a" | "qd" | "u" | "tau");
-    if is_argument { ErrorKind::InvalidInput } else { ErrorKind::Diverged }
 }

@@ -21,6 +21,6 @@ mod scheme;
 mod table;
 
 pub use energy::{EnergyLedger, energy_scale};
-pub use error::{DynamicsError, IntegratorError, check_finite, kind_of_not_finite};
+pub use error::{IntegratorError, check_computed};
 pub use scheme::{Stage, StepScheme};
 pub use table::{Integrator, Symplectic};

@@ -78,6 +78,15 @@ pub enum InputProblem {
         /// The value computed.
         value: f64,
     },
+    /// A name that does not exist; the argument is the sort of the named object, for example `pose`.
+    UnknownName {
+        /// The given name.
+        name: String,
+        /// The object that has the names, for example ``robot `arm` ``.
+        owner: String,
+        /// The existing names.
+        names: Vec<String>,
+    },
 }
 
 impl InvalidInput {
@@ -100,6 +109,23 @@ impl InvalidInput {
         requirement: impl Into<String>,
     ) -> Self {
         Self::new(quantity, InputProblem::OutOfRange { value, unit, requirement: requirement.into() })
+    }
+
+    /// The error of a name that does not exist. `sort` is the sort of the named object.
+    ///
+    /// ```
+    /// use robot_dynamics_number::InvalidInput;
+    /// let error = InvalidInput::unknown_name("pose", "up", "robot `arm`", ["home", "rest"]);
+    /// assert_eq!(error.to_string(), "robot `arm` has no pose `up`; it has home, rest");
+    /// ```
+    pub fn unknown_name<'n>(
+        sort: impl Into<String>,
+        name: impl Into<String>,
+        owner: impl Into<String>,
+        names: impl IntoIterator<Item = &'n str>,
+    ) -> Self {
+        let names = names.into_iter().map(str::to_owned).collect();
+        Self::new(sort, InputProblem::UnknownName { name: name.into(), owner: owner.into(), names })
     }
 
     /// The same error of an argument with another name.
@@ -146,6 +172,12 @@ impl fmt::Display for InvalidInput {
                 f,
                 "{quantity} is {value}: the numbers given are too large to compute it; check their units"
             ),
+            InputProblem::UnknownName { name, owner, names } if names.is_empty() => {
+                write!(f, "{owner} has no {quantity} `{name}`, nor any other {quantity}")
+            }
+            InputProblem::UnknownName { name, owner, names } => {
+                write!(f, "{owner} has no {quantity} `{name}`; it has {}", names.join(", "))
+            }
         }
     }
 }
@@ -154,7 +186,10 @@ impl Error for InvalidInput {}
 
 impl Classified for InvalidInput {
     fn kind(&self) -> ErrorKind {
-        ErrorKind::InvalidInput
+        match self.problem {
+            InputProblem::UnknownName { .. } => ErrorKind::UnknownName,
+            _ => ErrorKind::InvalidInput,
+        }
     }
 }
 

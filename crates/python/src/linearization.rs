@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::derivatives::{LinearizedStep, RobotState, linearize_by_differences, linearize_step};
 use robot_dynamics::model::Model;
-use robot_dynamics::simulation::{StepForces, StepWorkspace, Stepper};
+use robot_dynamics::simulation::{StepError, StepForces, StepWorkspace, Stepper};
 
 use crate::errors::Class;
 use crate::ffi::{self, Array};
@@ -69,7 +69,7 @@ fn by_differences<S: Stepper + Clone>(
     (by_state, by_force): (&mut [f64], &mut [f64]),
 ) -> PyResult<()> {
     let workspace = &mut StepWorkspace::new(model);
-    let refused = |error: S::Error| Class::Simulation.error(py, error);
+    let refused = |error: StepError| Class::Simulation.error(py, error);
     stepper.step(model, workspace, forces, h, &mut q.to_vec(), &mut v.to_vec()).map_err(refused)?;
     let out = LinearizedStep { by_state, by_force };
     linearize_by_differences(model, &stepper, workspace, forces, h, RobotState { q, v }, out)

@@ -5,10 +5,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::batch::{self, Rollout, RolloutError, Torques};
 use robot_dynamics::derivatives::{
-    MotionCotangents, PullbackError, RobotState, RolloutPullbackWorkspace, TrajectoryCotangents,
+    MotionCotangents, RobotState, RolloutPullbackWorkspace, StepDerivativeError, TrajectoryCotangents,
     parameter_count, rollout_pullback,
 };
-use robot_dynamics::simulation::{Effect, Integrator, Method};
+use robot_dynamics::simulation::{Effect, Integrator, Method, StepError};
 
 use crate::errors::Class;
 use crate::ffi::{self, Array, Kind};
@@ -233,7 +233,9 @@ impl<'py> Call<'_, 'py> {
             cotangents,
         );
         computed.map_err(|error| match error {
-            PullbackError::SingularMass(error) => Class::SingularMass.error(self.py, error),
+            StepDerivativeError::Step(StepError::SingularMass(error)) => {
+                Class::SingularMass.error(self.py, error)
+            }
             error => Class::Simulation.error(self.py, error),
         })?;
         for (numbers, computed) in

@@ -18,8 +18,8 @@ use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use robot_dynamics::simulation::{
-    CallbackError, ControllerError, Event, Run, RunOptions, SampleInterval, Simulation, StepFailure,
-    StepInfo, steps_in,
+    CallbackError, ControllerError, Event, Run, RunError, RunOptions, SampleInterval, Simulation, StepInfo,
+    steps_in,
 };
 
 use self::energy_account::{ledger_of, losses_of, statistics_of};
@@ -288,7 +288,7 @@ impl Robot {
         let mut simulation = Setup::of(options)?.refuse_adaptive(py)?.build(py, self)?;
         let (q, v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);
         let tau = vector_or_zeros(py, self, "tau", tau)?;
-        let refused = |error: StepFailure| Class::Simulation.error(py, error);
+        let refused = |error: RunError| Class::Simulation.error(py, error);
         simulation.reset(&q, &v).map_err(refused)?;
         set_controls(self, &mut simulation, controls)?;
         simulation.set_torques(&tau);

@@ -122,9 +122,9 @@ pub mod derivatives {
         parameter_values, with_parameters,
     };
     pub use robot_dynamics_simulation::{
-        DifferenceError, LinearizeStepError, LinearizeStepWorkspace, LinearizedStep, MotionCotangents,
-        PullbackError, RobotState, Rollout, RolloutPullbackWorkspace, StepPullbackWorkspace,
-        TrajectoryCotangents, linearize_by_differences, linearize_step, rollout_pullback, step_pullback,
+        LinearizeStepWorkspace, LinearizedStep, MotionCotangents, RobotState, Rollout,
+        RolloutPullbackWorkspace, StepDerivativeError, StepPullbackWorkspace, TrajectoryCotangents,
+        linearize_by_differences, linearize_step, rollout_pullback, step_pullback,
     };
 }
 
@@ -158,20 +158,19 @@ pub mod contact {
 /// Simulations: everything that a file states, step by step.
 pub mod simulation {
     pub use robot_dynamics_integrators::{
-        DynamicsError, EnergyLedger, Integrator, IntegratorError, Stage, StepScheme, Symplectic,
+        EnergyLedger, Integrator, IntegratorError, Stage, StepScheme, Symplectic,
     };
     pub use robot_dynamics_simulation::simulator::*;
     pub use robot_dynamics_simulation::{
-        ActuatedStepError, Actuation, ActuationWorkspace, CallbackError, ConstantTorque, Controller,
-        ControllerError, DivergenceCause, Event, EventOccurrence, GravityAt, GravityCompensatedPd,
-        ImplicitIntegrator, IntoCallbackResult, Losses, MujocoEuler, PointForce, Run, RunError, RunFailure,
-        Sample, SensorInputs, SensorMemory, SensorSet, StepError, StepFault, StepForces, StepInfo,
-        StepStagesWorkspace, StepWorkspace, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
-        step, step_stages, steps_in,
+        Actuation, ActuationWorkspace, CallbackError, ConstantTorque, Controller, ControllerError,
+        DivergenceCause, Event, EventOccurrence, GravityAt, GravityCompensatedPd, ImplicitIntegrator,
+        IntoCallbackResult, Losses, MujocoEuler, PointForce, Run, RunError, RunFailure, Sample, SensorInputs,
+        SensorMemory, SensorSet, StepError, StepForces, StepInfo, StepStagesWorkspace, StepWorkspace,
+        Stepper, Trajectory, ZeroTorque, energy_ledger, record_step, step, step_stages, steps_in,
     };
     #[cfg(feature = "adaptive")]
     pub use robot_dynamics_simulation::{
-        AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, AdaptiveStepError, ControlTiming, StepStatistics,
+        AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, ControlTiming, StepStatistics,
     };
 }
 

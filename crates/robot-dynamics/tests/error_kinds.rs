@@ -9,12 +9,12 @@ use robot_dynamics::contact::ContactError;
 use robot_dynamics::control::{
     DlqrError, IdentificationError, InverseKinematicsError, ParameterizationError,
 };
-use robot_dynamics::derivatives::{DifferenceError, LinearizeStepError, ParameterError, PullbackError};
+use robot_dynamics::derivatives::{ParameterError, StepDerivativeError};
 use robot_dynamics::description::{EditError, InertiaError, ModelError, NoSuchFrame, WriteError, pendulum};
 use robot_dynamics::model::{JointMapError, Model};
 use robot_dynamics::simulation::{
-    ActuatedStepError, CallbackError, ControllerError, DynamicsError, Integrator, IntegratorError,
-    MethodError, PoseError, RunError, RunFailure, SimulationError, StepFailure,
+    CallbackError, ControllerError, Integrator, IntegratorError, RunError, RunFailure, SimulationError,
+    StepError,
 };
 use robot_dynamics::{Classified, Error, FileError, InputProblem, InvalidInput, LoadOptions, describe_text};
 
@@ -28,6 +28,10 @@ fn check<E: Classified>(error: E, kind: ErrorKind) {
     assert_eq!(error.source().map(ToString::to_string), source);
     assert!(error.downcast_ref::<E>().is_some());
     assert!(error.downcast::<E>().is_ok());
+}
+
+fn bad_name() -> InvalidInput {
+    InvalidInput::unknown_name("pose", "up", "robot `arm`", [])
 }
 
 fn bad_input() -> InvalidInput {
@@ -78,10 +82,10 @@ fn errors_of_states_and_motions() {
     check(singular_mass(), Singular);
     check(JointMapError::from(bad_input()), InvalidInput);
     check(ParameterError::from(bad_input()), InvalidInput);
-    check(LinearizeStepError::Implicit { integrator: Integrator::VariationalMidpoint }, Unsupported);
-    check(LinearizeStepError::from(singular_mass()), Singular);
-    check(PullbackError::from(singular_mass()), Singular);
-    check(DifferenceError::<MethodError>::Discontinuous { quantity: "q", coordinate: name() }, Infeasible);
+    check(StepDerivativeError::Implicit { integrator: Integrator::VariationalMidpoint }, Unsupported);
+    check(StepDerivativeError::from(singular_mass()), Singular);
+    check(StepDerivativeError::from(bad_input()), InvalidInput);
+    check(StepDerivativeError::Discontinuous { quantity: "q", coordinate: name() }, Infeasible);
 }
 
 #[test]
@@ -111,25 +115,25 @@ fn errors_of_simulations() {
     check(ConstraintError::StabilizedVariationalStep, Unsupported);
     check(ConstraintError::NonFiniteRow { name: name() }, Constraint);
     check(ConstraintError::NotConverged { iterations: 1, name: name(), error: 1.0 }, NotConverged);
-    check(ActuatedStepError::NotExplicit { integrator: "variational" }, Unsupported);
-    check(DynamicsError::NonFinite { quantity: "q", index: 0 }, InvalidInput);
-    check(DynamicsError::NonFinite { quantity: "the acceleration", index: 0 }, Diverged);
+    check(StepError::NotExplicit { integrator: "variational" }, Unsupported);
+    check(IntegratorError::from(bad_input()), InvalidInput);
+    check(IntegratorError::NotFinite { quantity: "the acceleration", index: 0 }, Diverged);
     check(IntegratorError::Interrupted, Interrupted);
-    check(MethodError::from(IntegratorError::EnergyNotFinite { steps_done: 1 }), Diverged);
-    check(PoseError::NoSuchPose { robot: name(), pose: name(), names: Vec::new() }, UnknownName);
-    check(StepFailure::Input(bad_input()), InvalidInput);
-    let source = MethodError::from(IntegratorError::Interrupted);
-    check(StepFailure::Step { step: 1, time: 0.1, source }, Interrupted);
-    check(
-        RunError::<IntegratorError>::SingularMass { step: 1, time: 0.1, source: singular_mass() },
-        Singular,
-    );
-    check(RunError::<IntegratorError>::EventNotFinite { name: name(), time: 0.1, value: f64::NAN }, Callback);
+    check(StepError::from(IntegratorError::EnergyNotFinite { steps_done: 1 }), Diverged);
+    check(StepError::from(ConstraintError::NonFiniteRow { name: name() }), Constraint);
+    check(StepError::from(CallbackError::new("no answer")), Callback);
+    check(StepError::StepTooSmall { step: 1e-12, coordinate: name() }, NotConverged);
+    check(RunError::Input(bad_input()), InvalidInput);
+    check(RunError::Input(bad_name()), UnknownName);
+    let source = StepError::from(IntegratorError::Interrupted);
+    check(RunError::Step { step: 1, time: 0.1, source }, Interrupted);
+    check(RunError::SingularMass { step: 1, time: 0.1, source: singular_mass() }, Singular);
+    check(RunError::EventNotFinite { name: name(), time: 0.1, value: f64::NAN }, Callback);
 
     let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
     let mut simulation = robot_dynamics::simulation(&model).build().expect("a simulation");
     simulation.set_torques(&[f64::NAN]);
-    let failure: Box<RunFailure<MethodError>> = simulation
+    let failure: Box<RunFailure> = simulation
         .run_steps_from(&[f64::NAN], &[0.0], 1, robot_dynamics::simulation::RunOptions::new())
         .unwrap_err();
     check(*failure, InvalidInput);

@@ -11,8 +11,10 @@
 //! | `direction` | the motions that a row between two sites prevents: A, φ and Ȧv of each |
 //! | `relation` | an equality with its rows, of sites or of joint positions |
 //! | `rows` | all rows of a robot |
+//! | `error` | the errors of constraints and of motions with them |
 
 pub(crate) mod direction;
+pub(crate) mod error;
 pub(crate) mod relation;
 pub(crate) mod rows;
 pub(crate) mod site;

@@ -43,27 +43,23 @@ pub use contact::{
     ActiveSet, ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet,
     ContactViolation, Ground, HeightField, SoftConstraints, SoftContact,
 };
-pub use motion::RobotState;
 pub use motion::implicit::ImplicitIntegrator;
 pub use motion::integrate::step_stages::step_stages;
 pub use motion::integrate::{StepForces, StepStagesWorkspace, StepWorkspace, step};
 pub use motion::linearize_step::{
-    DifferenceError, LinearizeStepError, LinearizeStepWorkspace, LinearizedStep, linearize_by_differences,
-    linearize_step,
+    LinearizeStepWorkspace, LinearizedStep, linearize_by_differences, linearize_step,
 };
 pub use motion::mujoco_euler::MujocoEuler;
 pub use motion::pullback::{
-    MotionCotangents, PullbackError, Rollout, RolloutPullbackWorkspace, StepPullbackWorkspace,
-    TrajectoryCotangents, rollout_pullback, step_pullback,
-};
-pub use motion::simulate::{
-    ActuatedStepError, CallbackError, ConstantTorque, Controller, ControllerError, DivergenceCause, Event,
-    EventOccurrence, GravityAt, GravityCompensatedPd, IntoCallbackResult, Losses, Run, RunError, RunFailure,
-    Sample, StepError, StepFault, StepInfo, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
-    steps_in,
+    MotionCotangents, Rollout, RolloutPullbackWorkspace, StepPullbackWorkspace, TrajectoryCotangents,
+    rollout_pullback, step_pullback,
 };
 #[cfg(feature = "adaptive")]
+pub use motion::simulate::{AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, ControlTiming, StepStatistics};
 pub use motion::simulate::{
-    AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, AdaptiveStepError, ControlTiming, StepStatistics,
+    CallbackError, ConstantTorque, Controller, ControllerError, DivergenceCause, Event, EventOccurrence,
+    GravityAt, GravityCompensatedPd, IntoCallbackResult, Losses, Run, RunError, RunFailure, Sample,
+    StepError, StepInfo, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step, steps_in,
 };
+pub use motion::{RobotState, StepDerivativeError};
 pub use sensors::{PointForce, SensorInputs, SensorMemory, SensorSet};

@@ -16,5 +16,7 @@ pub(crate) mod mujoco_euler;
 pub mod pullback;
 pub mod simulate;
 mod state;
+mod step_derivative_error;
 
 pub use state::RobotState;
+pub use step_derivative_error::StepDerivativeError;

@@ -7,8 +7,9 @@ use robot_dynamics_core::algorithms::rank::{are_regular, constant_extents};
 use robot_dynamics_core::{Model, NativeFunction};
 use robot_dynamics_integrators::Integrator;
 use robot_dynamics_native::Kernel;
+use robot_dynamics_simulation::RunError;
+use robot_dynamics_simulation::simulator::Simulation;
 use robot_dynamics_simulation::simulator::side_by_side::StepStart;
-use robot_dynamics_simulation::simulator::{Simulation, StepFailure};
 
 use super::steps::advance;
 use crate::Threads;
@@ -177,7 +178,7 @@ pub(super) fn advance_side_by_side(
     mut simulations: Vec<(usize, &mut Simulation)>,
     steps: usize,
     cancelled: &AtomicBool,
-) -> Vec<(usize, StepFailure)> {
+) -> Vec<(usize, RunError)> {
     let mut failed = Vec::new();
     let explicit = simulations.first().and_then(|(_, first)| first.explicit_row());
     let is_alike = |own: &Simulation| {
@@ -217,8 +218,8 @@ pub(super) fn advance_side_by_side(
 /// Applies a function to each simulation, and removes those that fail.
 fn keep_good(
     simulations: &mut Vec<(usize, &mut Simulation)>,
-    failed: &mut Vec<(usize, StepFailure)>,
-    mut act: impl FnMut(&mut Simulation) -> Result<(), StepFailure>,
+    failed: &mut Vec<(usize, RunError)>,
+    mut act: impl FnMut(&mut Simulation) -> Result<(), RunError>,
 ) {
     simulations.retain_mut(|(number, own)| match act(own) {
         Ok(()) => true,

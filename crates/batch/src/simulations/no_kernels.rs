@@ -3,7 +3,8 @@
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
-use robot_dynamics_simulation::simulator::{Simulation, StepFailure};
+use robot_dynamics_simulation::RunError;
+use robot_dynamics_simulation::simulator::Simulation;
 
 use crate::Threads;
 
@@ -22,6 +23,6 @@ pub(super) fn advance_side_by_side(
     _: Vec<(usize, &mut Simulation)>,
     _: usize,
     _: &AtomicBool,
-) -> Vec<(usize, StepFailure)> {
+) -> Vec<(usize, RunError)> {
     match *kernels {}
 }

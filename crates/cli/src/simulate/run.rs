@@ -5,8 +5,7 @@ use std::ops::ControlFlow;
 use robot_dynamics::algorithms::SingularMass;
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{
-    AdaptiveRecord, AdaptiveStepError, Controller, Event, Method, MethodError, Run, RunError, RunOptions,
-    StepFailure, StepInfo,
+    AdaptiveRecord, Controller, Event, Method, Run, RunError, RunOptions, StepError, StepInfo,
 };
 
 use super::arguments::Arguments;
@@ -68,7 +67,7 @@ fn stops<'a>(arguments: &Arguments, model: &Model) -> Vec<Event<'a>> {
 }
 
 /// The cause of an early end, with the option to change.
-fn failure_message(model: &Model, error: &StepFailure, h: f64) -> String {
+fn failure_message(model: &Model, error: &RunError, h: f64) -> String {
     match error {
         RunError::NotFinite { quantity, coordinate, step, .. } => format!(
             "the motion diverged at t = {} s (step {step}): {quantity} is not finite at `{coordinate}`; use a smaller \
@@ -81,30 +80,27 @@ fn failure_message(model: &Model, error: &StepFailure, h: f64) -> String {
             short(*time)
         ),
         RunError::SingularMass { time, source, .. } => singular(model, source, *time),
-        RunError::Step { time, source: MethodError::Adaptive(source), .. } => adaptive_failure(source, *time),
-        RunError::Step { step, source, .. } => {
-            format!("step failed at t = {} s (step {step}): {source}", short(*step as f64 * h))
-        }
+        RunError::Step { step, time, source, .. } => step_message(source, *step, *time),
         other => other.to_string(),
     }
 }
 
-/// The cause of an early end of adaptive steps, with the options to change.
-fn adaptive_failure(error: &AdaptiveStepError, time: f64) -> String {
+/// The cause of a failed step, with the options to change.
+fn step_message(error: &StepError, step: usize, time: f64) -> String {
     let instead = "use a larger --tolerance, or --integrator rk4 with fixed steps";
     match error {
-        AdaptiveStepError::TooManySteps { steps, step, coordinate } => format!(
+        StepError::TooManySteps { steps, step, coordinate } => format!(
             "stopped at t = {} s after {steps} steps since the previous sample: `{coordinate}` needs steps of \
              {step:.1e} s, as a stiff or very light joint does (check its inertia, damping and torque); {instead}",
             short(time)
         ),
-        AdaptiveStepError::StepTooSmall { step, coordinate } => format!(
+        StepError::StepTooSmall { step, coordinate } => format!(
             "stopped at t = {} s: the tolerance needs steps below {step:.1e} s, mainly because of `{coordinate}`; the forces \
              are not smooth there, or the tolerance is below rounding; {instead}",
             short(time)
         ),
-        grown @ AdaptiveStepError::Diverged { .. } => format!("t = {} s: {grown}", short(time)),
-        other => format!("step failed at t = {} s: {other}", short(time)),
+        grown @ StepError::Diverged { .. } => format!("t = {} s: {grown}", short(time)),
+        other => format!("step failed at t = {} s (step {step}): {other}", short(time)),
     }
 }
 

@@ -11,7 +11,7 @@
 //! derivatives. With mimic joints the coordinates do not form a tree; then λ(k) = k − 1, which gives the
 //! dense factorization.
 
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 use robot_dynamics_number::Scalar;
 
 use crate::Model;
@@ -95,12 +95,12 @@ pub fn factor_by_division(carrier: &[usize], m: &mut [f64]) {
 /// pivot that does not exceed the rounding of its row of M.
 ///
 /// # Errors
-/// [`DynamicsError::SingularMass`] with that DoF.
+/// [`IntegratorError::SingularMass`] with that DoF.
 pub fn factor_watched(
     carrier: &[usize],
     m: &mut [f64],
     mass: impl Fn(usize) -> f64,
-) -> Result<(), DynamicsError> {
+) -> Result<(), IntegratorError> {
     factor_by_division(carrier, m);
     let n = carrier.len();
     check_pivots((0..n).map(|k| (m[k * n + k], mass(k))))
@@ -110,15 +110,15 @@ pub fn factor_watched(
 /// its row.
 ///
 /// # Errors
-/// [`DynamicsError::SingularMass`] with the last such DoF.
+/// [`IntegratorError::SingularMass`] with the last such DoF.
 pub fn check_pivots(
     pivots: impl DoubleEndedIterator<Item = (f64, f64)> + ExactSizeIterator,
-) -> Result<(), DynamicsError> {
+) -> Result<(), IntegratorError> {
     let least = f64::EPSILON * pivots.len() as f64;
     for (coordinate, (pivot, mass)) in pivots.enumerate().rev() {
         // Also rejects NaN.
         if !(pivot > least * mass && pivot.is_finite()) {
-            return Err(DynamicsError::SingularMass { coordinate, pivot });
+            return Err(IntegratorError::SingularMass { coordinate, pivot });
         }
     }
     Ok(())

@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
+use robot_dynamics_number::InvalidInput;
 
 /// A constraint row that depends on the rows before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,7 +30,7 @@ impl fmt::Display for DependentRow {
 #[non_exhaustive]
 pub enum ConstraintError {
     /// The unconstrained system fails: a state that is not finite, or a singular mass matrix.
-    Dynamics(DynamicsError),
+    Dynamics(IntegratorError),
     /// An entry of A or Ȧ is NaN or infinite.
     NonFiniteRow {
         /// The matrix, `A` or `Ȧ`.
@@ -80,8 +81,14 @@ impl core::error::Error for ConstraintError {
     }
 }
 
-impl From<DynamicsError> for ConstraintError {
-    fn from(error: DynamicsError) -> Self {
+impl From<IntegratorError> for ConstraintError {
+    fn from(error: IntegratorError) -> Self {
         Self::Dynamics(error)
+    }
+}
+
+impl From<InvalidInput> for ConstraintError {
+    fn from(error: InvalidInput) -> Self {
+        Self::Dynamics(error.into())
     }
 }

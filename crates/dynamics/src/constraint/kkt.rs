@@ -5,7 +5,10 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use super::error::ConstraintError;
 use super::mass_factor::MassFactor;
 use super::row_factor::{RowFactor, check_rows};
-use crate::{Dynamics, check_finite, solve_mass};
+use robot_dynamics_integrators::check_computed;
+use robot_dynamics_number::check_finite;
+
+use crate::{Dynamics, solve_mass};
 
 /// q̈ (N) and λ (K) of \[M −Aᵀ; A 0\]\[q̈; λ\] = \[u − Cq̇ − g − b; −Ȧq̇\]. **(PRM 10.16–10.17)**
 ///
@@ -116,6 +119,6 @@ fn checked_force<D: Dynamics<N> + ?Sized, const K: usize, const N: usize>(
     check_finite("u", u.as_slice())?;
     check_rows("Ȧ", rows_rate)?;
     let force = u - system.bias(q, qd);
-    check_finite("u − C q̇ − g − b", force.as_slice())?;
+    check_computed("u − C q̇ − g − b", force.as_slice())?;
     Ok(force)
 }

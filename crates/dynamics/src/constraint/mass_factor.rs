@@ -1,7 +1,7 @@
 //! The Cholesky factor of M, kept for several right-hand sides.
 
 use nalgebra::{SMatrix, SVector};
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 
 use crate::solve_mass;
 
@@ -13,7 +13,7 @@ pub(crate) struct MassFactor<const N: usize> {
 
 impl<const N: usize> MassFactor<N> {
     /// Factors a symmetric positive definite M.
-    pub(crate) fn new(mass: &SMatrix<f64, N, N>) -> Result<Self, DynamicsError> {
+    pub(crate) fn new(mass: &SMatrix<f64, N, N>) -> Result<Self, IntegratorError> {
         // The checked solve rejects a non-finite or singular M and names the coordinate.
         solve_mass(mass, &SVector::zeros())?;
         let mut lower = *mass;

@@ -4,7 +4,9 @@ use nalgebra::{SMatrix, SVector};
 
 use super::error::ConstraintError;
 use super::row_factor::RowFactor;
-use crate::{Dynamics, check_finite, solve_mass};
+use robot_dynamics_number::check_finite;
+
+use crate::{Dynamics, solve_mass};
 
 /// P_u on forces and P on velocities, both N×N of rank N − K.
 ///

@@ -1,7 +1,7 @@
 //! The explicit steps: Euler, semi-implicit Euler, and classical Runge–Kutta.
 
 use nalgebra::SVector;
-use robot_dynamics_integrators::{DynamicsError, Integrator, Stage, StepScheme};
+use robot_dynamics_integrators::{Integrator, IntegratorError, Stage, StepScheme};
 
 use crate::Dynamics;
 
@@ -56,7 +56,7 @@ fn row_step<D: Dynamics<N> + ?Sized, const N: usize>(
     qd: &SVector<f64, N>,
     u: &SVector<f64, N>,
     h: f64,
-) -> Result<State<N>, DynamicsError> {
+) -> Result<State<N>, IntegratorError> {
     let StepScheme::Explicit(stages) = row.scheme() else { unreachable!("{row} has explicit stages") };
     explicit_step(stages, q, qd, h, |q, qd| system.try_forward(q, qd, u))
 }
@@ -74,7 +74,7 @@ fn row_step<D: Dynamics<N> + ?Sized, const N: usize>(
 /// let (q, qd) = explicit_euler_step(&stone, &rest, &rest, &rest, 0.1)?;
 /// assert_eq!(q, rest);
 /// assert!((qd - vector![0.0, -0.981, 0.0]).norm() < 1e-15);
-/// # Ok::<(), robot_dynamics_integrators::DynamicsError>(())
+/// # Ok::<(), robot_dynamics_integrators::IntegratorError>(())
 /// ```
 ///
 /// # Errors
@@ -89,7 +89,7 @@ pub fn explicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
     qd: &SVector<f64, N>,
     u: &SVector<f64, N>,
     h: f64,
-) -> Result<State<N>, DynamicsError> {
+) -> Result<State<N>, IntegratorError> {
     row_step(Integrator::ExplicitEuler, system, q, qd, u, h)
 }
 
@@ -107,7 +107,7 @@ pub fn explicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
 /// let (q, qd) = semi_implicit_euler_step(&stone, &rest, &rest, &rest, 0.1)?;
 /// assert!((qd - vector![0.0, -0.981, 0.0]).norm() < 1e-15);
 /// assert!((q - qd * 0.1).norm() < 1e-15);
-/// # Ok::<(), robot_dynamics_integrators::DynamicsError>(())
+/// # Ok::<(), robot_dynamics_integrators::IntegratorError>(())
 /// ```
 ///
 /// # Errors
@@ -122,7 +122,7 @@ pub fn semi_implicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
     qd: &SVector<f64, N>,
     u: &SVector<f64, N>,
     h: f64,
-) -> Result<State<N>, DynamicsError> {
+) -> Result<State<N>, IntegratorError> {
     row_step(Integrator::SemiImplicitEuler, system, q, qd, u, h)
 }
 
@@ -144,7 +144,7 @@ pub fn semi_implicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
 /// let arm = Reach2R::uniform(1.0, 2.0, 1.0, 1.0, 0.0);
 /// let (q, qd) = rk4_step(&arm, &vector![0.0, 0.0], &vector![1.0, 0.0], &Vector2::zeros(), 0.01)?;
 /// assert!((q[0] - 0.01).abs() < 1e-12 && (qd[0] - 1.0).abs() < 1e-12);
-/// # Ok::<(), robot_dynamics_integrators::DynamicsError>(())
+/// # Ok::<(), robot_dynamics_integrators::IntegratorError>(())
 /// ```
 #[doc(alias = "Runge-Kutta")]
 #[track_caller]
@@ -154,6 +154,6 @@ pub fn rk4_step<D: Dynamics<N> + ?Sized, const N: usize>(
     qd: &SVector<f64, N>,
     u: &SVector<f64, N>,
     h: f64,
-) -> Result<State<N>, DynamicsError> {
+) -> Result<State<N>, IntegratorError> {
     row_step(Integrator::RungeKutta4, system, q, qd, u, h)
 }

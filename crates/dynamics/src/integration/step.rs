@@ -27,8 +27,8 @@ pub trait SystemStep {
     /// ```
     ///
     /// # Errors
-    /// [`IntegratorError::Dynamics`] if the system has no acceleration; [`IntegratorError::NotConverged`] if
-    /// the step of an implicit method is too long.
+    /// [`IntegratorError::NotFinite`] or [`IntegratorError::SingularMass`] if the system has no acceleration;
+    /// [`IntegratorError::NotConverged`] if the step of an implicit method is too long.
     ///
     /// # Panics
     /// If `h` is not positive and finite.

@@ -10,7 +10,9 @@ use nalgebra::SVector;
 use robot_dynamics_integrators::{Integrator, IntegratorError, StepScheme};
 
 use super::explicit_stages::{State, assert_step};
-use crate::{Dynamics, check_finite, solve_mass};
+use robot_dynamics_number::check_finite;
+
+use crate::{Dynamics, solve_mass};
 
 /// The maximal number of iterations of an implicit step. Each gains a factor of about h·(rates of the
 /// motion), so that a useful step needs fewer than ten.
@@ -28,7 +30,7 @@ const MAX_ITERATIONS: usize = 100;
 ///
 /// # Errors
 /// [`IntegratorError::NotConverged`] if the step is too long for the iteration;
-/// [`IntegratorError::Dynamics`] if an input is not finite or M is singular.
+/// [`IntegratorError::Input`] if an input is not finite; [`IntegratorError::SingularMass`].
 ///
 /// # Panics
 /// If `h` \[s\] is not positive and finite.

@@ -8,7 +8,7 @@ use dynamics::{
     peak_torque, reach_replay, symmetric_eigen,
 };
 use nalgebra::{DMatrix, SMatrix, SVector, Vector1, Vector2, matrix, vector};
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 use robot_dynamics_number::SplitMix64;
 
 fn random_vector<const N: usize>(random: &mut SplitMix64, size: f64) -> SVector<f64, N> {
@@ -286,7 +286,10 @@ fn linearisation_at_rest_is_the_pendulum_matrix() {
     assert!((at.by_position - expected).norm() < 1e-12, "{}", at.by_position);
     assert!(at.by_velocity.norm() < 1e-14);
     let error = linearize(&arm, &vector![f64::NAN, 0.0], &Vector2::zeros(), &Vector2::zeros()).unwrap_err();
-    assert_eq!(error, DynamicsError::NonFinite { quantity: "q", index: 0 });
+    assert!(
+        matches!(&error, IntegratorError::Input(input) if input.to_string().starts_with("q[0] is NaN")),
+        "{error}"
+    );
 }
 
 #[test]
@@ -312,7 +315,7 @@ fn inertia_ellipse_of_the_worked_example() {
         assert_eq!(InertiaEllipse::new(&arm.mass(&vector![angle, FRAC_PI_2])).unwrap(), ellipse);
     }
     let error = InertiaEllipse::new(&matrix![1.0, 1.0; 1.0, 1.0]).unwrap_err();
-    assert!(matches!(error, DynamicsError::SingularMass { coordinate: 1, .. }), "{error}");
+    assert!(matches!(error, IntegratorError::SingularMass { coordinate: 1, .. }), "{error}");
 }
 
 /// Jacobi's eigenvalues against the QR algorithm of nalgebra, and the decomposition against the matrix.

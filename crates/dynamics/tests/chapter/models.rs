@@ -10,7 +10,7 @@ use dynamics::{
 };
 use nalgebra::{SMatrix, SVector, Vector2, matrix, vector};
 use proptest::prelude::*;
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 use robot_dynamics_number::{Dual, Scalar};
 
 const RP: RpArm = RpArm { r1: 0.4, m1: 2.0, i1: 0.1, m2: 1.5, i2: 0.05, a_g: 9.81 };
@@ -175,7 +175,7 @@ fn polar_mass_moves_in_a_straight_line() {
 fn polar_mass_at_origin_is_singular() {
     let mass = PolarMass { m: 2.0, a_g: 0.0 };
     let error = mass.try_forward(&Vector2::zeros(), &Vector2::zeros(), &vector![1.0, 1.0]).unwrap_err();
-    assert_eq!(error, DynamicsError::SingularMass { coordinate: 1, pivot: 0.0 });
+    assert_eq!(error, IntegratorError::SingularMass { coordinate: 1, pivot: 0.0 });
 }
 
 /// Power: u·q̇ = f·ṗ for a force at any point of any link, and of a free body.

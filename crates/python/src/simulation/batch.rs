@@ -6,7 +6,7 @@ use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use robot_dynamics::batch::SimulationBatch as Stepped;
-use robot_dynamics::simulation::{Simulation as Single, StepFailure};
+use robot_dynamics::simulation::{RunError, Simulation as Single};
 
 use super::options::Setup;
 use super::stepping::Simulation;
@@ -245,7 +245,7 @@ impl SimulationBatch {
     }
 
     /// The error that names the simulations that failed.
-    fn told(&self, py: Python<'_>, verb: &str, failed: &[(usize, StepFailure)]) -> PyResult<()> {
+    fn told(&self, py: Python<'_>, verb: &str, failed: &[(usize, RunError)]) -> PyResult<()> {
         let Some((first, error)) = failed.first() else { return Ok(()) };
         let (some, all) = (failed.len(), self.stepped.simulations().len());
         let message = format!("{some} of {all} simulations {verb}, the first is simulation {first}: {error}");

@@ -10,8 +10,8 @@ use robot_dynamics::constraints::DriftCorrection;
 use robot_dynamics::contact::{Ground, HeightField};
 use robot_dynamics::description::Pose;
 use robot_dynamics::simulation::{
-    AdaptiveOptions, CallbackError, ControlTiming, ControllerError, Effect, Method, Simulation,
-    SimulationBuilder, SimulationError, StepFailure,
+    AdaptiveOptions, CallbackError, ControlTiming, ControllerError, Effect, Method, RunError, Simulation,
+    SimulationBuilder, SimulationError,
 };
 
 use super::options::{GroundFields, Setup};
@@ -184,9 +184,9 @@ pub(crate) fn controls_of(
 }
 
 /// The exception of a step that failed. Its cause is the exception that Python itself had raised, if any.
-pub(super) fn failed_step(py: Python<'_>, error: &StepFailure) -> PyErr {
+pub(super) fn failed_step(py: Python<'_>, error: &RunError) -> PyErr {
     let raised = Class::Simulation.error(py, error);
-    if let StepFailure::Controller { source: ControllerError::Callback(callback), .. } = error
+    if let RunError::Controller { source: ControllerError::Callback(callback), .. } = error
         && let Some(own) = CallbackError::downcast_ref::<PyErr>(callback)
     {
         raised.set_cause(py, Some(own.clone_ref(py)));

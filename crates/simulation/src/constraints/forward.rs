@@ -9,9 +9,9 @@
 use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::{Model, Workspace, bias};
 use robot_dynamics_description::check_length;
+use robot_dynamics_integrators::check_computed;
 use robot_dynamics_number::check_finite;
 
-use super::error::check_entries;
 use super::row_factor::{MassFactor, RowFactor};
 use super::rows::ConstraintRows;
 use super::{ConstraintError, ConstraintOptions, ConstraintSet, NamedDependentRow, RedundantRows};
@@ -87,7 +87,7 @@ pub fn constrained_forward_dynamics(
     let mut force = DVector::zeros(model.nv());
     bias(model, workspace, q, v, force.as_mut_slice());
     force = DVector::from_column_slice(tau) - force;
-    check_entries("τ − C v − g", force.as_slice())?;
+    check_computed("τ − C v − g", force.as_slice())?;
     let mass = MassFactor::new(model, workspace, q)?;
     let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
     let dependent = factor.dependent_rows(set);
@@ -101,8 +101,8 @@ pub fn constrained_forward_dynamics(
         multipliers =
             shortest_multipliers(&factor, &(&factor.triangle * factor_part(&factor, &multipliers)), damping);
     }
-    check_entries("the acceleration", acceleration.as_slice())?;
-    check_entries("the multipliers", multipliers.as_slice())?;
+    check_computed("the acceleration", acceleration.as_slice())?;
+    check_computed("the multipliers", multipliers.as_slice())?;
     let missed = &rows.matrix * &acceleration - &target;
     let residual = missed.amax_or_zero();
     // The rows' terms bound the rounding of their sum. If the constraint prevents all motion, the bound is

@@ -7,9 +7,9 @@
 use nalgebra::DVector;
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::check_length;
+use robot_dynamics_integrators::check_computed;
 use robot_dynamics_number::{check_finite, check_number};
 
-use super::error::check_entries;
 use super::row_factor::{MassFactor, RowFactor};
 use super::{ConstraintError, ConstraintOptions, ConstraintSet};
 
@@ -88,8 +88,8 @@ pub fn contact_impulse(
     // K⁻ − K⁺ = ½ (v⁻ − v⁺)ᵀM(v⁻ + v⁺), without the difference of two energies.
     let energy_lost = 0.5 * jump.dot(&(&mass.mass * (&before * 2.0 - &jump)));
     let velocity = if restitution == 0.0 { factor.project_velocity(&before) } else { before - jump };
-    check_entries("v after the impact", velocity.as_slice())?;
-    check_entries("the impulse", impulse.as_slice())?;
+    check_computed("v after the impact", velocity.as_slice())?;
+    check_computed("the impulse", impulse.as_slice())?;
     check_number("the energy lost", energy_lost)?;
     Ok(ContactImpulse { velocity, impulse, energy_lost, rank: factor.rank() })
 }

@@ -8,9 +8,9 @@ use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::factorization::singular_values::SingularValues;
 use robot_dynamics_core::{Model, Workspace, inverse_dynamics};
 use robot_dynamics_description::check_length;
+use robot_dynamics_integrators::check_computed;
 use robot_dynamics_number::check_finite;
 
-use super::error::check_entries;
 use super::forward::LargestEntry;
 use super::row_factor::ROUNDING;
 use super::{ConstraintError, ConstraintSet};
@@ -88,15 +88,15 @@ pub fn constrained_inverse_dynamics(
     let rows = rows.matrix;
     let mut force = DVector::zeros(nv);
     inverse_dynamics(model, workspace, q, v, a, force.as_mut_slice());
-    check_entries("M a + C v + g", force.as_slice())?;
+    check_computed("M a + C v + g", force.as_slice())?;
     let range = ConstraintForces::new(&rows);
     let along = range.components(&force, actuated);
     let rest = &force - &range.basis * &along;
     let multipliers = range.multipliers(&rows, &along);
     let tau = DVector::from_fn(nv, |i, _| if actuated[i] { rest[i] } else { 0.0 });
     let residual = (rest - &tau).amax_or_zero();
-    check_entries("the torque", tau.as_slice())?;
-    check_entries("the multipliers", multipliers.as_slice())?;
+    check_computed("the torque", tau.as_slice())?;
+    check_computed("the multipliers", multipliers.as_slice())?;
     Ok(ConstrainedTorque { tau, multipliers, residual })
 }
 

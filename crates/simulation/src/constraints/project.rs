@@ -7,9 +7,9 @@
 use nalgebra::DVector;
 use robot_dynamics_core::{Model, Workspace, integrate};
 use robot_dynamics_description::check_length;
+use robot_dynamics_integrators::check_computed;
 use robot_dynamics_number::{check_finite, check_number};
 
-use super::error::check_entries;
 use super::forward::LargestEntry;
 use super::row_factor::{MassFactor, RowFactor};
 use super::{ConstraintError, ConstraintOptions, ConstraintSet};
@@ -183,7 +183,7 @@ pub fn project_velocity(
     let allowed = factor.project_velocity(&before);
     let removed = before - &allowed;
     let energy = 0.5 * removed.dot(&(&mass.mass * &removed));
-    check_entries("the projected v", allowed.as_slice())?;
+    check_computed("the projected v", allowed.as_slice())?;
     check_number("the energy removed", energy)?;
     v.copy_from_slice(allowed.as_slice());
     Ok(energy)

@@ -6,9 +6,9 @@
 use nalgebra::DMatrix;
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::check_length;
+use robot_dynamics_integrators::check_computed;
 use robot_dynamics_number::check_finite;
 
-use super::error::check_entries;
 use super::row_factor::{MassFactor, RowFactor};
 use super::{ConstraintError, ConstraintOptions, ConstraintSet};
 
@@ -72,6 +72,6 @@ pub fn constraint_projections(
     let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
     // With A = T E the middle factor cancels: P_u = 1 − Eᵀ E M⁻¹.
     let force = DMatrix::identity(nv, nv) - factor.forces.tr_mul(&factor.responses);
-    check_entries("the projection", force.as_slice())?;
+    check_computed("the projection", force.as_slice())?;
     Ok(TreeProjections { velocity: force.transpose(), force, rank: factor.rank() })
 }

@@ -1,11 +1,10 @@
 //! Steps with constraints, and their drift.
 
 use robot_dynamics_core::{Model, SingularMass, Workspace};
-use robot_dynamics_number::{Classified, ErrorKind};
 
 use super::step::step_in;
-use super::{ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintSet, DriftCorrection};
-use crate::{StepError, StepFault, StepForces, StepWorkspace, Stepper};
+use super::{ConstraintDrift, ConstraintOptions, ConstraintSet, DriftCorrection};
+use crate::{StepError, StepForces, StepWorkspace, Stepper};
 
 /// The constraint errors and corrections of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,8 +37,6 @@ impl ConstrainedStepper {
 }
 
 impl Stepper for ConstrainedStepper {
-    type Error = ConstraintError;
-
     fn order(&self) -> u32 {
         self.options.integrator.order()
     }
@@ -52,7 +49,7 @@ impl Stepper for ConstrainedStepper {
         _: f64,
         q: &[f64],
         v: &[f64],
-    ) -> Result<(), ConstraintError> {
+    ) -> Result<(), StepError> {
         self.options.check()?;
         let rows = self.constraints.rows(model, workspace, q, v);
         ConstraintDrift::require_below(&self.constraints, &rows, v, self.options.dependence.max(1e-6))?;
@@ -73,7 +70,7 @@ impl Stepper for ConstrainedStepper {
         h: f64,
         q: &mut [f64],
         v: &mut [f64],
-    ) -> Result<(), ConstraintError> {
+    ) -> Result<(), StepError> {
         let Self { constraints, options, correction, record } = self;
         let report = step_in(model, workspace, constraints, options, *correction, forces, h, q, v)?;
         record.drift = record.drift.max(report.corrected);
@@ -81,19 +78,5 @@ impl Stepper for ConstrainedStepper {
         record.energy_removed += report.energy_removed;
         record.smallest_rank = record.smallest_rank.min(report.rank);
         Ok(())
-    }
-}
-
-impl StepError for ConstraintError {
-    fn error_kind(&self) -> ErrorKind {
-        self.kind()
-    }
-
-    fn fault(self, _: &Model) -> StepFault<Self> {
-        match self {
-            Self::NotFinite { quantity, index } => StepFault::NotFinite { quantity, index },
-            Self::SingularMass(source) => StepFault::SingularMass(source),
-            other => StepFault::Other(other),
-        }
     }
 }

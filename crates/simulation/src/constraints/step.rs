@@ -7,10 +7,9 @@
 
 use robot_dynamics_core::{Model, Workspace, integrate};
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::{Stage, StepScheme};
-use robot_dynamics_number::{check_number, check_positive};
+use robot_dynamics_integrators::{Stage, StepScheme, check_computed};
+use robot_dynamics_number::{check_finite, check_number, check_positive};
 
-use super::error::check_entries;
 use super::variational::variational_step;
 use super::{
     ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintSet, constrained_forward_dynamics,
@@ -185,7 +184,7 @@ fn check_step(
     check_length("v", v.len(), model.nv());
     check_length("tau", forces.tau.len(), model.nv());
     for (quantity, values) in [("q", q), ("v", v), ("tau", forces.tau)] {
-        check_entries(quantity, values)?;
+        check_finite(quantity, values)?;
     }
     options.check()?;
     if let DriftCorrection::Position { tolerance } = correction {
@@ -270,8 +269,8 @@ fn explicit_row(
     explicit_step(model, stages, &mut motion, h, &mut memory, (q, v))?;
     let Held { rank, workspace, .. } = motion;
     let StageMemory { q: q_end, v: v_end, .. } = memory;
-    check_entries("v after the step", v_end)?;
-    check_entries("q after the step", q_end)?;
+    check_computed("v after the step", v_end)?;
+    check_computed("q after the step", q_end)?;
 
     let drift = constraint_drift(model, workspace, set, q_end, v_end);
     if let DriftCorrection::Position { tolerance } = correction {

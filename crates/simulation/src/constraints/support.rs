@@ -12,9 +12,9 @@ use robot_dynamics_core::{
     FrameId, Model, ReferenceFrame, Workspace, frame_jacobian, frame_pose, inverse_dynamics,
 };
 use robot_dynamics_description::check_length;
+use robot_dynamics_integrators::check_computed;
 use robot_dynamics_number::{check_finite, check_positive};
 
-use super::error::check_entries;
 use super::{ConstraintError, ConstraintSet};
 use crate::contact::{ConeProblem, Set, axes};
 
@@ -152,7 +152,7 @@ pub fn supported_inverse_dynamics(
     check_supports(supports)?;
     let mut force = DVector::zeros(nv);
     inverse_dynamics(model, workspace, q, v, a, force.as_mut_slice());
-    check_entries("M a + C v + g", force.as_slice())?;
+    check_computed("M a + C v + g", force.as_slice())?;
 
     let mut problem = ConeProblem::new(nv);
     let bases: Vec<_> =
@@ -180,8 +180,8 @@ pub fn supported_inverse_dynamics(
     let mut carried = vec![0.0; nv];
     problem.add_forces(p, &mut carried);
     let tau = DVector::from_fn(nv, |k, _| if actuated[k] { force[k] - carried[k] } else { 0.0 });
-    check_entries("the forces", p)?;
-    check_entries("the torque", tau.as_slice())?;
+    check_computed("the forces", p)?;
+    check_computed("the torque", tau.as_slice())?;
     Ok(SupportedTorque { tau, forces, multipliers: DVector::from_row_slice(loops), missing })
 }
 

@@ -18,7 +18,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::{Model, SingularMass};
-use robot_dynamics_integrators::{DynamicsError, IntegratorError};
+use robot_dynamics_integrators::IntegratorError;
 
 use super::row_factor::{MassFactor, RowFactor};
 use super::{
@@ -276,14 +276,14 @@ impl RowEquations {
 #[allow(clippy::needless_pass_by_value)] // it is turned into another
 fn named(model: &Model, error: IntegratorError, set: &ConstraintSet, row: Option<usize>) -> ConstraintError {
     match error {
-        IntegratorError::Dynamics(DynamicsError::SingularMass { coordinate, pivot }) => {
+        IntegratorError::SingularMass { coordinate, pivot } => {
             SingularMass::at(model, coordinate, pivot).into()
         }
         IntegratorError::NotConverged { residual, iterations, step } => {
             let name = row.and_then(|row| set.row_names().get(row)).cloned().unwrap_or_else(|| "none".into());
             ConstraintError::StepNotConverged { residual, iterations, step, name }
         }
-        _ => ConstraintError::NotFinite { quantity: "the implicit step", index: 0 },
+        error => error.into(),
     }
 }
 

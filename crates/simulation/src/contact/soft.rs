@@ -28,7 +28,7 @@ use robot_dynamics_core::factorization::sparse::coordinate_carriers;
 use robot_dynamics_core::model::identity::Identity;
 use robot_dynamics_core::{FrameId, Model, Workspace, bias, mass_matrix};
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 
 use self::reference::{RowReference, StepState};
 use self::rows::JointRows;
@@ -106,8 +106,8 @@ impl SoftConstraints {
     /// The constraints for steps of h \[s\]: no time constant is shorter than 2h.
     ///
     /// # Errors
-    /// [`DynamicsError::SingularMass`]: M is singular in the reference pose.
-    pub fn new(model: &Model, h: f64) -> Result<Self, DynamicsError> {
+    /// [`IntegratorError::SingularMass`]: M is singular in the reference pose.
+    pub fn new(model: &Model, h: f64) -> Result<Self, IntegratorError> {
         let n = model.nv;
         let weights = InverseWeights::new(model)?;
         let dense = (0..n)
@@ -185,7 +185,7 @@ impl SoftConstraints {
     /// Sizes: q nq, v, τ and `acceleration` nv.
     ///
     /// # Errors
-    /// [`DynamicsError::SingularMass`]: M is singular here, or a number is not finite.
+    /// [`IntegratorError::SingularMass`]: M is singular here, or a number is not finite.
     ///
     /// # Panics
     /// If a slice has the wrong length, or a frame belongs to another robot.
@@ -200,7 +200,7 @@ impl SoftConstraints {
         tau: &[f64],
         contacts: &[SoftContact],
         acceleration: &mut [f64],
-    ) -> Result<(), DynamicsError> {
+    ) -> Result<(), IntegratorError> {
         model.check_identity(&self.robot, "the constraints");
         workspace.check_inputs(model, q);
         for (what, slice) in [("v", v), ("the forces", tau), ("the accelerations", &*acceleration)] {
@@ -270,13 +270,13 @@ impl SoftConstraints {
 
     /// The error of a solution that failed: a singular mass matrix, or a state that has diverged, gives a v̇
     /// that is not finite.
-    fn failure(&self) -> DynamicsError {
+    fn failure(&self) -> IntegratorError {
         let overflows = |numbers: &[f64]| numbers.iter().any(|number| !number.is_finite());
         let index = self.problem.x.iter().position(|x| !x.is_finite()).unwrap_or(0);
         if overflows(&self.problem.force) || overflows(&self.problem.start) || overflows(&self.mass) {
-            return DynamicsError::NonFinite { quantity: "the acceleration", index };
+            return IntegratorError::NotFinite { quantity: "the acceleration", index };
         }
-        DynamicsError::SingularMass { coordinate: index, pivot: f64::NAN }
+        IntegratorError::SingularMass { coordinate: index, pivot: f64::NAN }
     }
 
     /// The constraints' forces in the last state, nv entries \[N·m or N\].

@@ -51,7 +51,7 @@ use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::factorization::paths::usual_entries;
 use robot_dynamics_core::{Model, SingularMass, Workspace};
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::{EnergyLedger, IntegratorError};
+use robot_dynamics_integrators::EnergyLedger;
 
 use self::equalities::Equalities;
 use self::impulses::Impulses;
@@ -62,7 +62,7 @@ use self::stiff_factor::StiffFactor;
 use crate::contact::{Components, ContactImpulses, Interrupt};
 use crate::motion::drive::{Drive, record};
 use crate::motion::integrate::check_step;
-use crate::motion::simulate::{Losses, Stepper};
+use crate::motion::simulate::{Losses, StepError, Stepper};
 use crate::{Actuation, ContactLaws, StepForces, StepWorkspace};
 
 clone_in_place! {
@@ -252,8 +252,6 @@ impl ImplicitIntegrator {
 }
 
 impl Stepper for ImplicitIntegrator {
-    type Error = IntegratorError;
-
     fn order(&self) -> u32 {
         2
     }
@@ -266,9 +264,9 @@ impl Stepper for ImplicitIntegrator {
         _: f64,
         q: &[f64],
         v: &[f64],
-    ) -> Result<(), IntegratorError> {
+    ) -> Result<(), StepError> {
         match &mut self.equalities {
-            Some(equalities) => equalities.check(model, workspace, q, v),
+            Some(equalities) => Ok(equalities.check(model, workspace, q, v)?),
             None => Ok(()),
         }
     }
@@ -287,12 +285,12 @@ impl Stepper for ImplicitIntegrator {
         h: f64,
         q: &mut [f64],
         v: &mut [f64],
-    ) -> Result<(), IntegratorError> {
+    ) -> Result<(), StepError> {
         check_step(h)?;
         check_length("q", q.len(), model.nq);
         check_length("v", v.len(), model.nv);
         self.joints.choose(forces.dissipation);
-        self.step_or_go_back(model, workspace, forces, h, (q, v))
+        Ok(self.step_or_go_back(model, workspace, forces, h, (q, v))?)
     }
 
     fn stored_energy(&mut self, q: &[f64]) -> f64 {

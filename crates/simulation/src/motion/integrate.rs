@@ -34,14 +34,14 @@ pub use workspace::StepWorkspace;
 
 use robot_dynamics_core::Model;
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::{Integrator, IntegratorError, StepScheme, check_finite};
+use robot_dynamics_integrators::{Integrator, IntegratorError, StepScheme};
+use robot_dynamics_number::{InvalidInput, check_finite, check_positive};
 
 /// Advances (q, v) in place by `h` \[s\]. It does not allocate; on an error q and v are unchanged.
 ///
 /// # Errors
-/// - [`IntegratorError::Dynamics`] if an input, an acceleration or a result is not finite, with the
-///   coordinate.
-/// - [`IntegratorError::BadStep`] if `h` is not positive and finite.
+/// - [`IntegratorError::Input`] if an input is not finite, or `h` is not positive and finite.
+/// - [`IntegratorError::NotFinite`] if an acceleration or a result is not finite, with the coordinate.
 /// - [`IntegratorError::NotConverged`] if the step of an implicit row is too long: neither fixed-point
 ///   iteration nor Newton's method finds the solution that short steps lead to.
 ///
@@ -100,6 +100,6 @@ pub fn step(
 }
 
 /// Checks that a step is positive and finite.
-pub fn check_step(h: f64) -> Result<(), IntegratorError> {
-    if h > 0.0 && h.is_finite() { Ok(()) } else { Err(IntegratorError::BadStep { step: h }) }
+pub fn check_step(h: f64) -> Result<(), InvalidInput> {
+    check_positive("the step", h, "s")
 }

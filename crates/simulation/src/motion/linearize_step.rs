@@ -10,82 +10,24 @@ mod differences;
 mod displacement;
 mod product;
 
-use core::fmt;
-
 use robot_dynamics_core::configuration::displacement_rate::displacement_rate;
 use robot_dynamics_core::{
-    ForwardDynamicsDerivativesMut, Model, SingularMass, Workspace, check_rank, dissipation_derivative,
-    forward_dynamics, forward_dynamics_derivatives, integrate,
+    ForwardDynamicsDerivativesMut, Model, Workspace, check_rank, dissipation_derivative, forward_dynamics,
+    forward_dynamics_derivatives, integrate,
 };
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::{
-    DynamicsError, Integrator, IntegratorError, Stage, StepScheme, check_finite,
-};
-use robot_dynamics_number::{Classified, ErrorKind};
+use robot_dynamics_integrators::{Integrator, IntegratorError, Stage, StepScheme, check_computed};
+use robot_dynamics_number::check_finite;
 
 use self::displacement::{rate_change, retraction_change};
 use self::product::multiply_changes;
 use crate::StepForces;
-use crate::motion::RobotState;
-use crate::motion::integrate::explicit::explicit_names;
 use crate::motion::integrate::stage_memory::most_stages;
 use crate::motion::integrate::vectors::{scale, start_from, sum_stages};
 use crate::motion::integrate::{check_step, net_force};
+use crate::motion::{RobotState, StepDerivativeError};
 
-pub use self::differences::{DifferenceError, linearize_by_differences};
-
-/// An error of the linearization of a step.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum LinearizeStepError {
-    /// The step failed.
-    Step(IntegratorError),
-    /// M is singular at the start of the step.
-    SingularMass(SingularMass),
-    /// The row solves an equation in each step; only explicit rows are linearized exactly.
-    Implicit {
-        /// The requested row.
-        integrator: Integrator,
-    },
-}
-
-impl Classified for LinearizeStepError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::Step(error) => error.kind(),
-            Self::SingularMass(error) => error.kind(),
-            Self::Implicit { .. } => ErrorKind::Unsupported,
-        }
-    }
-}
-
-impl fmt::Display for LinearizeStepError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Step(error) => write!(f, "{error}"),
-            Self::SingularMass(error) => write!(f, "{error}"),
-            Self::Implicit { integrator } => write!(
-                f,
-                "{integrator} solves an equation at each step and is not linearised; use an explicit row: {}",
-                explicit_names()
-            ),
-        }
-    }
-}
-
-impl core::error::Error for LinearizeStepError {}
-
-impl From<SingularMass> for LinearizeStepError {
-    fn from(error: SingularMass) -> Self {
-        Self::SingularMass(error)
-    }
-}
-
-impl From<DynamicsError> for LinearizeStepError {
-    fn from(error: DynamicsError) -> Self {
-        Self::Step(IntegratorError::Dynamics(error))
-    }
-}
+pub use self::differences::linearize_by_differences;
 
 /// Scratch for [`linearize_step`] on one model.
 ///
@@ -182,10 +124,9 @@ pub struct LinearizedStep<'a> {
 /// ```
 ///
 /// # Errors
-/// - [`LinearizeStepError::Step`] if an input, an acceleration or a result is not finite, or `h` is not
-///   positive.
-/// - [`LinearizeStepError::SingularMass`] if M(q) is singular, with the names of the joints.
-/// - [`LinearizeStepError::Implicit`] for the variational rows.
+/// - [`StepDerivativeError::Step`] if an input, an acceleration or a result is not finite, if `h` is not
+///   positive, or if M(q) is singular, with the names of the joints.
+/// - [`StepDerivativeError::Implicit`] for the variational rows.
 ///
 /// # Panics
 /// Panics if a slice has the wrong length.
@@ -198,9 +139,9 @@ pub fn linearize_step(
     h: f64,
     RobotState { q, v }: RobotState<'_>,
     LinearizedStep { by_state, by_force }: LinearizedStep<'_>,
-) -> Result<(), LinearizeStepError> {
+) -> Result<(), StepDerivativeError> {
     let nv = model.nv;
-    check_step(h).map_err(LinearizeStepError::Step)?;
+    check_step(h)?;
     check_length("q", q.len(), model.nq);
     check_length("v", v.len(), nv);
     check_length("tau", forces.tau.len(), nv);
@@ -212,10 +153,10 @@ pub fn linearize_step(
     check_rank(model, &mut workspace.dynamics, q)?;
     match integrator.scheme() {
         StepScheme::Explicit(stages) => explicit(model, workspace, stages, forces, h, q, v)?,
-        StepScheme::Variational(_) => return Err(LinearizeStepError::Implicit { integrator }),
+        StepScheme::Variational(_) => return Err(StepDerivativeError::Implicit { integrator }),
     }
-    check_finite("the derivative of q", &workspace.q_change)?;
-    check_finite("the derivative of v", &workspace.v_change)?;
+    check_computed("the derivative of q", &workspace.q_change)?;
+    check_computed("the derivative of v", &workspace.v_change)?;
     for (half, change) in [&workspace.q_change, &workspace.v_change].into_iter().enumerate() {
         for (i, row) in change.chunks_exact(3 * nv).enumerate() {
             let to = half * nv + i;
@@ -236,7 +177,7 @@ fn explicit(
     h: f64,
     q: &[f64],
     v: &[f64],
-) -> Result<(), DynamicsError> {
+) -> Result<(), IntegratorError> {
     let (n, square) = (model.nv, 3 * model.nv * model.nv);
     let v_row = |w: &mut LinearizeStepWorkspace, k: &dyn Fn(usize) -> f64, count| {
         sum_stages(count, k, &w.accelerations, &mut w.v);
@@ -297,13 +238,13 @@ fn accelerate(
     forces: &StepForces<'_>,
     i: usize,
     is_start: bool,
-) -> Result<(), DynamicsError> {
+) -> Result<(), IntegratorError> {
     let (n, width) = (model.nv, 3 * model.nv);
     let acceleration = &mut w.accelerations[i * n..(i + 1) * n];
     let change = &mut w.acceleration_changes[i * n * width..(i + 1) * n * width];
     net_force(model, forces, &w.v, &mut w.force);
     forward_dynamics(model, &mut w.dynamics, &w.q, &w.v, &w.force, acceleration);
-    check_finite("the acceleration", acceleration)?;
+    check_computed("the acceleration", acceleration)?;
     let (by_q, by_v, by_tau) = (&mut w.by_position, &mut w.by_velocity, &mut w.by_force);
     let out = ForwardDynamicsDerivativesMut { by_position: by_q, by_velocity: by_v, by_force: by_tau };
     forward_dynamics_derivatives(model, &mut w.dynamics, &w.q, &w.v, &w.force, out);

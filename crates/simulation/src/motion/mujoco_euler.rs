@@ -13,12 +13,12 @@ use robot_dynamics_core::conventions::{acceleration_to_mujoco, velocity_from_muj
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_core::{Model, dissipation_derivative, integrate};
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::{EnergyLedger, IntegratorError, check_finite};
+use robot_dynamics_integrators::{EnergyLedger, IntegratorError, check_computed};
 
 use crate::contact::Interrupt;
 use crate::motion::drive::{Drive, record};
 use crate::motion::integrate::check_step;
-use crate::motion::simulate::{Losses, Stepper, add_passive_gains};
+use crate::motion::simulate::{Losses, StepError, Stepper, add_passive_gains};
 use crate::{ActiveSet, Actuation, SoftConstraints, StepForces, StepWorkspace};
 
 clone_in_place! {
@@ -129,8 +129,6 @@ impl MujocoEuler {
 }
 
 impl Stepper for MujocoEuler {
-    type Error = IntegratorError;
-
     fn step(
         &mut self,
         model: &Model,
@@ -139,7 +137,7 @@ impl Stepper for MujocoEuler {
         h: f64,
         q: &mut [f64],
         v: &mut [f64],
-    ) -> Result<(), IntegratorError> {
+    ) -> Result<(), StepError> {
         check_step(h)?;
         check_length("q", q.len(), model.nq);
         check_length("v", v.len(), model.nv);
@@ -156,7 +154,7 @@ impl Stepper for MujocoEuler {
         if self.interrupt.is_set() {
             // The acceleration of an interrupted iteration is not a valid start for the next one.
             self.law.cool();
-            return Err(IntegratorError::Interrupted);
+            return Err(IntegratorError::Interrupted.into());
         }
         solved?;
         let n = v.len();
@@ -169,7 +167,7 @@ impl Stepper for MujocoEuler {
         for (qvel, qacc) in self.qvel.iter_mut().zip(&self.change) {
             *qvel += h * qacc;
         }
-        check_finite("v after the step", &self.qvel)?;
+        check_computed("v after the step", &self.qvel)?;
         for (way, qvel) in self.change.iter_mut().zip(&self.qvel) {
             *way = h * qvel;
         }
@@ -182,7 +180,7 @@ impl Stepper for MujocoEuler {
                 self.q[stretch.q + k] = q[stretch.q + k] + h * self.qvel[stretch.v + k];
             }
         }
-        check_finite("q after the step", &self.q)?;
+        check_computed("q after the step", &self.q)?;
         q.copy_from_slice(&self.q);
         velocity_from_mujoco(model, q, &self.qvel, v);
         for k in 0..n {

@@ -9,15 +9,14 @@
 //! Source: Griewank, Walther, *Evaluating Derivatives* (2008), ch. 3.2 and 12 (checkpoints).
 
 pub mod checkpoints;
+mod checks;
 mod cotangents;
-mod error;
 pub mod rollout;
 mod rollout_pullback;
 pub mod stages;
 mod step;
 
 pub use cotangents::{MotionCotangents, TrajectoryCotangents};
-pub use error::PullbackError;
 pub use rollout::Rollout;
 pub use rollout_pullback::{RolloutPullbackWorkspace, rollout_pullback};
 pub use step::{StepPullbackWorkspace, step_pullback};

@@ -21,14 +21,15 @@ mod pd;
 mod results;
 mod root;
 mod run;
+mod step_error;
 mod stepper;
 mod trajectory;
 
-pub use actuated::{ActuatedStepError, ActuatedStepper};
+pub use actuated::ActuatedStepper;
 #[cfg(feature = "adaptive")]
 pub use adaptive::{
-    AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, AdaptiveRun, AdaptiveStepError, AdaptiveStepper,
-    ControlTiming, ExternalInputs, StepStatistics,
+    AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, AdaptiveRun, AdaptiveStepper, ControlTiming,
+    ExternalInputs, StepStatistics,
 };
 pub use between::Between;
 pub use callback::{CallbackError, IntoCallbackResult};
@@ -44,5 +45,6 @@ pub use losses::Losses;
 pub use pd::{GravityAt, GravityCompensatedPd};
 pub use results::{Observer, Run, StepInfo};
 pub use run::RunLoop;
-pub use stepper::{StepError, StepFault, Stepper};
+pub use step_error::StepError;
+pub use stepper::Stepper;
 pub use trajectory::{Sample, Trajectory};

@@ -5,10 +5,9 @@ use std::sync::Arc;
 use robot_dynamics_core::Workspace;
 use robot_dynamics_integrators::IntegratorError;
 
-use super::error::{MethodError, StepFailure};
 use super::method::StepperKind;
 use super::{Observer, Simulation};
-use crate::motion::simulate::{AdaptiveRun, AdaptiveStepError, EventDetector, ExternalInputs};
+use crate::motion::simulate::{AdaptiveRun, EventDetector, ExternalInputs};
 use crate::{AdaptiveRecord, Controller, RunError, Trajectory};
 
 impl Simulation {
@@ -46,7 +45,7 @@ impl Simulation {
             EventDetector<'_, '_>,
             Option<Observer<'_>>,
         ),
-    ) -> Result<(), StepFailure> {
+    ) -> Result<(), RunError> {
         let model = Arc::clone(&self.model);
         let is_controlled = controller.is_some();
         if is_controlled {
@@ -95,17 +94,17 @@ impl Simulation {
             self.base = (self.run.steps, self.run.time);
         }
         self.is_checked = false;
-        done.map_err(|error| error.map(MethodError::from))
+        done
     }
 
     /// Advances by one step with adaptive steps; on failure the simulation is unchanged.
-    pub(super) fn step_adaptively(&mut self) -> Result<(), StepFailure> {
+    pub(super) fn step_adaptively(&mut self) -> Result<(), RunError> {
         let (run, stepper, base) = (self.run.clone(), self.stepper.clone(), self.base);
         let activations = self.activations.clone();
         let watch = EventDetector::start(&mut [], run.time, &run.q, &run.v)?;
         let done = match self.follow(1, 0, (None, watch, None)) {
             Ok(()) if self.run.interrupted => {
-                let source = AdaptiveStepError::from(IntegratorError::Interrupted).into();
+                let source = IntegratorError::Interrupted.into();
                 Err(RunError::Step { step: run.steps, time: run.time, source })
             }
             done => done,

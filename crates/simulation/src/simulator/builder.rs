@@ -174,7 +174,7 @@ impl<'a> SimulationBuilder<'a> {
     #[must_use]
     pub fn stepper<S>(self, stepper: S) -> Self
     where
-        S: Stepper<Error: Send + Sync + 'static> + Clone + Send + Sync + 'static,
+        S: Stepper + Clone + Send + Sync + 'static,
     {
         Self { own: Some(OwnStepper::new(stepper)), method: Some(Method::Own), ..self }
     }

@@ -1,14 +1,12 @@
-//! Errors of building and running a simulation.
+//! Errors of building a simulation.
 
-use robot_dynamics_core::Model;
 use robot_dynamics_description::ModelError;
-use robot_dynamics_integrators::{DynamicsError, IntegratorError};
+use robot_dynamics_integrators::IntegratorError;
 use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 use thiserror::Error;
 
+use crate::ContactError;
 use crate::constraints::ConstraintError;
-use crate::motion::simulate::{ActuatedStepError, RunError, StepError, StepFault};
-use crate::{CallbackError, ContactError};
 
 /// An error of building a simulation.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -44,7 +42,7 @@ pub enum SimulationError {
     },
     /// The dynamics of the method could not be set up.
     #[error(transparent)]
-    Law(#[from] DynamicsError),
+    Dynamics(#[from] IntegratorError),
     /// A ground was combined with [`conservative`](super::SimulationBuilder::conservative) or with contacts
     /// switched off.
     #[error("a ground was given, but contacts are switched off; leave one of the two out")]
@@ -58,7 +56,7 @@ impl Classified for SimulationError {
             Self::Contact(error) => error.kind(),
             Self::Equalities(error) => error.kind(),
             Self::Model(error) => error.kind(),
-            Self::Law(error) => error.kind(),
+            Self::Dynamics(error) => error.kind(),
             Self::Method { .. } | Self::GroundWithoutContacts => ErrorKind::Unsupported,
             Self::NothingTouches { .. } => ErrorKind::Description,
         }
@@ -71,74 +69,3 @@ fn because(left_out: &[String]) -> String {
         reasons => format!(": {}", reasons.join("; ")),
     }
 }
-
-/// An error of a step, by the kind of step.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum MethodError {
-    /// An error that any step can return.
-    #[error(transparent)]
-    Integrator(#[from] IntegratorError),
-    /// An error of explicit steps with actuators and springs.
-    #[error(transparent)]
-    Actuated(#[from] ActuatedStepError),
-    /// An error of explicit and variational steps under equalities.
-    #[error(transparent)]
-    Constrained(#[from] ConstraintError),
-    /// An error of a custom stepper.
-    #[error(transparent)]
-    Own(#[from] CallbackError),
-    /// An error of adaptive steps.
-    #[cfg(feature = "adaptive")]
-    #[error(transparent)]
-    Adaptive(#[from] crate::AdaptiveStepError),
-}
-
-impl Classified for MethodError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::Integrator(error) => error.kind(),
-            Self::Actuated(error) => error.kind(),
-            Self::Constrained(error) => error.kind(),
-            Self::Own(error) => error.kind(),
-            #[cfg(feature = "adaptive")]
-            Self::Adaptive(error) => error.kind(),
-        }
-    }
-}
-
-impl StepError for MethodError {
-    fn error_kind(&self) -> ErrorKind {
-        self.kind()
-    }
-
-    fn is_interruption(&self) -> bool {
-        match self {
-            Self::Integrator(error) => error.is_interruption(),
-            #[cfg(feature = "adaptive")]
-            Self::Adaptive(error) => error.is_interruption(),
-            _ => false,
-        }
-    }
-
-    fn fault(self, model: &Model) -> StepFault<Self> {
-        fn widened<E: StepError + Into<MethodError>>(error: E, model: &Model) -> StepFault<MethodError> {
-            match error.fault(model) {
-                StepFault::NotFinite { quantity, index } => StepFault::NotFinite { quantity, index },
-                StepFault::SingularMass(source) => StepFault::SingularMass(source),
-                StepFault::Other(error) => StepFault::Other(error.into()),
-            }
-        }
-        match self {
-            Self::Integrator(error) => widened(error, model),
-            Self::Actuated(error) => widened(error, model),
-            Self::Constrained(error) => widened(error, model),
-            Self::Own(error) => StepFault::Other(Self::Own(error)),
-            #[cfg(feature = "adaptive")]
-            Self::Adaptive(error) => widened(error, model),
-        }
-    }
-}
-
-/// An error of running a simulation.
-pub type StepFailure = RunError<MethodError>;

@@ -7,7 +7,6 @@ use robot_dynamics_core::{Model, SingularMass, Workspace};
 use robot_dynamics_integrators::{EnergyLedger, Integrator};
 use thiserror::Error;
 
-use super::MethodError;
 use super::own_stepper::OwnStepper;
 use crate::constraints::ConstrainedStepper;
 #[cfg(feature = "adaptive")]
@@ -15,7 +14,7 @@ use crate::motion::simulate::AdaptiveStepper;
 use crate::motion::simulate::{ActuatedStepper, Losses, Stepper};
 use crate::{
     ActiveSet, ConstraintRecord, ContactLaws, ContactPoint, ContactProblem, ImplicitIntegrator, MujocoEuler,
-    StepForces, StepWorkspace,
+    StepError, StepForces, StepWorkspace,
 };
 
 /// The integration method of a simulation.
@@ -271,8 +270,6 @@ impl SimulationStepper {
 // The stepper of one kind already returns the errors of a simulation.
 #[allow(clippy::useless_conversion)]
 impl Stepper for SimulationStepper {
-    type Error = MethodError;
-
     fn order(&self) -> u32 {
         each!(&self.kind, own => own.order())
     }
@@ -284,8 +281,8 @@ impl Stepper for SimulationStepper {
         h: f64,
         q: &[f64],
         v: &[f64],
-    ) -> Result<(), MethodError> {
-        each!(&mut self.kind, own => own.check_start(model, workspace, h, q, v).map_err(Into::into))
+    ) -> Result<(), StepError> {
+        each!(&mut self.kind, own => own.check_start(model, workspace, h, q, v))
     }
 
     fn check_mass(
@@ -305,8 +302,8 @@ impl Stepper for SimulationStepper {
         h: f64,
         q: &mut [f64],
         v: &mut [f64],
-    ) -> Result<(), MethodError> {
-        each!(&mut self.kind, own => own.step(model, workspace, forces, h, q, v).map_err(Into::into))
+    ) -> Result<(), StepError> {
+        each!(&mut self.kind, own => own.step(model, workspace, forces, h, q, v))
     }
 
     fn losses(&self) -> Option<Losses> {

@@ -5,10 +5,9 @@ use std::sync::Arc;
 
 use robot_dynamics_core::Model;
 
-use super::error::StepFailure;
 use super::stepping::Memory;
-use super::{MethodError, Observer, RunOptions, Simulation};
-use crate::motion::simulate::{Between, EventDetector, StepError};
+use super::{Observer, RunOptions, Simulation};
+use crate::motion::simulate::{Between, EventDetector};
 use crate::{Controller, Run, RunError, RunFailure, StepForces, Stepper, Trajectory};
 
 impl Simulation {
@@ -45,7 +44,7 @@ impl Simulation {
         v: &[f64],
         duration: f64,
         options: RunOptions<'_, '_>,
-    ) -> Result<Run, Box<RunFailure<MethodError>>> {
+    ) -> Result<Run, Box<RunFailure>> {
         let steps = self.steps_in(duration).map_err(|error| self.without_samples(error.into()))?;
         self.run_steps_from(q, v, steps, options)
     }
@@ -64,7 +63,7 @@ impl Simulation {
         v: &[f64],
         steps: usize,
         options: RunOptions<'_, '_>,
-    ) -> Result<Run, Box<RunFailure<MethodError>>> {
+    ) -> Result<Run, Box<RunFailure>> {
         self.restart((q, v), 0.0, steps)?;
         self.activations.fill(0.0);
         self.limited.fill(0);
@@ -95,11 +94,7 @@ impl Simulation {
     /// assert!(run.ledger.drift() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn run(
-        &mut self,
-        duration: f64,
-        options: RunOptions<'_, '_>,
-    ) -> Result<Run, Box<RunFailure<MethodError>>> {
+    pub fn run(&mut self, duration: f64, options: RunOptions<'_, '_>) -> Result<Run, Box<RunFailure>> {
         let steps = self.steps_in(duration).map_err(|error| self.without_samples(error.into()))?;
         self.run_steps(steps, options)
     }
@@ -118,11 +113,7 @@ impl Simulation {
     /// assert_eq!((run.steps, run.time, run.trajectory.len()), (25, 0.025, 26));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn run_steps(
-        &mut self,
-        steps: usize,
-        options: RunOptions<'_, '_>,
-    ) -> Result<Run, Box<RunFailure<MethodError>>> {
+    pub fn run_steps(&mut self, steps: usize, options: RunOptions<'_, '_>) -> Result<Run, Box<RunFailure>> {
         let RunOptions { controller, events, observer, samples } = options;
         let sample_every = samples.steps(self.step).map_err(|error| self.without_samples(error.into()))?;
         let model = Arc::clone(&self.model);
@@ -151,7 +142,7 @@ impl Simulation {
     }
 
     /// The failure of a run that could not start, with the current state.
-    fn without_samples(&self, error: StepFailure) -> Box<RunFailure<MethodError>> {
+    fn without_samples(&self, error: RunError) -> Box<RunFailure> {
         let trajectory = Trajectory::new(&self.model, 0);
         Box::new(RunFailure { error, until: Run { trajectory, ..self.run.clone() } })
     }
@@ -166,7 +157,7 @@ impl Simulation {
             EventDetector<'_, '_>,
             Option<Observer<'_>>,
         ),
-    ) -> Result<(), StepFailure> {
+    ) -> Result<(), RunError> {
         let mut between = Between::new(model, self.stepper.order());
         let first = self.run.steps;
         for done in 0..=steps {

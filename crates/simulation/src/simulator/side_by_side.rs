@@ -5,11 +5,10 @@ use std::sync::Arc;
 use robot_dynamics_core::{InstructionSet, Model};
 use robot_dynamics_integrators::Integrator;
 
-use super::error::StepFailure;
 use super::{Method, Simulation};
-use crate::StepForces;
 use crate::motion::simulate::RunLoop;
 use crate::motion::simulate::ledger::record_energies;
+use crate::{RunError, StepForces};
 
 /// The start of a step.
 #[doc(hidden)]
@@ -42,7 +41,7 @@ impl Simulation {
     ///
     /// # Errors
     /// A torque is not finite.
-    pub fn begin_external_steps(&mut self) -> Result<(), StepFailure> {
+    pub fn begin_external_steps(&mut self) -> Result<(), RunError> {
         let model = Arc::clone(&self.model);
         self.begin_step(&self.course(&model, 0, self.base))
     }
@@ -51,7 +50,7 @@ impl Simulation {
     ///
     /// # Errors
     /// M is singular.
-    pub fn check_external_step(&mut self) -> Result<(), StepFailure> {
+    pub fn check_external_step(&mut self) -> Result<(), RunError> {
         let model = Arc::clone(&self.model);
         self.check_mass(&self.course(&model, 0, self.base))
     }

@@ -3,14 +3,12 @@
 use std::sync::Arc;
 
 use robot_dynamics_core::Model;
-use robot_dynamics_number::{Classified, ErrorKind};
-use thiserror::Error;
+use robot_dynamics_number::InvalidInput;
 
-use super::error::StepFailure;
 use super::method::SimulationStepper;
 use super::stepping::Inputs;
 use super::{AppliedWrench, Simulation};
-use crate::{Actuation, Run};
+use crate::{Actuation, Run, RunError};
 
 /// The complete changing state of a simulation.
 #[derive(Clone, Debug)]
@@ -23,38 +21,6 @@ pub struct Snapshot {
     is_checked: bool,
     activations: Vec<f64>,
     limited: Vec<usize>,
-}
-
-/// The error of a reset to a pose of the file.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum PoseError {
-    /// The file has no pose of this name.
-    #[error("robot `{robot}` has no pose `{pose}`; its file has {}", listed(.names))]
-    NoSuchPose {
-        /// The name of the robot.
-        robot: String,
-        /// The name of the missing pose.
-        pose: String,
-        /// The names of the available poses.
-        names: Vec<String>,
-    },
-    /// The pose is an invalid start.
-    #[error(transparent)]
-    State(#[from] StepFailure),
-}
-
-impl Classified for PoseError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::NoSuchPose { .. } => ErrorKind::UnknownName,
-            Self::State(error) => error.kind(),
-        }
-    }
-}
-
-fn listed(names: &[String]) -> String {
-    if names.is_empty() { "no poses".into() } else { names.join(", ") }
 }
 
 impl Simulation {
@@ -121,14 +87,12 @@ impl Simulation {
     ///
     /// # Errors
     /// The pose is missing, or as [`reset`](Self::reset).
-    pub fn reset_to(&mut self, pose: &str) -> Result<(), PoseError> {
-        let names = || {
-            let poses = &self.model.description().poses;
-            poses.iter().map(|pose| pose.name.clone()).collect()
-        };
+    #[doc(alias = "PoseError")]
+    pub fn reset_to(&mut self, pose: &str) -> Result<(), RunError> {
         let Some((q, v)) = self.model.named_pose(pose) else {
-            let robot = self.model.name().to_owned();
-            return Err(PoseError::NoSuchPose { robot, pose: pose.to_owned(), names: names() });
+            let names = self.model.description().poses.iter().map(|pose| pose.name.as_str());
+            let owner = format!("robot `{}`", self.model.name());
+            return Err(InvalidInput::unknown_name("pose", pose, owner, names).into());
         };
         let own = self.model.description().poses.iter().find(|own| own.name == pose);
         let controls = own.map_or(Vec::new(), |own| own.controls.clone());

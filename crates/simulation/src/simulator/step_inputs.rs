@@ -1,14 +1,13 @@
 //! The start and the end of a step: checks and limits of inputs, activations, mean acceleration.
 
 use super::Simulation;
-use super::error::StepFailure;
 use super::stepping::Memory;
 use crate::motion::simulate::RunLoop;
 use crate::{CallbackError, ControllerError, Run, RunError};
 
 impl Simulation {
     /// Checks the inputs, clips torques to their limits, and converts wrenches to generalized forces.
-    pub(super) fn begin_step(&mut self, course: &RunLoop<'_>) -> Result<(), StepFailure> {
+    pub(super) fn begin_step(&mut self, course: &RunLoop<'_>) -> Result<(), RunError> {
         let Self { model, inputs, run, memory, effort, workspace, .. } = self;
         if let Some(index) = inputs.torques.iter().position(|tau| !tau.is_finite()) {
             return Err(course.blow_up("the controller's torque", index, run.steps));
@@ -44,7 +43,7 @@ impl Simulation {
     }
 
     /// The rank at the start of a run was checked when the state was set.
-    pub(super) fn check_mass(&mut self, course: &RunLoop<'_>) -> Result<(), StepFailure> {
+    pub(super) fn check_mass(&mut self, course: &RunLoop<'_>) -> Result<(), RunError> {
         let steps = self.run.steps;
         if !core::mem::replace(&mut self.is_checked, false) {
             let checked = course.check_mass(&mut self.stepper, &mut self.workspace, &self.run.q, steps);
@@ -65,7 +64,7 @@ impl Simulation {
     }
 }
 
-fn bad_input(run: &Run, message: String) -> StepFailure {
+fn bad_input(run: &Run, message: String) -> RunError {
     let source = ControllerError::Callback(CallbackError::new(message));
     RunError::Controller { step: run.steps, time: run.time, source }
 }

@@ -6,11 +6,10 @@ use std::sync::Arc;
 use robot_dynamics_core::Model;
 use robot_dynamics_number::InvalidInput;
 
-use super::error::StepFailure;
 use super::method::SimulationStepper;
-use super::{AppliedWrench, Effect, Method, MethodError};
+use super::{AppliedWrench, Effect, Method};
 use crate::motion::simulate::RunLoop;
-use crate::{Actuation, ContactSet, Run, RunFailure, StepForces, StepWorkspace};
+use crate::{Actuation, ContactSet, Run, RunError, RunFailure, StepForces, StepWorkspace};
 
 /// The simulation of one robot: its state, its inputs, and its steps.
 ///
@@ -273,7 +272,7 @@ impl Simulation {
     /// # Panics
     /// Panics if `v` has the wrong length.
     #[track_caller]
-    pub fn reset(&mut self, q: &[f64], v: &[f64]) -> Result<(), StepFailure> {
+    pub fn reset(&mut self, q: &[f64], v: &[f64]) -> Result<(), RunError> {
         self.restart((q, v), 0.0, 1).map_err(|failure| failure.error)?;
         self.inputs.torques.fill(0.0);
         self.inputs.controls.fill(0.0);
@@ -292,7 +291,7 @@ impl Simulation {
     /// # Panics
     /// Panics if `v` has the wrong length.
     #[track_caller]
-    pub fn set_state(&mut self, q: &[f64], v: &[f64]) -> Result<(), StepFailure> {
+    pub fn set_state(&mut self, q: &[f64], v: &[f64]) -> Result<(), RunError> {
         self.restart((q, v), self.run.time, 1).map_err(|failure| failure.error)
     }
 
@@ -304,7 +303,7 @@ impl Simulation {
         (q, v): (&[f64], &[f64]),
         time: f64,
         steps: usize,
-    ) -> Result<(), Box<RunFailure<MethodError>>> {
+    ) -> Result<(), Box<RunFailure>> {
         let mut stepper = self.fresh.clone();
         let model = Arc::clone(&self.model);
         let course = self.course(&model, 0, (0, time));
@@ -334,7 +333,7 @@ impl Simulation {
     /// [`RunError`](crate::RunError), with the time and the coordinate. Causes are an input that is not
     /// finite, a singular M, an implicit step that does not converge, and divergence. The simulation is then
     /// unchanged.
-    pub fn step(&mut self) -> Result<(), StepFailure> {
+    pub fn step(&mut self) -> Result<(), RunError> {
         #[cfg(feature = "adaptive")]
         if self.is_adaptive() {
             return self.step_adaptively();
@@ -360,7 +359,7 @@ impl Simulation {
     ///
     /// # Errors
     /// As [`step`](Self::step) and [`steps_in`](Self::steps_in).
-    pub fn run_for(&mut self, duration: f64) -> Result<(), StepFailure> {
+    pub fn run_for(&mut self, duration: f64) -> Result<(), RunError> {
         for _ in 0..self.steps_in(duration)? {
             self.step()?;
         }

@@ -9,7 +9,7 @@ use robot_dynamics::constraints::{
 };
 use robot_dynamics::control::operational_space;
 use robot_dynamics::derivatives::{
-    LinearizeStepError, LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_step,
+    LinearizeStepWorkspace, LinearizedStep, RobotState, StepDerivativeError, linearize_step,
 };
 use robot_dynamics::description::{
     Base, JointDescription, JointKind, LinkDescription, MassProperties, Mimic, Pose, RobotDescription,
@@ -17,7 +17,8 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{InstructionSet, Model, Workspace, lock_massless, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
-    ControllerError, Effect, Integrator, Method, RunError, RunOptions, SimulationBuilder, StepForces,
+    ControllerError, Effect, Integrator, Method, RunError, RunOptions, SimulationBuilder, StepError,
+    StepForces,
 };
 
 use crate::common::families;
@@ -353,7 +354,7 @@ fn functions_with_inverse_name_singular_joints() {
         out,
     )
     .unwrap_err();
-    let LinearizeStepError::SingularMass(mass) = &error else { panic!("{error}") };
+    let StepDerivativeError::Step(StepError::SingularMass(mass)) = &error else { panic!("{error}") };
     assert_eq!(mass.joints(), names);
     // Finite numbers that overflow during the computation do not indicate a singular mass matrix.
     let slide =

@@ -1,8 +1,6 @@
 use robot_dynamics::description::{PassiveForces, pendulum};
 use robot_dynamics::model::Model;
-use robot_dynamics::simulation::{
-    AdaptiveOptions, AdaptiveStepError, ControlTiming, Method, SimulationBuilder,
-};
+use robot_dynamics::simulation::{AdaptiveOptions, ControlTiming, Method, SimulationBuilder, StepError};
 
 use crate::Section;
 
@@ -20,17 +18,14 @@ pub(crate) fn options() -> Section {
 }
 
 pub(crate) fn steps() -> Section {
-    let mut section = Section::new("AdaptiveStepError");
+    let mut section = Section::new("StepError of adaptive steps");
     let coordinate = || "hinge".to_owned();
-    section.row(
-        "steps below rounding",
-        AdaptiveStepError::StepTooSmall { step: 1e-12, coordinate: coordinate() },
-    );
+    section.row("steps below rounding", StepError::StepTooSmall { step: 1e-12, coordinate: coordinate() });
     section.row(
         "more steps than allowed",
-        AdaptiveStepError::TooManySteps { steps: 5, step: 0.25, coordinate: coordinate() },
+        StepError::TooManySteps { steps: 5, step: 0.25, coordinate: coordinate() },
     );
-    section.row("growth", AdaptiveStepError::Diverged { coordinate: coordinate(), speed: 1e12, step: 1e-3 });
+    section.row("growth", StepError::Diverged { coordinate: coordinate(), speed: 1e12, step: 1e-3 });
     section
 }
 

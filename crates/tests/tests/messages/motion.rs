@@ -5,7 +5,7 @@ use robot_dynamics::constraints::{
 };
 use robot_dynamics::control::operational_space;
 use robot_dynamics::derivatives::{
-    MotionCotangents, PullbackError, RobotState, StepPullbackWorkspace, step_pullback,
+    MotionCotangents, RobotState, StepDerivativeError, StepPullbackWorkspace, step_pullback,
 };
 use robot_dynamics::description::{LinkDescription, MassProperties, pendulum};
 use robot_dynamics::model::{Model, Workspace, check_configuration, neutral};
@@ -138,9 +138,9 @@ pub(crate) fn integrator_error() -> Section {
 }
 
 pub(crate) fn pullback_error() -> Section {
-    let mut section = Section::new("PullbackError");
+    let mut section = Section::new("StepDerivativeError");
     let integrator = Integrator::VariationalMidpoint;
-    section.row("an implicit row", PullbackError::Implicit { integrator });
+    section.row("an implicit row", StepDerivativeError::Implicit { integrator });
     let mut pull = |input: &str, mass: Option<MassProperties>, v: f64| {
         let mut robot = pendulum(2.0, 0.5);
         robot.links[1] = LinkDescription::new(robot.links[1].name.clone(), mass);

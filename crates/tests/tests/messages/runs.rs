@@ -5,8 +5,7 @@ use robot_dynamics::description::{
 };
 use robot_dynamics::model::{Model, neutral};
 use robot_dynamics::simulation::{
-    DivergenceCause, Effect, Event, Integrator, IntegratorError, Method, RunError, RunOptions, Simulation,
-    SimulationBuilder,
+    DivergenceCause, Effect, Event, Integrator, Method, RunError, RunOptions, Simulation, SimulationBuilder,
 };
 
 use crate::Section;
@@ -43,7 +42,7 @@ pub(crate) fn run_error() -> Section {
     section.row("a start where M is singular", error.expect_err("singular"));
     for cause in [DivergenceCause::Stiffness, DivergenceCause::Speed, DivergenceCause::Unknown] {
         let (coordinate, speed, step, time) = ("elbow".to_owned(), 2e9, 7, 0.07);
-        let error: RunError<IntegratorError> =
+        let error: RunError =
             RunError::Diverged { coordinate, speed, step, time, suggested_step: 1e-3, cause };
         section.row(&format!("growth: {cause:?}"), error);
     }

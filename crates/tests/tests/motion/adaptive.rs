@@ -14,9 +14,9 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{Model, difference, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
-    AdaptiveMethod, AdaptiveOptions, AdaptiveStepError, ConstantTorque, ControlTiming, Controller, Effect,
-    Event, GravityCompensatedPd, Integrator, Method, MethodError, Run, RunError, RunFailure, RunOptions,
-    Simulation, SimulationBuilder, SimulationError, StepInfo, StepStatistics, ZeroTorque,
+    AdaptiveMethod, AdaptiveOptions, ConstantTorque, ControlTiming, Controller, Effect, Event,
+    GravityCompensatedPd, Integrator, Method, Run, RunError, RunFailure, RunOptions, Simulation,
+    SimulationBuilder, SimulationError, StepError, StepInfo, StepStatistics, ZeroTorque,
 };
 
 use crate::common::damped_tree;
@@ -336,10 +336,8 @@ fn error_names_joint_that_needs_short_steps() {
         let model = Model::new(robot).unwrap();
         let mut bounded = free(&model, AdaptiveOptions { max_steps: 100, ..to(1e-9) }, 9.0);
         let failure = bounded.run_steps_from(&[0.3, 0.3], &[0.0; 2], 1, RunOptions::new()).unwrap_err();
-        let RunError::Step { source: MethodError::Adaptive(ref source), .. } = failure.error else {
-            panic!("{failure}")
-        };
-        let AdaptiveStepError::TooManySteps { steps, step, coordinate } = source else { panic!("{failure}") };
+        let RunError::Step { ref source, .. } = failure.error else { panic!("{failure}") };
+        let StepError::TooManySteps { steps, step, coordinate } = source else { panic!("{failure}") };
         // ω = 1e4 1/s: steps of about 1/ω.
         assert!(*steps == 100 && *step > 1e-6 && *step < 1e-3, "{failure}");
         assert_eq!(*coordinate, format!("spring{fast}"), "{failure}");
@@ -424,10 +422,8 @@ fn stiff_damper_follows_closed_form() {
     let left = 0.5 * stiffness * found.q[0] * found.q[0];
     assert!((found.ledger.dissipated() - (stored - left)).abs() < 1e-7 * stored);
     let failure = run(AdaptiveMethod::Explicit).unwrap_err();
-    let RunError::Step { source: MethodError::Adaptive(ref source), .. } = failure.error else {
-        panic!("{failure}")
-    };
-    assert!(matches!(source, AdaptiveStepError::TooManySteps { .. }), "{failure}");
+    let RunError::Step { ref source, .. } = failure.error else { panic!("{failure}") };
+    assert!(matches!(source, StepError::TooManySteps { .. }), "{failure}");
     // The default is the automatic choice.
     assert_eq!(AdaptiveOptions::default().method, AdaptiveMethod::Automatic);
 }
@@ -445,11 +441,9 @@ fn start_too_fast_for_any_step_is_an_error() {
     | RunError::Diverged { coordinate, .. }
     | RunError::Step {
         source:
-            MethodError::Adaptive(
-                AdaptiveStepError::StepTooSmall { coordinate, .. }
-                | AdaptiveStepError::TooManySteps { coordinate, .. }
-                | AdaptiveStepError::Diverged { coordinate, .. },
-            ),
+            StepError::StepTooSmall { coordinate, .. }
+            | StepError::TooManySteps { coordinate, .. }
+            | StepError::Diverged { coordinate, .. },
         ..
     }) = &failure.error
     else {
@@ -462,7 +456,7 @@ fn start_too_fast_for_any_step_is_an_error() {
 #[test]
 fn errors_keep_the_run_until_then() {
     let model = pendulum();
-    let attempt = |options, step, steps, controller: &mut dyn Controller| -> Box<RunFailure<MethodError>> {
+    let attempt = |options, step, steps, controller: &mut dyn Controller| -> Box<RunFailure> {
         let controlled = RunOptions::new().controller(controller);
         free(&model, options, step).run_steps_from(&[0.3], &[0.0], steps, controlled).unwrap_err()
     };
@@ -472,10 +466,8 @@ fn errors_keep_the_run_until_then() {
     assert_eq!(refused, SimulationError::Input(bad));
     let bounded = AdaptiveOptions { max_steps: 5, ..good };
     let failure = attempt(bounded, 9.0, 1, &mut ZeroTorque);
-    let RunError::Step { source: MethodError::Adaptive(source), .. } = &failure.error else {
-        panic!("{failure}")
-    };
-    let AdaptiveStepError::TooManySteps { steps: 5, coordinate, .. } = source else { panic!("{failure}") };
+    let RunError::Step { source, .. } = &failure.error else { panic!("{failure}") };
+    let StepError::TooManySteps { steps: 5, coordinate, .. } = source else { panic!("{failure}") };
     assert_eq!(coordinate, "hinge");
     // The end of the fifth step is the last sample.
     assert!(failure.until.time > 0.0 && failure.until.trajectory.len() == 2, "{failure}");

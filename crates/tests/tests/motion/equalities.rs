@@ -15,7 +15,7 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{Model, Workspace, difference, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
-    IntegratorError, Method, MethodError, Run, RunError, RunOptions, SimulationBuilder, StepForces, StepInfo,
+    IntegratorError, Method, Run, RunError, RunOptions, SimulationBuilder, StepError, StepForces, StepInfo,
     StepWorkspace, Stepper,
 };
 use robot_dynamics::verification::admm;
@@ -550,7 +550,7 @@ fn start_off_the_loop_is_an_error() {
         held(&model, &set).build().unwrap().run_steps_from(&q, &[0.0; 3], 10, RunOptions::new());
     match failure.unwrap_err().error {
         RunError::Step {
-            source: MethodError::Integrator(IntegratorError::OffConstraint { quantity, name, error }),
+            source: StepError::Integrator(IntegratorError::OffConstraint { quantity, name, error }),
             ..
         } => {
             assert!(quantity == "position" && name.starts_with("pin.") && error > 1e-4, "{name} {error}");

@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use robot_dynamics::contact::{ContactSet, Ground};
 use robot_dynamics::derivatives::{
-    DifferenceError, LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_by_differences,
+    LinearizeStepWorkspace, LinearizedStep, RobotState, StepDerivativeError, linearize_by_differences,
     linearize_step,
 };
 use robot_dynamics::description::{
@@ -12,7 +12,7 @@ use robot_dynamics::description::{
 };
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{
-    CallbackError, Integrator, SimulationStepper, StepForces, StepWorkspace, Stepper,
+    Integrator, SimulationStepper, StepError, StepForces, StepWorkspace, Stepper,
 };
 
 use crate::common::{Robot, families};
@@ -196,8 +196,6 @@ struct Jump {
 }
 
 impl Stepper for Jump {
-    type Error = CallbackError;
-
     fn step(
         &mut self,
         _: &Model,
@@ -206,7 +204,7 @@ impl Stepper for Jump {
         h: f64,
         q: &mut [f64],
         v: &mut [f64],
-    ) -> Result<(), CallbackError> {
+    ) -> Result<(), StepError> {
         let [below, above] = self.edges;
         v[0] += h * q[0] + if q[0] < below || q[0] > above { 1.0 } else { 0.0 };
         q[0] += h * v[0];
@@ -241,7 +239,8 @@ fn jumps_have_no_derivative() {
         let off = a.iter().zip(expected).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
         assert!(off < 1e-8, "{edges:?}: {a:?}");
     }
-    let DifferenceError::Discontinuous { quantity, coordinate } = slopes([-near, near]).unwrap_err() else {
+    let StepDerivativeError::Discontinuous { quantity, coordinate } = slopes([-near, near]).unwrap_err()
+    else {
         panic!("another error");
     };
     assert_eq!((quantity, coordinate.as_str()), ("q", "hinge"));

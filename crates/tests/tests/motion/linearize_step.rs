@@ -5,7 +5,7 @@
 //! step is small, and its quaternion terms are far above the tolerance.
 
 use robot_dynamics::derivatives::{
-    LinearizeStepError, LinearizeStepWorkspace, LinearizedStep, RobotState, linearize_step,
+    LinearizeStepWorkspace, LinearizedStep, RobotState, StepDerivativeError, linearize_step,
 };
 use robot_dynamics::model::{Model, difference, integrate};
 use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace, step};
@@ -150,7 +150,7 @@ fn implicit_methods_are_errors() {
         RobotState { q: &state.q, v: &state.v },
         out,
     );
-    assert_eq!(refused, Err(LinearizeStepError::Implicit { integrator }));
+    assert_eq!(refused, Err(StepDerivativeError::Implicit { integrator }));
     let mut v = state.v.clone();
     v[0] = f64::NAN;
     let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
@@ -163,5 +163,5 @@ fn implicit_methods_are_errors() {
         RobotState { q: &state.q, v: &v },
         out,
     );
-    assert!(matches!(refused, Err(LinearizeStepError::Step(_))), "{refused:?}");
+    assert!(matches!(refused, Err(StepDerivativeError::Step(_))), "{refused:?}");
 }

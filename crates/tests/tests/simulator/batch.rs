@@ -7,7 +7,7 @@ use robot_dynamics::batch::{SimulationBatch, Threads};
 use robot_dynamics::description::{JointKinds, Limits, RandomRobotOptions, pendulum, random_robot};
 use robot_dynamics::model::{Model, random_state};
 use robot_dynamics::number::SplitMix64;
-use robot_dynamics::simulation::{Integrator, Method, RunError, Simulation, SimulationBuilder, StepFailure};
+use robot_dynamics::simulation::{Integrator, Method, RunError, Simulation, SimulationBuilder};
 
 /// A random robot with effort limits that some torques exceed.
 fn robot(number: usize, kinds: JointKinds) -> Model {
@@ -86,7 +86,7 @@ fn failed_simulations_do_not_affect_others() {
     let mut batch = batch_of(&single, 2);
     let which: Vec<bool> = (0..19).map(|number| number != 7).collect();
     let failed = batch.step_where(&which, 40, &AtomicBool::new(false));
-    let mut expected: Vec<(usize, StepFailure)> = Vec::new();
+    let mut expected: Vec<(usize, RunError)> = Vec::new();
     for (number, own) in single.iter_mut().enumerate().filter(|(number, _)| which[*number]) {
         if let Err(failure) = (0..40).try_for_each(|_| own.step()) {
             expected.push((number, failure));

@@ -173,7 +173,7 @@ fn invalid_durations_are_errors() {
     simulation.run_for(0.1).expect("steps");
     let before = (simulation.q().to_vec(), simulation.time());
     for duration in [-0.1, f64::NAN, f64::INFINITY, 1e10] {
-        let is_bad = |error: &RunError<_>| matches!(error, RunError::Input(_));
+        let is_bad = |error: &RunError| matches!(error, RunError::Input(_));
         let failure = simulation.run(duration, RunOptions::new()).expect_err("a bad duration");
         assert!(is_bad(&failure.error) && failure.until.q == before.0, "{failure}");
         assert!(is_bad(&simulation.run_for(duration).expect_err("a bad duration")));

@@ -19,7 +19,7 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{Model, Workspace, neutral};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
-    Effect, Method, MethodError, RunError, RunOptions, SimulationBuilder, StepForces,
+    Effect, Method, RunError, RunOptions, SimulationBuilder, StepError, StepForces,
 };
 
 use crate::closed_loop::{GROUND, LENGTHS, MASSES, PIN, linkage, start};
@@ -349,7 +349,7 @@ fn start_off_constraint_is_an_error() -> Tested {
         .unwrap()
         .run_steps_from(&[0.0; 3], &[0.0; 3], 1, RunOptions::new().sample_ends())
         .unwrap_err();
-    let RunError::Step { source: MethodError::Constrained(source), .. } = &error.error else {
+    let RunError::Step { source: StepError::Constraint(source), .. } = &error.error else {
         panic!("{error}")
     };
     let ConstraintError::OffConstraint { quantity: "the position error", name, .. } = source else {

@@ -17,7 +17,7 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{Model, Workspace, difference, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
-    Effect, Integrator, Method, MethodError, Run, RunError, RunOptions, Simulation, SimulationBuilder,
+    Effect, Integrator, Method, Run, RunError, RunOptions, Simulation, SimulationBuilder, StepError,
     StepForces, StepWorkspace, step,
 };
 
@@ -477,10 +477,10 @@ fn invalid_steps_are_errors() -> Tested {
     let fed_back =
         ConstraintOptions { stabilization: Some(Baumgarte { rate: 10.0 }), ..options(VARIATIONAL[0]) };
     let error = attempt(fed_back, 1e-3);
-    let RunError::Step { source: MethodError::Constrained(source), .. } = &error else { panic!("{error}") };
+    let RunError::Step { source: StepError::Constraint(source), .. } = &error else { panic!("{error}") };
     assert_eq!(*source, ConstraintError::StabilizedVariationalStep);
     let error = attempt(options(VARIATIONAL[0]), 2.0);
-    let RunError::Step { step: 0, source: MethodError::Constrained(source), .. } = &error else {
+    let RunError::Step { step: 0, source: StepError::Constraint(source), .. } = &error else {
         panic!("{error}")
     };
     let ConstraintError::StepNotConverged { step: 2.0, name, .. } = source else { panic!("{error}") };

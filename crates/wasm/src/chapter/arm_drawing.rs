@@ -1,6 +1,6 @@
 //! Quantities drawn on a planar arm: link ends, weights, and the mobility of the tip.
 
-use dynamics::{Dynamics, DynamicsError, PlanarArm, PlanarKinematics, solve_mass, symmetric_eigen};
+use dynamics::{Dynamics, IntegratorError, PlanarArm, PlanarKinematics, solve_mass, symmetric_eigen};
 use nalgebra::{SMatrix, SVector};
 
 /// The end of every link, from the base outwards: x, y, x, y, … \[m\].
@@ -25,7 +25,7 @@ pub(crate) fn weights<const N: usize>(arm: &PlanarArm<N>, q: &SVector<f64, N>) -
 pub(crate) fn mobility<const N: usize>(
     mass: &SMatrix<f64, N, N>,
     jacobian: &SMatrix<f64, 2, N>,
-) -> Result<SMatrix<f64, 2, 2>, DynamicsError> {
+) -> Result<SMatrix<f64, 2, 2>, IntegratorError> {
     let [x, y] = [0, 1].map(|row| solve_mass(mass, &jacobian.row(row).transpose()));
     let (x, y) = (jacobian * x?, jacobian * y?);
     // Symmetric up to rounding.
@@ -41,7 +41,7 @@ pub(crate) fn mobility<const N: usize>(
 pub(crate) fn tip_mobility<const N: usize>(
     arm: &PlanarArm<N>,
     q: &SVector<f64, N>,
-) -> Result<Vec<f64>, DynamicsError> {
+) -> Result<Vec<f64>, IntegratorError> {
     let jacobian = arm.point_jacobian(q, N - 1, [arm.links[N - 1].length, 0.0]);
     let (values, vectors) = symmetric_eigen(&mobility(&arm.mass(q), &jacobian)?);
     let (greater, smaller) = if values[0] >= values[1] { (0, 1) } else { (1, 0) };

@@ -1,7 +1,7 @@
 //! Implicit damping, forces on links, and dissipated power of the constraints, for a stepper.
 
 use robot_dynamics_core::factorization::sparse;
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 
 use super::SoftConstraints;
 use super::reference::RowOrigin;
@@ -31,12 +31,12 @@ impl SoftConstraints {
     /// diagonal.
     ///
     /// # Errors
-    /// [`DynamicsError::SingularMass`]: M + hD is singular.
+    /// [`IntegratorError::SingularMass`]: M + hD is singular.
     pub(crate) fn damp(
         &mut self,
         (h, damping): (f64, &[f64]),
         acceleration: &mut [f64],
-    ) -> Result<(), DynamicsError> {
+    ) -> Result<(), IntegratorError> {
         let Self { mass, carriers: [carrier, _], transport, speeds: momentum, .. } = self;
         let n = damping.len();
         acceleration.iter_mut().zip(&*transport).for_each(|(a, transport)| *a += transport);

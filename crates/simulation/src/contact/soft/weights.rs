@@ -9,7 +9,7 @@ use robot_dynamics_core::factorization::sparse::coordinate_carriers;
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_core::{Model, Workspace, mass_matrix, neutral};
 use robot_dynamics_description::JointDescription;
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 
 use super::sides::tendon_length;
 use crate::placement::Placement;
@@ -29,8 +29,8 @@ pub(super) struct InverseWeights {
 
 impl InverseWeights {
     /// # Errors
-    /// [`DynamicsError::SingularMass`]: M is singular.
-    pub(super) fn new(model: &Model) -> Result<Self, DynamicsError> {
+    /// [`IntegratorError::SingularMass`]: M is singular.
+    pub(super) fn new(model: &Model) -> Result<Self, IntegratorError> {
         let n = model.nv;
         let (mut workspace, mut placement) = (Workspace::new(model), Placement::new(model));
         let q = reference_pose(model);

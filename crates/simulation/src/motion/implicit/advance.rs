@@ -1,7 +1,7 @@
 //! One step: the smooth part, then the impulses of friction and constraints, then the positions.
 
 use robot_dynamics_core::{Model, Workspace, integrate};
-use robot_dynamics_integrators::{DynamicsError, IntegratorError, check_finite};
+use robot_dynamics_integrators::{IntegratorError, check_computed};
 
 use super::restoration::copy_active;
 use super::{ImplicitIntegrator, Memory};
@@ -63,13 +63,13 @@ impl ImplicitIntegrator {
         }
         self.add_losses_of(v);
         let Memory { stage_v: v1, stage_q: q1, displacement, .. } = &mut self.memory;
-        check_finite("v after the step", v1)?;
+        check_computed("v after the step", v1)?;
         self.kept.record_speeds(&self.components, v1);
         integrate(model, q, displacement, q1);
         self.correct_positions(model, workspace, tau, h, q, is_written)?;
         let Self { components, translations, joints, memory, interrupt, .. } = self;
         let Memory { stage_v: v1, stage_q: q1, .. } = memory;
-        check_finite("q after the step", q1)?;
+        check_computed("q after the step", q1)?;
         translations.restore(model, workspace, joints, q1, v1);
         // An interrupted solver has no result.
         if interrupt.is_set() {
@@ -192,7 +192,7 @@ impl ImplicitIntegrator {
         let (rows, multipliers) = impulses.rows_beside(components);
         if !contacts.solve(model, step, (v, v1), rows, multipliers, change) {
             let quantity = "the impulse of the contacts";
-            return Err(DynamicsError::NonFinite { quantity, index: 0 }.into());
+            return Err(IntegratorError::NotFinite { quantity, index: 0 }.into());
         }
         impulses.take_multipliers(components);
         if !translations.is_empty() {

@@ -7,7 +7,7 @@
 
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::{Model, Workspace};
-use robot_dynamics_integrators::{DynamicsError, IntegratorError};
+use robot_dynamics_integrators::IntegratorError;
 
 use super::impulses::along;
 use super::pivots::Pivots;
@@ -158,7 +158,7 @@ impl Equalities {
         factor: &StiffFactor,
         interrupt: &Interrupt,
         components: &Components,
-    ) -> Result<(), DynamicsError> {
+    ) -> Result<(), IntegratorError> {
         let Self { rows, active, pivots, forces, responses, rest, .. } = self;
         let tree_of = |row: usize| components.tree_of_row(&rows.rows()[row].terms);
         let n = rest.len();
@@ -167,7 +167,7 @@ impl Equalities {
         responses.clear();
         pivots.begin(rows.rows(), factor);
         if let Some(index) = pivots.lengths.iter().position(|length| !length.is_finite()) {
-            return Err(DynamicsError::NonFinite { quantity: "a row of the equalities", index });
+            return Err(IntegratorError::NotFinite { quantity: "a row of the equalities", index });
         }
         for first in 0..rows.rows().len() {
             // Handle each tree at its first row.

@@ -3,7 +3,7 @@
 use robot_dynamics_core::algorithms::inverse_dynamics::bias_by_recursion;
 use robot_dynamics_core::configuration::displacement_rate::displacement_rate;
 use robot_dynamics_core::{Model, Workspace, integrate};
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 
 use super::{ImplicitIntegrator, Memory};
 
@@ -19,7 +19,7 @@ impl ImplicitIntegrator {
         tau: &[f64],
         h: f64,
         (q, v): (&[f64], &[f64]),
-    ) -> Result<(), DynamicsError> {
+    ) -> Result<(), IntegratorError> {
         let Self { joints, factor, impulses, drive, contacts, equalities, translations, memory, .. } = self;
         let Memory {
             q_rate: [q1, q2],

@@ -9,7 +9,7 @@ use robot_dynamics_core::factorization::paths::Paths;
 use robot_dynamics_core::factorization::sparse;
 use robot_dynamics_core::factorization::sparse::coordinate_carriers;
 use robot_dynamics_core::{Model, Workspace, integrate, mass_rank, neutral};
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 
 use super::joints::Joints;
 use crate::actuation::Coupling;
@@ -81,7 +81,7 @@ impl StiffFactor {
     /// Evaluates M at q and factors M̂ with g = γh.
     ///
     /// # Errors
-    /// [`DynamicsError::SingularMass`] with the degree of freedom whose pivot is not above the rounding of
+    /// [`IntegratorError::SingularMass`] with the degree of freedom whose pivot is not above the rounding of
     /// its row.
     pub(super) fn factor(
         &mut self,
@@ -90,7 +90,7 @@ impl StiffFactor {
         q: &[f64],
         joints: &Joints,
         g: f64,
-    ) -> Result<(), DynamicsError> {
+    ) -> Result<(), IntegratorError> {
         let Self { mass, packed, paths, begins, .. } = self;
         if let Some(begins) = begins {
             write_packed_mass_matrix(model, workspace, q, mass);
@@ -107,7 +107,7 @@ impl StiffFactor {
     ///
     /// # Errors
     /// As [`factor`](Self::factor).
-    pub(super) fn stiffen(&mut self, joints: &Joints, g: f64) -> Result<(), DynamicsError> {
+    pub(super) fn stiffen(&mut self, joints: &Joints, g: f64) -> Result<(), IntegratorError> {
         self.armature.fill(0.0);
         let watched = self.watched(joints, g);
         if !self.is_regular {
@@ -126,7 +126,7 @@ impl StiffFactor {
         self.watched(joints, g)
     }
 
-    fn watched(&mut self, joints: &Joints, g: f64) -> Result<(), DynamicsError> {
+    fn watched(&mut self, joints: &Joints, g: f64) -> Result<(), IntegratorError> {
         self.entries.copy_from_slice(&self.packed);
         stiffen_entries(&self.paths, joints, (g, &self.trees, &self.armature), &mut self.entries);
         self.paths.factor_by_division(&mut self.entries);

@@ -3,7 +3,7 @@
 use robot_dynamics_core::configuration::displacement_rate::displacement_rate;
 use robot_dynamics_core::workspace::native::computed_natively;
 use robot_dynamics_core::{Model, NativeFunction, Workspace, integrate};
-use robot_dynamics_integrators::{DynamicsError, Integrator, Stage, check_finite};
+use robot_dynamics_integrators::{Integrator, IntegratorError, Stage, check_computed};
 use robot_dynamics_number::Scalar;
 
 use super::forces::{StepForces, accelerate};
@@ -92,13 +92,13 @@ struct Free<'a> {
 }
 
 impl Motion<f64> for Free<'_> {
-    type Error = DynamicsError;
+    type Error = IntegratorError;
 
     fn move_along(&self, q: &[f64], displacement: &[f64], moved: &mut [f64]) {
         integrate(self.model, q, displacement, moved);
     }
 
-    fn accelerate(&mut self, q: &[f64], v: &[f64], acceleration: &mut [f64]) -> Result<(), DynamicsError> {
+    fn accelerate(&mut self, q: &[f64], v: &[f64], acceleration: &mut [f64]) -> Result<(), IntegratorError> {
         accelerate(self.model, self.workspace, self.forces, self.force, (q, v), acceleration)
     }
 }
@@ -112,7 +112,7 @@ pub(super) fn step(
     h: f64,
     q: &mut [f64],
     v: &mut [f64],
-) -> Result<(), DynamicsError> {
+) -> Result<(), IntegratorError> {
     let StepWorkspace { dynamics, force, stages: memory, .. } = workspace;
     let mut memory = StageMemory::new(model, stages.len(), memory);
     if let Some(function) = NativeFunction::step(row, forces.dissipation) {
@@ -134,14 +134,14 @@ pub(super) fn step(
 pub fn advance(
     model: &Model,
     stages: &[Stage],
-    motion: &mut impl Motion<f64, Error = DynamicsError>,
+    motion: &mut impl Motion<f64, Error = IntegratorError>,
     h: f64,
     memory: &mut StageMemory<'_, f64>,
     (q, v): (&mut [f64], &mut [f64]),
-) -> Result<(), DynamicsError> {
+) -> Result<(), IntegratorError> {
     explicit_step(model, stages, motion, h, memory, (q, v))?;
-    check_finite("v after the step", memory.v)?;
-    check_finite("q after the step", memory.q)?;
+    check_computed("v after the step", memory.v)?;
+    check_computed("q after the step", memory.q)?;
     q.copy_from_slice(memory.q);
     v.copy_from_slice(memory.v);
     Ok(())

@@ -1,7 +1,7 @@
 //! The forces of a step, and the acceleration under them.
 
 use robot_dynamics_core::{Model, Workspace, dissipation, forward_dynamics};
-use robot_dynamics_integrators::{DynamicsError, check_finite};
+use robot_dynamics_integrators::{IntegratorError, check_computed};
 use robot_dynamics_number::Scalar;
 
 /// The forces on the joints during one step.
@@ -32,10 +32,10 @@ pub fn accelerate(
     force: &mut [f64],
     (q, v): (&[f64], &[f64]),
     acceleration: &mut [f64],
-) -> Result<(), DynamicsError> {
+) -> Result<(), IntegratorError> {
     net_force(model, forces, v, force);
     forward_dynamics(model, workspace, q, v, force, acceleration);
-    check_finite("the acceleration", acceleration)
+    check_computed("the acceleration", acceleration)
 }
 
 /// τ − b(v).

@@ -3,7 +3,7 @@
 use robot_dynamics_core::factorization::sparse;
 use robot_dynamics_core::factorization::sparse::coordinate_carriers;
 use robot_dynamics_core::{Model, Workspace, mass_matrix};
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 
 /// [`sparse`] factorization with its own memory and a check of the pivots.
 #[derive(Clone, Debug)]
@@ -23,14 +23,14 @@ impl MassFactor {
     /// Factors M(q).
     ///
     /// # Errors
-    /// [`DynamicsError::SingularMass`] with the degree of freedom whose pivot is not above the rounding of
+    /// [`IntegratorError::SingularMass`] with the degree of freedom whose pivot is not above the rounding of
     /// its row.
     pub fn factor(
         &mut self,
         model: &Model,
         workspace: &mut Workspace,
         q: &[f64],
-    ) -> Result<(), DynamicsError> {
+    ) -> Result<(), IntegratorError> {
         let Self { parent, entries: m, diagonal } = self;
         let n = parent.len();
         mass_matrix(model, workspace, q, m);

@@ -20,7 +20,7 @@ use robot_dynamics_core::configuration::manifold::{
 };
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_core::{Model, dissipation};
-use robot_dynamics_integrators::{DynamicsError, IntegratorError, check_finite};
+use robot_dynamics_integrators::{IntegratorError, check_computed};
 use robot_dynamics_number::algebra::V3;
 
 use super::forces::StepForces;
@@ -83,7 +83,7 @@ pub(crate) fn begin(
 pub(crate) fn run_away(
     model: &Model,
     workspace: &mut StepWorkspace,
-    error: DynamicsError,
+    error: IntegratorError,
     start: &[f64],
     step: f64,
     iterations: usize,
@@ -91,7 +91,7 @@ pub(crate) fn run_away(
     let StepWorkspace { dynamics, factor, .. } = workspace;
     match factor.factor(model, dynamics, start) {
         Ok(()) => IntegratorError::NotConverged { residual: f64::INFINITY, iterations, step },
-        Err(_) => IntegratorError::Dynamics(error),
+        Err(_) => error,
     }
 }
 
@@ -248,7 +248,7 @@ pub(crate) fn finish(model: &Model, workspace: &mut StepWorkspace, h: f64) {
 pub(crate) fn velocity_of_momentum(
     model: &Model,
     workspace: &mut StepWorkspace,
-) -> Result<(), DynamicsError> {
+) -> Result<(), IntegratorError> {
     let StepWorkspace { dynamics, factor, q_start, v, p_start, momentum, slope, residual, .. } = workspace;
     factor.factor(model, dynamics, q_start)?;
     v.copy_from_slice(p_start);
@@ -259,5 +259,5 @@ pub(crate) fn velocity_of_momentum(
     }
     factor.solve(residual);
     add_scaled(v, 1.0, residual);
-    check_finite("v", v)
+    check_computed("v", v)
 }

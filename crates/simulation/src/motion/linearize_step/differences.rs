@@ -1,13 +1,10 @@
 //! The discrete linear system of one step of any stepper, by finite differences.
 
-use core::fmt;
-
 use robot_dynamics_core::{Model, difference, integrate, mass_matrix};
 use robot_dynamics_description::check_length;
-use robot_dynamics_number::{Classified, ErrorKind};
 
 use super::LinearizedStep;
-use crate::motion::RobotState;
+use crate::motion::{RobotState, StepDerivativeError};
 use crate::{StepError, StepForces, StepWorkspace, Stepper};
 
 /// The increment of a coordinate or a velocity to either side \[rad, m, rad/s, m/s\]. The error of a smooth
@@ -27,45 +24,6 @@ const AGREE: f64 = 1e-4;
 /// increment, and the other one is constant.
 const GROWS: f64 = 4.0;
 const STAYS: f64 = 0.1;
-
-/// An error of the linearization by finite differences.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum DifferenceError<E> {
-    /// A step from the state, or from a state nearby, failed.
-    Step(E),
-    /// The step is discontinuous on both sides of the state and has no derivative.
-    Discontinuous {
-        /// The perturbed quantity: `q`, `v` or `tau`.
-        quantity: &'static str,
-        /// The perturbed coordinate.
-        coordinate: String,
-    },
-}
-
-impl<E: fmt::Display> fmt::Display for DifferenceError<E> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Step(error) => write!(f, "{error}"),
-            Self::Discontinuous { quantity, coordinate } => write!(
-                f,
-                "the step has no derivative by the {quantity} of `{coordinate}`: it jumps on both sides of this state, as contacts open or close \
-                 there; linearise at a state that is not at the edge of a contact, or with another step length"
-            ),
-        }
-    }
-}
-
-impl<E: core::error::Error> core::error::Error for DifferenceError<E> {}
-
-impl<E: StepError + Send + Sync + 'static> Classified for DifferenceError<E> {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::Step(error) => error.error_kind(),
-            Self::Discontinuous { .. } => ErrorKind::Infeasible,
-        }
-    }
-}
 
 /// A and B of one step of any [`Stepper`], by central differences: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ. They
 /// include contact, stops and dry friction.
@@ -89,7 +47,7 @@ impl<E: StepError + Send + Sync + 'static> Classified for DifferenceError<E> {
 /// | --- | --- |
 /// | has a kink, such as a contact that is about to slip | the mean of both sides |
 /// | is discontinuous on one side, such as a contact that opens or closes at a nonzero velocity | the derivative of the other side: that of the step with its current contacts |
-/// | is discontinuous on both sides | [`DifferenceError::Discontinuous`] |
+/// | is discontinuous on both sides | [`StepDerivativeError::Discontinuous`] |
 ///
 /// ```
 /// use robot_dynamics::derivatives::{LinearizedStep, RobotState, linearize_by_differences};
@@ -114,7 +72,7 @@ impl<E: StepError + Send + Sync + 'static> Classified for DifferenceError<E> {
 /// ```
 ///
 /// # Errors
-/// [`DifferenceError::Step`] if a step nearby fails; [`DifferenceError::Discontinuous`].
+/// [`StepDerivativeError::Step`] if a step nearby fails; [`StepDerivativeError::Discontinuous`].
 ///
 /// # Panics
 /// Panics if a slice has the wrong length.
@@ -127,7 +85,7 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
     h: f64,
     RobotState { q, v }: RobotState<'_>,
     LinearizedStep { by_state, by_force }: LinearizedStep<'_>,
-) -> Result<(), DifferenceError<S::Error>> {
+) -> Result<(), StepDerivativeError> {
     let (nq, nv) = (model.nq(), model.nv());
     check_length("q", q.len(), nq);
     check_length("v", v.len(), nv);
@@ -139,7 +97,7 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
     let (mut q0, mut v0, mut tau) = (vec![0.0; nq], vec![0.0; nv], vec![0.0; nv]);
     let mut way = vec![0.0; nv];
     // The end of the step from the state, perturbed by `by` in the given column.
-    let mut stepped = |stepper: &mut S, column: usize, by: f64| -> Result<(Vec<f64>, Vec<f64>), S::Error> {
+    let mut stepped = |stepper: &mut S, column: usize, by: f64| -> Result<(Vec<f64>, Vec<f64>), StepError> {
         let (part, k) = (column / nv, column % nv);
         way.fill(0.0);
         way[k] = if part == 0 { by } else { 0.0 };
@@ -159,7 +117,7 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
         change
     };
     let (mut unmoved, mut stepper) = (stepper.clone(), stepper.clone());
-    let middle = stepped(&mut unmoved, 0, 0.0).map_err(DifferenceError::Step)?;
+    let middle = stepped(&mut unmoved, 0, 0.0)?;
     // The constraints that act in this step also act in the perturbed steps.
     stepper.fix_active_set(unmoved.active_set());
     for column in 0..3 * nv {
@@ -182,12 +140,11 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
                 after: slope(change(&middle, &after), by),
                 mean: slope(change(&before, &after), 2.0 * by),
             })
-        })
-        .map_err(DifferenceError::Step)?;
+        })?;
         let Some(slopes) = slopes else {
             let quantity = ["q", "v", "tau"][column / nv];
             let coordinate = model.coordinate_names().get(k).cloned().unwrap_or_default();
-            return Err(DifferenceError::Discontinuous { quantity, coordinate });
+            return Err(StepDerivativeError::Discontinuous { quantity, coordinate });
         };
         for (row, slope) in slopes.iter().enumerate() {
             match column.checked_sub(2 * nv) {
@@ -215,7 +172,9 @@ impl DifferenceQuotients {
 
 /// The derivative of a column from the difference quotients at each increment; `None` if the step is
 /// discontinuous on both sides.
-fn column_of<E>(mut at: impl FnMut(f64) -> Result<DifferenceQuotients, E>) -> Result<Option<Vec<f64>>, E> {
+fn column_of(
+    mut at: impl FnMut(f64) -> Result<DifferenceQuotients, StepError>,
+) -> Result<Option<Vec<f64>>, StepError> {
     let far = at(MOVE)?;
     let (far_apart, size) = far.apart();
     if far_apart <= AGREE * size.max(1.0) {

@@ -7,14 +7,14 @@ use robot_dynamics_integrators::StepScheme;
 use robot_dynamics_number::Scalar;
 
 use super::checkpoints::{RolloutInputs, memory_size, pull_back};
+use super::checks::{check_floats, check_given, check_mass};
 use super::cotangents::{MotionCotangents, TrajectoryCotangents};
-use super::error::{PullbackError, check_floats, check_mass};
 use super::rollout::Rollout;
 use super::stages::add;
 use super::step::OneState;
-use crate::motion::RobotState;
 use crate::motion::integrate::check_step;
 use crate::motion::integrate::stage_memory::most_stages;
+use crate::motion::{RobotState, StepDerivativeError};
 
 /// Scratch for [`rollout_pullback`] of one kind of rollout on one model.
 #[derive(Clone, Debug)]
@@ -146,10 +146,9 @@ impl<S: Scalar> RolloutInputs<S> for Tables<'_, S> {
 /// ```
 ///
 /// # Errors
-/// - [`PullbackError::Step`] if a given or computed float is not finite, or the step is not positive.
-/// - [`PullbackError::SingularMass`] if M(q) is singular, with the names of the joints (checked in advance
-///   for `f64`).
-/// - [`PullbackError::Implicit`] for the variational rows.
+/// - [`StepDerivativeError::Step`] if a given or computed float is not finite, if the step is not positive,
+///   or if M(q) is singular, with the names of the joints (checked in advance for `f64`).
+/// - [`StepDerivativeError::Implicit`] for the variational rows.
 ///
 /// # Panics
 /// Panics if a slice has the wrong length, or the workspace is for another number of steps.
@@ -162,7 +161,7 @@ pub fn rollout_pullback<S: Scalar>(
     tau: &[S],
     trajectory: TrajectoryCotangents<'_, S>,
     cotangents: MotionCotangents<'_, S>,
-) -> Result<(), PullbackError> {
+) -> Result<(), StepDerivativeError> {
     let MotionCotangents { by_position, by_velocity, by_force, parameters } = cotangents;
     check_step(rollout.step)?;
     let (w, nv) = (workspace, model.nv);
@@ -178,7 +177,7 @@ pub fn rollout_pullback<S: Scalar>(
     check_length("the cotangent of tau", by_force.len(), tau.len());
     check_parameters(model, parameters);
     let StepScheme::Explicit(stages) = rollout.integrator.scheme() else {
-        return Err(PullbackError::Implicit { integrator: rollout.integrator });
+        return Err(StepDerivativeError::Implicit { integrator: rollout.integrator });
     };
     for (quantity, numbers) in [
         ("q", q),
@@ -189,7 +188,7 @@ pub fn rollout_pullback<S: Scalar>(
         ("the cotangent of q", by_position),
         ("the cotangent of v", by_velocity),
     ] {
-        check_floats(quantity, numbers)?;
+        check_given(quantity, numbers)?;
     }
     check_mass(model, &mut w.dynamics, q)?;
     w.by_position.copy_from_slice(by_position);

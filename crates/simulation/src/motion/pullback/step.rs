@@ -10,13 +10,13 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::{Integrator, StepScheme};
 use robot_dynamics_number::Scalar;
 
+use super::checks::{check_floats, check_given, check_mass};
 use super::cotangents::MotionCotangents;
-use super::error::{PullbackError, check_floats, check_mass};
 use super::stages::{Accelerations, At, Cotangents, Held, PullbackMemory, add, pull_back_step};
 use crate::StepForces;
-use crate::motion::RobotState;
 use crate::motion::integrate::check_step;
 use crate::motion::integrate::stage_memory::most_stages;
+use crate::motion::{RobotState, StepDerivativeError};
 
 /// Scratch for [`step_pullback`] on one model.
 #[derive(Clone, Debug)]
@@ -146,10 +146,9 @@ impl<S: Scalar> Accelerations<S> for OneState<'_, S> {
 /// ```
 ///
 /// # Errors
-/// - [`PullbackError::Step`] if a given or computed float is not finite, or `h` is not positive.
-/// - [`PullbackError::SingularMass`] if M(q) is singular, with the names of the joints (checked in advance
-///   for `f64`).
-/// - [`PullbackError::Implicit`] for the variational rows.
+/// - [`StepDerivativeError::Step`] if a given or computed float is not finite, if `h` is not positive, or if
+///   M(q) is singular, with the names of the joints (checked in advance for `f64`).
+/// - [`StepDerivativeError::Implicit`] for the variational rows.
 ///
 /// # Panics
 /// Panics if a slice has the wrong length.
@@ -162,7 +161,7 @@ pub fn step_pullback<S: Scalar>(
     h: f64,
     RobotState { q, v }: RobotState<'_, S>,
     cotangents: MotionCotangents<'_, S>,
-) -> Result<(), PullbackError> {
+) -> Result<(), StepDerivativeError> {
     let MotionCotangents { by_position, by_velocity, by_force, parameters } = cotangents;
     check_step(h)?;
     workspace.dynamics.check_inputs(model, q);
@@ -173,12 +172,12 @@ pub fn step_pullback<S: Scalar>(
     check_length("the cotangent of tau", by_force.len(), model.nv);
     check_parameters(model, parameters);
     let StepScheme::Explicit(stages) = integrator.scheme() else {
-        return Err(PullbackError::Implicit { integrator });
+        return Err(StepDerivativeError::Implicit { integrator });
     };
     let given = [("q", q), ("v", v), ("tau", forces.tau)];
     let cotangents = [("the cotangent of q", &*by_position), ("the cotangent of v", &*by_velocity)];
     for (quantity, numbers) in given.into_iter().chain(cotangents) {
-        check_floats(quantity, numbers)?;
+        check_given(quantity, numbers)?;
     }
     check_mass(model, &mut workspace.dynamics, q)?;
     let w = workspace;

@@ -3,69 +3,16 @@
 
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::{Model, Workspace, dissipation, integrate};
-use robot_dynamics_integrators::{
-    DynamicsError, EnergyLedger, Integrator, IntegratorError, Stage, StepScheme,
-};
-use robot_dynamics_number::{Classified, ErrorKind};
+use robot_dynamics_integrators::{EnergyLedger, Integrator, IntegratorError, Stage, StepScheme};
 
 use super::gains::{add_actuation_gains, add_passive_gains};
 use super::ledger::end_energies;
-use super::{StepError, StepFault, Stepper};
+use super::{StepError, Stepper};
 use crate::motion::drive::ActuatorLoad;
-use crate::motion::integrate::explicit::{Motion, advance, explicit_names};
+use crate::motion::integrate::explicit::{Motion, advance};
 use crate::motion::integrate::stage_memory::StageMemory;
 use crate::motion::integrate::{accelerate, check_step};
 use crate::{Actuation, ActuationWorkspace, StepForces, StepWorkspace};
-
-/// An error of a step with actuators.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ActuatedStepError {
-    /// The row has no explicit stages.
-    #[error(
-        "`{integrator}` holds its forces over a step, actuators follow the state; take one of {}",
-        explicit_names()
-    )]
-    NotExplicit {
-        /// The name of the row.
-        integrator: &'static str,
-    },
-    /// An error that any step can return.
-    #[error(transparent)]
-    Step(#[from] IntegratorError),
-}
-
-impl Classified for ActuatedStepError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::NotExplicit { .. } => ErrorKind::Unsupported,
-            Self::Step(error) => error.kind(),
-        }
-    }
-}
-
-impl From<DynamicsError> for ActuatedStepError {
-    fn from(error: DynamicsError) -> Self {
-        Self::Step(error.into())
-    }
-}
-
-impl StepError for ActuatedStepError {
-    fn error_kind(&self) -> ErrorKind {
-        self.kind()
-    }
-
-    fn fault(self, model: &Model) -> StepFault<Self> {
-        match self {
-            Self::Step(error) => match error.fault(model) {
-                StepFault::NotFinite { quantity, index } => StepFault::NotFinite { quantity, index },
-                StepFault::SingularMass(source) => StepFault::SingularMass(source),
-                StepFault::Other(error) => StepFault::Other(Self::Step(error)),
-            },
-            other => StepFault::Other(other),
-        }
-    }
-}
 
 clone_in_place! {
     /// The controls of a step, and the activations at its start.
@@ -123,8 +70,6 @@ impl ActuatedStepper {
 }
 
 impl Stepper for ActuatedStepper {
-    type Error = ActuatedStepError;
-
     fn order(&self) -> u32 {
         self.integrator.order()
     }
@@ -137,10 +82,10 @@ impl Stepper for ActuatedStepper {
         h: f64,
         q: &mut [f64],
         v: &mut [f64],
-    ) -> Result<(), ActuatedStepError> {
+    ) -> Result<(), StepError> {
         check_step(h)?;
         let StepScheme::Explicit(stages) = self.integrator.scheme() else {
-            return Err(ActuatedStepError::NotExplicit { integrator: self.integrator.name() });
+            return Err(StepError::NotExplicit { integrator: self.integrator.name() });
         };
         let StepWorkspace { dynamics, force, held: driven, stages: memory, .. } = workspace;
         let mut memory = StageMemory::new(model, stages.len(), memory);
@@ -250,13 +195,13 @@ struct ActuatedTree<'a, T> {
 }
 
 impl<T: Iterator<Item = f64>> Motion<f64> for ActuatedTree<'_, T> {
-    type Error = DynamicsError;
+    type Error = IntegratorError;
 
     fn move_along(&self, q: &[f64], displacement: &[f64], moved: &mut [f64]) {
         integrate(self.model, q, displacement, moved);
     }
 
-    fn accelerate(&mut self, q: &[f64], v: &[f64], acceleration: &mut [f64]) -> Result<(), DynamicsError> {
+    fn accelerate(&mut self, q: &[f64], v: &[f64], acceleration: &mut [f64]) -> Result<(), IntegratorError> {
         let (actuation, memory) = &mut self.actuation;
         let u = self.held.after(actuation, self.times.next().unwrap_or(0.0), self.activations);
         actuation.forces(self.model, memory, u, q, v, self.driven);

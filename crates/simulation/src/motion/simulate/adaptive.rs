@@ -1,7 +1,6 @@
 //! Adaptive steps of high order: error control, dense output and events.
 
 mod course;
-mod error;
 mod local_error;
 mod method;
 mod motion;
@@ -10,7 +9,6 @@ mod statistics;
 mod stepper;
 
 pub use course::AdaptiveRun;
-pub use error::AdaptiveStepError;
 pub use method::AdaptiveMethod;
 pub use motion::ExternalInputs;
 pub(crate) use motion::HeldActuation;
@@ -27,7 +25,7 @@ use robot_dynamics_integrators::{EnergyLedger, IntegratorError};
 
 use self::motion::{Motion, MotionFailure};
 use self::stepper::{Advance, StepSequence};
-use super::Stepper;
+use super::{StepError, Stepper};
 use crate::{Actuation, StepForces, StepWorkspace};
 
 /// The record of adaptive steps since the start.
@@ -124,8 +122,6 @@ impl AdaptiveStepper {
 }
 
 impl Stepper for AdaptiveStepper {
-    type Error = AdaptiveStepError;
-
     fn order(&self) -> u32 {
         self.record.method.order()
     }
@@ -138,7 +134,7 @@ impl Stepper for AdaptiveStepper {
         h: f64,
         q: &mut [f64],
         v: &mut [f64],
-    ) -> Result<(), AdaptiveStepError> {
+    ) -> Result<(), StepError> {
         crate::motion::integrate::check_step(h)?;
         check_length("q", q.len(), model.nq());
         check_length("v", v.len(), model.nv());

@@ -17,7 +17,7 @@ impl RunLoop<'_> {
         (workspace, watch, between): (&mut StepWorkspace, &mut EventDetector<'_, '_>, &mut Between<'_>),
         forces: &StepForces<'_>,
         (q, v): (&mut Vec<f64>, &mut Vec<f64>),
-    ) -> Result<(), RunError<S::Error>> {
+    ) -> Result<(), RunError> {
         let (time, mut end) = (run.time, self.time(run.steps + 1));
         let before = watch.has_terminal().then(|| stepper.clone());
         let mut ledger = self.take(stepper, workspace, run, forces, self.step, (q, v))?;

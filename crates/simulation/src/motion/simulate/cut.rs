@@ -46,7 +46,7 @@ impl<S: Stepper + Clone> RepeatableStep<'_, S> {
         workspace: &mut StepWorkspace,
         watch: &mut EventDetector<'_, '_>,
         between: &mut Between<'_>,
-    ) -> Result<ShortenedStep<S>, RunError<S::Error>> {
+    ) -> Result<ShortenedStep<S>, RunError> {
         let (event, h, (t0, t1)) = (occurrence.event, self.course.step, self.ends.times);
         let cut = self.take(occurrence.time - t0, event, workspace, watch)?;
         if cut.g == 0.0 {
@@ -72,7 +72,7 @@ impl<S: Stepper + Clone> RepeatableStep<'_, S> {
         event: usize,
         workspace: &mut StepWorkspace,
         watch: &mut EventDetector<'_, '_>,
-    ) -> Result<ShortenedStep<S>, RunError<S::Error>> {
+    ) -> Result<ShortenedStep<S>, RunError> {
         let s = s.clamp(SHORTEST * self.course.step, self.course.step);
         let time = (self.ends.times.0 + s).min(self.ends.times.1);
         let (mut stepper, mut q, mut v) = (self.stepper.clone(), self.run.q.clone(), self.run.v.clone());

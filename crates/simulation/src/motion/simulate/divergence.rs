@@ -6,7 +6,7 @@ use robot_dynamics_core::{Model, Workspace, mass_matrix};
 use super::divergence_cause::DivergenceCause;
 use super::ledger::fastest;
 use super::run::RunLoop;
-use super::{Run, RunError, StepError, Stepper};
+use super::{Run, RunError, Stepper};
 
 /// A coordinate that moves further than this in a step has lost the digits of its angle \[rad or m\], and the
 /// run cannot continue.
@@ -26,7 +26,7 @@ impl RunLoop<'_> {
     }
 
     /// The error of a step from the current state, replaced by divergence if the motion had grown before.
-    pub fn named<S: Stepper>(&self, stepper: &S, run: &Run, error: RunError<S::Error>) -> RunError<S::Error> {
+    pub fn named<S: Stepper>(&self, stepper: &S, run: &Run, error: RunError) -> RunError {
         let has_grown = run.v.iter().any(|v| v.abs() * self.step > GROWN);
         match error {
             RunError::Step { ref source, .. } if source.is_interruption() => error,
@@ -42,13 +42,7 @@ impl RunLoop<'_> {
     }
 
     /// The error of divergence at velocity v after a number of steps.
-    pub(super) fn diverged<S: Stepper>(
-        &self,
-        stepper: &S,
-        run: &Run,
-        v: &[f64],
-        step: usize,
-    ) -> RunError<S::Error> {
+    pub(super) fn diverged<S: Stepper>(&self, stepper: &S, run: &Run, v: &[f64], step: usize) -> RunError {
         let index = fastest(v);
         let coordinate = self.model.coordinate_names().get(index).cloned().unwrap_or_default();
         let (suggested_step, cause) = self.suggest(stepper, run);

@@ -1,9 +1,6 @@
 //! Errors of a run.
 
-use std::error::Error;
-
 use robot_dynamics_core::SingularMass;
-use robot_dynamics_integrators::{IntegratorError, kind_of_not_finite};
 use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 
 use super::divergence_cause::DivergenceCause;
@@ -13,17 +10,18 @@ use super::{CallbackError, ControllerError, Run, StepError};
 /// An error of a run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum RunError<E = IntegratorError> {
+#[doc(alias = "StepFailure")]
+pub enum RunError {
     /// The step, a duration or the initial configuration is invalid.
     #[error("the run cannot start: {0}")]
     Input(#[from] InvalidInput),
-    /// A number is NaN or infinite.
+    /// A computed number, or the torque of a controller, is NaN or infinite.
     #[error(
         "{quantity} is not finite at coordinate `{coordinate}`, t = {time} s (step {step}); \
          check the inputs, or take a smaller step"
     )]
     NotFinite {
-        /// The quantity: `q`, `v`, `the acceleration`, `the energy`, `the controller's torque`, ...
+        /// The quantity: `v`, `the acceleration`, `the energy`, `the controller's torque`, ...
         quantity: &'static str,
         /// The first coordinate with such a number; for the energy, the fastest coordinate.
         coordinate: String,
@@ -100,46 +98,24 @@ pub enum RunError<E = IntegratorError> {
         /// The time \[s\].
         time: f64,
         /// The cause.
-        source: E,
+        source: StepError,
     },
 }
 
-impl<E> RunError<E> {
-    /// Converts the error of a step.
-    #[cfg_attr(not(feature = "adaptive"), allow(dead_code))]
-    pub fn map<F>(self, of: impl FnOnce(E) -> F) -> RunError<F> {
-        match self {
-            Self::Input(source) => RunError::Input(source),
-            Self::NotFinite { quantity, coordinate, step, time } => {
-                RunError::NotFinite { quantity, coordinate, step, time }
-            }
-            Self::Diverged { coordinate, speed, step, time, suggested_step, cause } => {
-                RunError::Diverged { coordinate, speed, step, time, suggested_step, cause }
-            }
-            Self::SingularMass { step, time, source } => RunError::SingularMass { step, time, source },
-            Self::Controller { step, time, source } => RunError::Controller { step, time, source },
-            Self::EventNotFinite { name, time, value } => RunError::EventNotFinite { name, time, value },
-            Self::Event { name, time, source } => RunError::Event { name, time, source },
-            Self::Step { step, time, source } => RunError::Step { step, time, source: of(source) },
-        }
-    }
-}
-
-impl<E: StepError + Send + Sync + 'static> Classified for RunError<E> {
+impl Classified for RunError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::Input(error) => error.kind(),
-            Self::NotFinite { quantity, .. } => kind_of_not_finite(quantity),
-            Self::Diverged { .. } => ErrorKind::Diverged,
+            Self::NotFinite { .. } | Self::Diverged { .. } => ErrorKind::Diverged,
             Self::SingularMass { source, .. } => source.kind(),
             Self::Controller { source, .. } => source.kind(),
             Self::EventNotFinite { .. } | Self::Event { .. } => ErrorKind::Callback,
-            Self::Step { source, .. } => source.error_kind(),
+            Self::Step { source, .. } => source.kind(),
         }
     }
 }
 
-impl<E> From<NoValue> for RunError<E> {
+impl From<NoValue> for RunError {
     fn from(NoValue { name, time, cause }: NoValue) -> Self {
         match cause {
             Cause::NotFinite(value) => Self::EventNotFinite { name, time, value },
@@ -152,15 +128,15 @@ impl<E> From<NoValue> for RunError<E> {
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{error}")]
 #[non_exhaustive]
-pub struct RunFailure<E: Error + 'static = IntegratorError> {
+pub struct RunFailure {
     /// The error.
     #[source]
-    pub error: RunError<E>,
+    pub error: RunError,
     /// The run up to the last good state.
     pub until: Run,
 }
 
-impl<E: StepError + Send + Sync + 'static> Classified for RunFailure<E> {
+impl Classified for RunFailure {
     fn kind(&self) -> ErrorKind {
         self.error.kind()
     }

@@ -1,13 +1,13 @@
 //! The results of a run, and the loop of its steps with their checks.
 
-use robot_dynamics_core::{Model, SingularMass, check_configuration};
+use robot_dynamics_core::{Model, SingularMass, check_configuration, check_vector};
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::EnergyLedger;
+use robot_dynamics_integrators::{EnergyLedger, IntegratorError};
 use robot_dynamics_number::check_positive;
 
 use super::ledger::{fastest, open_start};
 use super::results::Run;
-use super::{RunError, StepError, StepFault, Stepper, Trajectory};
+use super::{RunError, StepError, Stepper, Trajectory};
 use crate::{StepForces, StepWorkspace};
 
 /// The steps of a run by any method.
@@ -30,7 +30,7 @@ impl RunLoop<'_> {
         workspace: &mut StepWorkspace,
         (q0, v0): (&[f64], &[f64]),
         steps: usize,
-    ) -> (Run, Result<(), RunError<S::Error>>) {
+    ) -> (Run, Result<(), RunError>) {
         let model = self.model;
         check_length("v0", v0.len(), model.nv());
         let start = self.check_start(stepper, workspace, (q0, v0), steps);
@@ -61,12 +61,10 @@ impl RunLoop<'_> {
         workspace: &mut StepWorkspace,
         (q0, v0): (&[f64], &[f64]),
         steps: usize,
-    ) -> Result<(), RunError<S::Error>> {
+    ) -> Result<(), RunError> {
         check_positive("the step", self.step, "s")?;
         check_configuration(self.model, q0)?;
-        if let Some(index) = v0.iter().position(|v| !v.is_finite()) {
-            return Err(self.blow_up("v", index, 0));
-        }
+        check_vector(self.model, "v", v0)?;
         stepper
             .check_start(self.model, &mut workspace.dynamics, self.step, q0, v0)
             .map_err(|error| self.step_failed(error, 0))?;
@@ -82,7 +80,7 @@ impl RunLoop<'_> {
         forces: &StepForces<'_>,
         h: f64,
         (q, v): (&mut [f64], &mut [f64]),
-    ) -> Result<EnergyLedger, RunError<S::Error>> {
+    ) -> Result<EnergyLedger, RunError> {
         let taken = self.take_unnamed(stepper, workspace, run, forces, h, (q, &mut *v));
         let ledger = taken.map_err(|error| self.named(stepper, run, error))?;
         if self.is_lost(v) { Err(self.diverged(stepper, run, v, run.steps + 1)) } else { Ok(ledger) }
@@ -96,7 +94,7 @@ impl RunLoop<'_> {
         forces: &StepForces<'_>,
         h: f64,
         (q, v): (&mut [f64], &mut [f64]),
-    ) -> Result<EnergyLedger, RunError<S::Error>> {
+    ) -> Result<EnergyLedger, RunError> {
         let (model, done) = (self.model, run.steps);
         q.copy_from_slice(&run.q);
         v.copy_from_slice(&run.v);
@@ -120,17 +118,17 @@ impl RunLoop<'_> {
         workspace: &mut StepWorkspace,
         q: &[f64],
         step: usize,
-    ) -> Result<(), RunError<S::Error>> {
+    ) -> Result<(), RunError> {
         stepper
             .check_mass(self.model, &mut workspace.dynamics, q)
             .map_err(|source| self.singular(source, step))
     }
 
-    fn singular<E>(&self, source: SingularMass, step: usize) -> RunError<E> {
+    fn singular(&self, source: SingularMass, step: usize) -> RunError {
         RunError::SingularMass { step, time: self.time(step), source }
     }
 
-    fn check_state<E>(&self, q: &[f64], v: &[f64], step: usize) -> Result<(), RunError<E>> {
+    fn check_state(&self, q: &[f64], v: &[f64], step: usize) -> Result<(), RunError> {
         if let Some(index) = first_not_finite(v) {
             return Err(self.blow_up("v", index, step));
         }
@@ -144,20 +142,23 @@ impl RunLoop<'_> {
         owner.map_or(0, |joint| joint.v_index)
     }
 
-    pub(crate) fn blow_up<E>(&self, quantity: &'static str, index: usize, step: usize) -> RunError<E> {
+    pub(crate) fn blow_up(&self, quantity: &'static str, index: usize, step: usize) -> RunError {
         let coordinate = self.model.coordinate_names().get(index).cloned().unwrap_or_default();
         RunError::NotFinite { quantity, coordinate, step, time: self.time(step) }
     }
 
-    fn step_failed<E: StepError>(&self, error: E, step: usize) -> RunError<E> {
-        match error.fault(self.model) {
-            StepFault::NotFinite { quantity, index } => {
+    fn step_failed(&self, error: StepError, step: usize) -> RunError {
+        match error {
+            StepError::Integrator(IntegratorError::NotFinite { quantity, index }) => {
                 let index = if quantity.starts_with('q') { self.first_coordinate_of(index) } else { index };
                 self.blow_up(quantity, index, step)
             }
             // Inside the step.
-            StepFault::SingularMass(source) => self.singular(source, step),
-            StepFault::Other(source) => RunError::Step { step, time: self.time(step), source },
+            StepError::Integrator(IntegratorError::SingularMass { coordinate, pivot }) => {
+                self.singular(SingularMass::at(self.model, coordinate, pivot), step)
+            }
+            StepError::SingularMass(source) => self.singular(source, step),
+            source => RunError::Step { step, time: self.time(step), source },
         }
     }
 

@@ -1,13 +1,10 @@
 //! The interface of integration methods to a run.
 
-use std::error::Error;
-
 use robot_dynamics_core::{Model, SingularMass, Workspace, check_rank};
-use robot_dynamics_integrators::{DynamicsError, EnergyLedger, Integrator, IntegratorError};
-use robot_dynamics_number::{Classified, ErrorKind};
+use robot_dynamics_integrators::{EnergyLedger, Integrator};
 
 use super::gains::add_passive_gains;
-use super::{CallbackError, Losses, record_step};
+use super::{Losses, StepError, record_step};
 use crate::{ActiveSet, ContactLaws, StepForces, StepWorkspace, step};
 
 /// An integration method of a [`Simulation`](crate::simulator::Simulation): a row of the table of integrators
@@ -17,7 +14,7 @@ use crate::{ActiveSet, ContactLaws, StepForces, StepWorkspace, step};
 /// use robot_dynamics::algorithms::forward_dynamics;
 /// use robot_dynamics::description::{RandomRobotOptions, random_robot};
 /// use robot_dynamics::model::{Model, integrate};
-/// use robot_dynamics::simulation::{CallbackError, RunOptions, SimulationBuilder, StepForces};
+/// use robot_dynamics::simulation::{RunOptions, SimulationBuilder, StepError, StepForces};
 /// use robot_dynamics::simulation::{StepWorkspace, Stepper};
 ///
 /// /// v₁ = v₀ + h a(q₀ ⊕ ½h v₀, v₀), q₁ = q₀ ⊕ ½h v₀ ⊕ ½h v₁: leapfrog.
@@ -25,7 +22,6 @@ use crate::{ActiveSet, ContactLaws, StepForces, StepWorkspace, step};
 /// struct Leapfrog;
 ///
 /// impl Stepper for Leapfrog {
-///     type Error = CallbackError;
 ///     fn step(
 ///         &mut self,
 ///         model: &Model,
@@ -34,7 +30,7 @@ use crate::{ActiveSet, ContactLaws, StepForces, StepWorkspace, step};
 ///         h: f64,
 ///         q: &mut [f64],
 ///         v: &mut [f64],
-///     ) -> Result<(), CallbackError> {
+///     ) -> Result<(), StepError> {
 ///         let half = |q: &[f64], v: &[f64]| {
 ///             let (mut moved, way) = (q.to_vec(), v.iter().map(|v| 0.5 * h * v).collect::<Vec<_>>());
 ///             integrate(model, q, &way, &mut moved);
@@ -56,9 +52,6 @@ use crate::{ActiveSet, ContactLaws, StepForces, StepWorkspace, step};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Stepper {
-    /// The error of a step.
-    type Error: StepError;
-
     /// The order of the method. From order 3 on, events of v inside a step are located on the derivative of a
     /// cubic through its ends; below, on a line.
     fn order(&self) -> u32 {
@@ -76,7 +69,7 @@ pub trait Stepper {
         h: f64,
         q: &[f64],
         v: &[f64],
-    ) -> Result<(), Self::Error> {
+    ) -> Result<(), StepError> {
         let _ = (model, workspace, h, q, v);
         Ok(())
     }
@@ -97,7 +90,8 @@ pub trait Stepper {
     /// Advances (q, v) in place by `h` \[s\] with constant forces.
     ///
     /// # Errors
-    /// The step failed; q and v are then unspecified.
+    /// The step failed; q and v are then unspecified. A custom stepper returns any error of its own as
+    /// [`StepError::Callback`]: `.map_err(CallbackError::new)?`.
     fn step(
         &mut self,
         model: &Model,
@@ -106,7 +100,7 @@ pub trait Stepper {
         h: f64,
         q: &mut [f64],
         v: &mut [f64],
-    ) -> Result<(), Self::Error>;
+    ) -> Result<(), StepError>;
 
     /// The energy dissipated so far, by cause, if the method separates the causes.
     fn losses(&self) -> Option<Losses> {
@@ -243,8 +237,6 @@ pub trait Stepper {
 }
 
 impl Stepper for Integrator {
-    type Error = IntegratorError;
-
     fn order(&self) -> u32 {
         Self::order(*self)
     }
@@ -257,71 +249,7 @@ impl Stepper for Integrator {
         h: f64,
         q: &mut [f64],
         v: &mut [f64],
-    ) -> Result<(), IntegratorError> {
-        step(model, *self, workspace, forces, h, q, v)
-    }
-}
-
-/// The interpretation of the error of a step by a run.
-#[derive(Clone, Debug, PartialEq)]
-pub enum StepFault<E> {
-    /// A number became NaN or infinite at a coordinate, or at an entry of q if the name of the quantity
-    /// starts with q.
-    NotFinite {
-        /// The name of the quantity.
-        quantity: &'static str,
-        /// The index of the entry.
-        index: usize,
-    },
-    /// M is singular.
-    SingularMass(SingularMass),
-    /// Any other error.
-    Other(E),
-}
-
-/// An error of a step; `impl StepError for MyError {}` is enough.
-pub trait StepError: Error + Sized {
-    /// Classifies the error, so that a run can name time, coordinate and joints.
-    fn fault(self, model: &Model) -> StepFault<Self> {
-        let _ = model;
-        StepFault::Other(self)
-    }
-
-    /// The kind of the error.
-    fn error_kind(&self) -> ErrorKind {
-        ErrorKind::Callback
-    }
-
-    /// Whether an interrupt ended the step; the run then ends as if its observer had stopped it.
-    fn is_interruption(&self) -> bool {
-        false
-    }
-}
-
-impl StepError for CallbackError {
-    fn error_kind(&self) -> ErrorKind {
-        self.kind()
-    }
-}
-
-impl StepError for IntegratorError {
-    fn error_kind(&self) -> ErrorKind {
-        self.kind()
-    }
-
-    fn is_interruption(&self) -> bool {
-        *self == Self::Interrupted
-    }
-
-    fn fault(self, model: &Model) -> StepFault<Self> {
-        match self {
-            Self::Dynamics(DynamicsError::NonFinite { quantity, index }) => {
-                StepFault::NotFinite { quantity, index }
-            }
-            Self::Dynamics(DynamicsError::SingularMass { coordinate, pivot }) => {
-                StepFault::SingularMass(SingularMass::at(model, coordinate, pivot))
-            }
-            other => StepFault::Other(other),
-        }
+    ) -> Result<(), StepError> {
+        Ok(step(model, *self, workspace, forces, h, q, v)?)
     }
 }

@@ -1,6 +1,6 @@
 //! The problem of the rows of each component: as part of its contact problem, or on its own.
 
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 
 use super::super::bounded::BoundedProblem;
 use super::super::stiff_factor::StiffFactor;
@@ -53,7 +53,7 @@ impl Impulses {
         v1: &[f64],
         components: &Components,
         change: &mut [f64],
-    ) -> Result<(), DynamicsError> {
+    ) -> Result<(), IntegratorError> {
         let leader = |impulses: &Self, i: usize| {
             let tree = impulses.tree_of(impulses.rows[i], components);
             (!components.has(Mark::Touched, tree)).then(|| components.leader(tree))
@@ -99,7 +99,7 @@ impl Impulses {
     }
 
     /// Solves for these rows alone.
-    fn solve_part(&mut self, factor: &StiffFactor, v1: &[f64], own: &[usize]) -> Result<(), DynamicsError> {
+    fn solve_part(&mut self, factor: &StiffFactor, v1: &[f64], own: &[usize]) -> Result<(), IntegratorError> {
         let Self { rows, terms, problem, part, back, column, .. } = self;
         part.begin(own.len());
         for (to, &i) in own.iter().enumerate() {
@@ -116,7 +116,7 @@ impl Impulses {
     }
 
     /// Solves `problem` for `rows`, and writes M̂⁻¹Eᵀλ to `change`.
-    pub(super) fn apply(&mut self, factor: &StiffFactor, change: &mut [f64]) -> Result<(), DynamicsError> {
+    pub(super) fn apply(&mut self, factor: &StiffFactor, change: &mut [f64]) -> Result<(), IntegratorError> {
         let first: &[(usize, f64)] = self.rows.first().map_or(&[], |row| &self.terms[*row]);
         solve(&mut self.problem, first)?;
         change.fill(0.0);
@@ -138,11 +138,11 @@ impl Impulses {
 
 /// # Errors
 /// Matrix or gradient is not finite.
-fn solve(problem: &mut BoundedProblem, first: &[(usize, f64)]) -> Result<(), DynamicsError> {
+fn solve(problem: &mut BoundedProblem, first: &[(usize, f64)]) -> Result<(), IntegratorError> {
     if !problem.solve() {
         let pivot = problem.matrix.first().copied().unwrap_or(f64::NAN);
         let coordinate = first.first().map_or(0, |(k, _)| *k);
-        return Err(DynamicsError::SingularMass { coordinate, pivot });
+        return Err(IntegratorError::SingularMass { coordinate, pivot });
     }
     Ok(())
 }

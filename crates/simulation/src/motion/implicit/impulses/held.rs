@@ -1,7 +1,7 @@
 //! Rows of equalities in the problem of friction and stops.
 
 use robot_dynamics_core::{Model, Workspace, integrate};
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 
 use super::super::equalities::Equalities;
 use super::super::joints::Stop;
@@ -61,7 +61,7 @@ impl Impulses {
         h: f64,
         (q0, q1): (&[f64], &mut [f64]),
         change: &mut [f64],
-    ) -> Result<(), DynamicsError> {
+    ) -> Result<(), IntegratorError> {
         let kept = returns(h);
         let gap = |stop: &Stop, q: &[f64]| stop.gap(q) - stop.gap(q0).min(0.0) * kept;
         for _ in 0..MOST_ROUNDS {

@@ -1,6 +1,6 @@
 //! Correction of positions beyond stops after a step.
 
-use robot_dynamics_integrators::DynamicsError;
+use robot_dynamics_integrators::IntegratorError;
 
 use super::super::joints::{Length, Stop};
 use super::super::stiff_factor::StiffFactor;
@@ -19,7 +19,7 @@ impl Impulses {
         (q0, q1): (&[f64], &mut [f64]),
         change: &mut [f64],
         mut go: impl FnMut(&[f64], &[f64], &mut [f64]),
-    ) -> Result<(), DynamicsError> {
+    ) -> Result<(), IntegratorError> {
         let kept = returns(h);
         let gap = |stop: &Stop, q: &[f64]| stop.gap(q) - stop.gap(q0).min(0.0) * kept;
         for i in 0..stops.len() {
@@ -42,7 +42,7 @@ impl Impulses {
         q1: &mut [f64],
         change: &mut [f64],
         mut go: impl FnMut(&[f64], &[f64], &mut [f64]),
-    ) -> Result<(), DynamicsError> {
+    ) -> Result<(), IntegratorError> {
         self.rows.clear();
         self.before.copy_from_slice(q1);
         // A correction of one joint may push another beyond its stop, which then joins the problem.

@@ -9,8 +9,7 @@ use super::super::divergence::{GROWN, LOST};
 use super::super::event::EventDetector;
 use super::super::ledger::fastest;
 use super::super::results::Observer;
-use super::super::{Controller, Run, RunError, Stepper};
-use super::error::AdaptiveStepError;
+use super::super::{Controller, Run, RunError, StepError, Stepper};
 use super::motion::{ExternalInputs, Motion, MotionFailure, TORQUE};
 use super::stepper::{Advance, StepSequence};
 use super::{AdaptiveStepper, ControlTiming};
@@ -44,7 +43,7 @@ impl AdaptiveRun<'_, '_> {
         time_of: &dyn Fn(usize) -> f64,
         applied: ExternalInputs<'_>,
         watch: &mut EventDetector<'_, '_>,
-    ) -> Result<(), RunError<AdaptiveStepError>> {
+    ) -> Result<(), RunError> {
         let model = self.model;
         let (start, end) = (self.run.time, time_of(instants));
         self.check_mass(start, &self.run.q.clone())?;
@@ -97,7 +96,7 @@ impl AdaptiveRun<'_, '_> {
         (instants, time_of): (usize, &dyn Fn(usize) -> f64),
         (mut held, mut tau): (Option<HeldControl<'_>>, Vec<f64>),
         (watch, samples): (&mut EventDetector<'_, '_>, &mut Samples),
-    ) -> Result<(), RunError<AdaptiveStepError>> {
+    ) -> Result<(), RunError> {
         let model = self.model;
         let end = time_of(instants);
         // An observer needs a sample at every instant; without one, only the kept samples are evaluated.
@@ -174,9 +173,9 @@ impl AdaptiveRun<'_, '_> {
     }
 
     /// # Errors
-    /// [`AdaptiveStepError::Diverged`] if a coordinate moved by more than `most` in the last step \[rad or
+    /// [`StepError::Diverged`] if a coordinate moved by more than `most` in the last step \[rad or
     /// m\].
-    fn check_growth(&self, steps: &StepSequence, most: f64) -> Result<(), RunError<AdaptiveStepError>> {
+    fn check_growth(&self, steps: &StepSequence, most: f64) -> Result<(), RunError> {
         let model = self.model;
         let v = &steps.y()[model.nq()..model.nq() + model.nv()];
         let Some(&speed) = v.get(fastest(v)) else { return Ok(()) };
@@ -185,7 +184,7 @@ impl AdaptiveRun<'_, '_> {
             return Ok(());
         }
         let coordinate = model.coordinate_names().get(fastest(v)).cloned().unwrap_or_default();
-        let source = AdaptiveStepError::Diverged { coordinate, speed, step };
+        let source = StepError::Diverged { coordinate, speed, step };
         Err(RunError::Step { step: self.run.steps, time: steps.t, source })
     }
 
@@ -208,7 +207,7 @@ impl AdaptiveRun<'_, '_> {
         (instant, time): (usize, f64),
         y: &[f64],
         is_last: bool,
-    ) -> Result<ControlFlow<()>, RunError<AdaptiveStepError>> {
+    ) -> Result<ControlFlow<()>, RunError> {
         let (model, run) = (self.model, &mut *self.run);
         let tau = &mut *self.tau;
         let (mut q, mut v) = (Vec::new(), Vec::new());
@@ -248,7 +247,7 @@ impl AdaptiveRun<'_, '_> {
     }
 
     /// Checks that M is regular at q.
-    fn check_mass(&mut self, time: f64, q: &[f64]) -> Result<(), RunError<AdaptiveStepError>> {
+    fn check_mass(&mut self, time: f64, q: &[f64]) -> Result<(), RunError> {
         let step = self.run.steps;
         check_rank(self.model, self.workspace, q).map_err(|source| RunError::SingularMass {
             step,
@@ -291,7 +290,7 @@ impl HeldControl<'_> {
         tau: &mut [f64],
         model: &Model,
         state: Option<(&[f64], &[f64])>,
-    ) -> Result<(), RunError<AdaptiveStepError>> {
+    ) -> Result<(), RunError> {
         let (time, step) = (self.instant(), run.steps);
         let (q, v) = state.unwrap_or((&run.q, &run.v));
         self.controller.torque(time, q, v, tau).map_err(|source| RunError::Controller {

@@ -5,10 +5,9 @@ use std::cell::RefCell;
 use differential_equations::prelude::ODE;
 use robot_dynamics_core::configuration::configuration_rate::configuration_rate;
 use robot_dynamics_core::{Model, Workspace, dissipation, forward_dynamics, normalize_quaternions};
-use robot_dynamics_integrators::{DynamicsError, IntegratorError};
+use robot_dynamics_integrators::IntegratorError;
 
-use super::super::{Controller, ControllerError, RunError};
-use super::error::AdaptiveStepError;
+use super::super::{Controller, ControllerError, RunError, StepError};
 use crate::{Actuation, ActuationWorkspace};
 
 /// The state is y = (q, v, W, D): configuration, velocity, work of τ, and dissipated energy; the last two are
@@ -135,7 +134,7 @@ pub(super) enum MotionFailure {
     /// The controller failed.
     Controller(ControllerError),
     /// The step became too small, or there were too many steps.
-    Step(AdaptiveStepError),
+    Step(StepError),
 }
 
 impl MotionFailure {
@@ -145,7 +144,7 @@ impl MotionFailure {
     }
 
     /// Converts to the error of a run at a time, after a number of steps.
-    pub(super) fn at(self, model: &Model, time: f64, step: usize) -> RunError<AdaptiveStepError> {
+    pub(super) fn at(self, model: &Model, time: f64, step: usize) -> RunError {
         match self {
             Self::NotFinite(quantity, index) => {
                 let coordinate = model.coordinate_names().get(index).cloned().unwrap_or_default();
@@ -157,11 +156,9 @@ impl MotionFailure {
     }
 
     /// Converts to the error of a step.
-    pub(super) fn of_step(self) -> AdaptiveStepError {
+    pub(super) fn of_step(self) -> StepError {
         match self {
-            Self::NotFinite(quantity, index) => {
-                IntegratorError::Dynamics(DynamicsError::NonFinite { quantity, index }).into()
-            }
+            Self::NotFinite(quantity, index) => IntegratorError::NotFinite { quantity, index }.into(),
             // This branch is unreachable: with held torques there is no controller.
             Self::Controller(_) => IntegratorError::Interrupted.into(),
             Self::Step(error) => error,

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::error::AdaptiveStepError;
+use super::super::StepError;
 use super::local_error::least_accurate;
 use super::method::{AdaptiveMethod, Steps};
 use super::motion::{Motion, MotionFailure};
@@ -124,7 +124,7 @@ impl StepSequence {
                 return Err(self.failed(motion, self.y()));
             }
             if self.since >= self.most_steps {
-                return Err(MotionFailure::Step(AdaptiveStepError::TooManySteps {
+                return Err(MotionFailure::Step(StepError::TooManySteps {
                     steps: self.since,
                     step: self.wanted,
                     coordinate: least_accurate(motion, self.t, self.y(), self.wanted),
@@ -182,7 +182,7 @@ impl StepSequence {
         motion.take_failure().or_else(|| self.failure.clone()).unwrap_or_else(|| {
             let step = self.wanted.min(self.least());
             let coordinate = least_accurate(motion, self.t, y, step);
-            MotionFailure::Step(AdaptiveStepError::StepTooSmall { step, coordinate })
+            MotionFailure::Step(StepError::StepTooSmall { step, coordinate })
         })
     }
 }

@@ -1,6 +1,6 @@
 //! Errors of constraints, and of motions with constraints.
 
-use robot_dynamics_integrators::kind_of_not_finite;
+use robot_dynamics_integrators::IntegratorError;
 use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 use thiserror::Error;
 
@@ -77,14 +77,9 @@ pub enum ConstraintError {
         /// `has no rows` or `has a row twice`.
         problem: &'static str,
     },
-    /// An input or a result of a step is NaN or infinite.
-    #[error("{quantity}[{index}] is not finite")]
-    NotFinite {
-        /// The quantity.
-        quantity: &'static str,
-        /// The index of the entry.
-        index: usize,
-    },
+    /// A computed number is NaN or infinite, or an implicit step failed.
+    #[error(transparent)]
+    Step(#[from] IntegratorError),
     /// An invalid support.
     #[error("support {index}: {problem}")]
     BadSupport {
@@ -102,7 +97,7 @@ pub enum ConstraintError {
         /// The row.
         name: String,
     },
-    /// Rows depend on each other, with [`RedundantRows::Refuse`](super::RedundantRows::Refuse).
+    /// Rows depend on each other, with [`RedundantRows::Refuse`](crate::RedundantRows::Refuse).
     #[error("the constraint rows have rank {rank} only: {}; leave the named rows out, or allow redundant rows",
         .rows.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))]
     DependentRows {
@@ -181,7 +176,7 @@ impl Classified for ConstraintError {
         match self {
             Self::Input(error) => error.kind(),
             Self::BadSupport { .. } => ErrorKind::InvalidInput,
-            Self::NotFinite { quantity, .. } => kind_of_not_finite(quantity),
+            Self::Step(error) => error.kind(),
             Self::UnknownFrame { .. } | Self::UnknownCoordinate { .. } => ErrorKind::UnknownName,
             Self::SingularMass(error) => error.kind(),
             Self::ForeignFrame { .. }
@@ -195,13 +190,5 @@ impl Classified for ConstraintError {
             Self::StabilizedVariationalStep => ErrorKind::Unsupported,
             Self::StepNotConverged { .. } | Self::NotConverged { .. } => ErrorKind::NotConverged,
         }
-    }
-}
-
-/// Returns an error if an entry of the vector is not finite.
-pub(super) fn check_entries(quantity: &'static str, x: &[f64]) -> Result<(), ConstraintError> {
-    match x.iter().position(|x| !x.is_finite()) {
-        Some(index) => Err(ConstraintError::NotFinite { quantity, index }),
-        None => Ok(()),
     }
 }
