@@ -8,6 +8,7 @@ mod task;
 
 use pyo3::prelude::*;
 
+use self::law::Controls;
 use crate::robot::Robot;
 
 pub(crate) use self::computed_torque::ComputedTorque;
@@ -21,15 +22,14 @@ pub(crate) fn law_of<'a>(
     robot: &'a Robot,
     object: &Bound<'_, PyAny>,
 ) -> PyResult<Option<Law<'a>>> {
-    if let Ok(law) = object.cast::<GravityCompensatedPd>() {
-        let controller = Box::new(law.get().law(py, robot)?);
-        return Ok(Some(Law { controller, is_called: false }));
+    if let Ok(controls) = object.cast::<GravityCompensatedPd>() {
+        return controls.get().law(py, robot).map(Some);
     }
-    if let Ok(law) = object.cast::<ComputedTorque>() {
-        return law.get().law(py, robot).map(Some);
+    if let Ok(controls) = object.cast::<ComputedTorque>() {
+        return controls.get().law(py, robot).map(Some);
     }
-    if let Ok(law) = object.cast::<TaskControl>() {
-        return law.get().law(py, robot).map(Some);
+    if let Ok(controls) = object.cast::<TaskControl>() {
+        return controls.get().law(py, robot).map(Some);
     }
     Ok(None)
 }

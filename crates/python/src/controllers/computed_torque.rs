@@ -3,20 +3,40 @@
 use pyo3::prelude::*;
 use robot_dynamics::control::Reference;
 
-use super::law::{Followed, Law, check_own, parts, torque};
+use super::law::{Controls, Followed, Law, check_own, parts, torque};
 use crate::errors::Class;
 use crate::numbers::{configuration, vector};
 use crate::robot::Robot;
 
-/// Follows a motion: τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains. The error of
-/// plain coordinates obeys ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Coordinates without a motor
-/// (`robot.actuated_dofs`), as those of a floating base, have torque 0 and move freely. The others follow the
-/// motion in spite of it while nothing else touches the robot.
+/// Follows a motion: τ = M(q)(aʳ + Kp (qʳ ⊖ q) + Kd (vʳ − v)) + C v + g with diagonal gains.
 ///
-/// `reference` is the motion (q*, v*, a*), or q* alone to stand there, or a function of t that gives one of
-/// these. `stiffness` Kp [1/s²] and `damping` Kd [1/s] are (nv,); Kd = 2 √Kp is critically damped.
-/// `dissipation` compensates the joints' damping and friction, too. The controller is a function of (t, q,
-/// v); in `simulate` it runs in the library.
+/// The error of plain coordinates obeys ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Coordinates without
+/// a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0 and move freely. The others
+/// follow the motion in spite of it while nothing else touches the robot. The controller is a function of
+/// (t, q, v); in `simulate` it runs in the library.
+///
+/// Parameters
+/// ----------
+/// robot : Robot
+///     Robot to control.
+/// reference : array_like, tuple of three array_like, or function
+///     Reference (qʳ, vʳ, aʳ), or qʳ alone at rest, or a function of t [s] that returns one of these.
+/// stiffness : array_like, shape (nv,)
+///     Kp [1/s²].
+/// damping : array_like, shape (nv,)
+///     Kd [1/s]; Kd = 2 √Kp is critically damped.
+/// dissipation : bool
+///     Whether to compensate the damping and friction of the joints.
+///
+/// Raises
+/// ------
+/// StateError
+///     A number is not finite, or the reference is not a configuration.
+/// ShapeError
+///     An array has the wrong shape.
+///
+/// Examples
+/// --------
 ///
 /// >>> robot = rd.example("two_r")
 /// >>> swing = lambda t: ([np.sin(t), np.cos(t)], [np.cos(t), -np.sin(t)], [-np.sin(t), -np.cos(t)])
@@ -46,13 +66,8 @@ impl ComputedTorque {
         dissipation: bool,
     ) -> PyResult<Self> {
         let own = robot.get();
-        let reference = if reference.is_callable() {
-            Followed::Called(reference.clone().unbind())
-        } else {
-            Followed::Constant(reference_of(own, reference)?)
-        };
         Ok(Self {
-            reference,
+            reference: Followed::of(reference, |given| reference_of(own, given))?,
             stiffness: vector(py, own, "stiffness", stiffness)?,
             damping: vector(py, own, "damping", damping)?,
             dissipation,
@@ -68,14 +83,12 @@ impl ComputedTorque {
         q: &Bound<'py, PyAny>,
         v: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let robot = self.robot.get();
-        torque(py, robot, &mut *self.law(py, robot)?.controller, (t, q, v))
+        torque(py, self, self.robot.get(), (t, q, v))
     }
 }
 
-impl ComputedTorque {
-    /// The law for this robot; an error if the controller was made for another.
-    pub(super) fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>> {
+impl Controls for ComputedTorque {
+    fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>> {
         check_own(py, self.robot.get(), robot)?;
         let followed = self.reference.share(py);
         let is_called = followed.is_called();

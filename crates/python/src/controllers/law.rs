@@ -15,6 +15,12 @@ pub(crate) struct Law<'a> {
     pub(crate) is_called: bool,
 }
 
+/// A controller of Python, which makes a law.
+pub(crate) trait Controls {
+    /// The law for this robot; an error if the controller was made for another.
+    fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>>;
+}
+
 /// Refuses a robot that the law was not made for.
 pub(super) fn check_own(py: Python<'_>, own: &Robot, robot: &Robot) -> PyResult<()> {
     if own.model.fingerprint() == robot.model.fingerprint() {
@@ -28,10 +34,11 @@ pub(super) fn check_own(py: Python<'_>, own: &Robot, robot: &Robot) -> PyResult<
 /// τ of one state.
 pub(super) fn torque<'py>(
     py: Python<'py>,
+    controls: &impl Controls,
     robot: &Robot,
-    controller: &mut dyn Controller,
     (t, q, v): (f64, &Bound<'py, PyAny>, &Bound<'py, PyAny>),
 ) -> PyResult<Bound<'py, PyAny>> {
+    let Law { mut controller, .. } = controls.law(py, robot)?;
     let (q, v) = (configuration(py, robot, q)?, vector(py, robot, "v", v)?);
     let mut tau = vec![0.0; robot.model.nv()];
     match controller.torque(t, &q, &v, &mut tau) {
@@ -69,6 +76,17 @@ pub(crate) enum Followed<T> {
 }
 
 impl<T: Clone> Followed<T> {
+    /// A function, or a constant that `read` reads.
+    pub(super) fn of<'py>(
+        given: &Bound<'py, PyAny>,
+        read: impl FnOnce(&Bound<'py, PyAny>) -> PyResult<T>,
+    ) -> PyResult<Self> {
+        if given.is_callable() {
+            return Ok(Self::Called(given.clone().unbind()));
+        }
+        read(given).map(Self::Constant)
+    }
+
     pub(super) fn is_called(&self) -> bool {
         matches!(self, Self::Called(_))
     }

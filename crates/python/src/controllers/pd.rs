@@ -4,17 +4,42 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use robot_dynamics::simulation::GravityAt;
 
-use super::law::{check_own, torque};
+use super::law::{Controls, Law, check_own, torque};
 use crate::errors::Class;
 use crate::numbers::{configuration, shaped, vector};
 use crate::robot::Robot;
 
-/// Holds a pose: τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit.
-/// Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0.
+/// Holds a pose: τ = g + Kp (qʳ ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit.
 ///
-/// `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N],
-/// by default the robot's. g is taken at the `target`, or with `gravity_at="state"` at the robot's
-/// configuration. The controller is a function of (t, q, v); in `simulate` it runs without Python.
+/// Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0. The
+/// controller is a function of (t, q, v); in `simulate` it runs in the library.
+///
+/// Parameters
+/// ----------
+/// robot : Robot
+///     Robot to control.
+/// target : array_like, shape (nq,)
+///     Configuration qʳ to hold.
+/// stiffness : array_like, shape (nv,)
+///     Kp [N·m/rad or N/m].
+/// damping : array_like, shape (nv,)
+///     Kd [N·m·s/rad or N·s/m].
+/// limits : array_like, shape (nv,), optional
+///     Largest torques [N·m or N]; default: the effort limits of the robot.
+/// gravity_at : {"target", "state"}
+///     Configuration at which g is computed: `target`, or that of the robot.
+///
+/// Raises
+/// ------
+/// StateError
+///     A number is not finite, or `target` is not a configuration.
+/// ShapeError
+///     An array has the wrong shape.
+/// ValueError
+///     A limit is negative, or `gravity_at` is unknown.
+///
+/// Examples
+/// --------
 ///
 /// >>> robot = rd.example("panda")
 /// >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
@@ -84,18 +109,12 @@ impl GravityCompensatedPd {
         q: &Bound<'py, PyAny>,
         v: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let robot = self.robot.get();
-        torque(py, robot, &mut self.law(py, robot)?, (t, q, v))
+        torque(py, self, self.robot.get(), (t, q, v))
     }
 }
 
-impl GravityCompensatedPd {
-    /// The law for this robot; an error if the controller was made for another.
-    pub(crate) fn law<'a>(
-        &self,
-        py: Python<'_>,
-        robot: &'a Robot,
-    ) -> PyResult<robot_dynamics::simulation::GravityCompensatedPd<&'a robot_dynamics::model::Model>> {
+impl Controls for GravityCompensatedPd {
+    fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>> {
         check_own(py, self.robot.get(), robot)?;
         let law = robot_dynamics::simulation::GravityCompensatedPd::new(
             &robot.model,
@@ -105,9 +124,10 @@ impl GravityCompensatedPd {
         )
         .map_err(|error| Class::Control.error(py, error))?
         .with_gravity_at(self.gravity_at);
-        Ok(match &self.limits {
+        let law = match &self.limits {
             Some(limits) => law.with_limits(limits),
             None => law,
-        })
+        };
+        Ok(Law { controller: Box::new(law), is_called: false })
     }
 }

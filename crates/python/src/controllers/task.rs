@@ -7,27 +7,60 @@ use robot_dynamics::constraints::SpatialAxis;
 use robot_dynamics::control::{PoseReference, TaskGains, TaskReference};
 use robot_dynamics::model::FrameId;
 
-use super::law::{Followed, Law, check_own, parts, torque};
+use super::law::{Controls, Followed, Law, check_own, parts, torque};
 use crate::constraints::closure_rows;
 use crate::errors::Class;
 use crate::numbers::{configuration, numbers, pose_of, shaped};
 use crate::operand::shown;
 use crate::robot::Robot;
 
-/// Moves a frame along a reference: τ = Jᵀ(Λ (ẍ* + kp e + kd (ẋ* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀. In the null
-/// space, τ₀ = C v + g + M (kr (q* ⊖ q) − kn v).
+/// Moves a frame along a reference: τ = Jᵀ(Λ (ẍʳ + kp e + kd (ẋʳ − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀.
 ///
-/// `reference` is the frame's target in the world: its origin (3,), orientation free, or its pose (4, 4).
-/// With velocity and acceleration along the world's axes it is (x*, ẋ*, ẍ*), for a pose with six numbers
-/// each. It may also be a function of t that gives one of these, called once at t = 0 to find which. `rows`
-/// names the controlled directions among x, y, z, rx, ry, rz along the world's axes: ("x", "z") for an arm in
-/// that plane. By default they are all directions of the reference. The gains are kp `stiffness` [1/s²] and
-/// kd `damping` [1/s]; kd = 2 √kp is critically damped. Motion in the null space, which leaves the frame at
-/// rest, has the damping kn `null_damping` [1/s]. In it, kr `posture_stiffness` [1/s²] pulls to the `posture`
-/// q* (nq,). If the frame cannot accelerate in every chosen direction, the controller raises an error.
-/// Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0. The base
-/// recoils, and the frame follows in spite of it while nothing else touches the robot. The controller is a
-/// function of (t, q, v); in `simulate` it runs in the library.
+/// In the null space, which leaves the frame at rest, τ₀ = C v + g + M (kr (qʳ ⊖ q) − kn v). Coordinates
+/// without a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0. The base recoils, and
+/// the frame follows in spite of it while nothing else touches the robot. The controller is a function of
+/// (t, q, v); in `simulate` it runs in the library. A call raises `ControlError` where the frame cannot
+/// accelerate in every chosen direction.
+///
+/// Parameters
+/// ----------
+/// robot : Robot
+///     Robot to control.
+/// frame : str or int
+///     Name of the frame, or its index in `frame_names`.
+/// reference : array_like, tuple of three array_like, or function
+///     Target of the frame in the world: its origin (3,) with free orientation [m], or its pose (4, 4). With
+///     its velocity and acceleration along the world's axes it is (xʳ, ẋʳ, ẍʳ), for a pose with six numbers
+///     each. A function of t [s] returns one of these; it is called once at t = 0 to find which.
+/// stiffness : float
+///     kp [1/s²].
+/// damping : float
+///     kd [1/s]; kd = 2 √kp is critically damped.
+/// null_damping : float
+///     kn, damping in the null space [1/s].
+/// rows : sequence of str, optional
+///     Controlled directions among x, y, z, rx, ry, rz along the world's axes, for example ("x", "z") for an
+///     arm in that plane; default: all directions of the reference.
+/// posture : array_like, shape (nq,), optional
+///     Configuration qʳ to which the null space is pulled.
+/// posture_stiffness : float
+///     kr [1/s²].
+///
+/// Raises
+/// ------
+/// FrameError
+///     The frame does not exist.
+/// ShapeError
+///     The reference or `posture` has the wrong shape.
+/// StateError
+///     `posture` is not a configuration.
+/// ControlError
+///     A gain is invalid.
+/// ValueError
+///     A row is unknown, given twice, or a turn of a reference without orientation.
+///
+/// Examples
+/// --------
 ///
 /// >>> robot, q = rd.example("panda"), np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
 /// >>> goal = robot.frame_pose(q, "panda_link8") @ np.block([[np.eye(3), np.full((3, 1), 0.05)], [0.0, 0.0, 0.0, 1.0]])
@@ -69,16 +102,12 @@ impl TaskControl {
         posture_stiffness: f64,
     ) -> PyResult<Self> {
         let own = robot.get();
-        let is_called = reference.is_callable();
-        let first = if is_called { &reference.call1((0.0,))? } else { reference };
+        let first = if reference.is_callable() { &reference.call1((0.0,))? } else { reference };
         let (place, _) = parts(first)?;
-        let function = reference.clone().unbind();
         let (shape, _) = numbers(py, "the reference", &place)?;
-        let reference = match (&shape[..], is_called) {
-            ([4, 4], true) => Leading::Pose(Followed::Called(function)),
-            ([4, 4], false) => Leading::Pose(Followed::Constant(pose_reference(first)?)),
-            ([3], true) => Leading::Position(Followed::Called(function)),
-            ([3], false) => Leading::Position(Followed::Constant(task_reference(first)?)),
+        let reference = match shape[..] {
+            [4, 4] => Leading::Pose(Followed::of(reference, pose_reference)?),
+            [3] => Leading::Position(Followed::of(reference, task_reference)?),
             _ => {
                 let found = shown(&shape);
                 let message = format!(
@@ -110,14 +139,12 @@ impl TaskControl {
         q: &Bound<'py, PyAny>,
         v: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let robot = self.robot.get();
-        torque(py, robot, &mut *self.law(py, robot)?.controller, (t, q, v))
+        torque(py, self, self.robot.get(), (t, q, v))
     }
 }
 
-impl TaskControl {
-    /// The law for this robot; an error if the controller was made for another.
-    pub(super) fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>> {
+impl Controls for TaskControl {
+    fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>> {
         check_own(py, self.robot.get(), robot)?;
         macro_rules! law {
             ($followed:expr, $read:expr) => {{
