@@ -43,19 +43,7 @@ def row(robot: Robot, name: str, given: Arrays, parameters: Any = None, **attrib
     sequence of jax.Array
         Results.
     """
-    vector, square, every = (robot.nv,), (robot.nv, robot.nv), (len(robot.parameter_names),)
-    results = {
-        "mass_matrix": (square,),
-        "mass_matrix_rate": (square,),
-        "frame_pose": ((4, 4),),
-        "frame_jacobian": ((6, robot.nv),),
-        "inverse_dynamics_derivatives": (square, square),
-        "forward_dynamics_derivatives": (square, square, square),
-        "inverse_dynamics_pullback": (vector, vector, vector),
-        "forward_dynamics_pullback": (vector, vector, vector),
-        "inverse_dynamics_pullback_with_parameters": (vector, vector, vector, every),
-        "forward_dynamics_pullback_with_parameters": (vector, vector, vector, every),
-    }.get(name, (vector,))
+    results = tuple(map(tuple, robot._result_shapes(name)))
     numbers = tuple((key, np.int64(value)) for key, value in attributes.items())
     operands = [*given] if parameters is None else [*given, parameters]
     call = Call(

@@ -1,5 +1,7 @@
 //! A row of the table.
 
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
 use robot_dynamics::model::FrameId;
 
 use super::calls::{NOT_FLOATS, length, parameters_of, robot_of};
@@ -16,10 +18,23 @@ use crate::rows::row_named;
 use crate::single_state::attempt;
 use crate::threads;
 
+#[pymethods]
+impl Robot {
+    /// The shapes of the results of a row of the table, for one state and one frame.
+    fn _result_shapes(&self, name: &str) -> PyResult<Vec<Vec<usize>>> {
+        let row = row_named(name).ok_or_else(|| PyValueError::new_err(no_such_row(name)))?;
+        Ok(row.results.iter().map(|shape| shape.dims(&self.model, 1).as_slice().to_vec()).collect())
+    }
+}
+
+fn no_such_row(name: &str) -> String {
+    format!("there is no algorithm `{name}`")
+}
+
 /// A row of the table.
 pub(crate) fn row(call: XlaCall<'_>) -> Result<(), String> {
     let name = call.text("row")?;
-    let row = row_named(name).ok_or_else(|| format!("there is no algorithm `{name}`"))?;
+    let row = row_named(name).ok_or_else(|| no_such_row(name))?;
     let robot = robot_of(&call)?;
     let frame = call.whole("frame").ok().and_then(|index| usize::try_from(index).ok());
     let frames: Vec<FrameId> = frame.and_then(|index| robot.frames.get(index)).copied().into_iter().collect();
