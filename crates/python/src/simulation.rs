@@ -101,6 +101,81 @@ impl Watch {
     }
 }
 
+/// The arguments of a run.
+struct RunPlan<'a> {
+    robot: &'a Robot,
+    steps: usize,
+    samples: SampleInterval,
+    /// Number of steps between samples; 0 keeps the first and the last state.
+    stride: usize,
+    events: Vec<EventFields>,
+    stop_at_limits: bool,
+    is_adaptive: bool,
+    /// Ends adaptive steps when it is set.
+    flag: Arc<AtomicBool>,
+}
+
+/// A run, which may have ended with an error.
+struct Recording {
+    run: Run,
+    error: Option<RunError>,
+    /// The forces of the actuators at each sample.
+    actuator_forces: Vec<f64>,
+}
+
+impl RunPlan<'_> {
+    /// Runs the simulation. An interrupt ends it with its exception.
+    fn run(
+        self,
+        py: Python<'_>,
+        simulation: &mut Simulation,
+        torques: &mut Torques<'_>,
+    ) -> PyResult<Recording> {
+        let has_callbacks = torques.is_called() || !self.events.is_empty();
+        let (is_adaptive, flag) = (self.is_adaptive, Arc::clone(&self.flag));
+        let mut watch = Watch { last: Instant::now(), steps: 0, signal: None };
+        let run = || self.run_watched(simulation, torques, &mut watch);
+        // A run that calls Python at each step keeps the interpreter's lock.
+        let recording = if has_callbacks {
+            run()
+        } else if is_adaptive {
+            interruptible_by(py, &flag, run)?
+        } else {
+            py.detach(run)
+        };
+        watch.signal.map_or(Ok(recording), Err)
+    }
+
+    fn run_watched(
+        self,
+        simulation: &mut Simulation,
+        torques: &mut Torques<'_>,
+        watch: &mut Watch,
+    ) -> Recording {
+        let Self { robot, steps, stride, .. } = self;
+        let events = &mut events_of(robot, self.events, self.stop_at_limits);
+        let mut actuator_forces = Vec::new();
+        let mut observer = |info: &StepInfo<'_>| {
+            let is_kept = info.step == steps || (stride > 0 && info.step.is_multiple_of(stride));
+            if is_kept || info.step == 0 {
+                actuator_forces.extend_from_slice(info.actuator_forces);
+            }
+            watch.look()
+        };
+        let mut options = RunOptions::new().controller(torques).events(events);
+        options.samples = self.samples;
+        // Adaptive steps check the flag. They evaluate only the samples that are kept, unless forces of
+        // actuators are kept too.
+        let is_observed = !self.is_adaptive || simulation.control_names().next().is_some();
+        let options = if is_observed { options.observer(&mut observer) } else { options };
+        let (run, error) = match simulation.run_steps(steps, options) {
+            Ok(run) => (run, None),
+            Err(failure) => (failure.until, Some(failure.error)),
+        };
+        Recording { run, error, actuator_forces }
+    }
+}
+
 /// A run's numbers.
 fn recorded<'py>(py: Python<'py>, robot: &Robot, run: &Run) -> PyResult<Bound<'py, PyDict>> {
     let (nq, nv, rows) = (robot.model.nq(), robot.model.nv(), run.trajectory.len());
@@ -136,11 +211,55 @@ fn recorded<'py>(py: Python<'py>, robot: &Robot, run: &Run) -> PyResult<Bound<'p
     )
 }
 
-/// The ground's forces, by samples and links.
-fn contact_forces<'py>(py: Python<'py>, run: &Run, links: usize) -> PyResult<Bound<'py, PyAny>> {
+/// Adds the simulation's own results: method, left-out features, limits, adaptive steps and constraints.
+fn record_simulation(py: Python<'_>, record: &Bound<'_, PyDict>, simulation: &Simulation) -> PyResult<()> {
+    record.set_item("method", simulation.method().name())?;
+    record.set_item("left_out", PyTuple::new(py, simulation.left_out())?)?;
+    record.set_item("steps_at_effort_limits", array_of_counts(py, simulation.steps_at_effort_limits())?)?;
+    if let Some(adaptive) = simulation.adaptive_record() {
+        record.set_item("statistics", statistics_of(py, adaptive)?)?;
+        record.set_item("steps", adaptive.statistics.accepted)?;
+    }
+    if let Some(constraints) = simulation.constraint_record() {
+        record.set_item("position_drift", constraints.drift.position)?;
+        record.set_item("velocity_drift", constraints.drift.velocity)?;
+        record.set_item("energy_removed", constraints.energy_removed)?;
+    }
+    Ok(())
+}
+
+/// Adds the forces of the actuators that act, by samples and actuators.
+fn record_actuators(
+    py: Python<'_>,
+    record: &Bound<'_, PyDict>,
+    simulation: &Simulation,
+    forces: &[f64],
+) -> PyResult<()> {
+    let names: Vec<&str> = simulation.control_names().collect();
+    if names.is_empty() {
+        return Ok(());
+    }
+    let shape = [forces.len() / names.len(), names.len()];
+    record.set_item("actuator_forces", outcome::filled(py, &shape, forces)?)?;
+    record.set_item("actuator_names", PyTuple::new(py, names)?)
+}
+
+/// Adds the forces of the ground, by samples and links.
+fn record_contacts(
+    py: Python<'_>,
+    record: &Bound<'_, PyDict>,
+    simulation: &Simulation,
+    run: &Run,
+) -> PyResult<()> {
+    let links = simulation.ground_links();
+    if links.is_empty() {
+        return Ok(());
+    }
     let forces: Vec<f64> =
         run.trajectory.iter().flat_map(|sample| sample.contact_forces.as_flattened().to_vec()).collect();
-    outcome::filled(py, &[run.trajectory.len(), links, 3], &forces)
+    let shape = [run.trajectory.len(), links.len(), 3];
+    record.set_item("contact_forces", outcome::filled(py, &shape, &forces)?)?;
+    record.set_item("contact_links", PyTuple::new(py, links)?)
 }
 
 /// The exception of a run that failed, with the run until then and the exception that Python itself had
@@ -198,70 +317,14 @@ impl Robot {
         let setup = setup.holding(torques.period()).interrupted_by(Arc::clone(&flag));
         let mut simulation = setup.build(py, self)?;
         let (q, v) = (configuration(py, self, q)?, vector_or_zeros(py, self, "v", v)?);
-        if let Err(error) = simulation.reset(&q, &v) {
-            return Err(Class::Simulation.error(py, error));
-        }
+        simulation.reset(&q, &v).map_err(|error| Class::Simulation.error(py, error))?;
         set_controls(self, &mut simulation, controls)?;
-        let has_callbacks = torques.is_called() || !events.is_empty();
-        let mut watch = Watch { last: Instant::now(), steps: 0, signal: None };
-        let mut actuators = Vec::new();
-        let mut run = |events: Vec<EventFields>| {
-            let events = &mut events_of(self, events, stop_at_limits);
-            let last = steps;
-            let mut observer = |info: &StepInfo<'_>| {
-                let is_kept = info.step == last || (stride > 0 && info.step.is_multiple_of(stride));
-                if is_kept || info.step == 0 {
-                    actuators.extend_from_slice(info.actuator_forces);
-                }
-                watch.look()
-            };
-            let mut options = RunOptions::new().controller(&mut torques).events(events);
-            options.samples = samples;
-            // Adaptive steps check the flag. They evaluate only the samples that are kept, unless forces of
-            // actuators are kept too.
-            let is_observed = !is_adaptive || simulation.control_names().next().is_some();
-            simulation.run_steps(steps, if is_observed { options.observer(&mut observer) } else { options })
-        };
-        // A run that calls Python at each step keeps the interpreter's lock.
-        let outcome = if has_callbacks {
-            run(events)
-        } else if is_adaptive {
-            interruptible_by(py, &flag, || run(Vec::new()))?
-        } else {
-            py.detach(|| run(Vec::new()))
-        };
-        if let Some(signal) = watch.signal {
-            return Err(signal);
-        }
-        let (run, error) = match outcome {
-            Ok(run) => (run, None),
-            Err(failure) => (failure.until, Some(failure.error)),
-        };
+        let plan = RunPlan { robot: self, steps, samples, stride, events, stop_at_limits, is_adaptive, flag };
+        let Recording { run, error, actuator_forces } = plan.run(py, &mut simulation, &mut torques)?;
         let record = recorded(py, self, &run)?;
-        record.set_item("method", simulation.method().name())?;
-        record.set_item("left_out", PyTuple::new(py, simulation.left_out())?)?;
-        record
-            .set_item("steps_at_effort_limits", array_of_counts(py, simulation.steps_at_effort_limits())?)?;
-        let names: Vec<&str> = simulation.control_names().collect();
-        if !names.is_empty() {
-            let shape = [actuators.len() / names.len(), names.len()];
-            record.set_item("actuator_forces", outcome::filled(py, &shape, &actuators)?)?;
-            record.set_item("actuator_names", PyTuple::new(py, names)?)?;
-        }
-        if let Some(adaptive) = simulation.adaptive_record() {
-            record.set_item("statistics", statistics_of(py, adaptive)?)?;
-            record.set_item("steps", adaptive.statistics.accepted)?;
-        }
-        if let Some(constraints) = simulation.constraint_record() {
-            record.set_item("position_drift", constraints.drift.position)?;
-            record.set_item("velocity_drift", constraints.drift.velocity)?;
-            record.set_item("energy_removed", constraints.energy_removed)?;
-        }
-        let links = simulation.ground_links();
-        if !links.is_empty() {
-            record.set_item("contact_forces", contact_forces(py, &run, links.len())?)?;
-            record.set_item("contact_links", PyTuple::new(py, links)?)?;
-        }
+        record_simulation(py, &record, &simulation)?;
+        record_actuators(py, &record, &simulation, &actuator_forces)?;
+        record_contacts(py, &record, &simulation, &run)?;
         match error {
             None => Ok(record),
             Some(error) => Err(failed(py, &error, record)),
