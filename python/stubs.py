@@ -290,7 +290,7 @@ def returned(name: str, doc: str, number: str) -> str:
     if name in results.BY_ALGORITHM:
         return f"{results.BY_ALGORITHM[name].__name__}[{number}]"
     # A scalar result is a number for one state and an array for many.
-    return "Any" if "→ (...) " in doc else f"NDArray[{number}]"
+    return "Any" if "\nfloat or ndarray, shape (...)\n" in doc else f"NDArray[{number}]"
 
 
 def quoted(doc: str | None, depth: int) -> str:

@@ -46,9 +46,15 @@ def example_text(name: str) -> str:
     """The file of a robot that comes with the package, as text."""
 
 def num_threads() -> int:
-    """The number of threads that compute a batch by default: one per core, or the number that `set_num_threads`
-    chose.
+    """The number of threads that compute a batch by default.
 
+    Returns
+    -------
+    int
+        One per core, or the number that `set_num_threads` chose.
+
+    Examples
+    --------
     >>> rd.num_threads() >= 1
     True
     """
@@ -59,11 +65,25 @@ def quantities() -> list[tuple[str, list[str], int]]:
     """
 
 def set_num_threads(threads: int | None, /) -> None:
-    """Chooses how many threads compute a batch by default; `None` for one per core.
+    """Chooses how many threads compute a batch by default.
 
     Results are the same bits for any number of threads. Workers of a cluster are processes side by side and
     should use one thread each.
 
+    Parameters
+    ----------
+    threads : int or None
+        Number of threads, from 1 to 4096; `None` for one per core.
+
+    Raises
+    ------
+    ValueError
+        The number is out of range.
+    TypeError
+        `threads` is not a whole number.
+
+    Examples
+    --------
     >>> rd.set_num_threads(1)
     >>> rd.num_threads()
     1
@@ -86,21 +106,79 @@ class BaseParameters:
     def names(self) -> list[str]:
         """Each combination in words, for example `upper.Iyy + fore.m`."""
     def nearest_parameters(self, values: Numbers, nominal: Numbers) -> NDArray[np.float64]:
-        """The π nearest to a given one that has these β."""
+        """Finds the π nearest to a given one that has these β.
+
+        Parameters
+        ----------
+        values : array_like, shape (combinations,)
+            β, in the order of `names`.
+        nominal : array_like, shape (10·moving links,)
+            The given π, in the order of `Robot.inertial_parameter_names` [kg, kg·m, kg·m²].
+
+        Returns
+        -------
+        ndarray, shape (10·moving links,)
+            π with these β.
+
+        Raises
+        ------
+        ShapeError
+            An array has the wrong shape.
+        IdentificationError
+            A number is not finite.
+        """
     def values(self, parameters: Numbers) -> NDArray[np.float64]:
-        """β of the given π."""
+        """Computes β = combinations · π.
+
+        Parameters
+        ----------
+        parameters : array_like, shape (10·moving links,)
+            π, in the order of `Robot.inertial_parameter_names` [kg, kg·m, kg·m²].
+
+        Returns
+        -------
+        ndarray, shape (combinations,)
+            β, in the order of `names`.
+
+        Raises
+        ------
+        ShapeError
+            The array has the wrong shape.
+        IdentificationError
+            A number is not finite.
+        """
 
 @final
 class ComputedTorque:
-    """Follows a motion: τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains. The error of
-    plain coordinates obeys ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Coordinates without a motor
-    (`robot.actuated_dofs`), as those of a floating base, have torque 0 and move freely. The others follow the
-    motion in spite of it while nothing else touches the robot.
+    """Follows a motion: τ = M(q)(aʳ + Kp (qʳ ⊖ q) + Kd (vʳ − v)) + C v + g with diagonal gains.
 
-    `reference` is the motion (q*, v*, a*), or q* alone to stand there, or a function of t that gives one of
-    these. `stiffness` Kp [1/s²] and `damping` Kd [1/s] are (nv,); Kd = 2 √Kp is critically damped.
-    `dissipation` compensates the joints' damping and friction, too. The controller is a function of (t, q,
-    v); in `simulate` it runs in the library.
+    The error of plain coordinates obeys ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Coordinates without
+    a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0 and move freely. The others
+    follow the motion in spite of it while nothing else touches the robot. The controller is a function of
+    (t, q, v); in `simulate` it runs in the library.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot to control.
+    reference : array_like, tuple of three array_like, or function
+        Reference (qʳ, vʳ, aʳ), or qʳ alone at rest, or a function of t [s] that returns one of these.
+    stiffness : array_like, shape (nv,)
+        Kp [1/s²].
+    damping : array_like, shape (nv,)
+        Kd [1/s]; Kd = 2 √Kp is critically damped.
+    dissipation : bool
+        Whether to compensate the damping and friction of the joints.
+
+    Raises
+    ------
+    StateError
+        A number is not finite, or the reference is not a configuration.
+    ShapeError
+        An array has the wrong shape.
+
+    Examples
+    --------
 
     >>> robot = rd.example("two_r")
     >>> swing = lambda t: ([np.sin(t), np.cos(t)], [np.cos(t), -np.sin(t)], [-np.sin(t), -np.cos(t)])
@@ -123,12 +201,37 @@ class Constraints:
 
 @final
 class GravityCompensatedPd:
-    """Holds a pose: τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit.
-    Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0.
+    """Holds a pose: τ = g + Kp (qʳ ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit.
 
-    `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N],
-    by default the robot's. g is taken at the `target`, or with `gravity_at="state"` at the robot's
-    configuration. The controller is a function of (t, q, v); in `simulate` it runs without Python.
+    Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0. The
+    controller is a function of (t, q, v); in `simulate` it runs in the library.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot to control.
+    target : array_like, shape (nq,)
+        Configuration qʳ to hold.
+    stiffness : array_like, shape (nv,)
+        Kp [N·m/rad or N/m].
+    damping : array_like, shape (nv,)
+        Kd [N·m·s/rad or N·s/m].
+    limits : array_like, shape (nv,), optional
+        Largest torques [N·m or N]; default: the effort limits of the robot.
+    gravity_at : {"target", "state"}
+        Configuration at which g is computed: `target`, or that of the robot.
+
+    Raises
+    ------
+    StateError
+        A number is not finite, or `target` is not a configuration.
+    ShapeError
+        An array has the wrong shape.
+    ValueError
+        A limit is negative, or `gravity_at` is unknown.
+
+    Examples
+    --------
 
     >>> robot = rd.example("panda")
     >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
@@ -143,8 +246,26 @@ class GravityCompensatedPd:
 class JointMap:
     """Converts q and v between a robot with joints locked and the whole robot.
 
-    `reference` is a configuration of the whole robot. Its locked joints stay there.
+    Parameters
+    ----------
+    full : Robot
+        The whole robot.
+    reduced : Robot
+        The part: the same robot with joints locked.
+    reference : array_like, shape (nq of the whole robot,), optional
+        Configuration in which the locked joints stay; default: that of `Robot.lock`.
 
+    Raises
+    ------
+    DescriptionError
+        The part is not the whole robot with joints locked.
+    StateError
+        `reference` is invalid.
+    ShapeError
+        `reference` has the wrong shape.
+
+    Examples
+    --------
     >>> whole = rd.example("panda")
     >>> part = whole.lock("panda_joint7")
     >>> joints = rd.JointMap(whole, part)
@@ -153,9 +274,45 @@ class JointMap:
     """
     def __new__(cls, full: Robot, reduced: Robot, reference: Numbers | None = None) -> Self: ...
     def expand_configuration(self, q: Numbers) -> NDArray[np.float64]:
-        """The whole robot's q from the part's q."""
+        """Computes the whole robot's q from the part's q.
+
+        Parameters
+        ----------
+        q : array_like, shape (nq of the part,)
+            Configuration of the part.
+
+        Returns
+        -------
+        ndarray, shape (nq of the whole robot,)
+            Configuration of the whole robot.
+
+        Raises
+        ------
+        StateError
+            `q` is invalid.
+        ShapeError
+            `q` has the wrong shape.
+        """
     def expand_velocity(self, v: Numbers) -> NDArray[np.float64]:
-        """The whole robot's v from the part's v; it is 0 for the locked joints."""
+        """Computes the whole robot's v from the part's v; it is 0 for the locked joints.
+
+        Parameters
+        ----------
+        v : array_like, shape (nv of the part,)
+            Velocity of the part [rad/s or m/s].
+
+        Returns
+        -------
+        ndarray, shape (nv of the whole robot,)
+            Velocity of the whole robot [rad/s or m/s].
+
+        Raises
+        ------
+        StateError
+            `v` is invalid.
+        ShapeError
+            `v` has the wrong shape.
+        """
     @property
     def locked_joints(self) -> list[str]:
         """The joints that are locked in the part."""
@@ -163,9 +320,45 @@ class JointMap:
     def q_indices(self) -> list[int]:
         """The indices of the part's q in the whole robot's q."""
     def restrict_configuration(self, q: Numbers) -> NDArray[np.float64]:
-        """The part's q from the whole robot's q."""
+        """Computes the part's q from the whole robot's q.
+
+        Parameters
+        ----------
+        q : array_like, shape (nq of the whole robot,)
+            Configuration of the whole robot.
+
+        Returns
+        -------
+        ndarray, shape (nq of the part,)
+            Configuration of the part.
+
+        Raises
+        ------
+        StateError
+            `q` is invalid.
+        ShapeError
+            `q` has the wrong shape.
+        """
     def restrict_velocity(self, v: Numbers) -> NDArray[np.float64]:
-        """The part's v from the whole robot's v."""
+        """Computes the part's v from the whole robot's v.
+
+        Parameters
+        ----------
+        v : array_like, shape (nv of the whole robot,)
+            Velocity of the whole robot [rad/s or m/s].
+
+        Returns
+        -------
+        ndarray, shape (nv of the part,)
+            Velocity of the part [rad/s or m/s].
+
+        Raises
+        ------
+        StateError
+            `v` is invalid.
+        ShapeError
+            `v` has the wrong shape.
+        """
     @property
     def v_indices(self) -> list[int]:
         """The indices of the part's v in the whole robot's v."""
@@ -237,6 +430,8 @@ class Robot:
         """See `project`."""
     def _report_text(self) -> str:
         """The report in the library's own words."""
+    def _result_shapes(self, name: Any) -> Any:
+        """The shapes of the results of a row of the table, for one state and one frame."""
     def _rollout(self, q: Any, v: Any, tau: Any, each_step: Any, *, steps: Any, stride: Any, threads: Any, controls: Any, **options: Any) -> Any:
         """See `rollout`."""
     def _rollout_pullback(self, q: Any, v: Any, tau: Any, by_position: Any, by_velocity: Any, trajectory: Any, *, each_step: Any, steps: Any, stride: Any, spacing: Any, parameters: Any, threads: Any, **options: Any) -> Any:
@@ -286,8 +481,33 @@ class Robot:
     def bias(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """C(q, v) v + g(q): everything of the equation of motion but inertia and dissipation.
 
-        q (..., nq), v (..., nv) → (..., nv) [N·m or N].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (..., nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., nv)
+            C v + g [N·m or N].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
         >>> bool(np.allclose(robot.bias(q, v), robot.coriolis_matrix(q, v) @ v + robot.gravity(q)))
         True
@@ -298,8 +518,31 @@ class Robot:
     def center_of_mass(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """The centre of mass, in the world.
 
-        q (..., nq) → (..., 3) [m].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        out : ndarray, shape (..., 3), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Position in the world [m].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> rd.example("two_r").center_of_mass([0.0, 0.0]).round(12)  # (2 · 0.5 + 1 · 1.5) / 3
         array([0.83333333, 0.        , 0.        ])
         """
@@ -309,8 +552,33 @@ class Robot:
     def center_of_mass_bias_acceleration(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """J̇ v of `center_of_mass_jacobian`: the acceleration of the centre of mass without a.
 
-        q (..., nq), v (..., nv) → (..., 3) [m/s²].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (..., 3), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Acceleration, along the world's axes [m/s²].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> rd.example("two_r").center_of_mass_bias_acceleration([0.0, 0.0], [1.2, 0.0]).round(12)
         array([-1.2,  0. ,  0. ])
         """
@@ -320,8 +588,31 @@ class Robot:
     def center_of_mass_jacobian(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """The Jacobian of the centre of mass, along the world's axes.
 
-        q (..., nq) → (..., 3, nv).
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        out : ndarray, shape (..., 3, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., 3, nv)
+            J, along the world's axes.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
         >>> bool(np.allclose(robot.center_of_mass_jacobian(q) @ v, robot.center_of_mass_velocity(q, v)))
         True
@@ -332,8 +623,33 @@ class Robot:
     def center_of_mass_velocity(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """The velocity of the centre of mass, along the world's axes.
 
-        q (..., nq), v (..., nv) → (..., 3) [m/s].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (..., 3), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Velocity, along the world's axes [m/s].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> rd.example("two_r").center_of_mass_velocity([0.0, 0.0], [1.2, 0.0]).round(12)  # upwards
         array([0., 0., 1.])
         """
@@ -343,8 +659,35 @@ class Robot:
     def center_of_mass_velocity_derivative(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """∂(center_of_mass_velocity)/∂q.
 
-        q (..., nq), v (..., nv) → (..., 3, nv), by q as displacements q ⊕ δq.
+        Derivatives by q are by displacements q ⊕ δq.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (..., 3, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., 3, nv)
+            Derivative by q, along the world's axes.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> rd.example("two_r").center_of_mass_velocity_derivative([0.0, 0.0], [1.2, 0.0])[0].round(12)
         array([-1. , -0.2])
         """
@@ -354,8 +697,33 @@ class Robot:
     def centroidal_momentum(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """h = A_G v: linear momentum, and angular momentum about the centre of mass, along the world's axes.
 
-        q (..., nq), v (..., nv) → (..., 6), linear [kg·m/s] then angular [kg·m²/s].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (..., 6), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., 6)
+            Linear [kg·m/s], then angular [kg·m²/s], along the world's axes.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot = rd.example("quadruped", floating_base=True)
         >>> v = np.zeros(robot.nv); v[0] = 2.0  # forward along x
         >>> bool(np.isclose(robot.centroidal_momentum(robot.neutral(), v)[0], 2.0 * robot.mass))
@@ -367,8 +735,33 @@ class Robot:
     def centroidal_momentum_bias_rate(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """Ȧ_G v: the rate of the centroidal momentum without accelerations.
 
-        q (..., nq), v (..., nv) → (..., 6), linear [N] then angular [N·m].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (..., 6), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., 6)
+            Linear [N], then angular [N·m], along the world's axes.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot = rd.example("panda")
         >>> robot.centroidal_momentum_bias_rate(np.zeros(7), np.zeros(7)) @ np.ones(6)
         np.float64(0.0)
@@ -379,8 +772,31 @@ class Robot:
     def centroidal_momentum_matrix(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """The matrix A_G of h = A_G(q) v, the momentum about the centre of mass along the world's axes.
 
-        q (..., nq) → (..., 6, nv), rows linear then angular.
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        out : ndarray, shape (..., 6, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., 6, nv)
+            A_G, linear rows, then angular rows.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("panda"), np.zeros(7), np.ones(7)
         >>> bool(np.allclose(robot.centroidal_momentum_matrix(q) @ v, robot.centroidal_momentum(q, v)))
         True
@@ -391,8 +807,35 @@ class Robot:
     def centroidal_momentum_rate(self, q: Numbers, v: Numbers, a: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """ḣ, the rate of the centroidal momentum: gravity and all forces from outside.
 
-        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [N] then angular [N·m].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        a : array_like, shape (..., nv)
+            Acceleration [rad/s² or m/s²].
+        out : ndarray, shape (..., 6), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., 6)
+            Linear [N], then angular [N·m], along the world's axes.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("panda"), np.zeros(7), np.ones(7)
         >>> rate = robot.centroidal_momentum_rate(q, v, np.zeros(7))
         >>> bool(np.allclose(rate, robot.centroidal_momentum_bias_rate(q, v)))
@@ -404,8 +847,33 @@ class Robot:
     def christoffel_symbols(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """Γⁱⱼₖ = ½(∂M_ij/∂qₖ + ∂M_ik/∂qⱼ − ∂M_jk/∂qᵢ), the Christoffel symbols of the first kind.
 
-        q (..., nq) → (..., nv, nv, nv); C_ij = Σₖ Γⁱⱼₖ vₖ.
+        C_ij = Σₖ Γⁱⱼₖ vₖ.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        out : ndarray, shape (..., nv, nv, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., nv, nv, nv)
+            Γ with the indices i, j, k.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
         >>> bool(np.allclose(robot.christoffel_symbols(q) @ v, robot.coriolis_matrix(q, v)))
         True
@@ -419,8 +887,35 @@ class Robot:
     def coriolis_matrix(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """C(q, v) of the Christoffel symbols: Ṁ − 2C is skew-symmetric.
 
-        q (..., nq), v (..., nv) → (..., nv, nv); C v are the centrifugal and Coriolis forces.
+        C v are the centrifugal and Coriolis forces.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (..., nv, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., nv, nv)
+            C(q, v).
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
         >>> S = robot.mass_matrix_rate(q, v) - 2 * robot.coriolis_matrix(q, v)
         >>> bool(np.allclose(S, -S.T))
@@ -433,8 +928,33 @@ class Robot:
         """Converts a gradient by the numbers of q to the gradient by displacements q ⊕ δ. This is right for any
         function, whatever it does with quaternions that are not of length 1.
 
-        q (..., nq), coordinates (..., nq) → (..., nv).
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        coordinates : array_like, shape (..., nq)
+            Gradient by the numbers of q.
+        out : ndarray, shape (..., nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., nv)
+            Gradient by displacements.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot = rd.example("two_r")
         >>> robot.cotangent_from_coordinates([0.3, 1.2], [5.0, 6.0])
         array([5., 6.])
@@ -447,8 +967,33 @@ class Robot:
         depend only on the direction of each quaternion, as those of this package do. Then x̄ = R ū and q̄ = 2
         q ⊗ (w̄, 0)/|q|²; for other coordinates the numbers are the same.
 
-        q (..., nq), cotangent (..., nv) → (..., nq).
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        cotangent : array_like, shape (..., nv)
+            Gradient, one number for each degree of freedom.
+        out : ndarray, shape (..., nq), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., nq)
+            Gradient by the numbers of q.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot = rd.example("quadruped", floating_base=True)
         >>> cotangent = np.arange(robot.nv) + 1.0
         >>> robot.cotangent_to_coordinates(robot.neutral(), cotangent)[:6]
@@ -460,8 +1005,33 @@ class Robot:
     def difference(self, q0: Numbers, q1: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """q1 ⊖ q0: the displacement d with q0 ⊕ d = q1, the shortest way.
 
-        q0 (..., nq), q1 (..., nq) → (..., nv).
+        Parameters
+        ----------
+        q0 : array_like, shape (..., nq)
+            Configuration at the start.
+        q1 : array_like, shape (..., nq)
+            Configuration at the end.
+        out : ndarray, shape (..., nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., nv)
+            Displacement d [rad or m].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot = rd.example("quadruped", floating_base=True)
         >>> q0, d = robot.neutral(), np.full(robot.nv, 0.1)
         >>> bool(np.allclose(robot.difference(q0, robot.integrate(q0, d)), d))
@@ -473,8 +1043,31 @@ class Robot:
     def dissipation(self, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """b(v) = damping · v + friction · sign v of the joints, which resists the motion: M a + C v + g + b = τ.
 
-        v (..., nv) → (..., nv) [N·m or N].
+        Parameters
+        ----------
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (..., nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., nv)
+            b(v) [N·m or N].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> rd.example("two_r").dissipation([1.0, -2.0]).shape
         (2,)
         """
@@ -485,8 +1078,34 @@ class Robot:
         """λᵀ ∂b/∂v and λᵀ ∂b/∂p of `dissipation` b(v) for a cotangent λ of b, where p are the `parameters()`.
         For each joint they are λ v by its damping and λ sign v by its friction; the sign is held constant.
 
-        v (..., nv), cotangent (..., nv) → `by_velocity` (..., nv), `by_parameters` (..., parameters).
+        Parameters
+        ----------
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        cotangent : array_like, shape (..., nv)
+            Gradient, one number for each degree of freedom.
+        out : tuple of ndarray, optional
+            Arrays that receive the results.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        DissipationPullback
+            `by_velocity` (..., nv): λᵀ ∂b/∂v.
+            `by_parameters` (..., parameters): λᵀ ∂b/∂p, named by `parameter_names`.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot = rd.example("two_r")
         >>> gradient = robot.dissipation_pullback([1.0, -2.0], [0.0, 5.0])
         >>> gradient.by_parameters[robot.parameter_names.index("elbow.damping")]
@@ -503,10 +1122,37 @@ class Robot:
     def forward_dynamics(self, q: Numbers, v: Numbers, tau: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """a = M⁻¹(τ − C v − g): the acceleration under generalized forces (articulated bodies).
 
-        q (..., nq), v (..., nv), tau (..., nv) [N·m or N] → (..., nv) [rad/s² or m/s²].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        tau : array_like, shape (..., nv)
+            Torques [N·m or N].
+        out : ndarray, shape (..., nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
-        Raises SingularMassError where joints move no inertia.
+        Returns
+        -------
+        ndarray, shape (..., nv)
+            Acceleration a [rad/s² or m/s²].
 
+        Raises
+        ------
+        SingularMassError
+            M(q) is singular.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> robot.forward_dynamics(q, v, robot.inverse_dynamics(q, v, a)).round(9)
         array([3., 4.])
@@ -517,9 +1163,41 @@ class Robot:
     def forward_dynamics_derivatives(self, q: Numbers, v: Numbers, tau: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> ForwardDynamicsDerivatives[np.float64]:
         """∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹ of a(q, v, τ).
 
-        q (..., nq), v (..., nv), tau (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv,
-        nv); by q as in `inverse_dynamics_derivatives`.
+        Derivatives by q are those of `inverse_dynamics_derivatives`.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        tau : array_like, shape (..., nv)
+            Torques [N·m or N].
+        out : tuple of ndarray, optional
+            Arrays that receive the results.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ForwardDynamicsDerivatives
+            `by_position` (..., nv, nv): ∂a/∂q.
+            `by_velocity` (..., nv, nv): ∂a/∂v.
+            `by_force` (..., nv, nv): ∂a/∂τ.
+
+        Raises
+        ------
+        SingularMassError
+            M(q) is singular.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0]
         >>> slopes = robot.forward_dynamics_derivatives(q, v, v)
         >>> bool(np.allclose(slopes.by_force, robot.inverse_mass_matrix(q)))
@@ -532,10 +1210,43 @@ class Robot:
         """λᵀ ∂a/∂q, λᵀ ∂a/∂v and λᵀ ∂a/∂τ of a(q, v, τ) for a cotangent λ of a. The cost is O(n); neither M nor
         a Jacobian is formed.
 
-        q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
-        `by_force`, each (..., nv); by q as in `inverse_dynamics_pullback`. Raises SingularMassError where
-        joints move no inertia.
+        Gradients by q are those of `inverse_dynamics_pullback`.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        tau : array_like, shape (..., nv)
+            Torques [N·m or N].
+        cotangent : array_like, shape (..., nv)
+            Gradient, one number for each degree of freedom.
+        out : tuple of ndarray, optional
+            Arrays that receive the results.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ForwardDynamicsPullback
+            `by_position` (..., nv): λᵀ ∂a/∂q.
+            `by_velocity` (..., nv): λᵀ ∂a/∂v.
+            `by_force` (..., nv): λᵀ M⁻¹.
+
+        Raises
+        ------
+        SingularMassError
+            M(q) is singular.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> gradient = robot.forward_dynamics_pullback(q, v, tau, [1.0, 0.0])
         >>> bool(np.allclose(gradient.by_force, robot.inverse_mass_matrix(q)[0]))
@@ -548,10 +1259,42 @@ class Robot:
         """`forward_dynamics_pullback` with λᵀ ∂a/∂p for the `parameters()` p, too. For the inertial ones it is
         −(M⁻¹λ)ᵀY with the `joint_torque_regressor` Y, which is not formed.
 
-        q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
-        `by_force`, each (..., nv), and `by_parameters` (..., parameters), a row per state, named by
-        `parameter_names`. Raises SingularMassError where joints move no inertia.
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        tau : array_like, shape (..., nv)
+            Torques [N·m or N].
+        cotangent : array_like, shape (..., nv)
+            Gradient, one number for each degree of freedom.
+        out : tuple of ndarray, optional
+            Arrays that receive the results.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ForwardDynamicsPullbackWithParameters
+            `by_position` (..., nv): λᵀ ∂a/∂q.
+            `by_velocity` (..., nv): λᵀ ∂a/∂v.
+            `by_force` (..., nv): λᵀ M⁻¹.
+            `by_parameters` (..., parameters): λᵀ ∂a/∂p, named by `parameter_names`.
+
+        Raises
+        ------
+        SingularMassError
+            M(q) is singular.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> gradient = robot.forward_dynamics_pullback_with_parameters(q, v, tau, [1.0, 0.0])
         >>> Y = robot.joint_torque_regressor(q, v, robot.forward_dynamics(q, v, tau))
@@ -565,13 +1308,50 @@ class Robot:
         """A frame's acceleration: the time derivative of the numbers of `frame_velocity` in the same reference
         frame, J a + J̇ v. It does not include gravity.
 
-        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
         In ``"local_world_aligned"`` it is p̈, the classical acceleration of the frame's origin. In
         ``"local"`` it is the spatial acceleration p̈ − ω × ṗ along the frame's axes, and in ``"world"`` that
         at the world's origin. These two equal Pinocchio's ``getFrameAcceleration``. Its
         ``getFrameAcceleration(LOCAL_WORLD_ALIGNED)`` is p̈ − ω × ṗ; its
         ``getFrameClassicalAcceleration(LOCAL_WORLD_ALIGNED)`` equals this function.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        a : array_like, shape (..., nv)
+            Acceleration [rad/s² or m/s²].
+        frame : str or int
+            Name of the frame, or its index in `frame_names`.
+        reference_frame : {"local", "world", "local_world_aligned"}
+            ``local`` is the frame's axes and its origin, ``world`` the world's axes and the world's origin,
+            ``local_world_aligned`` the world's axes and the frame's origin.
+        out : ndarray, shape (..., 6), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., 6)
+            Linear [m/s²], then angular [rad/s²].
+
+        Raises
+        ------
+        FrameError
+            The frame does not exist.
+        ValueError
+            `reference_frame` is unknown.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
         >>> robot.frame_acceleration(zero, [1.0, 0.0], zero, "tip").round(12)[:2]  # −ω² r
         array([-2.,  0.])
@@ -586,8 +1366,47 @@ class Robot:
     def frame_acceleration_derivatives(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> FrameAccelerationDerivatives[np.float64]:
         """∂/∂q and ∂/∂v of `frame_acceleration` in the same reference frame; ∂/∂a is `frame_jacobian`.
 
-        q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., 6, nv).
+        Derivatives by q are by displacements q ⊕ δq.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        a : array_like, shape (..., nv)
+            Acceleration [rad/s² or m/s²].
+        frame : str or int
+            Name of the frame, or its index in `frame_names`.
+        reference_frame : {"local", "world", "local_world_aligned"}
+            ``local`` is the frame's axes and its origin, ``world`` the world's axes and the world's origin,
+            ``local_world_aligned`` the world's axes and the frame's origin.
+        out : tuple of ndarray, optional
+            Arrays that receive the results.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        FrameAccelerationDerivatives
+            `by_position` (..., 6, nv): derivative by q.
+            `by_velocity` (..., 6, nv): derivative by v.
+
+        Raises
+        ------
+        FrameError
+            The frame does not exist.
+        ValueError
+            `reference_frame` is unknown.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
         >>> robot.frame_acceleration_derivatives(zero, [1.0, 0.0], zero, "tip").by_velocity[0].round(12)
         array([-4., -2.])
@@ -600,8 +1419,42 @@ class Robot:
     def frame_bias_acceleration(self, q: Numbers, v: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """J̇ v of `frame_jacobian` in the same reference frame: `frame_acceleration` at a = 0.
 
-        q (..., nq), v (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        frame : str or int
+            Name of the frame, or its index in `frame_names`.
+        reference_frame : {"local", "world", "local_world_aligned"}
+            ``local`` is the frame's axes and its origin, ``world`` the world's axes and the world's origin,
+            ``local_world_aligned`` the world's axes and the frame's origin.
+        out : ndarray, shape (..., 6), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., 6)
+            Linear [m/s²], then angular [rad/s²].
+
+        Raises
+        ------
+        FrameError
+            The frame does not exist.
+        ValueError
+            `reference_frame` is unknown.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot = rd.example("two_r")
         >>> robot.frame_bias_acceleration([0.0, 0.0], [1.0, 0.0], "tip").round(12)[:2]
         array([-2.,  0.])
@@ -614,10 +1467,42 @@ class Robot:
     def frame_jacobian(self, q: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """A frame's Jacobian J: `frame_velocity` is J v in the same reference frame.
 
-        q (..., nq) → (..., 6, nv), rows linear then angular. `reference_frame`: ``"local"`` is the frame's
-        axes and its origin, ``"world"`` the world's axes and the world's origin, ``"local_world_aligned"``
-        the world's axes and the frame's origin. Pinocchio has the same names.
+        Pinocchio has the same reference frames by the same names.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        frame : str or int
+            Name of the frame, or its index in `frame_names`.
+        reference_frame : {"local", "world", "local_world_aligned"}
+            ``local`` is the frame's axes and its origin, ``world`` the world's axes and the world's origin,
+            ``local_world_aligned`` the world's axes and the frame's origin.
+        out : ndarray, shape (..., 6, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., 6, nv)
+            J, linear rows, then angular rows.
+
+        Raises
+        ------
+        FrameError
+            The frame does not exist.
+        ValueError
+            `reference_frame` is unknown.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q = rd.example("two_r"), [0.0, np.pi / 2]
         >>> robot.frame_jacobian(q, "tip")[[0, 2]].round(12) + 0.0  # along x, and up
         array([[-1., -1.],
@@ -640,8 +1525,35 @@ class Robot:
     def frame_pose(self, q: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """`world_from_frame` of one frame, as a homogeneous matrix [R p; 0 1]: x_world = R x_frame + p.
 
-        q (..., nq) → (..., 4, 4).
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        frame : str or int
+            Name of the frame, or its index in `frame_names`.
+        out : ndarray, shape (..., 4, 4), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., 4, 4)
+            `world_from_frame`.
+
+        Raises
+        ------
+        FrameError
+            The frame does not exist.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> rd.example("two_r").frame_pose([0.0, np.pi / 2], "tip")[:3, 3].round(12)
         array([1., 0., 1.])
         """
@@ -651,8 +1563,36 @@ class Robot:
     def frame_poses(self, q: Numbers, frames: Sequence[str | int] | None = None, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """`world_from_frame` of frames, as homogeneous matrices [R p; 0 1]: x_world = R x_frame + p.
 
-        q (..., nq) → (..., frames, 4, 4). `frames` lists names or indices; without it all frames, in the
-        order of `frame_names`.
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        frames : sequence of str or int, optional
+            Names of frames, or their indices in `frame_names`; default: all frames, in the order of
+            `frame_names`.
+        out : ndarray, shape (..., frames, 4, 4), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., frames, 4, 4)
+            `world_from_frame` of each frame.
+
+        Raises
+        ------
+        FrameError
+            A frame does not exist.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
 
         >>> robot = rd.example("two_r")
         >>> robot.frame_poses([0.0, np.pi / 2], ["tip"])[0, :3, 3].round(12)  # 1 m along x, then 1 m up
@@ -664,10 +1604,46 @@ class Robot:
     def frame_velocity(self, q: Numbers, v: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """A frame's velocity: J v with J of `frame_jacobian` in the same reference frame.
 
-        q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s]. By `reference_frame`,
-        ``"local"`` is ṗ of the frame's origin p and ω along the frame's axes, and ``"local_world_aligned"``
-        both along the world's axes. In ``"world"`` they are ṗ − ω × p and ω along the world's axes.
+        By `reference_frame`, ``"local"`` is ṗ of the frame's origin p and ω along the frame's axes, and
+        ``"local_world_aligned"`` both along the world's axes. In ``"world"`` they are ṗ − ω × p and ω along
+        the world's axes.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        frame : str or int
+            Name of the frame, or its index in `frame_names`.
+        reference_frame : {"local", "world", "local_world_aligned"}
+            ``local`` is the frame's axes and its origin, ``world`` the world's axes and the world's origin,
+            ``local_world_aligned`` the world's axes and the frame's origin.
+        out : ndarray, shape (..., 6), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., 6)
+            Linear [m/s], then angular [rad/s].
+
+        Raises
+        ------
+        FrameError
+            The frame does not exist.
+        ValueError
+            `reference_frame` is unknown.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("two_r"), [0.0, np.pi / 2], [1.0, 0.5]
         >>> bool(np.allclose(robot.frame_velocity(q, v, "tip"), robot.frame_jacobian(q, "tip") @ v))
         True
@@ -682,8 +1658,44 @@ class Robot:
     def frame_velocity_derivative(self, q: Numbers, v: Numbers, frame: str | int, reference_frame: ReferenceFrame = 'local_world_aligned', *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """∂/∂q of `frame_velocity` in the same reference frame; ∂/∂v is `frame_jacobian`.
 
-        q (..., nq), v (..., nv) → (..., 6, nv), by q as displacements q ⊕ δq.
+        Derivatives by q are by displacements q ⊕ δq.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        frame : str or int
+            Name of the frame, or its index in `frame_names`.
+        reference_frame : {"local", "world", "local_world_aligned"}
+            ``local`` is the frame's axes and its origin, ``world`` the world's axes and the world's origin,
+            ``local_world_aligned`` the world's axes and the frame's origin.
+        out : ndarray, shape (..., 6, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., 6, nv)
+            Derivative by q, linear rows, then angular rows.
+
+        Raises
+        ------
+        FrameError
+            The frame does not exist.
+        ValueError
+            `reference_frame` is unknown.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot = rd.example("two_r")
         >>> robot.frame_velocity_derivative([0.0, 0.0], [1.0, 0.0], "tip")[0].round(12)
         array([-2., -1.])
@@ -697,8 +1709,31 @@ class Robot:
         """g(q) = ∂V/∂q: the forces that hold it still, springs of the joints included. `gravity_vector` is the
         field's acceleration.
 
-        q (..., nq) → (..., nv) [N·m or N].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        out : ndarray, shape (..., nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., nv)
+            g(q) [N·m or N].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot = rd.example("two_r")  # two rods of 1 m, 2 kg and 1 kg
         >>> robot.gravity([np.pi / 4, np.pi / 2]).round(4)
         array([10.4051, -3.4684])
@@ -709,8 +1744,33 @@ class Robot:
     def gravity_derivative(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """∂g/∂q, the Hessian of V.
 
-        q (..., nq) → (..., nv, nv), by q as in `inverse_dynamics_derivatives`.
+        Derivatives by q are those of `inverse_dynamics_derivatives`.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        out : ndarray, shape (..., nv, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., nv, nv)
+            Symmetric for joints of one coordinate.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> rd.example("two_r").gravity_derivative([np.pi / 2, 0.0]).round(3)  # upright
         array([[-24.525,  -4.905],
                [ -4.905,  -4.905]])
@@ -742,9 +1802,35 @@ class Robot:
     def integrate(self, q: Numbers, d: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """q ⊕ d: the configuration reached by moving along d, a velocity times a time.
 
-        q (..., nq), d (..., nv) → (..., nq). For angles and lengths q + d; quaternions turn about d in the
-        body's axes.
+        It is q + d for angles and lengths; quaternions turn about d in the body's axes.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        d : array_like, shape (..., nv)
+            Displacement, a velocity times a time [rad or m].
+        out : ndarray, shape (..., nq), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., nq)
+            Configuration.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> rd.example("two_r").integrate([0.3, 1.2], [0.1, -0.2]).round(12)
         array([0.4, 1. ])
         """
@@ -754,8 +1840,35 @@ class Robot:
     def interpolate(self, q0: Numbers, q1: Numbers, s: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """q0 ⊕ s (q1 ⊖ q0): the configuration at s on the shortest way, 0 at q0 and 1 at q1.
 
-        q0 (..., nq), q1 (..., nq), s (...) → (..., nq).
+        Parameters
+        ----------
+        q0 : array_like, shape (..., nq)
+            Configuration at the start.
+        q1 : array_like, shape (..., nq)
+            Configuration at the end.
+        s : array_like, shape (...)
+            Fraction of the way: 0 at `q0`, 1 at `q1`.
+        out : ndarray, shape (..., nq), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., nq)
+            Configuration.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> rd.example("two_r").interpolate([0.0, 0.0], [1.0, -2.0], 0.5)
         array([ 0.5, -1. ])
         """
@@ -765,9 +1878,37 @@ class Robot:
     def inverse_dynamics(self, q: Numbers, v: Numbers, a: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """τ = M(q) a + C(q, v) v + g(q): the generalized forces of a motion (recursive Newton–Euler).
 
-        q (..., nq), v (..., nv), a (..., nv) → (..., nv) [N·m or N]. Damping and friction are not in it: see
-        `dissipation`.
+        Damping and friction are not in it: see `dissipation`.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        a : array_like, shape (..., nv)
+            Acceleration [rad/s² or m/s²].
+        out : ndarray, shape (..., nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., nv)
+            Generalized forces τ [N·m or N].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("panda"), np.zeros((1000, 7)), np.zeros(7)
         >>> robot.inverse_dynamics(q, v, v).shape
         (1000, 7)
@@ -778,9 +1919,39 @@ class Robot:
     def inverse_dynamics_derivatives(self, q: Numbers, v: Numbers, a: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> InverseDynamicsDerivatives[np.float64]:
         """∂τ/∂q and ∂τ/∂v of τ(q, v, a); ∂τ/∂a is M.
 
-        q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., nv, nv). By q means
-        by displacements, q ⊕ δq: the same for joints of one coordinate, in nv numbers for quaternions.
+        Derivatives by q are by displacements q ⊕ δq: the same as by q for joints of one coordinate, in nv
+        numbers for quaternions.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        a : array_like, shape (..., nv)
+            Acceleration [rad/s² or m/s²].
+        out : tuple of ndarray, optional
+            Arrays that receive the results.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        InverseDynamicsDerivatives
+            `by_position` (..., nv, nv): ∂τ/∂q.
+            `by_velocity` (..., nv, nv): ∂τ/∂v.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0]
         >>> slopes = robot.inverse_dynamics_derivatives(q, v, v)
         >>> bool(np.allclose(slopes.by_position, robot.gravity_derivative(q)))  # at rest
@@ -793,10 +1964,41 @@ class Robot:
         """λᵀ ∂τ/∂q, λᵀ ∂τ/∂v and λᵀ ∂τ/∂a of τ(q, v, a) for a cotangent λ of τ, as reverse differentiation needs
         them. The cost is O(n); no Jacobian is formed.
 
-        q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
-        `by_acceleration`, each (..., nv). By q means by displacements q ⊕ δq; `cotangent_to_coordinates`
-        gives them by the numbers of q.
+        Gradients by q are by displacements q ⊕ δq; `cotangent_to_coordinates` gives them by the numbers of q.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        a : array_like, shape (..., nv)
+            Acceleration [rad/s² or m/s²].
+        cotangent : array_like, shape (..., nv)
+            Gradient, one number for each degree of freedom.
+        out : tuple of ndarray, optional
+            Arrays that receive the results.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        InverseDynamicsPullback
+            `by_position` (..., nv): λᵀ ∂τ/∂q.
+            `by_velocity` (..., nv): λᵀ ∂τ/∂v.
+            `by_acceleration` (..., nv): λᵀ M.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> gradient = robot.inverse_dynamics_pullback(q, v, a, [1.0, 0.0])  # of the first joint's torque
         >>> bool(np.allclose(gradient.by_position, robot.inverse_dynamics_derivatives(q, v, a).by_position[0]))
@@ -809,11 +2011,43 @@ class Robot:
         """`inverse_dynamics_pullback` with λᵀ ∂τ/∂p for the `parameters()` p, too. For the inertial ones it is
         λᵀY with the `joint_torque_regressor` Y, which is not formed.
 
-        q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`,
-        `by_acceleration`, each (..., nv), and `by_parameters` (..., parameters), a row per state, named by
-        `parameter_names`. Damping and friction are not in τ, so their gradients are 0. Those of `dissipation`
-        are λ v and λ sign v.
+        Damping and friction are not in τ, so their gradients are 0. Those of `dissipation` are λ v and λ sign
+        v.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        a : array_like, shape (..., nv)
+            Acceleration [rad/s² or m/s²].
+        cotangent : array_like, shape (..., nv)
+            Gradient, one number for each degree of freedom.
+        out : tuple of ndarray, optional
+            Arrays that receive the results.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        InverseDynamicsPullbackWithParameters
+            `by_position` (..., nv): λᵀ ∂τ/∂q.
+            `by_velocity` (..., nv): λᵀ ∂τ/∂v.
+            `by_acceleration` (..., nv): λᵀ M.
+            `by_parameters` (..., parameters): λᵀ ∂τ/∂p, named by `parameter_names`.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> gradient = robot.inverse_dynamics_pullback_with_parameters(q, v, a, [1.0, 0.0])
         >>> bool(np.allclose(gradient.by_parameters[:20], robot.joint_torque_regressor(q, v, a)[0]))
@@ -823,10 +2057,35 @@ class Robot:
     def inverse_mass_matrix(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
     def inverse_mass_matrix(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
-        """M(q)⁻¹.
+        """M(q)⁻¹, the inverse of the mass matrix.
 
-        q (..., nq) → (..., nv, nv), symmetric. Raises SingularMassError where joints move no inertia.
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        out : ndarray, shape (..., nv, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., nv, nv)
+            Symmetric.
+
+        Raises
+        ------
+        SingularMassError
+            M(q) is singular.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q = rd.example("two_r"), [0.3, 1.2]
         >>> bool(np.allclose(robot.inverse_mass_matrix(q) @ robot.mass_matrix(q), np.eye(2)))
         True
@@ -837,8 +2096,35 @@ class Robot:
     def joint_torque_regressor(self, q: Numbers, v: Numbers, a: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """Y of τ = Y(q, v, a) π, π being the `inertial_parameters`, ten for each link that moves.
 
-        q (..., nq), v (..., nv), a (..., nv) → (..., nv, 10·moving links).
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        a : array_like, shape (..., nv)
+            Acceleration [rad/s² or m/s²].
+        out : ndarray, shape (..., nv, 10·moving links), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., nv, 10·moving links)
+            Y, ten columns for each moving link.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> Y = robot.joint_torque_regressor(q, v, a)
         >>> bool(np.allclose(Y @ robot.inertial_parameters, robot.inverse_dynamics(q, v, a)))
@@ -850,8 +2136,33 @@ class Robot:
     def kinetic_energy(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> Any:
         """K = ½ vᵀM(q) v, the kinetic energy.
 
-        q (..., nq), v (..., nv) → (...) [J].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (...), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        float or ndarray, shape (...)
+            K [J].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], np.array([1.0, -2.0])
         >>> bool(np.isclose(robot.kinetic_energy(q, v), 0.5 * v @ robot.mass_matrix(q) @ v))
         True
@@ -862,8 +2173,35 @@ class Robot:
     def kinetic_energy_gradient(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """∂K/∂q at constant v.
 
-        q (..., nq), v (..., nv) → (..., nv), by q as in `inverse_dynamics_derivatives`.
+        Derivatives by q are those of `inverse_dynamics_derivatives`.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (..., nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., nv)
+            ∂K/∂q [N·m or N].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
         >>> float(robot.kinetic_energy_gradient(q, v)[0].round(12))  # nothing depends on where the first rod points
         0.0
@@ -874,8 +2212,33 @@ class Robot:
     def kinetic_energy_regressor(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """The row y of K = y(q, v) π.
 
-        q (..., nq), v (..., nv) → (..., 10·moving links).
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (..., 10·moving links), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., 10·moving links)
+            y, ten numbers for each moving link.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
         >>> y = robot.kinetic_energy_regressor(q, v)
         >>> bool(np.isclose(y @ robot.inertial_parameters, robot.kinetic_energy(q, v)))
@@ -892,8 +2255,31 @@ class Robot:
     def mass_matrix(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """M(q), the mass matrix: K = ½ vᵀM v.
 
-        q (..., nq) → (..., nv, nv), symmetric [kg·m², kg·m, kg].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        out : ndarray, shape (..., nv, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., nv, nv)
+            Symmetric [kg·m², kg·m, kg].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot = rd.example("two_r")
         >>> M = robot.mass_matrix([0.3, 1.2])
         >>> bool(np.all(np.linalg.eigvalsh(M) > 0)), bool(np.allclose(M, M.T))
@@ -906,10 +2292,36 @@ class Robot:
         """The factor of M(q) = LᵀDL: L below the diagonal (its own diagonal is 1), D on the diagonal, zeros
         above it.
 
-        q (..., nq) → (..., nv, nv). L is zero where M is zero because neither of two degrees of freedom moves
-        the other. The cost of solving therefore grows with nv times the depth of the tree. The product of the
-        diagonal is det M. Raises SingularMassError where joints move no inertia.
+        L is zero where M is zero because neither of two degrees of freedom moves the other. The cost of
+        solving therefore grows with nv times the depth of the tree. The product of the diagonal is det M.
 
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        out : ndarray, shape (..., nv, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
+
+        Returns
+        -------
+        ndarray, shape (..., nv, nv)
+            L below the diagonal, D on it.
+
+        Raises
+        ------
+        SingularMassError
+            M(q) is singular.
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> factor = rd.example("two_r").mass_matrix_factor([0.3, 1.2])
         >>> l, d = np.tril(factor, -1) + np.eye(2), np.diag(factor.diagonal())
         >>> bool(np.allclose(l.T @ d @ l, rd.example("two_r").mass_matrix([0.3, 1.2])))
@@ -921,8 +2333,33 @@ class Robot:
     def mass_matrix_rate(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """Ṁ: the rate of M(q) along a motion.
 
-        q (..., nq), v (..., nv) → (..., nv, nv).
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (..., nv, nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., nv, nv)
+            Ṁ [kg·m²/s, kg·m/s, kg/s].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("two_r"), np.array([0.3, 1.2]), np.array([1.0, -2.0])
         >>> ahead, behind = robot.mass_matrix(q + 1e-6 * v), robot.mass_matrix(q - 1e-6 * v)
         >>> bool(np.allclose(robot.mass_matrix_rate(q, v), (ahead - behind) / 2e-6, atol=1e-8))
@@ -937,8 +2374,33 @@ class Robot:
     def momentum(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """p = M(q) v, the generalized momentum.
 
-        q (..., nq), v (..., nv) → (..., nv) [kg·m²/s or kg·m/s].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (..., nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., nv)
+            p [kg·m²/s or kg·m/s].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
         >>> bool(np.allclose(robot.momentum(q, v), robot.mass_matrix(q) @ v))
         True
@@ -960,7 +2422,15 @@ class Robot:
         True
         """
     def neutral(self) -> NDArray[np.float64]:
-        """The configuration in which every coordinate is 0 and every quaternion the identity, (nq,).
+        """The configuration in which every coordinate is 0 and every quaternion the identity.
+
+        Returns
+        -------
+        ndarray, shape (nq,)
+            Configuration.
+
+        Examples
+        --------
 
         >>> rd.example("quadruped", floating_base=True).neutral()[:7]
         array([0., 0., 0., 0., 0., 0., 1.])
@@ -975,11 +2445,19 @@ class Robot:
     def parameter_names(self) -> list[str]:
         """The names of the parameters, for example `upper.m`, `shoulder.damping` or `gravity.z`."""
     def parameters(self) -> NDArray[np.float64]:
-        """The parameters of the dynamics. For each moving link, with the links fixed to it: m, m c (3) and Ixx,
-        Ixy, Iyy, Ixz, Iyz, Izz about its origin. For each joint that is not fixed: armature, damping,
-        friction, stiffness and rest, all 0 for a floating base. Then gravity (3).
+        """The parameters of the dynamics; `with_parameters` makes a robot with others.
 
-        → (parameters,), named by `parameter_names`; `with_parameters` makes a robot with others.
+        For each moving link, with the links fixed to it: m, m c (3) and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about its
+        origin [kg, kg·m, kg·m²]. For each joint that is not fixed: armature, damping, friction, stiffness and
+        rest, all 0 for a floating base. Then gravity (3) [m/s²].
+
+        Returns
+        -------
+        ndarray, shape (parameters,)
+            The parameters, named by `parameter_names`.
+
+        Examples
+        --------
 
         >>> robot = rd.example("two_r")
         >>> len(robot.parameters()), len(robot.parameter_names)
@@ -992,8 +2470,31 @@ class Robot:
         """V(q), the potential energy of gravity and of the joints' springs; 0 where all masses are at the
         world's origin.
 
-        q (..., nq) → (...) [J].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        out : ndarray, shape (...), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        float or ndarray, shape (...)
+            V [J].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> float(rd.example("two_r").potential_energy([np.pi / 2, 0.0]).round(4))  # upright: 9.81 (2 · 0.5 + 1 · 1.5)
         24.525
         """
@@ -1003,16 +2504,63 @@ class Robot:
     def potential_energy_regressor(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """The row y of V = y(q) π, gravity's part of the potential energy.
 
-        q (..., nq) → (..., 10·moving links).
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        out : ndarray, shape (..., 10·moving links), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., 10·moving links)
+            y, ten numbers for each moving link.
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot, q = rd.example("two_r"), [0.3, 1.2]
         >>> y = robot.potential_energy_regressor(q)
         >>> bool(np.isclose(y @ robot.inertial_parameters, robot.potential_energy(q)))
         True
         """
     def random_configuration(self, size: int | Sequence[int] | None = None, *, seed: int) -> NDArray[np.float64]:
-        """Random configurations within the joint limits, (*size, nq). Without limits they are from −π to π, or
-        −1 m to 1 m; rotations are uniform. The same seed gives the same configurations.
+        """Random configurations within the joint limits.
+
+        Without limits they are from −π to π, or −1 m to 1 m; rotations are uniform. The same seed gives the
+        same configurations.
+
+        Parameters
+        ----------
+        size : int or sequence of int, optional
+            Leading dimensions of the result; default: one configuration.
+        seed : int
+            Seed of the random numbers, not negative.
+
+        Returns
+        -------
+        ndarray, shape (..., nq)
+            Configurations.
+
+        Raises
+        ------
+        TypeError
+            `size` or `seed` is not a whole number.
+        OverflowError
+            `size` or `seed` is negative.
+
+        Examples
+        --------
 
         >>> robot = rd.example("panda")
         >>> q = robot.random_configuration(1000, seed=1)
@@ -1028,8 +2576,33 @@ class Robot:
     def velocity_product(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
         """C(q, v) v: centrifugal and Coriolis forces.
 
-        q (..., nq), v (..., nv) → (..., nv) [N·m or N].
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+            Configuration.
+        v : array_like, shape (..., nv)
+            Velocity [rad/s or m/s].
+        out : ndarray, shape (..., nv), optional
+            Array that receives the result.
+        threads : int, optional
+            Threads for a batch; default: `num_threads()`.
 
+        Returns
+        -------
+        ndarray, shape (..., nv)
+            C(q, v) v [N·m or N].
+
+        Raises
+        ------
+        StateError
+            The state is invalid; `BadStatesError` for a batch.
+        ShapeError
+            An array has the wrong shape.
+        DTypeError
+            An array is neither float64 nor float32, or both occur.
+
+        Examples
+        --------
         >>> robot = rd.example("two_r")
         >>> robot.velocity_product([0.3, 1.2], [0.0, 0.0])
         array([0., 0.])
@@ -1107,21 +2680,77 @@ class Simulation:
     def reason(self) -> str:
         """Why that method was chosen."""
     def restore(self, snapshot: Snapshot) -> None:
-        """Restores a snapshot of this simulation or of a copy of it, exactly."""
+        """Restores a snapshot exactly.
+
+        Parameters
+        ----------
+        snapshot : Snapshot
+            Snapshot of this simulation or of a copy of it.
+
+        Raises
+        ------
+        ValueError
+            The snapshot is of another simulation.
+        """
     @property
     def robot(self) -> Robot:
         """The robot."""
     def run_for(self, duration: float) -> None:
-        """Steps for a time [s], rounded to whole steps."""
+        """Steps for a time.
+
+        Parameters
+        ----------
+        duration : float
+            Time [s], rounded to whole steps.
+
+        Raises
+        ------
+        SimulationError
+            `duration` is invalid, or a step fails.
+        """
     @property
     def sensors(self) -> dict[str, NDArray[np.float64]]:
         """The values of the robot's sensors by name, at the end of the last step."""
     def set_state(self, q: Numbers, v: Numbers) -> None:
-        """Continues from (q, v) at the same time, with the same inputs. The energy account starts again."""
+        """Continues from (q, v) at the same time, with the same inputs. The energy account starts again.
+
+        Parameters
+        ----------
+        q : array_like, shape (nq,)
+            Configuration.
+        v : array_like, shape (nv,)
+            Velocity [rad/s or m/s].
+
+        Raises
+        ------
+        StateError
+            `q` or `v` is invalid.
+        ShapeError
+            An array has the wrong shape.
+        SimulationError
+            The state violates the constraints, or the simulation cannot start there.
+        """
     def snapshot(self) -> Snapshot:
-        """Saves all that changes, for `restore`."""
+        """Saves all that changes, for `restore`.
+
+        Returns
+        -------
+        Snapshot
+            State, inputs and energy account.
+        """
     def step(self, count: int = 1) -> None:
-        """Takes `count` steps; an interrupt ends them between two steps."""
+        """Takes steps; an interrupt ends them between two steps.
+
+        Parameters
+        ----------
+        count : int
+            Number of steps.
+
+        Raises
+        ------
+        SimulationError
+            A step fails; the simulation stays at the state before it.
+        """
     @property
     def steps(self) -> int:
         """Steps since the last reset."""
@@ -1192,20 +2821,53 @@ class Snapshot:
 
 @final
 class TaskControl:
-    """Moves a frame along a reference: τ = Jᵀ(Λ (ẍ* + kp e + kd (ẋ* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀. In the null
-    space, τ₀ = C v + g + M (kr (q* ⊖ q) − kn v).
+    """Moves a frame along a reference: τ = Jᵀ(Λ (ẍʳ + kp e + kd (ẋʳ − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀.
 
-    `reference` is the frame's target in the world: its origin (3,), orientation free, or its pose (4, 4).
-    With velocity and acceleration along the world's axes it is (x*, ẋ*, ẍ*), for a pose with six numbers
-    each. It may also be a function of t that gives one of these, called once at t = 0 to find which. `rows`
-    names the controlled directions among x, y, z, rx, ry, rz along the world's axes: ("x", "z") for an arm in
-    that plane. By default they are all directions of the reference. The gains are kp `stiffness` [1/s²] and
-    kd `damping` [1/s]; kd = 2 √kp is critically damped. Motion in the null space, which leaves the frame at
-    rest, has the damping kn `null_damping` [1/s]. In it, kr `posture_stiffness` [1/s²] pulls to the `posture`
-    q* (nq,). If the frame cannot accelerate in every chosen direction, the controller raises an error.
-    Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0. The base
-    recoils, and the frame follows in spite of it while nothing else touches the robot. The controller is a
-    function of (t, q, v); in `simulate` it runs in the library.
+    In the null space, which leaves the frame at rest, τ₀ = C v + g + M (kr (qʳ ⊖ q) − kn v). Coordinates
+    without a motor (`robot.actuated_dofs`), as those of a floating base, have torque 0. The base recoils, and
+    the frame follows in spite of it while nothing else touches the robot. The controller is a function of
+    (t, q, v); in `simulate` it runs in the library. A call raises `ControlError` where the frame cannot
+    accelerate in every chosen direction.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot to control.
+    frame : str or int
+        Name of the frame, or its index in `frame_names`.
+    reference : array_like, tuple of three array_like, or function
+        Target of the frame in the world: its origin (3,) with free orientation [m], or its pose (4, 4). With
+        its velocity and acceleration along the world's axes it is (xʳ, ẋʳ, ẍʳ), for a pose with six numbers
+        each. A function of t [s] returns one of these; it is called once at t = 0 to find which.
+    stiffness : float
+        kp [1/s²].
+    damping : float
+        kd [1/s]; kd = 2 √kp is critically damped.
+    null_damping : float
+        kn, damping in the null space [1/s].
+    rows : sequence of str, optional
+        Controlled directions among x, y, z, rx, ry, rz along the world's axes, for example ("x", "z") for an
+        arm in that plane; default: all directions of the reference.
+    posture : array_like, shape (nq,), optional
+        Configuration qʳ to which the null space is pulled.
+    posture_stiffness : float
+        kr [1/s²].
+
+    Raises
+    ------
+    FrameError
+        The frame does not exist.
+    ShapeError
+        The reference or `posture` has the wrong shape.
+    StateError
+        `posture` is not a configuration.
+    ControlError
+        A gain is invalid.
+    ValueError
+        A row is unknown, given twice, or a turn of a reference without orientation.
+
+    Examples
+    --------
 
     >>> robot, q = rd.example("panda"), np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
     >>> goal = robot.frame_pose(q, "panda_link8") @ np.block([[np.eye(3), np.full((3, 1), 0.05)], [0.0, 0.0, 0.0, 1.0]])

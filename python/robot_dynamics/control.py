@@ -61,6 +61,11 @@ class OperationalSpace:
         -------
         ndarray, shape (nv,)
             Torques [N·m or N].
+
+        Raises
+        ------
+        ValueError
+            The array has the wrong shape.
         """
         force: Array = self.inertia @ np.asarray(acceleration, np.float64) + self.bias_force
         tau: Array = self.jacobian.T @ force
@@ -78,6 +83,11 @@ class OperationalSpace:
         -------
         ndarray, shape (nv,)
             Torques [N·m or N].
+
+        Raises
+        ------
+        ValueError
+            The array has the wrong shape.
         """
         given = np.asarray(tau, np.float64)
         rest: Array = given - self.jacobian.T @ (self.consistent_inverse.T @ given)

@@ -212,6 +212,13 @@ class Mppi:
             Velocities after each step [rad/s or m/s].
         tau : ndarray, shape (horizon, nv)
             The plan [N·m or N].
+
+        Raises
+        ------
+        BadStatesError
+            `q` or `v` is invalid, or the motion diverges.
+        ShapeError
+            An array has the wrong shape.
         """
         tau = self.torques if torques is None else np.asarray(torques, np.float64)
         states = self.robot.rollout(q, v, tau, stride=1, **self._sample_group.options)

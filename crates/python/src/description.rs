@@ -84,8 +84,26 @@ impl Robot {
 
 /// Converts q and v between a robot with joints locked and the whole robot.
 ///
-/// `reference` is a configuration of the whole robot. Its locked joints stay there.
+/// Parameters
+/// ----------
+/// full : Robot
+///     The whole robot.
+/// reduced : Robot
+///     The part: the same robot with joints locked.
+/// reference : array_like, shape (nq of the whole robot,), optional
+///     Configuration in which the locked joints stay; default: that of `Robot.lock`.
 ///
+/// Raises
+/// ------
+/// DescriptionError
+///     The part is not the whole robot with joints locked.
+/// StateError
+///     `reference` is invalid.
+/// ShapeError
+///     `reference` has the wrong shape.
+///
+/// Examples
+/// --------
 /// >>> whole = rd.example("panda")
 /// >>> part = whole.lock("panda_joint7")
 /// >>> joints = rd.JointMap(whole, part)
@@ -137,7 +155,24 @@ impl JointMap {
         self.map.locked_joints().to_vec()
     }
 
-    /// The whole robot's q from the part's q.
+    /// Computes the whole robot's q from the part's q.
+    ///
+    /// Parameters
+    /// ----------
+    /// q : array_like, shape (nq of the part,)
+    ///     Configuration of the part.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (nq of the whole robot,)
+    ///     Configuration of the whole robot.
+    ///
+    /// Raises
+    /// ------
+    /// StateError
+    ///     `q` is invalid.
+    /// ShapeError
+    ///     `q` has the wrong shape.
     fn expand_configuration<'py>(
         &self,
         py: Python<'py>,
@@ -148,14 +183,48 @@ impl JointMap {
         array(py, &full)
     }
 
-    /// The whole robot's v from the part's v; it is 0 for the locked joints.
+    /// Computes the whole robot's v from the part's v; it is 0 for the locked joints.
+    ///
+    /// Parameters
+    /// ----------
+    /// v : array_like, shape (nv of the part,)
+    ///     Velocity of the part [rad/s or m/s].
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (nv of the whole robot,)
+    ///     Velocity of the whole robot [rad/s or m/s].
+    ///
+    /// Raises
+    /// ------
+    /// StateError
+    ///     `v` is invalid.
+    /// ShapeError
+    ///     `v` has the wrong shape.
     fn expand_velocity<'py>(&self, py: Python<'py>, v: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let mut full = vec![0.0; self.full.get().model.nv()];
         self.map.expand_velocity(&vector(py, self.reduced.get(), "v", v)?, &mut full);
         array(py, &full)
     }
 
-    /// The part's q from the whole robot's q.
+    /// Computes the part's q from the whole robot's q.
+    ///
+    /// Parameters
+    /// ----------
+    /// q : array_like, shape (nq of the whole robot,)
+    ///     Configuration of the whole robot.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (nq of the part,)
+    ///     Configuration of the part.
+    ///
+    /// Raises
+    /// ------
+    /// StateError
+    ///     `q` is invalid.
+    /// ShapeError
+    ///     `q` has the wrong shape.
     fn restrict_configuration<'py>(
         &self,
         py: Python<'py>,
@@ -166,7 +235,24 @@ impl JointMap {
         array(py, &reduced)
     }
 
-    /// The part's v from the whole robot's v.
+    /// Computes the part's v from the whole robot's v.
+    ///
+    /// Parameters
+    /// ----------
+    /// v : array_like, shape (nv of the whole robot,)
+    ///     Velocity of the whole robot [rad/s or m/s].
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (nv of the part,)
+    ///     Velocity of the part [rad/s or m/s].
+    ///
+    /// Raises
+    /// ------
+    /// StateError
+    ///     `v` is invalid.
+    /// ShapeError
+    ///     `v` has the wrong shape.
     fn restrict_velocity<'py>(&self, py: Python<'py>, v: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let mut reduced = vec![0.0; self.reduced.get().model.nv()];
         self.map.restrict_velocity(&vector(py, self.full.get(), "v", v)?, &mut reduced);

@@ -38,14 +38,50 @@ impl BaseParameters {
         array_of(py, &self.parameters.combinations)
     }
 
-    /// β of the given π.
+    /// Computes β = combinations · π.
+    ///
+    /// Parameters
+    /// ----------
+    /// parameters : array_like, shape (10·moving links,)
+    ///     π, in the order of `Robot.inertial_parameter_names` [kg, kg·m, kg·m²].
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (combinations,)
+    ///     β, in the order of `names`.
+    ///
+    /// Raises
+    /// ------
+    /// ShapeError
+    ///     The array has the wrong shape.
+    /// IdentificationError
+    ///     A number is not finite.
     fn values<'py>(&self, py: Python<'py>, parameters: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let (_, parameters) = shaped(py, "parameters", parameters, &[self.parameters.combinations.ncols()])?;
         let values = self.parameters.values(&parameters);
         array(py, values.map_err(|error| Class::Identification.error(py, error))?.as_slice())
     }
 
-    /// The π nearest to a given one that has these β.
+    /// Finds the π nearest to a given one that has these β.
+    ///
+    /// Parameters
+    /// ----------
+    /// values : array_like, shape (combinations,)
+    ///     β, in the order of `names`.
+    /// nominal : array_like, shape (10·moving links,)
+    ///     The given π, in the order of `Robot.inertial_parameter_names` [kg, kg·m, kg·m²].
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (10·moving links,)
+    ///     π with these β.
+    ///
+    /// Raises
+    /// ------
+    /// ShapeError
+    ///     An array has the wrong shape.
+    /// IdentificationError
+    ///     A number is not finite.
     fn nearest_parameters<'py>(
         &self,
         py: Python<'py>,

@@ -12,11 +12,19 @@ use crate::robot::Robot;
 
 #[pymethods]
 impl Robot {
-    /// The parameters of the dynamics. For each moving link, with the links fixed to it: m, m c (3) and Ixx,
-    /// Ixy, Iyy, Ixz, Iyz, Izz about its origin. For each joint that is not fixed: armature, damping,
-    /// friction, stiffness and rest, all 0 for a floating base. Then gravity (3).
+    /// The parameters of the dynamics; `with_parameters` makes a robot with others.
     ///
-    /// → (parameters,), named by `parameter_names`; `with_parameters` makes a robot with others.
+    /// For each moving link, with the links fixed to it: m, m c (3) and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about
+    /// its origin [kg, kg·m, kg·m²]. For each joint that is not fixed: armature, damping, friction, stiffness
+    /// and rest, all 0 for a floating base. Then gravity (3) [m/s²].
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (parameters,)
+    ///     The parameters, named by `parameter_names`.
+    ///
+    /// Examples
+    /// --------
     ///
     /// >>> robot = rd.example("two_r")
     /// >>> len(robot.parameters()), len(robot.parameter_names)

@@ -6,6 +6,7 @@
 mod dynamics;
 mod kinematics;
 mod pullbacks;
+mod sections;
 mod space;
 mod table;
 mod wrenches;

@@ -66,9 +66,15 @@ pub(crate) fn count_of(threads: Option<&Bound<'_, PyAny>>) -> PyResult<Option<us
     }
 }
 
-/// The number of threads that compute a batch by default: one per core, or the number that `set_num_threads`
-/// chose.
+/// The number of threads that compute a batch by default.
 ///
+/// Returns
+/// -------
+/// int
+///     One per core, or the number that `set_num_threads` chose.
+///
+/// Examples
+/// --------
 /// >>> rd.num_threads() >= 1
 /// True
 #[pyfunction]
@@ -76,11 +82,25 @@ pub(crate) fn num_threads() -> usize {
     default_count()
 }
 
-/// Chooses how many threads compute a batch by default; `None` for one per core.
+/// Chooses how many threads compute a batch by default.
 ///
 /// Results are the same bits for any number of threads. Workers of a cluster are processes side by side and
 /// should use one thread each.
 ///
+/// Parameters
+/// ----------
+/// threads : int or None
+///     Number of threads, from 1 to 4096; `None` for one per core.
+///
+/// Raises
+/// ------
+/// ValueError
+///     The number is out of range.
+/// TypeError
+///     `threads` is not a whole number.
+///
+/// Examples
+/// --------
 /// >>> rd.set_num_threads(1)
 /// >>> rd.num_threads()
 /// 1

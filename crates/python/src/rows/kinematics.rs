@@ -14,7 +14,7 @@ use robot_dynamics::quantity::Quantity;
 use super::table::{frame_rows, operand, rows, six};
 use crate::call::call;
 use crate::robot::Robot;
-use crate::row::Shape::{Point, Pose, Poses, Rows, Six};
+use crate::row::Shape::Poses;
 use crate::row::Work::{Each, Quantity as Of};
 use crate::row::{Row, Work, of_frame};
 
@@ -22,8 +22,36 @@ use crate::row::{Row, Work, of_frame};
 impl Robot {
     /// `world_from_frame` of frames, as homogeneous matrices [R p; 0 1]: x_world = R x_frame + p.
     ///
-    /// q (..., nq) → (..., frames, 4, 4). `frames` lists names or indices; without it all frames, in the
-    /// order of `frame_names`.
+    /// Parameters
+    /// ----------
+    /// q : array_like, shape (..., nq)
+    ///     Configuration.
+    /// frames : sequence of str or int, optional
+    ///     Names of frames, or their indices in `frame_names`; default: all frames, in the order of
+    ///     `frame_names`.
+    /// out : ndarray, shape (..., frames, 4, 4), optional
+    ///     Array that receives the result.
+    /// threads : int, optional
+    ///     Threads for a batch; default: `num_threads()`.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., frames, 4, 4)
+    ///     `world_from_frame` of each frame.
+    ///
+    /// Raises
+    /// ------
+    /// FrameError
+    ///     A frame does not exist.
+    /// StateError
+    ///     The state is invalid; `BadStatesError` for a batch.
+    /// ShapeError
+    ///     An array has the wrong shape.
+    /// DTypeError
+    ///     An array is neither float64 nor float32, or both occur.
+    ///
+    /// Examples
+    /// --------
     ///
     /// >>> robot = rd.example("two_r")
     /// >>> robot.frame_poses([0.0, np.pi / 2], ["tip"])[0, :3, 3].round(12)  # 1 m along x, then 1 m up
@@ -47,57 +75,47 @@ impl Robot {
 
 rows! {
     /// `world_from_frame` of one frame, as a homogeneous matrix [R p; 0 1]: x_world = R x_frame + p.
-    ///
-    /// q (..., nq) → (..., 4, 4).
-    ///
+    frame_pose(q) at frame => [Pose "`world_from_frame`."]
     /// >>> rd.example("two_r").frame_pose([0.0, np.pi / 2], "tip")[:3, 3].round(12)
     /// array([1., 0., 1.])
-    frame_pose(q) at frame => [Pose] Work::Poses;
+    = Work::Poses;
 
     /// The centre of mass, in the world.
-    ///
-    /// q (..., nq) → (..., 3) [m].
-    ///
+    center_of_mass(q) => [Point "Position in the world [m]."]
     /// >>> rd.example("two_r").center_of_mass([0.0, 0.0]).round(12)  # (2 · 0.5 + 1 · 1.5) / 3
     /// array([0.83333333, 0.        , 0.        ])
-    center_of_mass(q) => [Point] Of(Quantity::CenterOfMass);
+    = Of(Quantity::CenterOfMass);
 
     /// The Jacobian of the centre of mass, along the world's axes.
-    ///
-    /// q (..., nq) → (..., 3, nv).
-    ///
+    center_of_mass_jacobian(q) => [Rows(3) "J, along the world's axes."]
     /// >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
     /// >>> bool(np.allclose(robot.center_of_mass_jacobian(q) @ v, robot.center_of_mass_velocity(q, v)))
     /// True
-    center_of_mass_jacobian(q) => [Rows(3)] Of(Quantity::CenterOfMassJacobian);
+    = Of(Quantity::CenterOfMassJacobian);
 
     /// The velocity of the centre of mass, along the world's axes.
-    ///
-    /// q (..., nq), v (..., nv) → (..., 3) [m/s].
-    ///
+    center_of_mass_velocity(q, v) => [Point "Velocity, along the world's axes [m/s]."]
     /// >>> rd.example("two_r").center_of_mass_velocity([0.0, 0.0], [1.2, 0.0]).round(12)  # upwards
     /// array([0., 0., 1.])
-    center_of_mass_velocity(q, v) => [Point] Each(|m, s, x, _, [out, ..]| {
+    = Each(|m, s, x, _, [out, ..]| {
         out.copy_from_slice(&robot_dynamics::algorithms::center_of_mass_velocity(m, &mut s.workspace, x[0], x[1]));
     });
 
     /// J̇ v of `center_of_mass_jacobian`: the acceleration of the centre of mass without a.
-    ///
-    /// q (..., nq), v (..., nv) → (..., 3) [m/s²].
-    ///
+    center_of_mass_bias_acceleration(q, v) => [Point "Acceleration, along the world's axes [m/s²]."]
     /// >>> rd.example("two_r").center_of_mass_bias_acceleration([0.0, 0.0], [1.2, 0.0]).round(12)
     /// array([-1.2,  0. ,  0. ])
-    center_of_mass_bias_acceleration(q, v) => [Point] Each(|m, s, x, _, [out, ..]| {
+    = Each(|m, s, x, _, [out, ..]| {
         out.copy_from_slice(&robot_dynamics::algorithms::center_of_mass_bias_acceleration(m, &mut s.workspace, x[0], x[1]));
     });
 
     /// ∂(center_of_mass_velocity)/∂q.
     ///
-    /// q (..., nq), v (..., nv) → (..., 3, nv), by q as displacements q ⊕ δq.
-    ///
+    /// Derivatives by q are by displacements q ⊕ δq.
+    center_of_mass_velocity_derivative(q, v) => [Rows(3) "Derivative by q, along the world's axes."]
     /// >>> rd.example("two_r").center_of_mass_velocity_derivative([0.0, 0.0], [1.2, 0.0])[0].round(12)
     /// array([-1. , -0.2])
-    center_of_mass_velocity_derivative(q, v) => [Rows(3)] Each(|m, s, x, _, [out, ..]| {
+    = Each(|m, s, x, _, [out, ..]| {
         robot_dynamics::derivatives::center_of_mass_velocity_derivative(m, &mut s.workspace, x[0], x[1], out);
     });
 }
@@ -105,10 +123,8 @@ rows! {
 frame_rows! {
     /// A frame's Jacobian J: `frame_velocity` is J v in the same reference frame.
     ///
-    /// q (..., nq) → (..., 6, nv), rows linear then angular. `reference_frame`: ``"local"`` is the frame's
-    /// axes and its origin, ``"world"`` the world's axes and the world's origin, ``"local_world_aligned"``
-    /// the world's axes and the frame's origin. Pinocchio has the same names.
-    ///
+    /// Pinocchio has the same reference frames by the same names.
+    frame_jacobian(q) => [Rows(6) "J, linear rows, then angular rows."]
     /// >>> robot, q = rd.example("two_r"), [0.0, np.pi / 2]
     /// >>> robot.frame_jacobian(q, "tip")[[0, 2]].round(12) + 0.0  # along x, and up
     /// array([[-1., -1.],
@@ -119,7 +135,7 @@ frame_rows! {
     /// True
     /// >>> robot.frame_jacobian(q, "tip", "world")[4]  # both joints rotate about −y
     /// array([-1., -1.])
-    frame_jacobian(q) => [Rows(6)] [
+    = [
         Of(Quantity::FrameJacobianLocal),
         Of(Quantity::FrameJacobianWorld),
         Of(Quantity::FrameJacobianLocalWorldAligned),
@@ -127,10 +143,10 @@ frame_rows! {
 
     /// A frame's velocity: J v with J of `frame_jacobian` in the same reference frame.
     ///
-    /// q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s]. By `reference_frame`,
-    /// ``"local"`` is ṗ of the frame's origin p and ω along the frame's axes, and ``"local_world_aligned"``
-    /// both along the world's axes. In ``"world"`` they are ṗ − ω × p and ω along the world's axes.
-    ///
+    /// By `reference_frame`, ``"local"`` is ṗ of the frame's origin p and ω along the frame's axes, and
+    /// ``"local_world_aligned"`` both along the world's axes. In ``"world"`` they are ṗ − ω × p and ω along
+    /// the world's axes.
+    frame_velocity(q, v) => [Six "Linear [m/s], then angular [rad/s]."]
     /// >>> robot, q, v = rd.example("two_r"), [0.0, np.pi / 2], [1.0, 0.5]
     /// >>> bool(np.allclose(robot.frame_velocity(q, v, "tip"), robot.frame_jacobian(q, "tip") @ v))
     /// True
@@ -138,7 +154,7 @@ frame_rows! {
     /// array([ 0.,  0.,  2.,  0., -1.,  0.])
     /// >>> robot.frame_velocity([0.0, 0.0], [1.0, 0.0], "tip", "world").round(12)
     /// array([ 0.,  0.,  0.,  0., -1.,  0.])
-    frame_velocity(q, v) => [Six] of_frame(|m, s, x, f, seen, [out, ..]| {
+    = of_frame(|m, s, x, f, seen, [out, ..]| {
         let twist = velocity(m, &mut s.workspace, x[0], x[1], f, seen);
         six(out, twist.linear, twist.angular);
     });
@@ -146,13 +162,12 @@ frame_rows! {
     /// A frame's acceleration: the time derivative of the numbers of `frame_velocity` in the same reference
     /// frame, J a + J̇ v. It does not include gravity.
     ///
-    /// q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
     /// In ``"local_world_aligned"`` it is p̈, the classical acceleration of the frame's origin. In
     /// ``"local"`` it is the spatial acceleration p̈ − ω × ṗ along the frame's axes, and in ``"world"`` that
     /// at the world's origin. These two equal Pinocchio's ``getFrameAcceleration``. Its
     /// ``getFrameAcceleration(LOCAL_WORLD_ALIGNED)`` is p̈ − ω × ṗ; its
     /// ``getFrameClassicalAcceleration(LOCAL_WORLD_ALIGNED)`` equals this function.
-    ///
+    frame_acceleration(q, v, a) => [Six "Linear [m/s²], then angular [rad/s²]."]
     /// >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
     /// >>> robot.frame_acceleration(zero, [1.0, 0.0], zero, "tip").round(12)[:2]  # −ω² r
     /// array([-2.,  0.])
@@ -160,48 +175,49 @@ frame_rows! {
     /// array([ 0.,  0.,  2.,  0., -1.,  0.])
     /// >>> robot.frame_acceleration(zero, zero, [1.0, 0.0], "tip", "world").round(12)
     /// array([ 0.,  0.,  0.,  0., -1.,  0.])
-    frame_acceleration(q, v, a) => [Six] of_frame(|m, s, x, f, seen, [out, ..]| {
+    = of_frame(|m, s, x, f, seen, [out, ..]| {
         let rate = acceleration(m, &mut s.workspace, x[0], x[1], x[2], f, seen);
         six(out, rate.linear, rate.angular);
     });
 
     /// J̇ v of `frame_jacobian` in the same reference frame: `frame_acceleration` at a = 0.
-    ///
-    /// q (..., nq), v (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
-    ///
+    frame_bias_acceleration(q, v) => [Six "Linear [m/s²], then angular [rad/s²]."]
     /// >>> robot = rd.example("two_r")
     /// >>> robot.frame_bias_acceleration([0.0, 0.0], [1.0, 0.0], "tip").round(12)[:2]
     /// array([-2.,  0.])
     /// >>> robot.frame_bias_acceleration([0.0, 0.0], [0.0, 0.0], "tip", "local") @ np.ones(6)
     /// np.float64(0.0)
-    frame_bias_acceleration(q, v) => [Six] of_frame(|m, s, x, f, seen, [out, ..]| {
+    = of_frame(|m, s, x, f, seen, [out, ..]| {
         let rate = bias(m, &mut s.workspace, x[0], x[1], f, seen);
         six(out, rate.linear, rate.angular);
     });
 
     /// ∂/∂q of `frame_velocity` in the same reference frame; ∂/∂v is `frame_jacobian`.
     ///
-    /// q (..., nq), v (..., nv) → (..., 6, nv), by q as displacements q ⊕ δq.
-    ///
+    /// Derivatives by q are by displacements q ⊕ δq.
+    frame_velocity_derivative(q, v) => [Rows(6) "Derivative by q, linear rows, then angular rows."]
     /// >>> robot = rd.example("two_r")
     /// >>> robot.frame_velocity_derivative([0.0, 0.0], [1.0, 0.0], "tip")[0].round(12)
     /// array([-2., -1.])
     /// >>> robot.frame_velocity_derivative([0.0, 0.0], [1.0, 0.0], "tip", "local")[0].round(12)
     /// array([0., 1.])
-    frame_velocity_derivative(q, v) => [Rows(6)] of_frame(|m, s, x, f, seen, [out, ..]| {
+    = of_frame(|m, s, x, f, seen, [out, ..]| {
         velocity_derivative(m, &mut s.workspace, x[0], x[1], f, seen, out);
     });
 
     /// ∂/∂q and ∂/∂v of `frame_acceleration` in the same reference frame; ∂/∂a is `frame_jacobian`.
     ///
-    /// q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., 6, nv).
-    ///
+    /// Derivatives by q are by displacements q ⊕ δq.
+    frame_acceleration_derivatives(q, v, a) => FrameAccelerationDerivatives[
+        Rows(6) by_position "derivative by q",
+        Rows(6) by_velocity "derivative by v",
+    ]
     /// >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
     /// >>> robot.frame_acceleration_derivatives(zero, [1.0, 0.0], zero, "tip").by_velocity[0].round(12)
     /// array([-4., -2.])
     /// >>> robot.frame_acceleration_derivatives(zero, zero, [1.0, 0.0], "tip", "local").by_position[0].round(12)
     /// array([0., 1.])
-    frame_acceleration_derivatives(q, v, a) => [Rows(6), Rows(6)] of_frame(|m, s, x, f, seen, [by_q, by_v, ..]| {
+    = of_frame(|m, s, x, f, seen, [by_q, by_v, ..]| {
         acceleration_derivatives(m, &mut s.workspace, x[0], x[1], x[2], f, seen, by_q, by_v);
     });
 }

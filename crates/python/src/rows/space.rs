@@ -6,12 +6,19 @@ use robot_dynamics::number::SplitMix64;
 use super::table::rows;
 use crate::outcome;
 use crate::robot::Robot;
-use crate::row::Shape::{Configuration, Vector};
 use crate::row::Work::Each;
 
 #[pymethods]
 impl Robot {
-    /// The configuration in which every coordinate is 0 and every quaternion the identity, (nq,).
+    /// The configuration in which every coordinate is 0 and every quaternion the identity.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (nq,)
+    ///     Configuration.
+    ///
+    /// Examples
+    /// --------
     ///
     /// >>> rd.example("quadruped", floating_base=True).neutral()[:7]
     /// array([0., 0., 0., 0., 0., 0., 1.])
@@ -19,8 +26,32 @@ impl Robot {
         outcome::filled(py, &[self.model.nq()], &robot_dynamics::model::neutral(&self.model))
     }
 
-    /// Random configurations within the joint limits, (*size, nq). Without limits they are from −π to π, or
-    /// −1 m to 1 m; rotations are uniform. The same seed gives the same configurations.
+    /// Random configurations within the joint limits.
+    ///
+    /// Without limits they are from −π to π, or −1 m to 1 m; rotations are uniform. The same seed gives the
+    /// same configurations.
+    ///
+    /// Parameters
+    /// ----------
+    /// size : int or sequence of int, optional
+    ///     Leading dimensions of the result; default: one configuration.
+    /// seed : int
+    ///     Seed of the random numbers, not negative.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., nq)
+    ///     Configurations.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     `size` or `seed` is not a whole number.
+    /// OverflowError
+    ///     `size` or `seed` is negative.
+    ///
+    /// Examples
+    /// --------
     ///
     /// >>> robot = rd.example("panda")
     /// >>> q = robot.random_configuration(1000, seed=1)
@@ -76,31 +107,23 @@ impl Robot {
 rows! {
     /// q ⊕ d: the configuration reached by moving along d, a velocity times a time.
     ///
-    /// q (..., nq), d (..., nv) → (..., nq). For angles and lengths q + d; quaternions turn about d in the
-    /// body's axes.
-    ///
+    /// It is q + d for angles and lengths; quaternions turn about d in the body's axes.
+    integrate(q, d) => [Configuration "Configuration."]
     /// >>> rd.example("two_r").integrate([0.3, 1.2], [0.1, -0.2]).round(12)
     /// array([0.4, 1. ])
-    integrate(q, d) => [Configuration]
-        Each(|m, _, x, _, [out, ..]| robot_dynamics::model::integrate(m, x[0], x[1], out));
+    = Each(|m, _, x, _, [out, ..]| robot_dynamics::model::integrate(m, x[0], x[1], out));
 
     /// q1 ⊖ q0: the displacement d with q0 ⊕ d = q1, the shortest way.
-    ///
-    /// q0 (..., nq), q1 (..., nq) → (..., nv).
-    ///
+    difference(q0, q1) => [Vector "Displacement d [rad or m]."]
     /// >>> robot = rd.example("quadruped", floating_base=True)
     /// >>> q0, d = robot.neutral(), np.full(robot.nv, 0.1)
     /// >>> bool(np.allclose(robot.difference(q0, robot.integrate(q0, d)), d))
     /// True
-    difference(q0, q1) => [Vector]
-        Each(|m, _, x, _, [out, ..]| robot_dynamics::model::difference(m, x[0], x[1], out));
+    = Each(|m, _, x, _, [out, ..]| robot_dynamics::model::difference(m, x[0], x[1], out));
 
     /// q0 ⊕ s (q1 ⊖ q0): the configuration at s on the shortest way, 0 at q0 and 1 at q1.
-    ///
-    /// q0 (..., nq), q1 (..., nq), s (...) → (..., nq).
-    ///
+    interpolate(q0, q1, s) => [Configuration "Configuration."]
     /// >>> rd.example("two_r").interpolate([0.0, 0.0], [1.0, -2.0], 0.5)
     /// array([ 0.5, -1. ])
-    interpolate(q0, q1, s) => [Configuration]
-        Each(|m, _, x, _, [out, ..]| robot_dynamics::model::interpolate(m, x[0], x[1], x[2][0], out));
+    = Each(|m, _, x, _, [out, ..]| robot_dynamics::model::interpolate(m, x[0], x[1], x[2][0], out));
 }

@@ -22,11 +22,17 @@ macro_rules! operand {
     };
 }
 
-/// A method for each line: `name(operands) at frame => [shapes of the results] work`.
+/// A method for each line: `name(operands) at frame => Class[results] raises Error`, then the examples, then
+/// `=` and the work. A result has its shape, its field in the class if there are several, and a text. The
+/// sections of the docstring follow from these.
 macro_rules! rows {
     ($(
         $(#[$doc:meta])*
-        $name:ident($($operand:ident),*) $(at $frame:ident)? => [$($shape:expr),*] $work:expr;
+        $name:ident($($operand:ident),*) $(at $frame:ident)?
+            => $($class:ident)?[$($shape:ident$(($rows:literal))? $($field:ident)? $text:literal),* $(,)?]
+            $(raises $error:ident)?
+        $(#[$example:meta])*
+        = $work:expr;
     )*) => {
         /// The rows of this file, by their methods' names.
         #[allow(non_upper_case_globals)]
@@ -37,7 +43,7 @@ macro_rules! rows {
                 pub(super) static $name: $crate::row::Row = $crate::row::Row {
                     name: stringify!($name),
                     operands: &[$($crate::rows::table::operand!($operand)),*],
-                    results: &[$($shape),*],
+                    results: &[$($crate::row::Shape::$shape$(($rows))?),*],
                     work: $work,
                 };
             )*
@@ -49,6 +55,11 @@ macro_rules! rows {
         impl $crate::robot::Robot {
             $(
                 $(#[$doc])*
+                #[doc = $crate::rows::sections::sections!(
+                    ($($operand)* $($frame)?) -> $($class)?[$($shape$(($rows))? $($field)? $text),*]
+                    raises ($($error)? $($frame)?)
+                )]
+                $(#[$example])*
                 #[pyo3(signature = ($($operand,)* $($frame,)? *, out=None, threads=None))]
                 fn $name<'py>(
                     &self,
@@ -65,12 +76,16 @@ macro_rules! rows {
         }
     };
 }
-/// A method with a frame and a reference frame for each line: `name(operands) => [shapes of the results]
-/// work`, with the work in each of [`ReferenceFrame::ALL`].
+
+/// A method with a frame and a reference frame for each line, as [`rows`], with the work in each of
+/// [`ReferenceFrame::ALL`].
 macro_rules! frame_rows {
     ($(
         $(#[$doc:meta])*
-        $name:ident($($operand:ident),*) => [$($shape:expr),*] $work:expr;
+        $name:ident($($operand:ident),*)
+            => $($class:ident)?[$($shape:ident$(($rows:literal))? $($field:ident)? $text:literal),* $(,)?]
+        $(#[$example:meta])*
+        = $work:expr;
     )*) => {
         /// The rows of this file in each reference frame, by their methods' names.
         #[allow(non_upper_case_globals)]
@@ -83,7 +98,7 @@ macro_rules! frame_rows {
                         $crate::row::Row {
                             name: stringify!($name),
                             operands: &[$($crate::rows::table::operand!($operand)),*],
-                            results: &[$($shape),*],
+                            results: &[$($crate::row::Shape::$shape$(($rows))?),*],
                             work,
                         }
                     }
@@ -101,6 +116,11 @@ macro_rules! frame_rows {
         impl $crate::robot::Robot {
             $(
                 $(#[$doc])*
+                #[doc = $crate::rows::sections::sections!(
+                    ($($operand)* frame reference_frame) -> $($class)?[$($shape$(($rows))? $($field)? $text),*]
+                    raises (frame reference_frame)
+                )]
+                $(#[$example])*
                 #[pyo3(signature = (
                     $($operand,)* frame, reference_frame="local_world_aligned", *, out=None, threads=None
                 ))]

@@ -60,8 +60,7 @@ impl Simulation {
             let (stepped, wrenches) = (like.stepped.clone(), like.wrenches.clone());
             return Ok(Self { robot: like.robot.clone_ref(py), stepped, wrenches });
         }
-        let setup = Setup::of(options)?;
-        let stepped = setup.build(py, robot.get())?;
+        let stepped = Setup::of(options)?.build(py, robot.get())?;
         Ok(Self { robot, stepped, wrenches: Vec::new() })
     }
 
@@ -240,12 +239,38 @@ impl Simulation {
     }
 
     /// Continues from (q, v) at the same time, with the same inputs. The energy account starts again.
+    ///
+    /// Parameters
+    /// ----------
+    /// q : array_like, shape (nq,)
+    ///     Configuration.
+    /// v : array_like, shape (nv,)
+    ///     Velocity [rad/s or m/s].
+    ///
+    /// Raises
+    /// ------
+    /// StateError
+    ///     `q` or `v` is invalid.
+    /// ShapeError
+    ///     An array has the wrong shape.
+    /// SimulationError
+    ///     The state violates the constraints, or the simulation cannot start there.
     fn set_state(&mut self, py: Python<'_>, q: &Bound<'_, PyAny>, v: &Bound<'_, PyAny>) -> PyResult<()> {
         let (q, v) = (configuration(py, self.robot.get(), q)?, vector(py, self.robot.get(), "v", v)?);
         self.stepped.set_state(&q, &v).map_err(|error| Class::Simulation.error(py, error))
     }
 
-    /// Takes `count` steps; an interrupt ends them between two steps.
+    /// Takes steps; an interrupt ends them between two steps.
+    ///
+    /// Parameters
+    /// ----------
+    /// count : int
+    ///     Number of steps.
+    ///
+    /// Raises
+    /// ------
+    /// SimulationError
+    ///     A step fails; the simulation stays at the state before it.
     #[pyo3(signature = (count=1))]
     fn step(&mut self, py: Python<'_>, count: usize) -> PyResult<()> {
         for done in 0..count {
@@ -257,18 +282,43 @@ impl Simulation {
         Ok(())
     }
 
-    /// Steps for a time [s], rounded to whole steps.
+    /// Steps for a time.
+    ///
+    /// Parameters
+    /// ----------
+    /// duration : float
+    ///     Time [s], rounded to whole steps.
+    ///
+    /// Raises
+    /// ------
+    /// SimulationError
+    ///     `duration` is invalid, or a step fails.
     fn run_for(&mut self, py: Python<'_>, duration: f64) -> PyResult<()> {
         let steps = self.stepped.steps_in(duration).map_err(|error| Class::Simulation.error(py, error))?;
         self.step(py, steps)
     }
 
     /// Saves all that changes, for `restore`.
+    ///
+    /// Returns
+    /// -------
+    /// Snapshot
+    ///     State, inputs and energy account.
     fn snapshot(&self) -> Snapshot {
         Snapshot(self.stepped.snapshot(), self.wrenches.clone())
     }
 
-    /// Restores a snapshot of this simulation or of a copy of it, exactly.
+    /// Restores a snapshot exactly.
+    ///
+    /// Parameters
+    /// ----------
+    /// snapshot : Snapshot
+    ///     Snapshot of this simulation or of a copy of it.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     The snapshot is of another simulation.
     fn restore(&mut self, snapshot: &Snapshot) -> PyResult<()> {
         if !self.stepped.fits(&snapshot.0) {
             return Err(PyValueError::new_err("the snapshot is of another simulation"));
