@@ -23,6 +23,14 @@ pub enum ModelError {
         /// The shared name.
         name: String,
     },
+    /// A robot that is added to a scene has a name that the scene already has.
+    #[error("the scene already has a {sort} `{name}`; add the robot with a prefix")]
+    NameInScene {
+        /// `link or frame`, `joint`, `tendon`, `equality`, `actuator`, `sensor` or `pose`.
+        sort: &'static str,
+        /// The name.
+        name: String,
+    },
     /// A joint, frame or mimic joint refers to an unknown name.
     #[error("{user} refers to {sort} `{name}`, which does not exist")]
     UnknownName {

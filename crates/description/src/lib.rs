@@ -29,6 +29,7 @@ mod random_robot;
 mod refused_file;
 mod report;
 mod robot;
+mod scene;
 pub mod sensor;
 mod shape;
 mod softness;
@@ -64,6 +65,7 @@ pub use random_robot::{JointKinds, RandomRobotOptions, random_quaternion, random
 pub use refused_file::RefusedFile;
 pub use report::{Counts, Disposition, Finding, LoadReport, Severity};
 pub use robot::{Base, EARTH_GRAVITY, FLOATING_BASE, LinkDescription, RobotDescription};
+pub use scene::{Mount, Object, Scene};
 pub use sensor::{SensorDescription, SensorKind, SensorObject};
 pub use shape::{Elevation, LinkShape, Shape, ShapeRole, Surface};
 pub use softness::{JointSoftness, Softness, TendonSoftness};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{Pose, Softness};
+use crate::{InertiaError, MassProperties, Pose, Softness};
 
 /// A shape on a link.
 #[derive(Clone, Debug, PartialEq)]
@@ -279,6 +279,24 @@ impl Shape {
             Self::Sphere { radius } => Some(4.0 / 3.0 * PI * radius.powi(3)),
             Self::Capsule { radius, length } => Some(PI * radius * radius * (length + 4.0 / 3.0 * radius)),
             Self::Ellipsoid { half_axes: [x, y, z] } => Some(4.0 / 3.0 * PI * x * y * z),
+            Self::Plane { .. } | Self::HeightField { .. } | Self::Mesh { .. } => None,
+        }
+    }
+
+    /// Mass properties at a density \[kg/m³\] in the shape's frame; `None` for a mesh, a height field and a
+    /// half space.
+    ///
+    /// # Errors
+    /// [`InertiaError`] if the density or a length is not positive and finite.
+    pub fn solid(&self, density: f64) -> Option<Result<MassProperties, InertiaError>> {
+        match *self {
+            Self::Box { size } => Some(MassProperties::solid_box(density, size.into())),
+            Self::Cylinder { radius, length } => {
+                Some(MassProperties::solid_cylinder(density, radius, length))
+            }
+            Self::Sphere { radius } => Some(MassProperties::solid_sphere(density, radius)),
+            Self::Capsule { radius, length } => Some(MassProperties::solid_capsule(density, radius, length)),
+            Self::Ellipsoid { half_axes } => Some(MassProperties::solid_ellipsoid(density, half_axes.into())),
             Self::Plane { .. } | Self::HeightField { .. } | Self::Mesh { .. } => None,
         }
     }

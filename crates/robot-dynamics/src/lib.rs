@@ -71,11 +71,11 @@ pub mod description {
         Disposition, EARTH_GRAVITY, EditError, Elevation, Equality, EqualityDescription, FLOATING_BASE,
         Finding, FindingGroup, FrameDescription, HigherTerms, InertiaError, JointDescription, JointKind,
         JointKinds, JointSoftness, Limits, LinkDescription, LinkShape, LoadReport, MassProperties, Measure,
-        Mimic, ModelError, NamedPose, NoSuchFrame, PassiveForces, PlacementSpring, Pose, PrincipalInertia,
-        Quaternion, RandomRobotOptions, RefusedFile, RobotDescription, RotationalInertia, SensorDescription,
-        SensorKind, SensorObject, Severity, Shape, ShapeRole, Softness, Surface, TendonDescription,
-        TendonSoftness, Transmission, UnsupportedFeature, WriteError, WrittenFile, parallel_axis,
-        parallel_axis_planar, pendulum, random_robot,
+        Mimic, ModelError, Mount, NamedPose, NoSuchFrame, Object, PassiveForces, PlacementSpring, Pose,
+        PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription, RotationalInertia,
+        Scene, SensorDescription, SensorKind, SensorObject, Severity, Shape, ShapeRole, Softness, Surface,
+        TendonDescription, TendonSoftness, Transmission, UnsupportedFeature, WriteError, WrittenFile,
+        parallel_axis, parallel_axis_planar, pendulum, random_robot,
     };
 }
 

@@ -80,6 +80,38 @@ impl MassProperties {
         Self::new(mass, Vector3::zeros(), Matrix3::from_diagonal(&moments))
     }
 
+    /// A capsule along z, density ρ \[kg/m³\]: a cylinder of radius r and length l \[m\] with two half balls.
+    /// The centre of mass of a half ball is 3r/8 beyond the end of the cylinder.
+    ///
+    /// ```
+    /// use robot_dynamics::description::MassProperties;
+    /// // Without a cylinder it is a ball.
+    /// let (short, ball) = (MassProperties::solid_capsule(1000.0, 0.1, 0.0)?, MassProperties::solid_sphere(1000.0, 0.1)?);
+    /// assert!((short.mass() - ball.mass()).abs() < 1e-14);
+    /// let moments = short.inertia_about_center_of_mass() - ball.inertia_about_center_of_mass();
+    /// assert!(moments.amax() < 1e-16);
+    /// # Ok::<(), robot_dynamics::description::InertiaError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`InertiaError`] if the density or the radius is not positive and finite, or the length is negative or
+    /// not finite.
+    pub fn solid_capsule(density: f64, radius: f64, length: f64) -> Result<Self, InertiaError> {
+        positive("density", density)?;
+        positive("radius", radius)?;
+        if length != 0.0 {
+            positive("length", length)?;
+        }
+        let cylinder = density * PI * radius * radius * length;
+        let balls = density * 4.0 / 3.0 * PI * radius.powi(3);
+        let along = cylinder * radius * radius / 2.0 + balls * 0.4 * radius * radius;
+        let half = 0.5 * length;
+        let across = cylinder * (radius * radius / 4.0 + length * length / 12.0)
+            + balls * (0.4 * radius * radius + half * half + 0.75 * radius * half);
+        let moments = Vector3::new(across, across, along);
+        Self::new(cylinder + balls, Vector3::zeros(), Matrix3::from_diagonal(&moments))
+    }
+
     /// Point masses (m_k \[kg\], r_k \[m\]) fixed to each other: 𝓘_o = Σ m_k(|r_k|²1 − r_k r_kᵀ).
     ///
     /// ```

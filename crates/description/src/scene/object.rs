@@ -1,0 +1,89 @@
+//! Rigid bodies of one shape.
+
+use robot_dynamics_number::check_positive;
+
+use crate::{
+    Base, LinkDescription, LinkShape, ModelError, Pose, RobotDescription, Shape, ShapeRole, Surface,
+};
+
+/// A rigid body of one shape: a box on a table, a wall, a floor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// The name of its link, of its shape and, before `_joint`, of its joint.
+    pub name: String,
+    /// Its form and size.
+    pub shape: Shape,
+    /// Mass \[kg\], uniformly distributed; `None` for an object that is fixed to the world.
+    pub mass: Option<f64>,
+    /// Friction and the other contact parameters.
+    pub surface: Surface,
+    /// Red, green, blue and opacity, 0 to 1.
+    pub color: Option<[f64; 4]>,
+}
+
+impl Object {
+    /// Geometry that is fixed to the world.
+    pub fn fixed(name: impl Into<String>, shape: Shape) -> Self {
+        Self { name: name.into(), shape, mass: None, surface: Surface::default(), color: None }
+    }
+
+    /// A free body of this mass \[kg\].
+    pub fn of_mass(name: impl Into<String>, shape: Shape, mass: f64) -> Self {
+        Self { mass: Some(mass), ..Self::fixed(name, shape) }
+    }
+
+    /// A free body of this density \[kg/m³\]. The mass is NaN, which a scene refuses, for shapes without a
+    /// volume ([`Shape::volume`]).
+    ///
+    /// ```
+    /// use robot_dynamics::description::{Object, Shape};
+    /// let brick = Object::of_density("brick", Shape::Box { size: [0.2, 0.1, 0.1] }, 1000.0);
+    /// assert!((brick.mass.expect("a free body") - 2.0).abs() < 1e-14);
+    /// ```
+    pub fn of_density(name: impl Into<String>, shape: Shape, density: f64) -> Self {
+        let mass = density * shape.volume().unwrap_or(f64::NAN);
+        Self::of_mass(name, shape, mass)
+    }
+
+    /// With these contact parameters.
+    pub fn with_surface(self, surface: Surface) -> Self {
+        Self { surface, ..self }
+    }
+
+    /// With this colour: red, green, blue and opacity, 0 to 1.
+    pub fn with_color(self, color: [f64; 4]) -> Self {
+        Self { color: Some(color), ..self }
+    }
+
+    /// A robot of one link.
+    pub(super) fn description(&self) -> Result<RobotDescription, ModelError> {
+        let Self { name, shape, mass, surface, color } = self;
+        let owner = format!("object `{name}`");
+        let mass_properties = match mass {
+            None => None,
+            Some(mass) => {
+                let bad = |quantity, value, expected| ModelError::BadNumber {
+                    owner: owner.clone(),
+                    quantity,
+                    value,
+                    expected,
+                };
+                check_positive("the mass", *mass, "kg")
+                    .map_err(|_| bad("the mass", *mass, "positive and finite"))?;
+                let volume = shape.volume().unwrap_or(f64::NAN);
+                let solid = shape.solid(mass / volume).and_then(Result::ok);
+                Some(solid.ok_or_else(|| bad("the volume", volume, "positive and finite"))?)
+            }
+        };
+        let mut robot = RobotDescription::new(name);
+        robot.base = if mass.is_some() { Base::Floating } else { Base::Fixed };
+        robot.links.push(LinkDescription::new(name, mass_properties));
+        robot.shapes.push(LinkShape {
+            name: name.clone(),
+            color: *color,
+            surface: *surface,
+            ..LinkShape::new(name, ShapeRole::Collision, Pose::IDENTITY, shape.clone())
+        });
+        Ok(robot)
+    }
+}

@@ -1,0 +1,138 @@
+//! A description with a prefix on every name.
+
+use crate::actuator::Transmission;
+use crate::joint::{JointDescription, Mimic};
+use crate::robot::LinkDescription;
+use crate::{
+    ActuatorDescription, ContactPairDescription, Equality, EqualityDescription, FrameDescription, LinkShape,
+    NamedPose, RobotDescription, SensorDescription, SensorObject, TendonDescription,
+};
+
+/// The new name of each object, by its old name.
+///
+/// Links and frames share one space of names. The names of all other objects get the prefix only. An empty
+/// name stays empty, because it stands for an object without a name.
+pub(super) struct Renaming<'a> {
+    pub(super) prefix: &'a str,
+    /// A link with another new name than the prefix gives.
+    pub(super) root: (&'a str, &'a str),
+}
+
+impl Renaming<'_> {
+    fn object(&self, name: &mut String) {
+        if !name.is_empty() {
+            name.insert_str(0, self.prefix);
+        }
+    }
+
+    pub(super) fn link(&self, name: &mut String) {
+        if name == self.root.0 {
+            self.root.1.clone_into(name);
+        } else {
+            self.object(name);
+        }
+    }
+
+    /// Renames everything in a description. Each structure is taken apart in full, so that a new field needs
+    /// a decision here.
+    pub(super) fn apply(&self, robot: &mut RobotDescription) {
+        let RobotDescription {
+            name: _,
+            gravity: _,
+            base: _,
+            links,
+            joints,
+            frames,
+            shapes,
+            contact_exclusions,
+            contact_pairs,
+            tendons,
+            equalities,
+            actuators,
+            sensors,
+            poses,
+            actuated_joints,
+            time_step: _,
+            impratio: _,
+        } = robot;
+        for LinkDescription { name, mass_properties: _, gravity_compensation: _ } in links {
+            self.link(name);
+        }
+        joints.iter_mut().for_each(|joint| self.joint(joint));
+        for FrameDescription { name, link, link_from_frame: _ } in frames {
+            self.object(name);
+            self.link(link);
+        }
+        for LinkShape { link, name, role: _, link_from_shape: _, shape: _, color: _, surface: _ } in shapes {
+            self.link(link);
+            self.object(name);
+        }
+        for (one, other) in contact_exclusions {
+            self.link(one);
+            self.link(other);
+        }
+        for ContactPairDescription { name, shapes, .. } in contact_pairs {
+            self.object(name);
+            shapes.iter_mut().for_each(|shape| self.object(shape));
+        }
+        for TendonDescription { name, terms, .. } in tendons {
+            self.object(name);
+            terms.iter_mut().for_each(|(joint, _)| self.object(joint));
+        }
+        equalities.iter_mut().for_each(|equality| self.equality(equality));
+        for ActuatorDescription { name, transmission, .. } in actuators {
+            self.object(name);
+            match transmission {
+                Transmission::Joint { joint, gear: _ } => self.object(joint),
+                Transmission::Tendon { tendon, gear: _ } => self.object(tendon),
+                Transmission::Frame { frame, gear: _ } => self.link(frame),
+            }
+        }
+        for SensorDescription { name, object, reference, .. } in sensors {
+            self.object(name);
+            [Some(object), reference.as_mut()].into_iter().flatten().for_each(|object| self.sensed(object));
+        }
+        for NamedPose { name, positions, velocities, controls: _ } in poses {
+            self.object(name);
+            positions.iter_mut().chain(velocities).for_each(|(joint, _)| self.object(joint));
+        }
+        actuated_joints.iter_mut().flatten().for_each(|joint| self.object(joint));
+    }
+
+    fn joint(&self, joint: &mut JointDescription) {
+        let JointDescription { name, parent, child, mimic, .. } = joint;
+        self.object(name);
+        self.link(parent);
+        self.link(child);
+        if let Some(Mimic { joint, ratio: _, offset: _ }) = mimic {
+            self.object(joint);
+        }
+    }
+
+    fn equality(&self, equality: &mut EqualityDescription) {
+        let EqualityDescription { name, kind, .. } = equality;
+        self.object(name);
+        match kind {
+            Equality::Joints { joint, leader, polynomial: _ } => {
+                self.object(&mut joint.0);
+                leader.iter_mut().for_each(|leader| self.object(&mut leader.0));
+            }
+            Equality::Connect { a, b } => {
+                self.link(&mut a.0);
+                self.link(&mut b.0);
+            }
+            Equality::Weld { a, b, a_from_b: _ } => {
+                self.link(a);
+                self.link(b);
+            }
+        }
+    }
+
+    fn sensed(&self, object: &mut SensorObject) {
+        match object {
+            SensorObject::Robot => {}
+            SensorObject::Named(name) | SensorObject::CenterOfMass(name) => self.link(name),
+            SensorObject::Shape(name) => self.object(name),
+        }
+    }
+}
