@@ -16,8 +16,8 @@ pub use inverse_kinematics::{
 };
 pub use lqr::{Dlqr, DlqrError, dlqr};
 pub use operational_space::{
-    ComputedTorque, OperationalSpace, OperationalSpaceWorkspace, PoseReference, Reference, TaskControl,
-    TaskGains, TaskReference, TaskTarget, operational_space, operational_space_into,
+    ComputedTorque, OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace, PoseReference,
+    Reference, TaskControl, TaskGains, TaskReference, TaskTarget, operational_space, operational_space_into,
 };
 pub use time_parameterization::{
     Collocation, CubicSpline, LimitUtilization, MotionLimits, ParameterizationError, PathCoefficients,

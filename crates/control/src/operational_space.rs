@@ -141,8 +141,22 @@ pub fn operational_space(
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     let mut space = OperationalSpace::zeros(model, rows.len());
-    compute(model, workspace, &mut Scratch::new(model), q, v, frame, rows, &mut space)?;
+    let inputs = OperationalSpaceInputs { q, v, frame, rows };
+    compute(model, workspace, &mut Scratch::new(model), inputs, &mut space)?;
     Ok(space)
+}
+
+/// The inputs of [`operational_space_into`].
+#[derive(Clone, Copy, Debug)]
+pub struct OperationalSpaceInputs<'a> {
+    /// The configuration, nq numbers.
+    pub q: &'a [f64],
+    /// The velocity, nv numbers \[rad/s, m/s\].
+    pub v: &'a [f64],
+    /// The frame whose origin moves.
+    pub frame: FrameId,
+    /// The directions of the task, one to six, along the world's axes.
+    pub rows: &'a [SpatialAxis],
 }
 
 /// [`operational_space`] into existing memory, without allocation. On an error the contents of `space` are
@@ -151,14 +165,15 @@ pub fn operational_space(
 /// ```
 /// use robot_dynamics::constraints::SpatialAxis;
 /// use robot_dynamics::control::{OperationalSpace, OperationalSpaceWorkspace};
-/// use robot_dynamics::control::operational_space_into;
+/// use robot_dynamics::control::{OperationalSpaceInputs, operational_space_into};
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::Model;
 /// let model = Model::new(pendulum(2.0, 0.5))?;
 /// let (tip, rows) = (model.frame_named("tip")?, [SpatialAxis::Z]);
 /// let mut workspace = OperationalSpaceWorkspace::new(&model); // allocated once before the loop
 /// let mut space = OperationalSpace::zeros(&model, rows.len());
-/// operational_space_into(&model, &mut workspace, &[0.3], &[0.0], tip, &rows, &mut space)?;
+/// let inputs = OperationalSpaceInputs { q: &[0.3], v: &[0.0], frame: tip, rows: &rows };
+/// operational_space_into(&model, &mut workspace, inputs, &mut space)?;
 /// assert!((space.inertia[(0, 0)] - 2.0 / 0.3_f64.cos().powi(2)).abs() < 1e-14); // only part of its motion is along z
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -172,27 +187,21 @@ pub fn operational_space(
 pub fn operational_space_into(
     model: &Model,
     workspace: &mut OperationalSpaceWorkspace,
-    q: &[f64],
-    v: &[f64],
-    frame: FrameId,
-    rows: &[SpatialAxis],
+    inputs: OperationalSpaceInputs<'_>,
     space: &mut OperationalSpace,
 ) -> Result<(), ControllerError> {
     let OperationalSpaceWorkspace { dynamics, scratch } = workspace;
-    compute(model, dynamics, scratch, q, v, frame, rows, space)
+    compute(model, dynamics, scratch, inputs, space)
 }
 
-#[allow(clippy::too_many_arguments)] // model, memory, state, frame and result
 fn compute(
     model: &Model,
     workspace: &mut Workspace,
     scratch: &mut Scratch,
-    q: &[f64],
-    v: &[f64],
-    frame: FrameId,
-    rows: &[SpatialAxis],
+    inputs: OperationalSpaceInputs<'_>,
     space: &mut OperationalSpace,
 ) -> Result<(), ControllerError> {
+    let OperationalSpaceInputs { q, v, frame, rows } = inputs;
     let (nv, count) = (model.nv(), rows.len());
     assert!((1..=MOST_ROWS).contains(&count), "an operational space has one to six rows, not {count}");
     check_length("the operational space", space.inertia.nrows(), count);

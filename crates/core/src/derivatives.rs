@@ -36,16 +36,20 @@ pub use forward_dynamics::{
     ForwardDynamicsDerivativesMut, ForwardDynamicsSlopes, forward_dynamics_derivatives,
     forward_dynamics_derivatives_with_wrenches,
 };
-pub use frames::{frame_acceleration_derivatives, frame_velocity_derivative};
+pub use frames::{
+    FrameAccelerationDerivativesMut, FrameAccelerationInputs, frame_acceleration_derivatives,
+    frame_velocity_derivative,
+};
 pub use gravity::gravity_derivative;
 pub use inverse_dynamics::{
     InverseDynamicsDerivativesMut, InverseDynamicsSlopes, inverse_dynamics_derivatives,
     inverse_dynamics_derivatives_with_wrenches,
 };
 pub use pullback::{
-    ArticulatedBodiesPullback, ForwardPullbackMut, InversePullbackMut, NewtonEulerPullback,
-    PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError, check_parameters,
-    dissipation_pullback, forward_dynamics_pullback, forward_dynamics_pullback_with_parameters,
-    inverse_dynamics_pullback, inverse_dynamics_pullback_with_parameters, negate, parameter_count,
-    parameter_values, pull_dissipation, solve_negative, with_parameters,
+    ArticulatedBodiesPullback, ForwardPullbackInputs, ForwardPullbackMut, InversePullbackInputs,
+    InversePullbackMut, NewtonEulerPullback, PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents,
+    ParameterError, check_parameters, dissipation_pullback, forward_dynamics_pullback,
+    forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
+    inverse_dynamics_pullback_with_parameters, negate, parameter_count, parameter_values, pull_dissipation,
+    solve_negative, with_parameters,
 };

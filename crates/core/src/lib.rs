@@ -103,13 +103,15 @@ pub use configuration::manifold::{
     random_within_limits,
 };
 pub use derivatives::{
-    ForwardDynamicsDerivativesMut, ForwardPullbackMut, InverseDynamicsDerivativesMut, InversePullbackMut,
-    PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError, center_of_mass_velocity_derivative,
-    dissipation_pullback, forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches,
-    forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, frame_acceleration_derivatives,
-    frame_velocity_derivative, gravity_derivative, inverse_dynamics_derivatives,
-    inverse_dynamics_derivatives_with_wrenches, inverse_dynamics_pullback,
-    inverse_dynamics_pullback_with_parameters, parameter_count, parameter_values, with_parameters,
+    ForwardDynamicsDerivativesMut, ForwardPullbackInputs, ForwardPullbackMut,
+    FrameAccelerationDerivativesMut, FrameAccelerationInputs, InverseDynamicsDerivativesMut,
+    InversePullbackInputs, InversePullbackMut, PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents,
+    ParameterError, center_of_mass_velocity_derivative, dissipation_pullback, forward_dynamics_derivatives,
+    forward_dynamics_derivatives_with_wrenches, forward_dynamics_pullback,
+    forward_dynamics_pullback_with_parameters, frame_acceleration_derivatives, frame_velocity_derivative,
+    gravity_derivative, inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches,
+    inverse_dynamics_pullback, inverse_dynamics_pullback_with_parameters, parameter_count, parameter_values,
+    with_parameters,
 };
 pub use kinematics::wrench::FrameWrench;
 pub use model::massless::lock_massless;

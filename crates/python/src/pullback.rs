@@ -2,8 +2,8 @@
 
 use robot_dynamics::batch::{self, BadStates, BatchWorkspace};
 use robot_dynamics::derivatives::{
-    ForwardPullbackMut, InversePullbackMut, forward_dynamics_pullback_with_parameters,
-    inverse_dynamics_pullback_with_parameters,
+    ForwardPullbackInputs, ForwardPullbackMut, InversePullbackInputs, InversePullbackMut,
+    forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback_with_parameters,
 };
 use robot_dynamics::model::{Model, Workspace};
 
@@ -33,11 +33,7 @@ impl Pullback {
             Self::InverseDynamics => inverse_dynamics_pullback_with_parameters(
                 model,
                 workspace,
-                q,
-                v,
-                third,
-                &[],
-                cotangent,
+                InversePullbackInputs { q, v, a: third, wrenches: &[], cotangent },
                 InversePullbackMut {
                     by_position: by_q,
                     by_velocity: by_v,
@@ -54,7 +50,12 @@ impl Pullback {
                     by_force: by_third,
                     parameters: by_parameters,
                 };
-                forward_dynamics_pullback_with_parameters(model, workspace, q, v, third, &[], cotangent, out);
+                forward_dynamics_pullback_with_parameters(
+                    model,
+                    workspace,
+                    ForwardPullbackInputs { q, v, tau: third, wrenches: &[], cotangent },
+                    out,
+                );
             }
         }
     }

@@ -111,9 +111,10 @@ pub mod algorithms {
 /// Derivatives of the recursions and of steps, and gradients pulled back through them.
 pub mod derivatives {
     pub use robot_dynamics_core::{
-        ForwardDynamicsDerivatives, ForwardDynamicsDerivativesMut, ForwardPullback, ForwardPullbackMut,
-        InverseDynamicsDerivatives, InverseDynamicsDerivativesMut, InversePullback, InversePullbackMut,
-        PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError,
+        ForwardDynamicsDerivatives, ForwardDynamicsDerivativesMut, ForwardPullback, ForwardPullbackInputs,
+        ForwardPullbackMut, FrameAccelerationDerivativesMut, FrameAccelerationInputs,
+        InverseDynamicsDerivatives, InverseDynamicsDerivativesMut, InversePullback, InversePullbackInputs,
+        InversePullbackMut, PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError,
         center_of_mass_velocity_derivative, dissipation_pullback, forward_dynamics_derivatives,
         forward_dynamics_derivatives_with_wrenches, forward_dynamics_pullback,
         forward_dynamics_pullback_with_parameters, frame_acceleration_derivatives, frame_velocity_derivative,
@@ -140,7 +141,7 @@ pub mod constraints {
         ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintRecord, ConstraintRows, ConstraintSet,
         ContactImpulse, ContactSupport, Coupling, DriftCorrection, FrameConstraint, LoopClosure,
         NamedDependentRow, NoSlip, Plane, PolynomialCoupling, PositionProjection, RedundantRows, RollingDisc,
-        RollingRow, SpatialAxis, SupportProblem, SupportedTorque, TreeProjections,
+        RollingRow, SpatialAxis, StepConstraints, SupportProblem, SupportedTorque, TreeProjections,
         constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
         constraint_projections, contact_impulse, project_position, project_velocity,
         supported_inverse_dynamics,
@@ -151,7 +152,7 @@ pub mod constraints {
 pub mod contact {
     pub use robot_dynamics_simulation::{
         ActiveSet, ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet,
-        ContactViolation, Ground, HeightField, SoftConstraints, SoftContact,
+        ContactViolation, Ground, HeightField, SoftConstraints, SoftContact, SoftDynamicsInputs,
     };
 }
 
@@ -165,8 +166,9 @@ pub mod simulation {
         Actuation, ActuationWorkspace, CallbackError, ConstantTorque, Controller, ControllerError,
         DivergenceCause, Event, EventOccurrence, GravityAt, GravityCompensatedPd, ImplicitIntegrator,
         IntoCallbackResult, Losses, MujocoEuler, PointForce, Run, RunError, RunFailure, Sample, SensorInputs,
-        SensorMemory, SensorSet, StepError, StepForces, StepInfo, StepStagesWorkspace, StepWorkspace,
-        Stepper, Trajectory, ZeroTorque, energy_ledger, record_step, step, step_stages, steps_in,
+        SensorMemory, SensorSet, StateTransition, StepError, StepForces, StepInfo, StepStagesWorkspace,
+        StepWorkspace, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step, step, step_stages,
+        steps_in,
     };
     #[cfg(feature = "adaptive")]
     pub use robot_dynamics_simulation::{
@@ -180,11 +182,11 @@ pub mod control {
         BaseParameter, BaseParameters, Collocation, ComputedTorque, CubicSpline, Dlqr, DlqrError,
         FrameTarget, IdentificationError, IdentificationResult, InverseKinematicsError,
         InverseKinematicsOptions, InverseKinematicsSolution, LimitUtilization, LinkConsistency, MotionLimits,
-        MotionRecord, OperationalSpace, OperationalSpaceWorkspace, ParameterizationError, PathCoefficients,
-        PathState, PoseReference, Reference, TaskControl, TaskGains, TaskReference, TaskTarget, TimeOptimal,
-        TimedPath, TreePath, TreePathPoint, dlqr, inertial_parameter_names, inverse_kinematics,
-        limit_utilization, operational_space, operational_space_into, path_coefficients,
-        physical_consistency, pseudo_inertia, time_optimal,
+        MotionRecord, OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace,
+        ParameterizationError, PathCoefficients, PathState, PoseReference, Reference, TaskControl, TaskGains,
+        TaskReference, TaskTarget, TimeOptimal, TimedPath, TreePath, TreePathPoint, dlqr,
+        inertial_parameter_names, inverse_kinematics, limit_utilization, operational_space,
+        operational_space_into, path_coefficients, physical_consistency, pseudo_inertia, time_optimal,
     };
 }
 

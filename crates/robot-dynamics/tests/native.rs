@@ -13,10 +13,11 @@ use robot_dynamics::algorithms::{
 };
 use robot_dynamics::batch::{self, BatchFloat, BatchOptions, BatchWorkspace, Rollout, Torques};
 use robot_dynamics::derivatives::{
-    ForwardPullbackMut, InversePullbackMut, LinearizeStepWorkspace, LinearizedStep, MotionCotangents,
-    RobotState, StepPullbackWorkspace, forward_dynamics_pullback, forward_dynamics_pullback_with_parameters,
-    gravity_derivative, inverse_dynamics_pullback, inverse_dynamics_pullback_with_parameters, linearize_step,
-    parameter_count, step_pullback,
+    ForwardPullbackInputs, ForwardPullbackMut, InversePullbackInputs, InversePullbackMut,
+    LinearizeStepWorkspace, LinearizedStep, MotionCotangents, RobotState, StepPullbackWorkspace,
+    forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, gravity_derivative,
+    inverse_dynamics_pullback, inverse_dynamics_pullback_with_parameters, linearize_step, parameter_count,
+    step_pullback,
 };
 use robot_dynamics::description::{
     Base, FrameDescription, JointKinds, Pose, RandomRobotOptions, random_robot,
@@ -434,7 +435,12 @@ fn pullbacks_with_parameters_have_the_bits_of_the_recursions() {
             by_acceleration: &mut z,
             parameters: &mut of_inverse,
         };
-        inverse_dynamics_pullback_with_parameters(model, w, &q, &v, &a, &[], &tau, out);
+        inverse_dynamics_pullback_with_parameters(
+            model,
+            w,
+            InversePullbackInputs { q: &q, v: &v, a: &a, wrenches: &[], cotangent: &tau },
+            out,
+        );
         let mut results = vec![x.clone(), y.clone(), z.clone(), of_inverse];
         let out = ForwardPullbackMut {
             acceleration: &mut r,
@@ -443,7 +449,12 @@ fn pullbacks_with_parameters_have_the_bits_of_the_recursions() {
             by_force: &mut z,
             parameters: &mut of_forward,
         };
-        forward_dynamics_pullback_with_parameters(model, w, &q, &v, &tau, &[], &a, out);
+        forward_dynamics_pullback_with_parameters(
+            model,
+            w,
+            ForwardPullbackInputs { q: &q, v: &v, tau: &tau, wrenches: &[], cotangent: &a },
+            out,
+        );
         results.extend([r, x, y, z, of_forward]);
         results
     };

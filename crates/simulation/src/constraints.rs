@@ -56,5 +56,5 @@ pub use rolling::{Plane, RollingDisc, RollingRow};
 pub use rows::ConstraintRows;
 pub use run::{ConstrainedStepper, ConstraintRecord};
 pub use set::ConstraintSet;
-pub use step::{ConstrainedStepReport, DriftCorrection, constrained_step};
+pub use step::{ConstrainedStepReport, DriftCorrection, StepConstraints, constrained_step};
 pub use support::{ContactSupport, SupportProblem, SupportedTorque, supported_inverse_dynamics};

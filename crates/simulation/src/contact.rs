@@ -54,7 +54,7 @@ pub use ground::{ContactError, Ground};
 pub use law::{ContactLaws, ContactViolation};
 pub use point::ContactPoint;
 pub use problem::{ContactLaw, ContactProblem};
-pub use soft::{ActiveSet, SoftConstraints, SoftContact};
+pub use soft::{ActiveSet, SoftConstraints, SoftContact, SoftDynamicsInputs};
 
 pub use components::{Components, Mark};
 pub use cone_problem::{ConeProblem, Set};

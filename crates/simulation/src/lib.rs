@@ -35,13 +35,13 @@ pub use constraints::{
     ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintRecord, ConstraintRows, ConstraintSet,
     ContactImpulse, ContactSupport, Coupling, DriftCorrection, FrameConstraint, LoopClosure,
     NamedDependentRow, NoSlip, Plane, PolynomialCoupling, PositionProjection, RedundantRows, RollingDisc,
-    RollingRow, SpatialAxis, SupportProblem, SupportedTorque, TreeProjections, constrained_forward_dynamics,
-    constrained_inverse_dynamics, constrained_step, constraint_drift, constraint_projections,
-    contact_impulse, project_position, project_velocity, supported_inverse_dynamics,
+    RollingRow, SpatialAxis, StepConstraints, SupportProblem, SupportedTorque, TreeProjections,
+    constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
+    constraint_projections, contact_impulse, project_position, project_velocity, supported_inverse_dynamics,
 };
 pub use contact::{
     ActiveSet, ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet,
-    ContactViolation, Ground, HeightField, SoftConstraints, SoftContact,
+    ContactViolation, Ground, HeightField, SoftConstraints, SoftContact, SoftDynamicsInputs,
 };
 pub use motion::implicit::ImplicitIntegrator;
 pub use motion::integrate::step_stages::step_stages;
@@ -59,7 +59,8 @@ pub use motion::simulate::{AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, Cont
 pub use motion::simulate::{
     CallbackError, ConstantTorque, Controller, ControllerError, DivergenceCause, Event, EventOccurrence,
     GravityAt, GravityCompensatedPd, IntoCallbackResult, Losses, Run, RunError, RunFailure, Sample,
-    StepError, StepInfo, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step, steps_in,
+    StateTransition, StepError, StepInfo, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
+    steps_in,
 };
 pub use motion::{RobotState, StepDerivativeError};
 pub use sensors::{PointForce, SensorInputs, SensorMemory, SensorSet};

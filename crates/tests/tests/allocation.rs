@@ -18,7 +18,8 @@ use robot_dynamics::batch::{BatchOptions, BatchWorkspace};
 use robot_dynamics::constraints::FrameConstraint;
 use robot_dynamics::contact::{ContactSet, Ground, HeightField};
 use robot_dynamics::control::{
-    OperationalSpace, OperationalSpaceWorkspace, PoseReference, TaskControl, TaskGains, TaskReference,
+    OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace, PoseReference, TaskControl,
+    TaskGains, TaskReference,
 };
 use robot_dynamics::derivatives::LinearizeStepWorkspace;
 use robot_dynamics::description::{
@@ -316,7 +317,19 @@ fn derivatives_allocate_nothing() {
             nothing("frame_velocity_derivative", allocations(call));
             let call = || {
                 robot_dynamics::derivatives::frame_acceleration_derivatives(
-                    model, w, q, v, a, frame, seen, j, k,
+                    model,
+                    w,
+                    robot_dynamics::derivatives::FrameAccelerationInputs {
+                        q,
+                        v,
+                        a,
+                        frame,
+                        reference_frame: seen,
+                    },
+                    robot_dynamics::derivatives::FrameAccelerationDerivativesMut {
+                        by_position: j,
+                        by_velocity: k,
+                    },
                 );
             };
             nothing("frame_acceleration_derivatives", allocations(call));
@@ -337,7 +350,16 @@ fn derivatives_allocate_nothing() {
                 parameters,
             };
             robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters(
-                model, w, q, v, a, &wrench, tau, out,
+                model,
+                w,
+                robot_dynamics::derivatives::InversePullbackInputs {
+                    q,
+                    v,
+                    a,
+                    wrenches: &wrench,
+                    cotangent: tau,
+                },
+                out,
             );
         };
         nothing("inverse_dynamics_pullback", allocations(call));
@@ -350,7 +372,16 @@ fn derivatives_allocate_nothing() {
                 parameters,
             };
             robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters(
-                model, w, q, v, tau, &wrench, a, out,
+                model,
+                w,
+                robot_dynamics::derivatives::ForwardPullbackInputs {
+                    q,
+                    v,
+                    tau,
+                    wrenches: &wrench,
+                    cotangent: a,
+                },
+                out,
             );
         };
         nothing("forward_dynamics_pullback", allocations(call));
@@ -478,7 +509,12 @@ fn controls_allocate_nothing() {
         let mut space = OperationalSpace::zeros(&model, rows.len());
         let mut done = Ok(());
         let call = || {
-            done = robot_dynamics::control::operational_space_into(&model, w, &q, &v, hand, rows, &mut space);
+            done = robot_dynamics::control::operational_space_into(
+                &model,
+                w,
+                OperationalSpaceInputs { q: &q, v: &v, frame: hand, rows },
+                &mut space,
+            );
         };
         assert_eq!(allocations(call), 0, "operational_space_into");
         done.unwrap();

@@ -15,9 +15,9 @@ use std::time::{Duration, Instant};
 
 use bench::{StateTable, robot_by_name};
 use robot_dynamics::derivatives::{
-    self, ForwardDynamicsDerivativesMut, ForwardPullbackMut, InverseDynamicsDerivativesMut,
-    InversePullbackMut, LinearizeStepWorkspace, LinearizedStep, MotionCotangents, RobotState,
-    StepPullbackWorkspace, parameter_count,
+    self, ForwardDynamicsDerivativesMut, ForwardPullbackInputs, ForwardPullbackMut,
+    InverseDynamicsDerivativesMut, InversePullbackInputs, InversePullbackMut, LinearizeStepWorkspace,
+    LinearizedStep, MotionCotangents, RobotState, StepPullbackWorkspace, parameter_count,
 };
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace};
@@ -158,7 +158,12 @@ fn single<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
                 by_acceleration: &mut z,
                 parameters: p,
             };
-            derivatives::inverse_dynamics_pullback_with_parameters(model, &mut w, q, v, a, &[], lambda, out);
+            derivatives::inverse_dynamics_pullback_with_parameters(
+                model,
+                &mut w,
+                InversePullbackInputs { q, v, a, wrenches: &[], cotangent: lambda },
+                out,
+            );
             black_box((&x, &y, &z));
         })
     };
@@ -196,11 +201,7 @@ fn single<'a>(model: &'a Model, table: &'a StateTable) -> Vec<Row<'a>> {
             derivatives::forward_dynamics_pullback_with_parameters(
                 model,
                 &mut w,
-                q,
-                v,
-                tau,
-                &[],
-                lambda,
+                ForwardPullbackInputs { q, v, tau, wrenches: &[], cotangent: lambda },
                 out,
             );
             black_box((&a, &x, &y, &z));

@@ -12,7 +12,9 @@ use robot_dynamics_simulation::motion::simulate::{check_controller_input, check_
 use robot_dynamics_simulation::{Controller, ControllerError, SpatialAxis};
 
 use super::mobility::MOST_ROWS;
-use super::{OperationalSpace, OperationalSpaceWorkspace, TaskTarget, operational_space_into};
+use super::{
+    OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace, TaskTarget, operational_space_into,
+};
 
 /// A row is damped if its mobility independent of the others is below this fraction of its own.
 const DAMPING: f64 = 1e-3;
@@ -199,7 +201,12 @@ where
         let TaskGains { stiffness, damping, null_damping } = *gains;
         check_length("tau", tau.len(), model.nv());
         check_controller_input(model, t, q, v)?;
-        operational_space_into(model, workspace, q, v, *frame, &self.rows, space)?;
+        operational_space_into(
+            model,
+            workspace,
+            OperationalSpaceInputs { q, v, frame: *frame, rows: &self.rows },
+            space,
+        )?;
         let OperationalSpaceWorkspace { dynamics, scratch } = workspace;
         let pose = frame_pose(model, dynamics, q, *frame);
         let velocity = frame_velocity(model, dynamics, q, v, *frame, ReferenceFrame::LocalWorldAligned);

@@ -75,11 +75,7 @@ impl Model {
         crate::inverse_dynamics_pullback_with_parameters(
             self,
             &mut Workspace::new(self),
-            q,
-            v,
-            a,
-            &[],
-            cotangent,
+            crate::InversePullbackInputs { q, v, a, wrenches: &[], cotangent },
             out,
         );
         for (quantity, numbers) in
@@ -128,11 +124,7 @@ impl Model {
         crate::forward_dynamics_pullback_with_parameters(
             self,
             &mut Workspace::new(self),
-            q,
-            v,
-            tau,
-            &[],
-            cotangent,
+            crate::ForwardPullbackInputs { q, v, tau, wrenches: &[], cotangent },
             out,
         );
         for (quantity, numbers) in [

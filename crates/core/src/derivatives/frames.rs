@@ -143,6 +143,30 @@ pub fn frame_velocity_derivative<S: Scalar>(
     }
 }
 
+/// The inputs of [`frame_acceleration_derivatives`].
+#[derive(Clone, Copy, Debug)]
+pub struct FrameAccelerationInputs<'a, S> {
+    /// The configuration, nq numbers.
+    pub q: &'a [S],
+    /// The velocity, nv numbers \[rad/s, m/s\].
+    pub v: &'a [S],
+    /// The acceleration, nv numbers \[rad/s², m/s²\].
+    pub a: &'a [S],
+    /// The frame.
+    pub frame: FrameId,
+    /// The axes and the point of the acceleration.
+    pub reference_frame: ReferenceFrame,
+}
+
+/// The outputs of [`frame_acceleration_derivatives`], 6×nv by rows.
+#[derive(Debug)]
+pub struct FrameAccelerationDerivativesMut<'a, S> {
+    /// ∂/∂q, along the directions of v.
+    pub by_position: &'a mut [S],
+    /// ∂/∂v.
+    pub by_velocity: &'a mut [S],
+}
+
 /// ∂/∂q and ∂/∂v, 6×nv each, of [`frame_acceleration`](crate::frame_acceleration) in the same reference frame.
 /// ∂/∂a is [`frame_jacobian`](crate::frame_jacobian).
 ///
@@ -151,6 +175,7 @@ pub fn frame_velocity_derivative<S: Scalar>(
 /// ```
 /// use nalgebra::{DMatrix, DVector};
 /// use robot_dynamics::algorithms::{ReferenceFrame, frame_bias_acceleration};
+/// use robot_dynamics::derivatives::{FrameAccelerationDerivativesMut, FrameAccelerationInputs};
 /// use robot_dynamics::derivatives::frame_acceleration_derivatives;
 /// use robot_dynamics::model::Workspace;
 /// # use robot_dynamics::algorithms::bias;
@@ -162,7 +187,9 @@ pub fn frame_velocity_derivative<S: Scalar>(
 /// let (w, hand) = (&mut Workspace::new(&model), model.frame_named("link9")?);
 /// let (mut by_q, mut by_v) = (vec![0.0; 6 * model.nv()], vec![0.0; 6 * model.nv()]);
 /// for seen in ReferenceFrame::ALL {
-///     frame_acceleration_derivatives(&model, w, &q, &v, &a, hand, seen, &mut by_q, &mut by_v);
+///     let inputs = FrameAccelerationInputs { q: &q, v: &v, a: &a, frame: hand, reference_frame: seen };
+///     let outputs = FrameAccelerationDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v };
+///     frame_acceleration_derivatives(&model, w, inputs, outputs);
 ///     let twice = DMatrix::from_row_slice(6, model.nv(), &by_v) * DVector::from_column_slice(&v);
 ///     let bias = frame_bias_acceleration(&model, w, &q, &v, hand, seen);
 ///     assert!((0..3).all(|i| (twice[i] - 2.0 * bias.linear[i]).abs() < 1e-11));
@@ -174,20 +201,16 @@ pub fn frame_velocity_derivative<S: Scalar>(
 /// If a slice has the wrong length, or the frame belongs to another model.
 #[doc(alias = "frame_acceleration_derivatives_in_frame")]
 #[doc(alias = "frame_acceleration_derivatives_world_aligned")]
-#[allow(clippy::too_many_arguments)] // as the acceleration, with two results
 #[inline]
 #[track_caller]
 pub fn frame_acceleration_derivatives<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
-    q: &[S],
-    v: &[S],
-    a: &[S],
-    frame: FrameId,
-    reference_frame: ReferenceFrame,
-    by_position: &mut [S],
-    by_velocity: &mut [S],
+    inputs: FrameAccelerationInputs<'_, S>,
+    results: FrameAccelerationDerivativesMut<'_, S>,
 ) {
+    let FrameAccelerationInputs { q, v, a, frame, reference_frame } = inputs;
+    let FrameAccelerationDerivativesMut { by_position, by_velocity } = results;
     workspace.check_inputs(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);

@@ -46,11 +46,11 @@ mod sweeps;
 
 pub use dissipation::{dissipation_pullback, pull_dissipation};
 pub use forward_dynamics::{
-    ArticulatedBodiesPullback, ForwardPullbackMut, forward_dynamics_pullback,
+    ArticulatedBodiesPullback, ForwardPullbackInputs, ForwardPullbackMut, forward_dynamics_pullback,
     forward_dynamics_pullback_with_parameters, negate, solve_negative,
 };
 pub use inverse_dynamics::{
-    InversePullbackMut, NewtonEulerPullback, inverse_dynamics_pullback,
+    InversePullbackInputs, InversePullbackMut, NewtonEulerPullback, inverse_dynamics_pullback,
     inverse_dynamics_pullback_with_parameters,
 };
 pub use parameter_values::{ParameterError, parameter_values, with_parameters};

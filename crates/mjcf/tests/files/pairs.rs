@@ -1,6 +1,6 @@
 //! Explicit contact pairs (`<pair>`) are independent of the other contact settings of geoms.
 
-use robot_dynamics::contact::{ContactSet, Ground, SoftConstraints};
+use robot_dynamics::contact::{ContactSet, Ground, SoftConstraints, SoftDynamicsInputs};
 use robot_dynamics::description::{RobotDescription, ShapeRole};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::simulation::{Method, RunOptions, SimulationBuilder};
@@ -153,7 +153,13 @@ fn soft_contacts_have_the_surface_of_their_pair() {
         .expect("no restitution");
     let (mut workspace, mut acceleration) = (Workspace::new(&model), [0.0; 7]);
     let q = robot_dynamics::model::neutral(&model);
-    soft.forward(&model, &mut workspace, &q, &[0.0; 7], &[0.0; 7], &[], &mut acceleration).expect("a state");
+    soft.forward(
+        &model,
+        &mut workspace,
+        SoftDynamicsInputs { q: &q, v: &[0.0; 7], tau: &[0.0; 7], contacts: &[] },
+        &mut acceleration,
+    )
+    .expect("a state");
     let found: Vec<_> = soft.contacts().map(|(contact, _)| *contact).collect();
     let [floor, grip] = &found[..] else { panic!("{found:?}") };
     assert_eq!(

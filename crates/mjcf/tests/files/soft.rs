@@ -4,7 +4,7 @@
 //! Tolerance: 1e-8 of the largest acceleration. MuJoCo's Newton method stops when its steps no longer lower
 //! the cost, whose rounding is 1e-16, so its result has an error of about the root of that.
 
-use robot_dynamics::contact::{ContactSet, Ground, SoftConstraints, SoftContact};
+use robot_dynamics::contact::{ContactSet, Ground, SoftConstraints, SoftContact, SoftDynamicsInputs};
 use robot_dynamics::conventions::{
     acceleration_to_mujoco, configuration_from_mujoco, configuration_to_mujoco, force_from_mujoco,
     force_to_mujoco, velocity_to_mujoco,
@@ -125,7 +125,13 @@ fn accelerations_under_soft_constraints_are_mujocos() {
                 .iter()
                 .map(|value| contact(&model, value))
                 .collect();
-            soft.forward(&model, &mut workspace, &q, &v, &tau, &contacts, &mut a).expect("an acceleration");
+            soft.forward(
+                &model,
+                &mut workspace,
+                SoftDynamicsInputs { q: &q, v: &v, tau: &tau, contacts: &contacts },
+                &mut a,
+            )
+            .expect("an acceleration");
             let mut theirs = vec![0.0; model.nv()];
             acceleration_to_mujoco(&model, &q, &v, &a, &mut theirs);
             assert_near(&format!("{file} {at}, qacc"), &theirs, &expected, SOLVED);
@@ -135,7 +141,12 @@ fn accelerations_under_soft_constraints_are_mujocos() {
             handed += contacts.len();
             if state["on_ground"] == true {
                 by_itself
-                    .forward(&model, &mut workspace, &q, &v, &tau, &[], &mut a)
+                    .forward(
+                        &model,
+                        &mut workspace,
+                        SoftDynamicsInputs { q: &q, v: &v, tau: &tau, contacts: &[] },
+                        &mut a,
+                    )
                     .expect("an acceleration");
                 assert_eq!(by_itself.contacts().count(), contacts.len(), "{file} {at}: contacts");
                 for ((own, _), theirs) in by_itself.contacts().zip(&contacts) {

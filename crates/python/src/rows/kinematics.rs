@@ -6,6 +6,7 @@ use robot_dynamics::algorithms::{
     frame_velocity as velocity,
 };
 use robot_dynamics::derivatives::{
+    FrameAccelerationDerivativesMut, FrameAccelerationInputs,
     frame_acceleration_derivatives as acceleration_derivatives,
     frame_velocity_derivative as velocity_derivative,
 };
@@ -218,6 +219,8 @@ frame_rows! {
     /// >>> robot.frame_acceleration_derivatives(zero, zero, [1.0, 0.0], "tip", "local").by_position[0].round(12)
     /// array([0., 1.])
     = of_frame(|m, s, x, f, seen, [by_q, by_v, ..]| {
-        acceleration_derivatives(m, &mut s.workspace, x[0], x[1], x[2], f, seen, by_q, by_v);
+        let inputs = FrameAccelerationInputs { q: x[0], v: x[1], a: x[2], frame: f, reference_frame: seen };
+        let results = FrameAccelerationDerivativesMut { by_position: by_q, by_velocity: by_v };
+        acceleration_derivatives(m, &mut s.workspace, inputs, results);
     });
 }

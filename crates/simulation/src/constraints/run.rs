@@ -3,7 +3,7 @@
 use robot_dynamics_core::{Model, SingularMass, Workspace};
 
 use super::step::step_in;
-use super::{ConstraintDrift, ConstraintOptions, ConstraintSet, DriftCorrection};
+use super::{ConstraintDrift, ConstraintOptions, ConstraintSet, DriftCorrection, StepConstraints};
 use crate::{StepError, StepForces, StepWorkspace, Stepper};
 
 /// The constraint errors and corrections of a run.
@@ -72,7 +72,8 @@ impl Stepper for ConstrainedStepper {
         v: &mut [f64],
     ) -> Result<(), StepError> {
         let Self { constraints, options, correction, record } = self;
-        let report = step_in(model, workspace, constraints, options, *correction, forces, h, q, v)?;
+        let law = StepConstraints { set: constraints, options, correction: *correction };
+        let report = step_in(model, workspace, law, forces, h, q, v)?;
         record.drift = record.drift.max(report.corrected);
         record.step_drift = record.step_drift.max(report.drift);
         record.energy_removed += report.energy_removed;

@@ -42,6 +42,17 @@ impl Default for DriftCorrection {
     }
 }
 
+/// The constraints of a step, and how the step satisfies them.
+#[derive(Clone, Copy, Debug)]
+pub struct StepConstraints<'a> {
+    /// The constraints.
+    pub set: &'a ConstraintSet,
+    /// The method of the step, and the treatment of dependent rows.
+    pub options: &'a ConstraintOptions,
+    /// The correction of the drift after an explicit step.
+    pub correction: DriftCorrection,
+}
+
 /// The result of a constrained step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -82,7 +93,7 @@ pub struct ConstrainedStepReport {
 ///
 /// ```
 /// use robot_dynamics::constraints::{FrameConstraint, ConstraintOptions, ConstraintSet, DriftCorrection};
-/// use robot_dynamics::constraints::constrained_step;
+/// use robot_dynamics::constraints::{StepConstraints, constrained_step};
 /// use robot_dynamics::model::Workspace;
 /// use robot_dynamics::simulation::StepForces;
 /// # use robot_dynamics::description::{Base, FrameDescription, LinkDescription, Pose};
@@ -103,9 +114,9 @@ pub struct ConstrainedStepReport {
 /// let options = ConstraintOptions { integrator: robot_dynamics::simulation::Integrator::VariationalMidpoint, ..Default::default() };
 /// let (mut q, mut v) = ([0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0, -1.0, 0.0]);
 /// let forces = StepForces::new(&[0.0; 6], false);
+/// let law = StepConstraints { set: &set, options: &options, correction: DriftCorrection::None };
 /// for _ in 0..100 {
-///     let none = DriftCorrection::None;
-///     constrained_step(&model, w, &set, &options, none, &forces, 0.01, &mut q, &mut v)?;
+///     constrained_step(&model, w, law, &forces, 0.01, &mut q, &mut v)?;
 /// }
 /// assert!((q[0].hypot(q[1]).hypot(q[2]) - 1.0).abs() < 1e-11); // as long as ever, to rounding
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -119,52 +130,44 @@ pub struct ConstrainedStepReport {
 ///
 /// # Panics
 /// If a slice has the wrong length.
-#[allow(clippy::too_many_arguments)] // model, memory, law, options, forces, step, state
 #[track_caller]
 pub fn constrained_step(
     model: &Model,
     workspace: &mut Workspace,
-    set: &ConstraintSet,
-    options: &ConstraintOptions,
-    correction: DriftCorrection,
+    law: StepConstraints<'_>,
     forces: &StepForces<'_>,
     h: f64,
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<ConstrainedStepReport, ConstraintError> {
-    check_step(model, options, correction, forces, h, q, v)?;
-    match options.integrator.scheme() {
-        StepScheme::Explicit(stages) => {
-            explicit_row(model, workspace, set, options, correction, stages, forces, h, q, v)
-        }
+    check_step(model, law, forces, h, q, v)?;
+    match law.options.integrator.scheme() {
+        StepScheme::Explicit(stages) => explicit_row(model, workspace, law, stages, forces, h, (q, v)),
         StepScheme::Variational(fractions) => {
             let workspace = &mut StepWorkspace::new(model);
-            variational_row(model, workspace, set, options, forces, (h, fractions), q, v)
+            variational_row(model, workspace, law, forces, (h, fractions), q, v)
         }
     }
 }
 
 /// [`constrained_step`] with memory for every method.
-#[allow(clippy::too_many_arguments)] // as constrained_step
 pub(super) fn step_in(
     model: &Model,
     workspace: &mut StepWorkspace,
-    set: &ConstraintSet,
-    options: &ConstraintOptions,
-    correction: DriftCorrection,
+    law: StepConstraints<'_>,
     forces: &StepForces<'_>,
     h: f64,
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<ConstrainedStepReport, ConstraintError> {
-    check_step(model, options, correction, forces, h, q, v)?;
-    match options.integrator.scheme() {
+    check_step(model, law, forces, h, q, v)?;
+    match law.options.integrator.scheme() {
         StepScheme::Explicit(stages) => {
             let dynamics = &mut workspace.dynamics;
-            explicit_row(model, dynamics, set, options, correction, stages, forces, h, q, v)
+            explicit_row(model, dynamics, law, stages, forces, h, (q, v))
         }
         StepScheme::Variational(fractions) => {
-            variational_row(model, workspace, set, options, forces, (h, fractions), q, v)
+            variational_row(model, workspace, law, forces, (h, fractions), q, v)
         }
     }
 }
@@ -172,13 +175,13 @@ pub(super) fn step_in(
 /// Returns an error for inputs that all methods, or this method, reject.
 fn check_step(
     model: &Model,
-    options: &ConstraintOptions,
-    correction: DriftCorrection,
+    law: StepConstraints<'_>,
     forces: &StepForces<'_>,
     h: f64,
     q: &[f64],
     v: &[f64],
 ) -> Result<(), ConstraintError> {
+    let StepConstraints { options, correction, .. } = law;
     check_positive("the step", h, "s")?;
     check_length("q", q.len(), model.nq());
     check_length("v", v.len(), model.nv());
@@ -197,19 +200,17 @@ fn check_step(
 }
 
 /// A step of a variational method.
-#[allow(clippy::too_many_arguments)] // as constrained_step
 fn variational_row(
     model: &Model,
     workspace: &mut StepWorkspace,
-    set: &ConstraintSet,
-    options: &ConstraintOptions,
+    law: StepConstraints<'_>,
     forces: &StepForces<'_>,
     parts: (f64, &[f64]),
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<ConstrainedStepReport, ConstraintError> {
-    let done = variational_step(model, workspace, set, options, forces, parts, q, v)?;
-    let corrected = constraint_drift(model, &mut workspace.dynamics, set, q, v);
+    let done = variational_step(model, workspace, (law.set, law.options), forces, parts, q, v)?;
+    let corrected = constraint_drift(model, &mut workspace.dynamics, law.set, q, v);
     Ok(ConstrainedStepReport {
         drift: ConstraintDrift { position: corrected.position, velocity: done.velocity_before },
         corrected,
@@ -249,19 +250,16 @@ impl Motion<f64> for Held<'_> {
 }
 
 /// A step with explicit stages, then the correction.
-#[allow(clippy::too_many_arguments)] // as constrained_step
 fn explicit_row(
     model: &Model,
     workspace: &mut Workspace,
-    set: &ConstraintSet,
-    options: &ConstraintOptions,
-    correction: DriftCorrection,
+    law: StepConstraints<'_>,
     stages: &[Stage],
     forces: &StepForces<'_>,
     h: f64,
-    q: &mut [f64],
-    v: &mut [f64],
+    (q, v): (&mut [f64], &mut [f64]),
 ) -> Result<ConstrainedStepReport, ConstraintError> {
+    let StepConstraints { set, options, correction } = law;
     let mut memory = vec![0.0; StageMemory::<f64>::size(model, stages.len())];
     let mut memory = StageMemory::new(model, stages.len(), &mut memory);
     let force = vec![0.0; model.nv()];

@@ -32,12 +32,10 @@ use crate::motion::integrate::variational::{
 use crate::{StepForces, StepWorkspace};
 
 /// Takes midpoint steps of these fractions of h from (q, v). Writes the result to (q, v) only on success.
-#[allow(clippy::too_many_arguments)] // model, memory, law, options, forces, steps, state
 pub(super) fn variational_step(
     model: &Model,
     workspace: &mut StepWorkspace,
-    set: &ConstraintSet,
-    options: &ConstraintOptions,
+    (set, options): (&ConstraintSet, &ConstraintOptions),
     forces: &StepForces<'_>,
     (h, fractions): (f64, &[f64]),
     q: &mut [f64],

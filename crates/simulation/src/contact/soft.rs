@@ -47,6 +47,20 @@ pub(super) use self::point::mixed;
 /// The least friction of a contact with friction.
 const LEAST_FRICTION: f64 = 1e-5;
 
+/// The inputs of [`SoftConstraints::forward`].
+#[derive(Clone, Copy, Debug)]
+pub struct SoftDynamicsInputs<'a> {
+    /// The configuration, nq numbers.
+    pub q: &'a [f64],
+    /// The velocity, nv numbers \[rad/s, m/s\].
+    pub v: &'a [f64],
+    /// The forces of motors and tendons, nv numbers \[N·m, N\]. They include all forces of tendons except
+    /// dry friction ([`Actuation::without_tendon_friction`](crate::Actuation::without_tendon_friction)).
+    pub tau: &'a [f64],
+    /// Contacts in addition to those with the ground.
+    pub contacts: &'a [SoftContact],
+}
+
 clone_in_place! {
     /// A robot's constraints by MuJoCo's soft law. They are limits of positions and of tendons' lengths, dry
     /// friction of both, equalities of joints and connected points, and contacts. Use it to compare with
@@ -54,7 +68,7 @@ clone_in_place! {
     /// and `solimp` determine. [`ImplicitIntegrator`](crate::ImplicitIntegrator) has the rigid law.
     ///
     /// ```
-    /// use robot_dynamics::contact::SoftConstraints;
+    /// use robot_dynamics::contact::{SoftConstraints, SoftDynamicsInputs};
     /// use robot_dynamics::description::{Limits, pendulum};
     /// use robot_dynamics::model::{Model, Workspace};
     /// let mut robot = pendulum(2.0, 0.5);
@@ -62,7 +76,9 @@ clone_in_place! {
     /// let model = Model::new(robot)?;
     /// let mut soft = SoftConstraints::new(&model, 1e-3)?;
     /// let (mut workspace, mut a) = (Workspace::new(&model), [0.0]);
-    /// soft.forward(&model, &mut workspace, &[0.301], &[0.0], &[0.0], &[], &mut a)?; // a milliradian beyond its limit
+    /// // A milliradian beyond its limit.
+    /// let inputs = SoftDynamicsInputs { q: &[0.301], v: &[0.0], tau: &[0.0], contacts: &[] };
+    /// soft.forward(&model, &mut workspace, inputs, &mut a)?;
     /// assert!(a[0] < 0.0 && soft.forces()[0] < 0.0); // it comes back
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -177,30 +193,23 @@ impl SoftConstraints {
         Ok(Self { ground: Some(ground), links, shapes, ..self })
     }
 
-    /// Computes v̇ at (q, v) under the forces τ of motors. The joints' own springs and damping are added. τ
-    /// must include those of tendons, except their dry friction
-    /// ([`Actuation::without_tendon_friction`](crate::Actuation::without_tendon_friction)). `contacts` act in
-    /// addition to those with the ground.
-    ///
-    /// Sizes: q nq, v, τ and `acceleration` nv.
+    /// Computes v̇ at (q, v) under the forces τ of motors. The joints' own springs and damping are added.
+    /// `acceleration` has nv numbers.
     ///
     /// # Errors
     /// [`IntegratorError::SingularMass`]: M is singular here, or a number is not finite.
     ///
     /// # Panics
     /// If a slice has the wrong length, or a frame belongs to another robot.
-    #[allow(clippy::too_many_arguments)]
     #[track_caller]
     pub fn forward(
         &mut self,
         model: &Model,
         workspace: &mut Workspace,
-        q: &[f64],
-        v: &[f64],
-        tau: &[f64],
-        contacts: &[SoftContact],
+        inputs: SoftDynamicsInputs<'_>,
         acceleration: &mut [f64],
     ) -> Result<(), IntegratorError> {
+        let SoftDynamicsInputs { q, v, tau, contacts } = inputs;
         model.check_identity(&self.robot, "the constraints");
         workspace.check_inputs(model, q);
         for (what, slice) in [("v", v), ("the forces", tau), ("the accelerations", &*acceleration)] {
@@ -288,14 +297,15 @@ impl SoftConstraints {
     /// `link` in world axes \[N\].
     ///
     /// ```
-    /// use robot_dynamics::contact::{SoftConstraints, SoftContact};
+    /// use robot_dynamics::contact::{SoftConstraints, SoftContact, SoftDynamicsInputs};
     /// use robot_dynamics::description::pendulum;
     /// use robot_dynamics::model::{Model, Workspace};
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let (mut workspace, mut a) = (Workspace::new(&model), [0.0]);
     /// let mut soft = SoftConstraints::new(&model, 1e-3)?;
     /// let tip = SoftContact::new(model.frame("rod").unwrap(), [0.5, 0.0, 0.0], [0.0, 0.0, 1.0], -1e-4);
-    /// soft.forward(&model, &mut workspace, &[0.0], &[0.0], &[0.0], &[tip], &mut a)?;
+    /// let inputs = SoftDynamicsInputs { q: &[0.0], v: &[0.0], tau: &[0.0], contacts: &[tip] };
+    /// soft.forward(&model, &mut workspace, inputs, &mut a)?;
     /// let (_, force) = soft.contacts().next().unwrap();
     /// assert!(force[2] > 0.8 * 2.0 * 9.81); // at this depth it carries nearly all of the weight
     /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -6,7 +6,7 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::EnergyLedger;
 
 use super::simulate::{Losses, end_energies};
-use crate::{Actuation, ActuationWorkspace, StepForces, StepWorkspace};
+use crate::{Actuation, ActuationWorkspace, StateTransition, StepWorkspace};
 
 clone_in_place! {
     /// Tendons, gravity compensation and actuators, at held controls.
@@ -105,12 +105,12 @@ pub fn record(
     model: &Model,
     workspace: &mut StepWorkspace,
     ledger: &mut EnergyLedger,
-    [from, to]: [(&[f64], &[f64]); 2],
-    (forces, h): (&StepForces<'_>, f64),
+    transition: StateTransition<'_>,
     drive: &mut Option<Drive>,
     (last, losses): (&mut Losses, &mut Losses),
 ) {
-    let (kinetic, potential) = end_energies(model, workspace, from, to, h);
+    let (kinetic, potential) = end_energies(model, workspace, transition);
+    let StateTransition { from, to, forces, h } = transition;
     let StepWorkspace { displacement: way, q: middle, .. } = workspace;
     let mut work: f64 = forces.tau.iter().zip(&*way).map(|(tau, way)| tau * way).sum();
     let mut stored = 0.0;

@@ -63,7 +63,7 @@ use crate::contact::{Components, ContactImpulses, Interrupt};
 use crate::motion::drive::{Drive, record};
 use crate::motion::integrate::check_step;
 use crate::motion::simulate::{Losses, StepError, Stepper};
-use crate::{Actuation, ContactLaws, StepForces, StepWorkspace};
+use crate::{Actuation, ContactLaws, StateTransition, StepForces, StepWorkspace};
 
 clone_in_place! {
     /// Steps with stiff joints, dry friction and stops. This [`Stepper`] takes the steps of a
@@ -329,13 +329,10 @@ impl Stepper for ImplicitIntegrator {
         model: &Model,
         workspace: &mut StepWorkspace,
         ledger: &mut EnergyLedger,
-        from: (&[f64], &[f64]),
-        to: (&[f64], &[f64]),
-        forces: &StepForces<'_>,
-        h: f64,
+        transition: StateTransition<'_>,
     ) {
         let losses = (&mut self.last, &mut self.losses);
-        record(model, workspace, ledger, [from, to], (forces, h), &mut self.drive, losses);
+        record(model, workspace, ledger, transition, &mut self.drive, losses);
         if let Some(drive) = &mut self.drive {
             drive.record_forces();
         }

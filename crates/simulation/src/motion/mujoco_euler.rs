@@ -19,7 +19,9 @@ use crate::contact::Interrupt;
 use crate::motion::drive::{Drive, record};
 use crate::motion::integrate::check_step;
 use crate::motion::simulate::{Losses, StepError, Stepper, add_passive_gains};
-use crate::{ActiveSet, Actuation, SoftConstraints, StepForces, StepWorkspace};
+use crate::{
+    ActiveSet, Actuation, SoftConstraints, SoftDynamicsInputs, StateTransition, StepForces, StepWorkspace,
+};
 
 clone_in_place! {
     /// A [`Stepper`] for MuJoCo's semi-implicit Euler step: order 1, soft constraints ([`SoftConstraints`]).
@@ -150,7 +152,12 @@ impl Stepper for MujocoEuler {
         }
         self.before.copy_from_slice(v);
         self.law.dissipates(forces.dissipation);
-        let solved = self.law.forward(model, dynamics, q, v, &self.tau, &[], &mut self.acceleration);
+        let solved = self.law.forward(
+            model,
+            dynamics,
+            SoftDynamicsInputs { q, v, tau: &self.tau, contacts: &[] },
+            &mut self.acceleration,
+        );
         if self.interrupt.is_set() {
             // The acceleration of an interrupted iteration is not a valid start for the next one.
             self.law.cool();
@@ -238,12 +245,9 @@ impl Stepper for MujocoEuler {
         model: &Model,
         workspace: &mut StepWorkspace,
         ledger: &mut EnergyLedger,
-        from: (&[f64], &[f64]),
-        to: (&[f64], &[f64]),
-        forces: &StepForces<'_>,
-        h: f64,
+        transition: StateTransition<'_>,
     ) {
         let losses = (&mut self.last, &mut self.losses);
-        record(model, workspace, ledger, [from, to], (forces, h), &mut self.drive, losses);
+        record(model, workspace, ledger, transition, &mut self.drive, losses);
     }
 }

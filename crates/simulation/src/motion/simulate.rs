@@ -40,7 +40,7 @@ pub use duration::steps_in;
 pub use error::{RunError, RunFailure};
 pub use event::{Event, EventDetector, EventOccurrence};
 pub use gains::add_passive_gains;
-pub use ledger::{end_energies, energy_ledger, record_step};
+pub use ledger::{StateTransition, end_energies, energy_ledger, record_step};
 pub use losses::Losses;
 pub use pd::{GravityAt, GravityCompensatedPd};
 pub use results::{Observer, Run, StepInfo};

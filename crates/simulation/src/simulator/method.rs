@@ -11,7 +11,7 @@ use super::own_stepper::OwnStepper;
 use crate::constraints::ConstrainedStepper;
 #[cfg(feature = "adaptive")]
 use crate::motion::simulate::AdaptiveStepper;
-use crate::motion::simulate::{ActuatedStepper, Losses, Stepper};
+use crate::motion::simulate::{ActuatedStepper, Losses, StateTransition, Stepper};
 use crate::{
     ActiveSet, ConstraintRecord, ContactLaws, ContactPoint, ContactProblem, ImplicitIntegrator, MujocoEuler,
     StepError, StepForces, StepWorkspace,
@@ -347,11 +347,8 @@ impl Stepper for SimulationStepper {
         model: &Model,
         workspace: &mut StepWorkspace,
         ledger: &mut EnergyLedger,
-        from: (&[f64], &[f64]),
-        to: (&[f64], &[f64]),
-        forces: &StepForces<'_>,
-        h: f64,
+        transition: StateTransition<'_>,
     ) {
-        each!(&mut self.kind, own => own.record(model, workspace, ledger, from, to, forces, h));
+        each!(&mut self.kind, own => own.record(model, workspace, ledger, transition));
     }
 }

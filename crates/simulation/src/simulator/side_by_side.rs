@@ -7,7 +7,7 @@ use robot_dynamics_integrators::Integrator;
 
 use super::{Method, Simulation};
 use crate::motion::simulate::RunLoop;
-use crate::motion::simulate::ledger::record_energies;
+use crate::motion::simulate::ledger::{StateTransition, record_energies};
 use crate::{RunError, StepForces};
 
 /// The start of a step.
@@ -67,7 +67,8 @@ impl Simulation {
         let mut ledger = run.ledger;
         let forces = StepForces::new(&memory.applied, self.dissipates);
         let start = (&run.q[..], &run.v[..]);
-        record_energies(model, workspace, &mut ledger, start, (q, v), &forces, self.step, energies);
+        let transition = StateTransition { from: start, to: (q, v), forces: &forces, h: self.step };
+        record_energies(model, workspace, &mut ledger, transition, energies);
         let course = RunLoop {
             model,
             step: self.step,

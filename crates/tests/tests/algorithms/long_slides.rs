@@ -9,9 +9,10 @@ use robot_dynamics::algorithms::{
 };
 use robot_dynamics::control::inertial_parameter_names;
 use robot_dynamics::derivatives::{
-    ForwardDynamicsDerivativesMut, InverseDynamicsDerivativesMut, center_of_mass_velocity_derivative,
-    forward_dynamics_derivatives, frame_acceleration_derivatives, frame_velocity_derivative,
-    gravity_derivative, inverse_dynamics_derivatives,
+    ForwardDynamicsDerivativesMut, FrameAccelerationDerivativesMut, FrameAccelerationInputs,
+    InverseDynamicsDerivativesMut, center_of_mass_velocity_derivative, forward_dynamics_derivatives,
+    frame_acceleration_derivatives, frame_velocity_derivative, gravity_derivative,
+    inverse_dynamics_derivatives,
 };
 use robot_dynamics::description::{
     Base, JointDescription, JointKind, Limits, LinkDescription, MassProperties, Pose, RandomRobotOptions,
@@ -168,13 +169,8 @@ fn quantities(
         frame_acceleration_derivatives(
             model,
             workspace,
-            q,
-            v,
-            a,
-            frame,
-            ReferenceFrame::Local,
-            &mut six,
-            &mut other,
+            FrameAccelerationInputs { q, v, a, frame, reference_frame: ReferenceFrame::Local },
+            FrameAccelerationDerivativesMut { by_position: &mut six, by_velocity: &mut other },
         );
         add("∂acceleration/∂q", [0, 0], six);
         add("∂acceleration/∂v", [0, 0], other);

@@ -515,7 +515,13 @@ fn constraints_reject_non_finite() {
             let correction = DriftCorrection::Position { tolerance: x[7][0] };
             let (options, h) = (options_of(x), x[6][0]);
             text(robot_dynamics::constraints::constrained_step(
-                m, w, &set, &options, correction, &forces, h, &mut q, &mut v,
+                m,
+                w,
+                robot_dynamics::constraints::StepConstraints { set: &set, options: &options, correction },
+                &forces,
+                h,
+                &mut q,
+                &mut v,
             ))?;
             Ok([q, v].concat())
         });

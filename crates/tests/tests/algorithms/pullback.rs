@@ -61,7 +61,16 @@ fn inverse_dynamics_match_the_jacobians() {
                 parameters: &mut [],
             };
             robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters(
-                model, w, q, v, a, &wrenches, &lambda, out,
+                model,
+                w,
+                robot_dynamics::derivatives::InversePullbackInputs {
+                    q,
+                    v,
+                    a,
+                    wrenches: &wrenches,
+                    cotangent: &lambda,
+                },
+                out,
             );
             robot.require("λᵀ∂τ/∂q", max_difference(&x, &transposed(&by_q, &lambda)), allowed);
             robot.require("λᵀ∂τ/∂v", max_difference(&y, &transposed(&by_v, &lambda)), allowed);
@@ -165,7 +174,16 @@ fn forward_dynamics_match_the_jacobians() {
                 parameters: &mut [],
             };
             robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters(
-                model, w, q, v, tau, &wrenches, &lambda, out,
+                model,
+                w,
+                robot_dynamics::derivatives::ForwardPullbackInputs {
+                    q,
+                    v,
+                    tau,
+                    wrenches: &wrenches,
+                    cotangent: &lambda,
+                },
+                out,
             );
             let scale = size(&lambda) * n as f64;
             robot.require("a", max_difference(&a, &expected_a), rounding * size(&expected_a));
@@ -203,11 +221,7 @@ fn inertial_parameters_match_the_regressor() {
         robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters(
             model,
             w,
-            q,
-            v,
-            a,
-            &[],
-            &lambda,
+            robot_dynamics::derivatives::InversePullbackInputs { q, v, a, wrenches: &[], cotangent: &lambda },
             out,
         );
         for x in &mut parameters {
@@ -230,11 +244,13 @@ fn inertial_parameters_match_the_regressor() {
         robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters(
             model,
             w,
-            q,
-            v,
-            &state.tau,
-            &[],
-            &lambda,
+            robot_dynamics::derivatives::ForwardPullbackInputs {
+                q,
+                v,
+                tau: &state.tau,
+                wrenches: &[],
+                cotangent: &lambda,
+            },
             out,
         );
         robot_dynamics::algorithms::joint_torque_regressor(model, w, q, v, &acceleration, &mut regressor);
@@ -267,11 +283,13 @@ fn passive_parameters_and_gravity_match_rebuilt_models() {
             robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters(
                 model,
                 w,
-                &state.q,
-                &state.v,
-                &state.a,
-                &[],
-                &lambda,
+                robot_dynamics::derivatives::InversePullbackInputs {
+                    q: &state.q,
+                    v: &state.v,
+                    a: &state.a,
+                    wrenches: &[],
+                    cotangent: &lambda,
+                },
                 out,
             );
             robot_dynamics::derivatives::dissipation_pullback(model, &state.v, &lambda, y, &mut parameters);
@@ -478,11 +496,13 @@ fn both<S: Scalar>(model: &Model, w: &mut Workspace<S>, state: &RandomState, lam
     robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters(
         model,
         w,
-        &q,
-        &v,
-        &a,
-        &[],
-        &lambda,
+        robot_dynamics::derivatives::InversePullbackInputs {
+            q: &q,
+            v: &v,
+            a: &a,
+            wrenches: &[],
+            cotangent: &lambda,
+        },
         out,
     );
     let out = robot_dynamics::derivatives::ForwardPullbackMut {
@@ -495,11 +515,13 @@ fn both<S: Scalar>(model: &Model, w: &mut Workspace<S>, state: &RandomState, lam
     robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters(
         model,
         w,
-        &q,
-        &v,
-        &tau,
-        &[],
-        &lambda,
+        robot_dynamics::derivatives::ForwardPullbackInputs {
+            q: &q,
+            v: &v,
+            tau: &tau,
+            wrenches: &[],
+            cotangent: &lambda,
+        },
         out,
     );
     vec![x, y, z, p, r, x2, y2, z2, p2]

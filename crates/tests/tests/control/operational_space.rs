@@ -11,8 +11,8 @@ use robot_dynamics::algorithms::{
 };
 use robot_dynamics::constraints::SpatialAxis;
 use robot_dynamics::control::{
-    ComputedTorque, OperationalSpace, OperationalSpaceWorkspace, PoseReference, Reference, TaskControl,
-    TaskGains, TaskReference, operational_space, operational_space_into,
+    ComputedTorque, OperationalSpace, OperationalSpaceInputs, OperationalSpaceWorkspace, PoseReference,
+    Reference, TaskControl, TaskGains, TaskReference, operational_space, operational_space_into,
 };
 use robot_dynamics::description::{
     JointDescription, JointKind, JointKinds, LinkDescription, Pose, Quaternion, RandomRobotOptions,
@@ -267,7 +267,12 @@ fn posture_holds_elbow() -> Tested {
         let mut memory = OperationalSpaceWorkspace::new(&model);
         let (mut scratch, mut tau0) = (Workspace::new(&model), vec![0.0; 7]);
         let mut control = |_: f64, q: &[f64], v: &[f64], tau: &mut [f64]| -> Result<(), ControllerError> {
-            operational_space_into(&model, &mut memory, q, v, hand, &position, &mut space)?;
+            operational_space_into(
+                &model,
+                &mut memory,
+                OperationalSpaceInputs { q, v, frame: hand, rows: &position },
+                &mut space,
+            )?;
             let x = frame_pose(&model, &mut scratch, q, hand).translation;
             let rate =
                 frame_velocity(&model, &mut scratch, q, v, hand, ReferenceFrame::LocalWorldAligned).linear;

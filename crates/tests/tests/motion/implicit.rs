@@ -11,7 +11,7 @@ use robot_dynamics::model::{Model, difference, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
     ConstantTorque, Effect, ImplicitIntegrator, Integrator, Method, Run, RunError, RunOptions,
-    SimulationBuilder, StepForces, StepWorkspace, Stepper, step,
+    SimulationBuilder, StateTransition, StepForces, StepWorkspace, Stepper, step,
 };
 
 use crate::common::damped_tree;
@@ -185,15 +185,9 @@ fn trees_come_to_rest_within_their_limits() {
         for _ in 0..5000 {
             let before = (q.clone(), v.clone());
             implicit.step(&model, &mut workspace, &forces, 1e-3, &mut q, &mut v).unwrap();
-            implicit.record(
-                &model,
-                &mut workspace,
-                &mut ledger,
-                (&before.0, &before.1),
-                (&q, &v),
-                &forces,
-                1e-3,
-            );
+            let transition =
+                StateTransition { from: (&before.0, &before.1), to: (&q, &v), forces: &forces, h: 1e-3 };
+            implicit.record(&model, &mut workspace, &mut ledger, transition);
             let losses = implicit.losses().unwrap();
             assert!(
                 losses.damping >= last.damping

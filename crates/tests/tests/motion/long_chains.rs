@@ -4,7 +4,8 @@ use robot_dynamics::algorithms::{
     frame_pose, gravity, kinetic_energy, kinetic_energy_gradient, mass_matrix, momentum, potential_energy,
 };
 use robot_dynamics::constraints::{
-    ConstraintOptions, ConstraintSet, DriftCorrection, FrameConstraint, SpatialAxis, constrained_step,
+    ConstraintOptions, ConstraintSet, DriftCorrection, FrameConstraint, SpatialAxis, StepConstraints,
+    constrained_step,
 };
 use robot_dynamics::description::Pose;
 use robot_dynamics::model::{Model, Workspace};
@@ -146,9 +147,16 @@ fn chain_nailed_at_both_ends_keeps_constraint() {
     let start = energy(&model, &mut workspace, &q, &v);
     let (mut gap, mut most, mut speed) = (0.0f64, 0.0f64, 0.0f64);
     for done in 0..1000 {
-        let law = (&set, &options, DriftCorrection::None);
-        constrained_step(&model, &mut workspace, law.0, law.1, law.2, &forces, 1e-3, &mut q, &mut v)
-            .unwrap_or_else(|error| panic!("step {done}: {error}"));
+        constrained_step(
+            &model,
+            &mut workspace,
+            StepConstraints { set: &set, options: &options, correction: DriftCorrection::None },
+            &forces,
+            1e-3,
+            &mut q,
+            &mut v,
+        )
+        .unwrap_or_else(|error| panic!("step {done}: {error}"));
         let at = frame_pose(&model, &mut workspace, &q, frame).translation;
         gap = gap.max((at[0] - translation[0]).abs()).max((at[2] - translation[2]).abs());
         most = most.max((energy(&model, &mut workspace, &q, &v) - start).abs());

@@ -10,7 +10,10 @@ use robot_dynamics::algorithms::{
     FrameWrench, ReferenceFrame, SpatialAcceleration, Twist, frame_acceleration, frame_jacobian,
     frame_velocity,
 };
-use robot_dynamics::derivatives::{frame_acceleration_derivatives, frame_velocity_derivative};
+use robot_dynamics::derivatives::{
+    FrameAccelerationDerivativesMut, FrameAccelerationInputs, frame_acceleration_derivatives,
+    frame_velocity_derivative,
+};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::number::Dual;
 
@@ -267,7 +270,12 @@ fn kinematics_match_duals() {
             let difference = max_difference(&by_q, &expected);
             robot.require(&format!("∂/∂q of the velocity, {reference_frame:?}"), difference, slow(largest));
 
-            frame_acceleration_derivatives(model, w, q, v, a, frame, reference_frame, &mut by_q, &mut by_v);
+            frame_acceleration_derivatives(
+                model,
+                w,
+                FrameAccelerationInputs { q, v, a, frame, reference_frame },
+                FrameAccelerationDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v },
+            );
             let mut acceleration = |q: &[First], v: &[First]| {
                 let SpatialAcceleration { linear, angular } =
                     frame_acceleration(model, d, q, v, &fixed_a, frame, reference_frame);

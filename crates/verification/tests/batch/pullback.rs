@@ -126,11 +126,13 @@ fn compute_singly(model: &Model, [q, v, third, lambda]: [&[f64]; 4], of: Of) -> 
         Of::Inverse => robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters(
             model,
             w,
-            q,
-            v,
-            third,
-            &[],
-            lambda,
+            robot_dynamics::derivatives::InversePullbackInputs {
+                q,
+                v,
+                a: third,
+                wrenches: &[],
+                cotangent: lambda,
+            },
             robot_dynamics::derivatives::InversePullbackMut {
                 by_position: &mut x,
                 by_velocity: &mut y,
@@ -141,11 +143,13 @@ fn compute_singly(model: &Model, [q, v, third, lambda]: [&[f64]; 4], of: Of) -> 
         Of::Forward => robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters(
             model,
             w,
-            q,
-            v,
-            third,
-            &[],
-            lambda,
+            robot_dynamics::derivatives::ForwardPullbackInputs {
+                q,
+                v,
+                tau: third,
+                wrenches: &[],
+                cotangent: lambda,
+            },
             robot_dynamics::derivatives::ForwardPullbackMut {
                 acceleration: &mut a,
                 by_position: &mut x,

@@ -9,8 +9,8 @@ use robot_dynamics::algorithms::frame_pose;
 use robot_dynamics::constraints::{
     Baumgarte, ConstrainedStepReport, ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintSet,
     DriftCorrection, FrameConstraint, LoopClosure, NoSlip, Plane, RedundantRows, RollingDisc, RollingRow,
-    constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
-    project_position, project_velocity,
+    StepConstraints, constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step,
+    constraint_drift, project_position, project_velocity,
 };
 use robot_dynamics::description::{
     Base, FrameDescription, JointDescription, JointKind, LinkDescription, MassProperties, Pose,
@@ -185,7 +185,15 @@ fn four_bar_matches_newton_and_euler() -> Tested {
             );
         }
         for _ in 0..20 {
-            constrained_step(&model, w, &set, &options, correction, &forces, 1e-3, &mut q, &mut v)?;
+            constrained_step(
+                &model,
+                w,
+                StepConstraints { set: &set, options: &options, correction },
+                &forces,
+                1e-3,
+                &mut q,
+                &mut v,
+            )?;
         }
     }
     Ok(())
@@ -524,9 +532,7 @@ fn cart_on_wheels_rolls_for_a_minute() -> Tested {
         let done = constrained_step(
             &model,
             w,
-            &set,
-            &options,
-            DriftCorrection::Velocity,
+            StepConstraints { set: &set, options: &options, correction: DriftCorrection::Velocity },
             &forces,
             2e-3,
             &mut q,

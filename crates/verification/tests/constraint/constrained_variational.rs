@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, Vector3};
 use robot_dynamics::algorithms::{center_of_mass, centroidal_momentum, frame_pose};
 use robot_dynamics::constraints::{
     Baumgarte, ConstraintError, ConstraintOptions, ConstraintSet, Coupling, DriftCorrection, FrameConstraint,
-    LoopClosure, RedundantRows, RollingDisc, SpatialAxis, constrained_step, constraint_drift,
-    project_position, project_velocity,
+    LoopClosure, RedundantRows, RollingDisc, SpatialAxis, StepConstraints, constrained_step,
+    constraint_drift, project_position, project_velocity,
 };
 use robot_dynamics::description::{
     Base, FrameDescription, JointKinds, LinkDescription, MassProperties, Pose, RandomRobotOptions,
@@ -63,7 +63,15 @@ fn advance(
     let workspace = &mut Workspace::new(model);
     let State { mut q, mut v } = from.clone();
     for _ in 0..steps {
-        constrained_step(model, workspace, set, &options(row), correction, &forces, h, &mut q, &mut v)?;
+        constrained_step(
+            model,
+            workspace,
+            StepConstraints { set, options: &options(row), correction },
+            &forces,
+            h,
+            &mut q,
+            &mut v,
+        )?;
     }
     Ok(State { q, v })
 }
@@ -450,8 +458,16 @@ fn dependent_rows_are_dropped_or_errors() -> Tested {
     let (mut q, mut v) = (state.q.clone(), state.v.clone());
     let workspace = &mut Workspace::new(&model);
     let none = DriftCorrection::None;
-    let error = constrained_step(&model, workspace, &hinge, &refuse, none, &forces, 1e-3, &mut q, &mut v)
-        .expect_err("dependent rows");
+    let error = constrained_step(
+        &model,
+        workspace,
+        StepConstraints { set: &hinge, options: &refuse, correction: none },
+        &forces,
+        1e-3,
+        &mut q,
+        &mut v,
+    )
+    .expect_err("dependent rows");
     let ConstraintError::DependentRows { rows, .. } = &error else { panic!("{error}") };
     assert!(rows[0].name == "pin.z" && rows[0].combination_of.is_empty(), "{error}");
     assert!(q == state.q && v == state.v, "{q:?} {v:?}");

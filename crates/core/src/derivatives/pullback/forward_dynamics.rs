@@ -112,6 +112,21 @@ fn solve_again<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     }
 }
 
+/// The inputs of [`forward_dynamics_pullback_with_parameters`].
+#[derive(Clone, Copy, Debug)]
+pub struct ForwardPullbackInputs<'a, S> {
+    /// The configuration, nq numbers.
+    pub q: &'a [S],
+    /// The velocity, nv numbers \[rad/s, m/s\].
+    pub v: &'a [S],
+    /// The forces τ, nv numbers \[N·m, N\].
+    pub tau: &'a [S],
+    /// The wrenches on frames, with components in the frames.
+    pub wrenches: &'a [FrameWrench<S>],
+    /// The cotangent ā of a, nv numbers.
+    pub cotangent: &'a [S],
+}
+
 /// The outputs of [`forward_dynamics_pullback`]. Batches have one row per state.
 #[derive(Debug)]
 pub struct ForwardPullbackMut<'a, S> {
@@ -175,7 +190,12 @@ pub fn forward_dynamics_pullback<S: Scalar>(
     cotangent: &[S],
     results: ForwardPullbackMut<'_, S>,
 ) {
-    forward_dynamics_pullback_with_parameters(model, workspace, q, v, tau, &[], cotangent, results);
+    forward_dynamics_pullback_with_parameters(
+        model,
+        workspace,
+        ForwardPullbackInputs { q, v, tau, wrenches: &[], cotangent },
+        results,
+    );
 }
 
 /// [`forward_dynamics_pullback`] of a = M⁻¹(τ + Σ Jᵀw − C v − g), and the cotangents of the description's
@@ -189,7 +209,7 @@ pub fn forward_dynamics_pullback<S: Scalar>(
 ///
 /// ```
 /// use robot_dynamics::derivatives::ParameterCotangents;
-/// use robot_dynamics::derivatives::{ForwardPullbackMut, parameter_count};
+/// use robot_dynamics::derivatives::{ForwardPullbackInputs, ForwardPullbackMut, parameter_count};
 /// use robot_dynamics::derivatives::forward_dynamics_pullback_with_parameters;
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
@@ -203,7 +223,9 @@ pub fn forward_dynamics_pullback<S: Scalar>(
 ///     by_force: &mut z,
 ///     parameters: &mut parameters,
 /// };
-/// forward_dynamics_pullback_with_parameters(&model, w, &[0.3], &[1.0], &[0.7], &[], &[1.0], outputs);
+/// let inputs =
+///     ForwardPullbackInputs { q: &[0.3], v: &[1.0], tau: &[0.7], wrenches: &[], cotangent: &[1.0] };
+/// forward_dynamics_pullback_with_parameters(&model, w, inputs, outputs);
 /// // a = f/(m l² + armature), so ∂a/∂(armature) = −a/(m l²).
 /// let by = ParameterCotangents::of(&model, &parameters);
 /// assert!((by.passive[0] + a[0] / 0.5).abs() < 1e-12);
@@ -212,19 +234,15 @@ pub fn forward_dynamics_pullback<S: Scalar>(
 ///
 /// # Panics
 /// If a slice has the wrong length.
-#[allow(clippy::too_many_arguments)] // as forward_dynamics_with_wrenches, with a cotangent and the results
 #[inline]
 #[track_caller]
 pub fn forward_dynamics_pullback_with_parameters<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
-    q: &[S],
-    v: &[S],
-    tau: &[S],
-    wrenches: &[FrameWrench<S>],
-    cotangent: &[S],
+    inputs: ForwardPullbackInputs<'_, S>,
     results: ForwardPullbackMut<'_, S>,
 ) {
+    let ForwardPullbackInputs { q, v, tau, wrenches, cotangent } = inputs;
     let ForwardPullbackMut { acceleration, by_position, by_velocity, by_force, parameters } = results;
     workspace.check_inputs(model, q);
     check_length("v", v.len(), model.nv);

@@ -55,6 +55,21 @@ impl<S: Scalar> Kernel<OverNumber, S> for NewtonEulerPullback<'_, S> {
     }
 }
 
+/// The inputs of [`inverse_dynamics_pullback_with_parameters`].
+#[derive(Clone, Copy, Debug)]
+pub struct InversePullbackInputs<'a, S> {
+    /// The configuration, nq numbers.
+    pub q: &'a [S],
+    /// The velocity, nv numbers \[rad/s, m/s\].
+    pub v: &'a [S],
+    /// The acceleration, nv numbers \[rad/s², m/s²\].
+    pub a: &'a [S],
+    /// The wrenches on frames, with components in the frames.
+    pub wrenches: &'a [FrameWrench<S>],
+    /// The cotangent λ of τ, nv numbers.
+    pub cotangent: &'a [S],
+}
+
 /// The outputs of [`inverse_dynamics_pullback`]. Batches have one row per state.
 #[derive(Debug)]
 pub struct InversePullbackMut<'a, S> {
@@ -113,7 +128,12 @@ pub fn inverse_dynamics_pullback<S: Scalar>(
     cotangent: &[S],
     results: InversePullbackMut<'_, S>,
 ) {
-    inverse_dynamics_pullback_with_parameters(model, workspace, q, v, a, &[], cotangent, results);
+    inverse_dynamics_pullback_with_parameters(
+        model,
+        workspace,
+        InversePullbackInputs { q, v, a, wrenches: &[], cotangent },
+        results,
+    );
 }
 
 /// [`inverse_dynamics_pullback`] of τ = M a + C v + g − Σ Jᵀw, and the cotangents of the description's
@@ -127,7 +147,7 @@ pub fn inverse_dynamics_pullback<S: Scalar>(
 ///
 /// ```
 /// use robot_dynamics::derivatives::ParameterCotangents;
-/// use robot_dynamics::derivatives::{InversePullbackMut, parameter_count};
+/// use robot_dynamics::derivatives::{InversePullbackInputs, InversePullbackMut, parameter_count};
 /// use robot_dynamics::derivatives::inverse_dynamics_pullback_with_parameters;
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
@@ -140,7 +160,9 @@ pub fn inverse_dynamics_pullback<S: Scalar>(
 ///     by_acceleration: z,
 ///     parameters: &mut parameters,
 /// };
-/// inverse_dynamics_pullback_with_parameters(&model, w, &[0.3], &[1.0], &[2.0], &[], &[1.0], outputs);
+/// let inputs =
+///     InversePullbackInputs { q: &[0.3], v: &[1.0], a: &[2.0], wrenches: &[], cotangent: &[1.0] };
+/// inverse_dynamics_pullback_with_parameters(&model, w, inputs, outputs);
 /// // The derivative of −m g l cos q by the field's z component, which is −g: m l cos q.
 /// let by = ParameterCotangents::of(&model, &parameters);
 /// assert!((by.gravity[2] - 2.0 * 0.5 * 0.3_f64.cos()).abs() < 1e-14);
@@ -149,19 +171,15 @@ pub fn inverse_dynamics_pullback<S: Scalar>(
 ///
 /// # Panics
 /// If a slice has the wrong length.
-#[allow(clippy::too_many_arguments)] // as inverse_dynamics_with_wrenches, with a cotangent and the results
 #[inline]
 #[track_caller]
 pub fn inverse_dynamics_pullback_with_parameters<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
-    q: &[S],
-    v: &[S],
-    a: &[S],
-    wrenches: &[FrameWrench<S>],
-    cotangent: &[S],
+    inputs: InversePullbackInputs<'_, S>,
     results: InversePullbackMut<'_, S>,
 ) {
+    let InversePullbackInputs { q, v, a, wrenches, cotangent } = inputs;
     let InversePullbackMut { by_position, by_velocity, by_acceleration, parameters } = results;
     workspace.check_inputs(model, q);
     check_length("v", v.len(), model.nv);

@@ -90,7 +90,7 @@ pub fn check_parameters<S>(model: &Model, parameters: &[S]) {
 ///
 /// ```
 /// use robot_dynamics::algorithms::inertial_parameters;
-/// use robot_dynamics::derivatives::{InversePullbackMut, ParameterCotangents};
+/// use robot_dynamics::derivatives::{InversePullbackInputs, InversePullbackMut, ParameterCotangents};
 /// use robot_dynamics::derivatives::{inverse_dynamics_pullback_with_parameters, parameter_count};
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
@@ -99,7 +99,9 @@ pub fn check_parameters<S>(model: &Model, parameters: &[S]) {
 /// let (x, y, z) = (&mut [0.0], &mut [0.0], &mut [0.0]);
 /// let (by_position, by_velocity, by_acceleration) = (x, y, z);
 /// let outputs = InversePullbackMut { by_position, by_velocity, by_acceleration, parameters: &mut numbers };
-/// inverse_dynamics_pullback_with_parameters(&model, w, &[0.3], &[1.0], &[2.0], &[], &[1.0], outputs);
+/// let inputs =
+///     InversePullbackInputs { q: &[0.3], v: &[1.0], a: &[2.0], wrenches: &[], cotangent: &[1.0] };
+/// inverse_dynamics_pullback_with_parameters(&model, w, inputs, outputs);
 /// // τ is linear in the inertial parameters.
 /// let by = ParameterCotangents::of(&model, &numbers);
 /// let tau: f64 = by.inertial.iter().zip(inertial_parameters(&model)).map(|(by, x)| by * x).sum();

@@ -16,7 +16,7 @@ use super::restoration::copy_positions;
 use crate::contact::{Components, ContactImpulses};
 use crate::motion::drive::record;
 use crate::motion::simulate::Losses;
-use crate::{StepForces, StepWorkspace, energy_ledger};
+use crate::{StateTransition, StepForces, StepWorkspace, energy_ledger};
 
 /// A step in which no coordinate moves further than this needs no check \[rad or m\].
 pub(super) const FAR: f64 = 0.1;
@@ -94,7 +94,7 @@ impl ImplicitIntegrator {
         let stored = drive.as_mut().map_or(0.0, |drive| drive.stored_energy(from.0));
         let mut ledger = EnergyLedger::new(start.kinetic(), start.potential() + stored);
         let losses = (&mut last, &mut Losses::default());
-        record(model, workspace, &mut ledger, [from, to], (forces, h), drive, losses);
+        record(model, workspace, &mut ledger, StateTransition { from, to, forces, h }, drive, losses);
         let slow = 0.5 * SLOW * SLOW * factor.mass_trace(moves);
         // The correction of the penetration in an impact lifts the weight.
         let weight = if contacts.is_some() { moving_mass(model, components, leader) * *gravity } else { 0.0 };

@@ -3,7 +3,7 @@
 use robot_dynamics_core::derivatives::check_parameters;
 use robot_dynamics_core::workspace::native::computed_natively;
 use robot_dynamics_core::{
-    ForwardPullbackMut, Model, NativeFunction, Workspace, forward_dynamics,
+    ForwardPullbackInputs, ForwardPullbackMut, Model, NativeFunction, Workspace, forward_dynamics,
     forward_dynamics_pullback_with_parameters, parameter_count,
 };
 use robot_dynamics_description::check_length;
@@ -94,7 +94,12 @@ impl<S: Scalar> Accelerations<S> for OneState<'_, S> {
         let At { q, v, tau, cotangent } = at;
         let Cotangents { acceleration, by_position, by_velocity, by_force, parameters } = to;
         let out = ForwardPullbackMut { acceleration, by_position, by_velocity, by_force, parameters };
-        forward_dynamics_pullback_with_parameters(model, self.workspace, q, v, tau, &[], cotangent, out);
+        forward_dynamics_pullback_with_parameters(
+            model,
+            self.workspace,
+            ForwardPullbackInputs { q, v, tau, wrenches: &[], cotangent },
+            out,
+        );
     }
 }
 

@@ -12,7 +12,7 @@ use crate::motion::drive::ActuatorLoad;
 use crate::motion::integrate::explicit::{Motion, advance};
 use crate::motion::integrate::stage_memory::StageMemory;
 use crate::motion::integrate::{accelerate, check_step};
-use crate::{Actuation, ActuationWorkspace, StepForces, StepWorkspace};
+use crate::{Actuation, ActuationWorkspace, StateTransition, StepForces, StepWorkspace};
 
 clone_in_place! {
     /// The controls of a step, and the activations at its start.
@@ -131,12 +131,10 @@ impl Stepper for ActuatedStepper {
         model: &Model,
         workspace: &mut StepWorkspace,
         ledger: &mut EnergyLedger,
-        from: (&[f64], &[f64]),
-        to: (&[f64], &[f64]),
-        forces: &StepForces<'_>,
-        h: f64,
+        transition: StateTransition<'_>,
     ) {
-        let (kinetic, potential) = end_energies(model, workspace, from, to, h);
+        let (kinetic, potential) = end_energies(model, workspace, transition);
+        let StateTransition { from, to, forces, h } = transition;
         let stored = self.stored_energy(to.0);
         let StepWorkspace { displacement, q: middle_q, v: middle_v, force, .. } = workspace;
         // The middle of the cubic through the ends: half the displacement plus h/8 times the difference of

@@ -26,7 +26,7 @@ use robot_dynamics_integrators::{EnergyLedger, IntegratorError};
 use self::motion::{Motion, MotionFailure};
 use self::stepper::{Advance, StepSequence};
 use super::{StepError, Stepper};
-use crate::{Actuation, StepForces, StepWorkspace};
+use crate::{Actuation, StateTransition, StepForces, StepWorkspace};
 
 /// The record of adaptive steps since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -187,11 +187,9 @@ impl Stepper for AdaptiveStepper {
         model: &Model,
         workspace: &mut StepWorkspace,
         ledger: &mut EnergyLedger,
-        _: (&[f64], &[f64]),
-        (q, v): (&[f64], &[f64]),
-        _: &StepForces<'_>,
-        h: f64,
+        transition: StateTransition<'_>,
     ) {
+        let StateTransition { to: (q, v), h, .. } = transition;
         let (kinetic, potential) = energies(model, &mut workspace.dynamics, q, v);
         let stored = self.drive(model, (h, q, v));
         let [work, dissipated] = self.last;

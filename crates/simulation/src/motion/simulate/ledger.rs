@@ -16,7 +16,7 @@ use crate::{StepForces, StepWorkspace};
 /// use robot_dynamics::description::{RandomRobotOptions, random_robot};
 /// use robot_dynamics::model::{Model, Workspace, neutral};
 /// use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace, energy_ledger};
-/// use robot_dynamics::simulation::{record_step, step};
+/// use robot_dynamics::simulation::{StateTransition, record_step, step};
 /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
 /// let (mut q, mut v, tau) = (neutral(&model), vec![0.1; model.nv()], vec![0.5; model.nv()]);
 /// let mut ledger = energy_ledger(&model, &mut Workspace::new(&model), &q, &v);
@@ -25,7 +25,9 @@ use crate::{StepForces, StepWorkspace};
 /// for _ in 0..100 {
 ///     let start = (q.clone(), v.clone());
 ///     step(&model, Integrator::RungeKutta4, &mut workspace, &forces, 1e-4, &mut q, &mut v)?;
-///     record_step(&model, &mut workspace, &mut ledger, (&start.0, &start.1), (&q, &v), &forces, 1e-4);
+///     let transition =
+///         StateTransition { from: (&start.0, &start.1), to: (&q, &v), forces: &forces, h: 1e-4 };
+///     record_step(&model, &mut workspace, &mut ledger, transition);
 /// }
 /// // The work of the motors minus the dissipation of the joints is the change of the energy.
 /// assert!(ledger.work() != 0.0 && ledger.max_imbalance() < 1e-9 * ledger.scale());
@@ -40,8 +42,20 @@ pub fn energy_ledger(model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f
     EnergyLedger::new(kinetic, potential)
 }
 
-/// Records one step of `h` \[s\] from the state `from` to the state `to` (each (q, v)) under the forces of
-/// the step.
+/// A step from one state to another, as the energy account records it.
+#[derive(Clone, Copy, Debug)]
+pub struct StateTransition<'a> {
+    /// (q, v) at the start.
+    pub from: (&'a [f64], &'a [f64]),
+    /// (q, v) at the end.
+    pub to: (&'a [f64], &'a [f64]),
+    /// The forces of the step.
+    pub forces: &'a StepForces<'a>,
+    /// The length of the step \[s\].
+    pub h: f64,
+}
+
+/// Records one step under the forces of the step.
 ///
 /// The work of the held τ is τ·∫v dt. For coordinates without quaternions ∫v dt = q₁ − q₀, exact along any
 /// path. For quaternion joints it is q₁ ⊖ q₀ − h²/12 \[v₀,v₁\], the Magnus expansion up to O(h⁵) **(HLW
@@ -58,7 +72,8 @@ pub fn energy_ledger(model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f
 /// let mut ledger = energy_ledger(&model, &mut Workspace::new(&model), &q, &v);
 /// let w = &mut StepWorkspace::new(&model);
 /// step(&model, robot_dynamics::simulation::Integrator::RungeKutta4, w, &forces, 1e-3, &mut q, &mut v)?;
-/// record_step(&model, w, &mut ledger, (&[0.0], &[0.0]), (&q, &v), &forces, 1e-3);
+/// let transition = StateTransition { from: (&[0.0], &[0.0]), to: (&q, &v), forces: &forces, h: 1e-3 };
+/// record_step(&model, w, &mut ledger, transition);
 /// assert!((ledger.work() - 30.0 * q[0]).abs() < 1e-15);
 /// assert!(ledger.imbalance().abs() < 1e-13); // the step's error is O(h⁵)
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -71,29 +86,23 @@ pub fn record_step(
     model: &Model,
     workspace: &mut StepWorkspace,
     ledger: &mut EnergyLedger,
-    from: (&[f64], &[f64]),
-    to: (&[f64], &[f64]),
-    forces: &StepForces<'_>,
-    h: f64,
+    transition: StateTransition<'_>,
 ) {
-    let energies = energies(model, &mut workspace.dynamics, to.0, to.1);
-    record_energies(model, workspace, ledger, from, to, forces, h, energies);
+    let (q, v) = transition.to;
+    let energies = energies(model, &mut workspace.dynamics, q, v);
+    record_energies(model, workspace, ledger, transition, energies);
 }
 
 /// [`record_step`] with given K and V at the step's end.
-#[allow(clippy::too_many_arguments)] // the arguments of `record_step`, and the energies
 pub(crate) fn record_energies(
     model: &Model,
     workspace: &mut StepWorkspace,
     ledger: &mut EnergyLedger,
-    from: (&[f64], &[f64]),
-    to: (&[f64], &[f64]),
-    forces: &StepForces<'_>,
-    h: f64,
+    transition: StateTransition<'_>,
     (kinetic, potential): (f64, f64),
 ) {
-    displace(model, workspace, from, to, h);
-    let ((_, v0), (_, v1)) = (from, to);
+    displace(model, workspace, transition);
+    let StateTransition { from: (_, v0), to: (_, v1), forces, h } = transition;
     let StepWorkspace { displacement, v: middle, force, .. } = workspace;
     let work = ledger.work() + dot(forces.tau, displacement);
     let mut dissipated = ledger.dissipated();
@@ -112,22 +121,16 @@ pub(crate) fn record_energies(
 pub fn end_energies(
     model: &Model,
     workspace: &mut StepWorkspace,
-    from: (&[f64], &[f64]),
-    to: (&[f64], &[f64]),
-    h: f64,
+    transition: StateTransition<'_>,
 ) -> (f64, f64) {
-    displace(model, workspace, from, to, h);
-    energies(model, &mut workspace.dynamics, to.0, to.1)
+    displace(model, workspace, transition);
+    let (q, v) = transition.to;
+    energies(model, &mut workspace.dynamics, q, v)
 }
 
 /// Writes ∫v dt to the workspace's `displacement`, and v in the middle of the step to its `v`.
-fn displace(
-    model: &Model,
-    workspace: &mut StepWorkspace,
-    (q0, v0): (&[f64], &[f64]),
-    (q1, v1): (&[f64], &[f64]),
-    h: f64,
-) {
+fn displace(model: &Model, workspace: &mut StepWorkspace, transition: StateTransition<'_>) {
+    let StateTransition { from: (q0, v0), to: (q1, v1), h, .. } = transition;
     let StepWorkspace { displacement, v: middle, .. } = workspace;
     difference(model, q0, q1, displacement);
     take_off_commutators(model, displacement, (v0, v1), h);

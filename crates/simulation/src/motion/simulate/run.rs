@@ -8,7 +8,7 @@ use robot_dynamics_number::check_positive;
 use super::ledger::{fastest, open_start};
 use super::results::Run;
 use super::{RunError, StepError, Stepper, Trajectory};
-use crate::{StepForces, StepWorkspace};
+use crate::{StateTransition, StepForces, StepWorkspace};
 
 /// The steps of a run by any method.
 pub struct RunLoop<'a> {
@@ -101,7 +101,8 @@ impl RunLoop<'_> {
         stepper.step(model, workspace, forces, h, q, v).map_err(|error| self.step_failed(error, done))?;
         self.check_state(q, v, done + 1)?;
         let mut ledger = run.ledger;
-        stepper.record(model, workspace, &mut ledger, (&run.q, &run.v), (q, v), forces, h);
+        let transition = StateTransition { from: (&run.q, &run.v), to: (q, v), forces, h };
+        stepper.record(model, workspace, &mut ledger, transition);
         if !ledger.imbalance().is_finite() {
             return Err(self.blow_up("the energy", fastest(v), done + 1));
         }

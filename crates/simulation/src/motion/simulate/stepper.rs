@@ -5,7 +5,7 @@ use robot_dynamics_integrators::{EnergyLedger, Integrator};
 
 use super::gains::add_passive_gains;
 use super::{Losses, StepError, record_step};
-use crate::{ActiveSet, ContactLaws, StepForces, StepWorkspace, step};
+use crate::{ActiveSet, ContactLaws, StateTransition, StepForces, StepWorkspace, step};
 
 /// An integration method of a [`Simulation`](crate::simulator::Simulation): a row of the table of integrators
 /// or a custom method ([`SimulationBuilder::stepper`](crate::simulator::SimulationBuilder::stepper)).
@@ -219,20 +219,16 @@ pub trait Stepper {
         0.0
     }
 
-    /// Records a step of `h` \[s\] in the energy account, by [`record_step`] unless forces other than the
+    /// Records a step in the energy account, by [`record_step`] unless forces other than the
     /// held τ act.
-    #[allow(clippy::too_many_arguments)] // the arguments of `record_step`
     fn record(
         &mut self,
         model: &Model,
         workspace: &mut StepWorkspace,
         ledger: &mut EnergyLedger,
-        from: (&[f64], &[f64]),
-        to: (&[f64], &[f64]),
-        forces: &StepForces<'_>,
-        h: f64,
+        transition: StateTransition<'_>,
     ) {
-        record_step(model, workspace, ledger, from, to, forces, h);
+        record_step(model, workspace, ledger, transition);
     }
 }
 
