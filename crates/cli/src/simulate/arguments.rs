@@ -38,7 +38,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     pub(super) duration: f64,
-    /// Time step, control period and sampling period in s.
+    /// Time step and control period in s.
     #[arg(long, alias = "step", default_value_t = SimulationBuilder::DEFAULT_DT, value_name = "SECONDS", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     pub(super) dt: f64,
