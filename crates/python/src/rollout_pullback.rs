@@ -22,6 +22,10 @@ use crate::row::{Operand, Width};
 use crate::simulation::options::Setup;
 use crate::{numbers, outcome, threads};
 
+/// Gradients by the initial q and v, and by τ and the parameters if they are asked for.
+type Gradients<'py> =
+    (Bound<'py, PyAny>, Bound<'py, PyAny>, Option<Bound<'py, PyAny>>, Option<Bound<'py, PyAny>>);
+
 #[pymethods]
 impl Robot {
     /// See `rollout_pullback`. All arrays have the leading dimensions of the batch.
@@ -43,7 +47,7 @@ impl Robot {
         parameters: bool,
         threads: Option<&Bound<'py, PyAny>>,
         options: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<Vec<Option<Bound<'py, PyAny>>>> {
+    ) -> PyResult<Gradients<'py>> {
         let (row, step, dissipates) = self.differentiable_row(py, options)?;
         let how = Rollout::new(row, step, steps).with_dissipation(dissipates).with_stride(stride);
         let array = |name, width, object: &Bound<'py, PyAny>| {
@@ -86,7 +90,10 @@ impl Robot {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<(&'static str, bool)> {
         let (row, _, dissipates) = self.differentiable_row(py, options)?;
-        Ok((row.name(), dissipates))
+        if row.is_explicit() {
+            return Ok((row.name(), dissipates));
+        }
+        Err(Class::Simulation.error(py, RolloutError::Implicit { integrator: row }))
     }
 }
 
@@ -156,7 +163,7 @@ fn header<'a>(array: Option<&'a Bound<'_, PyAny>>) -> Array<'a> {
 impl<'py> Call<'_, 'py> {
     /// The arrays are q, v, the cotangents of the end, then τ and the trajectory's cotangents if there are
     /// any.
-    fn run<T: Number>(self, all: &[Given<'py>]) -> PyResult<Vec<Option<Bound<'py, PyAny>>>> {
+    fn run<T: Number>(self, all: &[Given<'py>]) -> PyResult<Gradients<'py>> {
         let Self { py, robot, has_tau, .. } = self;
         let lead = all[0].lead();
         // They are changed in place, so the arguments are copied.
@@ -198,7 +205,7 @@ impl<'py> Call<'_, 'py> {
         } else {
             self.many(lead.iter().product(), numbers)?
         };
-        let results = vec![Some(by_position), Some(by_velocity), by_force, by_parameters];
+        let results = (by_position, by_velocity, by_force, by_parameters);
         if bad.is_empty() {
             return Ok(results);
         }
