@@ -4,7 +4,7 @@
     python stubs.py --check   fails if the file is not current
 
 The module itself lists the arguments of a method. The types follow from the names of arguments and from the
-shapes in the docstrings.
+tables below; those without an entry are arrays of numbers.
 """
 
 import inspect
@@ -22,7 +22,9 @@ HEAD = '''\
 """The native half of `robot_dynamics`; use that package. Written by `stubs.py`."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Self, TypeVar, final, overload
+from os import PathLike
+from pathlib import Path
+from typing import Any, Self, TypeAlias, TypeVar, final, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +34,12 @@ from robot_dynamics.numbers import ControlReference, Numbers, ReferenceFrame
 from robot_dynamics.results import {classes}
 
 _F = TypeVar("_F", np.float64, np.float32)
+
+_Array: TypeAlias = NDArray[np.float64]
+_Path: TypeAlias = str | PathLike[str]
+_Three: TypeAlias = Sequence[float]
+# The fields of a class of the Python half, which states their types.
+_Record: TypeAlias = dict[str, Any]
 '''
 
 # Types of arguments by name; all others are arrays of numbers.
@@ -45,7 +53,8 @@ ARGUMENTS = {
     "name": "str",
     "kind": "str",
     "source": "str",
-    "path": "Any",
+    "path": "_Path",
+    "folder": "_Path | None",
     "text": "str",
     "keeps_lines": "bool",
     "floating_base": "bool",
@@ -72,15 +81,94 @@ ARGUMENTS = {
     "duration": "float",
     "snapshot": "Snapshot",
     "number": "int",
-    "options": "Any",
+    "constraints": "Constraints",
+    "actuated": "Sequence[bool] | None",
+    "stabilization": "float | None",
+    "restitution": "float",
+    "tolerance": "float",
+    "force_weight": "float",
+    "base": "BaseParameters | None",
+    "convention": "str",
+    "back": "bool",
+    "names": "Sequence[str]",
+    "states": "int",
+    "single": "bool",
+    "fused": "bool",
+    "platform_sine": "bool",
+    "lanes": "bool",
+    "functions": "Sequence[str]",
+    "position_tolerance": "float",
+    "angle_tolerance": "float",
+    "max_iterations": "int",
+    "max_restarts": "int",
+    "controls": "dict[str, float] | None",
+    "each_step": "bool",
+    "steps": "int",
+    "stride": "int",
+    "spacing": "int",
+    "time": "float",
+    "actuator_forces": "Numbers | None",
+    "joint_limit_forces": "Numbers | None",
+    "tendon_limit_forces": "Numbers | None",
+    "sample_period": "float | str | None",
+    "events": "Sequence[tuple[str, Callable[[float, _Array, _Array], float], int, bool]]",
+    "stop_at_limits": "bool",
+    "supports": "Sequence[tuple[str, _Three, _Three, float]]",
+    "torque": "Numbers | None",
+    "velocity": "Numbers | None",
+    "lower": "Numbers | None",
+    "upper": "Numbers | None",
+    "intervals": "int",
+    "start_speed": "float",
+    "end_speed": "float",
+    "both_ends": "bool",
+    "samples": "int",
+    "format": "str",
+    "factor": "float",
+    "as_written": "bool",
+    "link": "str",
+    "mass": "float",
+    "inertia": "Numbers | None",
+    "sensors": "Sequence[tuple[str, str, str | None, str | None]]",
+    "row": "str",
+    "which": "Sequence[int] | None",
+    "pose": "str | None",
+    "axes": "str",
+    "force": "_Three",
+    "moment": "_Three",
+    "start": "Numbers | None",
+    "trajectory": "tuple[Numbers, Numbers] | None",
 }
 
-# Types of arguments that differ for some classes.
-OF_CLASS = {
+# Types of arguments that differ for some methods, and for the constructors of some classes.
+OF_CALL = {
     ("ComputedTorque", "reference"): "ControlReference | Callable[[float], ControlReference]",
     ("TaskControl", "reference"): "ControlReference | Callable[[float], ControlReference]",
     ("TaskControl", "stiffness"): "float",
     ("TaskControl", "damping"): "float",
+    ("_constrained_forward_dynamics", "tau"): "Numbers | None",
+    ("_constraint_rows", "v"): "Numbers | None",
+    ("_convert", "given"): "Sequence[NDArray[Any] | None]",
+    ("_generate", "name"): "str | None",
+    ("_generate", "target"): "str",
+    ("_linearize_step", "tau"): "Numbers | None",
+    ("_lock", "joints"): "Sequence[tuple[str, Sequence[float] | None]]",
+    ("_operational_space", "rows"): "Sequence[str]",
+    ("_operational_space", "v"): "Numbers | None",
+    ("_project", "v"): "Numbers | None",
+    ("_rollout", "tau"): "Numbers | None",
+    ("_rollout_pullback", "parameters"): "bool",
+    ("_rollout_pullback", "tau"): "Numbers | None",
+    ("_sensor_values", "wrenches"): "Sequence[tuple[str | int, _Three, _Three, _Three, _Three]]",
+    ("_simulate", "tau"): "Numbers | Callable[[float, _Array, _Array], Numbers] | None",
+    ("_simulate", "v"): "Numbers | None",
+    ("_step", "tau"): "Numbers | None",
+    ("_supported_inverse_dynamics", "constraints"): "Constraints | None",
+    ("_with_actuated_joints", "joints"): "Sequence[str]",
+    ("_with_wrenches", "frames"): "Sequence[str | int]",
+    ("_with_wrenches", "out"): "NDArray[Any] | tuple[NDArray[Any], ...] | None",
+    ("_reset", "q"): "Numbers | None",
+    ("_reset", "v"): "Numbers | None",
 }
 
 # Results that are not arrays of the arguments' type.
@@ -91,7 +179,58 @@ RETURNS = {
     "_left_out": "list[str]",
     "_disabled_collisions": "list[tuple[str, str]]",
     "_copy": "Simulation",
-    "_joints": "list[Any]",
+    "_joints": (
+        "list[tuple[tuple[str, int, str], tuple[str, str, int | None], tuple[int, int], tuple[int, int], "
+        "tuple[str, float, float] | None, list[float], list[float]]]"
+    ),
+    "_actuated_dofs": "list[bool]",
+    "_audit": "list[tuple[str, str, float, str, float, bool, str]]",
+    "_base_parameters": "BaseParameters",
+    "_constrained_forward_dynamics": "_Record",
+    "_constrained_inverse_dynamics": "_Record",
+    "_constraint_projections": "tuple[_Array, _Array]",
+    "_constraint_rows": "_Record",
+    "_contact_impulse": "_Record",
+    "_convert": "list[_Array | None]",
+    "_differentiable_row": "tuple[str, bool]",
+    "_effort_limits": "_Array",
+    "_file_read_at": "Path | None",
+    "_generate": "list[tuple[str, str]]",
+    "_identify": "_Record",
+    "_inverse_kinematics": "_Record",
+    "_linearize_step": "tuple[_Array, _Array]",
+    "_lock": "str",
+    "_lock_massless": "tuple[str, list[str]]",
+    "_operational_space": "_Record",
+    "_physical_consistency": "list[tuple[str, float, float, float, bool]]",
+    "_poses": "list[tuple[str, list[float], list[float]]]",
+    "_project": "tuple[_Array, _Array]",
+    "_result_shapes": "list[list[int]]",
+    "_rollout": "list[NDArray[Any]]",
+    "_rollout_pullback": "tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None, NDArray[Any] | None]",
+    "_sensor_values": "_Array",
+    "_sensors": "list[tuple[str, str, int]]",
+    "_simulate": "_Record",
+    "_supported_inverse_dynamics": "_Record",
+    "_suspicions": "list[str]",
+    "_time_optimal": "_Record",
+    "_to_text": "tuple[str, list[tuple[str, str, bool]]]",
+    "_with_actuated_joints": "str",
+    "_with_gravity_scaled": "str",
+    "_with_parameters": "str",
+    "_with_payload": "str",
+    "_with_sensors": "str",
+    # Several arrays are a named tuple.
+    "_with_wrenches": "Any",
+    "_apply_wrench": "None",
+    "_contacts": (
+        "list[tuple[str, str, str | None, str, int | None, _Array, _Array, float, _Array, _Array]]"
+    ),
+    "_ledger": "_Record",
+    "_reset": "None",
+    "_set_state": "None",
+    # The method of a robot; that of a batch returns nothing.
+    "_step": "tuple[_Array, _Array]",
     "_links": "list[tuple[str, int, int | None, float, list[float], list[list[float]]]]",
     "neutral": "NDArray[np.float64]",
     "random_configuration": "NDArray[np.float64]",
@@ -99,14 +238,14 @@ RETURNS = {
     "num_threads": "int",
     "set_num_threads": "None",
     "quantities": "list[tuple[str, list[str], int]]",
-    "dlqr": "dict[str, Any]",
+    "dlqr": "_Record",
     "_nanoseconds": "float",
     "values": "NDArray[np.float64]",
     "nearest_parameters": "NDArray[np.float64]",
     "parameters": "NDArray[np.float64]",
     "_xla_handle": "int",
-    "_defaults": "dict[str, Any]",
-    "_xla_handlers": "dict[str, Any]",
+    "_defaults": "_Record",
+    "_xla_handlers": "dict[str, object]",
     "_random_robot": "str",
     "_write_text": "None",
     "_visible": "str",
@@ -152,7 +291,7 @@ OF_SIMULATION = {
     "constraint_forces": "dict[str, float]",
     "joint_reactions": "dict[str, NDArray[np.float64]]",
     "sensors": "dict[str, NDArray[np.float64]]",
-    "losses": "Any",
+    "losses": "dict[str, float] | None",
     "times": "list[float]",
 }
 
@@ -213,7 +352,7 @@ def of_class(name: str, cls: type) -> Iterator[str]:
             # Python does not report its arguments. It is a controller τ(t, q, v).
             yield "    def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...\n"
         elif inspect.ismethoddescriptor(value) and not member.startswith("__"):
-            yield "".join(method(member, value))
+            yield "".join(method(name, member, value))
 
 
 def property_type(name: str) -> str:
@@ -233,14 +372,10 @@ def function(name: str) -> Iterator[str]:
     yield f"def {name}({arguments(value, 0)}) -> {RETURNS[name]}:\n{quoted(value.__doc__, 1)}"
 
 
-def method(name: str, value: object) -> Iterator[str]:
-    if name.startswith("_") and name not in RETURNS:
-        # The Python package states their types.
-        yield f"    def {name}({arguments(value, 0, 'Any')}) -> Any:\n{quoted(value.__doc__, 2)}"
-        return
+def method(owner: str, name: str, value: object) -> Iterator[str]:
     if name in RETURNS:
-        given = arguments(value, 0)
-        yield f"    def {name}({given}) -> {RETURNS[name]}:\n{quoted(value.__doc__, 2)}"
+        result = "None" if (owner, name) == ("SimulationBatch", "_step") else RETURNS[name]
+        yield f"    def {name}({arguments(value, 0)}) -> {result}:\n{quoted(value.__doc__, 2)}"
         return
     for number in ("_F", "np.float64"):
         given = arguments(value, 0, number)
@@ -258,7 +393,7 @@ def arguments(value: Any, skip: int, number: str | None = None) -> str:
             written.append("self")
             continue
         if parameter.kind is parameter.VAR_KEYWORD:
-            written.append(f"**{parameter.name}: Any")
+            written.append(f"**{parameter.name}: object")
             continue
         if parameter.kind is parameter.KEYWORD_ONLY and not has_star:
             written.append("*")
@@ -273,14 +408,12 @@ def arguments(value: Any, skip: int, number: str | None = None) -> str:
 
 
 def argument(name: str, number: str | None, value: Any) -> str:
-    if number == "Any":
-        return "Any"
+    if (value.__name__, name) in OF_CALL:
+        return OF_CALL[value.__name__, name]
     if name == "out":
         array = f"NDArray[{number}]"
         several = results.BY_ALGORITHM.get(value.__name__)
         return f"tuple[{', '.join([array] * len(several._fields))}] | None" if several else f"{array} | None"
-    if (value.__name__, name) in OF_CLASS:
-        return OF_CLASS[value.__name__, name]
     if name in ARGUMENTS:
         return ARGUMENTS[name]
     return "NDArray[_F]" if number == "_F" and name != "s" else "Numbers"

@@ -16,7 +16,8 @@ import shutil
 import signal
 import sys
 import warnings
-from typing import Any, NoReturn
+from collections.abc import Callable
+from typing import NoReturn
 
 import robot_dynamics as rd
 from robot_dynamics._native import _visible
@@ -94,7 +95,7 @@ def _parser() -> argparse.ArgumentParser:
 _EXAMPLES = ("two_r", "ur5", "panda", "quadruped", "humanoid")
 
 
-def _compute(options: Any) -> int:
+def _compute(options: argparse.Namespace) -> int:
     try:
         from robot_dynamics import parquet
         from robot_dynamics.arrow import Computation
@@ -154,7 +155,7 @@ def _compute(options: Any) -> int:
     return 0
 
 
-def _quantities(_: Any) -> int:
+def _quantities(_: argparse.Namespace) -> int:
     from robot_dynamics.quantities import quantity, quantity_names
 
     robot = rd.example("two_r")
@@ -164,7 +165,7 @@ def _quantities(_: Any) -> int:
     return 0
 
 
-def _robot(options: Any, say: Any) -> rd.Robot:
+def _robot(options: argparse.Namespace, say: Callable[[str], None]) -> rd.Robot:
     if not os.path.exists(options.robot) and options.robot in _EXAMPLES:
         return rd.example(options.robot, floating_base=options.floating_base)
     with warnings.catch_warnings(record=True) as found:
@@ -188,7 +189,7 @@ def _positive(text: str) -> int:
     return int(text)
 
 
-def _interrupt(*_: Any) -> NoReturn:
+def _interrupt(*_: object) -> NoReturn:
     raise KeyboardInterrupt
 
 

@@ -1,7 +1,9 @@
 """The native half of `robot_dynamics`; use that package. Written by `stubs.py`."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Self, TypeVar, final, overload
+from os import PathLike
+from pathlib import Path
+from typing import Any, Self, TypeAlias, TypeVar, final, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +14,17 @@ from robot_dynamics.results import DissipationPullback, ForwardDynamicsDerivativ
 
 _F = TypeVar("_F", np.float64, np.float32)
 
+_Array: TypeAlias = NDArray[np.float64]
+_Path: TypeAlias = str | PathLike[str]
+_Three: TypeAlias = Sequence[float]
+# The fields of a class of the Python half, which states their types.
+_Record: TypeAlias = dict[str, Any]
+
 __all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
-def _defaults() -> dict[str, Any]:
+def _defaults() -> _Record:
     """The default values of options that the Rust library defines."""
 
 def _html(text: str) -> str:
@@ -31,13 +39,13 @@ def _random_robot(seed: int, joints: int, floating_base: bool) -> str:
 def _visible(text: str, keeps_lines: bool) -> str:
     """A text in which each invisible character is replaced by its escape; line ends stay if `keeps_lines`."""
 
-def _write_text(path: Any, text: str) -> None:
+def _write_text(path: _Path, text: str) -> None:
     """Writes a text file as a whole or not at all."""
 
-def _xla_handlers() -> dict[str, Any]:
+def _xla_handlers() -> dict[str, object]:
     """The functions that programs of XLA call, by the names of their targets."""
 
-def dlqr(a: Numbers, b: Numbers, q: Numbers, r: Numbers) -> dict[str, Any]:
+def dlqr(a: Numbers, b: Numbers, q: Numbers, r: Numbers) -> _Record:
     """The gain K of u = −K x that minimises Σ xᵀQ x + uᵀR u along xₖ₊₁ = A xₖ + B uₖ, and its cost; see
     `robot_dynamics.dlqr`.
     """
@@ -370,103 +378,103 @@ class Robot:
     def __hash__(self, /) -> int: ...
     def __ne__(self, value: object, /) -> bool: ...
     def __new__(cls, kind: str, source: str, *, floating_base: bool = False, strict: bool = False, repair_inertia: bool = False) -> Self: ...
-    def _actuated_dofs(self) -> Any:
+    def _actuated_dofs(self) -> list[bool]:
         """See `actuated_dofs`."""
-    def _audit(self, states: Any, seed: Any) -> Any:
+    def _audit(self, states: int, seed: int) -> list[tuple[str, str, float, str, float, bool, str]]:
         """See `audit`."""
-    def _base_parameters(self, states: Any, seed: Any) -> Any:
+    def _base_parameters(self, states: int, seed: int) -> BaseParameters:
         """See `base_parameters`."""
-    def _constrained_forward_dynamics(self, constraints: Any, q: Any, v: Any, tau: Any, stabilization: Any) -> Any:
+    def _constrained_forward_dynamics(self, constraints: Constraints, q: Numbers, v: Numbers, tau: Numbers | None, stabilization: float | None) -> _Record:
         """See `constrained_forward_dynamics`."""
-    def _constrained_inverse_dynamics(self, constraints: Any, q: Any, v: Any, a: Any, actuated: Any) -> Any:
+    def _constrained_inverse_dynamics(self, constraints: Constraints, q: Numbers, v: Numbers, a: Numbers, actuated: Sequence[bool] | None) -> _Record:
         """See `constrained_inverse_dynamics`."""
-    def _constraint_projections(self, constraints: Any, q: Any) -> Any:
+    def _constraint_projections(self, constraints: Constraints, q: Numbers) -> tuple[_Array, _Array]:
         """See `constraint_projections`."""
-    def _constraint_rows(self, constraints: Any, q: Any, v: Any) -> Any:
+    def _constraint_rows(self, constraints: Constraints, q: Numbers, v: Numbers | None) -> _Record:
         """See `constraint_rows`."""
-    def _contact_impulse(self, constraints: Any, q: Any, v: Any, restitution: Any) -> Any:
+    def _contact_impulse(self, constraints: Constraints, q: Numbers, v: Numbers, restitution: float) -> _Record:
         """See `contact_impulse`."""
-    def _convert(self, convention: Any, back: Any, names: Any, given: Any) -> Any:
+    def _convert(self, convention: str, back: bool, names: Sequence[str], given: Sequence[NDArray[Any] | None]) -> list[_Array | None]:
         """See `to_mujoco` and `to_pinocchio`; `back` converts in the other direction. All arrays have a row per
         state; the names are those of the arguments.
         """
-    def _differentiable_row(self, **options: Any) -> Any:
+    def _differentiable_row(self, **options: object) -> tuple[str, bool]:
         """The explicit method of a simulation with these options whose gradients are known, and whether damping
         and friction act.
         """
-    def _disabled_collisions(self, path: Any) -> list[tuple[str, str]]:
+    def _disabled_collisions(self, path: _Path) -> list[tuple[str, str]]:
         """The pairs of links whose collisions an SRDF file disables."""
-    def _effort_limits(self) -> Any:
+    def _effort_limits(self) -> _Array:
         """The effort limits of all coordinates."""
-    def _file_read_at(self, path: Any) -> Any:
+    def _file_read_at(self, path: _Path) -> Path | None:
         """The one of the robot's files that is at this path; links are resolved."""
-    def _generate(self, target: Any, functions: Any, folder: Any, *, single: Any, fused: Any, platform_sine: Any, lanes: Any, name: Any, states: Any) -> Any:
+    def _generate(self, target: str, functions: Sequence[str], folder: _Path | None, *, single: bool, fused: bool, platform_sine: bool, lanes: bool, name: str | None, states: int) -> list[tuple[str, str]]:
         """See `generate`."""
-    def _identify(self, q: Any, v: Any, a: Any, tau: Any, base: Any, *, dissipation: Any) -> Any:
+    def _identify(self, q: Numbers, v: Numbers, a: Numbers, tau: Numbers, base: BaseParameters | None, *, dissipation: bool) -> _Record:
         """See `identify`."""
-    def _inverse_kinematics(self, frame: Any, target: Any, start: Any, *, position_tolerance: Any, angle_tolerance: Any, max_iterations: Any, max_restarts: Any, seed: Any) -> Any:
+    def _inverse_kinematics(self, frame: str | int, target: Numbers, start: Numbers | None, *, position_tolerance: float, angle_tolerance: float, max_iterations: int, max_restarts: int, seed: int) -> _Record:
         """See `inverse_kinematics`."""
-    def _joints(self) -> list[Any]:
+    def _joints(self) -> list[tuple[tuple[str, int, str], tuple[str, str, int | None], tuple[int, int], tuple[int, int], tuple[str, float, float] | None, list[float], list[float]]]:
         """Joints in the order of their coordinates, as the fields of `robot_dynamics.Joint`."""
     def _left_out(self) -> list[str]:
         """The features that the default simulation leaves out, one line for each reason, or why there is no such
         simulation.
         """
-    def _linearize_step(self, q: Any, v: Any, tau: Any, controls: Any, **options: Any) -> Any:
+    def _linearize_step(self, q: Numbers, v: Numbers, tau: Numbers | None, controls: dict[str, float] | None, **options: object) -> tuple[_Array, _Array]:
         """See `linearize_step`."""
     def _links(self) -> list[tuple[str, int, int | None, float, list[float], list[list[float]]]]:
         """Links in the file's order, as the fields of `robot_dynamics.Link`."""
-    def _lock(self, joints: Any) -> Any:
+    def _lock(self, joints: Sequence[tuple[str, Sequence[float] | None]]) -> str:
         """See `lock`."""
-    def _lock_massless(self) -> Any:
+    def _lock_massless(self) -> tuple[str, list[str]]:
         """See `lock_massless`."""
-    def _operational_space(self, q: Any, v: Any, frame: Any, rows: Any) -> Any:
+    def _operational_space(self, q: Numbers, v: Numbers | None, frame: str | int, rows: Sequence[str]) -> _Record:
         """See `operational_space`."""
-    def _physical_consistency(self, parameters: Any) -> Any:
+    def _physical_consistency(self, parameters: Numbers) -> list[tuple[str, float, float, float, bool]]:
         """See `physical_consistency`."""
-    def _poses(self) -> Any:
+    def _poses(self) -> list[tuple[str, list[float], list[float]]]:
         """The poses that the file names, MJCF's keyframes, with their q and v."""
-    def _project(self, constraints: Any, q: Any, v: Any, tolerance: Any) -> Any:
+    def _project(self, constraints: Constraints, q: Numbers, v: Numbers | None, tolerance: float) -> tuple[_Array, _Array]:
         """See `project`."""
     def _report_text(self) -> str:
         """The report in the library's own words."""
-    def _result_shapes(self, name: Any) -> Any:
+    def _result_shapes(self, name: str) -> list[list[int]]:
         """The shapes of the results of a row of the table, for one state and one frame."""
-    def _rollout(self, q: Any, v: Any, tau: Any, each_step: Any, *, steps: Any, stride: Any, threads: Any, controls: Any, **options: Any) -> Any:
+    def _rollout(self, q: Numbers, v: Numbers, tau: Numbers | None, each_step: bool, *, steps: int, stride: int, threads: int | None, controls: dict[str, float] | None, **options: object) -> list[NDArray[Any]]:
         """See `rollout`."""
-    def _rollout_pullback(self, q: Any, v: Any, tau: Any, by_position: Any, by_velocity: Any, trajectory: Any, *, each_step: Any, steps: Any, stride: Any, spacing: Any, parameters: Any, threads: Any, **options: Any) -> Any:
+    def _rollout_pullback(self, q: Numbers, v: Numbers, tau: Numbers | None, by_position: Numbers, by_velocity: Numbers, trajectory: tuple[Numbers, Numbers] | None, *, each_step: bool, steps: int, stride: int, spacing: int, parameters: bool, threads: int | None, **options: object) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None, NDArray[Any] | None]:
         """See `rollout_pullback`. All arrays have the leading dimensions of the batch."""
-    def _sensor_values(self, q: Any, v: Any, a: Any, *, time: Any, actuator_forces: Any, joint_limit_forces: Any, tendon_limit_forces: Any, wrenches: Any) -> Any:
+    def _sensor_values(self, q: Numbers, v: Numbers, a: Numbers, *, time: float, actuator_forces: Numbers | None, joint_limit_forces: Numbers | None, tendon_limit_forces: Numbers | None, wrenches: Sequence[tuple[str | int, _Three, _Three, _Three, _Three]]) -> _Array:
         """See `sensor_values`."""
-    def _sensors(self) -> Any:
+    def _sensors(self) -> list[tuple[str, str, int]]:
         """See `sensors`."""
-    def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, sample_period: Any, events: Any, stop_at_limits: Any, controls: Any, **options: Any) -> Any:
+    def _simulate(self, q: Numbers, v: Numbers | None, tau: Numbers | Callable[[float, _Array, _Array], Numbers] | None, *, duration: float, sample_period: float | str | None, events: Sequence[tuple[str, Callable[[float, _Array, _Array], float], int, bool]], stop_at_limits: bool, controls: dict[str, float] | None, **options: object) -> _Record:
         """See `simulate`."""
     def _state(self) -> str:
         """The description and the report as JSON, from which an equal robot is made."""
-    def _step(self, q: Any, v: Any, tau: Any, controls: Any, **options: Any) -> Any:
+    def _step(self, q: Numbers, v: Numbers, tau: Numbers | None, controls: dict[str, float] | None, **options: object) -> tuple[_Array, _Array]:
         """See `step`."""
-    def _supported_inverse_dynamics(self, supports: Any, constraints: Any, q: Any, v: Any, a: Any, actuated: Any, force_weight: Any) -> Any:
+    def _supported_inverse_dynamics(self, supports: Sequence[tuple[str, _Three, _Three, float]], constraints: Constraints | None, q: Numbers, v: Numbers, a: Numbers, actuated: Sequence[bool] | None, force_weight: float) -> _Record:
         """See `supported_inverse_dynamics`."""
-    def _suspicions(self) -> Any:
+    def _suspicions(self) -> list[str]:
         """See `suspicions`."""
-    def _time_optimal(self, waypoints: Any, *, torque: Any, velocity: Any, lower: Any, upper: Any, intervals: Any, start_speed: Any, end_speed: Any, both_ends: Any, samples: Any) -> Any:
+    def _time_optimal(self, waypoints: Numbers, *, torque: Numbers | None, velocity: Numbers | None, lower: Numbers | None, upper: Numbers | None, intervals: int, start_speed: float, end_speed: float, both_ends: bool, samples: int) -> _Record:
         """See `time_optimal`."""
-    def _to_text(self, format: Any, folder: Any) -> Any:
+    def _to_text(self, format: str, folder: _Path | None) -> tuple[str, list[tuple[str, str, bool]]]:
         """See `to_text`."""
     def _warning_groups(self) -> list[str]:
         """The warnings of the report, those of one kind in one text."""
-    def _with_actuated_joints(self, joints: Any) -> Any:
+    def _with_actuated_joints(self, joints: Sequence[str]) -> str:
         """See `with_actuated_joints`."""
-    def _with_gravity_scaled(self, factor: Any) -> Any:
+    def _with_gravity_scaled(self, factor: float) -> str:
         """See `with_gravity_scaled`."""
-    def _with_parameters(self, parameters: Any, as_written: Any) -> Any:
+    def _with_parameters(self, parameters: Numbers, as_written: bool) -> str:
         """See `with_parameters`."""
-    def _with_payload(self, link: Any, mass: Any, center_of_mass: Any, inertia: Any) -> Any:
+    def _with_payload(self, link: str, mass: float, center_of_mass: Numbers, inertia: Numbers | None) -> str:
         """See `with_payload`."""
-    def _with_sensors(self, sensors: Any) -> Any:
+    def _with_sensors(self, sensors: Sequence[tuple[str, str, str | None, str | None]]) -> str:
         """See `with_sensors`."""
-    def _with_wrenches(self, row: Any, q: Any, v: Any, x: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
+    def _with_wrenches(self, row: str, q: Numbers, v: Numbers, x: Numbers, frames: Sequence[str | int], wrenches: Numbers, *, out: NDArray[Any] | tuple[NDArray[Any], ...] | None, threads: int | None) -> Any:
         """The results of `row` for states under wrenches: `inverse_dynamics`, `forward_dynamics`,
         `joint_reactions`, `inverse_dynamics_derivatives` or `forward_dynamics_derivatives`; `x` is a or τ.
         """
@@ -2447,9 +2455,9 @@ class Robot:
     def parameters(self) -> NDArray[np.float64]:
         """The parameters of the dynamics; `with_parameters` makes a robot with others.
 
-        For each moving link, with the links fixed to it: m, m c (3) and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about its
-        origin [kg, kg·m, kg·m²]. For each joint that is not fixed: armature, damping, friction, stiffness and
-        rest, all 0 for a floating base. Then gravity (3) [m/s²].
+        For each moving link, with the links fixed to it: m, m c (3) and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about
+        its origin [kg, kg·m, kg·m²]. For each joint that is not fixed: armature, damping, friction, stiffness
+        and rest, all 0 for a floating base. Then gravity (3) [m/s²].
 
         Returns
         -------
@@ -2611,14 +2619,14 @@ class Robot:
 @disjoint_base
 class Simulation:
     """The native half of `robot_dynamics.Simulation`."""
-    def __new__(cls, robot: Robot, **options: Any) -> Self: ...
-    def _apply_wrench(self, frame: Any, force: Any, moment: Any, axes: Any) -> Any:
+    def __new__(cls, robot: Robot, **options: object) -> Self: ...
+    def _apply_wrench(self, frame: str | int, force: _Three, moment: _Three, axes: str) -> None:
         """See `apply_wrench`."""
-    def _contacts(self) -> Any:
+    def _contacts(self) -> list[tuple[str, str, str | None, str, int | None, _Array, _Array, float, _Array, _Array]]:
         """See `contacts`."""
-    def _ledger(self) -> Any:
+    def _ledger(self) -> _Record:
         """See `ledger`."""
-    def _reset(self, q: Any, v: Any, pose: Any) -> Any:
+    def _reset(self, q: Numbers | None, v: Numbers | None, pose: str | None) -> None:
         """See `reset`."""
     @property
     def acceleration(self) -> NDArray[np.float64]:
@@ -2666,7 +2674,7 @@ class Simulation:
     def left_out(self) -> tuple[str, ...]:
         """The features that the robot's file states and this simulation leaves out, each with the reason."""
     @property
-    def losses(self) -> Any:
+    def losses(self) -> dict[str, float] | None:
         """The energy [J] that damping, friction, stops, sliding and impacts took; `None` if the method does not
         separate them.
         """
@@ -2773,14 +2781,14 @@ class Simulation:
 class SimulationBatch:
     """The native half of `robot_dynamics.SimulationBatch`."""
     def __len__(self, /) -> int: ...
-    def __new__(cls, robot: Robot, count: int, threads: int | None, **options: Any) -> Self: ...
+    def __new__(cls, robot: Robot, count: int, threads: int | None, **options: object) -> Self: ...
     def _copy(self, number: int) -> Simulation:
         """A copy of one simulation, with its state and inputs."""
-    def _reset(self, q: Any, v: Any, which: Any) -> Any:
+    def _reset(self, q: Numbers | None, v: Numbers | None, which: Sequence[int] | None) -> None:
         """See `reset`."""
-    def _set_state(self, q: Any, v: Any, which: Any) -> Any:
+    def _set_state(self, q: Numbers, v: Numbers, which: Sequence[int] | None) -> None:
         """See `set_state`."""
-    def _step(self, count: Any, which: Any) -> Any:
+    def _step(self, count: int, which: Sequence[int] | None) -> None:
         """See `step`."""
     @property
     def control_names(self) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ import tempfile
 from functools import cache
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robot_dynamics.errors import GenerateError
 from robot_dynamics.files import refuse_file_read
@@ -93,7 +93,7 @@ def _compile(source: str, path: Path) -> Path:
         # Renaming keeps other processes from seeing a part of a file.
         code, made = Path(own) / path.name, Path(own) / library.name
         code.write_text(source, encoding="utf-8")
-        command: list[Any] = [_compiler(), "-O2", "-fPIC", "-shared", code, "-lm", "-o", made]
+        command: list[str | Path] = [_compiler(), "-O2", "-fPIC", "-shared", code, "-lm", "-o", made]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise GenerateError(f"{command[0]} does not compile {path.name}: {done.stderr.strip()[:2000]}")

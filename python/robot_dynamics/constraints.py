@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +45,7 @@ class Contact:
 
     frame: str
     """Name of the frame."""
-    pose: Any
+    pose: Numbers
     """Pose of the frame in the world (4, 4)."""
     rows: Sequence[str] = ("x", "y", "z", "rx", "ry", "rz")
     """Constrained directions out of x, y, z, rx, ry, rz."""
@@ -60,7 +60,7 @@ class PointContact:
 
     frame: str
     """Name of the frame."""
-    point: Any
+    point: Numbers
     """Point in the world (3,) [m]."""
 
     def _fields(self) -> _Fields:
@@ -86,13 +86,13 @@ class RollingDisc:
 
     frame: str
     """Name of the frame."""
-    axle: Any
+    axle: Numbers
     """Direction of the axle in the frame (3,)."""
     radius: float
     """Radius of the disc [m]."""
-    normal: Any = (0.0, 0.0, 1.0)
+    normal: Numbers = (0.0, 0.0, 1.0)
     """Normal of the plane in the world (3,)."""
-    point: Any = (0.0, 0.0, 0.0)
+    point: Numbers = (0.0, 0.0, 0.0)
     """Point of the plane in the world (3,) [m]."""
     rows: Sequence[str] = ("forward", "side", "normal")
     """Constrained directions out of forward, side, normal."""

@@ -246,7 +246,7 @@ def from_pinocchio(
     return RobotState(*_converted(robot, "pinocchio", True, {"q": q, "v": v, "a": a, "tau": tau}))
 
 
-def _converted(robot: Robot, convention: str, back: bool, given: dict[str, Any]) -> list[Any]:
+def _converted(robot: Robot, convention: str, back: bool, given: dict[str, Numbers | None]) -> list[Any]:
     """The converted arrays, with the broadcast leading dimensions of those given."""
     names = list(given)
     arrays = [None if value is None else np.asarray(value) for value in given.values()]

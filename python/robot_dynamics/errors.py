@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -56,7 +57,7 @@ class BadStatesError(StateError):
         self.indices = indices
         self.result = result
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[Callable[..., BadStatesError], tuple[str, NDArray[np.intp], Any]]:
         return _bad_states, (str(self), self.indices, self.result)
 
 
@@ -102,7 +103,7 @@ class BadSimulationsError(SimulationError):
         super().__init__(message)
         self.errors = errors
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[Callable[..., BadSimulationsError], tuple[str, dict[int, str]]]:
         return _bad_simulations, (str(self), self.errors)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -63,7 +63,13 @@ AnyGround: TypeAlias = Ground | HeightField | Literal["file"]
 """A plane, a height field, or the planes and height fields in the world of the robot's file."""
 
 
-def native(ground: AnyGround | None) -> Any:
+NativeHeightField: TypeAlias = tuple[
+    int, int, tuple[float, float], list[float], tuple[float, float, float], tuple[float | None, float]
+]
+"""Rows, columns, half lengths, heights, position, and surface of a height field."""
+
+
+def native(ground: AnyGround | None) -> Ground | NativeHeightField | Literal["file"] | None:
     """Ground as the compiled module expects it."""
     if not isinstance(ground, HeightField):
         return ground
@@ -71,5 +77,6 @@ def native(ground: AnyGround | None) -> Any:
     if heights.ndim != 2:
         raise ValueError(f"heights has shape {heights.shape}; a height field has (rows, columns)")
     rows, columns = heights.shape
+    (x, y), (px, py, pz) = ground.half_size, ground.position
     surface = (ground.friction, float(ground.restitution))
-    return rows, columns, tuple(ground.half_size), heights.ravel().tolist(), tuple(ground.position), surface
+    return rows, columns, (x, y), heights.ravel().tolist(), (px, py, pz), surface

@@ -306,7 +306,7 @@ def effort_limits(robot: Robot, conservative: bool, off: Sequence[str]) -> Array
     return limits if np.isfinite(limits).any() else None
 
 
-def check_adaptive_options(**given: Any) -> None:
+def check_adaptive_options(**given: object) -> None:
     """Raise ValueError for options that adaptive steps do not support: contact and constraints."""
     for name, value in given.items():
         if value is not None:
@@ -433,7 +433,6 @@ def simulate(
     """
     directions = {"both": 0, "rising": 1, "falling": -1}
     fields = [(event.name, event.function, directions[event.direction], event.terminal) for event in events]
-    how = {"duration": duration, "sample_period": sample_period, "events": fields, "stop_at_limits": stop_at_limits}
     try:
         if integrator == "adaptive":
             check_adaptive_options(ground=ground, constraints=constraints)
@@ -446,7 +445,10 @@ def simulate(
             q,
             v,
             tau,
-            **how,
+            duration=duration,
+            sample_period=sample_period,
+            events=fields,
+            stop_at_limits=stop_at_limits,
             controls=None if controls is None else dict(controls),
             dt=dt,
             integrator=integrator,

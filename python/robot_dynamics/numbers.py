@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 class SupportsDLPack(Protocol):
     """Array of another library, in the memory of this machine."""
 
-    def __dlpack__(self, **options: Any) -> Any:
+    def __dlpack__(self, **options: Any) -> object:
         """Capsule with the array's memory."""
 
     def __dlpack_device__(self) -> tuple[int, int]:

@@ -167,14 +167,14 @@ def rollout_pullback(
             raise ShapeError(message) from None
 
     samples = steps // stride if stride > 0 else 0
-    by_trajectory = (by_position_trajectory, by_velocity_trajectory)
-    if stride == 0 and any(each is not None for each in by_trajectory):
+    if stride == 0 and not (by_position_trajectory is None and by_velocity_trajectory is None):
         raise ValueError("gradients by a trajectory need the stride of its samples")
     trajectory = None
     if samples > 0:
-        names = ("by_position_trajectory", "by_velocity_trajectory")
-        trajectory = tuple(
-            cotangent(name, given, (samples, robot.nv)) for name, given in zip(names, by_trajectory, strict=True)
+        own = (samples, robot.nv)
+        trajectory = (
+            cotangent("by_position_trajectory", by_position_trajectory, own),
+            cotangent("by_velocity_trajectory", by_velocity_trajectory, own),
         )
     try:
         gradients = robot._rollout_pullback(

@@ -136,7 +136,7 @@ def quantity(robot: Robot, asked: str) -> Quantity:
             else f"there are {', '.join(quantity_names())}"
         )
         raise QuantityError(f"no quantity `{asked}`: {hint}")
-    arguments: dict[str, Any] = {}
+    arguments: dict[str, str] = {}
     if "reference_frame" in reads and argument not in robot.frame_names:
         frame, _, reference = argument.rpartition(":")
         if reference in REFERENCE_FRAMES:
@@ -177,9 +177,9 @@ class _Method:
 
     robot: Robot
     name: str
-    arguments: dict[str, Any]
+    arguments: dict[str, str]
 
-    def __call__(self, *state: Any, threads: int | None) -> Any:
+    def __call__(self, *state: NDArray[Any], threads: int | None) -> Any:
         return getattr(self.robot, self.name)(*state, **self.arguments, threads=threads)
 
 
@@ -190,12 +190,14 @@ class _Audit:
     robot: Robot
     has_dissipation: bool
 
-    def __call__(self, q: Any, v: Any, a: Any, tau: Any, threads: int | None) -> tuple[NDArray[Any], ...]:
+    def __call__(
+        self, q: NDArray[Any], v: NDArray[Any], a: NDArray[Any], tau: NDArray[Any], threads: int | None
+    ) -> tuple[NDArray[Any], ...]:
         robot = self.robot
         bad = [np.flatnonzero(~np.isfinite(tau).all(axis=-1))]
         reasons = ["tau is not finite"] if bad[0].size else []
 
-        def of(method: Callable[..., Any], *state: Any) -> Any:
+        def of(method: Callable[..., Any], *state: NDArray[Any]) -> Any:
             try:
                 return method(*state, threads=threads)
             except BadStatesError as error:

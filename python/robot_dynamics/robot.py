@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import FunctionType
@@ -381,7 +381,7 @@ class Robot(_native.Robot):
         """
         return self._edited(self._with_actuated_joints(list(joints)))
 
-    def with_sensors(self, sensors: Mapping[str, tuple[str | None, ...]]) -> Robot:
+    def with_sensors(self, sensors: Mapping[str, tuple[str, *tuple[str | None, ...]]]) -> Robot:
         """Robot with additional sensors.
 
         Kinds have the names of MJCF. Most are attached to a frame or link. `jointpos`, `tendonpos`,
@@ -409,7 +409,10 @@ class Robot(_native.Robot):
         >>> robot.sensor_values([0.3, 1.2], [0.0, 0.0], [0.0, 0.0], time=2.0)["encoder"]
         array([0.3])
         """
-        rows = [(name, *((*sensor, None, None)[:3])) for name, sensor in sensors.items()]
+        rows = []
+        for name, (kind, *places) in sensors.items():
+            place, reference, *_ = (*places, None, None)
+            rows.append((name, kind, place, reference))
         return self._edited(self._with_sensors(rows))
 
     def with_gravity_scaled(self, factor: float) -> Robot:
@@ -599,13 +602,13 @@ class Robot(_native.Robot):
 
         return html.robot_html(self)
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[Callable[[type[Robot], str], Robot], tuple[type[Robot], str]]:
         return _restored, (type(self), self._state())
 
     def __copy__(self) -> Robot:
         return self
 
-    def __deepcopy__(self, memo: Any) -> Robot:
+    def __deepcopy__(self, memo: dict[int, object]) -> Robot:
         return self
 
     def __repr__(self) -> str:

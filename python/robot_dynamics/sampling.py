@@ -234,7 +234,7 @@ class _SampleGroup:
     def __init__(self, cost: Cost, noise: Array, limits: Array, temperature: float, options: dict[str, Any]) -> None:
         self.cost, self.noise, self.limits, self.temperature, self.options = cost, noise, limits, temperature, options
 
-    def __call__(self, robot: Robot, q: Array, v: Array, plan: Array, seed: Sequence[int], size: int) -> Any:
+    def __call__(self, robot: Robot, q: Array, v: Array, plan: Array, seed: Sequence[int], size: int) -> tuple[float, float, Array]:
         """Least cost c of the group, Σ w and Σ w u, with w = exp(−(cost − c) / temperature)."""
         noise = np.random.default_rng(seed).standard_normal((size, *plan.shape)) * self.noise
         if seed[-1] == 0:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -477,8 +477,8 @@ def _options(
     tolerance: float | None,
     ignore_contacts: Sequence[tuple[str, str]] | str | PathLike[str],
     only_contacts: Sequence[tuple[str, str]] | None,
-    **others: Any,
-) -> dict[str, Any]:
+    **others: object,
+) -> dict[str, object]:
     """Arguments of the compiled module."""
     if tolerance is not None and integrator != "adaptive":
         raise ValueError(f"tolerance goes with integrator='adaptive'; {integrator or 'the default'!r} takes steps of one length")
