@@ -3,7 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use robot_dynamics::description::{EditError, RobotDescription};
+use robot_dynamics::description::{ModelError, RobotDescription};
+use robot_dynamics::{Classified, ErrorKind};
 
 use crate::failure::Failure;
 use crate::joint_values::normalize;
@@ -80,8 +81,8 @@ pub(crate) fn apply(robot: &mut RobotDescription, given: &[Locks]) -> Result<(),
 }
 
 /// The error for a joint that cannot be locked, with the names of joints that can.
-fn refused(robot: &RobotDescription, name: &str, error: &EditError) -> Failure {
-    if !matches!(error, EditError::NoSuch { .. }) {
+fn refused(robot: &RobotDescription, name: &str, error: &ModelError) -> Failure {
+    if error.kind() != ErrorKind::UnknownName {
         return Failure::new(format!("--lock: {error}"));
     }
     if name == robot_dynamics::description::FLOATING_BASE {
@@ -92,7 +93,7 @@ fn refused(robot: &RobotDescription, name: &str, error: &EditError) -> Failure {
     let most = 12;
     let more = if free.len() > most { ", …; `dynamics inspect` lists all" } else { "" };
     let known = free[..free.len().min(most)].join(", ");
-    Failure::new(format!("--lock: {error}; its moving joints are {known}{more}"))
+    Failure::new(format!("--lock: the robot has no joint `{name}`; its moving joints are {known}{more}"))
 }
 
 /// The message about joints locked by `--lock-massless`.

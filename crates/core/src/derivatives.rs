@@ -48,7 +48,7 @@ pub use inverse_dynamics::{
 pub use pullback::{
     ArticulatedBodiesPullback, ForwardPullbackInputs, ForwardPullbackMut, InversePullbackInputs,
     InversePullbackMut, NewtonEulerPullback, PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents,
-    ParameterError, check_parameters, dissipation_pullback, forward_dynamics_pullback,
+    check_parameters, dissipation_pullback, forward_dynamics_pullback,
     forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
     inverse_dynamics_pullback_with_parameters, negate, parameter_count, parameter_values, pull_dissipation,
     solve_negative, with_parameters,

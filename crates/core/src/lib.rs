@@ -106,7 +106,7 @@ pub use derivatives::{
     ForwardDynamicsDerivativesMut, ForwardPullbackInputs, ForwardPullbackMut,
     FrameAccelerationDerivativesMut, FrameAccelerationInputs, InverseDynamicsDerivativesMut,
     InversePullbackInputs, InversePullbackMut, PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents,
-    ParameterError, center_of_mass_velocity_derivative, dissipation_pullback, forward_dynamics_derivatives,
+    center_of_mass_velocity_derivative, dissipation_pullback, forward_dynamics_derivatives,
     forward_dynamics_derivatives_with_wrenches, forward_dynamics_pullback,
     forward_dynamics_pullback_with_parameters, frame_acceleration_derivatives, frame_velocity_derivative,
     gravity_derivative, inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches,

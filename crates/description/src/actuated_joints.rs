@@ -1,6 +1,5 @@
 //! The actuated degrees of freedom.
 
-use crate::edit::EditError;
 use crate::{Base, ModelError, RobotDescription};
 
 impl RobotDescription {
@@ -22,14 +21,14 @@ impl RobotDescription {
     /// ```
     ///
     /// # Errors
-    /// [`EditError::NoSuch`] if there is no joint of a given name. The robot is then unchanged.
+    /// [`ModelError::Input`] if there is no joint of a given name. The robot is then unchanged.
     pub fn set_actuated_joints<N: Into<String>>(
         &mut self,
         joints: impl IntoIterator<Item = N>,
-    ) -> Result<(), EditError> {
+    ) -> Result<(), ModelError> {
         let joints: Vec<String> = joints.into_iter().map(Into::into).collect();
         if let Some(name) = joints.iter().find(|name| !self.has_joint(name)) {
-            return Err(EditError::NoSuch { sort: "joint", name: name.clone() });
+            return Err(self.no_joint(name).into());
         }
         self.actuated_joints = Some(joints);
         Ok(())

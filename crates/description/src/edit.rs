@@ -1,64 +1,11 @@
 //! Changes of a description before it is compiled: lock joints, attach loads, scale gravity.
 
-use robot_dynamics_number::{Classified, ErrorKind};
-use thiserror::Error;
+use robot_dynamics_number::{InputProblem, InvalidInput, check_finite, check_number, check_result};
 
 use crate::joint::JointDescription;
 use crate::joint_kind::JointKind;
 use crate::robot::LinkDescription;
 use crate::{Equality, MassProperties, ModelError, Pose, Quaternion, RobotDescription};
-
-/// The reason why a change was rejected.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-#[doc(alias = "SurgeryError")]
-pub enum EditError {
-    /// There is no joint or link of this name.
-    #[error("the robot has no {sort} `{name}`")]
-    NoSuch {
-        /// `joint` or `link`.
-        sort: &'static str,
-        /// The name given.
-        name: String,
-    },
-    /// A position with the wrong number of coordinates, or with one that is not finite.
-    #[error("joint `{joint}` ({kind}) is locked at {expected} finite numbers, got {found:?}")]
-    BadPosition {
-        /// The joint.
-        joint: String,
-        /// Its kind.
-        kind: &'static str,
-        /// How many numbers its q has.
-        expected: usize,
-        /// The position given.
-        found: Vec<f64>,
-    },
-    /// The joint is a mimic joint; lock its leader instead.
-    #[error("joint `{joint}` follows joint `{leader}`; lock `{leader}` instead")]
-    Follows {
-        /// The mimic joint.
-        joint: String,
-        /// Its leader.
-        leader: String,
-    },
-    /// The description is invalid.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// The factor is not finite.
-    #[error("gravity cannot be scaled by {0}; give a finite factor")]
-    BadFactor(f64),
-}
-
-impl Classified for EditError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::NoSuch { .. } => ErrorKind::UnknownName,
-            Self::BadPosition { .. } | Self::BadFactor(_) => ErrorKind::InvalidInput,
-            Self::Follows { .. } => ErrorKind::Unsupported,
-            Self::Model(error) => error.kind(),
-        }
-    }
-}
 
 impl RobotDescription {
     /// Locks a joint at position q (as many numbers as its kind has). It becomes a fixed joint there, and so
@@ -85,21 +32,27 @@ impl RobotDescription {
     /// ```
     ///
     /// # Errors
-    /// [`EditError`] for an unknown joint, a mimic joint, or an invalid position.
-    pub fn lock_joint(&mut self, name: &str, q: &[f64]) -> Result<(), EditError> {
+    /// [`ModelError`] for an unknown joint, a mimic joint, or an invalid position.
+    pub fn lock_joint(&mut self, name: &str, q: &[f64]) -> Result<(), ModelError> {
         let index = self.joint_index(name)?;
         let joint = &mut self.joints[index];
         if let Some(mimic) = &joint.mimic {
-            return Err(EditError::Follows { joint: name.into(), leader: mimic.joint.clone() });
+            return Err(ModelError::Follows { joint: name.into(), leader: mimic.joint.clone() });
         }
-        let fits = q.len() == joint.kind.nq() && q.iter().all(|x| x.is_finite());
-        let moved = if fits { moved_by(&joint.kind, q) } else { None };
-        let Some(moved) = moved else {
-            return Err(EditError::BadPosition {
-                joint: name.into(),
-                kind: joint.kind.name(),
-                expected: joint.kind.nq(),
-                found: q.to_vec(),
+        let quantity = format!("the position of joint `{name}`");
+        check_finite(&quantity, q)?;
+        let (found, expected) = (q.len(), joint.kind.nq());
+        if found != expected {
+            let owner = format!("its kind ({})", joint.kind.name());
+            let problem = InputProblem::WrongLength { found, expected, owner, hint: "" };
+            return Err(InvalidInput::new(quantity, problem).into());
+        }
+        let Some(moved) = moved_by(&joint.kind, q) else {
+            return Err(if expected > joint.kind.nv() {
+                let (first, joint, norm) = (expected - 4, name.to_owned(), 0.0);
+                InvalidInput::new(quantity, InputProblem::NotAUnitQuaternion { first, joint, norm }).into()
+            } else {
+                ModelError::ZeroAxis { joint: name.into(), axis: [0.0; 3] }
             });
         };
         fix(joint, &moved);
@@ -117,16 +70,16 @@ impl RobotDescription {
     /// assert_eq!(robot.resting_position("hinge")?, [0.0]);
     /// robot.joints[0].limits = Limits::new(0.2, 1.0);
     /// assert_eq!(robot.resting_position("hinge")?, [0.2]);
-    /// # Ok::<(), robot_dynamics::description::EditError>(())
+    /// # Ok::<(), robot_dynamics::description::ModelError>(())
     /// ```
     ///
     /// # Errors
-    /// [`EditError::NoSuch`] for an unknown joint; [`EditError::Follows`] for a mimic joint, which has
-    /// no position of its own.
-    pub fn resting_position(&self, name: &str) -> Result<Vec<f64>, EditError> {
+    /// [`ModelError::Input`] for an unknown joint; [`ModelError::Follows`] for a mimic joint, which has no
+    /// position of its own.
+    pub fn resting_position(&self, name: &str) -> Result<Vec<f64>, ModelError> {
         let joint = &self.joints[self.joint_index(name)?];
         if let Some(mimic) = &joint.mimic {
-            return Err(EditError::Follows { joint: name.into(), leader: mimic.joint.clone() });
+            return Err(ModelError::Follows { joint: name.into(), leader: mimic.joint.clone() });
         }
         let mut q = vec![0.0_f64; joint.kind.nq()];
         if joint.kind.nq() > joint.kind.nv() {
@@ -196,11 +149,13 @@ impl RobotDescription {
     /// ```
     ///
     /// # Errors
-    /// [`EditError::NoSuch`] if there is no such link.
-    pub fn attach_payload(&mut self, link: &str, load: &MassProperties) -> Result<(), EditError> {
-        let missing = || EditError::NoSuch { sort: "link", name: link.into() };
-        let LinkDescription { mass_properties, .. } =
-            self.links.iter_mut().find(|candidate| candidate.name == link).ok_or_else(missing)?;
+    /// [`ModelError::Input`] if there is no such link.
+    pub fn attach_payload(&mut self, link: &str, load: &MassProperties) -> Result<(), ModelError> {
+        let Some(index) = self.links.iter().position(|candidate| candidate.name == link) else {
+            let names = self.links.iter().map(|link| link.name.as_str());
+            return Err(InvalidInput::unknown_name("link", link, "the robot", names).into());
+        };
+        let LinkDescription { mass_properties, .. } = &mut self.links[index];
         *mass_properties = Some(mass_properties.map_or(*load, |own| own.combine(load)));
         Ok(())
     }
@@ -217,19 +172,24 @@ impl RobotDescription {
     /// ```
     ///
     /// # Errors
-    /// [`EditError::BadFactor`] if the factor or the scaled gravity is not finite.
-    pub fn scale_gravity(&mut self, factor: f64) -> Result<(), EditError> {
+    /// [`ModelError::Input`] if the factor or the scaled gravity is not finite.
+    pub fn scale_gravity(&mut self, factor: f64) -> Result<(), ModelError> {
         let scaled = self.gravity.map(|g| g * factor);
-        if !factor.is_finite() || scaled.iter().any(|g| !g.is_finite()) {
-            return Err(EditError::BadFactor(factor));
-        }
+        check_number("the factor of gravity", factor)?;
+        check_result("the scaled gravity", &scaled)?;
         self.gravity = scaled;
         Ok(())
     }
 
-    fn joint_index(&self, name: &str) -> Result<usize, EditError> {
-        let missing = || EditError::NoSuch { sort: "joint", name: name.into() };
-        self.joints.iter().position(|joint| joint.name == name).ok_or_else(missing)
+    fn joint_index(&self, name: &str) -> Result<usize, ModelError> {
+        let index = self.joints.iter().position(|joint| joint.name == name);
+        Ok(index.ok_or_else(|| self.no_joint(name))?)
+    }
+
+    /// The error for a missing joint.
+    pub(crate) fn no_joint(&self, name: &str) -> InvalidInput {
+        let names = self.joints.iter().map(|joint| joint.name.as_str());
+        InvalidInput::unknown_name("joint", name, "the robot", names)
     }
 }
 

@@ -1,17 +1,28 @@
 //! Errors of a robot description.
 
-use robot_dynamics_number::{Classified, ErrorKind};
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 use thiserror::Error;
+
+use crate::InertiaError;
 
 /// The plural of a sort.
 fn plural(sort: &str) -> String {
     if let Some(stem) = sort.strip_suffix('y') { format!("{stem}ies") } else { format!("{sort}s") }
 }
 
-/// The reason why a [`RobotDescription`](crate::RobotDescription) is invalid.
+/// The reason why a [`RobotDescription`](crate::RobotDescription) is invalid, or cannot be changed or written as
+/// requested.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
+#[doc(alias = "EditError")]
+#[doc(alias = "SurgeryError")]
+#[doc(alias = "WriteError")]
+#[doc(alias = "ParameterError")]
 pub enum ModelError {
+    /// An argument of a change is invalid: a name that does not exist, a wrong number of coordinates or of
+    /// parameters, or a number that is not finite.
+    #[error(transparent)]
+    Input(#[from] InvalidInput),
     /// There is no link.
     #[error("the robot has no links; add at least one")]
     NoLinks,
@@ -111,11 +122,57 @@ pub enum ModelError {
         /// The reason.
         reason: &'static str,
     },
+    /// A change of a mimic joint, whose position is that of its leader.
+    #[error("joint `{joint}` follows joint `{leader}`; lock `{leader}` instead")]
+    Follows {
+        /// The mimic joint.
+        joint: String,
+        /// Its leader.
+        leader: String,
+    },
+    /// A nonzero passive force among the parameters of a floating base, which has none.
+    #[error("`{joint}` is the floating base: it has no passive forces, its five parameters must be 0")]
+    FloatingBase {
+        /// The joint's name.
+        joint: String,
+    },
+    /// The parameters of a link give an invalid inertia.
+    #[error("link `{link}`: {error}")]
+    Inertia {
+        /// The moving link.
+        link: String,
+        /// The reason.
+        error: InertiaError,
+    },
+    /// A link is fixed to a moving link, and different fractions of their weights are supported by gravity
+    /// compensation. Parameters of the moving link do not separate the two.
+    #[error(
+        "link `{link}` is fixed to `{carrier}`, of whose weight another part is carried: they have no parameters together"
+    )]
+    Carried {
+        /// The link.
+        link: String,
+        /// The moving link that it is fixed to.
+        carrier: String,
+    },
+    /// A nonzero first moment without mass among the parameters of a link.
+    #[error("link `{link}` has mass 0 and a first moment m c that is not 0")]
+    MomentWithoutMass {
+        /// The moving link.
+        link: String,
+    },
+    /// The file format cannot represent the robot; lists every reason.
+    #[error("{}", .0.join("; "))]
+    Unwritable(Vec<String>),
 }
 
 impl Classified for ModelError {
     fn kind(&self) -> ErrorKind {
-        ErrorKind::Description
+        match self {
+            Self::Input(error) => error.kind(),
+            Self::Follows { .. } | Self::Unwritable(_) => ErrorKind::Unsupported,
+            _ => ErrorKind::Description,
+        }
     }
 }
 

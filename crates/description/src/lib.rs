@@ -41,7 +41,7 @@ mod written_file;
 
 pub use actuator::{Activation, ActuatorDescription, Affine, Transmission};
 pub use contact_pair::ContactPairDescription;
-pub use edit::{EditError, moved_by};
+pub use edit::moved_by;
 pub use equality::{Equality, EqualityDescription};
 pub use error::{ModelError, NoSuchFrame, similar};
 pub use finding_group::FindingGroup;
@@ -70,4 +70,4 @@ pub use sensor::{SensorDescription, SensorKind, SensorObject};
 pub use shape::{Elevation, LinkShape, Shape, ShapeRole, Surface};
 pub use softness::{JointSoftness, Softness, TendonSoftness};
 pub use tendon::TendonDescription;
-pub use written_file::{UnsupportedFeature, WriteError, WrittenFile};
+pub use written_file::{UnsupportedFeature, WrittenFile};

@@ -1,10 +1,5 @@
 //! The text of a robot's file, with a list of what the format cannot represent.
 
-use robot_dynamics_number::{Classified, ErrorKind};
-use thiserror::Error;
-
-use crate::ModelError;
-
 /// The text of a robot's file, and the parts of the robot that it lacks.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -51,26 +46,5 @@ impl UnsupportedFeature {
     /// An omission at a place such as `joint "elbow"`.
     pub fn new(place: impl Into<String>, message: impl Into<String>, physics: bool) -> Self {
         Self { place: place.into(), message: message.into(), physics }
-    }
-}
-
-/// The reason why a robot cannot be written in a file's format.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum WriteError {
-    /// The description is invalid.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// The format cannot represent its tree; lists every reason.
-    #[error("{}", .0.join("; "))]
-    Unwritable(Vec<String>),
-}
-
-impl Classified for WriteError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::Model(error) => error.kind(),
-            Self::Unwritable(_) => ErrorKind::Unsupported,
-        }
     }
 }

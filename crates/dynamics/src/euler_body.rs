@@ -1,47 +1,14 @@
 //! One step of a rotating body: Runge–Kutta on the quaternion, and a step that conserves L and K.
 
-use core::fmt;
-
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use robot_dynamics_description::RotationalInertia;
+use robot_dynamics_integrators::IntegratorError;
+use robot_dynamics_number::{InvalidInput, check_finite};
 
 use crate::euler_in_body;
 
 /// Orientation and angular velocity of a body: (world from body, ω in the body frame \[rad/s\]).
 pub type Attitude = (UnitQuaternion<f64>, Vector3<f64>);
-
-/// The reason why a rotation step failed.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum RotationError {
-    /// An input is NaN or infinite.
-    NonFinite {
-        /// The input: `orientation`, `omega` or `torque`.
-        quantity: &'static str,
-    },
-    /// The implicit equation of the momentum-conserving step did not converge to round-off.
-    NotConverged {
-        /// The last change of the momentum relative to its size.
-        residual: f64,
-        /// The step \[s\].
-        step: f64,
-    },
-}
-
-impl fmt::Display for RotationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NonFinite { quantity } => write!(f, "the {quantity} of the body is not finite"),
-            Self::NotConverged { residual, step } => write!(
-                f,
-                "the implicit rotation step of {step:e} s did not converge: relative change {residual:e}; \
-                 take a smaller step"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for RotationError {}
 
 /// One RK4 step of Ṙ = Rω̂, 𝓘ω̇ = τ − ω × 𝓘ω on the quaternion, renormalised. **(PRM 10.43–10.44)**
 ///
@@ -49,7 +16,7 @@ impl core::error::Error for RotationError {}
 /// The torque \[N·m\], about the centre of mass in body axes, is held over the step of `h` \[s\].
 ///
 /// # Errors
-/// [`RotationError::NonFinite`] if an input is not finite.
+/// [`IntegratorError::Input`] if an input is not finite.
 ///
 /// # Panics
 /// If `h` is not positive and finite.
@@ -71,7 +38,7 @@ pub fn euler_body_step(
     torque_in_body: &Vector3<f64>,
     inertia: &RotationalInertia,
     h: f64,
-) -> Result<Attitude, RotationError> {
+) -> Result<Attitude, IntegratorError> {
     check_inputs(world_from_body, omega_in_body, torque_in_body, h)?;
     let rate = |q: &Quaternion<f64>, omega: &Vector3<f64>| {
         (q * Quaternion::from_imag(*omega) * 0.5, euler_in_body(inertia, omega, torque_in_body))
@@ -113,8 +80,8 @@ pub fn euler_body_step(
 /// ```
 ///
 /// # Errors
-/// [`RotationError::NotConverged`] if the body turns by radians in one step, too far for the solver;
-/// [`RotationError::NonFinite`] if an input is not finite.
+/// [`IntegratorError::NotConverged`] if the body turns by radians in one step, too far for the solver;
+/// [`IntegratorError::Input`] if an input is not finite.
 ///
 /// # Panics
 /// If `h` \[s\] is not positive and finite.
@@ -125,7 +92,7 @@ pub fn cayley_body_step(
     torque_in_body: &Vector3<f64>,
     inertia: &RotationalInertia,
     h: f64,
-) -> Result<Attitude, RotationError> {
+) -> Result<Attitude, IntegratorError> {
     check_inputs(world_from_body, omega_in_body, torque_in_body, h)?;
     let kick = torque_in_body * (h / 2.0);
     let momentum = inertia.momentum(omega_in_body) + kick;
@@ -138,19 +105,22 @@ pub fn cayley_body_step(
     Ok((orientation, omega_in_body + inertia.angular_velocity(&change)))
 }
 
+/// The limit of Newton's method, which needs five or six iterations.
+const MAX_ITERATIONS: usize = 20;
+
 /// (Π_m, ω_m = 𝓘⁻¹Π_m) with Π_m − (h/2) Π_m × ω_m = Π₀, by Newton's method.
 fn middle(
     inertia: &RotationalInertia,
     momentum: &Vector3<f64>,
     h: f64,
-) -> Result<(Vector3<f64>, Vector3<f64>), RotationError> {
+) -> Result<(Vector3<f64>, Vector3<f64>), IntegratorError> {
     let size = momentum.norm();
     let inverse = Matrix3::from_columns(&[0, 1, 2].map(|k| inertia.angular_velocity(&Vector3::ith(k, 1.0))));
     let mut middle = *momentum;
     let mut last_change = f64::INFINITY;
     // Newton's method converges quadratically: five or six iterations reach round-off, or the step is too
     // long.
-    for _ in 0..20 {
+    for _ in 0..MAX_ITERATIONS {
         let omega = inertia.angular_velocity(&middle);
         let defect = middle - middle.cross(&omega) * (h / 2.0) - momentum;
         let slope =
@@ -164,7 +134,8 @@ fn middle(
         }
         last_change = change;
     }
-    Err(RotationError::NotConverged { residual: last_change / size, step: h })
+    let residual = last_change / size;
+    Err(IntegratorError::NotConverged { residual, iterations: MAX_ITERATIONS, step: h })
 }
 
 fn check_inputs(
@@ -172,15 +143,9 @@ fn check_inputs(
     omega_in_body: &Vector3<f64>,
     torque_in_body: &Vector3<f64>,
     h: f64,
-) -> Result<(), RotationError> {
+) -> Result<(), InvalidInput> {
     assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
-    let inputs = [
-        ("orientation", world_from_body.coords.as_slice()),
-        ("omega", omega_in_body.as_slice()),
-        ("torque", torque_in_body.as_slice()),
-    ];
-    match inputs.iter().find(|(_, values)| !values.iter().all(|x| x.is_finite())) {
-        Some(&(quantity, _)) => Err(RotationError::NonFinite { quantity }),
-        None => Ok(()),
-    }
+    check_finite("orientation", world_from_body.coords.as_slice())?;
+    check_finite("omega", omega_in_body.as_slice())?;
+    check_finite("torque", torque_in_body.as_slice())
 }

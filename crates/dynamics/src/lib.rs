@@ -117,7 +117,7 @@ pub use constraint::{
 };
 pub use control::{HoldReport, HoldRun, PdHold, REACH_TORQUE_LIMITS, hold};
 pub use equation::{Dynamics, solve_mass};
-pub use euler_body::{Attitude, RotationError, cayley_body_step, euler_body_step};
+pub use euler_body::{Attitude, cayley_body_step, euler_body_step};
 pub use exact_free_body::{FreeRotation, complete_elliptic_k, incomplete_elliptic_f, jacobi_sn_cn_dn};
 pub use inertia_ellipse::{InertiaEllipse, symmetric_eigen};
 pub use integration::{

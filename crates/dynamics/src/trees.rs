@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::{SMatrix, SVector};
 use robot_dynamics_core::{Model, Workspace};
-use robot_dynamics_number::Scalar;
+use robot_dynamics_number::{Classified, ErrorKind, Scalar};
 use robot_dynamics_verification::lagrange;
 use thiserror::Error;
 
@@ -37,6 +37,12 @@ pub enum FixedSizeError {
         /// `spherical` or `floating`.
         kind: &'static str,
     },
+}
+
+impl Classified for FixedSizeError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Unsupported
+    }
 }
 
 /// A robot as a [`Dynamics`] of `N` coordinates, so that every law, integrator and controller of the crate

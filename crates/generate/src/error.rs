@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use robot_dynamics_functions::FunctionError;
+use robot_dynamics_number::{Classified, ErrorKind};
 use thiserror::Error;
 
 /// Errors of code generation.
@@ -84,4 +85,18 @@ pub enum GenerateError {
         /// The system's error.
         cause: std::io::Error,
     },
+}
+
+impl Classified for GenerateError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Function(error) => error.kind(),
+            Self::Robot(error) => error.kind(),
+            Self::SameName { .. } => ErrorKind::InvalidInput,
+            Self::Motionless { .. } | Self::NotFinite { .. } => ErrorKind::Description,
+            Self::NotInTarget { .. } => ErrorKind::Unsupported,
+            Self::Differs { .. } | Self::Compiler { .. } | Self::NoOutput => ErrorKind::System,
+            Self::Foreign { .. } | Self::File { .. } => ErrorKind::File,
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use robot_dynamics::batch::{BadStates, RolloutError};
 use robot_dynamics::simulation::Integrator;
+use robot_dynamics::{Classified, ErrorKind};
 use robot_dynamics_generate::GenerateError;
 use thiserror::Error;
 
@@ -117,4 +118,25 @@ pub enum DeviceError {
         /// The robot.
         robot: String,
     },
+}
+
+impl Classified for DeviceError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Generate(error) => error.kind(),
+            Self::BadStates(error) => error.kind(),
+            Self::Rollout(error) => error.kind(),
+            Self::NoDevice { .. }
+            | Self::NoCuda { .. }
+            | Self::Closed { .. }
+            | Self::Refused { .. }
+            | Self::Failed { .. } => ErrorKind::System,
+            Self::NotCompiled { .. } => ErrorKind::UnknownName,
+            Self::NoDoubles { .. }
+            | Self::TooLarge { .. }
+            | Self::NoStep { .. }
+            | Self::Policy
+            | Self::Dissipation { .. } => ErrorKind::Unsupported,
+        }
+    }
 }

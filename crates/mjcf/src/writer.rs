@@ -14,7 +14,7 @@ use std::path::Path;
 
 use robot_dynamics_core::Model;
 use robot_dynamics_description::{
-    EARTH_GRAVITY, JointKind, LinkShape, Pose, RobotDescription, Shape, UnsupportedFeature, WriteError,
+    EARTH_GRAVITY, JointKind, LinkShape, ModelError, Pose, RobotDescription, Shape, UnsupportedFeature,
     WrittenFile,
 };
 use robot_dynamics_xml::{Writer, excerpt, is_name};
@@ -44,9 +44,9 @@ const LARGEST_BOUND: f64 = 1e30;
 /// ```
 ///
 /// # Errors
-/// [`WriteError`] for an invalid robot, for helical joints, for floating joints whose parent is not the
+/// [`ModelError`] for an invalid robot, for helical joints, for floating joints whose parent is not the
 /// world, and for names that XML cannot represent.
-pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenFile, WriteError> {
+pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenFile, ModelError> {
     Model::new(robot.clone())?;
     let mut writer = MjcfWriter::new(robot, folder);
     writer.check_names();
@@ -65,7 +65,7 @@ pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenF
     if writer.unwritable.is_empty() {
         Ok(WrittenFile::new(writer.xml.finish(), writer.left_out))
     } else {
-        Err(WriteError::Unwritable(writer.unwritable))
+        Err(ModelError::Unwritable(writer.unwritable))
     }
 }
 

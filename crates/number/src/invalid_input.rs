@@ -135,6 +135,9 @@ impl InvalidInput {
     }
 }
 
+/// The number of existing names that a message lists.
+const LISTED: usize = 12;
+
 impl fmt::Display for InvalidInput {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let quantity = &self.quantity;
@@ -176,7 +179,9 @@ impl fmt::Display for InvalidInput {
                 write!(f, "{owner} has no {quantity} `{name}`, nor any other {quantity}")
             }
             InputProblem::UnknownName { name, owner, names } => {
-                write!(f, "{owner} has no {quantity} `{name}`; it has {}", names.join(", "))
+                let listed = names[..names.len().min(LISTED)].join(", ");
+                write!(f, "{owner} has no {quantity} `{name}`; it has {listed}")?;
+                if names.len() > LISTED { write!(f, " and {} more", names.len() - LISTED) } else { Ok(()) }
             }
         }
     }

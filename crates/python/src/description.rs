@@ -2,7 +2,7 @@
 //! converts coordinates between the two.
 
 use pyo3::prelude::*;
-use robot_dynamics::description::{EditError, MassProperties, RobotDescription};
+use robot_dynamics::description::{MassProperties, ModelError, RobotDescription};
 use robot_dynamics::model::{Model, lock_massless};
 use robot_dynamics::nalgebra::{Matrix3, Vector3};
 
@@ -15,7 +15,7 @@ impl Robot {
     fn edited(
         &self,
         py: Python<'_>,
-        edit: impl FnOnce(&mut RobotDescription) -> Result<(), EditError>,
+        edit: impl FnOnce(&mut RobotDescription) -> Result<(), ModelError>,
     ) -> PyResult<String> {
         let mut description = self.model.description().clone();
         edit(&mut description).map_err(|error| Class::Description.error(py, error))?;

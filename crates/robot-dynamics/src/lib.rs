@@ -68,14 +68,14 @@ pub use writer::{Format, write};
 pub mod description {
     pub use robot_dynamics_description::{
         Activation, ActuatorDescription, Affine, Base, ContactPairDescription, Coordinate, Counts,
-        Disposition, EARTH_GRAVITY, EditError, Elevation, Equality, EqualityDescription, FLOATING_BASE,
-        Finding, FindingGroup, FrameDescription, HigherTerms, InertiaError, JointDescription, JointKind,
-        JointKinds, JointSoftness, Limits, LinkDescription, LinkShape, LoadReport, MassProperties, Measure,
-        Mimic, ModelError, Mount, NamedPose, NoSuchFrame, Object, PassiveForces, PlacementSpring, Pose,
+        Disposition, EARTH_GRAVITY, Elevation, Equality, EqualityDescription, FLOATING_BASE, Finding,
+        FindingGroup, FrameDescription, HigherTerms, InertiaError, JointDescription, JointKind, JointKinds,
+        JointSoftness, Limits, LinkDescription, LinkShape, LoadReport, MassProperties, Measure, Mimic,
+        ModelError, Mount, NamedPose, NoSuchFrame, Object, PassiveForces, PlacementSpring, Pose,
         PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription, RotationalInertia,
         Scene, SensorDescription, SensorKind, SensorObject, Severity, Shape, ShapeRole, Softness, Surface,
-        TendonDescription, TendonSoftness, Transmission, UnsupportedFeature, WriteError, WrittenFile,
-        parallel_axis, parallel_axis_planar, pendulum, random_robot,
+        TendonDescription, TendonSoftness, Transmission, UnsupportedFeature, WrittenFile, parallel_axis,
+        parallel_axis_planar, pendulum, random_robot,
     };
 }
 
@@ -114,7 +114,7 @@ pub mod derivatives {
         ForwardDynamicsDerivatives, ForwardDynamicsDerivativesMut, ForwardPullback, ForwardPullbackInputs,
         ForwardPullbackMut, FrameAccelerationDerivativesMut, FrameAccelerationInputs,
         InverseDynamicsDerivatives, InverseDynamicsDerivativesMut, InversePullback, InversePullbackInputs,
-        InversePullbackMut, PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError,
+        InversePullbackMut, PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents,
         center_of_mass_velocity_derivative, dissipation_pullback, forward_dynamics_derivatives,
         forward_dynamics_derivatives_with_wrenches, forward_dynamics_pullback,
         forward_dynamics_pullback_with_parameters, frame_acceleration_derivatives, frame_velocity_derivative,

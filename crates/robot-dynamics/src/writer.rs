@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::description::{RobotDescription, WriteError, WrittenFile};
+use crate::description::{ModelError, RobotDescription, WrittenFile};
 
 /// A format of robot files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -50,12 +50,12 @@ impl Format {
 /// ```
 ///
 /// # Errors
-/// [`WriteError`] for features that the format lacks and that change the robot, as a helical joint.
+/// [`ModelError`] for features that the format lacks and that change the robot, as a helical joint.
 pub fn write(
     robot: &RobotDescription,
     format: Format,
     folder: Option<&Path>,
-) -> Result<WrittenFile, WriteError> {
+) -> Result<WrittenFile, ModelError> {
     match format {
         Format::Urdf => robot_dynamics_urdf::write(robot, folder),
         Format::Mjcf => robot_dynamics_mjcf::write(robot, folder),

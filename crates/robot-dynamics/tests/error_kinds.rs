@@ -1,6 +1,7 @@
-//! Every error of the facade converts to `Error`, which has the kind and the text of the original.
+//! Every error of the library has a kind, and converts to `Error` with the kind and the text of the original.
 
 use std::error::Error as _;
+use std::path::Path;
 
 use robot_dynamics::ErrorKind::{self, *};
 use robot_dynamics::algorithms::{MotionError, SingularMass};
@@ -9,8 +10,8 @@ use robot_dynamics::contact::ContactError;
 use robot_dynamics::control::{
     DlqrError, IdentificationError, InverseKinematicsError, ParameterizationError,
 };
-use robot_dynamics::derivatives::{ParameterError, StepDerivativeError};
-use robot_dynamics::description::{EditError, InertiaError, ModelError, NoSuchFrame, WriteError, pendulum};
+use robot_dynamics::derivatives::StepDerivativeError;
+use robot_dynamics::description::{InertiaError, ModelError, NoSuchFrame, pendulum};
 use robot_dynamics::model::{JointMapError, Model};
 use robot_dynamics::simulation::{
     CallbackError, ControllerError, Integrator, IntegratorError, RunError, RunFailure, SimulationError,
@@ -59,18 +60,17 @@ fn errors_of_files_and_descriptions() {
     check(std::io::Error::other("no disk"), File);
     check(robot_dynamics::urdf::disabled_collisions("<robot", &[]).expect_err("not XML"), File);
     check(ModelError::NoLinks, Description);
-    check(EditError::NoSuch { sort: "joint", name: name() }, UnknownName);
-    check(EditError::BadFactor(f64::NAN), InvalidInput);
-    check(EditError::Follows { joint: name(), leader: name() }, Unsupported);
+    check(ModelError::from(bad_name()), UnknownName);
+    check(ModelError::from(bad_input()), InvalidInput);
+    check(ModelError::Follows { joint: name(), leader: name() }, Unsupported);
+    check(ModelError::MomentWithoutMass { link: name() }, Description);
+    check(ModelError::Unwritable(vec![name()]), Unsupported);
     check(InertiaError::NegativeMass { value: -1.0 }, Description);
     check(InertiaError::NonFinite { quantity: "mass", index: 0 }, InvalidInput);
-    check(WriteError::from(ModelError::NoLinks), Description);
-    check(WriteError::Unwritable(vec![name()]), Unsupported);
     let model = Model::new(pendulum(2.0, 0.5)).expect("a robot");
     let missing: NoSuchFrame = model.frame_named("gripper").expect_err("no gripper");
     check(missing, UnknownName);
     check(JointMapError::LockedElsewhere { joint: name(), distance: 1.0 }, Description);
-    check(ParameterError::MomentWithoutMass { link: name() }, Description);
 }
 
 #[test]
@@ -81,7 +81,6 @@ fn errors_of_states_and_motions() {
     check(MotionError::from(singular_mass()), Singular);
     check(singular_mass(), Singular);
     check(JointMapError::from(bad_input()), InvalidInput);
-    check(ParameterError::from(bad_input()), InvalidInput);
     check(StepDerivativeError::Implicit { integrator: Integrator::VariationalMidpoint }, Unsupported);
     check(StepDerivativeError::from(singular_mass()), Singular);
     check(StepDerivativeError::from(bad_input()), InvalidInput);
@@ -146,4 +145,35 @@ fn errors_of_batches() {
     check(RolloutError::Policy, Unsupported);
     check(RolloutError::Cancelled { unfinished: vec![0], batch: 1 }, Interrupted);
     check(RolloutError::from(bad_input()), InvalidInput);
+}
+
+/// The public error types in the sources of all crates that do not implement `Classified`.
+#[test]
+fn every_public_error_type_has_a_kind() {
+    let mut texts = Vec::new();
+    read_sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."), &mut texts);
+    let all = texts.concat();
+    let declared = all.lines().filter_map(|line| {
+        let item = line.strip_prefix("pub enum ").or_else(|| line.strip_prefix("pub struct "))?;
+        let name = item.split(|c: char| !c.is_alphanumeric()).next()?;
+        ["Error", "Failure", "Fault"].iter().any(|end| name.ends_with(end)).then_some(name)
+    });
+    // `Error` converts from every `Classified`, so it cannot be one. `LabError` is a message for a page. The
+    // errors of a file's lines are parts of a `RefusedFile`, which has a kind.
+    let parts = ["Error", "LabError", "MjcfError", "UrdfError", "XmlError"];
+    let without: Vec<&str> = declared
+        .filter(|name| !parts.contains(name) && !all.contains(&format!("Classified for {name} {{")))
+        .collect();
+    assert!(without.is_empty(), "{without:?}");
+}
+
+fn read_sources(folder: &Path, texts: &mut Vec<String>) {
+    for entry in std::fs::read_dir(folder).expect("a folder of crates") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() && !path.ends_with("tests") && !path.ends_with("target") {
+            read_sources(&path, texts);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            texts.push(std::fs::read_to_string(&path).expect("a source"));
+        }
+    }
 }

@@ -8,8 +8,8 @@ use std::path::Path;
 
 use robot_dynamics_core::Model;
 use robot_dynamics_description::{
-    Base, EARTH_GRAVITY, JointDescription, JointKind, LinkDescription, LinkShape, Pose, RobotDescription,
-    UnsupportedFeature, WriteError, WrittenFile,
+    Base, EARTH_GRAVITY, JointDescription, JointKind, LinkDescription, LinkShape, ModelError, Pose,
+    RobotDescription, UnsupportedFeature, WrittenFile,
 };
 use robot_dynamics_xml::{Writer, excerpt, is_name};
 
@@ -33,8 +33,8 @@ use robot_dynamics_xml::{Writer, excerpt, is_name};
 /// ```
 ///
 /// # Errors
-/// [`WriteError`] for an invalid robot, for a helical joint, and for names that XML cannot represent.
-pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenFile, WriteError> {
+/// [`ModelError`] for an invalid robot, for a helical joint, and for names that XML cannot represent.
+pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenFile, ModelError> {
     Model::new(robot.clone())?;
     let mut robot = robot.clone();
     let mimic_joints = robot.couplings_to_followers();
@@ -61,7 +61,7 @@ pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenF
     if writer.unwritable.is_empty() {
         Ok(WrittenFile::new(writer.xml.finish(), writer.left_out))
     } else {
-        Err(WriteError::Unwritable(writer.unwritable))
+        Err(ModelError::Unwritable(writer.unwritable))
     }
 }
 

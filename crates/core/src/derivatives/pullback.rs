@@ -53,5 +53,5 @@ pub use inverse_dynamics::{
     InversePullbackInputs, InversePullbackMut, NewtonEulerPullback, inverse_dynamics_pullback,
     inverse_dynamics_pullback_with_parameters,
 };
-pub use parameter_values::{ParameterError, parameter_values, with_parameters};
+pub use parameter_values::{parameter_values, with_parameters};
 pub use parameters::{PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, check_parameters, parameter_count};

@@ -1,6 +1,6 @@
 //! Locking of joints that move no inertia.
 
-use robot_dynamics_description::{Base, EditError, RobotDescription};
+use robot_dynamics_description::{Base, ModelError, RobotDescription};
 
 use crate::Model;
 
@@ -17,12 +17,12 @@ use crate::Model;
 /// assert!(lock_massless(&mut robot)?.is_empty());
 /// robot.links[1].mass_properties = None; // the hinge moves no mass
 /// assert_eq!(lock_massless(&mut robot)?, ["hinge"]);
-/// # Ok::<(), robot_dynamics::description::EditError>(())
+/// # Ok::<(), robot_dynamics::description::ModelError>(())
 /// ```
 ///
 /// # Errors
-/// [`EditError::Model`]: the description is invalid.
-pub fn lock_massless(robot: &mut RobotDescription) -> Result<Vec<String>, EditError> {
+/// [`ModelError`]: the description is invalid.
+pub fn lock_massless(robot: &mut RobotDescription) -> Result<Vec<String>, ModelError> {
     let mut locked = Vec::new();
     loop {
         let model = Model::new(robot.clone())?;

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use robot_dynamics_integrators::IntegratorError;
-use robot_dynamics_number::InvalidInput;
+use robot_dynamics_number::{Classified, ErrorKind, InvalidInput};
 
 /// A constraint row that depends on the rows before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -77,6 +77,16 @@ impl core::error::Error for ConstraintError {
         match self {
             Self::Dynamics(error) => Some(error),
             _ => None,
+        }
+    }
+}
+
+impl Classified for ConstraintError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Dynamics(error) => error.kind(),
+            Self::NonFiniteRow { .. } | Self::DependentRows { .. } => ErrorKind::Constraint,
+            Self::ZeroPivot => ErrorKind::Singular,
         }
     }
 }

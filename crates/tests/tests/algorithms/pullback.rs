@@ -6,10 +6,8 @@
 
 use robot_dynamics::InputProblem;
 use robot_dynamics::algorithms::{PARAMETERS_PER_LINK, ReferenceFrame};
-use robot_dynamics::derivatives::{
-    ParameterCotangents, ParameterError, parameter_count, parameter_values, with_parameters,
-};
-use robot_dynamics::description::{JointDescription, JointKind, LinkDescription, Pose};
+use robot_dynamics::derivatives::{ParameterCotangents, parameter_count, parameter_values, with_parameters};
+use robot_dynamics::description::{JointDescription, JointKind, LinkDescription, ModelError, Pose};
 use robot_dynamics::model::{InstructionSet, Model, RandomState, Workspace};
 use robot_dynamics::number::{Dual, Scalar, SplitMix64};
 
@@ -370,7 +368,7 @@ fn robot_with_its_own_parameters_is_unchanged() {
         );
         robot.require("tau", max_difference(&tau, &expected), ROUNDING * robot.force_size(a));
         let error = with_parameters(model, &values[1..]).expect_err("one too few");
-        let ParameterError::Input(error) = error else { panic!("{error}") };
+        let ModelError::Input(error) = error else { panic!("{error}") };
         let InputProblem::WrongLength { found, expected, .. } = error.problem else { panic!("{error}") };
         assert_eq!((found, expected), (values.len() - 1, values.len()));
     }
@@ -390,7 +388,7 @@ fn partly_compensated_body_has_no_parameters() {
     robot.joints.push(JointDescription::new("tie", JointKind::Fixed, rod, "balloon", Pose::IDENTITY));
     let model = Model::new(robot.clone()).expect("a robot");
     let error = with_parameters(&model, &parameter_values(&model)).expect_err("carried apart");
-    assert!(matches!(&error, ParameterError::Carried { link, .. } if link == "balloon"), "{error}");
+    assert!(matches!(&error, ModelError::Carried { link, .. } if link == "balloon"), "{error}");
     robot.links[2].gravity_compensation = 0.0;
     let model = Model::new(robot).expect("a robot");
     let values = parameter_values(&model);

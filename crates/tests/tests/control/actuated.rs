@@ -10,12 +10,11 @@ use robot_dynamics::algorithms::{
 use robot_dynamics::control::{
     ComputedTorque, PoseReference, Reference, TaskControl, TaskGains, TaskReference,
 };
-use robot_dynamics::description::{
-    Base, EditError, JointKinds, ModelError, RandomRobotOptions, random_robot,
-};
+use robot_dynamics::description::{Base, JointKinds, ModelError, RandomRobotOptions, random_robot};
 use robot_dynamics::model::{Model, Workspace, difference, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{Controller, ControllerError, GravityCompensatedPd};
+use robot_dynamics::{Classified, ErrorKind};
 
 type Tested = Result<(), Box<dyn Error>>;
 
@@ -177,7 +176,7 @@ fn joints_hold_pose() -> Tested {
         }
     }
     let error = description.set_actuated_joints(["tail"]).unwrap_err();
-    assert_eq!(error, EditError::NoSuch { sort: "joint", name: "tail".into() });
+    assert_eq!(error.kind(), ErrorKind::UnknownName);
     description.actuated_joints = Some(vec!["tail".into()]);
     let error = Model::new(description).unwrap_err();
     assert!(

@@ -109,7 +109,7 @@ pub(crate) fn fixed_size_error() -> Section {
 }
 
 pub(crate) fn parameter_error() -> Section {
-    let mut section = Section::new("ParameterError");
+    let mut section = Section::new("ModelError of parameters");
     let mut robot = pendulum(2.0, 0.5);
     let model = Model::new(robot.clone()).expect("a robot");
     let values = parameter_values(&model);

@@ -12,7 +12,7 @@ use robot_dynamics::description::{
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{
     ConstantTorque, ControllerError, DivergenceCause, Integrator, Method, Run, RunError, RunFailure,
-    RunOptions, SimulationBuilder, StepError,
+    RunOptions, SimulationBuilder,
 };
 
 type Ended = Result<Run, Box<RunFailure>>;
@@ -200,7 +200,9 @@ fn diverging_adaptive_runs_are_reported() {
     let mut simulation = SimulationBuilder::new(&model).adaptive(options).dt(1000.0).build().unwrap();
     let error = simulation.run_steps_from(&[0.0], &[1e-3], 1, RunOptions::new()).unwrap_err().error;
     let RunError::Step { time, ref source, .. } = error else { panic!("{error}") };
-    let StepError::Diverged { coordinate, speed, step } = source else { panic!("{error}") };
+    let robot_dynamics::simulation::StepError::Diverged { coordinate, speed, step } = source else {
+        panic!("{error}")
+    };
     assert!(coordinate == "bend" && speed.abs() * step > 1e8 && (0.1..100.0).contains(&time), "{error}");
 }
 

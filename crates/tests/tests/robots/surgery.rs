@@ -1,9 +1,10 @@
 //! Locked joints, payloads and scaled gravity against the equations of the original robot.
 
 use robot_dynamics::algorithms::ReferenceFrame;
-use robot_dynamics::description::{EditError, JointKind, MassProperties, RandomRobotOptions, random_robot};
+use robot_dynamics::description::{JointKind, MassProperties, RandomRobotOptions, random_robot};
 use robot_dynamics::model::{Model, random_state};
 use robot_dynamics::number::SplitMix64;
+use robot_dynamics::{Classified, ErrorKind};
 
 /// A joint held at q with v = a = 0 leaves the remaining rows of the original robot's equation unchanged. τ
 /// of the locked robot equals those rows. Tolerance: 1e-12 of the largest torque, some hundred roundings.
@@ -104,12 +105,15 @@ fn invalid_edits_are_errors() {
         description.joints.iter().find(|joint| matches!(joint.kind, JointKind::Revolute { .. })).cloned();
     let name = joint.expect("a revolute joint in the first robots").name;
     let error = description.lock_joint("nowhere", &[0.0]).unwrap_err();
-    assert_eq!(error, EditError::NoSuch { sort: "joint", name: "nowhere".into() });
+    assert!(error.to_string().starts_with("the robot has no joint `nowhere`; it has "), "{error}");
+    assert_eq!(error.kind(), ErrorKind::UnknownName);
     let error = description.lock_joint(&name, &[0.0, 1.0]).unwrap_err();
-    let (joint, found) = (name.clone(), vec![0.0, 1.0]);
-    assert_eq!(error, EditError::BadPosition { joint, kind: "revolute", expected: 1, found });
-    assert!(matches!(description.lock_joint(&name, &[f64::NAN]), Err(EditError::BadPosition { .. })));
-    assert!(matches!(description.scale_gravity(f64::INFINITY), Err(EditError::BadFactor(_))));
+    let expected = format!("the position of joint `{name}` has 2 numbers, its kind (revolute) needs 1");
+    assert_eq!(error.to_string(), expected);
+    let refused = [description.lock_joint(&name, &[f64::NAN]), description.scale_gravity(f64::INFINITY)];
+    for refused in refused {
+        assert_eq!(refused.unwrap_err().kind(), ErrorKind::InvalidInput);
+    }
 }
 
 /// Infinite limits survive JSON, which has no infinity.

@@ -1,64 +1,11 @@
 //! The parameters of a robot as a vector, and the robot with other parameters.
 
 use nalgebra::{Matrix3, Vector3};
-use robot_dynamics_description::{InertiaError, JointKind, MassProperties, PassiveForces, RobotDescription};
-use robot_dynamics_number::{Classified, ErrorKind, InputProblem, InvalidInput, check_finite};
-use thiserror::Error;
+use robot_dynamics_description::{JointKind, MassProperties, ModelError, PassiveForces, RobotDescription};
+use robot_dynamics_number::{InputProblem, InvalidInput, check_finite};
 
 use super::parameters::{PASSIVE_PARAMETERS_PER_JOINT, parameter_count};
 use crate::{Model, PARAMETERS_PER_LINK, inertial_parameters};
-
-/// The reason why numbers are invalid parameters of a robot.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ParameterError {
-    /// The number of parameters is not [`parameter_count`], or a parameter is not finite.
-    #[error(transparent)]
-    Input(#[from] InvalidInput),
-    /// A nonzero passive force of a floating base, which has none.
-    #[error("`{joint}` is the floating base: it has no passive forces, its five parameters must be 0")]
-    FloatingBase {
-        /// The joint's name.
-        joint: String,
-    },
-    /// An invalid inertia.
-    #[error("link `{link}`: {error}")]
-    Inertia {
-        /// The moving link.
-        link: String,
-        /// The reason.
-        error: InertiaError,
-    },
-    /// A link is fixed to a moving link, and different fractions of their weights are supported by gravity
-    /// compensation. Parameters of the moving link do not separate the two.
-    #[error(
-        "link `{link}` is fixed to `{carrier}`, of whose weight another part is carried: they have no parameters together"
-    )]
-    Carried {
-        /// The link.
-        link: String,
-        /// The moving link that it is fixed to.
-        carrier: String,
-    },
-    /// A nonzero first moment without mass.
-    #[error("link `{link}` has mass 0 and a first moment m c that is not 0")]
-    MomentWithoutMass {
-        /// The moving link.
-        link: String,
-    },
-}
-
-impl Classified for ParameterError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::Input(error) => error.kind(),
-            Self::FloatingBase { .. }
-            | Self::Inertia { .. }
-            | Self::Carried { .. }
-            | Self::MomentWithoutMass { .. } => ErrorKind::Description,
-        }
-    }
-}
 
 /// The parameters of a robot as described: π of the moving links, the passive forces of the joints, gravity.
 /// They are [`parameter_count`] numbers in the layout of [`ParameterCotangents`](crate::ParameterCotangents).
@@ -103,8 +50,8 @@ pub fn parameter_values(model: &Model) -> Vec<f64> {
 /// ```
 ///
 /// # Errors
-/// [`ParameterError`] names the number or the link at fault.
-pub fn with_parameters(model: &Model, values: &[f64]) -> Result<RobotDescription, ParameterError> {
+/// [`ModelError`] names the number or the link at fault.
+pub fn with_parameters(model: &Model, values: &[f64]) -> Result<RobotDescription, ModelError> {
     let expected = parameter_count(model);
     if values.len() != expected {
         let (owner, hint) = (format!("robot `{}`", model.name()), "");
@@ -126,7 +73,7 @@ pub fn with_parameters(model: &Model, values: &[f64]) -> Result<RobotDescription
                 (passive.stiffness, passive.rest) = (stiffness, rest);
             }
             None if numbers.iter().all(|x| *x == 0.0) => {}
-            None => return Err(ParameterError::FloatingBase { joint: joint.name.clone() }),
+            None => return Err(ModelError::FloatingBase { joint: joint.name.clone() }),
         }
     }
     let fixed_to = |child: &str| {
@@ -152,7 +99,7 @@ pub fn with_parameters(model: &Model, values: &[f64]) -> Result<RobotDescription
             let carried = all.iter().find(|own| own.name == carrier).map(|own| own.gravity_compensation);
             #[allow(clippy::float_cmp)] // as written
             if link.mass_properties.is_some() && carried != Some(link.gravity_compensation) {
-                return Err(ParameterError::Carried { link: link.name.clone(), carrier: carrier.into() });
+                return Err(ModelError::Carried { link: link.name.clone(), carrier: carrier.into() });
             }
             link.mass_properties = None;
         }
@@ -162,19 +109,19 @@ pub fn with_parameters(model: &Model, values: &[f64]) -> Result<RobotDescription
 
 /// The mass properties for ten numbers: m, m c, and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the link's origin.
 /// `None` if all are 0.
-fn mass_properties(link: &str, numbers: &[f64]) -> Result<Option<MassProperties>, ParameterError> {
+fn mass_properties(link: &str, numbers: &[f64]) -> Result<Option<MassProperties>, ModelError> {
     let &[mass, hx, hy, hz, xx, xy, yy, xz, yz, zz] = numbers else { return Ok(None) };
     if numbers.iter().all(|x| *x == 0.0) {
         return Ok(None);
     }
     let moment = Vector3::new(hx, hy, hz);
     if mass == 0.0 && moment != Vector3::zeros() {
-        return Err(ParameterError::MomentWithoutMass { link: link.into() });
+        return Err(ModelError::MomentWithoutMass { link: link.into() });
     }
     let center = if mass == 0.0 { moment } else { moment / mass };
     let about_origin = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     // Steiner: I_c = I_o − m (|c|² 1 − c cᵀ).
     let shift = Matrix3::identity() * center.norm_squared() - center * center.transpose();
     let body = MassProperties::as_written(mass, center, about_origin - shift * mass);
-    body.map(Some).map_err(|error| ParameterError::Inertia { link: link.into(), error })
+    body.map(Some).map_err(|error| ModelError::Inertia { link: link.into(), error })
 }
