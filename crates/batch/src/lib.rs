@@ -66,7 +66,7 @@ pub use robot_dynamics_core::{
 pub use robot_dynamics_simulation::{MotionCotangents, TrajectoryCotangents};
 pub use rollout::{
     PolicyInput, Rollout, RolloutError, RolloutObserver, RolloutProgress, RolloutPullbackInputs,
-    RolloutStates, StepperRollout, Torques, rollout, rollout_by_stepper, rollout_pullback,
+    RolloutStates, StepperRollout, Torques, UNOBSERVED, rollout, rollout_by_stepper, rollout_pullback,
 };
 pub use simulations::SimulationBatch;
 pub use threads::{ThreadError, Threads};

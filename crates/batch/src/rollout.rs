@@ -20,8 +20,7 @@ mod stepper;
 mod torques;
 
 pub use error::RolloutError;
-use progress::UNOBSERVED;
-pub use progress::{RolloutObserver, RolloutProgress};
+pub use progress::{RolloutObserver, RolloutProgress, UNOBSERVED};
 pub use pullback::RolloutPullbackInputs;
 pub use robot_dynamics_simulation::Rollout;
 pub use states::RolloutStates;

@@ -21,6 +21,17 @@ pub enum JointKinds {
     Turning,
 }
 
+impl JointKinds {
+    fn contains(self, kind: &JointKind) -> bool {
+        match self {
+            Self::All => true,
+            Self::VectorSpace => kind.nq() == kind.nv(),
+            Self::SingleFreedom => kind.nv() == 1,
+            Self::Turning => matches!(kind, JointKind::Revolute { .. } | JointKind::Continuous { .. }),
+        }
+    }
+}
+
 /// Options of [`random_robot`]; probabilities are in \[0, 1\].
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomRobotOptions {
@@ -182,13 +193,8 @@ fn random_kind(random: &mut SplitMix64, kinds: JointKinds) -> JointKind {
         JointKind::Spherical,
         JointKind::Floating,
     ];
-    let count = match kinds {
-        JointKinds::All => 8,
-        JointKinds::VectorSpace => 6,
-        JointKinds::SingleFreedom => 4,
-        JointKinds::Turning => 2,
-    };
-    all[pick(random, count)]
+    let chosen: Vec<JointKind> = all.into_iter().filter(|kind| kinds.contains(kind)).collect();
+    chosen[pick(random, chosen.len())]
 }
 
 fn random_mass_properties(random: &mut SplitMix64, options: &RandomRobotOptions) -> MassProperties {

@@ -1,8 +1,6 @@
 //! The public interface to one robot's functions on many states.
 
-use std::ops::ControlFlow;
-
-use robot_dynamics::batch::{RolloutObserver, RolloutStates, Torques};
+use robot_dynamics::batch::{RolloutObserver, RolloutStates, Torques, UNOBSERVED};
 use robot_dynamics::derivatives::Rollout;
 use robot_dynamics_generate::Function;
 
@@ -136,7 +134,7 @@ impl<T> Batches<T> {
         states: RolloutStates<'_, T>,
         progress: Option<RolloutObserver<'_>>,
     ) -> Result<(), DeviceError> {
-        self.engine.rollout(rollout, torques, states, progress.unwrap_or(&|_| ControlFlow::Continue(())))
+        self.engine.rollout(rollout, torques, states, progress.unwrap_or(UNOBSERVED))
     }
 }
 

@@ -27,8 +27,13 @@ impl RolloutProgress {
 /// A callback for the progress of a rollout, which can cancel it, called occasionally from any thread.
 pub type RolloutObserver<'a> = &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync);
 
-/// The observer of a rollout that is not observed.
-pub(crate) const UNOBSERVED: RolloutObserver<'static> = &|_| ControlFlow::Continue(());
+/// The observer of a rollout that is not observed: it never cancels.
+///
+/// ```
+/// use robot_dynamics::batch::{RolloutProgress, UNOBSERVED};
+/// assert!(UNOBSERVED(RolloutProgress::new(64, 1000)).is_continue());
+/// ```
+pub const UNOBSERVED: RolloutObserver<'static> = &|_| ControlFlow::Continue(());
 
 /// The data that all threads of a rollout share.
 pub(crate) struct Shared<'a> {
