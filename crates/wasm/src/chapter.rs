@@ -1,5 +1,8 @@
 //! The chapter's closed-form models, and one simulation per widget.
 
+#[macro_use]
+mod getters;
+
 mod arm_drawing;
 mod brick;
 mod closed_form;

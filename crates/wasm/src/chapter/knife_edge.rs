@@ -46,6 +46,14 @@ pub struct Blade {
     samples: Samples<6>,
 }
 
+state_getters! {
+    Blade:
+    /// (x, y, θ) \[m, m, rad\].
+    q,
+    /// (ẋ, ẏ, θ̇).
+    qd
+}
+
 #[wasm_bindgen]
 impl Blade {
     /// Mass \[kg\], moment of inertia \[kg·m²\], half the distance between the wheels \[m\].
@@ -122,30 +130,6 @@ impl Blade {
             }
         }
         Ok(())
-    }
-
-    /// The step \[s\].
-    #[wasm_bindgen(getter, js_name = stepLength)]
-    pub fn step_length(&self) -> f64 {
-        STEP
-    }
-
-    /// Time since the start \[s\].
-    #[wasm_bindgen(getter)]
-    pub fn time(&self) -> f64 {
-        self.steps as f64 * STEP
-    }
-
-    /// (x, y, θ) \[m, m, rad\].
-    #[wasm_bindgen(getter)]
-    pub fn q(&self) -> Vec<f64> {
-        self.q.as_slice().to_vec()
-    }
-
-    /// (ẋ, ẏ, θ̇).
-    #[wasm_bindgen(getter)]
-    pub fn qd(&self) -> Vec<f64> {
-        self.qd.as_slice().to_vec()
     }
 
     /// λ, the side force of the floor, positive to the right of the heading \[N\].

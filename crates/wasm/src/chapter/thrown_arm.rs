@@ -77,6 +77,14 @@ struct Hand {
     most: f64,
 }
 
+state_getters! {
+    ThrownArm:
+    /// q \[rad\].
+    q,
+    /// q̇ \[rad/s\].
+    qd
+}
+
 #[wasm_bindgen]
 impl ThrownArm {
     /// Three uniform rods at rest along the x axis: lengths \[m\], masses \[kg\], gravity \[m/s²\].
@@ -198,30 +206,6 @@ impl ThrownArm {
             }
         }
         Ok(())
-    }
-
-    /// The step \[s\].
-    #[wasm_bindgen(getter, js_name = stepLength)]
-    pub fn step_length(&self) -> f64 {
-        STEP
-    }
-
-    /// Time since the last placement \[s\].
-    #[wasm_bindgen(getter)]
-    pub fn time(&self) -> f64 {
-        self.steps as f64 * STEP
-    }
-
-    /// q \[rad\].
-    #[wasm_bindgen(getter)]
-    pub fn q(&self) -> Vec<f64> {
-        self.q.as_slice().to_vec()
-    }
-
-    /// q̇ \[rad/s\].
-    #[wasm_bindgen(getter)]
-    pub fn qd(&self) -> Vec<f64> {
-        self.qd.as_slice().to_vec()
     }
 
     /// The end of every link: x, y, x, y, … \[m\].

@@ -66,6 +66,14 @@ pub struct Workbench {
     samples: Samples<5>,
 }
 
+state_getters! {
+    Workbench:
+    /// q \[rad\].
+    q,
+    /// q̇ \[rad/s\].
+    qd
+}
+
 #[wasm_bindgen]
 impl Workbench {
     /// The arm of the worked example, or the same arm in a horizontal plane without gravity.
@@ -158,30 +166,6 @@ impl Workbench {
             }
         }
         Ok(())
-    }
-
-    /// The step \[s\].
-    #[wasm_bindgen(getter, js_name = stepLength)]
-    pub fn step_length(&self) -> f64 {
-        STEP
-    }
-
-    /// Time since the start \[s\].
-    #[wasm_bindgen(getter)]
-    pub fn time(&self) -> f64 {
-        self.steps as f64 * STEP
-    }
-
-    /// q \[rad\].
-    #[wasm_bindgen(getter)]
-    pub fn q(&self) -> Vec<f64> {
-        self.q.as_slice().to_vec()
-    }
-
-    /// q̇ \[rad/s\].
-    #[wasm_bindgen(getter)]
-    pub fn qd(&self) -> Vec<f64> {
-        self.qd.as_slice().to_vec()
     }
 
     /// Elbow and tip at q, then at the waypoint: four pairs x, y \[m\].
