@@ -89,7 +89,7 @@ pub(crate) fn sensors() -> Section {
 }
 
 pub(crate) fn surgery_error() -> Section {
-    let mut section = Section::new("SurgeryError");
+    let mut section = Section::new("ModelError of edits");
     let mut robot = arm();
     section.row("lock an unknown joint", robot.lock_joint("nowhere", &[0.0]).expect_err("no joint"));
     section.row("lock a hinge at two numbers", robot.lock_joint("elbow", &[0.0, 1.0]).expect_err("length"));
