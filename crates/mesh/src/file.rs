@@ -1,24 +1,16 @@
 //! Reads mesh files: STL, OBJ and MuJoCo's MSH. Coordinates have single precision.
 
 use std::fs::File;
-use std::io::{Cursor, Read};
+use std::io::Read;
 use std::path::Path;
 
 use nalgebra::Vector3;
 
-use crate::polygon::add_triangles;
+use crate::triangles::{Triangles, check};
+use crate::{obj, stl};
 
 /// The largest size of a mesh file in bytes.
 const SIZE_LIMIT: u64 = 1 << 29;
-
-/// A mesh as in its file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Triangles {
-    /// Points, in the units of the file.
-    pub points: Vec<Vector3<f64>>,
-    /// Triangles as indices of points, counter-clockwise from outside; empty for a file of points.
-    pub faces: Vec<[usize; 3]>,
-}
 
 /// Reads a mesh file. Its format is given by `content_type`, or else by the extension.
 ///
@@ -32,10 +24,11 @@ pub struct Triangles {
 pub fn read(path: &Path, content_type: Option<&str>) -> Result<Triangles, String> {
     let shown = path.display();
     let read = reader(path, content_type)?;
-    let file = File::open(path).map_err(|error| format!("cannot read {shown}: {error}"))?;
-    if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
+    // A pipe is not opened, because this would wait for a writer.
+    if std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
         return Err(format!("{shown} is not a regular file"));
     }
+    let file = File::open(path).map_err(|error| format!("cannot read {shown}: {error}"))?;
     let mut bytes = Vec::new();
     file.take(SIZE_LIMIT + 1)
         .read_to_end(&mut bytes)
@@ -66,8 +59,8 @@ type Reader = fn(Vec<u8>) -> Result<Triangles, String>;
 fn reader(path: &Path, content_type: Option<&str>) -> Result<Reader, String> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match (content_type, extension.as_str()) {
-        (Some("model/stl"), _) | (None, "stl") => Ok(stl),
-        (Some("model/obj"), _) | (None, "obj") => Ok(obj),
+        (Some("model/stl"), _) | (None, "stl") => Ok(|bytes| stl::read(&bytes)),
+        (Some("model/obj"), _) | (None, "obj") => Ok(|bytes| obj::read(&bytes)),
         (Some("model/vnd.mujoco.msh"), _) | (None, "msh") => Ok(msh),
         _ => Err(format!(
             "{} is not an STL, OBJ or MSH file; convert it to one of these formats",
@@ -80,81 +73,6 @@ fn check_result(read: Result<Triangles, String>, path: &Path) -> Result<Triangle
     let named = |reason: String| format!("{}: {reason}", path.display());
     let triangles = read.map_err(named)?;
     check(&triangles).map_err(named)?;
-    Ok(triangles)
-}
-
-/// Checks that a mesh has points, that they are finite, and that the faces refer to existing points.
-///
-/// # Errors
-/// A message about the first violation.
-///
-/// ```
-/// use nalgebra::Vector3;
-/// let faces = vec![[0, 1, 2]];
-/// let mesh = robot_dynamics_mesh::Triangles { points: vec![Vector3::zeros(); 2], faces };
-/// assert_eq!(robot_dynamics_mesh::check(&mesh).unwrap_err(), "triangle [0, 1, 2] refers to missing points (2 points)");
-/// ```
-pub fn check(triangles: &Triangles) -> Result<(), String> {
-    let Triangles { points, faces } = triangles;
-    if let Some(at) = points.iter().position(|point| point.iter().any(|x| !x.is_finite())) {
-        return Err(format!("point {at} is not finite"));
-    }
-    if let Some(face) = faces.iter().find(|face| face.iter().any(|&corner| corner >= points.len())) {
-        return Err(format!("triangle {face:?} refers to missing points ({} points)", points.len()));
-    }
-    if points.is_empty() { Err("it has no points".into()) } else { Ok(()) }
-}
-
-/// Reads STL, binary or text. A binary file is recognized by its size, because many begin with `solid` like
-/// text files.
-fn stl(mut bytes: Vec<u8>) -> Result<Triangles, String> {
-    if let Some(count) = bytes.get(80..84) {
-        let count = u64::from(u32::from_le_bytes([count[0], count[1], count[2], count[3]]));
-        if bytes.len() as u64 == 84 + 50 * count {
-            bytes[..80].fill(0);
-        }
-    }
-    let mut bytes = Cursor::new(bytes);
-    let reader = stl_io::create_stl_reader(&mut bytes).map_err(|error| format!("invalid STL: {error}"))?;
-    let mut triangles = Triangles::default();
-    for triangle in reader {
-        let triangle = triangle.map_err(|error| format!("invalid STL: {error}"))?;
-        let first = triangles.points.len();
-        triangles
-            .points
-            .extend(triangle.vertices.iter().map(|corner| Vector3::from(corner.0.map(f64::from))));
-        triangles.faces.push([first, first + 1, first + 2]);
-    }
-    Ok(triangles)
-}
-
-fn obj(bytes: Vec<u8>) -> Result<Triangles, String> {
-    let options = tobj::LoadOptions { ignore_lines: true, ignore_points: true, ..Default::default() };
-    // Materials are not read.
-    let (models, _) =
-        tobj::load_obj_buf(&mut Cursor::new(bytes), &options, |_| Err(tobj::LoadError::OpenFileFailed))
-            .map_err(|error| format!("invalid OBJ: {error}"))?;
-    let mut triangles = Triangles::default();
-    for tobj::Model { mesh, .. } in models {
-        let first = triangles.points.len();
-        triangles
-            .points
-            .extend(mesh.positions.chunks_exact(3).map(|x| Vector3::from_fn(|k, _| f64::from(x[k]))));
-        let corners: Vec<usize> = mesh.indices.iter().map(|&corner| first + corner as usize).collect();
-        if corners.iter().any(|&corner| corner >= triangles.points.len()) {
-            return Err("invalid OBJ: a face refers to missing points".into());
-        }
-        if mesh.face_arities.is_empty() {
-            triangles.faces.extend(corners.chunks_exact(3).map(|face| [face[0], face[1], face[2]]));
-            continue;
-        }
-        let mut rest = &corners[..];
-        for arity in mesh.face_arities {
-            let Some((polygon, others)) = rest.split_at_checked(arity as usize) else { break };
-            rest = others;
-            add_triangles(polygon, &triangles.points, &mut triangles.faces);
-        }
-    }
     Ok(triangles)
 }
 
@@ -190,4 +108,76 @@ fn msh(bytes: Vec<u8>) -> Result<Triangles, String> {
             .map(|face| [corner(&face[0]), corner(&face[1]), corner(&face[2])])
             .collect(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn obj(text: &[u8]) -> Result<Triangles, String> {
+        parse(text, Path::new("m.obj"), None)
+    }
+
+    const CORNERS: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+
+    #[test]
+    fn points_of_an_obj_file_without_faces_are_kept() {
+        let read = obj(CORNERS).unwrap();
+        assert_eq!((read.points.len(), read.faces.len()), (4, 0));
+        let read = obj(&[CORNERS, b"f 1 3 2\n"].concat()).unwrap();
+        assert_eq!((read.points.len(), read.faces), (4, vec![[0, 1, 2]]));
+        assert_eq!(read.points[3], Vector3::z());
+    }
+
+    #[test]
+    fn names_in_an_obj_file_have_any_encoding() {
+        let text = [b"o K\xf6rper\n", CORNERS, b"g \xff\xfe\nf 1/1/1 -2//2 2\n"].concat();
+        assert_eq!(obj(&text).unwrap().faces.len(), 1);
+    }
+
+    #[test]
+    fn all_objects_of_an_obj_file_are_one_mesh() {
+        let text = [b"o a\n", CORNERS, b"f 1 2 3\no b\n", CORNERS, b"f 5 6 7 8\nf 1 5\n"].concat();
+        let read = obj(&text).unwrap();
+        assert_eq!((read.points.len(), read.faces.len()), (8, 3));
+    }
+
+    #[test]
+    fn broken_obj_files_are_refused_with_their_line() {
+        for (text, reason) in [
+            ("v 1 2\n", "line 1: a point needs three numbers"),
+            ("v 0 0 0\nf 1 x 1\n", "line 2: a face needs the numbers of its points"),
+            ("v 0 0 0\nf 1 0 1\n", "line 2: a face needs the numbers of its points"),
+            ("v 0 0 0\nf 1 -2 1\n", "line 2: a face needs the numbers of its points"),
+            ("v 0 0 0\nf 1 2 1\n", "a face refers to missing points"),
+        ] {
+            assert_eq!(obj(text.as_bytes()).unwrap_err(), format!("m.obj: invalid OBJ: {reason}"));
+        }
+    }
+
+    const FACET: &str =
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e0 0\nendloop\nendfacet\n";
+
+    #[test]
+    fn text_stl_files_of_all_spellings_are_read() {
+        for text in [
+            format!("solid\n{FACET}endsolid\n"),
+            format!("solid name\n{FACET}endsolid name\n"),
+            format!("SOLID NAME\n{}ENDSOLID\n", FACET.to_uppercase()),
+            format!("  Solid\tname\r\n{}", FACET.replace('\n', "\r\n")),
+        ] {
+            let read = parse(text.as_bytes(), Path::new("m.stl"), None).unwrap();
+            assert_eq!((read.points.len(), read.faces), (3, vec![[0, 1, 2]]), "{text}");
+        }
+        let name = [b"solid K\xf6rper\n", FACET.as_bytes()].concat();
+        assert_eq!(parse(&name, Path::new("m.stl"), None).unwrap().faces.len(), 1);
+        for (text, reason) in [
+            ("solid\nfacet\nvertex 0 0\nendfacet".to_owned(), "line 3: a vertex needs three numbers"),
+            ("solid\nfacet\nvertex 0 0 0\nendfacet".to_owned(), "line 4: a facet needs three vertices"),
+            ("solid\nfacet\nvertex 0 0 0\n".to_owned(), "the file ends within a facet"),
+        ] {
+            let error = parse(text.as_bytes(), Path::new("m.stl"), None).unwrap_err();
+            assert_eq!(error, format!("m.stl: invalid STL: {reason}"));
+        }
+    }
 }

@@ -10,7 +10,11 @@
 
 mod file;
 mod hull;
+mod obj;
 mod polygon;
+mod stl;
+mod triangles;
 
-pub use file::{Triangles, check, parse, read};
+pub use file::{parse, read};
 pub use hull::{corners, hull};
+pub use triangles::{Triangles, check};
