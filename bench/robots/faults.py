@@ -70,6 +70,26 @@ so" means a message on the terminal, which a program that calls the library may 
 
 This project's cells begin with the most severe finding of its load report: **error** (refused), **warning**
 (loaded as written, with a message), **note** (defaulted or ignored), or "nothing to say".
+
+## Limits
+
+Readers of all formats stay within these limits, so that a small file cannot fill the memory. An error names
+the limit that a file exceeds, and the place.
+
+| quantity | limit |
+| --- | --- |
+| text of all files of a robot | 64 MiB |
+| elements in all files, and in the copies of `<replicate>` and `<attach>` | 1,000,000 |
+| characters in all files, and in the names and attributes of copies | 134,217,728 |
+| numbers in height fields, meshes that give an inertia, and poses | 50,000,000 |
+| nested elements in a file | 200 in URDF, 500 in MJCF |
+| attributes on an element | 200 |
+| files that include or attach one another in a chain | 50 |
+| size of a mesh file | 512 MiB |
+| heights or pixels in the file of a height field | 16,777,216 |
+| comparisons of corners to divide the polygons of an OBJ file | 1,000,000,000; the number grows with the square of the corners of a polygon |
+
+An included or attached file, a mesh and a height field must be a regular file. A pipe or a device is refused.
 """
 
 

@@ -8,17 +8,21 @@
 mod copies;
 
 use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
 
-use robot_dynamics_xml::excerpt;
+use robot_dynamics_xml::{Resource, excerpt};
 
 use crate::MjcfError;
-use crate::renaming::{COPY_LIMIT, OUTER_SECTIONS, ObjectKind, Renaming, asset_name, names_in, of_element};
+use crate::renaming::{OUTER_SECTIONS, ObjectKind, Renaming, asset_name, names_in, of_element};
 use crate::source::Source;
 use crate::tree::in_file_place;
 use crate::tree::{Id, Node, Origin, Tree};
 
 /// Bodies and frames by name, with the `childclass` that applies to each.
-type Parts = HashMap<(ObjectKind, String), (Id, Option<String>)>;
+type Parts = HashMap<(ObjectKind, String), (Id, Option<Rc<str>>)>;
+
+/// The size of a name beside its characters, in the number of characters.
+const NAME_SIZE: usize = 32;
 
 /// The expansion of all attachments in one model.
 struct Expansion<'s> {
@@ -44,7 +48,7 @@ struct Expansion<'s> {
 }
 
 enum Step {
-    Enter(Id, Option<String>),
+    Enter(Id, Option<Rc<str>>),
     Leave(Id),
 }
 
@@ -131,20 +135,20 @@ impl Expansion<'_> {
             pending.extend(self.tree().nodes[section].children.iter().rev().map(|&id| Step::Enter(id, None)));
         }
         while let Some(step) = pending.pop() {
-            if self.source.copied > COPY_LIMIT {
+            if self.source.budget.is_exceeded() {
                 return;
             }
             match step {
                 Step::Enter(id, class) => {
                     let node = &self.source.tree.nodes[id];
                     let (name, children) = (node.name.clone(), node.children.clone());
-                    let inner = node.attribute("childclass").map(str::to_owned).or_else(|| class.clone());
+                    let inner = node.attribute("childclass").map(Rc::from).or_else(|| class.clone());
                     if name == "attach" {
                         self.attach(id);
                         continue;
                     }
                     if let Some((kind, own)) = of_element(node, "worldbody") {
-                        self.enter((kind, own.clone()));
+                        self.enter(id, (kind, own.clone()));
                         if matches!(kind, "body" | "frame") {
                             self.parts.insert((kind, own), (id, class.clone()));
                         }
@@ -168,7 +172,11 @@ impl Expansion<'_> {
         }
     }
 
-    fn enter(&mut self, name: (ObjectKind, String)) {
+    /// Adds a name, on behalf of this element.
+    fn enter(&mut self, id: Id, name: (ObjectKind, String)) {
+        if !self.source.charge(id, Resource::Characters, name.1.len() + NAME_SIZE) {
+            return;
+        }
         if let Some(inside) = self.replicate_names.last_mut() {
             inside.push(name.clone());
         }
@@ -244,8 +252,11 @@ impl Expansion<'_> {
         let children: Vec<Id> =
             sources.into_iter().filter_map(|from| self.copy(from, &renaming, &mut copies)).collect();
         for &copy in &children {
-            for name in names_in(self.tree(), copy) {
-                self.enter(name);
+            let was_exceeded = self.source.budget.is_exceeded();
+            match names_in(&mut self.source.budget, &self.source.tree, copy) {
+                Ok(names) => names.into_iter().for_each(|name| self.enter(id, name)),
+                Err(_) if was_exceeded => return,
+                Err(exceeded) => return self.source.refuse_excess(id, exceeded),
             }
         }
         let node = &mut self.source.tree.nodes[id];
@@ -316,6 +327,9 @@ impl Expansion<'_> {
         for name in own {
             let mut here = format!("{prefix}{name}");
             while !classes.contains_key(&name) && !self.class_names.insert(here.clone()) {
+                if !self.source.charge(id, Resource::Characters, here.len() + NAME_SIZE) {
+                    return;
+                }
                 here.push('\u{1f}');
             }
             classes.entry(name).or_insert(here);
@@ -364,7 +378,7 @@ impl Expansion<'_> {
 /// All bodies and frames of a model by name, with the `childclass` that applies to each.
 fn parts_of(tree: &Tree, root: Id) -> Parts {
     let mut parts = HashMap::new();
-    let mut pending: Vec<(Id, Option<String>)> =
+    let mut pending: Vec<(Id, Option<Rc<str>>)> =
         tree.children(root, "worldbody").map(|section| (section, None)).collect();
     while let Some((id, class)) = pending.pop() {
         let node = &tree.nodes[id];
@@ -373,7 +387,7 @@ fn parts_of(tree: &Tree, root: Id) -> Parts {
         {
             parts.insert((kind, name), (id, class.clone()));
         }
-        let class = node.attribute("childclass").map(str::to_owned).or(class);
+        let class = node.attribute("childclass").map(Rc::from).or(class);
         pending.extend(node.children.iter().map(|&child| (child, class.clone())));
     }
     parts

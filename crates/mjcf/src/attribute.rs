@@ -4,7 +4,7 @@
 //! pass finds all errors of a file. NaN suppresses errors that would only follow from the first one. A file
 //! with an error is refused, so no replacement value reaches a robot.
 
-use robot_dynamics_xml::excerpt;
+use robot_dynamics_xml::{Resource, excerpt};
 
 use crate::MjcfError;
 use crate::element::Element;
@@ -14,6 +14,11 @@ use crate::tree::Id;
 /// Larger numbers are refused: they cannot be lengths, masses, inertias or forces in SI units, and their
 /// products overflow.
 const LARGEST_NUMBER: f64 = 1e30;
+
+/// A list with more numbers is charged to the limit on numbers.
+const LONG_LIST: usize = 16;
+/// The weight of a number in a list: its text is longer than the number, and may be read many times.
+const LIST_WEIGHT: usize = 4;
 
 impl<'a> Reader<'a> {
     /// The attribute's text and its node: the element, or the innermost default that has the attribute.
@@ -162,6 +167,8 @@ impl<'a> Reader<'a> {
                 }
             }
         }
-        Some(values)
+        // A long list in a default may be read for many elements.
+        let is_long = values.len() > LONG_LIST;
+        (!is_long || self.charge(node, Resource::Numbers, LIST_WEIGHT * values.len())).then_some(values)
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use robot_dynamics_mesh::Triangles;
 
-use crate::path::normalize;
+use crate::path::{normalize, simplify};
 
 /// Files in memory by their relative paths, for example from a browser or an archive. Clones share the
 /// content.
@@ -68,23 +68,73 @@ pub(crate) struct Folder {
     path: PathBuf,
     /// The files in memory; `None` for a folder on the disk.
     given: Option<FileSet>,
+    /// Whether files outside the folder are refused.
+    confined: bool,
     /// The files on the disk that were opened through this folder or a clone.
     opened: Rc<RefCell<Vec<PathBuf>>>,
 }
 
 impl Folder {
     /// The folder of the file at that path.
-    pub(crate) fn of(path: &Path, given: Option<&FileSet>) -> Self {
+    pub(crate) fn of(path: &Path, given: Option<&FileSet>, confined: bool) -> Self {
         Self {
             path: path.parent().unwrap_or(Path::new("")).to_owned(),
             given: given.cloned(),
+            confined,
             opened: Rc::default(),
         }
     }
 
-    /// The path of a file in the folder.
+    /// The path of a file from its path relative to the folder.
     pub(crate) fn join(&self, name: &Path) -> PathBuf {
-        self.path.join(name)
+        simplify(&self.path.join(name))
+    }
+
+    /// Whether two paths are those of one file.
+    pub(crate) fn identity(&self, path: &Path) -> PathBuf {
+        if self.is_on_disk() {
+            path.canonicalize().unwrap_or_else(|_| path.to_owned())
+        } else {
+            path.to_owned()
+        }
+    }
+
+    /// The first of these paths, relative to the folder, at which there is a file; otherwise the first of all.
+    pub(crate) fn locate(&self, candidates: impl IntoIterator<Item = PathBuf>) -> PathBuf {
+        let paths: Vec<PathBuf> = candidates.into_iter().map(|path| simplify(&path)).collect();
+        let found = paths.iter().find(|path| self.has(&self.join(path)));
+        found.or(paths.first()).cloned().unwrap_or_default()
+    }
+
+    /// Checks that the file at that path may be read.
+    fn check(&self, path: &Path) -> Result<(), String> {
+        if self.is_on_disk() && !self.confined {
+            return Ok(());
+        }
+        let root = if self.path == Path::new("") { Path::new(".") } else { &self.path };
+        let is_inside = if self.is_on_disk() {
+            let root = root.canonicalize().unwrap_or_else(|_| root.to_owned());
+            // A missing file has no links.
+            let file = path.canonicalize().or_else(|_| std::path::absolute(path).map(|path| simplify(&path)));
+            let file = file.unwrap_or_else(|_| path.to_owned());
+            file.starts_with(&root)
+        } else {
+            normalize(path).is_some()
+        };
+        if is_inside {
+            return Ok(());
+        }
+        let place = if self.is_on_disk() {
+            format!("the folder {}, to which reading is confined", root.display())
+        } else {
+            "the given files".to_owned()
+        };
+        Err(format!("it is outside {place}"))
+    }
+
+    /// Whether the file at that path is on the disk and may be read.
+    pub(crate) fn allows(&self, path: &Path) -> bool {
+        self.is_on_disk() && path.is_file() && self.check(path).is_ok()
     }
 
     pub(crate) fn is_on_disk(&self) -> bool {
@@ -103,9 +153,10 @@ impl Folder {
 
     /// The text of the file at that path, or the reason of the failure.
     pub(crate) fn text(&self, path: &Path) -> Result<String, String> {
+        self.check(path)?;
         let read = || {
             self.opened.borrow_mut().push(path.to_owned());
-            robot_dynamics_xml::read_file(path)
+            robot_dynamics_xml::read_regular_file(path)
         };
         let text = self.given.as_ref().map_or_else(read, |files| files.text(path));
         text.map_err(|error| error.to_string())
@@ -113,6 +164,7 @@ impl Folder {
 
     /// The mesh in the file at that path, or the reason of the failure.
     pub(crate) fn mesh(&self, path: &Path, content_type: Option<&str>) -> Result<Triangles, String> {
+        self.check(path)?;
         let Some(files) = &self.given else {
             self.opened.borrow_mut().push(path.to_owned());
             return robot_dynamics_mesh::read(path, content_type);

@@ -4,6 +4,7 @@ use std::collections::{HashMap, VecDeque};
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use robot_dynamics_description::{NamedPose, RobotDescription};
+use robot_dynamics_xml::Resource;
 
 use crate::MjcfError;
 use crate::actuator::Actuators;
@@ -13,6 +14,9 @@ use crate::joint::Motion;
 use crate::names::Names;
 use crate::reader::Reader;
 use crate::tree::Id;
+
+/// The size of a joint's name, position and velocity in a pose, in numbers.
+const JOINT_SIZE: usize = 16;
 
 /// The name of the pose in which the file places the bodies.
 const INITIAL: &str = "qpos0";
@@ -29,8 +33,12 @@ impl Reader<'_> {
         let mut parts: HashMap<Id, Part> = HashMap::new();
         let all: Vec<Id> =
             self.tree.in_sections("keyframe").filter(|&id| self.tree.nodes[id].name == "key").collect();
+        let size = JOINT_SIZE * table.joints.len() + actuators.count;
         for (index, id) in all.into_iter().enumerate() {
             let element = self.raw_element(id);
+            if !self.charge(id, Resource::Numbers, size) {
+                return;
+            }
             let written = self.text(&element, "name").filter(|name| !name.is_empty());
             let name = names.unique(&written.map_or_else(|| format!("key_{index}"), str::to_owned));
             let initial: Vec<f64> =
@@ -101,12 +109,19 @@ impl Reader<'_> {
         }
     }
 
-    /// A list with as many numbers as `rest`; `None` if the attribute is missing or has an error. In a file
-    /// that attaches or replicates parts, `rest` completes a shorter list.
+    /// A list with as many numbers as `rest`, which completes a shorter list; `None` if the attribute is missing
+    /// or has an error. MuJoCo fills short lists since version 4.
     fn read_list(&mut self, element: &Element, attribute: &str, rest: &[f64]) -> Option<Vec<f64>> {
         let mut list = self.all_numbers(element, attribute)?;
         let count = rest.len();
-        if self.tree.has_copies && list.len() < count {
+        if list.len() < count {
+            if !self.tree.has_copies {
+                let message = format!(
+                    "{attribute} has {} of {count} numbers: the others have their defaults",
+                    list.len()
+                );
+                self.report_default(element, message);
+            }
             list.extend(&rest[list.len()..]);
         }
         if list.len() == count {

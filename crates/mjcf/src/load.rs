@@ -27,7 +27,8 @@ pub struct Robot {
 }
 
 /// Reads an MJCF file and the files that it includes or attaches. A mesh file is opened only if the inertia
-/// of a body comes from it.
+/// of a body comes from it. As in MuJoCo, these files may be anywhere on the disk. They are searched in the
+/// folder of the main file or of the attached model, and then beside the file that names them.
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/arm.xml");
@@ -114,9 +115,11 @@ fn read(
     given: Option<&FileSet>,
     options: LoadOptions,
 ) -> Result<Robot, LoadError> {
-    let Source { tree, faults, errors, folder, .. } = Source::read(text, path, given)?;
+    let Source { tree, faults, errors, folder, budget, .. } =
+        Source::read(text, path, given, options.confined)?;
     let mut reader = Reader::new(&tree, options);
     reader.errors = errors;
+    reader.budget = budget;
     let main = folder.as_ref().filter(|folder| folder.is_on_disk()).and(path);
     reader.main = main;
     reader.meshes.folder = folder;
@@ -138,8 +141,9 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     reader.read_classes();
     reader.read_meshes();
     reader.read_materials();
+    reader.read_height_fields();
     let mut bodies = reader.bodies();
-    if reader.has_too_many_copies() {
+    if reader.budget.is_exceeded() {
         // The other findings would describe an incomplete robot.
         return Err(LoadError::new(reader.errors, MjcfError::line, reader.report));
     }

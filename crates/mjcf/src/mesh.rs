@@ -1,16 +1,16 @@
 //! Reads `<asset>/<mesh>`: meshes by name. A mesh file is opened if the inertia of a body comes from it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use robot_dynamics_mesh::Triangles;
-use robot_dynamics_xml::excerpt;
+use robot_dynamics_xml::{Resource, excerpt};
 
 use crate::classes::MAIN;
 use crate::element::Element;
 use crate::mesh_mass::{MeshExtent, MeshInertia, extent};
-use crate::path::stem;
+use crate::path::{spellings, stem};
 use crate::reader::Reader;
 use crate::settings::Compiler;
 use crate::tree::Id;
@@ -60,15 +60,25 @@ impl Reader<'_> {
         } else {
             name
         };
-        let folder = self.asset_folder(element, |compiler| &compiler.mesh_folder);
-        Some((name.to_owned(), folder.map(|folder| folder.join(own))))
+        Some((name.to_owned(), self.asset_path(element, own, |compiler| &compiler.mesh_folder)))
     }
 
-    /// The folder of an asset's file, by the settings of the model that names it; `None` for a text.
-    pub(crate) fn asset_folder(&self, element: &Element, own: fn(&Compiler) -> &String) -> Option<PathBuf> {
-        let model = &self.tree.models[self.tree.nodes[element.node].model];
+    /// The path of an asset's file; `None` for a text. The folder of assets, by the settings of the model that
+    /// names the file, starts from the folder of the model, or from that of the file that has the element.
+    pub(crate) fn asset_path(
+        &self,
+        element: &Element,
+        name: &str,
+        own: fn(&Compiler) -> &String,
+    ) -> Option<PathBuf> {
         let folder = self.meshes.folder.as_ref()?;
-        Some(folder.join(&model.folder.join(own(self.compiler(element)))))
+        let node = &self.tree.nodes[element.node];
+        let model = &self.tree.models[node.model].folder;
+        let beside = Path::new(&self.tree.files[node.file]).parent().unwrap_or(model);
+        let assets = own(self.compiler(element)).replace('\\', "/");
+        let around = [model.join(&assets), beside.join(&assets), beside.to_owned()];
+        let candidates = around.iter().flat_map(|folder| spellings(name).map(|name| folder.join(name)));
+        Some(folder.join(&folder.locate(candidates)))
     }
 
     fn read_mesh(&mut self, element: &Element, shell: bool) -> Result<MeshExtent, String> {
@@ -96,6 +106,10 @@ impl Reader<'_> {
             }
             None => self.written_mesh(element)?,
         };
+        let numbers = 3 * (mesh.points.len() + mesh.faces.len());
+        if !self.charge(element.node, Resource::Numbers, numbers) {
+            return Err("there are too many numbers in all meshes".into());
+        }
         if self.errors.len() > errors {
             return Err("it has invalid numbers".into());
         }

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use robot_dynamics_description::plausibility::WrittenAngles;
 use robot_dynamics_description::{Disposition, Finding, LoadReport, Severity};
-use robot_dynamics_xml::excerpt;
+use robot_dynamics_xml::{Budget, Exceeded, Resource, excerpt};
 
 use crate::assets::Meshes;
 use crate::classes::{Class, Classes};
@@ -24,12 +24,14 @@ pub(crate) struct Reader<'a> {
     /// The settings of each model, the main file first.
     pub(crate) compilers: Vec<Compiler>,
     pub(crate) meshes: Meshes,
-    /// The number of elements that replicates have created.
-    pub(crate) copied: usize,
+    /// The limits that all steps of reading share.
+    pub(crate) budget: Budget,
     /// The index of each body by name; filled on first use.
     pub(crate) body_indices: HashMap<String, usize>,
     /// The `<material>` elements by name.
     pub(crate) materials: HashMap<String, Id>,
+    /// The `<hfield>` elements by name.
+    pub(crate) height_fields: HashMap<String, Id>,
     pub(crate) options: LoadOptions,
     /// The Euler angles of all frames.
     pub(crate) angles: Vec<WrittenAngles>,
@@ -49,9 +51,10 @@ impl<'a> Reader<'a> {
             classes: Classes::default(),
             compilers: Vec::new(),
             meshes: Meshes::default(),
-            copied: 0,
+            budget: Budget::default(),
             body_indices: HashMap::new(),
             materials: HashMap::new(),
+            height_fields: HashMap::new(),
             options,
             angles: Vec::new(),
             report: LoadReport::default(),
@@ -127,6 +130,17 @@ impl<'a> Reader<'a> {
     pub(crate) fn refuse_unknown_name(&mut self, element: &Element, what: &'static str, name: &str) {
         let (line, place) = (element.line, element.place.clone());
         self.errors.push(MjcfError::UnknownName { line, place, what, name: excerpt(name) });
+    }
+
+    /// Charges the budget on behalf of this element; `false`, with an error, above the limit.
+    pub(crate) fn charge(&mut self, node: Id, resource: Resource, count: usize) -> bool {
+        let is_first = !self.budget.is_exceeded();
+        let Err(Exceeded { what, limit }) = self.budget.charge(resource, count) else { return true };
+        if is_first {
+            let (line, place) = (self.tree.nodes[node].line, self.place(node));
+            self.errors.push(MjcfError::TooMany { line, place, what, limit });
+        }
+        false
     }
 
     /// Lists an error; reading continues.

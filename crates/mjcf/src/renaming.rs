@@ -1,12 +1,12 @@
 //! Renames copied elements: which attributes hold names, and of which kind of object.
 
 use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
+
+use robot_dynamics_xml::{Budget, Exceeded, Resource};
 
 use crate::path::stem;
 use crate::tree::{Id, Node, Tree};
-
-/// The limit on the total weight of copies; a name has weight 1.
-pub(crate) const COPY_LIMIT: usize = 2_000_000;
 
 /// The kind of object that a name belongs to: `body`, `joint`, `site`, `geom`, `frame`, `tendon`, `actuator`.
 pub(crate) type ObjectKind = &'static str;
@@ -76,6 +76,11 @@ impl Renaming<'_> {
         format!("{}{name}{}", self.prefix, self.suffix)
     }
 
+    /// The largest length of an attribute in the copy.
+    pub(crate) fn length(&self, text: &str) -> usize {
+        self.prefix.len() + text.len() + self.suffix.len()
+    }
+
     /// The new name of a class. A class that the model lacks is renamed like other names.
     pub(crate) fn class(&self, name: &str) -> String {
         let Some(classes) = self.classes else { return name.to_owned() };
@@ -134,26 +139,31 @@ pub(crate) fn references(tree: &Tree, element: Id) -> Vec<(ObjectKind, String)> 
 }
 
 /// The names in a part of the bodies, including its own, with the suffixes of replicates.
-pub(crate) fn names_in(tree: &Tree, part: Id) -> Vec<(ObjectKind, String)> {
+pub(crate) fn names_in(
+    budget: &mut Budget,
+    tree: &Tree,
+    part: Id,
+) -> Result<Vec<(ObjectKind, String)>, Exceeded> {
     let mut found = Vec::new();
-    let mut pending = vec![(part, String::new())];
+    let mut pending: Vec<(Id, Rc<str>)> = vec![(part, Rc::from(""))];
     while let Some((id, suffix)) = pending.pop() {
         let node = &tree.nodes[id];
         found.extend(of_element(node, "worldbody").map(|(kind, name)| (kind, format!("{name}{suffix}"))));
         let replicate = Some(node).filter(|node| node.name == "replicate").and_then(Suffixes::of);
         let count = replicate.as_ref().map_or(1, |replicate| replicate.count);
-        if (found.len() + pending.len()).saturating_add(count.saturating_mul(node.children.len()))
-            > COPY_LIMIT
-        {
-            return found; // `Reader::replicate` lists the error
-        }
+        let length = replicate.as_ref().map_or(0, |replicate| replicate.suffix(0).len() + suffix.len() + 1);
+        let steps = count.saturating_mul(node.children.len() + 1);
+        budget.charge(Resource::Steps, steps)?;
+        budget.charge(Resource::Characters, count.saturating_mul(length))?;
         for copy in 0..count {
-            let own = replicate.as_ref().map_or_else(String::new, |replicate| replicate.suffix(copy));
-            let suffix = format!("{own}{suffix}");
-            pending.extend(node.children.iter().map(|&child| (child, suffix.clone())));
+            let suffix = replicate.as_ref().map_or_else(
+                || Rc::clone(&suffix),
+                |replicate| Rc::from(format!("{}{suffix}", replicate.suffix(copy))),
+            );
+            pending.extend(node.children.iter().map(|&child| (child, Rc::clone(&suffix))));
         }
     }
-    found
+    Ok(found)
 }
 
 /// The suffixes that a `<replicate>` adds to the names in its copies.

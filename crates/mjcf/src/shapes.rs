@@ -8,6 +8,7 @@ use robot_dynamics_description::{
     ContactPairDescription, Disposition, Elevation, LinkShape, Pose, RobotDescription, Shape, ShapeRole,
     Surface,
 };
+use robot_dynamics_xml::Resource;
 
 use crate::body::Body;
 use crate::classes::MAIN;
@@ -16,7 +17,7 @@ use crate::folder::Folder;
 use crate::geom::{Form, Geom};
 use crate::orientation::pose;
 use crate::reader::Reader;
-use crate::tree::Id;
+use crate::renaming::asset_name;
 
 impl Reader<'_> {
     /// Adds all geoms as shapes, including those of the world. A geom in a `<pair>` collides whatever its
@@ -101,29 +102,24 @@ impl Reader<'_> {
         Some((Shape::Mesh { name, file, scale }, pose(&place)))
     }
 
-    /// Whether there is a file at this path on the disk.
+    /// Whether there is a file at this path on the disk that may be read.
     fn is_on_disk(&self, path: &Path) -> bool {
-        self.meshes.folder.as_ref().is_some_and(Folder::is_on_disk) && path.is_file()
+        self.meshes.folder.as_ref().is_some_and(|folder| folder.allows(path))
     }
 
     fn height_field(&mut self, geom: &Geom) -> Option<Shape> {
         let wanted = self.text(&geom.element, "hfield")?;
-        let fields: Vec<Id> =
-            self.tree.in_sections("asset").filter(|&id| self.tree.nodes[id].name == "hfield").collect();
-        let found = fields
-            .into_iter()
-            .map(|id| self.raw_element(id))
-            .find(|field| self.text(field, "name") == Some(wanted));
-        let Some(field) = found else {
+        let Some(&id) = self.height_fields.get(wanted) else {
             self.refuse_unknown_name(&geom.element, "hfield", wanted);
             return None;
         };
+        let field = self.raw_element(id);
         let size = self.numbers::<4>(&field, "size")?;
         let elevation =
             if self.text(&field, "file").is_none() { self.elevation(&field, size[2]) } else { None };
         let name = self.text(&field, "file").unwrap_or(wanted).to_owned();
-        let folder = self.asset_folder(&field, |compiler| &compiler.asset_folder);
-        let file = folder.map(|folder| folder.join(&name)).filter(|path| self.is_on_disk(path));
+        let path = self.asset_path(&field, &name, |compiler| &compiler.asset_folder);
+        let file = path.filter(|path| self.is_on_disk(path));
         Some(Shape::HeightField { name, file, size, elevation })
     }
 
@@ -132,6 +128,9 @@ impl Reader<'_> {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // small whole numbers; saturating
         let [rows, columns] = ["nrow", "ncol"].map(|name| self.number(field, name).unwrap_or(0.0) as usize);
         let count = rows.checked_mul(columns).filter(|count| *count > 0)?;
+        if !self.charge(field.node, Resource::Numbers, count) {
+            return None;
+        }
         let Some((text, node)) = self.text_at(field, "elevation") else {
             return Some(Elevation::stretched(rows, columns, &vec![0.0; count], highest));
         };
@@ -173,6 +172,14 @@ impl Reader<'_> {
         let id = *self.materials.get(name)?;
         let material = self.element(id, MAIN);
         self.numbers::<4>(&material, "rgba")
+    }
+
+    /// Collects all height fields by name, which defaults to that of their file.
+    pub(crate) fn read_height_fields(&mut self) {
+        let tree = self.tree;
+        for id in tree.in_sections("asset").filter(|&id| tree.nodes[id].name == "hfield") {
+            self.height_fields.entry(asset_name(&tree.nodes[id])).or_insert(id);
+        }
     }
 
     /// Collects all materials by name.

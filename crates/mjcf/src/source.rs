@@ -4,11 +4,11 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use robot_dynamics_xml::roxmltree::{Document, Node as XmlNode};
-use robot_dynamics_xml::{Lines, excerpt};
+use robot_dynamics_xml::{Budget, Exceeded, Lines, Resource, excerpt};
 
 use crate::MjcfError;
 use crate::folder::{FileSet, Folder};
-use crate::path::normalize;
+use crate::path::spellings;
 use crate::renaming::OUTER_SECTIONS;
 use crate::tree::{Id, ModelFile, Node, Tree, in_file_place};
 
@@ -16,9 +16,6 @@ use crate::tree::{Id, ModelFile, Node, Tree, in_file_place};
 const DEPTH_LIMIT: usize = 500;
 /// The longest chain of files that include one another.
 const INCLUDE_LIMIT: usize = 50;
-/// The reason for which a path outside the folder of the main file is refused.
-const OUTSIDE: &str = "it is outside the folder of the main file; move it into that folder, or load a file in a \
-                       folder above both";
 
 /// The elements of all files, and the errors of reading them.
 #[derive(Default)]
@@ -31,8 +28,8 @@ pub(crate) struct Source {
     pub(crate) folder: Option<Folder>,
     included: HashSet<PathBuf>,
     bytes: usize,
-    /// The number of elements that attachments and replicates have created.
-    pub(crate) copied: usize,
+    /// The limits that all steps of reading share.
+    pub(crate) budget: Budget,
     /// The models that are being read; each is named by the one before it.
     model_stack: Vec<PathBuf>,
     /// The index of the model that is being read.
@@ -41,12 +38,18 @@ pub(crate) struct Source {
 
 impl Source {
     /// Reads the main file; `path` is `None` for a text.
-    pub(crate) fn read(text: &str, path: Option<&Path>, given: Option<&FileSet>) -> Result<Self, MjcfError> {
-        let folder = path.map(|path| Folder::of(path, given));
+    pub(crate) fn read(
+        text: &str,
+        path: Option<&Path>,
+        given: Option<&FileSet>,
+        confined: bool,
+    ) -> Result<Self, MjcfError> {
+        let folder = path.map(|path| Folder::of(path, given, confined));
         let mut source = Self { folder, bytes: text.len(), ..Self::default() };
-        if let Some(name) = path.and_then(Path::file_name) {
-            source.included.insert(name.into());
-            source.model_stack.push(name.into());
+        if let (Some(folder), Some(name)) = (&source.folder, path.and_then(Path::file_name)) {
+            let file = folder.identity(&folder.join(Path::new(name)));
+            source.included.insert(file.clone());
+            source.model_stack.push(file);
         }
         source.tree.files.push(String::new());
         source.tree.models.push(ModelFile { root: Tree::ROOT, folder: PathBuf::new() });
@@ -107,6 +110,13 @@ impl Source {
                 self.include(node.attribute("file"), file, line_of(node), parent, folders);
                 continue;
             }
+            let place = || in_file_place(&self.tree.files[file], &excerpt(node.tag_name().name()));
+            let charged = self.budget.charge(Resource::Elements, 1);
+            if let Err(Exceeded { what, limit }) = charged {
+                let (line, place) = (line_of(node), place());
+                self.errors.push(MjcfError::TooMany { line, place, what, limit });
+                return;
+            }
             let id = self.tree.nodes.len();
             self.tree.nodes.push(Node {
                 name: node.tag_name().name().to_owned(),
@@ -125,6 +135,40 @@ impl Source {
             }
             pending.extend(node.children().rev().map(|child| (child, Some(id))));
         }
+    }
+
+    /// The identity of the file at this path, relative to the folder.
+    fn identity(&self, path: &Path) -> PathBuf {
+        let known = self.folder.as_ref().map(|folder| folder.identity(&folder.join(path)));
+        known.unwrap_or_else(|| path.to_owned())
+    }
+
+    /// Adds a file to the number of bytes and of characters, or gives the reason for which it is too much.
+    fn charge_file(&mut self, text: &str) -> Result<(), String> {
+        self.bytes += text.len();
+        if self.bytes > robot_dynamics_xml::SIZE_LIMIT {
+            let limit = robot_dynamics_xml::SIZE_LIMIT;
+            return Err(format!("all files together have more than {limit} bytes"));
+        }
+        let charged = self.budget.charge(Resource::Characters, text.len());
+        charged.map_err(|Exceeded { what, limit }| format!("there are more than {limit} {what}"))
+    }
+
+    /// Charges the budget for a copy of this element; `false`, with an error, above the limit.
+    pub(crate) fn charge(&mut self, id: Id, resource: Resource, count: usize) -> bool {
+        let is_first = !self.budget.is_exceeded();
+        let Err(exceeded) = self.budget.charge(resource, count) else { return true };
+        if is_first {
+            self.refuse_excess(id, exceeded);
+        }
+        false
+    }
+
+    /// Lists a limit that was exceeded at this element.
+    pub(crate) fn refuse_excess(&mut self, id: Id, Exceeded { what, limit }: Exceeded) {
+        let node = &self.tree.nodes[id];
+        let (line, place) = (node.line, in_file_place(&self.tree.files[node.file], &excerpt(&node.name)));
+        self.errors.push(MjcfError::TooMany { line, place, what, limit });
     }
 
     /// Replaces `<include file>` by the children of the outermost element of the file.
@@ -167,26 +211,15 @@ impl Source {
             return Err(format!("includes are nested more than {INCLUDE_LIMIT} deep"));
         }
         // As in MuJoCo: in the folder of the model, or in that of the including file.
-        let beside = folders.last().map(|folder| folder.join(name));
-        let own = self.tree.models[self.model].folder.join(name);
-        let candidates = core::iter::once(own).chain(beside);
-        let mut paths = Vec::new();
-        for candidate in candidates {
-            paths.push(normalize(&candidate).ok_or(OUTSIDE)?);
-        }
-        let found = paths.iter().find(|path| folder.has(&folder.join(path))).unwrap_or(&paths[0]);
-        if !self.included.insert(found.clone()) {
+        let around = core::iter::once(&self.tree.models[self.model].folder).chain(folders.last());
+        let found = folder.locate(around.flat_map(|folder| spellings(name).map(|name| folder.join(name))));
+        let path = folder.join(&found);
+        if !self.included.insert(folder.identity(&path)) {
             return Err("it is included a second time, or by itself; a file can be included once".into());
         }
-        let text = folder.text(&folder.join(found))?;
-        self.bytes += text.len();
-        if self.bytes > robot_dynamics_xml::SIZE_LIMIT {
-            return Err(format!(
-                "all files together have more than {} bytes",
-                robot_dynamics_xml::SIZE_LIMIT
-            ));
-        }
-        Ok((found.clone(), text))
+        let text = folder.text(&path)?;
+        self.charge_file(&text)?;
+        Ok((found, text))
     }
 }
 
@@ -195,24 +228,26 @@ impl Source {
     /// error, if it fails.
     pub(crate) fn read_model(&mut self, id: Id) -> Option<Id> {
         let node = &self.tree.nodes[id];
-        let (name, line) = (node.attribute("file").unwrap_or_default().to_owned(), node.line);
+        let (name, line, named_in) =
+            (node.attribute("file").unwrap_or_default().to_owned(), node.line, node.file);
         let place = in_file_place(&self.tree.files[node.file], "model");
         let refuse = |reason: String| MjcfError::Attach { line, place, file: excerpt(&name), reason };
-        match self.model_text(&name) {
+        match self.model_text(&name, named_in) {
             Err(reason) => {
                 self.errors.push(refuse(reason));
                 None
             }
             Ok((path, text)) => {
                 let shown = path.display().to_string();
+                let file_id = self.identity(&path);
                 let folder = path.parent().unwrap_or(Path::new("")).to_owned();
                 let (file, model, root) =
                     (self.tree.files.len(), self.tree.models.len(), self.tree.nodes.len());
                 self.tree.files.push(shown.clone());
                 self.tree.models.push(ModelFile { root, folder });
                 let outer = core::mem::replace(&mut self.model, model);
-                let included = core::mem::replace(&mut self.included, HashSet::from([path.clone()]));
-                self.model_stack.push(path);
+                let included = core::mem::replace(&mut self.included, HashSet::from([file_id.clone()]));
+                self.model_stack.push(file_id);
                 let outcome = robot_dynamics_xml::parse(&text, DEPTH_LIMIT, |document, faults| {
                     let found = document.root_element().tag_name().name();
                     if found != "mujoco" {
@@ -242,7 +277,7 @@ impl Source {
 
     /// The path of a model's file, relative to the folder of the main file, and its text; or the reason of
     /// the failure.
-    fn model_text(&mut self, name: &str) -> Result<(PathBuf, String), String> {
+    fn model_text(&mut self, name: &str, file: usize) -> Result<(PathBuf, String), String> {
         if name.trim().is_empty() {
             return Err("the attribute `file` is missing".into());
         }
@@ -250,18 +285,16 @@ impl Source {
         if self.model_stack.len() >= INCLUDE_LIMIT {
             return Err(format!("attached models are nested more than {INCLUDE_LIMIT} deep"));
         }
-        let path = normalize(&self.tree.models[self.model].folder.join(name)).ok_or(OUTSIDE)?;
-        if self.model_stack.contains(&path) {
+        // In the folder of the model, or in that of the file that names it.
+        let beside = Path::new(&self.tree.files[file]).parent();
+        let around = core::iter::once(self.tree.models[self.model].folder.as_path()).chain(beside);
+        let found = folder.locate(around.flat_map(|folder| spellings(name).map(|name| folder.join(name))));
+        let path = folder.join(&found);
+        if self.model_stack.contains(&folder.identity(&path)) {
             return Err("it attaches itself, directly or through other models".into());
         }
-        let text = folder.text(&folder.join(&path))?;
-        self.bytes += text.len();
-        if self.bytes > robot_dynamics_xml::SIZE_LIMIT {
-            return Err(format!(
-                "all files together have more than {} bytes",
-                robot_dynamics_xml::SIZE_LIMIT
-            ));
-        }
-        Ok((path, text))
+        let text = folder.text(&path)?;
+        self.charge_file(&text)?;
+        Ok((found, text))
     }
 }

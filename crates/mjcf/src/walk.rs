@@ -4,17 +4,14 @@ use std::rc::Rc;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use robot_dynamics_description::Disposition;
+use robot_dynamics_xml::Resource;
 
-use crate::MjcfError;
 use crate::body::{Body, Site};
 use crate::classes::{Class, MAIN};
 use crate::element::Element;
 use crate::joint::Motion;
 use crate::reader::Reader;
 use crate::tree::{Id, Tree};
-
-/// The largest number of elements that replicates may create.
-const ELEMENT_LIMIT: usize = 2_000_000;
 
 /// The context of an element.
 #[derive(Clone)]
@@ -37,7 +34,7 @@ impl Reader<'_> {
 
     /// The joints in a frame, which need not be in the tree, with their elements. Reports nothing.
     pub(crate) fn joints_in(&mut self, frame: Id) -> Vec<(Id, Motion)> {
-        let saved = (self.errors.len(), self.refused_warnings.len(), self.angles.len(), self.copied);
+        let saved = (self.errors.len(), self.refused_warnings.len(), self.angles.len());
         let report = self.report.clone();
         let node = &self.tree.nodes[frame];
         let class = node.attribute("childclass").and_then(|name| self.classes.find(name));
@@ -45,7 +42,7 @@ impl Reader<'_> {
         self.errors.truncate(saved.0);
         self.refused_warnings.truncate(saved.1);
         self.angles.truncate(saved.2);
-        (self.copied, self.report) = (saved.3, report);
+        self.report = report;
         let joints = bodies.iter().flat_map(|body| &body.joints);
         joints.map(|joint| (joint.element.node, joint.motion)).collect()
     }
@@ -82,6 +79,10 @@ impl Reader<'_> {
         let own_name = tree.nodes[node].attribute("name").unwrap_or_default();
         let name = if own_name.is_empty() { String::new() } else { format!("{own_name}{}", context.suffix) };
         let is_world = context.body == 0;
+        if !context.suffix.is_empty() && !self.charge(node, Resource::Characters, name.len()) {
+            pending.clear();
+            return;
+        }
         match tree.nodes[node].name.as_str() {
             "body" => {
                 let element = self.raw_element(node);
@@ -172,11 +173,6 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether replicates have created more elements than the limit.
-    pub(crate) fn has_too_many_copies(&self) -> bool {
-        self.copied > ELEMENT_LIMIT
-    }
-
     /// The number of elements in one copy of a `<replicate>`, including itself. A nested replicate counts its
     /// own copies when it is read.
     fn elements_of_copy(&self, node: Id) -> usize {
@@ -204,22 +200,18 @@ impl Reader<'_> {
         }
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // checked just now
         let count = count as usize;
-        self.copied = self.copied.saturating_add(count.saturating_mul(self.elements_of_copy(node)));
-        if self.has_too_many_copies() {
-            let (line, place) = (element.line, element.place);
-            self.errors.push(MjcfError::TooMany {
-                line,
-                place,
-                what: "elements in bodies",
-                limit: ELEMENT_LIMIT,
-            });
+        let elements = count.saturating_mul(self.elements_of_copy(node));
+        let separator = self.text(&element, "sep").unwrap_or_default();
+        let digits = count.to_string().len();
+        let suffixes = count.saturating_mul(separator.len() + digits + context.suffix.len());
+        if !self.charge(node, Resource::Elements, elements)
+            || !self.charge(node, Resource::Characters, suffixes)
+        {
             pending.clear();
             return;
         }
         let offset = self.numbers::<3>(&element, "offset").unwrap_or_default();
         let euler = self.numbers::<3>(&element, "euler").unwrap_or_default();
-        let separator = self.text(&element, "sep").unwrap_or_default();
-        let digits = count.to_string().len();
         let compiler = self.compiler(&element);
         let turn = |times: f64| self.euler(&element, euler.map(|angle| times * compiler.angle(angle)));
         let step = Isometry3::from_parts(Translation3::from(offset), turn(1.0));

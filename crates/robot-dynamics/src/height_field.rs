@@ -1,5 +1,6 @@
 //! Reads the height field of a shape.
 
+use std::io::Read;
 use std::path::Path;
 
 use crate::contact::HeightField;
@@ -28,20 +29,33 @@ pub fn height_field(shape: &LinkShape) -> Result<HeightField, String> {
     let Shape::HeightField { file, size: [x, y, highest, _], elevation, .. } = &shape.shape else {
         return Err("it is not a height field".into());
     };
-    let opened;
-    let elevation = if let Some(elevation) = elevation {
-        elevation
-    } else {
-        opened = read(file.as_deref().ok_or("its file was not found")?, *highest)?;
-        &opened
+    let elevation = match elevation {
+        Some(elevation) => elevation.clone(),
+        None => read(file.as_deref().ok_or("its file was not found")?, *highest)?,
     };
     let Elevation { rows, columns, heights, .. } = elevation;
-    HeightField::new(*rows, *columns, [*x, *y], heights.clone()).map_err(|error| error.to_string())
+    HeightField::new(rows, columns, [*x, *y], heights).map_err(|error| error.to_string())
 }
+
+/// The largest number of heights in a file: 4096 rows and columns.
+const HEIGHT_LIMIT: usize = 1 << 24;
+
+/// The largest size of a file in bytes: all heights in single precision.
+const SIZE_LIMIT: u64 = 4 * HEIGHT_LIMIT as u64 + 8;
 
 /// Reads MuJoCo's binary format, or a picture.
 fn read(path: &Path, highest: f64) -> Result<Elevation, String> {
-    let bytes = std::fs::read(path).map_err(|error| format!("its file cannot be read: {error}"))?;
+    // A pipe is not opened, because this would wait for a writer.
+    if std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
+        return Err("its file is not a regular file".into());
+    }
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)
+        .and_then(|file| file.take(SIZE_LIMIT + 1).read_to_end(&mut bytes))
+        .map_err(|error| format!("its file cannot be read: {error}"))?;
+    if bytes.len() as u64 > SIZE_LIMIT {
+        return Err(format!("its file has more than {SIZE_LIMIT} bytes"));
+    }
     if bytes.starts_with(b"\x89PNG") {
         return picture(&bytes, highest);
     }
@@ -71,6 +85,13 @@ fn picture(bytes: &[u8], highest: f64) -> Result<Elevation, String> {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::EXPAND | png::Transformations::STRIP_16);
     let mut reader = decoder.read_info().map_err(wrong)?;
+    let info = reader.info();
+    if u64::from(info.width) * u64::from(info.height) > HEIGHT_LIMIT as u64 {
+        return Err(format!(
+            "its picture of {} × {} pixels has more than {HEIGHT_LIMIT} pixels, the largest number of heights",
+            info.width, info.height
+        ));
+    }
     let size = reader.output_buffer_size().ok_or("its picture is too large")?;
     let mut pixels = vec![0; size];
     let frame = reader.next_frame(&mut pixels).map_err(wrong)?;

@@ -3,6 +3,7 @@
 //! [`read_file`] and [`parse`] refuse hostile text and repair common faults. [`Lines`] maps bytes to lines,
 //! [`LoadOptions`] are the options of all readers, and [`Writer`] writes XML.
 
+mod budget;
 mod error;
 mod lines;
 mod options;
@@ -13,9 +14,10 @@ mod writer;
 
 pub use roxmltree;
 
+pub use budget::{Budget, CHARACTER_LIMIT, ELEMENT_LIMIT, Exceeded, NUMBER_LIMIT, Resource};
 pub use error::{XmlError, excerpt};
 pub use lines::Lines;
 pub use options::LoadOptions;
 pub use repair::outermost;
-pub use text::{SIZE_LIMIT, parse, read_file, text_of};
+pub use text::{SIZE_LIMIT, parse, read_file, read_regular_file, text_of};
 pub use writer::{Writer, is_name, way_from};

@@ -3,18 +3,20 @@
 //! The scan follows tags, quotes, comments and CDATA as long as the text is well-formed. At the first fault
 //! it stops, and the parser reports the error with its position.
 
-use crate::XmlError;
+use crate::{Resource, XmlError};
 
 /// The largest number of attributes on one element. The parser compares all pairs of them.
 const ATTRIBUTE_LIMIT: usize = 200;
 /// The largest number of namespace declarations in a file. Elements inherit and copy them.
 const NAMESPACE_LIMIT: usize = 100;
 
-/// Refuses document type declarations, deep nesting, and large numbers of attributes, in one pass.
+/// Refuses document type declarations, deep nesting, and large numbers of elements or attributes, in one
+/// pass.
 pub(crate) fn refuse_hostile(text: &str, depth_limit: usize) -> Result<(), XmlError> {
     let line_of = |at: usize| 1 + text[..at].matches('\n').count();
     let mut depth = 0_usize;
     let mut namespaces = 0;
+    let mut elements = 0;
     let mut at = 0;
     while let Some(found) = text[at..].find('<') {
         let start = at + found;
@@ -38,6 +40,12 @@ pub(crate) fn refuse_hostile(text: &str, depth_limit: usize) -> Result<(), XmlEr
                     what: "attributes on one element",
                     limit: ATTRIBUTE_LIMIT,
                 });
+            }
+            elements += 1;
+            let limit = Resource::Elements.limit();
+            if elements > limit.limit {
+                let line = line_of(start);
+                return Err(XmlError::TooMany { line, what: limit.what, limit: limit.limit });
             }
             namespaces += tag.namespaces;
             if namespaces > NAMESPACE_LIMIT {

@@ -29,6 +29,25 @@ pub fn read_file(path: &Path) -> Result<String, XmlError> {
     text_of(&bytes)
 }
 
+/// Reads the text of a file that another file names. It must be a regular file: a pipe or a device may never
+/// end.
+///
+/// ```
+/// let folder = robot_dynamics_xml::read_regular_file(std::path::Path::new("."));
+/// assert!(folder.unwrap_err().to_string().contains("not a regular file"));
+/// ```
+///
+/// # Errors
+/// As [`read_file`], and for a file of another kind.
+pub fn read_regular_file(path: &Path) -> Result<String, XmlError> {
+    // A pipe is not opened, because this would wait for a writer.
+    if std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
+        let source = std::io::Error::other("it is not a regular file");
+        return Err(XmlError::Unreadable { path: path.to_owned(), source });
+    }
+    read_file(path)
+}
+
 /// Decodes the content of a file: UTF-8, or Latin-1 if its XML declaration says so.
 ///
 /// ```

@@ -1,16 +1,12 @@
-//! Copies elements under new names, and limits the number of copies.
+//! Copies elements under new names, within the limits that all steps of reading share.
 
 use std::collections::{HashMap, HashSet};
 
-use super::Expansion;
-use crate::MjcfError;
-use crate::renaming::{
-    COPY_LIMIT, OUTER_SECTIONS, ObjectKind, Renaming, Suffixes, asset_name, of_element, references,
-};
-use crate::tree::{Id, Node};
+use robot_dynamics_xml::Resource;
 
-/// The weight of a copied element in the limit; a name has weight 1, because it takes less memory.
-const COPY_WEIGHT: usize = 8;
+use super::{Expansion, NAME_SIZE};
+use crate::renaming::{OUTER_SECTIONS, ObjectKind, Renaming, Suffixes, asset_name, of_element, references};
+use crate::tree::{Id, Node};
 
 impl Expansion<'_> {
     /// Copies the elements of a section whose references exist into a new section after the others.
@@ -21,7 +17,7 @@ impl Expansion<'_> {
         renaming: &Renaming<'_>,
     ) -> HashMap<Id, Id> {
         let (mut copies, mut own_copy) = (Vec::new(), HashMap::new());
-        if !self.count(elements.len()) {
+        if !self.source.charge(self.root, Resource::Steps, elements.len()) {
             return own_copy;
         }
         for &element in elements {
@@ -51,7 +47,7 @@ impl Expansion<'_> {
                 self.source.tree.nodes[copy].attributes.retain(|(name, _)| name != "class");
             }
             if let Some(name) = of_element(&self.source.tree.nodes[copy], section) {
-                self.enter(name);
+                self.enter(copy, name);
             }
             copies.push(copy);
             own_copy.insert(element, copy);
@@ -69,27 +65,27 @@ impl Expansion<'_> {
     pub(super) fn replicate(&mut self, id: Id) {
         let inside = self.replicate_names.pop().unwrap_or_default();
         let Some(suffixes) = Suffixes::of(&self.tree().nodes[id]) else { return };
-        if !self.count(inside.len().saturating_mul(suffixes.count)) {
+        let length = suffixes.suffix(0).len() + NAME_SIZE;
+        let names: usize = inside.iter().map(|(_, name)| name.len() + length).sum();
+        let characters = suffixes.count.saturating_mul(names + length);
+        if inside.is_empty() || !self.source.charge(id, Resource::Characters, characters) {
             return;
         }
-        let suffixes: Vec<String> = if inside.is_empty() {
-            return;
-        } else {
-            (0..suffixes.count).map(|copy| suffixes.suffix(copy)).collect()
-        };
+        let suffixes: Vec<String> = (0..suffixes.count).map(|copy| suffixes.suffix(copy)).collect();
         for name in &inside {
             self.names.remove(name);
             self.parts.remove(name);
         }
         for suffix in &suffixes {
             for (kind, name) in &inside {
-                self.enter((*kind, format!("{name}{suffix}")));
+                self.enter(id, (*kind, format!("{name}{suffix}")));
             }
         }
         let mut inside: HashSet<(ObjectKind, String)> = inside.into_iter().collect();
         for section in OUTER_SECTIONS {
             let elements = self.tree().in_sections_of(self.root, section);
-            if !self.count(elements.len() + self.tree().origins.len()) {
+            let steps = elements.len() + self.tree().origins.len();
+            if !self.source.charge(id, Resource::Steps, steps) {
                 return;
             }
             let tree = &self.source.tree;
@@ -137,18 +133,6 @@ impl Expansion<'_> {
         Some(copy)
     }
 
-    /// Adds to the number of copies; `false`, with an error, above the limit.
-    pub(super) fn count(&mut self, more: usize) -> bool {
-        let before = self.source.copied;
-        self.source.copied = before.saturating_add(more);
-        if before <= COPY_LIMIT && self.source.copied > COPY_LIMIT {
-            let (line, place) = self.place(self.root);
-            let (what, limit) = ("elements in attached parts", COPY_LIMIT / COPY_WEIGHT);
-            self.source.errors.push(MjcfError::TooMany { line, place, what, limit });
-        }
-        self.source.copied <= COPY_LIMIT
-    }
-
     /// Copies an element and its descendants under new names; `None` above the limit.
     pub(super) fn copy(
         &mut self,
@@ -158,7 +142,11 @@ impl Expansion<'_> {
     ) -> Option<Id> {
         let mut pending = vec![from];
         while let Some(old) = pending.pop() {
-            if !self.count(COPY_WEIGHT) {
+            let node = &self.tree().nodes[old];
+            let characters: usize = node.attributes.iter().map(|(_, text)| renaming.length(text)).sum();
+            if !self.source.charge(old, Resource::Elements, 1)
+                || !self.source.charge(old, Resource::Characters, characters)
+            {
                 return None;
             }
             let node = &self.tree().nodes[old];

@@ -107,13 +107,18 @@ fn cycles_of_models_are_refused() {
 }
 
 #[test]
-fn models_outside_the_folder_and_missing_ones_are_refused() {
+fn missing_models_and_those_outside_a_confined_folder_are_refused() {
     let outside = std::env::temp_dir().join(format!("mjcf-outside-model-{}.xml", std::process::id()));
     std::fs::write(&outside, LEG).expect("a file");
     let name = outside.file_name().expect("a name").to_string_lossy().into_owned();
     for file in [format!("../{name}"), format!("x/../../{name}"), outside.display().to_string()] {
-        let (named, _) = refused(load(&format!("<mujoco><asset><model file='{file}'/></asset></mujoco>")));
+        let main = format!("<mujoco><asset><model file='{file}'/></asset></mujoco>");
+        load(&main).expect("a robot");
+        let folder = Folder::with("attach-confined", &[("main.xml", &main)]);
+        let confined = LoadOptions::default().with_confined();
+        let (named, reason) = refused(robot_dynamics_mjcf::load(folder.path().join("main.xml"), &confined));
         assert_eq!(named, file);
+        assert!(reason.contains("to which reading is confined"), "{reason}");
     }
     std::fs::remove_file(outside).expect("the file");
     assert_eq!(refused(load("<mujoco><asset><model file='none.xml'/></asset></mujoco>")).0, "none.xml");

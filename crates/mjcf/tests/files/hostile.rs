@@ -233,3 +233,86 @@ fn broken_meshes_are_refused() {
         );
     }
 }
+
+/// The limit that was exceeded.
+fn exceeded(error: &LoadError) -> &'static str {
+    let found = error.errors().iter().find_map(|error| match error {
+        MjcfError::TooMany { what, .. } => Some(*what),
+        _ => None,
+    });
+    found.unwrap_or_else(|| panic!("{error}"))
+}
+
+/// All steps of reading charge the same limits, so that a small file cannot fill the memory.
+#[test]
+fn small_files_that_grow_are_refused_by_the_limit_that_they_exceed() {
+    let long = "x".repeat(20_000);
+    let world = |content: &str| format!("<mujoco><worldbody>{content}</worldbody></mujoco>");
+    let nested = |depth: usize, content: &str| {
+        let open = "<replicate count='10'>".repeat(depth);
+        format!("{open}{content}{}", "</replicate>".repeat(depth))
+    };
+    let attached: String = (0..300).map(|k| format!("<attach body='b' prefix='{k}_{long}'/>")).collect();
+    let parts: String = (0..100).map(|k| format!("<site name='s{k}'/>")).collect();
+    let joints = "<body><joint/><geom size='0.1'/></body>".repeat(5000);
+    let list = "1 ".repeat(50_000);
+    let geoms = "<geom size='0.1'/>".repeat(5000);
+    let pole = "<body><freejoint/><geom size='0.1'/></body>";
+    for (what, text, limit) in [
+        ("nested replicates", world(&nested(8, pole)), "elements"),
+        ("a long name", world(&format!("<replicate count='50000'><body name='{long}'/></replicate>")), "characters"),
+        ("a long separator", world(&format!("<replicate count='50000' sep='{long}'><body/></replicate>")), "characters"),
+        (
+            "a long name of a tendon",
+            format!(
+                "<mujoco><worldbody><replicate count='50000'><body><joint name='j'/></body></replicate></worldbody>
+                   <tendon><fixed name='{long}'><joint joint='j' coef='1'/></fixed></tendon></mujoco>"
+            ),
+            "characters",
+        ),
+        ("long prefixes", world(&format!("<body name='b'>{parts}</body>{attached}")), "characters"),
+        (
+            "a large height field",
+            "<mujoco><asset><hfield name='h' size='1 1 1 1' nrow='100000' ncol='100000'/></asset>
+               <worldbody><geom type='hfield' hfield='h'/></worldbody></mujoco>"
+                .to_owned(),
+            "numbers",
+        ),
+        (
+            "many geoms with a height field",
+            "<mujoco><asset><hfield name='h' size='1 1 1 1' nrow='1000' ncol='1000'/></asset>
+               <worldbody><replicate count='1000'><geom type='hfield' hfield='h'/></replicate></worldbody></mujoco>"
+                .to_owned(),
+            "numbers",
+        ),
+        (
+            "empty keys",
+            format!("<mujoco><worldbody>{joints}</worldbody><keyframe>{}</keyframe></mujoco>", "<key/>".repeat(20_000)),
+            "numbers",
+        ),
+        (
+            "a long list in a default",
+            format!("<mujoco><default><geom friction='{list}'/></default><worldbody>{geoms}</worldbody></mujoco>"),
+            "numbers",
+        ),
+        ("many written elements", world(&"<a/>".repeat(1_000_001)), "elements"),
+    ] {
+        let error = quickly(what, &text).expect_err(what);
+        if what == "many written elements" {
+            let robot_dynamics_xml::XmlError::TooMany { what: found, .. } = source(&error) else { panic!("{error}") };
+            assert!(found.starts_with(limit), "{what}: {found}");
+        } else {
+            assert!(exceeded(&error).starts_with(limit), "{what}: {error}");
+        }
+    }
+}
+
+/// The limits admit 10⁵ bodies, whether they are written or replicated.
+#[test]
+fn a_hundred_thousand_replicated_bodies_load() {
+    let body = "<body name='a'><joint name='j'/><geom name='g' size='0.1'/><site name='s'/></body>";
+    let text =
+        format!("<mujoco><worldbody><replicate count='100000'>{body}</replicate></worldbody></mujoco>");
+    let robot = quickly("replicated bodies", &text).expect("a robot");
+    assert_eq!(robot.report.counts.degrees_of_freedom, 100_000);
+}

@@ -1,6 +1,7 @@
-//! Included files are located and named in messages. Cycles, and files outside the folder, are refused.
+//! Included files are located and named in messages. Cycles are refused, and files outside the folder if
+//! reading is confined.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use robot_dynamics::description::Shape;
 use robot_dynamics::mjcf::{FileSet, LoadError, LoadOptions, MjcfError, Robot, load, load_among, parse};
@@ -17,6 +18,10 @@ impl Folder {
             std::fs::write(path, text).expect("a file");
         }
         Self(folder)
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
     }
 
     pub(crate) fn load(&self, file: &str) -> Result<Robot, LoadError> {
@@ -89,19 +94,95 @@ fn cycles_and_repetitions_of_includes_are_refused() {
     }
 }
 
+/// As in MuJoCo, the files of a robot may be anywhere on the disk: above the main file's folder, beside the
+/// including file, at an absolute path, and named with `\\`.
 #[test]
-fn files_outside_the_folder_are_not_read() {
+fn files_may_be_anywhere_on_the_disk() {
+    let elsewhere = Folder::with(
+        "elsewhere",
+        &[("part.xml", "<mujoco><worldbody><body name='d'/></worldbody></mujoco>")],
+    );
+    let block = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    let main = format!(
+        "<mujoco><include file='../shared/a.xml'/><include file='{}'/><include file='..\\shared\\c.xml'/>
+           <asset><model name='tool' file='../shared/tool.xml'/></asset>
+           <worldbody><attach model='tool' prefix='t_'/></worldbody></mujoco>",
+        elsewhere.0.join("part.xml").display()
+    );
+    let body = "<body name='a'><freejoint/><geom type='mesh' mesh='block'/></body>";
+    let a = format!(
+        "<mujoco><asset><mesh file='block.obj'/></asset><worldbody>{body}</worldbody><include file='b.xml'/></mujoco>"
+    );
+    let folder = Folder::with(
+        "above",
+        &[
+            ("arm/main.xml", &main),
+            ("whole.xml", "<mujoco><include file='arm/main.xml'/></mujoco>"),
+            ("shared/a.xml", &a),
+            ("shared/block.obj", block),
+            ("shared/b.xml", "<mujoco><worldbody><body name='b'/></worldbody></mujoco>"),
+            ("shared/c.xml", "<mujoco><worldbody><body name='c'/></worldbody></mujoco>"),
+            ("shared/tool.xml", "<mujoco><worldbody><body name='e'/></worldbody></mujoco>"),
+        ],
+    );
+    let robot = folder.load("arm/main.xml").expect("a robot");
+    let links: Vec<&str> = robot.description.links.iter().map(|link| link.name.as_str()).collect();
+    assert_eq!(links, ["world", "a", "b", "d", "c", "t_e"]);
+    let mass = robot.description.links[1].mass_properties.expect("a block").mass();
+    assert!((mass - 1000.0 / 6.0).abs() < 1e-3, "{mass}");
+    let file = robot.description.shapes[0].shape.file().and_then(|(_, path)| path);
+    assert!(file.expect("the mesh").ends_with("shared/block.obj"));
+    // The files that an included file names are also searched beside it.
+    let whole = folder.load("whole.xml").expect("a robot");
+    assert_eq!(whole.description.links, robot.description.links);
+}
+
+/// A confined reading, and one of files in memory, refuse files outside their root, and name the root.
+#[test]
+fn confined_reading_stays_in_the_folder_of_the_main_file() {
     let outside = std::env::temp_dir().join(format!("mjcf-outside-{}.xml", std::process::id()));
     std::fs::write(&outside, "<mujoco/>").expect("a file");
     let name = outside.file_name().expect("a name").to_string_lossy().into_owned();
+    let confined = LoadOptions::default().with_confined();
     for file in
         [format!("../{name}"), format!("x/../../{name}"), outside.display().to_string(), "/etc/passwd".into()]
     {
         let text = format!("<mujoco><include file='{file}'/></mujoco>");
         let folder = Folder::with("leaves", &[("main.xml", &text)]);
-        assert_eq!(refused(folder.load("main.xml")).0, file);
+        let (named, reason) = refused(load(folder.0.join("main.xml"), &confined));
+        assert_eq!(named, file);
+        assert!(
+            reason.contains("to which reading is confined") && reason.contains("mjcf-leaves"),
+            "{reason}"
+        );
+        let given = FileSet::new([("main.xml", text)]);
+        let (_, reason) = refused(load_among(&given, "main.xml", &LoadOptions::default()));
+        assert_eq!(reason, "it is outside the given files");
     }
+    let mesh = format!(
+        "<mujoco><asset><mesh name='m' file='../{name}' content_type='model/obj'/></asset>
+           <worldbody><body><freejoint/><geom type='mesh' mesh='m'/></body></worldbody></mujoco>"
+    );
+    let folder = Folder::with("leaves-mesh", &[("main.xml", &mesh)]);
+    let error = load(folder.0.join("main.xml"), &confined).expect_err("outside").to_string();
+    assert!(error.contains("to which reading is confined"), "{error}");
     std::fs::remove_file(outside).expect("the file");
+}
+
+/// A pipe as an included file, a model or a mesh is refused at once. Opening it would wait for a writer.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused() {
+    let model = "<asset><model name='m' file='pipe.stl'/></asset>";
+    let mesh = "<asset><mesh name='m' file='pipe.stl'/></asset>
+        <worldbody><body><freejoint/><geom type='mesh' mesh='m'/></body></worldbody>";
+    for content in ["<include file='pipe.stl'/>", "<include file='/dev/zero'/>", model, mesh] {
+        let folder = Folder::with("pipe", &[("main.xml", &format!("<mujoco>{content}</mujoco>"))]);
+        let made = std::process::Command::new("mkfifo").arg(folder.0.join("pipe.stl")).status();
+        assert!(made.expect("mkfifo").success());
+        let error = folder.load("main.xml").expect_err("no regular file").to_string();
+        assert!(error.contains("not a regular file"), "{error}");
+    }
 }
 
 #[test]
