@@ -60,6 +60,8 @@ ARGUMENTS = {
     "floating_base": "bool",
     "strict": "bool",
     "repair_inertia": "bool",
+    "package_path": "list[str]",
+    "confined": "bool",
     "value": "object",
     "full": "Robot",
     "reduced": "Robot",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
+from collections.abc import Sequence
 
 from robot_dynamics import _native, defaults
 from robot_dynamics.errors import LoadWarning
@@ -16,8 +17,13 @@ def load(
     floating_base: bool = False,
     strict: bool = False,
     repair_inertia: bool = False,
+    package_path: Sequence[str | os.PathLike[str]] = (),
+    confined: bool = False,
 ) -> Robot:
     """Load a robot from a file of any format that the library reads.
+
+    URDF opens no other file. MJCF opens included and attached files, and the meshes from which the inertia of
+    a body comes. They may be anywhere on the disk, unless `confined` is set.
 
     Suspicious values are taken as written. Each kind of them raises one `LoadWarning` with the error, the
     number of places and the first place. `Robot.report` has every finding.
@@ -32,6 +38,11 @@ def load(
         Whether a warning is an error.
     repair_inertia : bool
         Whether to move inertias that no rigid body has to the boundary of those that one can have.
+    package_path : sequence of path
+        Folders that are searched for `package://NAME/…`, before those of `ROS_PACKAGE_PATH` and
+        `AMENT_PREFIX_PATH`: packages, or folders that contain packages.
+    confined : bool
+        Whether the other files that the file names must be in its folder, for files that are not trusted.
 
     Returns
     -------
@@ -54,6 +65,8 @@ def load(
         floating_base=floating_base,
         strict=strict,
         repair_inertia=repair_inertia,
+        package_path=_folders(package_path),
+        confined=confined,
     )
     _warn(robot, os.fspath(path))
     return robot
@@ -65,6 +78,7 @@ def loads(
     floating_base: bool = False,
     strict: bool = False,
     repair_inertia: bool = False,
+    package_path: Sequence[str | os.PathLike[str]] = (),
 ) -> Robot:
     """Load a robot from the text of a file; see `load`.
 
@@ -78,6 +92,9 @@ def loads(
         Whether a warning is an error.
     repair_inertia : bool
         Whether to move inertias that no rigid body has to the boundary of those that one can have.
+    package_path : sequence of path
+        Folders that are searched for `package://NAME/…`: packages, or folders that contain packages. Without
+        them the meshes of a text are not located.
 
     Returns
     -------
@@ -99,7 +116,14 @@ def loads(
     >>> rd.loads('<robot name="point"><link name="world"/></robot>').nv
     0
     """
-    robot = Robot("text", text, floating_base=floating_base, strict=strict, repair_inertia=repair_inertia)
+    robot = Robot(
+        "text",
+        text,
+        floating_base=floating_base,
+        strict=strict,
+        repair_inertia=repair_inertia,
+        package_path=_folders(package_path),
+    )
     _warn(robot, "the text")
     return robot
 
@@ -161,6 +185,12 @@ def random_robot(seed: int, *, joints: int = defaults.RANDOM_JOINTS, floating_ba
     (True, True)
     """
     return Robot("json", _native._random_robot(seed, joints, floating_base))
+
+
+def _folders(package_path: Sequence[str | os.PathLike[str]]) -> list[str]:
+    if isinstance(package_path, str | os.PathLike):
+        package_path = [package_path]
+    return [os.fspath(folder) for folder in package_path]
 
 
 def _warn(robot: Robot, source: str) -> None:

@@ -112,6 +112,22 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
         rd.Robot("json", "[]")
 
 
+def test_packages_are_found_by_their_path(tmp_path: Path) -> None:
+    """A mesh of `package://` is found in `package_path`, also for a text, and a confined reading refuses others."""
+    mesh = tmp_path / "parts" / "meshes" / "m.stl"
+    mesh.parent.mkdir(parents=True)
+    mesh.write_text("solid\nendsolid\n")
+    uri = "package://parts/meshes/m.stl"
+    text = f"<robot name='r'><link name='a'><visual><geometry><mesh filename='{uri}'/></geometry></visual></link></robot>"
+    assert str(mesh) not in str(rd.loads(text).report.files)
+    assert str(mesh) in str(rd.loads(text, package_path=[tmp_path]).report.files)
+    file = tmp_path / "other" / "r.urdf"
+    file.parent.mkdir()
+    file.write_text(text)
+    assert str(mesh) in str(rd.load(file, package_path=[tmp_path]).report.files)
+    assert str(mesh) not in str(rd.load(file, package_path=[tmp_path], confined=True).report.files)
+
+
 def test_joints_without_inertia_are_named() -> None:
     text = (ROBOTS / "two_r.urdf").read_text()
     description = rd.loads(text).describe()

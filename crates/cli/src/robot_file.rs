@@ -32,10 +32,13 @@ pub(crate) struct RobotFile {
     /// Drop inertia without mass. All other values stay as written.
     #[arg(long, conflicts_with = "strict")]
     repair_inertia: bool,
-    /// Search this folder for the packages of `package://NAME/…`, before those of ROS_PACKAGE_PATH. It is a
-    /// package or contains packages. May be repeated.
+    /// Search this folder for the packages of `package://NAME/…`, before those of ROS_PACKAGE_PATH and
+    /// AMENT_PREFIX_PATH. It is a package or contains packages. May be repeated.
     #[arg(long, value_name = "FOLDER")]
     package_path: Vec<PathBuf>,
+    /// Refuse files outside the robot's folder that the file names, for files that are not trusted.
+    #[arg(long)]
+    confined: bool,
     /// Lock joints: at JOINT=NUMBER, or at the position nearest to zero within the limits. A joint of several
     /// numbers takes them in a row. Locked joints become fixed joints.
     #[arg(long, value_name = "JOINT,…", allow_hyphen_values = true)]
@@ -95,6 +98,9 @@ impl RobotFile {
         }
         if self.repair_inertia {
             options = options.with_repaired_inertia();
+        }
+        if self.confined {
+            options = options.with_confined();
         }
         for folder in &self.package_path {
             if !folder.is_dir() {

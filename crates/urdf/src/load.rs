@@ -66,7 +66,7 @@ pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &LoadOptions) -> Re
     read_text(text, options.clone(), Some(path.as_ref()))
 }
 
-/// Reads the text of a URDF file.
+/// Reads the text of a URDF file. Meshes of packages are located if the options have a package path.
 ///
 /// ```
 /// let text = r#"<robot name="pendulum">
@@ -157,7 +157,7 @@ fn read_robot<'a>(
     }
 
     let Appearance { mut shapes, angles } = reader.appearance(element);
-    if let Some(path) = path {
+    if path.is_some() || !reader.options.package_path.is_empty() {
         mesh_file::locate_meshes(&mut reader, element, &mut shapes, path);
     }
     robot.shapes = shapes;

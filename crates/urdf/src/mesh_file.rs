@@ -1,7 +1,7 @@
 //! Locates the mesh files that a robot names, without opening them.
 
 use std::collections::BTreeSet;
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 use robot_dynamics_description::{LinkShape, Shape};
@@ -13,15 +13,16 @@ use crate::reader::Reader;
 /// The number of missing files that the note names.
 const LISTED_FILES: usize = 3;
 
-/// Locates the file of each mesh, starting from the robot's file at `path`. One note lists those that are
-/// missing.
+/// Locates the file of each mesh, starting from the robot's file at `path`; `None` for a text. One note lists
+/// those that are missing.
 pub(crate) fn locate_meshes(
     reader: &mut Reader<'_>,
     robot: &Element<'_>,
     shapes: &mut [LinkShape],
-    path: &Path,
+    path: Option<&Path>,
 ) {
-    let search = Search::from(path, &reader.options.package_path);
+    let mut search = Search::from(path, &reader.options.package_path);
+    search.confined = reader.options.confined;
     let mut missing = BTreeSet::new();
     for shape in shapes {
         if let Shape::Mesh { name, file, .. } = &mut shape.shape {
@@ -42,40 +43,69 @@ pub(crate) fn locate_meshes(
     };
     let message = format!(
         "mesh files were not found: {}{more}; package:// is searched in the folder of the robot's file and those \
-         above it, in the package path (--package-path), and in ROS_PACKAGE_PATH",
-        names.join(", ")
+         above it, in the package path (--package-path), in ROS_PACKAGE_PATH, and in AMENT_PREFIX_PATH{}",
+        names.join(", "),
+        search.confinement()
     );
     reader.report_ignored(robot.line, robot.place.clone(), message);
 }
 
 /// The folders to search.
 struct Search {
-    /// The folder of the robot's file and its ancestors.
+    /// The folder of the robot's file and its ancestors; empty for a text.
     folders: Vec<PathBuf>,
-    /// The folders in the options, and those of `ROS_PACKAGE_PATH`.
+    /// The folders in the options, those of `ROS_PACKAGE_PATH`, and the folder `share` of those of
+    /// `AMENT_PREFIX_PATH`.
     packages: Vec<PathBuf>,
+    /// Whether files outside the folder of the robot's file are not taken.
+    confined: bool,
+}
+
+/// The folders of ROS 1 and ROS 2 that contain packages.
+fn ros_folders(ros: Option<OsString>, ament: Option<OsString>) -> Vec<PathBuf> {
+    let folders = |list: Option<OsString>| -> Vec<PathBuf> {
+        list.iter().flat_map(std::env::split_paths).filter(|path| path.is_absolute()).collect()
+    };
+    let shares = folders(ament).into_iter().map(|prefix| prefix.join("share"));
+    folders(ros).into_iter().chain(shares).collect()
 }
 
 impl Search {
-    fn from(path: &Path, given: &[PathBuf]) -> Self {
-        let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-        let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    fn from(path: Option<&Path>, given: &[PathBuf]) -> Self {
+        let folder = path.map(|path| {
+            let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+            folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
+        });
         // The standard library cannot split a list of folders in WebAssembly.
-        let listed = std::env::var_os("ROS_PACKAGE_PATH").filter(|_| !cfg!(target_family = "wasm"));
+        let variable = |name| std::env::var_os(name).filter(|_| !cfg!(target_family = "wasm"));
         Self {
-            folders: folder.ancestors().map(Path::to_owned).collect(),
+            folders: folder.iter().flat_map(|folder| folder.ancestors()).map(Path::to_owned).collect(),
             packages: given
                 .iter()
                 .map(|folder| folder.canonicalize().unwrap_or_else(|_| folder.clone()))
-                .chain(listed.iter().flat_map(std::env::split_paths).filter(|path| path.is_absolute()))
+                .chain(ros_folders(variable("ROS_PACKAGE_PATH"), variable("AMENT_PREFIX_PATH")))
                 .collect(),
+            confined: false,
+        }
+    }
+
+    /// The end of the message on missing files, if reading is confined.
+    fn confinement(&self) -> String {
+        match self.folders.first().filter(|_| self.confined) {
+            Some(root) => format!("; reading is confined to the folder {}", root.display()),
+            None => String::new(),
         }
     }
 
     /// The file of `package://NAME/…` or `model://NAME/…` (in a folder NAME), of `file://…`, or of a relative
     /// path.
     fn find(&self, name: &str) -> Option<PathBuf> {
-        let exists = |path: PathBuf| path.is_file().then_some(path);
+        let is_inside = |path: &Path| {
+            let root = self.folders.first();
+            !self.confined
+                || path.canonicalize().is_ok_and(|path| root.is_some_and(|root| path.starts_with(root)))
+        };
+        let exists = |path: PathBuf| (path.is_file() && is_inside(&path)).then_some(path);
         if let Some(rest) = name.strip_prefix("package://").or_else(|| name.strip_prefix("model://")) {
             let (package, rest) = rest.split_once('/')?;
             let inside = |folder: &PathBuf| {
@@ -91,7 +121,9 @@ impl Search {
         if name.contains("://") {
             return None;
         }
-        exists(self.folders.first()?.join(name))
+        let folder = self.folders.first()?;
+        let written = exists(folder.join(name));
+        written.or_else(|| exists(folder.join(name.replace('\\', "/"))))
     }
 }
 
@@ -110,7 +142,7 @@ mod tests {
         fs::create_dir_all(&meshes).unwrap();
         let (robot, mesh) = (urdf.join("arm.urdf"), meshes.join("link.stl"));
         fs::write(&mesh, b"").unwrap();
-        let search = Search::from(&robot, &[]);
+        let search = Search::from(Some(&robot), &[]);
         let found = |name: &str| search.find(name).and_then(|path| path.canonicalize().ok());
         let mesh = mesh.canonicalize().unwrap();
         assert_eq!(found("package://arm_description/meshes/link.stl"), Some(mesh.clone()));
@@ -124,13 +156,29 @@ mod tests {
         // From another folder: by the folder that contains the packages, or by the package itself.
         let elsewhere = root.join("elsewhere/robot.urdf");
         for given in [root.clone(), root.join("arm_description"), root.join("elsewhere/../arm_description")] {
-            let search = Search::from(&elsewhere, &[root.join("nowhere"), given]);
+            let search = Search::from(Some(&elsewhere), &[root.join("nowhere"), given]);
             let found = search
                 .find("package://arm_description/meshes/link.stl")
                 .map(|path| path.canonicalize().unwrap());
             assert_eq!(found, Some(meshes.join("link.stl").canonicalize().unwrap()));
         }
-        assert_eq!(Search::from(&elsewhere, &[]).find("package://elsewhere/link.stl"), None);
+        assert_eq!(Search::from(Some(&elsewhere), &[]).find("package://elsewhere/link.stl"), None);
+        assert!(search.find("..\\meshes\\link.stl").is_some());
+        // A text has only the package path.
+        let text = Search::from(None, &[root.clone()]);
+        assert!(text.find("package://arm_description/meshes/link.stl").is_some());
+        assert_eq!(text.find("../meshes/link.stl"), None);
+        // ROS 2 has packages in the folder `share` of each prefix.
+        let share = root.join("install/share/arm_description/meshes");
+        fs::create_dir_all(&share).unwrap();
+        fs::write(share.join("hand.stl"), b"").unwrap();
+        let packages = super::ros_folders(None, Some(root.join("install").into_os_string()));
+        let ament = Search { packages, ..Search::from(Some(&elsewhere), &[]) };
+        assert_eq!(ament.find("package://arm_description/meshes/hand.stl"), Some(share.join("hand.stl")));
+        // A file outside the folder of the robot is not taken if reading is confined.
+        let confined = Search { confined: true, ..search };
+        assert_eq!(confined.find("../meshes/link.stl"), None);
+        assert!(confined.confinement().contains("arm_description/urdf"));
         fs::remove_dir_all(&root).unwrap();
     }
 }

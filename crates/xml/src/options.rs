@@ -17,9 +17,12 @@ pub struct LoadOptions {
     /// and the new values. Without this option they are taken as written, with a warning. A strict reading
     /// refuses them in any case.
     pub repair_inertia: bool,
-    /// Folders that are searched for `package://NAME/…` before those of `ROS_PACKAGE_PATH`: packages, or
-    /// folders that contain packages.
+    /// Folders that are searched for `package://NAME/…` before those of `ROS_PACKAGE_PATH` and
+    /// `AMENT_PREFIX_PATH`: packages, or folders that contain packages.
     pub package_path: Vec<PathBuf>,
+    /// Whether the other files that a file names must be in its folder, as for archives and untrusted files.
+    /// By default they may be anywhere on the disk, as in MuJoCo. Files in memory are always confined.
+    pub confined: bool,
 }
 
 impl LoadOptions {
@@ -42,6 +45,15 @@ impl LoadOptions {
     pub fn with_package_path(mut self, folder: impl Into<PathBuf>) -> Self {
         self.package_path.push(folder.into());
         self
+    }
+
+    /// The same options with all other files confined to the folder of the main file.
+    ///
+    /// ```
+    /// assert!(robot_dynamics_xml::LoadOptions::default().with_confined().confined);
+    /// ```
+    pub fn with_confined(self) -> Self {
+        Self { confined: true, ..self }
     }
 
     /// The same options with warnings as errors.
