@@ -1,4 +1,5 @@
-//! Reads OBJ files: points and polygons of all objects and groups. Other data, such as materials, are skipped.
+//! Reads OBJ files: points and polygons of all objects and groups. Other data, such as materials, are
+//! skipped.
 
 use std::collections::HashMap;
 
@@ -7,8 +8,8 @@ use nalgebra::Vector3;
 use crate::polygon::Triangulation;
 use crate::triangles::Triangles;
 
-/// Reads an OBJ file. Names in it may have any encoding. Points come in the order in which the faces use them,
-/// and those without a face come last.
+/// Reads an OBJ file. Names in it may have any encoding. Points come in the order in which the faces use
+/// them, and those without a face come last.
 pub(crate) fn read(bytes: &[u8]) -> Result<Triangles, String> {
     let mut written = Vec::new();
     let mut polygons: Vec<Vec<usize>> = Vec::new();

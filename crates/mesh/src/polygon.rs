@@ -5,8 +5,8 @@
 
 use nalgebra::{Vector2, Vector3};
 
-/// The largest number of comparisons of corners for the polygons of one file. The number grows with the square
-/// of the number of corners of a polygon.
+/// The largest number of comparisons of corners for the polygons of one file. The number grows with the
+/// square of the number of corners of a polygon.
 const COMPARISON_LIMIT: usize = 1_000_000_000;
 
 /// Divides the polygons of one file into triangles.
@@ -17,8 +17,8 @@ pub(crate) struct Triangulation {
 }
 
 impl Triangulation {
-    /// Adds the triangles of a polygon. A quadrilateral is split along its shorter diagonal, larger polygons by
-    /// ear clipping.
+    /// Adds the triangles of a polygon. A quadrilateral is split along its shorter diagonal, larger polygons
+    /// by ear clipping.
     ///
     /// # Errors
     /// A message if the polygons have too many corners.

@@ -4,7 +4,8 @@ use nalgebra::Vector3;
 
 use crate::triangles::Triangles;
 
-/// Reads an STL file. A binary file is recognized by its size, because many begin with `solid` like text files.
+/// Reads an STL file. A binary file is recognized by its size, because many begin with `solid` like text
+/// files.
 pub(crate) fn read(bytes: &[u8]) -> Result<Triangles, String> {
     let count = bytes.get(80..84).map(|count| u32::from_le_bytes([count[0], count[1], count[2], count[3]]));
     let size = count.map(|count| 84 + 50 * u64::from(count));

@@ -99,7 +99,8 @@ impl Folder {
         }
     }
 
-    /// The first of these paths, relative to the folder, at which there is a file; otherwise the first of all.
+    /// The first of these paths, relative to the folder, at which there is a file; otherwise the first of
+    /// all.
     pub(crate) fn locate(&self, candidates: impl IntoIterator<Item = PathBuf>) -> PathBuf {
         let paths: Vec<PathBuf> = candidates.into_iter().map(|path| simplify(&path)).collect();
         let found = paths.iter().find(|path| self.has(&self.join(path)));

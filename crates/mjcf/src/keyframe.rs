@@ -109,8 +109,8 @@ impl Reader<'_> {
         }
     }
 
-    /// A list with as many numbers as `rest`, which completes a shorter list; `None` if the attribute is missing
-    /// or has an error. MuJoCo fills short lists since version 4.
+    /// A list with as many numbers as `rest`, which completes a shorter list; `None` if the attribute is
+    /// missing or has an error. MuJoCo fills short lists since version 4.
     fn read_list(&mut self, element: &Element, attribute: &str, rest: &[f64]) -> Option<Vec<f64>> {
         let mut list = self.all_numbers(element, attribute)?;
         let count = rest.len();

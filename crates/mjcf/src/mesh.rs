@@ -63,8 +63,9 @@ impl Reader<'_> {
         Some((name.to_owned(), self.asset_path(element, own, |compiler| &compiler.mesh_folder)))
     }
 
-    /// The path of an asset's file; `None` for a text. The folder of assets, by the settings of the model that
-    /// names the file, starts from the folder of the model, or from that of the file that has the element.
+    /// The path of an asset's file; `None` for a text. The folder of assets, by the settings of the model
+    /// that names the file, starts from the folder of the model, or from that of the file that has the
+    /// element.
     pub(crate) fn asset_path(
         &self,
         element: &Element,

@@ -179,8 +179,8 @@ impl FileError {
 ///
 /// URDF opens no other file. MJCF opens included and attached files, and the mesh files from which the
 /// inertia of a body comes. These files may be anywhere on the disk, unless the options confine them to the
-/// folder of the robot's file ([`LoadOptions::with_confined`]). The mesh files of shapes are located, and opened for contact by
-/// [`Robot::simulation`].
+/// folder of the robot's file ([`LoadOptions::with_confined`]). The mesh files of shapes are located, and
+/// opened for contact by [`Robot::simulation`].
 ///
 /// ```
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
