@@ -2,8 +2,8 @@
 
 use robot_dynamics_core::model::native::NativeTask;
 use robot_dynamics_core::{Model, NativeFunction, Workspace};
-use robot_dynamics_number::dispatch::{Call, Hardware, LaneKernel, LaneMemory, Make};
-use robot_dynamics_number::{Float, Form, Scalar, StateLanes};
+use robot_dynamics_number::dispatch::{Call, Hardware, LaneKernel, LaneMemory, Storage};
+use robot_dynamics_number::{Float, Scalar, StateLanes};
 
 /// The computation for each state.
 pub(super) trait Operation<T>: Copy + Sync {
@@ -44,28 +44,23 @@ pub(super) trait Operation<T>: Copy + Sync {
     );
 }
 
-/// A block over each number type.
-pub(super) struct OverLanes;
+/// [`Block`] over any scalar type.
+pub(super) struct BlockStorage;
 
-impl Form for OverLanes {
+impl Storage for BlockStorage {
     type Over<S: Scalar> = Block<S>;
+    type Input<'a> = &'a Model;
+    fn new<S: Scalar>(model: &Model) -> Block<S> {
+        Block { workspace: Workspace::scratch(model), input: Vec::new(), output: Vec::new() }
+    }
 }
 
 /// A thread's memory for one block.
+#[derive(Clone)]
 pub(super) struct Block<S: Scalar> {
     pub(super) workspace: Workspace<S>,
     pub(super) input: Vec<S>,
     pub(super) output: Vec<S>,
-}
-
-/// The input from which a block is created.
-pub(super) struct Maker<'a>(pub(super) &'a Model);
-
-impl Make<OverLanes> for Maker<'_> {
-    fn make<S: Scalar>(&self) -> Block<S> {
-        let Self(model) = *self;
-        Block { workspace: Workspace::scratch(model), input: Vec::new(), output: Vec::new() }
-    }
 }
 
 /// Resizes to `count` numbers with unspecified values; they are written before they are read.
@@ -77,13 +72,13 @@ pub(super) fn make_room<S: Scalar>(numbers: &mut Vec<S>, count: usize) {
 /// Runs a kernel. It is one function for all kinds of threads, because it contains the code of the kernel for
 /// every instruction set.
 #[inline(never)]
-pub(super) fn run<T: Float>(block: &mut LaneMemory<OverLanes>, kernel: impl LaneKernel<OverLanes, T>) {
+pub(super) fn run<T: Float>(block: &mut LaneMemory<BlockStorage>, kernel: impl LaneKernel<BlockStorage, T>) {
     block.run(kernel);
 }
 
 /// Computes up to one block of states, given their `rows`; returns a bit for each bad state.
 pub(super) fn compute<T: Float, O: Operation<T>>(
-    block: &mut LaneMemory<OverLanes>,
+    block: &mut LaneMemory<BlockStorage>,
     model: &Model,
     operation: O,
     states: usize,
@@ -91,12 +86,12 @@ pub(super) fn compute<T: Float, O: Operation<T>>(
     output: &mut [T],
 ) -> u32 {
     let mut bad = 0;
-    run(block, Lanewise { model, operation, states, rows, output, bad: &mut bad });
+    run(block, BlockKernel { model, operation, states, rows, output, bad: &mut bad });
     bad
 }
 
 /// An operation on one block.
-struct Lanewise<'a, T, O> {
+struct BlockKernel<'a, T, O> {
     model: &'a Model,
     operation: O,
     states: usize,
@@ -105,7 +100,7 @@ struct Lanewise<'a, T, O> {
     bad: &'a mut u32,
 }
 
-impl<T: Float, O: Operation<T>> LaneKernel<OverLanes, T> for Lanewise<'_, T, O> {
+impl<T: Float, O: Operation<T>> LaneKernel<BlockStorage, T> for BlockKernel<'_, T, O> {
     #[inline(always)]
     fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
         let Self { model, operation, states, rows, output, bad } = self;

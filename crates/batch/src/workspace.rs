@@ -9,7 +9,7 @@ use robot_dynamics_core::model::identity::Identity;
 use robot_dynamics_number::dispatch::LaneMemory;
 use robot_dynamics_number::{Float, InstructionSet};
 
-use crate::block::{Maker, OverLanes};
+use crate::block::BlockStorage;
 use crate::threads::{Pool, Threads, on_enough_stack};
 
 /// Options of batch computations.
@@ -45,7 +45,7 @@ pub struct BatchWorkspace<T> {
 }
 
 /// A block with the lanes of this machine.
-pub(super) type BlockMemory = LaneMemory<OverLanes>;
+pub(super) type BlockMemory = LaneMemory<BlockStorage>;
 
 /// The memory of a thread.
 #[derive(Debug)]
@@ -65,7 +65,7 @@ impl<T: Float> BatchWorkspace<T> {
             Pool::Own(threads) => threads.count(),
         };
         let limit = options.limit.unwrap_or_else(InstructionSet::best);
-        let block = || LaneMemory::new::<T>(limit, &Maker(model));
+        let block = || LaneMemory::new::<T>(limit, model);
         let first = block();
         let (lanes, instructions) = (first.lanes(), first.instruction_set());
         let others = (1..threads).map(|_| block());

@@ -1,23 +1,43 @@
 //! Runs kernels over the numbers that this machine has.
 //!
-//! [`OneState::new`] and [`LaneMemory::new`] detect the machine's instructions and allocate memory over its
-//! numbers. Their `run` methods are the only access of a kernel to that memory, inside a function compiled
-//! for those instructions. A kernel's `run` and all it calls must be `#[inline(always)]`; other code is
-//! compiled for the oldest machine.
+//! # To write a kernel
+//!
+//! 1. Name the memory of the computation and implement [`Storage`] for the name. The recursions over a tree
+//!    share one, `TreeStorage` of `robot_dynamics_core`.
+//! 2. Put the arguments in a struct and implement [`Kernel`] for it, for one state. Its `run` receives the
+//!    memory over a number `N` of the machine, and reads the caller's slices by [`View`](crate::View). For
+//!    several states, implement [`LaneKernel`]. Its number is a register with a lane for each state
+//!    ([`StateLanes`](crate::StateLanes)), which gathers rows of tables and scatters the results.
+//! 3. Allocate the memory by [`StateMemory::new`] or [`LaneMemory::new`], which detect the machine's
+//!    instructions. Their `run` is the only access of a kernel to that memory. It is inside a function
+//!    compiled for those instructions.
+//! 4. Mark a kernel's `run` and all that it calls `#[inline(always)]`. Other code is compiled for the oldest
+//!    machine.
+//!
+//! A part of a kernel may be a function of its own, so that it is compiled once for several kernels. It is a
+//! [`Call`], and [`Hardware::call`] runs it on the kernel's instructions. [`run_here`] runs a `Call` on plain
+//! floats, without memory of its own.
 #![allow(unsafe_code)]
 
 pub(crate) mod lanes;
-pub(crate) mod one_state;
+pub(crate) mod state;
 
 pub use lanes::{LaneKernel, LaneMemory};
-pub use one_state::{CloneForm, Kernel, OneState};
+pub use state::{Kernel, StateMemory};
 
-use crate::{Form, Scalar};
+use crate::Scalar;
 
-/// Allocates a type family's member over any number.
-pub trait Make<F: Form> {
-    /// The member over `S`.
-    fn make<S: Scalar>(&self) -> F::Over<S>;
+/// The memory of kernels, over any scalar type. The type that implements it is only a name.
+#[doc(alias("Form", "Make", "CloneForm"))]
+pub trait Storage {
+    /// The memory over `S`.
+    type Over<S: Scalar>: Clone;
+
+    /// The input that decides the sizes, such as a model.
+    type Input<'a>: Copy;
+
+    /// Allocates the memory over `S`.
+    fn new<S: Scalar>(input: Self::Input<'_>) -> Self::Over<S>;
 }
 
 mod sealed {
@@ -33,7 +53,7 @@ pub trait Hardware: sealed::Sealed {
     fn call(call: impl Call);
 }
 
-/// Code that [`Hardware::call`] runs.
+/// Code without memory of its own, which [`Hardware::call`] and [`run_here`] run.
 pub trait Call {
     /// Runs the code; must be `#[inline(always)]`.
     fn call<H: Hardware>(self);
@@ -178,21 +198,11 @@ mod tests {
     /// Memory of several numbers.
     struct Numbers;
 
-    impl Form for Numbers {
+    impl Storage for Numbers {
         type Over<S: Scalar> = Vec<S>;
-    }
-
-    impl CloneForm for Numbers {
-        fn copy<S: Scalar>(numbers: &Vec<S>) -> Vec<S> {
-            numbers.clone()
-        }
-    }
-
-    struct Zeros(usize);
-
-    impl Make<Numbers> for Zeros {
-        fn make<S: Scalar>(&self) -> Vec<S> {
-            vec![S::zero(); self.0]
+        type Input<'a> = usize;
+        fn new<S: Scalar>(count: usize) -> Vec<S> {
+            vec![S::zero(); count]
         }
     }
 
@@ -229,7 +239,7 @@ mod tests {
         for &limit in InstructionSet::ALL {
             let mut y = [T::zero(); 5];
             let kernel = Polynomial { x: &x, y: &mut y };
-            match OneState::new::<T>(limit, &Zeros(5)) {
+            match StateMemory::new::<T>(limit, 5) {
                 None => kernel.run::<T, Portable>(&mut vec![T::zero(); 5]),
                 Some(memory) => {
                     assert!(memory.instruction_set() <= limit && memory.instruction_set().is_available());
@@ -265,7 +275,7 @@ mod tests {
 
     fn lanes_are_run<T: Float>() {
         for &limit in InstructionSet::ALL {
-            let mut memory = LaneMemory::<Numbers>::new::<T>(limit, &Zeros(1));
+            let mut memory = LaneMemory::<Numbers>::new::<T>(limit, 1);
             assert!(memory.instruction_set() <= limit && memory.instruction_set().is_available());
             let x: Vec<T> = (0..memory.lanes()).map(|k| T::from_f64(k as f64)).collect();
             let mut y = vec![T::zero(); memory.lanes()];
@@ -283,7 +293,7 @@ mod tests {
     #[test]
     #[should_panic(expected = "f32")]
     fn memory_of_another_float_is_refused() {
-        let mut memory = LaneMemory::<Numbers>::new::<f64>(InstructionSet::best(), &Zeros(1));
+        let mut memory = LaneMemory::<Numbers>::new::<f64>(InstructionSet::best(), 1);
         memory.run(Column { x: &[1.0f32; 16], y: &mut [0.0; 16] });
     }
 }

@@ -1,8 +1,8 @@
 //! Hardware floats, and the memory and kernels over the machine's numbers for each.
 #![allow(unsafe_code)]
 
-use crate::dispatch::{Kernel, LaneKernel, LaneMemory, Make, OneState, lanes, one_state};
-use crate::{Form, InstructionSet, Scalar};
+use crate::dispatch::{Kernel, LaneKernel, LaneMemory, StateMemory, Storage, lanes, state};
+use crate::{InstructionSet, Scalar};
 
 mod sealed {
     pub trait Sealed {}
@@ -15,28 +15,28 @@ pub trait Float: Scalar + PartialOrd + sealed::Sealed {
     /// Whether the number is neither infinite nor NaN.
     fn is_finite(self) -> bool;
 
-    /// See [`OneState::new`].
+    /// See [`StateMemory::new`].
     #[doc(hidden)]
-    fn new_one_state<F: Form>(limit: InstructionSet, make: &impl Make<F>) -> Option<OneState<F>>;
+    fn new_state<M: Storage>(limit: InstructionSet, input: M::Input<'_>) -> Option<StateMemory<M>>;
 
-    /// See [`OneState::run`].
+    /// See [`StateMemory::run`].
     #[doc(hidden)]
-    fn run_one_state<F: Form, K: Kernel<F, Self>>(memory: &mut OneState<F>, kernel: &mut Option<K>);
+    fn run_state<M: Storage, K: Kernel<M, Self>>(memory: &mut StateMemory<M>, kernel: &mut Option<K>);
 
     /// See [`LaneMemory::new`].
     #[doc(hidden)]
-    fn new_lanes<F: Form>(limit: InstructionSet, make: &impl Make<F>) -> LaneMemory<F>;
+    fn new_lanes<M: Storage>(limit: InstructionSet, input: M::Input<'_>) -> LaneMemory<M>;
 
     /// See [`LaneMemory::run`].
     #[doc(hidden)]
-    fn run_lanes<F: Form, K: LaneKernel<F, Self>>(memory: &mut LaneMemory<F>, kernel: K);
+    fn run_lanes<M: Storage, K: LaneKernel<M, Self>>(memory: &mut LaneMemory<M>, kernel: K);
 }
 
-impl<F: Form> OneState<F> {
+impl<M: Storage> StateMemory<M> {
     /// Memory for the machine's number, or `None` where `limit` leaves only the portable instructions.
     #[inline(always)]
-    pub fn new<T: Float>(limit: InstructionSet, make: &impl Make<F>) -> Option<Self> {
-        T::new_one_state(limit, make)
+    pub fn new<T: Float>(limit: InstructionSet, input: M::Input<'_>) -> Option<Self> {
+        T::new_state(limit, input)
     }
 
     /// Runs a kernel and takes it from the option. The kernel is passed in place: moving its arguments from
@@ -45,15 +45,15 @@ impl<F: Form> OneState<F> {
     /// # Panics
     /// If the memory was made for the other float.
     #[inline(always)]
-    pub fn run<T: Float, K: Kernel<F, T>>(&mut self, kernel: &mut Option<K>) {
-        T::run_one_state(self, kernel);
+    pub fn run<T: Float, K: Kernel<M, T>>(&mut self, kernel: &mut Option<K>) {
+        T::run_state(self, kernel);
     }
 }
 
-impl<F: Form> LaneMemory<F> {
+impl<M: Storage> LaneMemory<M> {
     /// Memory for the widest registers up to `limit` that this machine has.
-    pub fn new<T: Float>(limit: InstructionSet, make: &impl Make<F>) -> Self {
-        T::new_lanes(limit, make)
+    pub fn new<T: Float>(limit: InstructionSet, input: M::Input<'_>) -> Self {
+        T::new_lanes(limit, input)
     }
 
     /// Runs a kernel.
@@ -61,7 +61,7 @@ impl<F: Form> LaneMemory<F> {
     /// # Panics
     /// If the memory was made for the other float.
     #[inline(always)]
-    pub fn run<T: Float, K: LaneKernel<F, T>>(&mut self, kernel: K) {
+    pub fn run<T: Float, K: LaneKernel<M, T>>(&mut self, kernel: K) {
         T::run_lanes(self, kernel);
     }
 }
@@ -83,33 +83,33 @@ macro_rules! float {
             }
 
             #[inline(always)]
-            fn new_one_state<F: Form>(limit: InstructionSet, make: &impl Make<F>) -> Option<OneState<F>> {
+            fn new_state<M: Storage>(limit: InstructionSet, input: M::Input<'_>) -> Option<StateMemory<M>> {
                 let set = InstructionSet::best_up_to(limit);
                 if set == InstructionSet::Portable {
                     return None;
                 }
                 #[cfg(registers)]
-                return Some(OneState { memory: one_state::Memory::$variant(Box::new(make.make())), set });
+                return Some(StateMemory { memory: state::Memory::$variant(Box::new(M::new(input))), set });
                 #[cfg(not(registers))]
                 {
-                    let _ = make;
+                    let _ = input;
                     None
                 }
             }
 
             #[inline(always)]
-            fn run_one_state<F: Form, K: Kernel<F, Self>>(state: &mut OneState<F>, kernel: &mut Option<K>) {
+            fn run_state<M: Storage, K: Kernel<M, Self>>(state: &mut StateMemory<M>, kernel: &mut Option<K>) {
                 #[cfg(registers)]
                 match &mut state.memory {
                     // SAFETY: the set was detected on this machine before the memory was allocated.
-                    one_state::Memory::$variant(memory) => unsafe {
-                        one_state::run_on::<F, Self, _, K>(state.set, kernel, memory);
+                    state::Memory::$variant(memory) => unsafe {
+                        state::run_on::<M, Self, _, K>(state.set, kernel, memory);
                     },
                     _ => panic_for_other_float::<Self>(),
                 }
                 #[cfg(not(registers))]
                 match state.memory {
-                    one_state::Memory::Never(never, _) => {
+                    state::Memory::Never(never, _) => {
                         let _ = kernel;
                         match never {}
                     }
@@ -117,30 +117,30 @@ macro_rules! float {
             }
 
             #[inline(always)]
-            fn new_lanes<F: Form>(limit: InstructionSet, make: &impl Make<F>) -> LaneMemory<F> {
+            fn new_lanes<M: Storage>(limit: InstructionSet, input: M::Input<'_>) -> LaneMemory<M> {
                 LaneMemory(match InstructionSet::best_up_to(limit) {
                     #[cfg(target_arch = "x86_64")]
-                    InstructionSet::Avx512 => lanes::Memory::$wide(Box::new(make.make())),
+                    InstructionSet::Avx512 => lanes::Memory::$wide(Box::new(M::new(input))),
                     #[cfg(target_arch = "x86_64")]
-                    InstructionSet::Avx2 => lanes::Memory::$narrow(Box::new(make.make())),
+                    InstructionSet::Avx2 => lanes::Memory::$narrow(Box::new(M::new(input))),
                     #[cfg(target_arch = "aarch64")]
-                    InstructionSet::Neon => lanes::Memory::$narrow(Box::new(make.make())),
+                    InstructionSet::Neon => lanes::Memory::$narrow(Box::new(M::new(input))),
                     #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-                    InstructionSet::Simd128 => lanes::Memory::$narrow(Box::new(make.make())),
-                    _ => lanes::Memory::$variant(Box::new(make.make())),
+                    InstructionSet::Simd128 => lanes::Memory::$narrow(Box::new(M::new(input))),
+                    _ => lanes::Memory::$variant(Box::new(M::new(input))),
                 })
             }
 
             #[inline(always)]
-            fn run_lanes<F: Form, K: LaneKernel<F, Self>>(memory: &mut LaneMemory<F>, kernel: K) {
+            fn run_lanes<M: Storage, K: LaneKernel<M, Self>>(memory: &mut LaneMemory<M>, kernel: K) {
                 match &mut memory.0 {
-                    lanes::Memory::$variant(memory) => lanes::run_portable::<F, Self>(memory, kernel),
+                    lanes::Memory::$variant(memory) => lanes::run_portable::<M, Self>(memory, kernel),
                     // SAFETY: `new_lanes` detected these instructions on this machine.
                     #[cfg(registers)]
-                    lanes::Memory::$narrow(memory) => unsafe { lanes::run_narrow::<F, _>(memory, kernel) },
+                    lanes::Memory::$narrow(memory) => unsafe { lanes::run_narrow::<M, _>(memory, kernel) },
                     // SAFETY: as above.
                     #[cfg(target_arch = "x86_64")]
-                    lanes::Memory::$wide(memory) => unsafe { lanes::run_wide::<F, _>(memory, kernel) },
+                    lanes::Memory::$wide(memory) => unsafe { lanes::run_wide::<M, _>(memory, kernel) },
                     _ => panic_for_other_float::<Self>(),
                 }
             }

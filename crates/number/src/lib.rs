@@ -73,7 +73,7 @@ pub use invalid_input::{
 pub use random::SplitMix64;
 pub use scalar::Scalar;
 #[doc(hidden)]
-pub use scalar::{AsFloat, Form};
+pub use scalar::{Specialization, TypeFamily};
 #[doc(hidden)]
 pub use state_lanes::StateLanes;
 #[doc(hidden)]

@@ -39,11 +39,11 @@ pub trait Scalar:
     #[doc(hidden)]
     const IS_FLOAT: bool = false;
 
-    /// The member of a type family over this number, with its type resolved if it is a float.
+    /// The member of a type family, with its type known to the compiler if this is a float.
     #[doc(hidden)]
     #[inline(always)]
-    fn as_float<F: Form>(form: F::Over<Self>) -> AsFloat<F, Self> {
-        AsFloat::Other(form)
+    fn specialize<F: TypeFamily>(member: F::Over<Self>) -> Specialization<F, Self> {
+        Specialization::Other(member)
     }
 
     /// The constant `x`, rounded to this type's precision; its derivatives are zero.
@@ -96,16 +96,18 @@ pub trait Scalar:
     }
 }
 
-/// A family of types: one member for each number, a type constructor.
+/// A family of types: a type constructor with one member for each number.
 #[doc(hidden)]
-pub trait Form {
+#[doc(alias = "Form")]
+pub trait TypeFamily {
     /// The member over `S`.
     type Over<S: Scalar>;
 }
 
-/// A member of a type family, with its type resolved if the number is a float. See [`Scalar::as_float`].
+/// A member of a type family, with its type known if the number is a float. See [`Scalar::specialize`].
 #[doc(hidden)]
-pub enum AsFloat<F: Form, S: Scalar> {
+#[doc(alias = "AsFloat")]
+pub enum Specialization<F: TypeFamily, S: Scalar> {
     /// The number is `f64`.
     F64(F::Over<f64>),
     /// The number is `f32`.
@@ -129,8 +131,8 @@ macro_rules! float_scalar {
         impl Scalar for $float {
             const IS_FLOAT: bool = true;
             #[inline(always)]
-            fn as_float<F: Form>(form: F::Over<Self>) -> AsFloat<F, Self> {
-                AsFloat::$variant(form)
+            fn specialize<F: TypeFamily>(member: F::Over<Self>) -> Specialization<F, Self> {
+                Specialization::$variant(member)
             }
             type Triple = [Self; 3];
             type Symmetric = [Self; 6];

@@ -6,7 +6,7 @@ use robot_dynamics_core::kinematics::place::place_all_in_world;
 use robot_dynamics_core::model::{Dof, WORLD};
 use robot_dynamics_core::spatial::transform::Transform;
 use robot_dynamics_core::workspace::compiled_once::{compiled_once, run};
-use robot_dynamics_core::workspace::tree::{OverNumber, TreeMemory};
+use robot_dynamics_core::workspace::tree::{TreeMemory, TreeStorage};
 use robot_dynamics_core::{Frame, FrameId, Model, Workspace};
 use robot_dynamics_number::algebra::V3;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
@@ -221,9 +221,9 @@ pub(crate) struct PlacedBodies<'a, S> {
     columns: &'a mut [[S; 6]],
 }
 
-compiled_once!(pub(crate) PlacedBodiesKind, PlacedBodies);
+compiled_once!(PlacedBodies);
 
-impl<S: Scalar> Kernel<OverNumber, S> for PlacedBodies<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for PlacedBodies<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, bodies, columns } = self;

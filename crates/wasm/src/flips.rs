@@ -11,8 +11,8 @@
 use core::f64::consts::PI;
 
 use dynamics::Reach2R;
-use robot_dynamics_number::dispatch::{Hardware, LaneKernel, LaneMemory, Make};
-use robot_dynamics_number::{Form, InstructionSet, Scalar, StateLanes};
+use robot_dynamics_number::dispatch::{Hardware, LaneKernel, LaneMemory, Storage};
+use robot_dynamics_number::{InstructionSet, Scalar, StateLanes};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use crate::LabError;
@@ -42,7 +42,7 @@ impl FlipMap {
         let (l1, m1) = (positive("length 1", l1)?, positive("mass 1", m1)?);
         let (l2, m2) = (positive("length 2", l2)?, positive("mass 2", m2)?);
         let rods = Rods::of(&Reach2R::uniform(l1, m1, l2, m2, number("gravity", a_g)?));
-        let memory = LaneMemory::new::<f64>(InstructionSet::best(), &RestState);
+        let memory = LaneMemory::new::<f64>(InstructionSet::best(), ());
         Ok(Self { rods, h: positive("the step", h)?, memory, steps: 0.0 })
     }
 
@@ -217,14 +217,12 @@ struct State<S> {
 /// [`State`] over any scalar type.
 struct Pendulums;
 
-impl Form for Pendulums {
+impl Storage for Pendulums {
     type Over<S: Scalar> = State<S>;
-}
+    type Input<'a> = ();
 
-struct RestState;
-
-impl Make<Pendulums> for RestState {
-    fn make<S: Scalar>(&self) -> State<S> {
+    /// The state at rest.
+    fn new<S: Scalar>((): ()) -> State<S> {
         State { angle: [S::zero(); 2], rate: [S::zero(); 2], sine: [S::zero(); 2], cosine: [S::one(); 2] }
     }
 }
@@ -392,7 +390,7 @@ mod tests {
             let t = [2.9 - 0.4 * f64::from(k), 2.0 - 0.3 * f64::from(k)];
             let start = (vector![t[0] - PI / 2.0, t[1] - t[0]], Vector2::zeros());
             let ((mut q, mut qd), (mut finer, mut finer_rate)) = (start, start);
-            let mut state: State<f64> = RestState.make();
+            let mut state: State<f64> = Pendulums::new(());
             set(&mut state, 0, t, normalized.lengths());
             for _ in 0..100 {
                 (q, qd) = by(q, qd, H);

@@ -7,7 +7,7 @@ use robot_dynamics_number::{Float, StateLanes};
 
 use crate::bad_states::BadStateSet;
 use crate::block::{
-    self, Block, OverLanes, add_poison, bad_lanes, make_room, poison_lanes, read, scatter_all,
+    self, Block, BlockStorage, add_poison, bad_lanes, make_room, poison_lanes, read, scatter_all,
 };
 use crate::distribution::for_each_block;
 use crate::kernel_call::call;
@@ -38,7 +38,7 @@ pub(crate) fn compute<T: Float + Number, const FORWARD: bool>(
     }
     let again = |block: &mut BlockMemory, rows: [&[T]; 3], results: [&mut [T]; 3]| {
         let mut bits = 0;
-        block::run(block, Lanewise::<T, FORWARD> { model, states: 1, rows, results, bad: &mut bits });
+        block::run(block, BlockDerivatives::<T, FORWARD> { model, states: 1, rows, results, bad: &mut bits });
         bits == 0
     };
     let function = if FORWARD {
@@ -54,14 +54,14 @@ pub(crate) fn compute<T: Float + Number, const FORWARD: bool>(
     for_each_block(workspace, batch, BLOCKS_PER_CHUNK, results, &|block, first, states, results| {
         let rows = tables.rows(first, states);
         let mut bits = 0;
-        block::run(block, Lanewise::<T, FORWARD> { model, states, rows, results, bad: &mut bits });
+        block::run(block, BlockDerivatives::<T, FORWARD> { model, states, rows, results, bad: &mut bits });
         bad.add(bits, first);
     });
     bad.into_result(batch)
 }
 
 /// The derivatives of one block of states.
-struct Lanewise<'a, T, const FORWARD: bool> {
+struct BlockDerivatives<'a, T, const FORWARD: bool> {
     model: &'a Model,
     states: usize,
     rows: [&'a [T]; 3],
@@ -69,7 +69,7 @@ struct Lanewise<'a, T, const FORWARD: bool> {
     bad: &'a mut u32,
 }
 
-impl<T: Float, const FORWARD: bool> LaneKernel<OverLanes, T> for Lanewise<'_, T, FORWARD> {
+impl<T: Float, const FORWARD: bool> LaneKernel<BlockStorage, T> for BlockDerivatives<'_, T, FORWARD> {
     #[inline(always)]
     fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
         let Self { model, states, rows, results, bad } = self;

@@ -10,7 +10,7 @@ use robot_dynamics_number::{Float, StateLanes};
 use super::recursions::accelerate;
 use crate::bad_states::BadStateSet;
 use crate::block::{
-    self, Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
+    self, Block, BlockStorage, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
 };
 use crate::distribution::for_each_block;
 use crate::kernel_call::call;
@@ -54,7 +54,7 @@ pub(crate) fn compute<T: Float + Number, const FORWARD: bool>(
     let bad = BadStateSet::default();
     for_each_block(workspace, batch, BLOCKS_PER_CHUNK, results, &|block, first, states, results| {
         let (rows, mut bits) = (tables.rows(first, states), 0);
-        block::run(block, Lanewise::<T, FORWARD> { model, states, rows, results, bad: &mut bits });
+        block::run(block, BlockPullback::<T, FORWARD> { model, states, rows, results, bad: &mut bits });
         bad.add(bits, first);
     });
     bad.into_result(batch)
@@ -70,7 +70,7 @@ fn pull_natively<'a, T: Float + Number, const FORWARD: bool>(
 ) -> Result<Result<(), BadStates>, [&'a mut [T]; 5]> {
     let again = |block: &mut BlockMemory, rows: [&[T]; 4], results: [&mut [T]; 5]| {
         let mut bits = 0;
-        block::run(block, Lanewise::<T, FORWARD> { model, states: 1, rows, results, bad: &mut bits });
+        block::run(block, BlockPullback::<T, FORWARD> { model, states: 1, rows, results, bad: &mut bits });
         bits == 0
     };
     if FORWARD {
@@ -88,7 +88,7 @@ fn pull_natively<'a, T: Float + Number, const FORWARD: bool>(
 }
 
 /// The pullbacks of one block of states.
-struct Lanewise<'a, T, const FORWARD: bool> {
+struct BlockPullback<'a, T, const FORWARD: bool> {
     model: &'a Model,
     states: usize,
     rows: [&'a [T]; 4],
@@ -96,7 +96,7 @@ struct Lanewise<'a, T, const FORWARD: bool> {
     bad: &'a mut u32,
 }
 
-impl<T: Float, const FORWARD: bool> LaneKernel<OverLanes, T> for Lanewise<'_, T, FORWARD> {
+impl<T: Float, const FORWARD: bool> LaneKernel<BlockStorage, T> for BlockPullback<'_, T, FORWARD> {
     #[inline(always)]
     fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
         let Self { model, states, rows, results, bad } = self;

@@ -6,7 +6,7 @@ use robot_dynamics_core::algorithms::mass_matrix::{CompositeBodies, Entries};
 use robot_dynamics_core::factorization::sparse;
 use robot_dynamics_core::workspace::buffers::Dense;
 use robot_dynamics_core::workspace::compiled_once::compiled_once;
-use robot_dynamics_core::workspace::tree::{OverNumber, TreeMemory};
+use robot_dynamics_core::workspace::tree::{TreeMemory, TreeStorage};
 use robot_dynamics_core::{Model, NativeFunction, Workspace};
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, StateLanes, View};
@@ -114,9 +114,9 @@ pub(crate) struct FactoredMass<'a, S> {
     mass: &'a mut [S],
 }
 
-compiled_once!(pub(crate) FactoredMassKind, FactoredMass);
+compiled_once!(FactoredMass);
 
-impl<S: Scalar> Kernel<OverNumber, S> for FactoredMass<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for FactoredMass<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, carrier, mass } = self;

@@ -16,7 +16,9 @@ use robot_dynamics_simulation::motion::integrate::stage_memory::StageMemory;
 use super::job::Job;
 use super::progress::Shared;
 use super::torques::{PolicyInput, PolicyRows, Torques};
-use crate::block::{Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all};
+use crate::block::{
+    Block, BlockStorage, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
+};
 use crate::computation::recursions::accelerate;
 
 /// The number of steps between calls of the progress callback.
@@ -58,7 +60,7 @@ impl<'a, S> Moving<'a, S> {
     }
 }
 
-impl<T: Float> LaneKernel<OverLanes, T> for Advance<'_, T> {
+impl<T: Float> LaneKernel<BlockStorage, T> for Advance<'_, T> {
     #[inline(always)]
     fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
         let Self { model, rollout, stages, torques, job, shared, outputs } = self;
@@ -132,7 +134,7 @@ fn make_rows<T: Float>(states: usize, (nq, nv): (usize, usize)) -> PolicyRows<T>
 }
 
 /// A block of states under constant forces.
-struct Lanewise<'a, N: Scalar, H> {
+struct BlockMotion<'a, N: Scalar, H> {
     model: &'a Model,
     workspace: &'a mut Workspace<N>,
     dissipation: bool,
@@ -142,7 +144,7 @@ struct Lanewise<'a, N: Scalar, H> {
     hardware: PhantomData<H>,
 }
 
-impl<N: StateLanes, H: Hardware> Motion<N> for Lanewise<'_, N, H> {
+impl<N: StateLanes, H: Hardware> Motion<N> for BlockMotion<'_, N, H> {
     type Error = Infallible;
 
     #[inline(always)]
@@ -177,7 +179,7 @@ fn advance<N: StateLanes, H: Hardware>(
 ) {
     let Moving { q, v, tau, force, memory } = at;
     let hardware = PhantomData::<H>;
-    let mut motion = Lanewise { model, workspace, dissipation, tau, force, hardware };
+    let mut motion = BlockMotion { model, workspace, dissipation, tau, force, hardware };
     let Ok(()) = explicit_step(model, stages, &mut motion, h, memory, (q, v));
     q.copy_from_slice(memory.q);
     v.copy_from_slice(memory.v);

@@ -28,7 +28,7 @@ use crate::kinematics::screws::{move_screws, place_screws, turn_screws};
 use crate::model::native::NativeFunction;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::{OverNumber, TreeMemory};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
 
 /// C(q,v), nv×nv, row-major: C v is the velocity product, Ṁ = C + Cᵀ, so Ṁ − 2C is skew-symmetric.
@@ -88,9 +88,9 @@ pub struct CoriolisMatrix<'a, S> {
     coriolis: &'a mut [S],
 }
 
-compiled_once!(pub CoriolisMatrixKind, CoriolisMatrix);
+compiled_once!(CoriolisMatrix);
 
-impl<S: Scalar> Kernel<OverNumber, S> for CoriolisMatrix<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for CoriolisMatrix<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, coriolis } = self;

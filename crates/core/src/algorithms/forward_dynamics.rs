@@ -32,7 +32,7 @@ use crate::kinematics::wrench::FrameWrench;
 use crate::model::native::NativeFunction;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::{OverNumber, TreeMemory};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
 
 /// a = M⁻¹(τ − C v − g): the acceleration under the generalized forces τ. **(RBDA §7.3)**
@@ -137,9 +137,9 @@ pub struct ArticulatedBodies<'a, S> {
     pub acceleration: &'a mut [S],
 }
 
-compiled_once!(pub ArticulatedBodiesKind, ArticulatedBodies);
+compiled_once!(ArticulatedBodies);
 
-impl<S: Scalar> Kernel<OverNumber, S> for ArticulatedBodies<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for ArticulatedBodies<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, tau, wrenches, acceleration } = self;

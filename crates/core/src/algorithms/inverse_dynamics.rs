@@ -21,7 +21,7 @@ use crate::kinematics::wrench::{FrameWrench, subtract_wrenches};
 use crate::model::native::NativeFunction;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::{OverNumber, TreeMemory};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
 
 pub(crate) use self::along_world_axes::accelerate_bodies as accelerate_along_world_axes;
@@ -40,7 +40,7 @@ pub struct NewtonEuler<'a, S> {
     pub tau: &'a mut [S],
 }
 
-compiled_once!(pub NewtonEulerKind, NewtonEuler);
+compiled_once!(NewtonEuler);
 
 impl<'a, S: Scalar> NewtonEuler<'a, S> {
     /// C v + g and the springs' forces.
@@ -51,7 +51,7 @@ impl<'a, S: Scalar> NewtonEuler<'a, S> {
     }
 }
 
-impl<S: Scalar> Kernel<OverNumber, S> for NewtonEuler<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for NewtonEuler<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, a, ground, with_springs, wrenches, tau } = self;

@@ -17,7 +17,7 @@ use crate::spatial::motion::MotionVector;
 use crate::spatial::transform::Transform;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::{OverNumber, TreeMemory};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{FrameId, Model, ReferenceFrame, Workspace};
 
 /// J of [`frame_velocity`](crate::frame_velocity) in the same reference frame, 6×nv: velocity = J v.
@@ -81,9 +81,9 @@ pub struct FrameJacobian<'a, S> {
     pub jacobian: &'a mut [S],
 }
 
-compiled_once!(pub FrameJacobianKind, FrameJacobian);
+compiled_once!(FrameJacobian);
 
-impl<S: Scalar> Kernel<OverNumber, S> for FrameJacobian<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for FrameJacobian<'_, S> {
     /// Places only the bodies between the frame and the root, and writes one column for each of their DoFs.
     /// Columns of mimic joints add to their leaders'. The other columns are zero.
     #[inline(always)]

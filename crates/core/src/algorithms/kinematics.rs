@@ -14,7 +14,7 @@ use crate::model::native::NativeFunction;
 use crate::spatial::transform::Transform;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::{OverNumber, TreeMemory};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{FrameId, Model, Workspace};
 
 /// The length of a pose as an array.
@@ -80,9 +80,9 @@ pub struct OneFramePose<'a, S> {
     pose: &'a mut Pose<S>,
 }
 
-compiled_once!(pub OneFramePoseKind, OneFramePose);
+compiled_once!(OneFramePose);
 
-impl<S: Scalar> Kernel<OverNumber, S> for OneFramePose<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for OneFramePose<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         if let Some(body) = self.frame.body {
@@ -126,9 +126,9 @@ pub struct FramePoses<'a, S> {
     poses: &'a mut [Pose<S>],
 }
 
-compiled_once!(pub FramePosesKind, FramePoses);
+compiled_once!(FramePoses);
 
-impl<S: Scalar> Kernel<OverNumber, S> for FramePoses<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for FramePoses<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, poses } = self;

@@ -23,7 +23,7 @@ use robot_dynamics_number::{Scalar, View};
 use crate::model::native::NativeFunction;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::{OverNumber, TreeMemory};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
 
 /// M(q), nv×nv symmetric, row-major, both triangles, with K = ½ vᵀM v \[kg·m², kg·m, kg\]. Armature adds to
@@ -89,9 +89,9 @@ pub struct CompositeBodies<'a, S> {
     pub entries: Entries,
 }
 
-compiled_once!(pub CompositeBodiesKind, CompositeBodies);
+compiled_once!(CompositeBodies);
 
-impl<S: Scalar> Kernel<OverNumber, S> for CompositeBodies<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for CompositeBodies<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, mass, entries } = self;

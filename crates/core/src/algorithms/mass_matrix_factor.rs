@@ -14,7 +14,7 @@ use crate::model::native::NativeFunction;
 use crate::workspace::buffers::{Dense, Workspace};
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::{OverNumber, TreeMemory};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
 
 /// The factor of M(q) = LᵀDL, nv×nv row-major: L below the diagonal, D on the diagonal, zeros above. The
 /// diagonal of L is 1.
@@ -75,9 +75,9 @@ pub struct Elimination<'a, S> {
     pub inverse: Option<(&'a mut [S], &'a mut [S])>,
 }
 
-compiled_once!(pub EliminationKind, Elimination);
+compiled_once!(Elimination);
 
-impl<S: Scalar> Kernel<OverNumber, S> for Elimination<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for Elimination<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, _: &mut TreeMemory<N>) {
         let Self { carrier, matrix, inverse } = self;

@@ -19,7 +19,7 @@ use crate::kinematics::screws::place_screws;
 use crate::kinematics::wrench::FrameWrench;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::derivatives::Scratch;
-use crate::workspace::tree::{OverNumber, TreeMemory};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
 
 /// The arguments.
@@ -34,9 +34,9 @@ pub struct ForwardDynamicsSlopes<'a, S> {
     pub by_force: &'a mut [S],
 }
 
-compiled_once!(pub ForwardSlopesKind, ForwardDynamicsSlopes);
+compiled_once!(ForwardDynamicsSlopes);
 
-impl<S: Scalar> Kernel<OverNumber, S> for ForwardDynamicsSlopes<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for ForwardDynamicsSlopes<'_, S> {
     const GAINS_BY_AVX512: bool = true;
 
     #[inline(always)]

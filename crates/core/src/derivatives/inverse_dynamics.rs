@@ -13,7 +13,7 @@ use crate::kinematics::place::spread;
 use crate::kinematics::screws::place_screws;
 use crate::kinematics::wrench::FrameWrench;
 use crate::workspace::compiled_once::{compiled_once, run};
-use crate::workspace::tree::{OverNumber, TreeMemory};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
 
 /// The arguments.
@@ -27,9 +27,9 @@ pub struct InverseDynamicsSlopes<'a, S> {
     pub by_velocity: &'a mut [S],
 }
 
-compiled_once!(pub InverseSlopesKind, InverseDynamicsSlopes);
+compiled_once!(InverseDynamicsSlopes);
 
-impl<S: Scalar> Kernel<OverNumber, S> for InverseDynamicsSlopes<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for InverseDynamicsSlopes<'_, S> {
     const GAINS_BY_AVX512: bool = true;
 
     #[inline(always)]

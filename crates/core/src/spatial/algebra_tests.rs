@@ -7,7 +7,7 @@ use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, SplitMix64, View};
 
 use crate::workspace::compiled_once::run_on_machine;
-use crate::workspace::tree::{OverNumber, TreeMemory};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
 
 /// Every product equals nalgebra's at random points without symmetry. Entries are below 1 and sums have at
@@ -78,7 +78,7 @@ fn plain_products_are_nalgebras() {
 
 struct Products;
 
-impl Kernel<OverNumber, f64> for Products {
+impl Kernel<TreeStorage, f64> for Products {
     #[inline(always)]
     fn run<N: View<f64>, H: Hardware>(self, _: &mut TreeMemory<N>) {
         products_are_nalgebras::<N>(View::value);

@@ -2,7 +2,7 @@
 
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::Scalar;
-use robot_dynamics_number::dispatch::OneState;
+use robot_dynamics_number::dispatch::StateMemory;
 
 use crate::factorization::sparse::coordinate_carriers;
 use crate::model::identity::Identity;
@@ -116,7 +116,7 @@ impl<S: Scalar> Workspace<S> {
 
     /// The instructions of its recursions. If these are AVX2, derivatives may use AVX-512.
     pub fn instruction_set(&self) -> InstructionSet {
-        match self.tree.fast.as_ref().map(OneState::instruction_set) {
+        match self.tree.fast.as_ref().map(StateMemory::instruction_set) {
             None => InstructionSet::Portable,
             Some(InstructionSet::Avx512) => InstructionSet::Avx2,
             Some(set) => set,

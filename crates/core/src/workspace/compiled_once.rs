@@ -5,52 +5,55 @@
 //! calls it, and these take seconds. So over `f64` and `f32` they are functions of this library, and over
 //! other scalar types, such as dual numbers, they are generic.
 
-use core::marker::PhantomData;
-
 use robot_dynamics_number::dispatch::{Kernel, Portable};
-use robot_dynamics_number::{AsFloat, Float, Form, Scalar};
+use robot_dynamics_number::{Float, Scalar};
 
-use crate::workspace::tree::{OverNumber, TreeMemory};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
 
-/// A kind of kernel whose forms over floats are compiled in this library. See [`compiled_once`].
-pub trait Kind {
-    type Over<S: Scalar>: Kernel<OverNumber, S>;
-    fn f64(memory: &mut TreeMemory<f64>, kernel: &mut Option<Self::Over<f64>>);
-    fn f32(memory: &mut TreeMemory<f32>, kernel: &mut Option<Self::Over<f32>>);
+/// A kernel whose code over floats is compiled once, in the library that defines it. Only [`compiled_once`]
+/// implements it.
+#[doc(alias("CompiledKernel", "Kind"))]
+pub trait TreeKernel<S: Scalar>: Kernel<TreeStorage, S> + Sized {
+    /// Runs the kernel over a float, in the code of its library.
+    fn run_float(memory: &mut TreeMemory<S>, kernel: &mut Option<Self>);
 }
 
-/// A kernel of a [`Kind`].
-pub trait CompiledKernel<S: Scalar>: Kernel<OverNumber, S> {
-    type Kind: Kind<Over<S> = Self>;
-}
-
-/// A kernel with its memory.
-struct WithMemory<'a, K>(PhantomData<(&'a (), K)>);
-
-impl<'a, K: Kind> Form for WithMemory<'a, K> {
-    type Over<S: Scalar> = (&'a mut TreeMemory<S>, Option<K::Over<S>>);
-}
-
-/// Makes `$kernel<'a, S>` a [`CompiledKernel`] of the kind `$kind`.
+/// Makes `$kernel<'a, S>` a [`TreeKernel`].
 #[doc(hidden)]
 #[macro_export]
 macro_rules! compiled_once {
-    ($visibility:vis $kind:ident, $kernel:ident) => {
-        /// See [`compiled_once`](crate::workspace::compiled_once).
-        $visibility struct $kind<'a>(core::marker::PhantomData<&'a ()>);
+    ($kernel:ident) => {
+        impl<'a, S: Scalar> $crate::workspace::compiled_once::TreeKernel<S> for $kernel<'a, S> {
+            #[inline(always)]
+            fn run_float(
+                memory: &mut $crate::workspace::tree::TreeMemory<S>,
+                kernel: &mut Option<$kernel<'a, S>>,
+            ) {
+                use robot_dynamics_number::Specialization;
+                use $crate::workspace::compiled_once::run_on_machine;
+                use $crate::workspace::tree::TreeMemory;
 
-        impl<'a> $crate::workspace::compiled_once::Kind for $kind<'a> {
-            type Over<S: Scalar> = $kernel<'a, S>;
-            fn f64(memory: &mut TreeMemory<f64>, kernel: &mut Option<$kernel<'a, f64>>) {
-                $crate::workspace::compiled_once::run_on_machine(memory, kernel);
-            }
-            fn f32(memory: &mut TreeMemory<f32>, kernel: &mut Option<$kernel<'a, f32>>) {
-                $crate::workspace::compiled_once::run_on_machine(memory, kernel);
-            }
-        }
+                /// The memory and the kernel.
+                struct Arguments<'m, 'a>(core::marker::PhantomData<(&'m (), &'a ())>);
 
-        impl<'a, S: Scalar> $crate::workspace::compiled_once::CompiledKernel<S> for $kernel<'a, S> {
-            type Kind = $kind<'a>;
+                impl<'m, 'a: 'm> robot_dynamics_number::TypeFamily for Arguments<'m, 'a> {
+                    type Over<S: Scalar> = (&'m mut TreeMemory<S>, &'m mut Option<$kernel<'a, S>>);
+                }
+
+                fn run_f64(memory: &mut TreeMemory<f64>, kernel: &mut Option<$kernel<'_, f64>>) {
+                    run_on_machine(memory, kernel);
+                }
+
+                fn run_f32(memory: &mut TreeMemory<f32>, kernel: &mut Option<$kernel<'_, f32>>) {
+                    run_on_machine(memory, kernel);
+                }
+
+                match S::specialize::<Arguments<'_, 'a>>((memory, kernel)) {
+                    Specialization::F64((memory, kernel)) => run_f64(memory, kernel),
+                    Specialization::F32((memory, kernel)) => run_f32(memory, kernel),
+                    Specialization::Other(_) => unreachable!("a float says which one it is"),
+                }
+            }
         }
     };
 }
@@ -59,14 +62,10 @@ pub use compiled_once;
 /// Runs a kernel on the instructions that its memory was allocated for; for floats it calls code compiled in
 /// this library.
 #[inline(always)]
-pub fn run<S: Scalar, K: CompiledKernel<S>>(memory: &mut TreeMemory<S>, kernel: K) {
+pub fn run<S: Scalar, K: TreeKernel<S>>(memory: &mut TreeMemory<S>, kernel: K) {
     // A branch on a constant: for floats no other code is compiled.
     if const { S::IS_FLOAT } {
-        match S::as_float::<WithMemory<'_, K::Kind>>((memory, Some(kernel))) {
-            AsFloat::F64((memory, mut kernel)) => K::Kind::f64(memory, &mut kernel),
-            AsFloat::F32((memory, mut kernel)) => K::Kind::f32(memory, &mut kernel),
-            AsFloat::Other(_) => unreachable!("a float says which one it is"),
-        }
+        K::run_float(memory, &mut Some(kernel));
     } else {
         kernel.run::<S, Portable>(memory);
     }
@@ -74,7 +73,7 @@ pub fn run<S: Scalar, K: CompiledKernel<S>>(memory: &mut TreeMemory<S>, kernel: 
 
 /// Runs a kernel over a float on the instructions that its memory was allocated for.
 #[inline(always)]
-pub fn run_on_machine<T: Float, K: Kernel<OverNumber, T>>(
+pub fn run_on_machine<T: Float, K: Kernel<TreeStorage, T>>(
     memory: &mut TreeMemory<T>,
     kernel: &mut Option<K>,
 ) {

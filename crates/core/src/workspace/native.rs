@@ -30,7 +30,7 @@ mod call {
     use core::marker::PhantomData;
 
     use robot_dynamics_native::best_instructions;
-    use robot_dynamics_number::{AsFloat, Form};
+    use robot_dynamics_number::{Specialization, TypeFamily};
 
     use super::{InstructionSet, Model, NativeTask, Scalar};
     use crate::model::native::Number;
@@ -55,7 +55,7 @@ mod call {
     /// The inputs of a call: memory, arguments, results.
     struct Given<'a>(PhantomData<&'a ()>);
 
-    impl<'a> Form for Given<'a> {
+    impl<'a> TypeFamily for Given<'a> {
         type Over<S: Scalar> = (&'a mut NativeScratch<S>, &'a [&'a [S]], &'a mut [&'a mut [S]]);
     }
 
@@ -73,10 +73,10 @@ mod call {
             return false;
         }
         let task = task.into();
-        match S::as_float::<Given<'_>>((scratch, arguments, results)) {
-            AsFloat::F64(given) => call_f64(model, task, given),
-            AsFloat::F32(given) => call_f32(model, task, given),
-            AsFloat::Other(_) => false,
+        match S::specialize::<Given<'_>>((scratch, arguments, results)) {
+            Specialization::F64(given) => call_f64(model, task, given),
+            Specialization::F32(given) => call_f32(model, task, given),
+            Specialization::Other(_) => false,
         }
     }
 

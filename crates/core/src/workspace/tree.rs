@@ -3,8 +3,8 @@
 use core::marker::PhantomData;
 
 use robot_dynamics_number::algebra::{M3, Sym3, V3};
-use robot_dynamics_number::dispatch::{CloneForm, Make, OneState};
-use robot_dynamics_number::{AsFloat, Float, Form, Scalar};
+use robot_dynamics_number::dispatch::{StateMemory, Storage};
+use robot_dynamics_number::{Float, Scalar, Specialization, TypeFamily};
 
 use crate::spatial::force::ForceVector;
 use crate::spatial::inertia::{ArticulatedInertia, DofElimination, MassFlux, SpatialInertia};
@@ -21,7 +21,7 @@ use crate::{InstructionSet, Model};
 #[derive(Clone, Debug)]
 pub struct TreeMemory<S: Scalar> {
     /// The memory over the machine's vector type, if it is faster than `f64` or `f32`.
-    pub fast: Option<OneState<OverNumber>>,
+    pub fast: Option<StateMemory<TreeStorage>>,
     pub native: NativeScratch<S>,
     pub angles: Angles<S>,
     pub freedoms: DofBuffers<S>,
@@ -33,18 +33,23 @@ pub struct TreeMemory<S: Scalar> {
     pub pullback: pullback::Scratch<S>,
 }
 
-/// The recursions' memory, generic over the scalar type.
+/// [`TreeMemory`] over any scalar type.
 #[derive(Debug)]
-pub struct OverNumber;
+pub struct TreeStorage;
 
-impl Form for OverNumber {
+impl Storage for TreeStorage {
     type Over<S: Scalar> = TreeMemory<S>;
+    type Input<'a> = TreeSize<'a>;
+    fn new<S: Scalar>(size: TreeSize<'_>) -> TreeMemory<S> {
+        TreeMemory::portable(size.model, size.carrier)
+    }
 }
 
-impl CloneForm for OverNumber {
-    fn copy<S: Scalar>(memory: &TreeMemory<S>) -> TreeMemory<S> {
-        memory.clone()
-    }
+/// The size of a memory. If `carrier` is empty, there is no memory for derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct TreeSize<'a> {
+    model: &'a Model,
+    carrier: &'a [usize],
 }
 
 /// Positions of the one-DoF joints, with their sines and cosines; one entry per body.
@@ -119,38 +124,26 @@ pub struct Blocks<S> {
     pub branch_block: Vec<BranchBlock<S>>,
 }
 
-/// The type of a memory, for dispatch.
-struct Made<'a>(PhantomData<&'a ()>);
+/// A place for a new memory.
+struct NewMemory<'a>(PhantomData<&'a ()>);
 
-impl<'a> Form for Made<'a> {
+impl<'a> TypeFamily for NewMemory<'a> {
     type Over<S: Scalar> = &'a mut Option<TreeMemory<S>>;
 }
 
-/// The inputs of a memory. If the parents are empty, there is no memory for derivatives.
-struct Maker<'a> {
-    model: &'a Model,
-    carrier: &'a [usize],
-}
-
-impl Make<OverNumber> for Maker<'_> {
-    fn make<S: Scalar>(&self) -> TreeMemory<S> {
-        TreeMemory::portable(self.model, self.carrier)
-    }
-}
-
 /// A memory over a float, with the machine's vector type up to a set of instructions.
-fn over_float<T: Float>(maker: &Maker<'_>, limit: InstructionSet) -> TreeMemory<T> {
-    let fast = OneState::new::<T>(limit, maker);
-    let instructions = fast.as_ref().map_or(InstructionSet::Portable, OneState::instruction_set);
-    TreeMemory { fast, native: NativeScratch::new(instructions), ..maker.make() }
+fn over_float<T: Float>(size: TreeSize<'_>, limit: InstructionSet) -> TreeMemory<T> {
+    let fast = StateMemory::new::<T>(limit, size);
+    let instructions = fast.as_ref().map_or(InstructionSet::Portable, StateMemory::instruction_set);
+    TreeMemory { fast, native: NativeScratch::new(instructions), ..TreeStorage::new(size) }
 }
 
-fn over_f64(maker: &Maker<'_>, limit: InstructionSet, made: &mut Option<TreeMemory<f64>>) {
-    *made = Some(over_float(maker, limit));
+fn over_f64(size: TreeSize<'_>, limit: InstructionSet, made: &mut Option<TreeMemory<f64>>) {
+    *made = Some(over_float(size, limit));
 }
 
-fn over_f32(maker: &Maker<'_>, limit: InstructionSet, made: &mut Option<TreeMemory<f32>>) {
-    *made = Some(over_float(maker, limit));
+fn over_f32(size: TreeSize<'_>, limit: InstructionSet, made: &mut Option<TreeMemory<f32>>) {
+    *made = Some(over_float(size, limit));
 }
 
 impl<S: Scalar> TreeMemory<S> {
@@ -158,17 +151,17 @@ impl<S: Scalar> TreeMemory<S> {
     /// memory for derivatives.
     #[inline(always)]
     pub fn limited(model: &Model, carrier: &[usize], limit: InstructionSet) -> Self {
-        let maker = &Maker { model, carrier };
+        let size = TreeSize { model, carrier };
         let mut made = None;
         // A branch on a constant: memories of floats are compiled only in this library.
         if const { S::IS_FLOAT } {
-            match S::as_float::<Made<'_>>(&mut made) {
-                AsFloat::F64(made) => over_f64(maker, limit, made),
-                AsFloat::F32(made) => over_f32(maker, limit, made),
-                AsFloat::Other(_) => {}
+            match S::specialize::<NewMemory<'_>>(&mut made) {
+                Specialization::F64(made) => over_f64(size, limit, made),
+                Specialization::F32(made) => over_f32(size, limit, made),
+                Specialization::Other(_) => {}
             }
         } else {
-            made = Some(maker.make());
+            made = Some(TreeStorage::new(size));
         }
         let Some(made) = made else { unreachable!("a float says which one it is") };
         made

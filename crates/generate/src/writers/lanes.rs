@@ -21,20 +21,18 @@ const WIDE: usize = 16;
 
 /// The code that all functions share.
 const PRELUDE: &str = r#"
-    use robot_dynamics_number::dispatch::{Call, Hardware, LaneKernel, LaneMemory, Make};
-    use robot_dynamics_number::{Form, Scalar, StateLanes};
+    use robot_dynamics_number::dispatch::{Call, Hardware, LaneKernel, LaneMemory, Storage};
+    use robot_dynamics_number::{Scalar, StateLanes};
 
     pub use robot_dynamics_number::InstructionSet;
 
     /// Nothing is kept between calls.
     struct Nothing;
 
-    impl Form for Nothing {
+    impl Storage for Nothing {
         type Over<S: Scalar> = ();
-    }
-
-    impl Make<Nothing> for Nothing {
-        fn make<S: Scalar>(&self) {}
+        type Input<'a> = ();
+        fn new<S: Scalar>((): ()) {}
     }
 
     /// How many states there are, from each table's name, length and width.
@@ -235,7 +233,7 @@ impl<'a> LaneFunction<'a> {
         format!(
             "    #[track_caller]\n    pub fn {name}(limit: InstructionSet{parameters}) {{\n        \
              let states = count(&[{}]);\n        \
-             LaneMemory::<Nothing>::new::<{float}>(limit, &Nothing).run({name}_rows {{ states{names} }});\n    }}\n\n    \
+             LaneMemory::<Nothing>::new::<{float}>(limit, ()).run({name}_rows {{ states{names} }});\n    }}\n\n    \
              struct {name}_rows<'a> {{\n        states: usize,\n{fields}    }}\n\n    \
              impl LaneKernel<Nothing, {float}> for {name}_rows<'_> {{\n        #[inline(always)]\n        \
              fn run<N: StateLanes<Float = {float}>, H: Hardware>(self, (): &mut ()) {{\n{columns}{blocks}{scratch}            \

@@ -2,38 +2,38 @@
 
 use core::fmt;
 
-use super::{Call, Hardware, Portable};
+use super::{Call, Hardware, Portable, Storage};
 #[cfg(registers)]
 use crate::registers::{F32x8, F64x4};
 #[cfg(target_arch = "x86_64")]
 use crate::registers::{F32x16, F64x8};
-use crate::{Form, InstructionSet, Scalar, StateLanes};
+use crate::{InstructionSet, Scalar, StateLanes};
 
 /// A computation on memory over a register of states of `T`.
-pub trait LaneKernel<F: Form, T: Scalar> {
+pub trait LaneKernel<M: Storage, T: Scalar> {
     /// Runs the computation; must be `#[inline(always)]`.
-    fn run<N: StateLanes<Float = T>, H: Hardware>(self, memory: &mut F::Over<N>);
+    fn run<N: StateLanes<Float = T>, H: Hardware>(self, memory: &mut M::Over<N>);
 }
 
 /// Memory over as many states as a register of this machine holds, or over one state where it has no
 /// registers.
-pub struct LaneMemory<F: Form>(pub(crate) Memory<F>);
+pub struct LaneMemory<M: Storage>(pub(crate) Memory<M>);
 
 /// Variants with registers exist only on machines that have them.
-pub(crate) enum Memory<F: Form> {
-    F64(Box<F::Over<f64>>),
-    F32(Box<F::Over<f32>>),
+pub(crate) enum Memory<M: Storage> {
+    F64(Box<M::Over<f64>>),
+    F32(Box<M::Over<f32>>),
     #[cfg(registers)]
-    F64x4(Box<F::Over<F64x4>>),
+    F64x4(Box<M::Over<F64x4>>),
     #[cfg(registers)]
-    F32x8(Box<F::Over<F32x8>>),
+    F32x8(Box<M::Over<F32x8>>),
     #[cfg(target_arch = "x86_64")]
-    F64x8(Box<F::Over<F64x8>>),
+    F64x8(Box<M::Over<F64x8>>),
     #[cfg(target_arch = "x86_64")]
-    F32x16(Box<F::Over<F32x16>>),
+    F32x16(Box<M::Over<F32x16>>),
 }
 
-impl<F: Form> LaneMemory<F> {
+impl<M: Storage> LaneMemory<M> {
     /// The instructions that kernels run on.
     pub fn instruction_set(&self) -> InstructionSet {
         match &self.0 {
@@ -65,19 +65,19 @@ impl<F: Form> LaneMemory<F> {
     }
 }
 
-impl<F: Form> fmt::Debug for LaneMemory<F> {
+impl<M: Storage> fmt::Debug for LaneMemory<M> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("LaneMemory").field("instructions", &self.instruction_set()).finish_non_exhaustive()
     }
 }
 
 /// A kernel and its memory.
-struct LaneCall<'a, F: Form, N: StateLanes, K> {
+struct LaneCall<'a, M: Storage, N: StateLanes, K> {
     kernel: K,
-    memory: &'a mut F::Over<N>,
+    memory: &'a mut M::Over<N>,
 }
 
-impl<F: Form, N: StateLanes, K: LaneKernel<F, N::Float>> Call for LaneCall<'_, F, N, K> {
+impl<M: Storage, N: StateLanes, K: LaneKernel<M, N::Float>> Call for LaneCall<'_, M, N, K> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
         self.kernel.run::<N, H>(self.memory);
@@ -86,11 +86,11 @@ impl<F: Form, N: StateLanes, K: LaneKernel<F, N::Float>> Call for LaneCall<'_, F
 
 /// Runs a kernel over one number at a time.
 #[inline(always)]
-pub(crate) fn run_portable<F: Form, T: StateLanes<Float = T>>(
-    memory: &mut F::Over<T>,
-    kernel: impl LaneKernel<F, T>,
+pub(crate) fn run_portable<M: Storage, T: StateLanes<Float = T>>(
+    memory: &mut M::Over<T>,
+    kernel: impl LaneKernel<M, T>,
 ) {
-    Portable::call(LaneCall::<F, T, _> { kernel, memory });
+    Portable::call(LaneCall::<M, T, _> { kernel, memory });
 }
 
 /// Runs a kernel over registers of AVX2, of NEON, or of simd128.
@@ -99,11 +99,11 @@ pub(crate) fn run_portable<F: Form, T: StateLanes<Float = T>>(
 /// The machine has those instructions.
 #[cfg(registers)]
 #[inline(always)]
-pub(crate) unsafe fn run_narrow<F: Form, N: StateLanes>(
-    memory: &mut F::Over<N>,
-    kernel: impl LaneKernel<F, N::Float>,
+pub(crate) unsafe fn run_narrow<M: Storage, N: StateLanes>(
+    memory: &mut M::Over<N>,
+    kernel: impl LaneKernel<M, N::Float>,
 ) {
-    let call = LaneCall::<F, N, _> { kernel, memory };
+    let call = LaneCall::<M, N, _> { kernel, memory };
     #[cfg(target_arch = "x86_64")]
     // SAFETY: as the caller guarantees.
     unsafe {
@@ -119,10 +119,10 @@ pub(crate) unsafe fn run_narrow<F: Form, N: StateLanes>(
 /// The machine has those instructions.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-pub(crate) unsafe fn run_wide<F: Form, N: StateLanes>(
-    memory: &mut F::Over<N>,
-    kernel: impl LaneKernel<F, N::Float>,
+pub(crate) unsafe fn run_wide<M: Storage, N: StateLanes>(
+    memory: &mut M::Over<N>,
+    kernel: impl LaneKernel<M, N::Float>,
 ) {
     // SAFETY: as the caller guarantees.
-    unsafe { super::with_avx512(LaneCall::<F, N, _> { kernel, memory }) }
+    unsafe { super::with_avx512(LaneCall::<M, N, _> { kernel, memory }) }
 }

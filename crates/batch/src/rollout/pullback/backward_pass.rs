@@ -12,7 +12,9 @@ use robot_dynamics_simulation::motion::pullback::stages::{Accelerations, At, Cot
 
 use super::bad_rows::spoil;
 use super::inputs::RolloutPullbackInputs;
-use crate::block::{Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all};
+use crate::block::{
+    Block, BlockStorage, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
+};
 use crate::computation::pullback::{ForwardPullback, pull_forward};
 use crate::computation::recursions::accelerate;
 use crate::rollout::progress::Shared;
@@ -33,7 +35,7 @@ pub(super) struct Backward<'a, T> {
     pub(super) outputs: (&'a mut u32, &'a mut bool),
 }
 
-impl<T: Float> LaneKernel<OverLanes, T> for Backward<'_, T> {
+impl<T: Float> LaneKernel<BlockStorage, T> for Backward<'_, T> {
     #[inline(always)]
     fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
         let Self {

@@ -12,7 +12,7 @@ use crate::spatial::force::ForceVector;
 use crate::spatial::inertia::DofElimination;
 use crate::workspace::compiled_once::run_on_machine;
 use crate::workspace::extent::Scratch;
-use crate::workspace::tree::{OverNumber, TreeMemory};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
 
 /// The arguments of the elimination.
 struct Elimination<'a> {
@@ -35,7 +35,7 @@ pub(super) fn eliminate(
     run_on_machine(tree, &mut Some(Elimination { model, scratch, q, bound, on_vanished }));
 }
 
-impl Kernel<OverNumber, f64> for Elimination<'_> {
+impl Kernel<TreeStorage, f64> for Elimination<'_> {
     #[inline(always)]
     fn run<N: View<f64>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, scratch, q, bound, on_vanished } = self;

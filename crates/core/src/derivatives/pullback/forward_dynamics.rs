@@ -21,7 +21,7 @@ use crate::spatial::motion::MotionVector;
 use crate::workspace::buffers::Dense;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, OverNumber, Screws, TreeMemory};
+use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, Screws, TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
 
 /// The arguments, for trees without coupled branches.
@@ -40,9 +40,9 @@ pub struct ArticulatedBodiesPullback<'a, S> {
     pub parameters: &'a mut [S],
 }
 
-compiled_once!(pub ArticulatedBodiesPullbackKind, ArticulatedBodiesPullback);
+compiled_once!(ArticulatedBodiesPullback);
 
-impl<S: Scalar> Kernel<OverNumber, S> for ArticulatedBodiesPullback<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for ArticulatedBodiesPullback<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, tau, wrenches, cotangent, .. } = self;

@@ -13,7 +13,7 @@ use crate::kinematics::wrench::FrameWrench;
 use crate::model::native::NativeFunction;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::{OverNumber, TreeMemory};
+use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
 
 /// The arguments.
@@ -32,9 +32,9 @@ pub struct NewtonEulerPullback<'a, S> {
     pub parameters: &'a mut [S],
 }
 
-compiled_once!(pub NewtonEulerPullbackKind, NewtonEulerPullback);
+compiled_once!(NewtonEulerPullback);
 
-impl<S: Scalar> Kernel<OverNumber, S> for NewtonEulerPullback<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for NewtonEulerPullback<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, a, wrenches, cotangent, .. } = self;

@@ -14,7 +14,7 @@ use robot_dynamics_core::kinematics::screws::{move_screws, place_screws};
 use robot_dynamics_core::model::{Body, WORLD};
 use robot_dynamics_core::spatial::transform::Transform;
 use robot_dynamics_core::workspace::compiled_once::{compiled_once, run};
-use robot_dynamics_core::workspace::tree::{OverNumber, TreeMemory};
+use robot_dynamics_core::workspace::tree::{TreeMemory, TreeStorage};
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_number::algebra::{M3, V3};
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
@@ -185,9 +185,9 @@ pub(crate) struct CarriedMomenta<'a, S> {
     momenta: &'a mut [S],
 }
 
-compiled_once!(pub(crate) CarriedMomentaKind, CarriedMomenta);
+compiled_once!(CarriedMomenta);
 
-impl<S: Scalar> Kernel<OverNumber, S> for CarriedMomenta<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for CarriedMomenta<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, momenta } = self;

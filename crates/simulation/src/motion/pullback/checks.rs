@@ -2,19 +2,19 @@
 
 use robot_dynamics_core::{Model, SingularMass, Workspace, check_rank};
 use robot_dynamics_integrators::IntegratorError;
-use robot_dynamics_number::{AsFloat, Form, InputProblem, InvalidInput, Scalar};
+use robot_dynamics_number::{InputProblem, InvalidInput, Scalar, Specialization, TypeFamily};
 
 /// A slice of numbers of any type.
 struct Numbers<'a>(core::marker::PhantomData<&'a ()>);
 
-impl<'a> Form for Numbers<'a> {
+impl<'a> TypeFamily for Numbers<'a> {
     type Over<S: Scalar> = &'a [S];
 }
 
 /// A workspace and a configuration.
 struct At<'a>(core::marker::PhantomData<&'a ()>);
 
-impl<'a> Form for At<'a> {
+impl<'a> TypeFamily for At<'a> {
     type Over<S: Scalar> = (&'a mut Workspace<S>, &'a [S]);
 }
 
@@ -25,10 +25,10 @@ fn first_not_finite<T: Copy + Into<f64>>(numbers: &[T]) -> Option<(usize, f64)> 
 
 /// The first float that is not finite; numbers of other types are not checked.
 fn bad_float<S: Scalar>(numbers: &[S]) -> Option<(usize, f64)> {
-    match S::as_float::<Numbers<'_>>(numbers) {
-        AsFloat::F64(numbers) => first_not_finite(numbers),
-        AsFloat::F32(numbers) => first_not_finite(numbers),
-        AsFloat::Other(_) => None,
+    match S::specialize::<Numbers<'_>>(numbers) {
+        Specialization::F64(numbers) => first_not_finite(numbers),
+        Specialization::F32(numbers) => first_not_finite(numbers),
+        Specialization::Other(_) => None,
     }
 }
 
@@ -51,8 +51,8 @@ pub(super) fn check_mass<S: Scalar>(
     workspace: &mut Workspace<S>,
     q: &[S],
 ) -> Result<(), SingularMass> {
-    match S::as_float::<At<'_>>((workspace, q)) {
-        AsFloat::F64((workspace, q)) => check_rank(model, workspace, q),
-        AsFloat::F32(_) | AsFloat::Other(_) => Ok(()),
+    match S::specialize::<At<'_>>((workspace, q)) {
+        Specialization::F64((workspace, q)) => check_rank(model, workspace, q),
+        Specialization::F32(_) | Specialization::Other(_) => Ok(()),
     }
 }
