@@ -138,7 +138,7 @@ impl<'a> SimulationBuilder<'a> {
     /// use robot_dynamics::algorithms::forward_dynamics;
     /// use robot_dynamics::description::pendulum;
     /// use robot_dynamics::model::{Model, integrate};
-    /// use robot_dynamics::simulation::{CallbackError, RunOptions, SimulationBuilder, StepForces};
+    /// use robot_dynamics::simulation::{RunOptions, SimulationBuilder, StepError, StepForces};
     /// use robot_dynamics::simulation::{StepWorkspace, Stepper};
     ///
     /// /// v₁ = v₀ + h a(q₀, v₀), q₁ = q₀ ⊕ h v₁.
@@ -146,7 +146,6 @@ impl<'a> SimulationBuilder<'a> {
     /// struct Euler;
     ///
     /// impl Stepper for Euler {
-    ///     type Error = CallbackError;
     ///     fn step(
     ///         &mut self,
     ///         model: &Model,
@@ -155,7 +154,7 @@ impl<'a> SimulationBuilder<'a> {
     ///         h: f64,
     ///         q: &mut [f64],
     ///         v: &mut [f64],
-    ///     ) -> Result<(), CallbackError> {
+    ///     ) -> Result<(), StepError> {
     ///         let mut a = vec![0.0; v.len()];
     ///         forward_dynamics(model, workspace.dynamics(), q, v, forces.tau, &mut a);
     ///         v.iter_mut().zip(&a).for_each(|(v, a)| *v += h * a);

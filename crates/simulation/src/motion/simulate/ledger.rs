@@ -65,7 +65,8 @@ pub struct StateTransition<'a> {
 /// ```
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
-/// use robot_dynamics::simulation::{StepForces, StepWorkspace, energy_ledger, record_step, step};
+/// use robot_dynamics::simulation::{StateTransition, StepForces, StepWorkspace, energy_ledger};
+/// use robot_dynamics::simulation::{record_step, step};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
 /// // One step with a motor of 30 N·m: its work τ (q₁ − q₀) appears in K + V.
 /// let (mut q, mut v, forces) = ([0.0], [0.0], StepForces::new(&[30.0], false));
