@@ -140,10 +140,20 @@ ARGUMENTS = {
     "moment": "_Three",
     "start": "Numbers | None",
     "trajectory": "tuple[Numbers, Numbers] | None",
+    "parent": "str",
+    "prefix": "str",
+    "shape": "str",
+    "lengths": "Sequence[float]",
 }
 
 # Types of arguments that differ for some methods, and for the constructors of some classes.
 OF_CALL = {
+    ("_add", "joint"): "str | None",
+    ("_add", "pose"): "Numbers",
+    ("_add_object", "density"): "float | None",
+    ("_add_object", "friction"): "float | None",
+    ("_add_object", "mass"): "float | None",
+    ("_add_object", "pose"): "Numbers",
     ("ComputedTorque", "reference"): "ControlReference | Callable[[float], ControlReference]",
     ("TaskControl", "reference"): "ControlReference | Callable[[float], ControlReference]",
     ("TaskControl", "stiffness"): "float",
@@ -176,6 +186,9 @@ OF_CALL = {
 # Results that are not arrays of the arguments' type.
 RETURNS = {
     "_state": "str",
+    "_description": "str",
+    "_add": "list[str]",
+    "_add_object": "None",
     "_report_text": "str",
     "_warning_groups": "list[str]",
     "_left_out": "list[str]",

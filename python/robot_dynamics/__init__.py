@@ -74,6 +74,7 @@ from robot_dynamics.results import (
     InverseDynamicsPullbackWithParameters,
 )
 from robot_dynamics.robot import Joint, Link, Robot
+from robot_dynamics.scene import Scene
 from robot_dynamics.sensors import PointForce, Sensor
 from robot_dynamics.simulation import ContactPoint, Simulation, SimulationBatch
 
@@ -139,6 +140,7 @@ __all__ = [
     "RollingDisc",
     "Rollout",
     "RolloutPullback",
+    "Scene",
     "Sensor",
     "ShapeError",
     "Simulation",

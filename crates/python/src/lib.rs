@@ -54,6 +54,7 @@ mod planning;
 mod pullback;
 mod rollout;
 mod rollout_pullback;
+mod scene;
 mod sensors;
 mod simulation;
 
@@ -94,6 +95,8 @@ mod native {
     use super::robot::{Robot, example_text};
     #[pymodule_export]
     use super::rows::quantities;
+    #[pymodule_export]
+    use super::scene::Scene;
     #[pymodule_export]
     use super::simulation::batch::SimulationBatch;
     #[pymodule_export]
