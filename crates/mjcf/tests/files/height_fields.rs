@@ -50,3 +50,12 @@ fn too_few_heights_are_refused() {
     let [MjcfError::WrongCount { attribute, found: 3, .. }] = refused.errors() else { panic!("{refused}") };
     assert_eq!(attribute, "elevation");
 }
+
+/// The name of a height field defaults to that of its file.
+#[test]
+fn a_height_field_is_named_by_its_file() {
+    let text = "<mujoco><asset><hfield file='maps/hills.bin' size='1 2 0.5 0.1'/></asset><worldbody>
+        <geom type='hfield' hfield='hills'/></worldbody></mujoco>";
+    let robot = parse(text, &LoadOptions::default()).expect("a robot");
+    assert_eq!(robot.description.shapes[0].shape.file(), Some(("maps/hills.bin", None)));
+}

@@ -241,3 +241,21 @@ fn springs_of_ball_and_free_joints_are_written() {
     }
     assert_eq!(springs, 6);
 }
+
+/// As in MuJoCo 4, a keyframe that was written for a part of the scene is completed by the pose of the file.
+#[test]
+fn short_keyframes_are_completed() {
+    let text = "<mujoco><worldbody><body><joint name='hinge'/><geom size='1'/></body>
+          <body pos='1 2 3'><freejoint name='free'/><geom size='1'/></body></worldbody>
+        <actuator><motor joint='hinge'/><motor joint='hinge'/></actuator>
+        <keyframe><key name='home' qpos='0.5' qvel='0.1' ctrl='1'/></keyframe></mujoco>";
+    let robot = robot_dynamics_mjcf::parse(text, &LoadOptions::default()).expect("a robot");
+    let home = &robot.description.poses[0];
+    let free = vec![1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0];
+    assert_eq!(home.positions, [("hinge".to_owned(), vec![0.5]), ("free".to_owned(), free)]);
+    assert_eq!(home.velocities, [("hinge".to_owned(), vec![0.1])]);
+    assert_eq!(home.controls, [1.0, 0.0]);
+    let long = text.replace("ctrl='1'", "ctrl='1 2 3'");
+    let refused = robot_dynamics_mjcf::parse(&long, &LoadOptions::default()).unwrap_err();
+    assert!(refused.to_string().contains("ctrl"), "{refused}");
+}
