@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "forward dynamics: qd[0] is not finite")]
+    #[should_panic(expected = "forward dynamics: qd[0] is -inf; every number must be finite")]
     fn forward_panics_with_error_of_try_forward() {
         PLAIN.forward(&V2::zeros(), &vector![f64::NEG_INFINITY, 0.0], &V2::zeros());
     }
