@@ -58,7 +58,9 @@ impl Renaming<'_> {
         for LinkDescription { name, mass_properties: _, gravity_compensation: _ } in links {
             self.link(name);
         }
-        joints.iter_mut().for_each(|joint| self.joint(joint));
+        for joint in joints {
+            self.joint(joint);
+        }
         for FrameDescription { name, link, link_from_frame: _ } in frames {
             self.object(name);
             self.link(link);
@@ -73,13 +75,19 @@ impl Renaming<'_> {
         }
         for ContactPairDescription { name, shapes, .. } in contact_pairs {
             self.object(name);
-            shapes.iter_mut().for_each(|shape| self.object(shape));
+            for shape in shapes {
+                self.object(shape);
+            }
         }
         for TendonDescription { name, terms, .. } in tendons {
             self.object(name);
-            terms.iter_mut().for_each(|(joint, _)| self.object(joint));
+            for (joint, _) in terms {
+                self.object(joint);
+            }
         }
-        equalities.iter_mut().for_each(|equality| self.equality(equality));
+        for equality in equalities {
+            self.equality(equality);
+        }
         for ActuatorDescription { name, transmission, .. } in actuators {
             self.object(name);
             match transmission {
@@ -90,13 +98,20 @@ impl Renaming<'_> {
         }
         for SensorDescription { name, object, reference, .. } in sensors {
             self.object(name);
-            [Some(object), reference.as_mut()].into_iter().flatten().for_each(|object| self.sensed(object));
+            self.sensed(object);
+            if let Some(reference) = reference {
+                self.sensed(reference);
+            }
         }
         for NamedPose { name, positions, velocities, controls: _ } in poses {
             self.object(name);
-            positions.iter_mut().chain(velocities).for_each(|(joint, _)| self.object(joint));
+            for (joint, _) in positions.iter_mut().chain(velocities) {
+                self.object(joint);
+            }
         }
-        actuated_joints.iter_mut().flatten().for_each(|joint| self.object(joint));
+        for joint in actuated_joints.iter_mut().flatten() {
+            self.object(joint);
+        }
     }
 
     fn joint(&self, joint: &mut JointDescription) {
@@ -115,7 +130,9 @@ impl Renaming<'_> {
         match kind {
             Equality::Joints { joint, leader, polynomial: _ } => {
                 self.object(&mut joint.0);
-                leader.iter_mut().for_each(|leader| self.object(&mut leader.0));
+                if let Some((leader, _)) = leader {
+                    self.object(leader);
+                }
             }
             Equality::Connect { a, b } => {
                 self.link(&mut a.0);

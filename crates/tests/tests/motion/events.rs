@@ -11,7 +11,7 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{Model, difference, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{
-    Effect, Event, Integrator, Method, Run, RunError, RunOptions, Simulation, SimulationBuilder, StepForces,
+    Event, Integrator, Method, Run, RunError, RunOptions, Simulation, SimulationBuilder, StepForces,
     StepInfo, StepWorkspace, step,
 };
 
@@ -362,7 +362,7 @@ fn crossings_match_adaptive_run() {
         ..robot_dynamics::simulation::AdaptiveOptions::default()
     };
     let exact = SimulationBuilder::new(&model)
-        .without(Effect::Dissipation)
+        .without(robot_dynamics::simulation::Effect::Dissipation)
         .adaptive(options)
         .dt(5.0)
         .build()
