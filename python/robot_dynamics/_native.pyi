@@ -20,7 +20,7 @@ _Three: TypeAlias = Sequence[float]
 # The fields of a class of the Python half, which states their types.
 _Record: TypeAlias = dict[str, Any]
 
-__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'Scene', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', '__version__', '_defaults', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -377,7 +377,7 @@ class Robot:
     def __eq__(self, value: object, /) -> bool: ...
     def __hash__(self, /) -> int: ...
     def __ne__(self, value: object, /) -> bool: ...
-    def __new__(cls, kind: str, source: str, *, floating_base: bool = False, strict: bool = False, repair_inertia: bool = False, package_path: list[str] = ..., confined: bool = False) -> Self: ...
+    def __new__(cls, kind: str, source: str, *, floating_base: bool = False, strict: bool = False, repair_inertia: bool = False, package_path: list[str] = Ellipsis, confined: bool = False) -> Self: ...
     def _actuated_dofs(self) -> list[bool]:
         """See `actuated_dofs`."""
     def _audit(self, states: int, seed: int) -> list[tuple[str, str, float, str, float, bool, str]]:
@@ -2615,6 +2615,17 @@ class Robot:
         >>> robot.velocity_product([0.3, 1.2], [0.0, 0.0])
         array([0., 0.])
         """
+
+@final
+class Scene:
+    """The scene that `robot_dynamics.Scene` builds."""
+    def __new__(cls, name: str, gravity: Numbers) -> Self: ...
+    def _add(self, robot: Robot, parent: str, pose: Numbers, joint: str | None, axis: Numbers, prefix: str) -> list[str]:
+        """See `add`. Returns the notes on what the scene does not take."""
+    def _add_object(self, name: str, shape: str, lengths: Sequence[float], pose: Numbers, mass: float | None, density: float | None, friction: float | None) -> None:
+        """See `add_box` and the like."""
+    def _description(self) -> str:
+        """The scene as one robot: its description as JSON."""
 
 @disjoint_base
 class Simulation:
