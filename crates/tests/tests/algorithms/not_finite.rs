@@ -733,7 +733,7 @@ fn batches_reject_non_finite() {
 fn edits_reject_non_finite() {
     let description = arm(3).description().clone();
     let joint = description.joints.iter().find(|joint| joint.kind.nq() == 1).unwrap().name.clone();
-    probe("lock_joint", &[argument("locked at", [0.3])], |x| {
+    probe("lock_joint", &[argument("the position of joint", [0.3])], |x| {
         let mut robot = description.clone();
         text(robot.lock_joint(&joint, &x[0])).map(|()| vec![0.0])
     });
