@@ -212,14 +212,12 @@ impl Scene {
         let own = &mut self.description;
         // `None` means every joint except floating ones.
         if own.actuated_joints.is_some() || states_actuated {
-            let motorized = |robot: &RobotDescription| match &robot.actuated_joints {
-                Some(joints) => joints.clone(),
-                None => {
-                    let moves = |joint: &&JointDescription| {
-                        joint.kind.nv() > 0 && joint.kind != JointKind::Floating && joint.mimic.is_none()
-                    };
-                    robot.joints.iter().filter(moves).map(|joint| joint.name.clone()).collect()
-                }
+            let motorized = |robot: &RobotDescription| {
+                let moves = |joint: &&JointDescription| {
+                    joint.kind.nv() > 0 && joint.kind != JointKind::Floating && joint.mimic.is_none()
+                };
+                let all = || robot.joints.iter().filter(moves).map(|joint| joint.name.clone()).collect();
+                robot.actuated_joints.clone().unwrap_or_else(all)
             };
             own.actuated_joints = Some([motorized(own), motorized(&part)].concat());
         }
@@ -279,7 +277,10 @@ fn rename_base(part: &mut RobotDescription, base_joint: &str, new: Option<&str>)
     if let Some(joints) = &mut part.actuated_joints {
         match new {
             Some(new) => {
-                joints.iter_mut().filter(|joint| *joint == base_joint).for_each(|joint| new.clone_into(joint))
+                joints
+                    .iter_mut()
+                    .filter(|joint| *joint == base_joint)
+                    .for_each(|joint| new.clone_into(joint));
             }
             None => joints.retain(|joint| joint != base_joint),
         }
