@@ -6,6 +6,7 @@ use std::path::PathBuf;
 /// strict.
 #[doc(alias = "Options")]
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[allow(clippy::struct_excessive_bools)] // independent switches
 pub struct LoadOptions {
     /// Whether the base floats, which adds six degrees of freedom.
     pub floating_base: bool,

@@ -95,7 +95,9 @@ impl EqualityRows {
                     };
                     let row = &mut rows[*first];
                     row.begin(positions.as_ref().map(sum));
-                    terms.iter().for_each(|&(k, c)| row.add(k, c));
+                    for &(k, c) in terms {
+                        row.add(k, c);
+                    }
                 }
             }
         }

@@ -192,7 +192,7 @@ impl ImplicitIntegrator {
         let (rows, multipliers) = impulses.rows_beside(components);
         if !contacts.solve(model, step, (v, v1), rows, multipliers, change) {
             let quantity = "the impulse of the contacts";
-            return Err(IntegratorError::NotFinite { quantity, index: 0 }.into());
+            return Err(IntegratorError::NotFinite { quantity, index: 0 });
         }
         impulses.take_multipliers(components);
         if !translations.is_empty() {
