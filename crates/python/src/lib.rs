@@ -6,7 +6,12 @@
 //! turns memory of numpy into slices.
 
 // The macros need these types, keyword arguments are many, and docstrings have Python's syntax.
-#![allow(clippy::needless_pass_by_value, clippy::too_many_arguments, clippy::doc_link_with_quotes)]
+#![allow(
+    clippy::needless_pass_by_value,
+    clippy::too_many_arguments,
+    clippy::fn_params_excessive_bools,
+    clippy::doc_link_with_quotes
+)]
 
 // Exceptions, which the Python half defines.
 mod errors;

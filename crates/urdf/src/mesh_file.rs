@@ -165,7 +165,7 @@ mod tests {
         assert_eq!(Search::from(Some(&elsewhere), &[]).find("package://elsewhere/link.stl"), None);
         assert!(search.find("..\\meshes\\link.stl").is_some());
         // A text has only the package path.
-        let text = Search::from(None, &[root.clone()]);
+        let text = Search::from(None, std::slice::from_ref(&root));
         assert!(text.find("package://arm_description/meshes/link.stl").is_some());
         assert_eq!(text.find("../meshes/link.stl"), None);
         // ROS 2 has packages in the folder `share` of each prefix.

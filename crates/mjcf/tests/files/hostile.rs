@@ -252,8 +252,10 @@ fn small_files_that_grow_are_refused_by_the_limit_that_they_exceed() {
         let open = "<replicate count='10'>".repeat(depth);
         format!("{open}{content}{}", "</replicate>".repeat(depth))
     };
-    let attached: String = (0..300).map(|k| format!("<attach body='b' prefix='{k}_{long}'/>")).collect();
-    let parts: String = (0..100).map(|k| format!("<site name='s{k}'/>")).collect();
+    let attached: Vec<String> = (0..300).map(|k| format!("<attach body='b' prefix='{k}_{long}'/>")).collect();
+    let attached = attached.concat();
+    let parts: Vec<String> = (0..100).map(|k| format!("<site name='s{k}'/>")).collect();
+    let parts = parts.concat();
     let joints = "<body><joint/><geom size='0.1'/></body>".repeat(5000);
     let list = "1 ".repeat(50_000);
     let geoms = "<geom size='0.1'/>".repeat(5000);
