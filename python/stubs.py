@@ -60,7 +60,7 @@ ARGUMENTS = {
     "floating_base": "bool",
     "strict": "bool",
     "repair_inertia": "bool",
-    "package_path": "list[str]",
+    "package_path": "Sequence[str] | None",
     "confined": "bool",
     "value": "object",
     "full": "Robot",
@@ -311,7 +311,7 @@ OF_SIMULATION = {
 }
 
 # Base classes of classes of the Python package.
-BASES = ("Robot", "Simulation", "SimulationBatch")
+BASES = ("Robot", "Scene", "Simulation", "SimulationBatch")
 
 # Writable attributes with their types.
 SETTERS = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import warnings
-from typing import Any, Literal
+from typing import Any, Literal, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,9 @@ from robot_dynamics import _native
 from robot_dynamics.errors import LoadWarning
 from robot_dynamics.numbers import Numbers
 from robot_dynamics.robot import Robot
+
+MountJoint: TypeAlias = Literal["fixed", "floating", "spherical", "revolute", "continuous", "prismatic", "planar"]
+"""Kind of the joint between a robot and its parent in a scene."""
 
 
 class Scene(_native.Scene):
@@ -38,7 +41,7 @@ class Scene(_native.Scene):
     13
     """
 
-    def __new__(cls, name: str = "scene", gravity: Numbers = (0.0, 0.0, -9.81)) -> Scene:
+    def __new__(cls, name: str = "scene", gravity: Numbers = (0.0, 0.0, -9.81)) -> Self:
         return super().__new__(cls, name, gravity)
 
     def add(
@@ -47,7 +50,7 @@ class Scene(_native.Scene):
         *,
         at: Numbers = (0.0, 0.0, 0.0),
         on: str = "world",
-        joint: Literal["fixed", "floating", "spherical", "revolute", "continuous", "prismatic", "planar"] | None = None,
+        joint: MountJoint | None = None,
         axis: Numbers = (0.0, 0.0, 1.0),
         prefix: str = "",
     ) -> None:

@@ -183,7 +183,7 @@ impl Robot {
     /// Reads a robot: `kind` says what `source` is, the `path` of a file, its `text`, or the `json` of
     /// `_state`.
     #[new]
-    #[pyo3(signature = (kind, source, *, floating_base=false, strict=false, repair_inertia=false, package_path=Vec::new(), confined=false))]
+    #[pyo3(signature = (kind, source, *, floating_base=false, strict=false, repair_inertia=false, package_path=None, confined=false))]
     fn new(
         py: Python<'_>,
         kind: &str,
@@ -191,9 +191,10 @@ impl Robot {
         floating_base: bool,
         strict: bool,
         repair_inertia: bool,
-        package_path: Vec<PathBuf>,
+        package_path: Option<Vec<PathBuf>>,
         confined: bool,
     ) -> PyResult<Self> {
+        let package_path = package_path.unwrap_or_default();
         let options = LoadOptions { floating_base, strict, repair_inertia, package_path, confined };
         let refused = |error: &dyn std::fmt::Display| Class::Load.error(py, error);
         match kind {
