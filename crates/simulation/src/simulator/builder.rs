@@ -178,9 +178,10 @@ impl<'a> SimulationBuilder<'a> {
         Self { own: Some(OwnStepper::new(stepper)), method: Some(Method::Own), ..self }
     }
 
-    /// Selects adaptive steps of high order. The state at each [`step`](Self::step) meets the tolerance
-    /// whatever the step's length, and so do the times of events. Supported effects are rigid bodies, springs
-    /// and damping of joints, torques and wrenches. Other effects are left out, and so is the damping of a
+    /// Selects adaptive steps of high order. The state at each
+    /// [`step`](crate::simulator::Simulation::step) meets the tolerance whatever the step's length, and so do
+    /// the times of events. Supported effects are rigid bodies, springs and damping of joints, torques and
+    /// wrenches. Other effects are left out, and so is the damping of a
     /// joint with dry friction.
     ///
     /// A [run](Simulation::run) takes steps longer than the interval between samples. Without an observer it
