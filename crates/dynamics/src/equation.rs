@@ -187,7 +187,7 @@ fn check_entry(x: f64, index: usize) -> Result<(), IntegratorError> {
 mod tests {
     use nalgebra::{matrix, vector};
     use proptest::prelude::*;
-    use robot_dynamics_number::{InputProblem, InvalidInput};
+    use robot_dynamics_number::InputProblem;
 
     use super::*;
     use crate::{PlanarArm, Reach2R, christoffel};
@@ -234,11 +234,11 @@ mod tests {
         let (zero, bad) = (V2::zeros(), vector![0.0, f64::NAN]);
         let found = |system: Constant, q: V2, qd: V2, u: V2| match system.try_forward(&q, &qd, &u) {
             Err(IntegratorError::NotFinite { quantity, index: 1 }) => quantity.to_owned(),
-            Err(IntegratorError::Input(InvalidInput {
-                quantity,
-                problem: InputProblem::NotFinite { index: Some(1), .. },
-                ..
-            })) => quantity,
+            Err(IntegratorError::Input(input))
+                if matches!(input.problem, InputProblem::NotFinite { index: Some(1), .. }) =>
+            {
+                input.quantity
+            }
             other => panic!("{other:?}"),
         };
         assert_eq!(found(PLAIN, bad, zero, zero), "q");

@@ -13,7 +13,7 @@ use crate::Integrator;
 pub enum IntegratorError {
     /// The step is not positive and finite, or an argument has a number that is not finite.
     #[doc(alias = "BadStep")]
-    Input(InvalidInput),
+    Input(Box<InvalidInput>),
     /// A computed quantity is NaN or infinite: the motion diverged, or a parameter is too large.
     #[doc(alias = "NonFinite")]
     NotFinite {
@@ -100,12 +100,7 @@ impl fmt::Display for IntegratorError {
                 f,
                 "the {quantity} at the start is off the constraint `{name}` by {error:e}; project it there first"
             ),
-            Self::Interrupted => {
-                write!(
-                    f,
-                    "the step was interrupted; the state is that of its start, and the step can be taken again"
-                )
-            }
+            Self::Interrupted => f.write_str("the step was interrupted; the state is that of its start"),
             Self::UnknownName { name } => {
                 write!(f, "no integrator is named \"{name}\"; the names are")?;
                 Integrator::ALL.iter().try_for_each(|row| write!(f, " {}", row.name()))
@@ -118,7 +113,7 @@ impl core::error::Error for IntegratorError {}
 
 impl From<InvalidInput> for IntegratorError {
     fn from(error: InvalidInput) -> Self {
-        Self::Input(error)
+        Self::Input(Box::new(error))
     }
 }
 

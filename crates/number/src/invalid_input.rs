@@ -175,13 +175,13 @@ impl fmt::Display for InvalidInput {
                 f,
                 "{quantity} is {value}: the numbers given are too large to compute it; check their units"
             ),
-            InputProblem::UnknownName { name, owner, names } if names.is_empty() => {
-                write!(f, "{owner} has no {quantity} `{name}`, nor any other {quantity}")
-            }
             InputProblem::UnknownName { name, owner, names } => {
-                let listed = names[..names.len().min(LISTED)].join(", ");
-                write!(f, "{owner} has no {quantity} `{name}`; it has {listed}")?;
-                if names.len() > LISTED { write!(f, " and {} more", names.len() - LISTED) } else { Ok(()) }
+                write!(f, "{owner} has no {quantity} `{name}`")?;
+                for (k, name) in names.iter().take(LISTED).enumerate() {
+                    f.write_str(if k == 0 { "; it has " } else { ", " })?;
+                    f.write_str(name)?;
+                }
+                Ok(())
             }
         }
     }

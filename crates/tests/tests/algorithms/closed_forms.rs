@@ -199,7 +199,8 @@ fn singular_pose_is_an_error() {
     let error = arm.try_forward(&vector![0.1, 0.2, 0.3], &zero, &zero).unwrap_err();
     assert!(matches!(error, IntegratorError::SingularMass { coordinate: 2, .. }), "{error}");
     let error = arm.try_forward(&vector![0.1, f64::NAN, 0.3], &zero, &zero).unwrap_err();
-    let IntegratorError::Input(InvalidInput { quantity, problem, .. }) = &error else { panic!("{error}") };
+    let IntegratorError::Input(input) = &error else { panic!("{error}") };
+    let InvalidInput { quantity, problem, .. } = &**input;
     assert_eq!(quantity, "q");
     assert!(matches!(problem, InputProblem::NotFinite { index: Some(1), .. }), "{error}");
 }
