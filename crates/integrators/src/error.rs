@@ -100,7 +100,9 @@ impl fmt::Display for IntegratorError {
                 f,
                 "the {quantity} at the start is off the constraint `{name}` by {error:e}; project it there first"
             ),
-            Self::Interrupted => f.write_str("the step was interrupted; the state is that of its start"),
+            Self::Interrupted => f.write_str(
+                "the step was interrupted; the state is that of its start, and the step can be taken again",
+            ),
             Self::UnknownName { name } => {
                 write!(f, "no integrator is named \"{name}\"; the names are")?;
                 Integrator::ALL.iter().try_for_each(|row| write!(f, " {}", row.name()))

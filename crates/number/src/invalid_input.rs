@@ -84,8 +84,8 @@ pub enum InputProblem {
         name: String,
         /// The object that has the names, for example ``robot `arm` ``.
         owner: String,
-        /// The existing names.
-        names: Vec<String>,
+        /// The end of the message, which lists the existing names.
+        known: String,
     },
 }
 
@@ -124,8 +124,14 @@ impl InvalidInput {
         owner: impl Into<String>,
         names: impl IntoIterator<Item = &'n str>,
     ) -> Self {
-        let names = names.into_iter().map(str::to_owned).collect();
-        Self::new(sort, InputProblem::UnknownName { name: name.into(), owner: owner.into(), names })
+        let (sort, names) = (sort.into(), names.into_iter().collect::<Vec<_>>());
+        let listed = names[..names.len().min(LISTED)].join(", ");
+        let known = match names.len() {
+            0 => format!(", nor any other {sort}"),
+            1..=LISTED => format!("; it has {listed}"),
+            count => format!("; it has {listed} and {} more", count - LISTED),
+        };
+        Self::new(sort, InputProblem::UnknownName { name: name.into(), owner: owner.into(), known })
     }
 
     /// The same error of an argument with another name.
@@ -175,13 +181,8 @@ impl fmt::Display for InvalidInput {
                 f,
                 "{quantity} is {value}: the numbers given are too large to compute it; check their units"
             ),
-            InputProblem::UnknownName { name, owner, names } => {
-                write!(f, "{owner} has no {quantity} `{name}`")?;
-                for (k, name) in names.iter().take(LISTED).enumerate() {
-                    f.write_str(if k == 0 { "; it has " } else { ", " })?;
-                    f.write_str(name)?;
-                }
-                Ok(())
+            InputProblem::UnknownName { name, owner, known } => {
+                write!(f, "{owner} has no {quantity} `{name}`{known}")
             }
         }
     }
@@ -269,5 +270,23 @@ pub fn check_result<'a>(
     match results.into_iter().find(|x| !x.is_finite()) {
         Some(&value) => Err(InvalidInput::new(quantity, InputProblem::Overflow { value })),
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unknown_names_list_some_of_the_known_ones() {
+        let many: Vec<String> = (0..LISTED + 3).map(|k| format!("j{k}")).collect();
+        let text = |names: &[String]| {
+            let names = names.iter().map(String::as_str);
+            InvalidInput::unknown_name("joint", "elbow", "the robot", names).to_string()
+        };
+        assert_eq!(text(&[]), "the robot has no joint `elbow`, nor any other joint");
+        let most = text(&many[..LISTED]);
+        assert!(most.starts_with("the robot has no joint `elbow`; it has j0, j1,") && most.ends_with("j11"));
+        assert_eq!(text(&many), format!("{most} and 3 more"));
     }
 }
