@@ -7,7 +7,7 @@ use robot_dynamics_core::model::{Dof, WORLD};
 use robot_dynamics_core::spatial::transform::Transform;
 use robot_dynamics_core::workspace::compiled_once::{compiled_once, run};
 use robot_dynamics_core::workspace::tree::{TreeMemory, TreeStorage};
-use robot_dynamics_core::{Frame, FrameId, Model, Workspace};
+use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_number::algebra::V3;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
@@ -79,16 +79,6 @@ impl Placement {
         let [a, b, c, d, e, f, g, h, i, x, y, z] = self.bodies[body];
         let row = |k: usize| n.x * [a, b, c][k] + n.y * [d, e, f][k] + n.z * [g, h, i][k];
         (Vector3::new(row(0), row(1), row(2)), n.x * x + n.y * y + n.z * z)
-    }
-
-    /// A frame's axes and origin.
-    pub(crate) fn frame(&self, model: &Model, frame: FrameId) -> (Matrix3<f64>, Vector3<f64>) {
-        let Frame { body, body_from_frame, .. } = model.frame_of(frame);
-        let turn = Matrix3::from_fn(|i, j| body_from_frame.rotation[i][j]);
-        let at = Vector3::from(body_from_frame.translation);
-        let (rotation, origin) =
-            body.map_or_else(|| (Matrix3::identity(), Vector3::zeros()), |b| self.body(b));
-        (rotation * turn, origin + rotation * at)
     }
 
     /// Calls `look` with each degree of freedom that moves a body, from its own last one to the root's first.

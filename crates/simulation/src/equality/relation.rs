@@ -40,11 +40,10 @@ impl Relation {
         }
     }
 
-    /// The coordinates of its rows.
-    pub(super) fn coordinates(&self, model: &Model) -> BTreeSet<usize> {
+    /// The coordinates of its rows, given the common body.
+    pub(super) fn coordinates(&self, model: &Model, common: usize) -> BTreeSet<usize> {
         match self {
             Self::Sites([a, b], _) => {
-                let common = self.common_body(model);
                 let mut all = model.coordinates_between(common, a.body);
                 all.extend(model.coordinates_between(common, b.body));
                 all

@@ -45,7 +45,7 @@ impl EqualityRows {
         for relation in relations {
             let (first, common) = (rows.len(), relation.common_body(model));
             let terms: Vec<(usize, f64)> =
-                relation.coordinates(model).into_iter().map(|k| (k, 0.0)).collect();
+                relation.coordinates(model, common).into_iter().map(|k| (k, 0.0)).collect();
             for is_turn in relation.turns() {
                 let group = 2 * all.len() + usize::from(is_turn);
                 rows.push(EqualityRow { terms: terms.clone(), error: None, group });

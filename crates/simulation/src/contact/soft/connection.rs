@@ -15,6 +15,7 @@ use super::reference::{RowOrigin, RowReference, StepState};
 use super::sides::{Bodies, Side, push};
 use crate::contact::ConeProblem;
 use crate::contact::cone_problem::Set;
+use crate::equality::site::{Site, SitePlace};
 
 /// Two frames whose origins coincide, or that coincide.
 #[derive(Clone, Debug)]
@@ -35,8 +36,8 @@ impl Connection {
         asked: &mut Vec<RowReference>,
     ) {
         let StepState { model, workspace, q, v, h, .. } = state;
-        let [(turn, at), (other_turn, other_at)] =
-            self.frames.map(|frame| bodies.placement.frame(model, frame));
+        let [SitePlace { axes: turn, origin: at }, SitePlace { axes: other_turn, origin: other_at }] =
+            self.frames.map(|frame| Site::of_frame(model, frame).place(&bodies.placement));
         let drift = self.frames.map(|frame| {
             frame_bias_acceleration(model, workspace, q, v, frame, ReferenceFrame::LocalWorldAligned)
         });
