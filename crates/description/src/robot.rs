@@ -117,6 +117,12 @@ impl RobotDescription {
         self.equalities.iter().flat_map(EqualityDescription::frames).collect()
     }
 
+    /// The links that are not the child of a joint; a valid robot has one.
+    pub(crate) fn roots(&self) -> impl Iterator<Item = &LinkDescription> {
+        let children: HashSet<&str> = self.joints.iter().map(|joint| joint.child.as_str()).collect();
+        self.links.iter().filter(move |link| !children.contains(link.name.as_str()))
+    }
+
     /// Whether the robot floats by joints of its own. The root link and all links fixed to it then have no
     /// mass, and their other joints are floating. A floating base would add motions without inertia.
     ///
@@ -128,10 +134,7 @@ impl RobotDescription {
     /// assert!(robot.root_floats());
     /// ```
     pub fn root_floats(&self) -> bool {
-        let children: HashSet<&str> = self.joints.iter().map(|joint| joint.child.as_str()).collect();
-        let Some(root) = self.links.iter().find(|link| !children.contains(link.name.as_str())) else {
-            return false;
-        };
+        let Some(root) = self.roots().next() else { return false };
         let has_mass: HashSet<&str> = self
             .links
             .iter()

@@ -10,6 +10,8 @@ mod prefix;
 pub use self::mount::Mount;
 pub use self::object::Object;
 
+use std::collections::HashSet;
+
 use self::mount::WORLD;
 use self::prefix::Renaming;
 use crate::{Base, JointDescription, JointKind, LinkDescription, ModelError, Pose, RobotDescription};
@@ -151,35 +153,10 @@ impl Scene {
     }
 
     fn check_names(&self, part: &RobotDescription) -> Result<(), ModelError> {
-        let own = &self.description;
-        let sorts: [(&'static str, Vec<&String>, Vec<&String>); 7] = [
-            ("link or frame", places(own), places(part)),
-            ("joint", names(&own.joints, |joint| &joint.name), names(&part.joints, |joint| &joint.name)),
-            (
-                "tendon",
-                names(&own.tendons, |tendon| &tendon.name),
-                names(&part.tendons, |tendon| &tendon.name),
-            ),
-            (
-                "equality",
-                names(&own.equalities, |equality| &equality.name),
-                names(&part.equalities, |equality| &equality.name),
-            ),
-            (
-                "actuator",
-                names(&own.actuators, |actuator| &actuator.name),
-                names(&part.actuators, |actuator| &actuator.name),
-            ),
-            (
-                "sensor",
-                names(&own.sensors, |sensor| &sensor.name),
-                names(&part.sensors, |sensor| &sensor.name),
-            ),
-            ("pose", names(&own.poses, |pose| &pose.name), names(&part.poses, |pose| &pose.name)),
-        ];
-        for (sort, own, added) in sorts {
+        for ((sort, own), (_, added)) in names(&self.description).into_iter().zip(names(part)) {
+            let own: HashSet<&str> = own.into_iter().collect();
             if let Some(name) = added.into_iter().find(|name| !name.is_empty() && own.contains(name)) {
-                return Err(ModelError::NameInScene { sort, name: name.clone() });
+                return Err(ModelError::NameInScene { sort, name: name.to_owned() });
             }
         }
         Ok(())
@@ -247,9 +224,7 @@ impl Scene {
 
 /// The link that is not the child of a joint.
 fn root_of(robot: &RobotDescription) -> Result<&str, ModelError> {
-    let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child == name);
-    let roots: Vec<&str> =
-        robot.links.iter().map(|link| link.name.as_str()).filter(|name| !is_child(name)).collect();
+    let roots: Vec<&str> = robot.roots().map(|link| link.name.as_str()).collect();
     match roots[..] {
         [root] => Ok(root),
         [] if robot.links.is_empty() => Err(ModelError::NoLinks),
@@ -287,13 +262,19 @@ fn rename_base(part: &mut RobotDescription, base_joint: &str, new: Option<&str>)
     }
 }
 
-fn names<T>(items: &[T], name: impl Fn(&T) -> &String) -> Vec<&String> {
-    items.iter().map(name).collect()
-}
-
-/// The names of links and frames.
-fn places(robot: &RobotDescription) -> Vec<&String> {
-    let mut all = names(&robot.links, |link| &link.name);
-    all.extend(names(&robot.frames, |frame| &frame.name));
-    all
+/// The names of each sort that a scene keeps apart.
+fn names(robot: &RobotDescription) -> [(&'static str, Vec<&str>); 7] {
+    fn of<T>(items: &[T], name: impl Fn(&T) -> &str) -> Vec<&str> {
+        items.iter().map(name).collect()
+    }
+    let places = [of(&robot.links, |link| &link.name), of(&robot.frames, |frame| &frame.name)];
+    [
+        ("link or frame", places.concat()),
+        ("joint", of(&robot.joints, |joint| &joint.name)),
+        ("tendon", of(&robot.tendons, |tendon| &tendon.name)),
+        ("equality", of(&robot.equalities, |equality| &equality.name)),
+        ("actuator", of(&robot.actuators, |actuator| &actuator.name)),
+        ("sensor", of(&robot.sensors, |sensor| &sensor.name)),
+        ("pose", of(&robot.poses, |pose| &pose.name)),
+    ]
 }
