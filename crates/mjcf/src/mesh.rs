@@ -5,12 +5,12 @@ use std::rc::Rc;
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use robot_dynamics_mesh::Triangles;
-use robot_dynamics_xml::{Resource, excerpt};
+use robot_dynamics_xml::{Resource, excerpt, spellings};
 
 use crate::classes::MAIN;
 use crate::element::Element;
 use crate::mesh_mass::{MeshExtent, MeshInertia, extent};
-use crate::path::{spellings, stem};
+use crate::path::stem;
 use crate::reader::Reader;
 use crate::settings::Compiler;
 use crate::tree::Id;

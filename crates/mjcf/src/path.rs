@@ -27,12 +27,6 @@ pub(crate) fn simplify(path: &Path) -> PathBuf {
     clean
 }
 
-/// The spellings of a file's name that are tried: as written, and with `/` in place of `\`.
-pub(crate) fn spellings(name: &str) -> impl Iterator<Item = PathBuf> {
-    let other = name.contains('\\').then(|| PathBuf::from(name.replace('\\', "/")));
-    core::iter::once(PathBuf::from(name)).chain(other)
-}
-
 /// The name of a file without folder and extension.
 pub(crate) fn stem(file: &str) -> &str {
     let name = file.rsplit(['/', '\\']).next().unwrap_or(file);

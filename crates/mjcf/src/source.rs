@@ -4,11 +4,10 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use robot_dynamics_xml::roxmltree::{Document, Node as XmlNode};
-use robot_dynamics_xml::{Budget, Exceeded, Lines, Resource, excerpt};
+use robot_dynamics_xml::{Budget, Exceeded, Lines, Resource, excerpt, spellings};
 
 use crate::MjcfError;
 use crate::folder::{FileSet, Folder};
-use crate::path::spellings;
 use crate::renaming::OUTER_SECTIONS;
 use crate::tree::{Id, ModelFile, Node, Tree, in_file_place};
 

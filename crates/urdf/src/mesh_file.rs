@@ -5,7 +5,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 use robot_dynamics_description::{LinkShape, Shape};
-use robot_dynamics_xml::excerpt;
+use robot_dynamics_xml::{excerpt, spellings};
 
 use crate::element::Element;
 use crate::reader::Reader;
@@ -122,8 +122,7 @@ impl Search {
             return None;
         }
         let folder = self.folders.first()?;
-        let written = exists(folder.join(name));
-        written.or_else(|| exists(folder.join(name.replace('\\', "/"))))
+        spellings(name).find_map(|name| exists(folder.join(name)))
     }
 }
 

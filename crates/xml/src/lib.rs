@@ -19,5 +19,5 @@ pub use error::{XmlError, excerpt};
 pub use lines::Lines;
 pub use options::LoadOptions;
 pub use repair::outermost;
-pub use text::{SIZE_LIMIT, parse, read_file, read_regular_file, text_of};
+pub use text::{SIZE_LIMIT, parse, read_file, read_regular_file, spellings, text_of};
 pub use writer::{Writer, is_name, way_from};

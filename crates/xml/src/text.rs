@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use roxmltree::{Document, Error};
 
@@ -27,6 +27,18 @@ pub fn read_file(path: &Path) -> Result<String, XmlError> {
         .and_then(|file| file.take(SIZE_LIMIT as u64 + 1).read_to_end(&mut bytes))
         .map_err(|source| XmlError::Unreadable { path: path.to_owned(), source })?;
     text_of(&bytes)
+}
+
+/// The spellings of a file's name that are tried: as written, and with `/` in place of `\`.
+///
+/// ```
+/// let spellings: Vec<_> = robot_dynamics_xml::spellings(r"meshes\link.stl").collect();
+/// assert_eq!(spellings.last().map(|path| path.ends_with("meshes/link.stl")), Some(true));
+/// assert_eq!(robot_dynamics_xml::spellings("link.stl").count(), 1);
+/// ```
+pub fn spellings(name: &str) -> impl Iterator<Item = PathBuf> {
+    let other = name.contains('\\').then(|| PathBuf::from(name.replace('\\', "/")));
+    core::iter::once(PathBuf::from(name)).chain(other)
 }
 
 /// Reads the text of a file that another file names. It must be a regular file: a pipe or a device may never
