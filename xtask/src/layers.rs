@@ -40,7 +40,7 @@ pub(crate) const LAYERS: &[(&str, &[&str])] = &[
     ),
     ("dynamics", &["core", "description", "integrators", "nalgebra", "number", "thiserror", "verification"]),
     ("xml", &["roxmltree", "thiserror"]),
-    ("mesh", &["nalgebra", "robust", "stl_io", "tobj"]),
+    ("mesh", &["nalgebra", "robust"]),
     ("urdf", &["core", "description", "nalgebra", "number", "thiserror", "xml"]),
     ("mjcf", &["core", "description", "mesh", "nalgebra", "thiserror", "xml"]),
     ("functions", &["core", "description", "expression", "integrators", "number", "simulation", "thiserror"]),

@@ -3,10 +3,8 @@
 
 use std::collections::HashMap;
 
-use nalgebra::Vector3;
-
 use crate::polygon::Triangulation;
-use crate::triangles::Triangles;
+use crate::triangles::{Triangles, point_of};
 
 /// Reads an OBJ file. Names in it may have any encoding. Points come in the order in which the faces use
 /// them, and those without a face come last.
@@ -18,11 +16,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Triangles, String> {
         let mut words = text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         match words.next() {
             Some(b"v") => {
-                let numbers: Option<Vec<f32>> = words.by_ref().take(3).map(number).collect();
-                let point = numbers
-                    .filter(|point| point.len() == 3)
-                    .ok_or_else(|| invalid("a point needs three numbers"))?;
-                written.push(Vector3::from_fn(|k, _| f64::from(point[k])));
+                let point = point_of(words.take(3));
+                written.push(point.ok_or_else(|| invalid("a point needs three numbers"))?);
             }
             Some(b"f") => {
                 let polygon: Option<Vec<usize>> = words
@@ -57,10 +52,6 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Triangles, String> {
     let others = (0..written.len()).filter(|point| !places.contains_key(point));
     triangles.points.extend(others.map(|point| written[point]));
     Ok(triangles)
-}
-
-fn number(word: &[u8]) -> Option<f32> {
-    core::str::from_utf8(word).ok()?.parse().ok()
 }
 
 /// The index of the point in `point/texture/normal`. Negative numbers count from the last point before.

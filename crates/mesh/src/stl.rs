@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::triangles::Triangles;
+use crate::triangles::{Triangles, point_of};
 
 /// Reads an STL file. A binary file is recognized by its size, because many begin with `solid` like text
 /// files.
@@ -43,11 +43,8 @@ fn text(bytes: &[u8]) -> Result<Triangles, String> {
         let mut words = text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         let Some(word) = words.next() else { continue };
         if word.eq_ignore_ascii_case(b"vertex") {
-            let number = |word: &[u8]| core::str::from_utf8(word).ok()?.parse::<f32>().ok();
-            let point: Option<Vec<f32>> = words.map(number).collect();
-            let point = point.filter(|point| point.len() == 3);
-            let point = point.ok_or_else(|| invalid("a vertex needs three numbers"))?;
-            triangles.points.push(Vector3::from_fn(|k, _| f64::from(point[k])));
+            let point = point_of(words);
+            triangles.points.push(point.ok_or_else(|| invalid("a vertex needs three numbers"))?);
             corners += 1;
         } else if word.eq_ignore_ascii_case(b"endfacet") {
             if corners != 3 {

@@ -32,3 +32,11 @@ pub fn check(triangles: &Triangles) -> Result<(), String> {
     }
     if points.is_empty() { Err("it has no points".into()) } else { Ok(()) }
 }
+
+/// The point of a text file with these words: three numbers in single precision.
+pub(crate) fn point_of<'a>(words: impl Iterator<Item = &'a [u8]>) -> Option<Vector3<f64>> {
+    let number = |word: &[u8]| core::str::from_utf8(word).ok()?.parse::<f32>().ok();
+    let numbers: Option<Vec<f64>> = words.map(|word| number(word).map(f64::from)).collect();
+    let [x, y, z] = numbers?.try_into().ok()?;
+    Some(Vector3::new(x, y, z))
+}
