@@ -107,6 +107,11 @@ def compute(dataset: Any, robot: Robot, *quantities: str, workers: int | None = 
     -------
     ray.data.Dataset
         The kept columns, then the results.
+
+    Raises
+    ------
+    ValueError
+        If a quantity or the value of an option is invalid.
     """
     computation = Computation(robot, quantities, **{"threads": 1, **options})
     pool = (
@@ -173,6 +178,11 @@ class Workers:
         -------
         list
             Results in the order of the items.
+
+        Raises
+        ------
+        Exception
+            The error of the first call that failed.
         """
         sent = ray.put(function)
         results: dict[int, T] = {}
@@ -283,6 +293,11 @@ def by_actors(workers: int | None, address: str, count: Counter | None = None) -
     -------
     callable
         Runner for `robot_dynamics.parquet.run`.
+
+    Raises
+    ------
+    ConnectionError
+        If no cluster answers at the address; the runner raises it when it starts.
     """
 
     def runner(job: Job, parts: list[Part]) -> Generator[Part, None, None]:
