@@ -3,7 +3,7 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{Softness, Surface};
+use crate::{SolverImpedance, Surface};
 
 /// Two shapes that always collide, regardless of `contype`, `conaffinity` and excluded pairs, with their own
 /// contact parameters: `<pair>` of MJCF. See `ContactSet::with_links`.
@@ -21,12 +21,12 @@ pub struct ContactPairDescription {
     /// Coefficients of friction: two directions of sliding, torsional \[m\], two of rolling \[m\]. Contacts
     /// use the first of sliding and the first of rolling for both directions.
     pub friction: [f64; 5],
-    /// Time constant \[s\] and damping ratio of the contact: [`Softness`].
+    /// Time constant \[s\] and damping ratio of the contact: [`SolverImpedance`].
     pub solref: [f64; 2],
     /// The same for its friction, if given separately.
     #[cfg_attr(feature = "serde", serde(default))]
     pub solreffriction: Option<[f64; 2]>,
-    /// Its impedance: [`Softness`].
+    /// Its impedance: [`SolverImpedance`].
     pub solimp: [f64; 5],
     /// The distance within which a contact is detected \[m\].
     pub margin: f64,
@@ -42,7 +42,7 @@ impl ContactPairDescription {
     /// assert_eq!((pair.condim, pair.friction), (3, [1.0, 1.0, 0.005, 1e-4, 1e-4]));
     /// ```
     pub fn new<N: Into<String>>(shapes: [N; 2]) -> Self {
-        let Softness { solref, solimp } = Softness::default();
+        let SolverImpedance { solref, solimp } = SolverImpedance::default();
         let [slide, spin, roll] = Surface::default().friction;
         Self {
             name: String::new(),

@@ -3,7 +3,7 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{FrameDescription, Pose, Softness};
+use crate::{FrameDescription, Pose, SolverImpedance};
 
 /// A named equality, a constraint of the motion in addition to the tree; see `ConstraintSet`.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,9 +16,9 @@ pub struct EqualityDescription {
     pub kind: Equality,
     /// Whether it holds from the start.
     pub active: bool,
-    /// Time constant \[s\] and damping ratio of a soft constraint, as in MJCF: [`Softness`].
+    /// Time constant \[s\] and damping ratio of a soft constraint, as in MJCF: [`SolverImpedance`].
     pub solref: [f64; 2],
-    /// Its impedance: [`Softness`].
+    /// Its impedance: [`SolverImpedance`].
     pub solimp: [f64; 5],
 }
 
@@ -35,7 +35,7 @@ impl EqualityDescription {
     /// assert!(EqualityDescription::new("fingers", fingers).active);
     /// ```
     pub fn new(name: impl Into<String>, kind: Equality) -> Self {
-        let Softness { solref, solimp } = Softness::default();
+        let SolverImpedance { solref, solimp } = SolverImpedance::default();
         Self { name: name.into(), kind, active: true, solref, solimp }
     }
 }

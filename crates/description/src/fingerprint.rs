@@ -51,7 +51,7 @@ impl Write for Fnv1a {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{JointKind, PlacementSpring, Pose, TendonDescription, pendulum};
+    use crate::{JointKind, Pose, PoseSpring, TendonDescription, pendulum};
 
     /// The published value for the bytes of `foobar`.
     #[test]
@@ -66,7 +66,7 @@ mod tests {
     fn fingerprints_do_not_change_with_names_of_types() {
         let mut robot = pendulum(2.0, 0.5);
         robot.joints[0].kind = JointKind::Spherical;
-        robot.joints[0].spring = Some(PlacementSpring { stiffness: 40.0, rest: Pose::IDENTITY });
+        robot.joints[0].spring = Some(PoseSpring { stiffness: 40.0, rest: Pose::IDENTITY });
         robot.joints[0].higher_terms.damping = [0.5, 0.25];
         robot.tendons.push(TendonDescription::new("cord", [("joint".to_owned(), 1.0)]));
         assert_eq!(fingerprint(&robot), 0xd99e_4d63_f342_6783);

@@ -3,7 +3,7 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{HigherTerms, JointKind, JointSoftness, PlacementSpring, Pose};
+use crate::{JointKind, JointSolverImpedance, PolynomialStiffnessDamping, Pose, PoseSpring};
 
 /// A joint between two links. The child link's frame moves with the joint.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,12 +26,12 @@ pub struct JointDescription {
     pub passive: PassiveForces,
     /// The spring of a spherical or floating joint.
     #[cfg_attr(feature = "serde", serde(default))]
-    pub spring: Option<PlacementSpring>,
+    pub spring: Option<PoseSpring>,
     /// Polynomial terms of its spring and damper. For a spherical or floating joint, the spring's terms use
     /// the length of the stretch. The damper's terms apply to each DoF, and to linear ones along the axes of
     /// the joint's frame in the parent.
     #[cfg_attr(feature = "serde", serde(default))]
-    pub higher_terms: HigherTerms,
+    pub higher_terms: PolynomialStiffnessDamping,
     /// Present if it is a mimic joint.
     pub mimic: Option<Mimic>,
     /// Bounds on the total force of its actuators \[N·m or N\]; infinite without bounds. See
@@ -43,7 +43,7 @@ pub struct JointDescription {
     pub actuator_compensates_gravity: bool,
     /// The softness of its limits and friction under MuJoCo's law; the rigid law ignores it.
     #[cfg_attr(feature = "serde", serde(default))]
-    pub softness: JointSoftness,
+    pub softness: JointSolverImpedance,
 }
 
 /// Without bounds.
@@ -69,11 +69,11 @@ impl JointDescription {
             limits: Limits::default(),
             passive: PassiveForces::default(),
             spring: None,
-            higher_terms: HigherTerms::default(),
+            higher_terms: PolynomialStiffnessDamping::default(),
             mimic: None,
             actuator_force_range: unbounded(),
             actuator_compensates_gravity: false,
-            softness: JointSoftness::default(),
+            softness: JointSolverImpedance::default(),
         }
     }
 
@@ -178,7 +178,7 @@ pub struct PassiveForces {
     /// Coulomb friction \[N·m or N\].
     pub friction: f64,
     /// Spring stiffness \[N·m/rad or N/m\], for joints without quaternions; the others have a
-    /// [`PlacementSpring`].
+    /// [`PoseSpring`].
     pub stiffness: f64,
     /// Position at which the spring is relaxed \[rad or m\].
     pub rest: f64,

@@ -80,11 +80,11 @@ impl JointKind {
     /// The coordinates of q, in order.
     ///
     /// ```
-    /// use robot_dynamics::description::{JointKind, Measure};
+    /// use robot_dynamics::description::{JointKind, CoordinateKind};
     /// let planar = JointKind::Planar { normal: [0.0, 0.0, 1.0] };
     /// let [x, y, theta] = planar.positions() else { unreachable!("a planar joint has three") };
     /// assert_eq!((x.name, y.name, theta.name), ("x", "y", "theta"));
-    /// assert_eq!((x.measure, theta.measure), (Measure::Length, Measure::Angle));
+    /// assert_eq!((x.kind, theta.kind), (CoordinateKind::Length, CoordinateKind::Angle));
     /// ```
     pub fn positions(&self) -> &'static [Coordinate] {
         match self {
@@ -112,7 +112,7 @@ impl JointKind {
         }
     }
 
-    /// The coordinates of v and of τ, in order. The measure is that of the quantity whose rate v is.
+    /// The coordinates of v and of τ, in order. The kind is that of the quantity whose rate v is.
     ///
     /// ```
     /// use robot_dynamics::description::JointKind;
@@ -133,7 +133,7 @@ impl JointKind {
     /// The coordinates of q before the quaternion.
     pub fn plain_positions(&self) -> &'static [Coordinate] {
         let positions = self.positions();
-        let plain = positions.iter().position(|position| position.measure == Measure::Quaternion);
+        let plain = positions.iter().position(|position| position.kind == CoordinateKind::Quaternion);
         &positions[..plain.unwrap_or(positions.len())]
     }
 
@@ -170,7 +170,7 @@ pub struct Coordinate {
     /// Its name among the joint's coordinates; empty if there is only one.
     pub name: &'static str,
     /// The measured quantity; for v, the quantity whose rate it is.
-    pub measure: Measure,
+    pub kind: CoordinateKind,
 }
 
 impl Coordinate {
@@ -190,7 +190,8 @@ impl Coordinate {
 /// The quantity that a coordinate of q measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Measure {
+#[doc(alias = "Measure")]
+pub enum CoordinateKind {
     /// A length \[m\].
     Length,
     /// An angle \[rad\].
@@ -200,15 +201,15 @@ pub enum Measure {
 }
 
 const fn length(name: &'static str) -> Coordinate {
-    Coordinate { name, measure: Measure::Length }
+    Coordinate { name, kind: CoordinateKind::Length }
 }
 
 const fn angle(name: &'static str) -> Coordinate {
-    Coordinate { name, measure: Measure::Angle }
+    Coordinate { name, kind: CoordinateKind::Angle }
 }
 
 const fn component(name: &'static str) -> Coordinate {
-    Coordinate { name, measure: Measure::Quaternion }
+    Coordinate { name, kind: CoordinateKind::Quaternion }
 }
 
 /// A rotation C with C e_z along `axis`. For coordinate axes its entries are exactly 0 and ±1.

@@ -14,16 +14,16 @@ mod error;
 mod finding_group;
 mod fingerprint;
 mod frame;
-mod higher_terms;
 mod inertia;
 mod joint;
 mod joint_kind;
 mod length;
 mod named_pose;
 mod pendulum;
-mod placement_spring;
 pub mod plausibility;
+mod polynomial_stiffness_damping;
 mod pose;
+mod pose_spring;
 mod quaternion;
 mod random_robot;
 mod refused_file;
@@ -32,7 +32,7 @@ mod robot;
 mod scene;
 pub mod sensor;
 mod shape;
-mod softness;
+mod solver_impedance;
 mod tendon;
 pub mod text;
 #[doc(hidden)]
@@ -47,19 +47,19 @@ pub use error::{ModelError, NoSuchFrame, similar};
 pub use finding_group::FindingGroup;
 pub use fingerprint::fingerprint;
 pub use frame::FrameDescription;
-pub use higher_terms::HigherTerms;
 pub use inertia::{
     InertiaError, MassProperties, PrincipalInertia, RotationalInertia, parallel_axis, parallel_axis_planar,
     six_digits,
 };
 pub use joint::{JointDescription, Limits, Mimic, PassiveForces};
-pub use joint_kind::{Coordinate, JointKind, Measure, z_onto};
+pub use joint_kind::{Coordinate, CoordinateKind, JointKind, z_onto};
 pub use length::check_length;
 pub use named_pose::NamedPose;
 pub use pendulum::pendulum;
-pub use placement_spring::PlacementSpring;
+pub use polynomial_stiffness_damping::PolynomialStiffnessDamping;
 pub use pose::Pose;
 pub use pose::exponential::{exp_motion, log_motion};
+pub use pose_spring::PoseSpring;
 pub use quaternion::{Quaternion, rotation_of};
 pub use random_robot::{JointKinds, RandomRobotOptions, random_quaternion, random_robot};
 pub use refused_file::RefusedFile;
@@ -68,6 +68,6 @@ pub use robot::{Base, EARTH_GRAVITY, FLOATING_BASE, LinkDescription, RobotDescri
 pub use scene::{Mount, Object, Scene};
 pub use sensor::{SensorDescription, SensorKind, SensorObject};
 pub use shape::{Elevation, LinkShape, Shape, ShapeRole, Surface};
-pub use softness::{JointSoftness, Softness, TendonSoftness};
+pub use solver_impedance::{JointSolverImpedance, SolverImpedance, TendonSolverImpedance};
 pub use tendon::TendonDescription;
 pub use written_file::{UnsupportedFeature, WrittenFile};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{InertiaError, MassProperties, Pose, Softness};
+use crate::{InertiaError, MassProperties, Pose, SolverImpedance};
 
 /// A shape on a link.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,7 +109,7 @@ pub struct Surface {
 
 impl Default for Surface {
     fn default() -> Self {
-        let Softness { solref, solimp } = Softness::default();
+        let SolverImpedance { solref, solimp } = SolverImpedance::default();
         Self {
             friction: [1.0, 0.005, 1e-4],
             condim: 3,

@@ -3,7 +3,7 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{HigherTerms, Limits, PassiveForces, TendonSoftness};
+use crate::{Limits, PassiveForces, PolynomialStiffnessDamping, TendonSolverImpedance};
 
 /// A tendon with the length ℓ(q) = ℓ₀ + Σ cᵢ qᵢ, a sum of joint positions. Examples are a cable over drums,
 /// and fingers that share a motor.
@@ -27,7 +27,7 @@ pub struct TendonDescription {
     pub passive: PassiveForces,
     /// Polynomial terms of its spring and damper.
     #[cfg_attr(feature = "serde", serde(default))]
-    pub higher_terms: HigherTerms,
+    pub higher_terms: PolynomialStiffnessDamping,
     /// The length of the dead band: the spring pulls beyond `passive.rest` plus this length. 0 without a dead
     /// band, infinite for a spring that only pushes.
     pub dead_band: f64,
@@ -35,7 +35,7 @@ pub struct TendonDescription {
     pub limits: Limits,
     /// The softness of its limits under MuJoCo's law.
     #[cfg_attr(feature = "serde", serde(default))]
-    pub softness: TendonSoftness,
+    pub softness: TendonSolverImpedance,
 }
 
 impl TendonDescription {
@@ -52,10 +52,10 @@ impl TendonDescription {
             terms: terms.into_iter().collect(),
             offset: 0.0,
             passive: PassiveForces::default(),
-            higher_terms: HigherTerms::default(),
+            higher_terms: PolynomialStiffnessDamping::default(),
             dead_band: 0.0,
             limits: Limits::default(),
-            softness: TendonSoftness::default(),
+            softness: TendonSolverImpedance::default(),
         }
     }
 

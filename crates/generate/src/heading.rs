@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use robot_dynamics::description::{Coordinate, Measure};
+use robot_dynamics::description::{Coordinate, CoordinateKind};
 use robot_dynamics::model::Model;
 use robot_dynamics::text::{markdown, markdown_code, one_line};
 use robot_dynamics_expression::{Arithmetic, Precision, Sine};
@@ -94,9 +94,9 @@ fn three_decimals(x: f64) -> String {
 
 fn units(numbers: &[Coordinate], rate: &str) -> String {
     let unit = |number: &Coordinate| {
-        let unit = match number.measure {
-            Measure::Length => format!("m{rate}"),
-            Measure::Angle => format!("rad{rate}"),
+        let unit = match number.kind {
+            CoordinateKind::Length => format!("m{rate}"),
+            CoordinateKind::Angle => format!("rad{rate}"),
             _ => String::new(),
         };
         [number.name, &unit].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")

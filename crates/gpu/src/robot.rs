@@ -1,6 +1,6 @@
 //! Properties of a robot for the checks on the CPU: sizes, and the valid configurations.
 
-use robot_dynamics::description::Measure;
+use robot_dynamics::description::CoordinateKind;
 use robot_dynamics::model::Model;
 
 use crate::DeviceFloat;
@@ -60,9 +60,11 @@ impl Robot {
             }
             let positions = joint.kind.positions();
             for (k, position) in positions.iter().enumerate() {
-                match position.measure {
-                    Measure::Angle => angles.push(Angle { q: leader.q_index + k, ratio, offset }),
-                    Measure::Quaternion if k == 0 || positions[k - 1].measure != Measure::Quaternion => {
+                match position.kind {
+                    CoordinateKind::Angle => angles.push(Angle { q: leader.q_index + k, ratio, offset }),
+                    CoordinateKind::Quaternion
+                        if k == 0 || positions[k - 1].kind != CoordinateKind::Quaternion =>
+                    {
                         quaternions.push(joint.q_index + k);
                     }
                     _ => {}

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use robot_dynamics_description::{
-    FrameDescription, JointDescription, JointKind, Limits, LinkDescription, PlacementSpring, Pose,
+    FrameDescription, JointDescription, JointKind, Limits, LinkDescription, Pose, PoseSpring,
     RobotDescription,
 };
 use robot_dynamics_xml::excerpt;
@@ -203,7 +203,7 @@ impl Reader<'_> {
             description.passive = joint.passive;
             description.higher_terms = joint.higher_terms;
             description.softness = joint.softness;
-            description.spring = placement_spring(joint, joint.placement_stiffness, &body.parent_from_body);
+            description.spring = pose_spring(joint, joint.placement_stiffness, &body.parent_from_body);
             let (passive, higher) = (&mut description.passive, &mut description.higher_terms);
             if assembly.disabled.springs {
                 (passive.stiffness, higher.stiffness, description.spring) = (0.0, [0.0; 2], None);
@@ -322,16 +322,16 @@ fn to_zero_position(joint: &Joint) -> Isometry3<f64> {
 }
 
 /// The spring of a ball or free joint, which is at rest in the pose of the file.
-pub(crate) fn placement_spring(
+pub(crate) fn pose_spring(
     joint: &Joint,
     stiffness: f64,
     parent_from_body: &Isometry3<f64>,
-) -> Option<PlacementSpring> {
+) -> Option<PoseSpring> {
     let rest = if joint.motion == Motion::Free { pose(parent_from_body) } else { Pose::IDENTITY };
     let has_one = stiffness != 0.0 && matches!(joint.motion, Motion::Ball | Motion::Free);
     // The higher terms of a free joint's spring have the same rest.
     let has_higher = joint.motion == Motion::Free && joint.higher_terms.stiffness != [0.0; 2];
-    (has_one || has_higher).then_some(PlacementSpring { stiffness, rest })
+    (has_one || has_higher).then_some(PoseSpring { stiffness, rest })
 }
 
 /// q in the pose of the file.

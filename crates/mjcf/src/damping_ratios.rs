@@ -5,7 +5,7 @@ use robot_dynamics_core::{Model, neutral};
 use robot_dynamics_description::RobotDescription;
 
 use crate::actuator::Actuators;
-use crate::assembly::{ElementTable, placement_spring};
+use crate::assembly::{ElementTable, pose_spring};
 use crate::body::Body;
 use crate::reader::Reader;
 
@@ -59,7 +59,7 @@ impl Reader<'_> {
             }
             let mut all = bodies.iter().flat_map(|body| body.joints.iter().map(move |joint| (body, joint)));
             if let Some((body, own)) = all.nth(at) {
-                joint.spring = placement_spring(own, stiffness, &body.parent_from_body);
+                joint.spring = pose_spring(own, stiffness, &body.parent_from_body);
             }
         }
         for &(at, ratio) in &actuators.damping_ratios {

@@ -1,7 +1,7 @@
 //! Reads `<joint>` and `<freejoint>`: type, placement, axis, limits and passive forces.
 
 use nalgebra::{Isometry3, Point3, Vector3};
-use robot_dynamics_description::{HigherTerms, JointSoftness, Limits, PassiveForces};
+use robot_dynamics_description::{JointSolverImpedance, Limits, PassiveForces, PolynomialStiffnessDamping};
 
 use crate::element::Element;
 use crate::reader::Reader;
@@ -61,13 +61,13 @@ pub(crate) struct Joint {
     pub(crate) passive: PassiveForces,
     /// The stiffness of the spring of a ball or free joint.
     pub(crate) placement_stiffness: f64,
-    pub(crate) higher_terms: HigherTerms,
+    pub(crate) higher_terms: PolynomialStiffnessDamping,
     /// Bounds on the total force of its actuators \[N·m or N\].
     pub(crate) actuator_force_range: [f64; 2],
     /// Whether the actuators provide the gravity compensation.
     pub(crate) actuator_compensates_gravity: bool,
     /// The softness of limits and friction.
-    pub(crate) softness: JointSoftness,
+    pub(crate) softness: JointSolverImpedance,
     /// `springdamper`: time constant \[s\] and damping ratio, which determine stiffness and damping.
     pub(crate) spring_damper: Option<[f64; 2]>,
     /// Whether the frame of a free body is aligned with its inertia; `None` if the file leaves it to
@@ -88,10 +88,10 @@ impl Reader<'_> {
             limits: Limits::default(),
             passive: PassiveForces::default(),
             placement_stiffness: 0.0,
-            higher_terms: HigherTerms::default(),
+            higher_terms: PolynomialStiffnessDamping::default(),
             actuator_force_range: [f64::NEG_INFINITY, f64::INFINITY],
             actuator_compensates_gravity: false,
-            softness: JointSoftness::default(),
+            softness: JointSolverImpedance::default(),
             spring_damper: None,
             align: align.and_then(|word| match word {
                 "true" => Some(true),
@@ -145,8 +145,8 @@ impl Reader<'_> {
         joint
     }
 
-    fn softness(&mut self, element: &Element, joint: &Joint) -> JointSoftness {
-        let mut softness = JointSoftness::default();
+    fn softness(&mut self, element: &Element, joint: &Joint) -> JointSolverImpedance {
+        let mut softness = JointSolverImpedance::default();
         let (limit, friction) = (&mut softness.limit, &mut softness.friction);
         limit.solref = self.overlay(element, "solreflimit", limit.solref);
         limit.solimp = self.overlay(element, "solimplimit", limit.solimp);
@@ -228,7 +228,7 @@ impl Reader<'_> {
         let rest = self.number(element, "springref").unwrap_or(0.0);
         joint.passive =
             PassiveForces::default().with_armature(armature).with_damping(damping).with_friction(friction);
-        joint.higher_terms = HigherTerms { stiffness: [k2, k3], damping: [d2, d3] };
+        joint.higher_terms = PolynomialStiffnessDamping { stiffness: [k2, k3], damping: [d2, d3] };
         if motion == Motion::Free && armature != 0.0 {
             let message = format!(
                 "armature={armature} of a free joint: in the model it acts along the axes of the body, in MuJoCo along those \

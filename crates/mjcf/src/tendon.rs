@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use robot_dynamics_description::{PassiveForces, RobotDescription, TendonDescription, TendonSoftness};
+use robot_dynamics_description::{PassiveForces, RobotDescription, TendonDescription, TendonSolverImpedance};
 
 use crate::assembly::ElementTable;
 use crate::classes::MAIN;
@@ -92,7 +92,7 @@ impl Reader<'_> {
             if let Some([lower, upper]) = self.limit(&element, "actuatorfrclimited", "actuatorfrcrange") {
                 tendon.limits.effort = lower.abs().max(upper.abs());
             }
-            let TendonSoftness { limit, friction, margin, .. } = &mut tendon.softness;
+            let TendonSolverImpedance { limit, friction, margin, .. } = &mut tendon.softness;
             limit.solref = self.overlay(&element, "solreflimit", limit.solref);
             limit.solimp = self.overlay(&element, "solimplimit", limit.solimp);
             friction.solref = self.overlay(&element, "solreffriction", friction.solref);

@@ -67,15 +67,15 @@ pub use writer::{Format, write};
 /// reader.
 pub mod description {
     pub use robot_dynamics_description::{
-        Activation, ActuatorDescription, Affine, Base, ContactPairDescription, Coordinate, Counts,
-        Disposition, EARTH_GRAVITY, Elevation, Equality, EqualityDescription, FLOATING_BASE, Finding,
-        FindingGroup, FrameDescription, HigherTerms, InertiaError, JointDescription, JointKind, JointKinds,
-        JointSoftness, Limits, LinkDescription, LinkShape, LoadReport, MassProperties, Measure, Mimic,
-        ModelError, Mount, NamedPose, NoSuchFrame, Object, PassiveForces, PlacementSpring, Pose,
-        PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription, RotationalInertia,
-        Scene, SensorDescription, SensorKind, SensorObject, Severity, Shape, ShapeRole, Softness, Surface,
-        TendonDescription, TendonSoftness, Transmission, UnsupportedFeature, WrittenFile, parallel_axis,
-        parallel_axis_planar, pendulum, random_robot,
+        Activation, ActuatorDescription, Affine, Base, ContactPairDescription, Coordinate, CoordinateKind,
+        Counts, Disposition, EARTH_GRAVITY, Elevation, Equality, EqualityDescription, FLOATING_BASE, Finding,
+        FindingGroup, FrameDescription, InertiaError, JointDescription, JointKind, JointKinds,
+        JointSolverImpedance, Limits, LinkDescription, LinkShape, LoadReport, MassProperties, Mimic,
+        ModelError, Mount, NamedPose, NoSuchFrame, Object, PassiveForces, PolynomialStiffnessDamping, Pose,
+        PoseSpring, PrincipalInertia, Quaternion, RandomRobotOptions, RefusedFile, RobotDescription,
+        RotationalInertia, Scene, SensorDescription, SensorKind, SensorObject, Severity, Shape, ShapeRole,
+        SolverImpedance, Surface, TendonDescription, TendonSolverImpedance, Transmission, UnsupportedFeature,
+        WrittenFile, parallel_axis, parallel_axis_planar, pendulum, random_robot,
     };
 }
 

@@ -9,7 +9,7 @@ mod carried_weight;
 mod coupling;
 mod law;
 mod measured;
-mod placement_spring;
+mod pose_spring;
 mod tendon;
 mod transmission;
 mod workspace;
@@ -17,7 +17,7 @@ mod workspace;
 pub use workspace::ActuationWorkspace;
 
 use carried_weight::CarriedWeight;
-use placement_spring::PlacementSpring;
+use pose_spring::PoseSpring;
 use robot_dynamics_core::Model;
 use robot_dynamics_core::model::identity::Identity;
 use robot_dynamics_description::{ActuatorDescription, ModelError};
@@ -48,7 +48,7 @@ pub struct Actuation {
     /// The tendons of the description, in its order, then the joints of one degree of freedom with nonlinear
     /// terms.
     tendons: Vec<Tendon>,
-    springs: Vec<PlacementSpring>,
+    springs: Vec<PoseSpring>,
     actuators: Vec<(ActuatorDescription, Drive)>,
     weight: Option<CarriedWeight>,
     /// Coordinates with bounds on the sum of their actuators, and the bounds.
@@ -71,7 +71,7 @@ impl Actuation {
         let tendons = (description.tendons.iter().map(|tendon| Tendon::new(model, tendon)))
             .chain(singles.map(|joint| Tendon::of_joint(model, joint)))
             .collect();
-        let springs = joints.filter_map(|joint| PlacementSpring::new(model, joint)).collect();
+        let springs = joints.filter_map(|joint| PoseSpring::new(model, joint)).collect();
         let actuators = description
             .actuators
             .iter()
@@ -161,7 +161,7 @@ impl Actuation {
     /// ```
     pub fn without_dissipation(mut self) -> Self {
         self.tendons.iter_mut().for_each(Tendon::forget_dissipation);
-        self.springs.iter_mut().for_each(PlacementSpring::forget_dissipation);
+        self.springs.iter_mut().for_each(PoseSpring::forget_dissipation);
         self
     }
 

@@ -1,6 +1,6 @@
 //! Random states, for tests and examples.
 
-use robot_dynamics_description::{Measure, random_quaternion};
+use robot_dynamics_description::{CoordinateKind, random_quaternion};
 use robot_dynamics_number::SplitMix64;
 
 use crate::Model;
@@ -43,7 +43,7 @@ pub fn random_state(model: &Model, random: &mut SplitMix64) -> RandomState {
         let positions = joint.kind.plain_positions();
         let (plain, quaternion) = q.split_at_mut(positions.len());
         for (x, position) in plain.iter_mut().zip(positions) {
-            let reach = if position.measure == Measure::Length { 1.0 } else { std::f64::consts::PI };
+            let reach = if position.kind == CoordinateKind::Length { 1.0 } else { std::f64::consts::PI };
             *x = random.uniform(-reach, reach);
         }
         if !quaternion.is_empty() {

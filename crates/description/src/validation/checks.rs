@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::{HigherTerms, ModelError, Pose};
+use crate::{ModelError, PolynomialStiffnessDamping, Pose};
 
 pub(super) fn index_names<'a>(
     sort: &'static str,
@@ -45,7 +45,7 @@ pub(super) fn check_range(
     check(upper >= lower, owner, quantity, upper, "at or above its lower end")
 }
 
-pub(super) fn check_terms(owner: &str, terms: &HigherTerms) -> Result<(), ModelError> {
+pub(super) fn check_terms(owner: &str, terms: &PolynomialStiffnessDamping) -> Result<(), ModelError> {
     for value in terms.stiffness.into_iter().chain(terms.damping) {
         check(value.is_finite(), owner, "higher term", value, "finite")?;
     }

@@ -16,7 +16,7 @@
 //! 1/λ(M̂), λ the least eigenvalue.
 
 use nalgebra::{DMatrix, Vector3};
-use robot_dynamics::description::Measure;
+use robot_dynamics::description::CoordinateKind;
 use robot_dynamics::model::Model;
 use robot_dynamics_gpu::Function;
 
@@ -84,7 +84,7 @@ fn turns(model: &Model) -> Vec<bool> {
     let mut turns = vec![false; model.nv()];
     for joint in model.joints().iter().filter(|joint| joint.nv > 0) {
         for (k, velocity) in joint.kind.velocities().iter().enumerate() {
-            turns[joint.v_index + k] = velocity.measure == Measure::Angle;
+            turns[joint.v_index + k] = velocity.kind == CoordinateKind::Angle;
         }
     }
     turns
@@ -109,7 +109,7 @@ fn roots(model: &Model, q: &[f64], mass: &DMatrix<f64>) -> Vec<f64> {
             origin = model.joints().iter().find(|before| before.child_link == about.parent_link);
         }
         for (k, velocity) in joint.kind.velocities().iter().enumerate() {
-            let square = if velocity.measure == Measure::Angle { moment } else { hanging };
+            let square = if velocity.kind == CoordinateKind::Angle { moment } else { hanging };
             squares[first + k] += ratio * ratio * square;
         }
     }

@@ -1,6 +1,6 @@
 //! Writes `<joint>` and `<freejoint>`.
 
-use robot_dynamics_description::{JointDescription, JointKind, PassiveForces, Pose, Softness};
+use robot_dynamics_description::{JointDescription, JointKind, PassiveForces, Pose, SolverImpedance};
 
 use super::chain::Body;
 use super::{MjcfWriter, joint_place};
@@ -95,8 +95,8 @@ impl MjcfWriter<'_> {
     }
 
     /// Writes the softness of limits or friction, unless it is MuJoCo's default.
-    pub(super) fn write_softness(&mut self, of: &str, softness: &Softness) {
-        let usual = Softness::default();
+    pub(super) fn write_softness(&mut self, of: &str, softness: &SolverImpedance) {
+        let usual = SolverImpedance::default();
         if softness.solref != usual.solref {
             self.xml.numbers(&format!("solref{of}"), &softness.solref);
         }

@@ -10,7 +10,9 @@ use robot_dynamics::algorithms::potential_energy;
 use robot_dynamics::conventions::{
     configuration_from_mujoco, force_to_mujoco, velocity_from_mujoco, velocity_to_mujoco,
 };
-use robot_dynamics::description::{HigherTerms, JointKind, RobotDescription, TendonDescription};
+use robot_dynamics::description::{
+    JointKind, PolynomialStiffnessDamping, RobotDescription, TendonDescription,
+};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::simulation::Actuation;
 use robot_dynamics_mjcf::{LoadOptions, Robot, load};
@@ -92,7 +94,7 @@ impl Golden {
         robot.tendons.clear();
         robot.links.iter_mut().for_each(|link| link.gravity_compensation = 0.0);
         for joint in robot.joints.iter_mut().filter(|joint| joint.kind.nv() == 1) {
-            joint.higher_terms = HigherTerms::default();
+            joint.higher_terms = PolynomialStiffnessDamping::default();
         }
         let model = Model::new(robot).expect("a robot");
         let actuation = Actuation::new(&model).expect("a robot");

@@ -9,7 +9,7 @@ use robot_dynamics::conventions::{
     acceleration_to_mujoco, configuration_from_mujoco, configuration_to_mujoco, force_from_mujoco,
     force_to_mujoco, velocity_to_mujoco,
 };
-use robot_dynamics::description::{HigherTerms, PassiveForces, Softness, Surface};
+use robot_dynamics::description::{PassiveForces, PolynomialStiffnessDamping, SolverImpedance, Surface};
 use robot_dynamics::mjcf::{LoadOptions, load};
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::simulation::{MujocoEuler, StepForces, StepWorkspace, Stepper};
@@ -34,7 +34,7 @@ fn contact(model: &Model, value: &Value) -> SoftContact {
     contact.margin = value["margin"].as_f64().expect("a number");
     contact.condim = u8::try_from(value["condim"].as_u64().expect("a number")).expect("small");
     contact.friction = vector(&value["friction"]);
-    contact.softness = Softness { solref: vector(&value["solref"]), solimp: vector(&value["solimp"]) };
+    contact.softness = SolverImpedance { solref: vector(&value["solref"]), solimp: vector(&value["solimp"]) };
     contact
 }
 
@@ -93,7 +93,7 @@ fn robot(file: &str, record: &Value) -> (Model, SoftConstraints, ContactSet) {
     for tendon in &mut robot.tendons {
         let PassiveForces { armature, friction, .. } = tendon.passive;
         tendon.passive = PassiveForces::default().with_armature(armature).with_friction(friction);
-        tendon.higher_terms = HigherTerms::default();
+        tendon.higher_terms = PolynomialStiffnessDamping::default();
     }
     robot.actuators.clear();
     for shape in &mut robot.shapes {

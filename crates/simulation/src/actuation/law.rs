@@ -4,7 +4,7 @@ use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::{Model, gravity, potential_energy};
 use robot_dynamics_description::{Activation, check_length};
 
-use super::placement_spring::PlacementSpring;
+use super::pose_spring::PoseSpring;
 use super::tendon::Tendon;
 use super::transmission::Drive;
 use super::workspace::ActuationWorkspace;
@@ -182,7 +182,7 @@ impl Actuation {
         damping: &mut [f64],
         couplings: &mut Vec<Coupling>,
     ) {
-        for (coordinate, k) in self.springs.iter().flat_map(PlacementSpring::gains) {
+        for (coordinate, k) in self.springs.iter().flat_map(PoseSpring::gains) {
             stiffness[coordinate] += k.max(0.0);
         }
         let mut add = |length: &JointSum, (k, d): (f64, f64)| {

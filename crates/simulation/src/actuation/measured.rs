@@ -4,7 +4,7 @@ use robot_dynamics_core::Model;
 use robot_dynamics_description::check_length;
 
 use super::law::within;
-use super::placement_spring::PlacementSpring;
+use super::pose_spring::PoseSpring;
 use super::transmission::Drive;
 use super::{Actuation, ActuationWorkspace};
 
@@ -74,6 +74,6 @@ impl Actuation {
     /// The energy of tendons' springs, of springs of ball and floating joints, and of nonlinear terms \[J\].
     pub(crate) fn spring_energy(&self, q: &[f64]) -> f64 {
         let tendons: f64 = self.tendons.iter().map(|tendon| tendon.energy(q)).sum();
-        tendons + self.springs.iter().map(|spring: &PlacementSpring| spring.energy(q)).sum::<f64>()
+        tendons + self.springs.iter().map(|spring: &PoseSpring| spring.energy(q)).sum::<f64>()
     }
 }

@@ -5,9 +5,10 @@ use nalgebra::Vector3;
 use robot_dynamics::algorithms::{gravity, potential_energy};
 use robot_dynamics::constraints::ConstraintSet;
 use robot_dynamics::description::{
-    Activation, ActuatorDescription, Base, Equality, EqualityDescription, HigherTerms, JointDescription,
-    JointKind, LinkDescription, MassProperties, Mimic, NamedPose, PassiveForces, PlacementSpring, Pose,
-    RandomRobotOptions, RobotDescription, TendonDescription, Transmission, pendulum, random_robot,
+    Activation, ActuatorDescription, Base, Equality, EqualityDescription, JointDescription, JointKind,
+    LinkDescription, MassProperties, Mimic, NamedPose, PassiveForces, PolynomialStiffnessDamping, Pose,
+    PoseSpring, RandomRobotOptions, RobotDescription, TendonDescription, Transmission, pendulum,
+    random_robot,
 };
 use robot_dynamics::model::{Model, Workspace, integrate, neutral, random_state};
 use robot_dynamics::number::SplitMix64;
@@ -33,12 +34,15 @@ fn single_joints(robot: &RobotDescription) -> Vec<String> {
 }
 
 /// Nonlinear springs on all spherical and floating joints.
-fn spring_placements(robot: &mut RobotDescription, terms: HigherTerms, random: &mut SplitMix64) {
+fn spring_placements(
+    robot: &mut RobotDescription,
+    terms: PolynomialStiffnessDamping,
+    random: &mut SplitMix64,
+) {
     for joint in &mut robot.joints {
         if matches!(joint.kind, JointKind::Spherical | JointKind::Floating) {
             let mut three = || core::array::from_fn(|_| random.uniform(-1.0, 1.0));
-            joint.spring =
-                Some(PlacementSpring { stiffness: 12.0, rest: Pose::from_xyz_rpy(three(), three()) });
+            joint.spring = Some(PoseSpring { stiffness: 12.0, rest: Pose::from_xyz_rpy(three(), three()) });
             joint.higher_terms = terms;
         }
     }
@@ -60,7 +64,11 @@ fn driven(seed: u64) -> RobotDescription {
     for joint in robot.joints.iter_mut().filter(|joint| joint.name == joints[0]) {
         joint.higher_terms.stiffness = [-1.0, 4.0];
     }
-    spring_placements(&mut robot, HigherTerms { stiffness: [2.0, 3.0], damping: [0.0; 2] }, &mut random);
+    spring_placements(
+        &mut robot,
+        PolynomialStiffnessDamping { stiffness: [2.0, 3.0], damping: [0.0; 2] },
+        &mut random,
+    );
     let over_cable = Transmission::Tendon { tendon: "cable".into(), gear: 2.0 };
     robot.actuators.push(ActuatorDescription::new("winch", over_cable).servo(30.0, 1.0));
     let on_joint = Transmission::joint(joints[0].clone(), 3.0);
@@ -143,7 +151,7 @@ fn energy_account_of_driven_runs_closes() {
         let terms: Vec<_> = joints.iter().map(|name| (name.clone(), 0.4)).collect();
         let mut tendon = TendonDescription::new("cable", terms);
         tendon.passive = PassiveForces::default().with_spring(10.0, 0.0).with_damping(0.4);
-        let terms = HigherTerms { stiffness: [0.5, 1.0], damping: [0.2, 0.1] };
+        let terms = PolynomialStiffnessDamping { stiffness: [0.5, 1.0], damping: [0.2, 0.1] };
         tendon.higher_terms = terms;
         robot.tendons.push(tendon);
         for joint in robot.joints.iter_mut().filter(|joint| joint.name == joints[0]) {
@@ -380,8 +388,8 @@ fn springs_of_free_and_ball_joints_reach_equilibrium() {
                 Pose::from_translation(at),
             );
             let rest = Pose::from_xyz_rpy([0.1, 0.2, 0.3], [0.3, -0.2, 0.5]);
-            joint.spring = Some(PlacementSpring { stiffness, rest });
-            joint.higher_terms = HigherTerms { stiffness: [0.0, 2.0], damping: [0.3, 0.1] };
+            joint.spring = Some(PoseSpring { stiffness, rest });
+            joint.higher_terms = PolynomialStiffnessDamping { stiffness: [0.0, 2.0], damping: [0.3, 0.1] };
             joint.passive = PassiveForces::default().with_damping(damping);
             robot.joints.push(joint);
         }

@@ -110,7 +110,7 @@ fn surfaces_that_are_not_finite_are_errors() {
     }
 }
 
-/// Softness parameters in the wrong order: (t, ζ) of mixed sign counts as MuJoCo's default, and d that
+/// Solver parameters in the wrong order: (t, ζ) of mixed sign counts as MuJoCo's default, and d that
 /// decreases is taken as given. A ball dropped from 1 cm stays within 10 cm of the surface, with two
 /// exceptions. It falls if the stiffness is zero. It flies off if d ends at its minimum of 1e-4, whose square
 /// divides the stiffness. It is then 33639.97369049698 m high after 1 s, as in MuJoCo 4.0.0.

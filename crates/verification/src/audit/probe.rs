@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use nalgebra::DMatrix;
 use robot_dynamics_core::{Joint, Model, SingularMass, Workspace, check_rank, neutral, random_within_limits};
-use robot_dynamics_description::{JointKind, MassProperties, Measure};
+use robot_dynamics_description::{CoordinateKind, JointKind, MassProperties};
 use robot_dynamics_number::SplitMix64;
 
 /// A robot and its states.
@@ -260,5 +260,5 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// Whether entry k of a joint's v is the rate of a length.
 fn slides(joint: &Joint, k: usize) -> bool {
-    joint.kind.velocities().get(k).is_some_and(|velocity| velocity.measure == Measure::Length)
+    joint.kind.velocities().get(k).is_some_and(|velocity| velocity.kind == CoordinateKind::Length)
 }

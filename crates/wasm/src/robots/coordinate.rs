@@ -1,6 +1,6 @@
 //! The robot's coordinates.
 
-use robot_dynamics::description::{JointKind, Measure};
+use robot_dynamics::description::{CoordinateKind, JointKind};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::robot::Robot;
@@ -45,7 +45,7 @@ impl Robot {
                 list.push(RobotCoordinate {
                     name: shown(&names[v]),
                     place: own.then(|| u32::try_from(joint.q_index + k).ok()).flatten(),
-                    slides: joint.kind.velocities()[k].measure == Measure::Length,
+                    slides: joint.kind.velocities()[k].kind == CoordinateKind::Length,
                     lower: limits[v].lower,
                     upper: limits[v].upper,
                     effort: limits[v].effort,

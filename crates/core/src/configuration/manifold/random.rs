@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use robot_dynamics_description::{Limits, Measure, Quaternion};
+use robot_dynamics_description::{CoordinateKind, Limits, Quaternion};
 use robot_dynamics_number::SplitMix64;
 
 use super::neutral;
@@ -35,7 +35,7 @@ pub fn random_within_limits(model: &Model, random: &mut SplitMix64) -> Vec<f64> 
         let positions = joint.kind.plain_positions();
         let (plain, quaternion) = part.split_at_mut(positions.len());
         for (x, position) in plain.iter_mut().zip(positions) {
-            let reach = if position.measure == Measure::Length { 1.0 } else { PI };
+            let reach = if position.kind == CoordinateKind::Length { 1.0 } else { PI };
             // Limits of a joint with a quaternion do not apply to entries of q.
             let limits = if quaternion.is_empty() { joint.limits } else { Limits::default() };
             let (low, high) = range(&limits, reach);

@@ -8,7 +8,7 @@
 
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use robot_dynamics_core::{FrameId, ReferenceFrame, frame_bias_acceleration, frame_velocity};
-use robot_dynamics_description::Softness;
+use robot_dynamics_description::SolverImpedance;
 
 use super::impedance::Response;
 use super::reference::{RowOrigin, RowReference, StepState};
@@ -22,7 +22,7 @@ use crate::equality::site::{Site, SitePlace};
 pub(super) struct Connection {
     pub(super) frames: [FrameId; 2],
     pub(super) is_weld: bool,
-    pub(super) softness: Softness,
+    pub(super) softness: SolverImpedance,
     /// The sum of both sides' weights, translation and rotation.
     pub(super) weights: [f64; 2],
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use robot_dynamics_core::Model;
-use robot_dynamics_description::Softness;
+use robot_dynamics_description::SolverImpedance;
 
 use super::active_set::ActiveLimits;
 use super::impedance::Response;
@@ -78,7 +78,8 @@ impl SoftConstraints {
         let row = sides::push(problem, model, bodies, set, sides, &directions[..rows]);
         problem.soften(cone * cone * response.softness(weight[0]));
         let spring = scale[0] * response.spring;
-        let of_sides = |solref| Response::new(&Softness { solref, ..contact.softness }, h, violation).damping;
+        let of_sides =
+            |solref| Response::new(&SolverImpedance { solref, ..contact.softness }, h, violation).damping;
         let side_damping = contact.solreffriction.map_or(response.damping, of_sides);
         let asked = RowReference::new(RowOrigin::Contact, row, response.damping, spring);
         self.asked.push(RowReference { rows, side_damping, ..asked });

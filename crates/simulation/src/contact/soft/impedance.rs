@@ -5,7 +5,7 @@
 //! impedance at the width. The constraint yields by R = w (1 − d)/d for each unit of force, where w is its
 //! inverse inertia. **(MuJoCo, "Computation", Constraint model)**
 
-use robot_dynamics_description::Softness;
+use robot_dynamics_description::SolverImpedance;
 
 /// Bounds of impedances, and what counts as zero.
 const LEAST: f64 = 1e-4;
@@ -25,11 +25,11 @@ pub(super) struct Response {
 
 impl Response {
     /// The parameters at the violation r, for steps of h: a time constant below 2h counts as 2h.
-    pub(super) fn new(softness: &Softness, h: f64, violation: f64) -> Self {
-        let Softness { solref, solimp } = *softness;
+    pub(super) fn new(softness: &SolverImpedance, h: f64, violation: f64) -> Self {
+        let SolverImpedance { solref, solimp } = *softness;
         // The two forms do not mix.
         let [time, ratio] =
-            if (solref[0] > 0.0) == (solref[1] > 0.0) { solref } else { Softness::default().solref };
+            if (solref[0] > 0.0) == (solref[1] > 0.0) { solref } else { SolverImpedance::default().solref };
         let widest = solimp[1].clamp(LEAST, MOST);
         let impedance = impedance(&solimp, violation);
         let (stiffness, damping) = if time > 0.0 {
@@ -90,14 +90,14 @@ mod tests {
     /// r with d = d_w.
     #[test]
     fn the_reference_is_a_damped_spring() {
-        let softness = Softness { solref: [0.05, 0.7], solimp: [0.5, 0.9, 1e-3, 0.5, 2.0] };
+        let softness = SolverImpedance { solref: [0.05, 0.7], solimp: [0.5, 0.9, 1e-3, 0.5, 2.0] };
         let response = Response::new(&softness, 1e-3, -0.2);
         let (time, ratio, widest) = (0.05, 0.7, 0.9);
         let expected = -0.2 / (widest * (time * ratio) * (time * ratio));
         assert!((response.spring - expected).abs() < 1e-9 * expected.abs());
         assert!((response.damping - 2.0 / (widest * time)).abs() < 1e-12);
         // Direct: −(k, b).
-        let direct = Softness { solref: [-100.0, -3.0], ..softness };
+        let direct = SolverImpedance { solref: [-100.0, -3.0], ..softness };
         let response = Response::new(&direct, 1e-3, -0.2);
         assert!((response.spring - 100.0 / 0.81 * 0.9 * -0.2).abs() < 1e-9);
         assert!((response.damping - 3.0 / 0.9).abs() < 1e-12);

@@ -1,7 +1,7 @@
 //! A contact of MuJoCo's law: its point, normal, friction and softness.
 
 use robot_dynamics_core::FrameId;
-use robot_dynamics_description::{Softness, Surface};
+use robot_dynamics_description::{SolverImpedance, Surface};
 
 /// A contact point of a link with the world, or with another link, under the law of
 /// [`SoftConstraints`](crate::SoftConstraints).
@@ -25,7 +25,7 @@ pub struct SoftContact {
     /// Friction: two directions of sliding, torsion \[m\], two of rolling \[m\].
     pub friction: [f64; 5],
     /// The softness.
-    pub softness: Softness,
+    pub softness: SolverImpedance,
     /// `solref` of its friction, if it differs from that of `softness`.
     pub solreffriction: Option<[f64; 2]>,
 }
@@ -44,7 +44,7 @@ impl SoftContact {
     /// ```
     pub fn new(link: FrameId, point: [f64; 3], normal: [f64; 3], distance: f64) -> Self {
         let friction = [0.0; 5];
-        let softness = Softness::default();
+        let softness = SolverImpedance::default();
         let solreffriction = None;
         Self {
             link,
@@ -77,7 +77,7 @@ impl SoftContact {
             margin: surface.margin,
             condim: surface.condim,
             friction: [slide, slide, spin, roll, roll],
-            softness: Softness { solref: surface.solref, solimp: surface.solimp },
+            softness: SolverImpedance { solref: surface.solref, solimp: surface.solimp },
             solreffriction: surface.solreffriction,
             ..self
         }

@@ -6,7 +6,9 @@ use robot_dynamics_core::Model;
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::factorization::sparse::{carriers, coordinate_carriers};
-use robot_dynamics_description::{Equality, JointKind, JointSoftness, Softness, TendonSoftness};
+use robot_dynamics_description::{
+    Equality, JointKind, JointSolverImpedance, SolverImpedance, TendonSolverImpedance,
+};
 
 use super::connection::Connection;
 use super::sides::tendon_length;
@@ -33,7 +35,7 @@ pub(super) struct Friction {
     pub(super) slopes: Vec<(usize, f64)>,
     /// \[N·m or N\].
     pub(super) most: f64,
-    pub(super) softness: Softness,
+    pub(super) softness: SolverImpedance,
     pub(super) weight: f64,
 }
 
@@ -47,7 +49,7 @@ pub(super) struct Limit {
     pub(super) bound: f64,
     pub(super) sign: f64,
     pub(super) margin: f64,
-    pub(super) softness: Softness,
+    pub(super) softness: SolverImpedance,
     pub(super) weight: f64,
 }
 
@@ -58,7 +60,7 @@ pub(super) struct Turn {
     pub(super) coordinate: usize,
     pub(super) most: f64,
     pub(super) margin: f64,
-    pub(super) softness: Softness,
+    pub(super) softness: SolverImpedance,
     pub(super) weight: f64,
 }
 
@@ -72,7 +74,7 @@ pub(super) struct TendonLimit {
     pub(super) slopes: Vec<(usize, f64)>,
     pub(super) bound: f64,
     pub(super) sign: f64,
-    pub(super) softness: TendonSoftness,
+    pub(super) softness: TendonSolverImpedance,
     pub(super) weight: f64,
 }
 
@@ -82,15 +84,15 @@ pub(super) struct Equal {
     pub(super) joint: (usize, usize, f64),
     pub(super) leader: Option<(usize, usize, f64)>,
     pub(super) polynomial: [f64; 5],
-    pub(super) softness: Softness,
+    pub(super) softness: SolverImpedance,
     pub(super) weight: f64,
 }
 
 impl JointRows {
     pub(super) fn new(model: &Model, weights: &InverseWeights) -> Self {
-        let described: HashMap<&str, &JointSoftness> =
+        let described: HashMap<&str, &JointSolverImpedance> =
             model.description().joints.iter().map(|joint| (joint.name.as_str(), &joint.softness)).collect();
-        let of = |joint: usize| -> JointSoftness {
+        let of = |joint: usize| -> JointSolverImpedance {
             described.get(model.joints[joint].name.as_str()).copied().copied().unwrap_or_default()
         };
         let mut rows = Self {
@@ -115,7 +117,7 @@ impl JointRows {
         &mut self,
         model: &Model,
         weights: &InverseWeights,
-        of: impl Fn(usize) -> JointSoftness,
+        of: impl Fn(usize) -> JointSolverImpedance,
     ) {
         for dof in &model.dofs {
             let (k, softness, square) = (dof.coordinate, of(dof.joint), dof.ratio * dof.ratio);
@@ -153,7 +155,7 @@ impl JointRows {
         &mut self,
         model: &Model,
         weights: &InverseWeights,
-        of: impl Fn(usize) -> JointSoftness,
+        of: impl Fn(usize) -> JointSolverImpedance,
     ) {
         for (joint, own) in
             model.joints.iter().enumerate().filter(|(_, own)| own.kind == JointKind::Spherical)
@@ -170,7 +172,7 @@ impl JointRows {
 
     fn add_equalities(&mut self, model: &Model, weights: &InverseWeights) {
         for equality in model.description().equalities.iter().filter(|own| own.active) {
-            let softness = Softness { solref: equality.solref, solimp: equality.solimp };
+            let softness = SolverImpedance { solref: equality.solref, solimp: equality.solimp };
             let single = |(name, reference): &(String, f64)| {
                 let joint = model.joints.iter().find(|own| own.name == *name && own.nv == 1)?;
                 Some((joint.q_index, joint.v_index, *reference))

@@ -3,21 +3,21 @@
 use robot_dynamics_core::Model;
 use robot_dynamics_core::configuration::manifold::{coordinate_ranges, quaternion_at, vector_at};
 use robot_dynamics_core::joint::Chart;
-use robot_dynamics_description::{HigherTerms, JointDescription, Quaternion};
+use robot_dynamics_description::{JointDescription, PolynomialStiffnessDamping, Quaternion};
 
 /// The spring and the damper's nonlinear terms of one such joint.
 #[derive(Clone, Debug)]
-pub(super) struct PlacementSpring {
+pub(super) struct PoseSpring {
     /// The indices of its quaternion in q and of ω in v.
     turn: (usize, usize),
     /// The indices of its position and linear velocity, for a floating joint.
     shift: Option<(usize, usize)>,
     stiffness: f64,
-    higher_terms: HigherTerms,
+    higher_terms: PolynomialStiffnessDamping,
     rest: ([f64; 3], Quaternion),
 }
 
-impl PlacementSpring {
+impl PoseSpring {
     /// Removes damping.
     pub(super) fn forget_dissipation(&mut self) {
         self.higher_terms.damping = [0.0; 2];

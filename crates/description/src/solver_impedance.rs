@@ -1,12 +1,13 @@
-//! Softness of constraints under MuJoCo's law.
+//! The compliance of constraints under MuJoCo's law.
 
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
 /// Parameters of a soft constraint, in the numbers of MJCF (`solref`, `solimp`): see `SoftConstraints`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
-pub struct Softness {
+#[doc(alias = "Softness")]
+pub struct SolverImpedance {
     /// Time constant \[s\] and damping ratio; if both are negative, −stiffness and −damping.
     pub solref: [f64; 2],
     /// The impedance d as a function of the violation: d at zero, d at the width and beyond, the width \[m or
@@ -14,7 +15,15 @@ pub struct Softness {
     pub solimp: [f64; 5],
 }
 
-impl Default for Softness {
+/// Prints the name `Softness` of version 0.1: the text enters the fingerprint of a robot.
+impl core::fmt::Debug for SolverImpedance {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self { solref, solimp } = self;
+        f.debug_struct("Softness").field("solref", solref).field("solimp", solimp).finish()
+    }
+}
+
+impl Default for SolverImpedance {
     /// MuJoCo's defaults: 20 ms, critically damped, d from 0.9 to 0.95 within a millimetre.
     fn default() -> Self {
         Self { solref: [0.02, 1.0], solimp: [0.9, 0.95, 0.001, 0.5, 2.0] }
@@ -25,11 +34,12 @@ impl Default for Softness {
 #[derive(Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[non_exhaustive]
-pub struct JointSoftness {
+#[doc(alias = "JointSoftness")]
+pub struct JointSolverImpedance {
     /// The softness of its position limits.
-    pub limit: Softness,
+    pub limit: SolverImpedance,
     /// The softness of its dry friction.
-    pub friction: Softness,
+    pub friction: SolverImpedance,
     /// The distance from a limit within which the limit is active \[rad or m\].
     pub margin: f64,
     /// q in the robot's reference pose, at which the law computes the joint's weight \[rad or m\]; for a
@@ -42,11 +52,12 @@ pub struct JointSoftness {
     pub is_weighed_by_mass: bool,
 }
 
-/// Omits the field `is_weighed_by_mass` if it is false, so that fingerprints do not depend on it.
-impl core::fmt::Debug for JointSoftness {
+/// Prints the name `JointSoftness` of version 0.1, and omits the field `is_weighed_by_mass` if it is false: the
+/// text enters the fingerprint of a robot.
+impl core::fmt::Debug for JointSolverImpedance {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let Self { limit, friction, margin, reference, is_weighed_by_mass } = self;
-        let mut fields = f.debug_struct("JointSoftness");
+        let mut fields = f.debug_struct("JointSolverImpedance");
         fields
             .field("limit", limit)
             .field("friction", friction)
@@ -60,14 +71,27 @@ impl core::fmt::Debug for JointSoftness {
 }
 
 /// Parameters of a tendon for MuJoCo's law.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[non_exhaustive]
-pub struct TendonSoftness {
+#[doc(alias = "TendonSoftness")]
+pub struct TendonSolverImpedance {
     /// The softness of its length limits.
-    pub limit: Softness,
+    pub limit: SolverImpedance,
     /// The softness of its dry friction.
-    pub friction: Softness,
+    pub friction: SolverImpedance,
     /// The distance from a limit within which the limit is active.
     pub margin: f64,
+}
+
+/// Prints the name `TendonSoftness` of version 0.1: the text enters the fingerprint of a robot.
+impl core::fmt::Debug for TendonSolverImpedance {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self { limit, friction, margin } = self;
+        f.debug_struct("TendonSoftness")
+            .field("limit", limit)
+            .field("friction", friction)
+            .field("margin", margin)
+            .finish()
+    }
 }
