@@ -10,7 +10,7 @@ use clap::ValueEnum;
 use robot_dynamics::description::{RobotDescription, UnsupportedFeature, WrittenFile};
 use robot_dynamics::model::{Model, neutral, random_state};
 use robot_dynamics::text::one_line;
-use robot_dynamics::{Format, LoadOptions, describe_text};
+use robot_dynamics::{Format, LoadOptions, load_description_from_text};
 use robot_dynamics_number::SplitMix64;
 
 use crate::destination::refuse_clashes;
@@ -156,7 +156,7 @@ fn tell_left_out(written: &WrittenFile, output: &Path) {
 /// The largest difference of M, relative to its largest entry, between a robot and its written text. Joint
 /// couplings become mimic joints in both.
 fn difference(robot: &RobotDescription, text: &str) -> Result<f64, Failure> {
-    let back = describe_text(text, &LoadOptions::default())
+    let back = load_description_from_text(text, &LoadOptions::default())
         .map_err(|error| Failure::new(error.messages().join("; ")))?;
     let [ours, theirs] = [robot.clone(), back.description].map(|mut robot| {
         robot.couplings_to_followers();

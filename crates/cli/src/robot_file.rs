@@ -109,7 +109,7 @@ impl RobotFile {
             options = options.with_package_path(folder);
         }
         let LoadedDescription { mut description, report, angles, .. } =
-            robot_dynamics::describe(&self.robot, &options).map_err(|error| self.refused(&error))?;
+            robot_dynamics::load_description(&self.robot, &options).map_err(|error| self.refused(&error))?;
         if self.floating_base && description.base == Base::Fixed {
             print_line(format_args!(
                 "note: {shown}: the root link already floats; --floating-base has no effect"

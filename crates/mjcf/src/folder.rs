@@ -19,7 +19,7 @@ use crate::path::{normalize, simplify};
 ///     ("ball/scene.xml", r#"<mujoco><include file="parts/ball.xml"/></mujoco>"#),
 ///     ("ball/parts/ball.xml", r#"<mujoco><worldbody><body name="ball"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#),
 /// ]);
-/// let robot = robot_dynamics_mjcf::load_among(&files, "ball/scene.xml", &LoadOptions::default())?;
+/// let robot = robot_dynamics_mjcf::load_from_files(&files, "ball/scene.xml", &LoadOptions::default())?;
 /// assert_eq!(robot.description.links[1].name, "ball");
 /// # Ok::<(), robot_dynamics_mjcf::LoadError>(())
 /// ```

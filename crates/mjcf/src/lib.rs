@@ -1,6 +1,6 @@
 //! Reads and writes MJCF robot files, the format of MuJoCo.
 //!
-//! [`load`], [`load_among`] and [`parse`] turn an MJCF file and the files that it includes or attaches into a
+//! [`load`], [`load_from_files`] and [`parse`] turn an MJCF file and the files that it includes or attaches into a
 //! [`robot_dynamics_description::RobotDescription`] and a [`LoadReport`], which lists, by line, everything
 //! that was read, defaulted and ignored. A file without a meaning in the equations of motion is refused with
 //! a [`LoadError`] that lists all of its errors. Suspicious values are taken as written, with a warning in
@@ -88,7 +88,7 @@ mod writer;
 
 pub use error::{LoadError, MjcfError};
 pub use folder::FileSet;
-pub use load::{Robot, load, load_among, parse, parse_as};
+pub use load::{Robot, load, load_from_files, parse, parse_as};
 pub use robot_dynamics_description::{Counts, Disposition, Finding, LoadReport, Severity};
 pub use robot_dynamics_xml::{LoadOptions, SIZE_LIMIT};
 pub use writer::write;

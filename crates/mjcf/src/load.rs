@@ -69,17 +69,18 @@ pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &LoadOptions) -> Re
 /// inertia comes from. Shapes keep the names of their mesh files, without paths.
 ///
 /// ```
-/// use robot_dynamics_mjcf::{FileSet, LoadOptions, load_among};
+/// use robot_dynamics_mjcf::{FileSet, LoadOptions, load_from_files};
 /// let scene = "<mujoco><include file='ball.xml'/></mujoco>";
 /// let ball = "<mujoco><worldbody><body name='ball'><geom size='0.1'/></body></worldbody></mujoco>";
 /// let files = FileSet::new([("scene.xml", scene), ("ball.xml", ball)]);
-/// assert_eq!(load_among(&files, "scene.xml", &LoadOptions::default())?.description.links[1].name, "ball");
+/// assert_eq!(load_from_files(&files, "scene.xml", &LoadOptions::default())?.description.links[1].name, "ball");
 /// # Ok::<(), robot_dynamics_mjcf::LoadError>(())
 /// ```
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_among(
+#[doc(alias = "load_among")]
+pub fn load_from_files(
     files: &FileSet,
     path: impl AsRef<Path>,
     options: &LoadOptions,

@@ -11,7 +11,9 @@ use robot_dynamics::description::{JointKind, LoadReport, RobotDescription};
 use robot_dynamics::model::{FrameId, Model};
 use robot_dynamics::plausibility::WrittenAngles;
 use robot_dynamics::simulation::{SensorSet, Simulation};
-use robot_dynamics::{LoadOptions, LoadedDescription, describe, describe_text, with_native_code};
+use robot_dynamics::{
+    LoadOptions, LoadedDescription, load_description, load_description_from_text, with_native_code,
+};
 
 use crate::errors::Class;
 use crate::ffi::ArrayNumber;
@@ -200,12 +202,12 @@ impl Robot {
         match kind {
             "path" => {
                 let path: PathBuf = source.extract()?;
-                let read = py.detach(|| describe(&path, &options));
+                let read = py.detach(|| load_description(&path, &options));
                 Self::made(py, read.map_err(|error| refused(&error))?)
             }
             "text" => {
                 let text: String = source.extract()?;
-                let read = py.detach(|| describe_text(&text, &options));
+                let read = py.detach(|| load_description_from_text(&text, &options));
                 Self::made(py, read.map_err(|error| refused(&error))?)
             }
             _ => {

@@ -12,7 +12,7 @@
 //!
 //! | module | contents |
 //! | --- | --- |
-//! | [`load`], [`load_with`], [`describe`], [`describe_text`], [`describe_among`] | a robot from its file, in any format |
+//! | [`load`], [`load_with`], [`load_description`], [`load_description_from_text`], [`load_description_from_files`] | a robot from its file, in any format |
 //! | [`write()`], [`Format`], [`output`] | a robot's file from a robot; files that are replaced whole or not at all |
 //! | [`description`] | a robot as its file describes it, edited or made in code |
 //! | [`model`] | the compiled [`Model`](model::Model), its configuration space, its [`Workspace`](model::Workspace) |
@@ -53,7 +53,8 @@ pub use robot_dynamics_number::{Classified, ErrorKind, InputProblem, InvalidInpu
 pub use error::Error;
 pub use height_field::height_field;
 pub use load::{
-    FileError, LoadedDescription, Robot, describe, describe_among, describe_text, load, load_with, simulation,
+    FileError, LoadedDescription, Robot, load, load_description, load_description_from_files,
+    load_description_from_text, load_with, simulation,
 };
 pub use mesh::mesh_corners;
 

@@ -96,8 +96,8 @@ fn compile(description: RobotDescription) -> Result<Model, ModelError> {
 /// The reason for which a robot file is refused, by its format, or its description is invalid.
 ///
 /// ```
-/// use robot_dynamics::{FileError, LoadOptions, describe_text};
-/// let refused = describe_text("<mujoco><worldbody><joint/></worldbody></mujoco>", &LoadOptions::default());
+/// use robot_dynamics::{FileError, LoadOptions, load_description_from_text};
+/// let refused = load_description_from_text("<mujoco><worldbody><joint/></worldbody></mujoco>", &LoadOptions::default());
 /// let refused = refused.expect_err("a joint of the world");
 /// assert!(matches!(refused, FileError::Mjcf(_)) && refused.messages().len() == 1);
 /// ```
@@ -211,15 +211,15 @@ pub fn load(path: impl AsRef<Path>) -> Result<Robot, FileError> {
 /// # Errors
 /// As [`load`].
 pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Robot, FileError> {
-    describe(path, options)?.compile_with_report()
+    load_description(path, options)?.compile_with_report()
 }
 
 /// Reads a robot file without compiling it. [`load`] lists the other files that are opened.
 ///
 /// ```
-/// use robot_dynamics::{LoadOptions, describe};
+/// use robot_dynamics::{LoadOptions, load_description};
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
-/// let mut described = describe(file, &LoadOptions::default())?;
+/// let mut described = load_description(file, &LoadOptions::default())?;
 /// described.description.gravity = [0.0, 0.0, -1.62]; // on the moon
 /// let on_earth = robot_dynamics::load(file)?.model.gravity_forces(&[0.3, 1.2])?;
 /// let on_moon = described.compile()?.model.gravity_forces(&[0.3, 1.2])?;
@@ -229,7 +229,11 @@ pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Robot,
 ///
 /// # Errors
 /// [`FileError`] lists all errors, each with its line and advice.
-pub fn describe(path: impl AsRef<Path>, options: &LoadOptions) -> Result<LoadedDescription, FileError> {
+#[doc(alias = "describe")]
+pub fn load_description(
+    path: impl AsRef<Path>,
+    options: &LoadOptions,
+) -> Result<LoadedDescription, FileError> {
     let path = path.as_ref();
     // The file is read once, because it may be a pipe. A failure is reported as an error of the URDF reader.
     let text = robot_dynamics_xml::read_file(path)
@@ -244,19 +248,20 @@ pub fn describe(path: impl AsRef<Path>, options: &LoadOptions) -> Result<LoadedD
 /// Reads a robot from the text of a file, for example from a database or another program.
 ///
 /// ```
-/// use robot_dynamics::{LoadOptions, describe_text};
+/// use robot_dynamics::{LoadOptions, load_description_from_text};
 /// let text = r#"<robot name="point"><link name="world"/></robot>"#;
-/// let described = describe_text(text, &LoadOptions::default())?;
+/// let described = load_description_from_text(text, &LoadOptions::default())?;
 /// assert_eq!(described.description.links[0].name, "world");
 /// let text = r#"<mujoco><worldbody><body name="stone"/></worldbody></mujoco>"#;
-/// let described = describe_text(text, &LoadOptions::default())?;
+/// let described = load_description_from_text(text, &LoadOptions::default())?;
 /// assert_eq!(described.description.links[1].name, "stone");
 /// # Ok::<(), robot_dynamics::FileError>(())
 /// ```
 ///
 /// # Errors
-/// As [`describe`].
-pub fn describe_text(text: &str, options: &LoadOptions) -> Result<LoadedDescription, FileError> {
+/// As [`load_description`].
+#[doc(alias = "describe_text")]
+pub fn load_description_from_text(text: &str, options: &LoadOptions) -> Result<LoadedDescription, FileError> {
     if is_mjcf(text) {
         Ok(robot_dynamics_mjcf::parse(text, options)?.into())
     } else {
@@ -268,19 +273,20 @@ pub fn describe_text(text: &str, options: &LoadOptions) -> Result<LoadedDescript
 /// files that an MJCF file includes, and the meshes from which inertia comes.
 ///
 /// ```
-/// use robot_dynamics::{FileSet, LoadOptions, describe_among};
+/// use robot_dynamics::{FileSet, LoadOptions, load_description_from_files};
 /// let files = FileSet::new([
 ///     ("scene.xml", "<mujoco><include file='stone.xml'/></mujoco>"),
 ///     ("stone.xml", "<mujoco><worldbody><body name='stone'/></worldbody></mujoco>"),
 /// ]);
-/// let described = describe_among(&files, "scene.xml", &LoadOptions::default())?;
+/// let described = load_description_from_files(&files, "scene.xml", &LoadOptions::default())?;
 /// assert_eq!(described.description.links[1].name, "stone");
 /// # Ok::<(), robot_dynamics::FileError>(())
 /// ```
 ///
 /// # Errors
-/// As [`describe`].
-pub fn describe_among(
+/// As [`load_description`].
+#[doc(alias = "describe_among")]
+pub fn load_description_from_files(
     files: &FileSet,
     path: impl AsRef<Path>,
     options: &LoadOptions,
@@ -289,7 +295,7 @@ pub fn describe_among(
     match files.get(path).map(robot_dynamics_xml::text_of) {
         Some(Ok(text)) if !is_mjcf(&text) => Ok(robot_dynamics_urdf::parse(&text, options)?.into()),
         // The MJCF reader reports files that are missing or not text.
-        _ => Ok(robot_dynamics_mjcf::load_among(files, path, options)?.into()),
+        _ => Ok(robot_dynamics_mjcf::load_from_files(files, path, options)?.into()),
     }
 }
 

@@ -37,12 +37,12 @@ impl Format {
 /// [`mjcf::write()`](crate::mjcf::write()). `folder` is the folder of the new file.
 ///
 /// ```
-/// use robot_dynamics::{Format, LoadOptions, describe, describe_text, write};
+/// use robot_dynamics::{Format, LoadOptions, load_description, load_description_from_text, write};
 /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
-/// let panda = describe(file, &LoadOptions::default())?;
+/// let panda = load_description(file, &LoadOptions::default())?;
 /// let written = write(&panda.description, Format::Mjcf, None)?;
 /// assert_eq!(written.lost_physics().count(), 0);
-/// let back = describe_text(&written.text, &LoadOptions::default())?.compile()?.model;
+/// let back = load_description_from_text(&written.text, &LoadOptions::default())?.compile()?.model;
 /// let q = [0.3; 7];
 /// let off = back.mass_matrix(&q)? - panda.compile()?.model.mass_matrix(&q)?;
 /// assert!(off.amax() < 1e-14);

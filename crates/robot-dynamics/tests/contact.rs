@@ -6,7 +6,7 @@ use robot_dynamics::contact::{ContactSet, Ground};
 use robot_dynamics::model::{Model, Workspace, neutral};
 use robot_dynamics::simulation::{Method, SimulationBuilder, StepForces, StepWorkspace, Stepper};
 use robot_dynamics::verification::admm;
-use robot_dynamics::{LoadOptions, describe_text, load_with, mesh_corners};
+use robot_dynamics::{LoadOptions, load_description_from_text, load_with, mesh_corners};
 
 fn robot(file: &str) -> Model {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots").join(file);
@@ -91,7 +91,7 @@ fn bodies_on_a_height_field_have_the_friction_of_their_pairs() {
            <exclude body1='excluded' body2='land'/>
          </contact></mujoco>"
     );
-    let robot = describe_text(&text, &LoadOptions::default()).unwrap().compile().unwrap();
+    let robot = load_description_from_text(&text, &LoadOptions::default()).unwrap().compile().unwrap();
     let mut simulation = robot.simulation().method(Method::Implicit).build().unwrap();
     // Without the feature `convex` boxes do not touch each other. Contact with the ground is not affected.
     assert!(

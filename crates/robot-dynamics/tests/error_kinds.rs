@@ -17,7 +17,9 @@ use robot_dynamics::simulation::{
     CallbackError, ControllerError, Integrator, IntegratorError, RunError, RunFailure, SimulationError,
     StepError,
 };
-use robot_dynamics::{Classified, Error, FileError, InputProblem, InvalidInput, LoadOptions, describe_text};
+use robot_dynamics::{
+    Classified, Error, FileError, InputProblem, InvalidInput, LoadOptions, load_description_from_text,
+};
 
 /// Checks the kind, and that the conversion keeps text and source.
 #[track_caller]
@@ -50,11 +52,14 @@ fn name() -> String {
 
 #[test]
 fn errors_of_files_and_descriptions() {
-    let refused = describe_text("<robot/>", &LoadOptions::default()).expect_err("no links");
+    let refused = load_description_from_text("<robot/>", &LoadOptions::default()).expect_err("no links");
     check(refused, File);
     check(FileError::Model { source: ModelError::NoLinks, report: Box::default() }, Description);
-    let refused = describe_text("<mujoco><worldbody><joint/></worldbody></mujoco>", &LoadOptions::default())
-        .expect_err("a joint");
+    let refused = load_description_from_text(
+        "<mujoco><worldbody><joint/></worldbody></mujoco>",
+        &LoadOptions::default(),
+    )
+    .expect_err("a joint");
     assert!(matches!(refused, FileError::Mjcf(_)));
     check(refused, File);
     check(std::io::Error::other("no disk"), File);

@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::PathBuf;
 
-use robot_dynamics::{FileSet, LoadOptions, describe, describe_among, describe_text};
+use robot_dynamics::{
+    FileSet, LoadOptions, load_description, load_description_from_files, load_description_from_text,
+};
 
 /// The sorted names of files. All paths must be absolute.
 fn names(files: &[PathBuf]) -> Vec<String> {
@@ -49,14 +51,21 @@ fn every_file_of_a_robot_is_listed_once() {
     for (name, text) in files {
         fs::write(folder.join(name), text).unwrap();
     }
-    let read = |name: &str| describe(folder.join(name), &LoadOptions::default()).unwrap().report.files;
+    let read =
+        |name: &str| load_description(folder.join(name), &LoadOptions::default()).unwrap().report.files;
     assert_eq!(names(&read("main.xml")), ["block.obj", "child.xml", "hills.bin", "main.xml", "part.xml"]);
     assert_eq!(names(&read("robot.urdf")), ["block.obj", "robot.urdf"]);
     // The main file is first, by its canonical path.
     assert_eq!(read("main.xml")[0], folder.canonicalize().unwrap().join("main.xml"));
     // Texts and files in memory are not listed.
     let set = FileSet::new(files);
-    assert!(describe_among(&set, "main.xml", &LoadOptions::default()).unwrap().report.files.is_empty());
-    assert!(describe_text(CHILD, &LoadOptions::default()).unwrap().report.files.is_empty());
+    assert!(
+        load_description_from_files(&set, "main.xml", &LoadOptions::default())
+            .unwrap()
+            .report
+            .files
+            .is_empty()
+    );
+    assert!(load_description_from_text(CHILD, &LoadOptions::default()).unwrap().report.files.is_empty());
     fs::remove_dir_all(&folder).unwrap();
 }

@@ -10,11 +10,11 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{Model, Workspace, random_state};
 use robot_dynamics::nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use robot_dynamics::number::SplitMix64;
-use robot_dynamics::{Format, LoadOptions, describe, describe_text};
+use robot_dynamics::{Format, LoadOptions, load_description, load_description_from_text};
 
 fn robot(file: &str) -> RobotDescription {
     let path = format!("{}/../../robots/{file}", env!("CARGO_MANIFEST_DIR"));
-    describe(path, &LoadOptions::default()).expect("a robot of the repository").description
+    load_description(path, &LoadOptions::default()).expect("a robot of the repository").description
 }
 
 fn place(random: &mut SplitMix64) -> Pose {
@@ -151,7 +151,7 @@ fn a_robot_moves_in_a_scene_as_alone() {
         <sensor><jointpos name="angle" joint="elbow"/><framepos name="at" objtype="site" objname="hand"/></sensor>
         <keyframe><key name="bent" qpos="0.3 -0.4 0.06 0 -0.5 0.3 1 0 0 0" ctrl="0.2"/></keyframe>
       </mujoco>"#;
-    let alone = describe_text(text, &LoadOptions::default()).expect("a valid robot").description;
+    let alone = load_description_from_text(text, &LoadOptions::default()).expect("a valid robot").description;
     let (first, mut scene) = (pendulum(1.0, 0.2), Scene::new("with an arm"));
     scene.add(&first, &Mount::at(Pose::from_translation([5.0, 5.0, 5.0]))).expect("an empty scene");
     scene.add(&alone, &Mount::at(Pose::IDENTITY).with_prefix("arm_")).expect("other names");
@@ -198,7 +198,7 @@ fn a_scene_is_written_and_read_back() {
     let cubes = 3.0 * 500.0 * 0.05_f64.powi(3);
     assert!((model.mass() - panda.mass() - cubes).abs() < 1e-12);
     let written = robot_dynamics::write(model.description(), Format::Mjcf, None).expect("MJCF");
-    let again = describe_text(&written.text, &LoadOptions::default()).expect("its own output");
+    let again = load_description_from_text(&written.text, &LoadOptions::default()).expect("its own output");
     let again = Model::new(again.description).expect("a valid robot");
     let q = robot_dynamics::model::neutral(&model);
     let (ours, theirs) = (model.mass_matrix(&q).expect("M"), again.mass_matrix(&q).expect("M"));

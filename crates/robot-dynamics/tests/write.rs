@@ -12,7 +12,7 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{Model, random_state};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::Actuation;
-use robot_dynamics::{Format, LoadOptions, describe, describe_text, write};
+use robot_dynamics::{Format, LoadOptions, load_description, load_description_from_text, write};
 
 const ROUNDING: f64 = 1e-12;
 const FORMATS: [Format; 2] = [Format::Urdf, Format::Mjcf];
@@ -30,13 +30,13 @@ fn files(folder: &str) -> Vec<PathBuf> {
 }
 
 fn read(path: &Path) -> RobotDescription {
-    describe(path, &LoadOptions::default())
+    load_description(path, &LoadOptions::default())
         .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
         .description
 }
 
 fn read_back(written: &WrittenFile, what: &str) -> RobotDescription {
-    let back = describe_text(&written.text, &LoadOptions::default());
+    let back = load_description_from_text(&written.text, &LoadOptions::default());
     back.unwrap_or_else(|error| panic!("{what}: {error}\n{}", written.text)).description
 }
 

@@ -132,10 +132,10 @@ fn a_scene_includes_its_robot() -> Result<(), LabError> {
     let mut files = RobotFiles::new();
     files.add("go/scene.xml", b"<mujoco><include file='robot.xml'/></mujoco>".to_vec());
     files.add("go/robot.xml", include_bytes!("../../../robots/arm.xml").to_vec());
-    let mut scene = Robot::load_among(&files, "go/scene.xml", false, false)?;
+    let mut scene = Robot::load_from_files(&files, "go/scene.xml", false, false)?;
     let mut alone = Robot::load(include_str!("../../../robots/arm.xml"), false, false)?;
     assert_eq!((scene.poses(), scene.total_mass()), (alone.poses(), alone.total_mass()));
-    let refused = Robot::load_among(&RobotFiles::new(), "go/scene.xml", false, false);
+    let refused = Robot::load_from_files(&RobotFiles::new(), "go/scene.xml", false, false);
     assert!(refused.is_err_and(|error| error.to_string().contains("go/scene.xml")));
     Ok(())
 }

@@ -18,7 +18,7 @@ use robot_dynamics::nalgebra::{DMatrix, Matrix3, Vector3};
 use robot_dynamics::simulation::{
     Effect, GravityCompensatedPd, Integrator, Method, RunOptions, Simulation, SimulationBuilder, StepForces,
 };
-use robot_dynamics::{LoadOptions, describe, load, load_with};
+use robot_dynamics::{LoadOptions, load_description, load, load_with};
 
 type Outcome = Result<String, Box<dyn Error>>;
 
@@ -248,7 +248,7 @@ fn errors() -> Outcome {
 
 /// Two kilograms in the hand have the weight 2 g along the Jacobian of the hand.
 fn payload() -> Outcome {
-    let mut described = describe(PANDA, &LoadOptions::default())?;
+    let mut described = load_description(PANDA, &LoadOptions::default())?;
     let load = MassProperties::new(2.0, Vector3::zeros(), Matrix3::zeros())?;
     described.description.attach_payload(HAND, &load)?;
     let loaded = described.compile()?.model;

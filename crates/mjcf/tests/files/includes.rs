@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use robot_dynamics::description::Shape;
-use robot_dynamics::mjcf::{FileSet, LoadError, LoadOptions, MjcfError, Robot, load, load_among, parse};
+use robot_dynamics::mjcf::{FileSet, LoadError, LoadOptions, MjcfError, Robot, load, load_from_files, parse};
 
 /// A temporary folder of files, which is removed on drop.
 pub(crate) struct Folder(PathBuf);
@@ -156,7 +156,7 @@ fn confined_reading_stays_in_the_folder_of_the_main_file() {
             "{reason}"
         );
         let given = FileSet::new([("main.xml", text)]);
-        let (_, reason) = refused(load_among(&given, "main.xml", &LoadOptions::default()));
+        let (_, reason) = refused(load_from_files(&given, "main.xml", &LoadOptions::default()));
         assert_eq!(reason, "it is outside the given files");
     }
     let mesh = format!(
@@ -229,7 +229,7 @@ fn files_in_memory_are_read_as_those_on_the_disk() {
     let folder = Folder::with("memory", &files);
     let mut on_disk = folder.load("scene.xml").expect("it is there");
     let given = FileSet::new(files.map(|(path, text)| (format!("./given/{path}"), text)));
-    let in_memory = load_among(&given, "given/scene.xml", &LoadOptions::default()).expect("it is there");
+    let in_memory = load_from_files(&given, "given/scene.xml", &LoadOptions::default()).expect("it is there");
     assert!(
         (on_disk.description.links[1].mass_properties.expect("a rock").mass() - 1000.0 / 6000.0).abs() < 1e-6
     );
@@ -242,8 +242,8 @@ fn files_in_memory_are_read_as_those_on_the_disk() {
     assert_eq!(in_memory.description, on_disk.description);
 
     let broken = FileSet::new([("scene.xml", files[0].1)]);
-    assert_eq!(refused(load_among(&broken, "scene.xml", &LoadOptions::default())).0, "robot/body.xml");
-    let error = load_among(&broken, "robot.xml", &LoadOptions::default()).expect_err("none");
+    assert_eq!(refused(load_from_files(&broken, "scene.xml", &LoadOptions::default())).0, "robot/body.xml");
+    let error = load_from_files(&broken, "robot.xml", &LoadOptions::default()).expect_err("none");
     let [MjcfError::Xml { source: robot_dynamics_xml::XmlError::Unreadable { path, .. }, .. }] =
         error.errors()
     else {

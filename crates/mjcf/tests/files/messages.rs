@@ -10,7 +10,9 @@ use robot_dynamics::description::{
     ContactPairDescription, Equality, EqualityDescription, JointKind, LinkShape, Mimic, Pose,
     RobotDescription, SensorDescription, SensorKind, Shape, ShapeRole, pendulum,
 };
-use robot_dynamics_mjcf::{Disposition, FileSet, Finding, LoadError, LoadOptions, load_among, parse, write};
+use robot_dynamics_mjcf::{
+    Disposition, FileSet, Finding, LoadError, LoadOptions, load_from_files, parse, write,
+};
 
 use crate::account::WARNINGS;
 use crate::attach::{LEG, REFUSED, with_leg};
@@ -126,7 +128,7 @@ fn meshes() {
             "<mujoco><asset><mesh name='m' file='{file}'/></asset><worldbody><body><joint/><geom type='mesh' mesh='m'/></body></worldbody></mujoco>"
         );
         let files = FileSet::new([("robot.xml", text.as_bytes()), (file, content)]);
-        let error = load_among(&files, "robot.xml", &LoadOptions::default()).expect_err(file);
+        let error = load_from_files(&files, "robot.xml", &LoadOptions::default()).expect_err(file);
         add(&mut out, &format!("{file}: {}", String::from_utf8_lossy(content).escape_debug()), error);
     }
     assert_snapshot!(out);
@@ -163,20 +165,25 @@ fn included_and_attached_files() {
         ("a model of another format", two(attach("a.xml"), "<robot/>".into())),
         ("no main file", Vec::new()),
     ] {
-        let error = load_among(&FileSet::new(files), "f0.xml", &LoadOptions::default()).expect_err(input);
+        let error =
+            load_from_files(&FileSet::new(files), "f0.xml", &LoadOptions::default()).expect_err(input);
         add(&mut out, input, error.to_string().lines().take(3).collect::<Vec<_>>().join("\n"));
     }
     add(&mut out, "an include of a text", refused(&include("a.xml")));
     add(&mut out, "a model of a text", refused("<mujoco><asset><model file='a.xml'/></asset></mujoco>"));
     for (text, _) in REFUSED {
         let files = FileSet::new([("main.xml", with_leg(text)), ("leg.xml", LEG.into())]);
-        add(&mut out, text, load_among(&files, "main.xml", &LoadOptions::default()).expect_err(text));
+        add(&mut out, text, load_from_files(&files, "main.xml", &LoadOptions::default()).expect_err(text));
     }
     let hill = "<mujoco model='leg'><asset><material name='red' rgba='1 0 0 1'/></asset></mujoco>";
     let main = with_leg("<attach model='leg' prefix='p_'/>")
         .replace("</asset>", "<material name='p_red' rgba='1 1 1 1'/></asset>");
     let files = FileSet::new([("main.xml", main.as_str()), ("leg.xml", hill)]);
-    add(&mut out, &main, load_among(&files, "main.xml", &LoadOptions::default()).expect_err("two materials"));
+    add(
+        &mut out,
+        &main,
+        load_from_files(&files, "main.xml", &LoadOptions::default()).expect_err("two materials"),
+    );
     let mut doubling: Vec<(String, String)> = (0..40)
         .map(|k| {
             let twice = "<attach model='n' prefix='a'/><attach model='n' prefix='b'/>";
@@ -185,7 +192,8 @@ fn included_and_attached_files() {
         })
         .collect();
     doubling.push(("f40.xml".into(), LEG.into()));
-    let error = load_among(&FileSet::new(doubling), "f0.xml", &LoadOptions::default()).expect_err("too many");
+    let error =
+        load_from_files(&FileSet::new(doubling), "f0.xml", &LoadOptions::default()).expect_err("too many");
     add(
         &mut out,
         "forty models, each of which attaches the next one twice",
@@ -206,7 +214,7 @@ fn findings_of_attached_files() {
             .replace("<asset>", "<compiler conflict='merge'/><asset>"),
     ] {
         let files = FileSet::new([("main.xml", main.as_str()), ("leg.xml", &leg)]);
-        let report = load_among(&files, "main.xml", &LoadOptions::default()).expect("a robot").report;
+        let report = load_from_files(&files, "main.xml", &LoadOptions::default()).expect("a robot").report;
         add(&mut out, &main, report);
     }
     assert_snapshot!(out);

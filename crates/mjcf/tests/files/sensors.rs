@@ -12,7 +12,7 @@ use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{
     Method, PointForce, SensorInputs, SensorSet, Simulation, SimulationBuilder,
 };
-use robot_dynamics_mjcf::{Disposition, FileSet, Finding, LoadOptions, load, load_among, parse};
+use robot_dynamics_mjcf::{Disposition, FileSet, Finding, LoadOptions, load, load_from_files, parse};
 use serde_json::Value;
 
 use crate::golden::{Golden, numbers, root};
@@ -192,7 +192,7 @@ fn sensors_are_attached_and_replicated() {
       <replicate count='2'><body name='ball'><freejoint/><geom size='0.1'/><site name='mark'/></body></replicate>
       </worldbody><sensor><gyro name='g' site='mark'/></sensor></mujoco>";
     let files = FileSet::new([("main.xml", main), ("hand.xml", hand)]);
-    let robot = load_among(&files, "main.xml", &LoadOptions::default()).expect("a robot").description;
+    let robot = load_from_files(&files, "main.xml", &LoadOptions::default()).expect("a robot").description;
     let named = |sensor: &SensorDescription| match &sensor.object {
         SensorObject::Named(object) => format!("{}: {object}", sensor.name),
         object => format!("{}: {object:?}", sensor.name),

@@ -3,7 +3,7 @@
 use robot_dynamics::algorithms::{check_rank, frame_poses, gravity, inverse_mass_matrix};
 use robot_dynamics::model::{Model, Workspace, neutral, normalize_quaternions};
 use robot_dynamics::simulation::{Controller, Effect, GravityCompensatedPd, Method, energy_ledger};
-use robot_dynamics::{LoadOptions, describe_text, simulation};
+use robot_dynamics::{LoadOptions, load_description_from_text, simulation};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::Robot;
@@ -19,7 +19,7 @@ use robot_dynamics::description::Pose;
 #[wasm_bindgen(js_name = robotParityValues)]
 pub fn robot_parity_values(text: &str, floating_base: bool) -> Result<Vec<String>, LabError> {
     let options = LoadOptions { floating_base, ..LoadOptions::default() };
-    let model = Model::new(describe_text(text, &options)?.description)?;
+    let model = Model::new(load_description_from_text(text, &options)?.description)?;
     let (mut workspace, nv) = (Workspace::new(&model), model.nv());
     let mut lines = Vec::new();
     let mut line =

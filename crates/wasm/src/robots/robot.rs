@@ -8,7 +8,9 @@ use robot_dynamics::description::{Base, Finding, LoadReport};
 use robot_dynamics::model::{Model, Workspace, lock_massless};
 use robot_dynamics::simulation::{Effect, RunOptions, Simulation, SimulationBuilder};
 use robot_dynamics::text::file_stem;
-use robot_dynamics::{LoadOptions, LoadedDescription, describe_among, describe_text};
+use robot_dynamics::{
+    LoadOptions, LoadedDescription, load_description_from_files, load_description_from_text,
+};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::choice::Choice;
@@ -73,7 +75,7 @@ impl Robot {
     /// # Errors
     /// Fails if the file is invalid; the error names the problem, the line, and a remedy.
     pub fn load(text: &str, floating_base: bool, repair_inertia: bool) -> Result<Self, LabError> {
-        Self::of(describe_text(text, &options(floating_base, repair_inertia))?)
+        Self::of(load_description_from_text(text, &options(floating_base, repair_inertia))?)
     }
 
     /// Reads one file of a set, which it may include or take inertia of meshes from.
@@ -81,13 +83,13 @@ impl Robot {
     /// # Errors
     /// Fails as [`load`](Self::load) does.
     #[wasm_bindgen(js_name = loadAmong)]
-    pub fn load_among(
+    pub fn load_from_files(
         files: &RobotFiles,
         path: &str,
         floating_base: bool,
         repair_inertia: bool,
     ) -> Result<Self, LabError> {
-        Self::of(describe_among(&files.0, path, &options(floating_base, repair_inertia))?)
+        Self::of(load_description_from_files(&files.0, path, &options(floating_base, repair_inertia))?)
     }
 
     /// The robot's name, on one line.
