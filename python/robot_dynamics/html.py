@@ -30,8 +30,8 @@ def robot_html(robot: Robot) -> str:
     str
         HTML element.
     """
-    freedoms = "degree" if robot.nv == 1 else "degrees"
-    title = f"<b>{escape(robot.name)}</b>: {robot.nv} {freedoms} of freedom, {robot.total_mass:.2f} kg"
+    degrees = "degree" if robot.nv == 1 else "degrees"
+    title = f"<b>{escape(robot.name)}</b>: {robot.nv} {degrees} of freedom, {robot.total_mass:.2f} kg"
     return f'<div class="robot-dynamics">{_STYLE}{title}{_joints(robot)}{_report(robot)}</div>'
 
 

@@ -612,8 +612,8 @@ class Robot(_native.Robot):
         return self
 
     def __repr__(self) -> str:
-        freedoms = "degree" if self.nv == 1 else "degrees"
-        return f"<Robot {self.name!r}: {self.nv} {freedoms} of freedom, {self.total_mass:.2f} kg>"
+        degrees = "degree" if self.nv == 1 else "degrees"
+        return f"<Robot {self.name!r}: {self.nv} {degrees} of freedom, {self.total_mass:.2f} kg>"
 
 
 def _name_methods(cls: type) -> None:

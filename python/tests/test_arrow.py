@@ -128,7 +128,7 @@ def test_tensors_of_fixed_shape_are_read() -> None:
     assert np.array_equal(numbers(arrow.compute(PANDA, recording, "gravity")["gravity"]), PANDA.gravity(s.q))
 
 
-def test_one_freedom_is_a_column_of_numbers() -> None:
+def test_one_dof_is_a_column_of_numbers() -> None:
     text = rd.Robot.from_description(rd.example("two_r").describe()).lock(rd.example("two_r").joint_names[1])
     q = np.linspace(-1.0, 1.0, 9)
     found = arrow.compute(text, pa.table({"q": q}), "gravity", "potential_energy")

@@ -5,7 +5,7 @@ pub mod buffers;
 pub mod compiled_once;
 pub mod derivatives;
 pub mod extent;
-pub mod freedoms;
+pub mod dof_blocks;
 pub(crate) mod momentum_block;
 pub mod native;
 pub mod passes;

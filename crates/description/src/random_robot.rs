@@ -16,7 +16,8 @@ pub enum JointKinds {
     /// All kinds with q̇ = v: neither spherical nor floating.
     VectorSpace,
     /// Kinds of one DoF: revolute, continuous, prismatic, helical.
-    SingleFreedom,
+    #[doc(alias = "SingleFreedom")]
+    SingleDof,
     /// Revolute and continuous.
     Turning,
 }
@@ -26,7 +27,7 @@ impl JointKinds {
         match self {
             Self::All => true,
             Self::VectorSpace => kind.nq() == kind.nv(),
-            Self::SingleFreedom => kind.nv() == 1,
+            Self::SingleDof => kind.nv() == 1,
             Self::Turning => matches!(kind, JointKind::Revolute { .. } | JointKind::Continuous { .. }),
         }
     }

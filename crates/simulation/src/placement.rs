@@ -106,7 +106,7 @@ impl Placement {
         let mut at = body;
         while at != carrier {
             let lever = point - self.origin(at);
-            for (dof, [velocity, spin]) in self.freedoms(model, at).rev() {
+            for (dof, [velocity, spin]) in self.dofs(model, at).rev() {
                 look(dof, velocity + spin.cross(&lever), spin);
             }
             at = model.bodies[at].parent;
@@ -122,7 +122,7 @@ impl Placement {
                 [velocity, spin] = to[body.parent];
                 velocity += spin.cross(&(self.origin(i) - self.origin(body.parent)));
             }
-            for (dof, [u, w]) in self.freedoms(model, i) {
+            for (dof, [u, w]) in self.dofs(model, i) {
                 let rate = dof.ratio * v[dof.coordinate];
                 velocity += u * rate;
                 spin += w * rate;
@@ -142,7 +142,7 @@ impl Placement {
                 self.origin(i) - self.origin(body.parent)
             };
             let [mut moved, mut turned] = [Vector3::zeros(); 2];
-            for (dof, [u, w]) in self.freedoms(model, i) {
+            for (dof, [u, w]) in self.dofs(model, i) {
                 let rate = dof.ratio * v[dof.coordinate];
                 moved += u * rate;
                 turned += w * rate;
@@ -170,7 +170,7 @@ impl Placement {
         for i in (0..wrenches.len()).rev() {
             let [force, moment] = wrenches[i];
             let about = moment - self.origin(i).cross(&force);
-            for (dof, [u, w]) in self.freedoms(model, i) {
+            for (dof, [u, w]) in self.dofs(model, i) {
                 forces[dof.coordinate] += dof.ratio * (u.dot(&force) + w.dot(&about));
             }
             let parent = model.bodies[i].parent;
@@ -189,15 +189,15 @@ impl Placement {
 
     /// A body's own degrees of freedom, with the velocity of its origin and ω.
     #[inline]
-    fn freedoms<'a>(
+    fn dofs<'a>(
         &'a self,
         model: &'a Model,
         body: usize,
     ) -> impl DoubleEndedIterator<Item = (&'a Dof, Twist)> {
         let body = &model.bodies[body];
-        let freedoms = body.dof..body.dof + body.motion.nv();
-        let columns = self.columns[freedoms.clone()].iter();
-        model.dofs[freedoms]
+        let dofs = body.dof..body.dof + body.motion.nv();
+        let columns = self.columns[dofs.clone()].iter();
+        model.dofs[dofs]
             .iter()
             .zip(columns.map(|&[a, b, c, d, e, f]| [Vector3::new(a, b, c), Vector3::new(d, e, f)]))
     }

@@ -10,7 +10,7 @@ export interface RobotReadings {
 
 export function energyTable(): RobotReadings {
   const numbers = readings('Energy balance', [
-    ['t', 't', 's'], ['mass', 'mass', 'kg'], ['dof', 'freedoms', ''], ['K', 'K', 'J'], ['V', 'V', 'J'], ['E', 'E', 'J'],
+    ['t', 't', 's'], ['mass', 'mass', 'kg'], ['dof', 'DoFs', ''], ['K', 'K', 'J'], ['V', 'V', 'J'], ['E', 'E', 'J'],
     ['work', 'work', 'J'], ['lost', 'lost to damping', 'J'], ['friction', 'to friction', 'J'],
     ['stops', 'to stops', 'J'], ['corrections', 'to corrections', 'J'], ['sliding', 'to sliding', 'J'], ['impacts', 'to impacts', 'J'],
     ['off', 'residual', 'J'],

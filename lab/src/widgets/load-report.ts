@@ -24,10 +24,10 @@ const some = (names: readonly string[]): string => names.slice(0, 4).join(', ') 
 /** The report in sentences. */
 function inWords(robot: Robot, absent: readonly string[]): string[] {
   const { counts } = robot;
-  const { links, joints, freedoms, defaulted, repaired, suspicious, ignored, ignoredPhysics, equalities, tendons, actuators } = counts;
+  const { links, joints, dofs, defaulted, repaired, suspicious, ignored, ignoredPhysics, equalities, tendons, actuators } = counts;
   const many = (count: number, one: string, more = `${one}s`): string => `${String(count)} ${count === 1 ? one : more}`;
   const sentences = [
-    `“${robot.name}” has ${many(links, 'link')}, ${many(joints, 'joint')} and ${many(freedoms, 'degree')} of freedom. `
+    `“${robot.name}” has ${many(links, 'link')}, ${many(joints, 'joint')} and ${many(dofs, 'degree')} of freedom. `
     + (ignoredPhysics === 0
       ? 'All physics in the file was read.'
       : `${many(ignoredPhysics, 'entry', 'entries')} of physics are not supported and marked below.`),

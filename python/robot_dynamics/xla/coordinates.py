@@ -42,9 +42,9 @@ def coordinate_ranges(robot: Robot) -> tuple[CoordinateRange, ...]:
     """
     found: list[CoordinateRange] = []
     for joint in robot.joints:
-        width, freedoms = joint.q.stop - joint.q.start, joint.v.stop - joint.v.start
-        if width > freedoms or not found or found[-1].has_quaternion:
-            found.append(CoordinateRange(joint.q, joint.v, width > freedoms))
+        width, rates = joint.q.stop - joint.q.start, joint.v.stop - joint.v.start
+        if width > rates or not found or found[-1].has_quaternion:
+            found.append(CoordinateRange(joint.q, joint.v, width > rates))
         elif width:
             last = found.pop()
             found.append(CoordinateRange(slice(last.q.start, joint.q.stop), slice(last.v.start, joint.v.stop), False))

@@ -87,8 +87,8 @@ impl Results<'_> {
         let text = head.text();
         // The head of this table is empty.
         let rows = text.split_once('\n').map_or("", |(_, rows)| rows);
-        let freedoms = if model.nv() == 1 { "degree of freedom" } else { "degrees of freedom" };
-        let robot = format!("{} ({file}): {} {freedoms}", model.name(), model.nv());
+        let degrees = if model.nv() == 1 { "degree of freedom" } else { "degrees of freedom" };
+        let robot = format!("{} ({file}): {} {degrees}", model.name(), model.nv());
         format!("{}\n{rows}", one_line(&robot))
     }
 

@@ -54,11 +54,11 @@ fn kinetic_of<N: Scalar>(model: &Model, tree: &TreeMemory<N>) -> N {
             + u.dot(w.cross(h)).scale(2.0)
             + w.dot(Sym3::constant(&body.inertia) * w);
     }
-    for (rate, dof) in tree.freedoms.v.iter().zip(&model.dofs) {
+    for (rate, dof) in tree.dofs.v.iter().zip(&model.dofs) {
         twice += (*rate * *rate).scale(dof.passive.armature);
     }
     for rotor in &model.rotors {
-        twice += rotor.twice_energy(&tree.freedoms.v);
+        twice += rotor.twice_energy(&tree.dofs.v);
     }
     twice.scale(0.5)
 }

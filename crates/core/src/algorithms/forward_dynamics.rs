@@ -144,13 +144,13 @@ impl<S: Scalar> Kernel<TreeStorage, S> for ArticulatedBodies<'_, S> {
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, tau, wrenches, acceleration } = self;
         let (q, v, tau, acceleration) = (N::view(q), N::view(v), N::view(tau), N::view_mut(acceleration));
-        spread(model, tau, &mut tree.freedoms.tau);
+        spread(model, tau, &mut tree.dofs.tau);
         if M3::<N>::FOLDS_ZEROS {
             in_body_frames::accelerate(model, tree, q, v, wrenches);
         } else {
             in_world::accelerate(model, tree, q, v, wrenches);
         }
-        gather(model, &tree.freedoms.a, acceleration);
+        gather(model, &tree.dofs.a, acceleration);
     }
 }
 

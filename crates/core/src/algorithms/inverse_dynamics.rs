@@ -58,12 +58,12 @@ impl<S: Scalar> Kernel<TreeStorage, S> for NewtonEuler<'_, S> {
         let q = N::view(q);
         evaluate_angles(model, tree, q);
         match v {
-            Some(v) => spread(model, N::view(v), &mut tree.freedoms.v),
-            None => tree.freedoms.v.fill(Scalar::zero()),
+            Some(v) => spread(model, N::view(v), &mut tree.dofs.v),
+            None => tree.dofs.v.fill(Scalar::zero()),
         }
         match a {
-            Some(a) => spread(model, N::view(a), &mut tree.freedoms.a),
-            None => tree.freedoms.a.fill(Scalar::zero()),
+            Some(a) => spread(model, N::view(a), &mut tree.dofs.a),
+            None => tree.dofs.a.fill(Scalar::zero()),
         }
         if M3::<N>::KEEPS_TRANSPOSE {
             along_world_axes::accelerate_bodies(model, tree, q, ground);
@@ -75,20 +75,20 @@ impl<S: Scalar> Kernel<TreeStorage, S> for NewtonEuler<'_, S> {
             in_body_frames::collect_forces(model, tree);
         }
         if model.has_armature {
-            for ((tau, a), dof) in tree.freedoms.tau.iter_mut().zip(&tree.freedoms.a).zip(&model.dofs) {
+            for ((tau, a), dof) in tree.dofs.tau.iter_mut().zip(&tree.dofs.a).zip(&model.dofs) {
                 *tau += a.scale(dof.passive.armature);
             }
             for rotor in &model.rotors {
-                rotor.add_force(&tree.freedoms.a, &mut tree.freedoms.tau);
+                rotor.add_force(&tree.dofs.a, &mut tree.dofs.tau);
             }
         }
         if with_springs && model.has_springs {
-            for (tau, dof) in tree.freedoms.tau.iter_mut().zip(&model.dofs) {
+            for (tau, dof) in tree.dofs.tau.iter_mut().zip(&model.dofs) {
                 let stretch = tree.angles.angle[dof.body] - N::from_f64(dof.passive.rest);
                 *tau += stretch.scale(dof.passive.stiffness);
             }
         }
-        gather(model, &tree.freedoms.tau, N::view_mut(tau));
+        gather(model, &tree.dofs.tau, N::view_mut(tau));
     }
 }
 

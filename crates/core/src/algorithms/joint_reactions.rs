@@ -95,8 +95,8 @@ pub fn inertial_forces<S: Scalar>(
     reactions: &mut [S],
 ) {
     evaluate_angles(model, tree, q);
-    spread(model, v, &mut tree.freedoms.v);
-    spread(model, a, &mut tree.freedoms.a);
+    spread(model, v, &mut tree.dofs.v);
+    spread(model, a, &mut tree.dofs.a);
     accelerate_along_world_axes(model, tree, q, upward(model));
     for (segment, to) in model.segments.list[first..].iter().zip(reactions.chunks_exact_mut(NUMBERS)) {
         write(&inertial_force(model, tree, segment), to);

@@ -54,14 +54,14 @@ pub fn momentum<S: Scalar>(
     }
     collect_momenta(model, &mut workspace.tree, q, v);
     for (index, dof) in model.dofs.iter().enumerate() {
-        let rotor = workspace.tree.freedoms.v[index].scale(dof.passive.armature);
-        workspace.tree.freedoms.tau[index] =
+        let rotor = workspace.tree.dofs.v[index].scale(dof.passive.armature);
+        workspace.tree.dofs.tau[index] =
             workspace.tree.screws.column[index].dot(&workspace.tree.bodies.force[dof.body]) + rotor;
     }
     for rotor in &model.rotors {
-        rotor.add_force(&workspace.tree.freedoms.v, &mut workspace.tree.freedoms.tau);
+        rotor.add_force(&workspace.tree.dofs.v, &mut workspace.tree.dofs.tau);
     }
-    gather(model, &workspace.tree.freedoms.tau, momentum);
+    gather(model, &workspace.tree.dofs.tau, momentum);
 }
 
 /// ∂K/∂q at constant v \[N, N·m\]. If q̇ = v for every joint, Hamel's equations read ṗ = τ + ∂K/∂q − ∂V/∂q.
@@ -112,9 +112,9 @@ pub fn kinetic_energy_gradient<S: Scalar>(
             if parent == WORLD { MotionVector::zero() } else { workspace.tree.screws.twist[parent] };
         pass_outward(&model.bodies[dof.body], &workspace.tree.screws.levers, &mut carried);
         let change = motion_cross(&carried, &workspace.tree.screws.column[index]);
-        workspace.tree.freedoms.tau[index] = change.dot(&workspace.tree.bodies.force[dof.body]);
+        workspace.tree.dofs.tau[index] = change.dot(&workspace.tree.bodies.force[dof.body]);
     }
-    gather(model, &workspace.tree.freedoms.tau, gradient);
+    gather(model, &workspace.tree.dofs.tau, gradient);
 }
 
 /// Writes Σ I V over each body's subtree to `tree.bodies.force`.

@@ -93,8 +93,8 @@ pub fn joint_torque_regressor<S: Scalar>(
     check_length("a", a.len(), model.nv);
     check_length("the regressor", regressor.len(), model.nv * columns);
     place_screws(model, &mut workspace.tree, q);
-    spread(model, v, &mut workspace.tree.freedoms.v);
-    spread(model, a, &mut workspace.tree.freedoms.a);
+    spread(model, v, &mut workspace.tree.dofs.v);
+    spread(model, a, &mut workspace.tree.dofs.a);
     accelerate_bodies(model, &mut workspace.tree, q, model.gravity().map(|g| -g));
     regressor.fill(S::zero());
     for (link, (i, body)) in link_bodies(model).enumerate() {

@@ -26,13 +26,13 @@ impl JointSum {
         let mut sum = Self { offset, terms: Vec::new() };
         for (name, factor) in joints {
             let joint = model.joints.iter().position(|joint| joint.name == name);
-            let freedom = model.dofs.iter().find(|freedom| Some(freedom.joint) == joint);
-            if let Some(freedom) = freedom {
-                sum.offset += factor * freedom.offset;
+            let dof = model.dofs.iter().find(|dof| Some(dof.joint) == joint);
+            if let Some(dof) = dof {
+                sum.offset += factor * dof.offset;
                 sum.terms.push(Term {
-                    q: model.bodies[freedom.body].q_index,
-                    v: freedom.coordinate,
-                    factor: factor * freedom.ratio,
+                    q: model.bodies[dof.body].q_index,
+                    v: dof.coordinate,
+                    factor: factor * dof.ratio,
                 });
             }
         }

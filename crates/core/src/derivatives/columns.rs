@@ -17,13 +17,13 @@ use crate::workspace::slope::Slope;
 use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, Screws, TreeMemory};
 
 /// The outward sweep: velocities V, accelerations A, each DoF's [`Slope`], and each body's inertia, 2B and
-/// force. Reads the placements and DoFs in the inertial frame, `tree.freedoms.v` and `tree.freedoms.a`.
+/// force. Reads the placements and DoFs in the inertial frame, `tree.dofs.v` and `tree.dofs.a`.
 #[inline(always)]
 pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, ground: [f64; 3]) {
     let world_rate = MotionVector { linear: V3::from_f64(ground), angular: V3::zero() };
     let n = model.bodies.len();
     let TreeMemory {
-        freedoms: DofBuffers { v, a, .. },
+        dofs: DofBuffers { v, a, .. },
         screws: Screws { column, world, levers, twist, twist_rate, flow, .. },
         bodies: BodyBuffers { force, .. },
         inertias: Inertias { composite, .. },
@@ -45,14 +45,14 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, grou
             pass_outward(body, levers, &mut carrier_rate);
             derivatives.paths.seat(body.dof).0.lever = levers[body.point].array();
         }
-        let freedoms = body.dof..body.dof + body.motion.nv();
+        let dofs = body.dof..body.dof + body.motion.nv();
         let mut twist = carrier;
-        for dof in freedoms.clone() {
+        for dof in dofs.clone() {
             twist.add_scaled(v[dof], &column[dof]);
         }
         let mut rate = carrier_rate;
-        let alone = freedoms.len() == 1;
-        for dof in freedoms {
+        let alone = dofs.len() == 1;
+        for dof in dofs {
             let s = column[dof];
             let once = motion_cross(&carrier, &s);
             let mut twice = motion_cross(&carrier_rate, &s);
@@ -97,13 +97,13 @@ pub(super) fn subtract_carried<S: Scalar, N: View<S>>(
 }
 
 /// The inward sweep: sums inertia, 2B and force over each subtree. Writes the parts of the columns that do
-/// not depend on the acceleration, and τ = SᵀF of each DoF to `tree.freedoms.tau`.
+/// not depend on the acceleration, and τ = SᵀF of each DoF to `tree.dofs.tau`.
 #[inline(always)]
 pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let TreeMemory {
         screws: Screws { column, flow, levers, .. },
-        freedoms: DofBuffers { tau, .. },
+        dofs: DofBuffers { tau, .. },
         inertias: Inertias { pivot, composite, .. },
         bodies: BodyBuffers { force, .. },
         derivatives,
@@ -136,7 +136,7 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     }
 }
 
-/// Updates the forces and ψ′ to the accelerations in `tree.freedoms.a`. Call after [`sweep_in`] at a = 0.
+/// Updates the forces and ψ′ to the accelerations in `tree.dofs.a`. Call after [`sweep_in`] at a = 0.
 ///
 /// A changes by δA = Σ S a along the path to the root. The force of a body's subtree changes by I δA, with I
 /// of the subtree, plus I S a of each DoF beyond the body.
@@ -144,7 +144,7 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
 pub(super) fn accelerate<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let TreeMemory {
-        freedoms: DofBuffers { a, .. },
+        dofs: DofBuffers { a, .. },
         screws: Screws { column, twist_rate, levers, .. },
         inertias: Inertias { pivot, composite, .. },
         bodies: BodyBuffers { force, beyond, .. },

@@ -16,7 +16,7 @@ use crate::Model;
 use crate::factorization::tile::by_count;
 use crate::factorization::tree_factor::TreeFactor;
 use crate::workspace::derivatives::Scratch;
-use crate::workspace::freedoms::{DofBlock, LANES, project, turned_about};
+use crate::workspace::dof_blocks::{DofBlock, LANES, project, turned_about};
 
 /// ∂τ/∂q and ∂τ/∂v, row-major.
 pub(super) struct Slopes<'a, S> {

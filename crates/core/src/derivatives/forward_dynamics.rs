@@ -44,8 +44,8 @@ impl<S: Scalar> Kernel<TreeStorage, S> for ForwardDynamicsSlopes<'_, S> {
         let Self { model, q, v, tau, wrenches, by_position, by_velocity, by_force } = self;
         let (q, v, tau) = (N::view(q), N::view(v), N::view(tau));
         place_screws(model, tree, q);
-        spread(model, v, &mut tree.freedoms.v);
-        tree.freedoms.a.fill(Scalar::zero());
+        spread(model, v, &mut tree.dofs.v);
+        tree.dofs.a.fill(Scalar::zero());
         sweep_out(model, tree, model.gravity().map(|g| -g));
         subtract_carried(model, tree, wrenches);
         sweep_in(model, tree);
@@ -76,22 +76,22 @@ fn write_padded_slopes<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
     write_slopes(model, &paths.blocks, &mut slopes);
 }
 
-/// Solves M a = τ − (the forces at a = 0, in `tree.freedoms.tau`) and writes a to `tree.freedoms.a`.
+/// Solves M a = τ − (the forces at a = 0, in `tree.dofs.tau`) and writes a to `tree.dofs.a`.
 #[inline(always)]
 fn solve_acceleration<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, tau: &[N]) {
     if model.has_springs {
-        for (force, dof) in tree.freedoms.tau.iter_mut().zip(&model.dofs) {
+        for (force, dof) in tree.dofs.tau.iter_mut().zip(&model.dofs) {
             let stretch = tree.angles.angle[dof.body] - N::from_f64(dof.passive.rest);
             *force += stretch.scale(dof.passive.stiffness);
         }
     }
     let Scratch { mass, vector, .. } = &mut tree.derivatives;
-    gather(model, &tree.freedoms.tau, vector);
+    gather(model, &tree.dofs.tau, vector);
     for (x, &tau) in vector.iter_mut().zip(tau) {
         *x = tau - *x;
     }
     mass.solve(vector);
-    spread(model, vector, &mut tree.freedoms.a);
+    spread(model, vector, &mut tree.dofs.a);
 }
 
 /// The outputs of [`forward_dynamics_derivatives`]: nv×nv matrices, row-major. Batches have one per state.

@@ -38,8 +38,8 @@ impl<S: Scalar> Kernel<TreeStorage, S> for InverseDynamicsSlopes<'_, S> {
         let (q, v, a) = (N::view(q), N::view(v), N::view(a));
         let (by_position, by_velocity) = (N::view_mut(by_position), N::view_mut(by_velocity));
         place_screws(model, tree, q);
-        spread(model, v, &mut tree.freedoms.v);
-        spread(model, a, &mut tree.freedoms.a);
+        spread(model, v, &mut tree.dofs.v);
+        spread(model, a, &mut tree.dofs.a);
         sweep_out(model, tree, model.gravity().map(|g| -g));
         subtract_carried(model, tree, wrenches);
         sweep_in(model, tree);

@@ -21,7 +21,7 @@ use crate::model::Dof;
 pub const NONE: usize = usize::MAX;
 
 /// λ, the parent of each DoF of the tree: the previous DoF of its body, or the last one of the parent body.
-pub fn freedom_carriers(model: &Model) -> Vec<usize> {
+pub fn dof_parents(model: &Model) -> Vec<usize> {
     let carrier = |(k, dof): (usize, &Dof)| {
         let body = &model.bodies[dof.body];
         if k > body.dof {
@@ -38,7 +38,7 @@ pub fn coordinate_carriers(model: &Model) -> Vec<usize> {
     if model.needs_dense_factor {
         return (0..model.nv).map(|k| k.checked_sub(1).unwrap_or(NONE)).collect();
     }
-    freedom_carriers(model)
+    dof_parents(model)
 }
 
 /// For each DoF the index of its tree in the forest λ, and the number of trees.

@@ -131,8 +131,8 @@ pub fn place_body<N: Scalar>(body: &Body, angle: N, sine: N, cosine: N, q: &[N])
 /// and Rᵀω, plus the joint's. Call after [`place_bodies`].
 #[inline(always)]
 pub fn move_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, v: &[S]) {
-    spread(model, v, &mut tree.freedoms.v);
-    let (rates, BodyBuffers { place, velocity, .. }) = (&tree.freedoms.v[..], &mut tree.bodies);
+    spread(model, v, &mut tree.dofs.v);
+    let (rates, BodyBuffers { place, velocity, .. }) = (&tree.dofs.v[..], &mut tree.bodies);
     for (i, body) in model.bodies.iter().enumerate() {
         let parent = if body.parent == WORLD { MotionVector::zero() } else { velocity[body.parent] };
         velocity[i] = motion_in_body(&place[i], &parent);

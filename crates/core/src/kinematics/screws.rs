@@ -72,10 +72,10 @@ pub fn place_screws<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q: &[N])
 /// Writes each body's velocity V = Σ S v over its ancestors' DoFs and its own. Call after [`place_screws`].
 #[inline(always)]
 pub fn move_screws<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, v: &[N]) {
-    spread(model, v, &mut tree.freedoms.v);
+    spread(model, v, &mut tree.dofs.v);
     let n = model.bodies.len();
     let (bodies, twists) = (&model.bodies[..n], &mut tree.screws.twist[..n]);
-    let (rates, columns, levers) = (&tree.freedoms.v[..], &tree.screws.column[..], &tree.screws.levers[..]);
+    let (rates, columns, levers) = (&tree.dofs.v[..], &tree.screws.column[..], &tree.screws.levers[..]);
     let mut last = MotionVector::zero();
     for i in 0..n {
         let body = &bodies[i];
@@ -107,17 +107,17 @@ pub fn turn_screws<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
 pub fn accelerate_screws<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, a: Option<&[S]>) {
     match a {
         Some(a) => {
-            spread(model, a, &mut tree.freedoms.a);
+            spread(model, a, &mut tree.dofs.a);
         }
-        None => tree.freedoms.a.fill(S::zero()),
+        None => tree.dofs.a.fill(S::zero()),
     }
     for (i, body) in model.bodies.iter().enumerate() {
         let mut rate =
             if body.parent == WORLD { MotionVector::zero() } else { tree.screws.twist_rate[body.parent] };
         pass_outward(body, &tree.screws.levers, &mut rate);
         for dof in body.dof..body.dof + body.motion.nv() {
-            rate.add_scaled(tree.freedoms.v[dof], &tree.screws.column_rate[dof]);
-            rate.add_scaled(tree.freedoms.a[dof], &tree.screws.column[dof]);
+            rate.add_scaled(tree.dofs.v[dof], &tree.screws.column_rate[dof]);
+            rate.add_scaled(tree.dofs.a[dof], &tree.screws.column[dof]);
         }
         tree.screws.twist_rate[i] = rate;
     }

@@ -33,14 +33,14 @@ impl Rotor {
                     |dof: &Dof| dof.coordinate == own.coordinate && joints[dof.joint].mimic.is_none();
                 let leader = dofs.iter().position(is_leader).expect("chains of followers end");
                 let c = c * own.ratio;
-                match terms.iter_mut().find(|(freedom, _)| *freedom == leader) {
+                match terms.iter_mut().find(|(dof, _)| *dof == leader) {
                     Some((_, sum)) => *sum += c,
                     None => terms.push((leader, c)),
                 }
             }
             match terms[..] {
                 [] => {}
-                [(freedom, c)] => dofs[freedom].passive.armature += tendon.passive.armature * c * c,
+                [(dof, c)] => dofs[dof].passive.armature += tendon.passive.armature * c * c,
                 _ => rotors.push(Self { armature: tendon.passive.armature, terms }),
             }
         }
@@ -51,8 +51,8 @@ impl Rotor {
     #[inline(always)]
     pub fn add_force<N: Scalar>(&self, a: &[N], tau: &mut [N]) {
         let force = self.rate(a).scale(self.armature);
-        for &(freedom, c) in &self.terms {
-            tau[freedom] += force.scale(c);
+        for &(dof, c) in &self.terms {
+            tau[dof] += force.scale(c);
         }
     }
 
@@ -60,8 +60,8 @@ impl Rotor {
     #[inline(always)]
     pub(crate) fn add_force_to_coordinates<N: Scalar>(&self, dofs: &[Dof], a: &[N], tau: &mut [N]) {
         let force = self.rate(a).scale(self.armature);
-        for &(freedom, c) in &self.terms {
-            tau[dofs[freedom].coordinate] += force.scale(c);
+        for &(dof, c) in &self.terms {
+            tau[dofs[dof].coordinate] += force.scale(c);
         }
     }
 
@@ -74,18 +74,18 @@ impl Rotor {
 
     #[inline(always)]
     fn rate<N: Scalar>(&self, v: &[N]) -> N {
-        self.terms.iter().fold(N::zero(), |sum, &(freedom, c)| sum + v[freedom].scale(c))
+        self.terms.iter().fold(N::zero(), |sum, &(dof, c)| sum + v[dof].scale(c))
     }
 
     /// Its entries of M by row and column, in both triangles, which agree to the last bit.
     pub fn entries(&self, dofs: &[Dof]) -> impl Iterator<Item = (usize, usize, f64)> {
-        let terms = || self.terms.iter().map(|&(freedom, c)| (dofs[freedom].coordinate, c));
+        let terms = || self.terms.iter().map(|&(dof, c)| (dofs[dof].coordinate, c));
         terms().flat_map(move |(i, x)| terms().map(move |(j, y)| (i, j, self.armature * (x * y))))
     }
 
     /// Its coordinates, each with √(armature c²).
     pub fn roots(&self, dofs: &[Dof]) -> impl Iterator<Item = (usize, f64)> {
         let root = self.armature.abs().sqrt();
-        self.terms.iter().map(move |&(freedom, c)| (dofs[freedom].coordinate, root * c.abs()))
+        self.terms.iter().map(move |&(dof, c)| (dofs[dof].coordinate, root * c.abs()))
     }
 }

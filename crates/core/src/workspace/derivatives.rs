@@ -6,7 +6,7 @@ use crate::Model;
 use crate::factorization::tile::WIDTH;
 use crate::factorization::tree_factor::TreeFactor;
 use crate::spatial::motion::MotionVector;
-use crate::workspace::freedoms::Paths;
+use crate::workspace::dof_blocks::Paths;
 use crate::workspace::passes::{Pass, Solved, passes};
 use crate::workspace::slope::Slope;
 

@@ -24,7 +24,7 @@ pub struct TreeMemory<S: Scalar> {
     pub fast: Option<StateMemory<TreeStorage>>,
     pub native: NativeScratch<S>,
     pub angles: Angles<S>,
-    pub freedoms: DofBuffers<S>,
+    pub dofs: DofBuffers<S>,
     pub bodies: BodyBuffers<S>,
     pub screws: Screws<S>,
     pub inertias: Inertias<S>,
@@ -184,7 +184,7 @@ impl<S: Scalar> TreeMemory<S> {
                 sine: filled(zero, bodies),
                 cosine: filled(zero, bodies),
             },
-            freedoms: DofBuffers { v: filled(zero, dofs), a: filled(zero, dofs), tau: filled(zero, dofs) },
+            dofs: DofBuffers { v: filled(zero, dofs), a: filled(zero, dofs), tau: filled(zero, dofs) },
             bodies: BodyBuffers {
                 place: filled(Transform { rotation: m3, translation: v3 }, bodies),
                 motion: filled(BodyMotion { angular: v3, gradient: m3, origin: v3, alpha: v3 }, bodies),

@@ -63,7 +63,7 @@ pub(crate) fn random(count: usize) -> impl Iterator<Item = (String, Model)> {
         let kinds = match number % 4 {
             0 | 1 => JointKinds::All,
             2 => JointKinds::VectorSpace,
-            _ => JointKinds::SingleFreedom,
+            _ => JointKinds::SingleDof,
         };
         let last = count.saturating_sub(1).max(1);
         let options = RandomRobotOptions {

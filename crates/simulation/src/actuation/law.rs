@@ -207,7 +207,7 @@ impl Actuation {
                 Drive::Tendon { index, gear } => {
                     add(&self.tendons[*index].length, (gear * gear * k, gear * gear * d));
                 }
-                Drive::Freedoms { .. } | Drive::Frame { .. } | Drive::Nothing => {}
+                Drive::Dofs { .. } | Drive::Frame { .. } | Drive::Nothing => {}
             }
         }
     }

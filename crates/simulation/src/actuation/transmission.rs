@@ -35,7 +35,7 @@ pub(super) enum Drive {
     /// ℓ is that of a joint times the gear.
     Joint { length: JointSum },
     /// A joint of several degrees of freedom.
-    Freedoms { q: usize, v: usize, count: usize, chart: Chart, gear: [f64; 6] },
+    Dofs { q: usize, v: usize, count: usize, chart: Chart, gear: [f64; 6] },
     /// A tendon by its index.
     Tendon { index: usize, gear: f64 },
     /// A wrench on a frame.
@@ -56,7 +56,7 @@ impl Drive {
                     Some(joint) if joint.nv > 1 => {
                         let stretch = coordinate_ranges(model).find(|stretch| stretch.v == joint.v_index);
                         let chart = stretch.map_or(Chart::Line, |stretch| stretch.chart);
-                        Self::Freedoms {
+                        Self::Dofs {
                             q: joint.q_index,
                             v: joint.v_index,
                             count: joint.nv,
@@ -87,7 +87,7 @@ impl Drive {
     ) -> (f64, f64) {
         match self {
             Self::Joint { length } => (length.at(q), length.rate(v)),
-            Self::Freedoms { q: at, v: first, count, chart, gear } => {
+            Self::Dofs { q: at, v: first, count, chart, gear } => {
                 let rate = (0..*count).map(|k| gear[k] * v[first + k]).sum();
                 let length = match chart {
                     Chart::Line => (0..*count).map(|k| gear[k] * q[at + k]).sum(),
@@ -124,7 +124,7 @@ impl Drive {
     ) {
         match self {
             Self::Joint { length } => length.spread(force, tau),
-            Self::Freedoms { v, count, gear, .. } => {
+            Self::Dofs { v, count, gear, .. } => {
                 for k in 0..*count {
                     tau[v + k] += gear[k] * force;
                 }

@@ -114,7 +114,7 @@ fn random_of_size<const N: usize>(seed: u64, mimic: f64) -> FixedSize<N> {
     for joints in N.. {
         let options = RandomRobotOptions {
             joints,
-            kinds: if mimic > 0.0 { JointKinds::SingleFreedom } else { JointKinds::Turning },
+            kinds: if mimic > 0.0 { JointKinds::SingleDof } else { JointKinds::Turning },
             mimic,
             passive: 0.7,
             ..Default::default()

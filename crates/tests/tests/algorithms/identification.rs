@@ -37,7 +37,7 @@ fn robots() -> impl Iterator<Item = Robot> {
                 ..base.clone()
             },
         ),
-        ("mimic joints", RandomRobotOptions { mimic: 0.4, kinds: JointKinds::SingleFreedom, ..base }),
+        ("mimic joints", RandomRobotOptions { mimic: 0.4, kinds: JointKinds::SingleDof, ..base }),
     ];
     families.into_iter().flat_map(|(name, options)| {
         Family { name, options, count: 6 }.robots().filter(|robot| robot.model.nv() >= 3).collect::<Vec<_>>()

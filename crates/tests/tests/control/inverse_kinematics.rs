@@ -76,7 +76,7 @@ fn reachable_targets_are_reached() {
         ("arms of twelve", RandomRobotOptions { joints: 12, ..arms }),
         ("trees of all joints", base.clone()),
         ("floating trees", RandomRobotOptions { base: Base::Floating, ..base.clone() }),
-        ("slides and screws", RandomRobotOptions { kinds: JointKinds::SingleFreedom, ..base.clone() }),
+        ("slides and screws", RandomRobotOptions { kinds: JointKinds::SingleDof, ..base.clone() }),
         ("mimic joints", RandomRobotOptions { mimic: 0.4, chain: 0.9, ..base }),
     ];
     for (family, robots) in families {

@@ -53,7 +53,7 @@ fn assert_same(one: &Simulation, other: &Simulation, case: &str) {
 fn batches_equal_single_simulations_bit_for_bit() {
     let rows = Integrator::ALL.into_iter().filter(|row| row.is_explicit());
     for (row, number) in rows.flat_map(|row| (0..6).map(move |number| (row, number))) {
-        let kinds = [JointKinds::SingleFreedom, JointKinds::VectorSpace, JointKinds::All][number % 3];
+        let kinds = [JointKinds::SingleDof, JointKinds::VectorSpace, JointKinds::All][number % 3];
         let model = robot(number, kinds);
         let builder = SimulationBuilder::new(&model).method(Method::Fixed(row)).dt(2e-3);
         let simulation = if number < 3 { builder.build() } else { builder.conservative().build() };

@@ -44,7 +44,7 @@ pub(crate) fn families() -> Vec<Family> {
             "single-coordinate trees with massless links",
             60,
             RandomRobotOptions {
-                kinds: JointKinds::SingleFreedom,
+                kinds: JointKinds::SingleDof,
                 massless: 0.8,
                 fixed: 0.0,
                 joints: 12,

@@ -63,7 +63,7 @@ pub struct RobotCounts {
     pub joints: usize,
     /// Degrees of freedom.
     #[wasm_bindgen(readonly)]
-    pub freedoms: usize,
+    pub dofs: usize,
     /// Values that were defaulted.
     #[wasm_bindgen(readonly)]
     pub defaulted: usize,
@@ -133,7 +133,7 @@ impl Robot {
         RobotCounts {
             links,
             joints,
-            freedoms: degrees_of_freedom,
+            dofs: degrees_of_freedom,
             defaulted,
             repaired,
             suspicious: as_written,

@@ -25,7 +25,7 @@ use crate::spatial::inertia::{ArticulatedInertia, DofElimination};
 use crate::spatial::motion::MotionVector;
 use crate::workspace::tree::TreeMemory;
 
-/// Replaces τ in `tree.freedoms` by a.
+/// Replaces τ in `tree.dofs` by a.
 #[inline(always)]
 pub(super) fn accelerate<S: Scalar, N: View<S>>(
     model: &Model,
@@ -34,18 +34,18 @@ pub(super) fn accelerate<S: Scalar, N: View<S>>(
     v: &[N],
     wrenches: &[FrameWrench<S>],
 ) {
-    spread(model, v, &mut tree.freedoms.v);
+    spread(model, v, &mut tree.dofs.v);
     evaluate_angles(model, tree, q);
-    tree.freedoms.a.fill(N::zero());
+    tree.dofs.a.fill(N::zero());
     accelerate_bodies(model, tree, q, upward(model));
     subtract_wrenches(model, &mut tree.bodies.force, wrenches);
-    eliminate_freedoms(model, tree, q);
-    accelerate_freedoms(model, tree);
+    eliminate_dofs(model, tree, q);
+    accelerate_dofs(model, tree);
 }
 
 /// The inward pass: each DoF's [`DofElimination`], and each body's contribution to its parent.
 #[inline(always)]
-fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, q: &[S]) {
+fn eliminate_dofs<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, q: &[S]) {
     let all = &mut tree.inertias.articulated;
     for ((own, body), force) in all.iter_mut().zip(&model.bodies).zip(&tree.bodies.force) {
         *own = own_inertia(body, force);
@@ -54,7 +54,7 @@ fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, q: &[S
         let (mut IA, mut pA) = (six_by_six(&all[i]), six(all[i].bias.linear, all[i].bias.angular));
         for k in (0..body.motion.nv()).rev() {
             let (index, s) = (body.dof + k, direction(body, k));
-            let tau = less_spring(model, index, tree.freedoms.tau[index], tree.angles.angle[i]);
+            let tau = less_spring(model, index, tree.dofs.tau[index], tree.angles.angle[i]);
             let armature = model.dofs[index].passive.armature;
             tree.inertias.pivot[index] = eliminate(&mut IA, &mut pA, &s, tau, armature);
         }
@@ -83,7 +83,7 @@ fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, q: &[S
 
 /// The outward pass: q̈ = (u − Uᵀδa)/d, and each body's δa in `bodies.velocity`.
 #[inline(always)]
-fn accelerate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
+fn accelerate_dofs<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     for (i, body) in model.bodies.iter().enumerate() {
         let mut own = [S::zero(); 6];
         if body.parent != WORLD {
@@ -96,7 +96,7 @@ fn accelerate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
             for (&u, &own) in six(column.linear, column.angular).iter().zip(&own) {
                 a -= u * own;
             }
-            tree.freedoms.a[body.dof + k] = a;
+            tree.dofs.a[body.dof + k] = a;
             for (own, s) in own.iter_mut().zip(direction(body, k)) {
                 if s != 0.0 {
                     *own += a.scale(s);
@@ -208,9 +208,9 @@ mod tests {
             let w = &mut Workspace::<f64>::limited(&model, crate::InstructionSet::Portable);
             let mut expected = vec![0.0; model.nv()];
             forward_dynamics_with_wrenches(&model, w, &q, &v, &tau, &[wrench], &mut expected);
-            w.tree.freedoms.tau.copy_from_slice(&tau);
+            w.tree.dofs.tau.copy_from_slice(&tau);
             accelerate::<f64, f64>(&model, &mut w.tree, &q, &v, &[wrench]);
-            let found = w.tree.freedoms.a.clone();
+            let found = w.tree.dofs.a.clone();
             let size = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
             for (found, expected) in found.iter().zip(&expected) {
                 assert!((found - expected).abs() < 1e-11 * size, "{seed}: {found} {expected}");

@@ -19,7 +19,7 @@ use crate::spatial::inertia::{DofElimination, SpatialInertia};
 use crate::spatial::motion::MotionVector;
 use crate::workspace::tree::TreeMemory;
 
-/// Replaces τ in `tree.freedoms` by a.
+/// Replaces τ in `tree.dofs` by a.
 #[inline(always)]
 pub(crate) fn accelerate<S: Scalar, N: View<S>>(
     model: &Model,
@@ -32,8 +32,8 @@ pub(crate) fn accelerate<S: Scalar, N: View<S>>(
     move_screws(model, tree, v);
     free_bodies(model, tree);
     subtract_in_world(model, tree, wrenches);
-    eliminate_freedoms(model, tree);
-    accelerate_freedoms(model, tree);
+    eliminate_dofs(model, tree);
+    accelerate_dofs(model, tree);
 }
 
 /// Initializes each body: its inertia and its bias force V ×\* I V. Writes to `twist_rate` the acceleration
@@ -42,7 +42,7 @@ pub(crate) fn accelerate<S: Scalar, N: View<S>>(
 fn free_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let (bodies, world, twists) = (&model.bodies[..n], &tree.screws.world[..n], &tree.screws.twist[..n]);
-    let (rates, columns) = (&tree.freedoms.v[..], &tree.screws.column[..]);
+    let (rates, columns) = (&tree.dofs.v[..], &tree.screws.column[..]);
     let (twist_rates, articulated) = (&mut tree.screws.twist_rate[..n], &mut tree.inertias.articulated[..n]);
     for i in 0..n {
         let (body, twist) = (&bodies[i], &twists[i]);
@@ -86,12 +86,12 @@ fn subtract_in_world<S: Scalar, N: View<S>>(
 
 /// The inward pass: each DoF's [`DofElimination`], and each body's contribution to its parent.
 #[inline(always)]
-fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
+fn eliminate_dofs<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let (bodies, twist_rates, angle) =
         (&model.bodies[..n], &tree.screws.twist_rate[..n], &tree.angles.angle[..n]);
     let (tau, columns, pivots) =
-        (&tree.freedoms.tau[..], &tree.screws.column[..], &mut tree.inertias.pivot[..]);
+        (&tree.dofs.tau[..], &tree.screws.column[..], &mut tree.inertias.pivot[..]);
     let (all, levers) = (&mut tree.inertias.articulated[..n], &tree.screws.levers[..]);
     for i in (0..n).rev() {
         let body = &bodies[i];
@@ -130,12 +130,12 @@ fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
 
 /// The outward pass: q̈ = (u − Uᵀa)/d, and each body's acceleration in `twist_rate`.
 #[inline(always)]
-fn accelerate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
+fn accelerate_dofs<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let ground = MotionVector { linear: V3::from_f64(model.gravity().map(|g| -g)), angular: V3::zero() };
     let n = model.bodies.len();
     let (bodies, twist_rates) = (&model.bodies[..n], &mut tree.screws.twist_rate[..n]);
     let (pivots, columns, accelerations) =
-        (&tree.inertias.pivot[..], &tree.screws.column[..], &mut tree.freedoms.a[..]);
+        (&tree.inertias.pivot[..], &tree.screws.column[..], &mut tree.dofs.a[..]);
     let levers = &tree.screws.levers[..];
     let mut last = ground;
     for i in 0..n {

@@ -24,7 +24,7 @@ use crate::spatial::motion::AxisMotion;
 use crate::workspace::tree::TreeMemory;
 
 /// The outward pass: each body's rotation, offset r and motion along the world's axes, and the force that
-/// this motion needs. The world's acceleration is `ground` = −gravity. Reads the angles and `tree.freedoms`.
+/// this motion needs. The world's acceleration is `ground` = −gravity. Reads the angles and `tree.dofs`.
 ///
 /// The forces have their own loop because nothing in the outward pass depends on them. The processor can then
 /// overlap the forces of several bodies.
@@ -36,7 +36,7 @@ pub(crate) fn accelerate_bodies<N: Scalar>(
     ground: [f64; 3],
 ) {
     let n = model.bodies.len();
-    let (bodies, v, a) = (&model.bodies[..n], &tree.freedoms.v[..], &tree.freedoms.a[..]);
+    let (bodies, v, a) = (&model.bodies[..n], &tree.dofs.v[..], &tree.dofs.a[..]);
     let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
     let (world, motions) = (&mut tree.screws.world[..n], &mut tree.bodies.axis_motion[..n]);
     let force = &mut tree.bodies.force[..n];
@@ -116,7 +116,7 @@ pub(super) fn subtract_external<S: Scalar, N: View<S>>(
 pub(super) fn collect_forces<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let (bodies, world) = (&model.bodies[..n], &tree.screws.world[..n]);
-    let (forces, tau) = (&mut tree.bodies.force[..n], &mut tree.freedoms.tau[..]);
+    let (forces, tau) = (&mut tree.bodies.force[..n], &mut tree.dofs.tau[..]);
     // The contribution of body i + 1 to body i.
     let mut from_child = ForceVector::zero();
     for i in (0..n).rev() {

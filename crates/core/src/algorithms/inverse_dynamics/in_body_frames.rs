@@ -18,7 +18,7 @@ use crate::spatial::transform::Transform;
 use crate::workspace::tree::TreeMemory;
 
 /// The outward pass: each body's placement, ω and acceleration field, and the force that this motion needs.
-/// The world's acceleration is `ground` = −gravity. Reads the angles and `tree.freedoms`.
+/// The world's acceleration is `ground` = −gravity. Reads the angles and `tree.dofs`.
 #[inline(always)]
 pub(crate) fn accelerate_bodies<N: Scalar>(
     model: &Model,
@@ -33,7 +33,7 @@ pub(crate) fn accelerate_bodies<N: Scalar>(
         alpha: V3::zero(),
     };
     let n = model.bodies.len();
-    let (bodies, v, a) = (&model.bodies[..n], &tree.freedoms.v[..], &tree.freedoms.a[..]);
+    let (bodies, v, a) = (&model.bodies[..n], &tree.dofs.v[..], &tree.dofs.a[..]);
     let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
     let (place, motion) = (&mut tree.bodies.place[..n], &mut tree.bodies.motion[..n]);
     let force = &mut tree.bodies.force[..n];
@@ -90,7 +90,7 @@ fn along<S: Scalar>(row: [S; 3], column: &Padded) -> S {
 pub(crate) fn collect_forces<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let (bodies, place) = (&model.bodies[..n], &tree.bodies.place[..n]);
-    let (forces, tau) = (&mut tree.bodies.force[..n], &mut tree.freedoms.tau[..]);
+    let (forces, tau) = (&mut tree.bodies.force[..n], &mut tree.dofs.tau[..]);
     for i in (0..n).rev() {
         let (body, force) = (&bodies[i], forces[i]);
         for k in 0..body.motion.nv() {

@@ -35,7 +35,7 @@ fn condition(model: &Model, q: &[f64]) -> f64 {
 fn families() -> Vec<(&'static str, RandomRobotOptions)> {
     let plain = RandomRobotOptions::default();
     let bare = RandomRobotOptions { passive: 0.0, ..plain.clone() };
-    let single = JointKinds::SingleFreedom;
+    let single = JointKinds::SingleDof;
     vec![
         ("trees", plain.clone()),
         ("floating", RandomRobotOptions { base: Base::Floating, ..plain.clone() }),

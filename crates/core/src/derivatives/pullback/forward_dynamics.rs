@@ -47,15 +47,15 @@ impl<S: Scalar> Kernel<TreeStorage, S> for ArticulatedBodiesPullback<'_, S> {
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, tau, wrenches, cotangent, .. } = self;
         let by_force = N::view_mut(self.by_force);
-        spread(model, N::view(tau), &mut tree.freedoms.tau);
+        spread(model, N::view(tau), &mut tree.dofs.tau);
         accelerate_in_world(model, tree, N::view(q), N::view(v), wrenches);
-        gather(model, &tree.freedoms.a, N::view_mut(self.acceleration));
+        gather(model, &tree.dofs.a, N::view_mut(self.acceleration));
         // −ā gives −λ, which has the sign that the pullback of inverse dynamics needs.
         by_force.copy_from_slice(N::view(cotangent));
         negate(by_force);
-        spread(model, by_force, &mut tree.freedoms.tau);
+        spread(model, by_force, &mut tree.dofs.tau);
         solve_again(model, tree);
-        by_force.copy_from_slice(&tree.freedoms.tau);
+        by_force.copy_from_slice(&tree.dofs.tau);
         negate(by_force);
         weigh_bodies(model, tree);
         subtract_carried(model, tree, wrenches);
@@ -69,7 +69,7 @@ impl<S: Scalar> Kernel<TreeStorage, S> for ArticulatedBodiesPullback<'_, S> {
     }
 }
 
-/// Replaces x = `freedoms.tau` by M⁻¹ x, by the pivots of [`accelerate_in_world`]; leaves each body's
+/// Replaces x = `dofs.tau` by M⁻¹ x, by the pivots of [`accelerate_in_world`]; leaves each body's
 /// L = Σ S x.
 ///
 /// The sweeps are those of the articulated bodies at rest without gravity: u = τ − sᵀp, p_parent gains p + U
@@ -78,7 +78,7 @@ impl<S: Scalar> Kernel<TreeStorage, S> for ArticulatedBodiesPullback<'_, S> {
 fn solve_again<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let TreeMemory {
-        freedoms: DofBuffers { tau, .. },
+        dofs: DofBuffers { tau, .. },
         screws: Screws { column, levers, .. },
         inertias: Inertias { pivot, .. },
         bodies: BodyBuffers { beyond, .. },

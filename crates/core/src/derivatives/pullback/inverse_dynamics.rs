@@ -39,9 +39,9 @@ impl<S: Scalar> Kernel<TreeStorage, S> for NewtonEulerPullback<'_, S> {
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, a, wrenches, cotangent, .. } = self;
         place_screws(model, tree, N::view(q));
-        spread(model, N::view(v), &mut tree.freedoms.v);
-        spread(model, N::view(a), &mut tree.freedoms.a);
-        spread(model, N::view(cotangent), &mut tree.freedoms.tau);
+        spread(model, N::view(v), &mut tree.dofs.v);
+        spread(model, N::view(a), &mut tree.dofs.a);
+        spread(model, N::view(cotangent), &mut tree.dofs.tau);
         sweep_out(model, tree);
         weigh_bodies(model, tree);
         subtract_carried(model, tree, wrenches);

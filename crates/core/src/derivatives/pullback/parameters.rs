@@ -186,7 +186,7 @@ pub(super) fn add_inertial<S: Scalar>(model: &Model, tree: &TreeMemory<S>, param
 /// Adds the cotangents of armature and springs: τ gains armature · a + stiffness (q − rest) of each DoF.
 #[inline(always)]
 pub(super) fn add_passive<S: Scalar>(model: &Model, tree: &TreeMemory<S>, parameters: &mut [S]) {
-    let TreeMemory { freedoms: DofBuffers { a, tau, .. }, angles: Angles { angle, .. }, .. } = tree;
+    let TreeMemory { dofs: DofBuffers { a, tau, .. }, angles: Angles { angle, .. }, .. } = tree;
     for (k, (first, dof)) in with_passive_places(model).enumerate() {
         let to = &mut parameters[first..first + PASSIVE_PARAMETERS_PER_JOINT];
         to[ARMATURE] += tau[k] * a[k];

@@ -18,13 +18,13 @@ fn ground<S: Scalar>(model: &Model) -> MotionVector<S> {
     MotionVector { linear: V3::from_f64(model.gravity().map(|g| -g)), angular: V3::zero() }
 }
 
-/// The outward sweep: V, A and L of each body, from `freedoms.{v, a}` and λ in `freedoms.tau`. Call after
+/// The outward sweep: V, A and L of each body, from `dofs.{v, a}` and λ in `dofs.tau`. Call after
 /// [`place_screws`](crate::kinematics::screws::place_screws).
 #[inline(always)]
 pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let TreeMemory {
-        freedoms: DofBuffers { v, a, tau },
+        dofs: DofBuffers { v, a, tau },
         screws: Screws { column, levers, twist, twist_rate, .. },
         pullback,
         ..
@@ -102,7 +102,7 @@ pub(super) struct Results<'a, N> {
 }
 
 /// The inward sweep: sums F, P and D over each subtree and writes the cotangents of its DoFs. Reads the
-/// results of the outward sweeps, λ in `freedoms.tau` and the accelerations in `freedoms.a`.
+/// results of the outward sweeps, λ in `dofs.tau` and the accelerations in `dofs.a`.
 #[inline(always)]
 pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, results: &mut Results<'_, S>) {
     if !results.parameters.is_empty() {
@@ -115,7 +115,7 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, resul
     }
     let n = model.bodies.len();
     let TreeMemory {
-        freedoms: DofBuffers { tau, .. },
+        dofs: DofBuffers { tau, .. },
         screws: Screws { column, levers, twist, twist_rate, .. },
         bodies: BodyBuffers { force, .. },
         pullback,

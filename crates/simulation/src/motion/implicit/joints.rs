@@ -104,22 +104,22 @@ impl Joints {
             tendons: Vec::new(),
             tendon_numbers: Vec::new(),
         };
-        for freedom in &model.dofs {
-            let (k, square, passive) = (freedom.coordinate, freedom.ratio * freedom.ratio, &freedom.passive);
+        for dof in &model.dofs {
+            let (k, square, passive) = (dof.coordinate, dof.ratio * dof.ratio, &dof.passive);
             joints.all_damping[k] += square * passive.damping;
-            joints.all_friction[k] += freedom.ratio.abs() * passive.friction.max(0.0);
+            joints.all_friction[k] += dof.ratio.abs() * passive.friction.max(0.0);
             joints.stiffness[k] += square * passive.stiffness;
         }
         joints.adds_energy = joints.all_damping.iter().any(|damping| *damping < 0.0);
         joints.stiffness.iter_mut().for_each(|stiffness| *stiffness = stiffness.max(0.0));
         for stretch in coordinate_ranges(model).filter(|stretch| stretch.chart == Chart::Line) {
             let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
-            for freedom in model.dofs.iter().filter(|freedom| freedom.coordinate == stretch.v) {
-                let limits = &model.joints[freedom.joint].limits;
-                if freedom.ratio == 0.0 || limits.lower > limits.upper {
+            for dof in model.dofs.iter().filter(|dof| dof.coordinate == stretch.v) {
+                let limits = &model.joints[dof.joint].limits;
+                if dof.ratio == 0.0 || limits.lower > limits.upper {
                     continue;
                 }
-                let ends = [limits.lower, limits.upper].map(|end| (end - freedom.offset) / freedom.ratio);
+                let ends = [limits.lower, limits.upper].map(|end| (end - dof.offset) / dof.ratio);
                 lower = lower.max(ends[0].min(ends[1]));
                 upper = upper.min(ends[0].max(ends[1]));
             }

@@ -28,7 +28,7 @@ pub(super) fn momentum_and_slope(
     move_bodies(model, tree, v);
     let TreeMemory {
         bodies: BodyBuffers { place, velocity, force, .. },
-        freedoms: DofBuffers { v, a, tau },
+        dofs: DofBuffers { v, a, tau },
         ..
     } = tree;
     for (i, body) in model.bodies.iter().enumerate() {

@@ -71,8 +71,8 @@ impl AdaptiveMethod {
 fn fastest_damping(model: &Model, workspace: &mut Workspace, q: &[f64]) -> f64 {
     let n = model.nv;
     let mut damping = vec![0.0; n];
-    for freedom in &model.dofs {
-        damping[freedom.coordinate] += freedom.ratio * freedom.ratio * freedom.passive.damping;
+    for dof in &model.dofs {
+        damping[dof.coordinate] += dof.ratio * dof.ratio * dof.passive.damping;
     }
     if damping.iter().all(|damping| *damping == 0.0) {
         return 0.0;

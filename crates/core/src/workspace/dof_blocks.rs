@@ -9,7 +9,7 @@ use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::{M3, V3};
 
 use crate::Model;
-use crate::factorization::sparse::{NONE, freedom_carriers};
+use crate::factorization::sparse::{NONE, dof_parents};
 use crate::factorization::tile::{TALLEST, Tile, tiles};
 use crate::spatial::force::ForceVector;
 use crate::spatial::motion::MotionVector;
@@ -54,7 +54,7 @@ pub struct Paths<S> {
 
 impl<S: Scalar> Paths<S> {
     pub fn new(model: &Model) -> Self {
-        let carrier = freedom_carriers(model);
+        let carrier = dof_parents(model);
         let several = |dof: usize| {
             let body = model.dofs[dof].body;
             (model.bodies[body].motion.nv() > 1).then_some(body)
@@ -179,12 +179,12 @@ fn write<S: Scalar, const N: usize, const K: usize>(
     rows[first + 2][lane] = z;
 }
 
-/// Σₖ weightₖ rowₖ for at least the lanes `freedoms`, for all matrices side by side.
+/// Σₖ weightₖ rowₖ for at least the lanes `dofs`, for all matrices side by side.
 #[inline(always)]
 pub fn project<S: Scalar, const K: usize, const N: usize>(
     weights: &[S; K],
     rows: &[[S; N]; K],
-    freedoms: Range<usize>,
+    dofs: Range<usize>,
 ) -> [S; N] {
     let mut sums = [S::zero(); N];
     if M3::<S>::KEEPS_TRANSPOSE {
@@ -197,7 +197,7 @@ pub fn project<S: Scalar, const K: usize, const N: usize>(
             }
         }
     } else {
-        for l in freedoms.start..freedoms.end.min(LANES) {
+        for l in dofs.start..dofs.end.min(LANES) {
             for l in (l..N).step_by(LANES) {
                 let mut sum = rows[0][l] * weights[0];
                 for k in 1..K {
