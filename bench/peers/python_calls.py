@@ -77,8 +77,8 @@ def single(robot: rd.Robot, q: Any, v: Any, a: Any, tau: Any, rounds: int) -> No
             call = peers[peer].get(name)
             line += f"{least(*call, rounds=rounds // 4):12.0f}" if call else f"{'':12}"
         print(line)
-    slopes = least(robot.forward_dynamics_derivatives, q, v, tau, rounds=rounds // 4)
-    print(f"{'forward_dynamics_derivatives':30}{'':24}{slopes:8.0f}")
+    derivatives = least(robot.forward_dynamics_derivatives, q, v, tau, rounds=rounds // 4)
+    print(f"{'forward_dynamics_derivatives':30}{'':24}{derivatives:8.0f}")
     for integrator in ("semi-implicit-euler", "rk4"):
         how = {"dt": 1e-3, "integrator": integrator, "without": ("effort-limits",)}
         linearized = least(robot.linearize_step, q, v, tau, rounds=rounds // 4, **how)

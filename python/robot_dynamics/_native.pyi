@@ -1207,8 +1207,8 @@ class Robot:
         Examples
         --------
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0]
-        >>> slopes = robot.forward_dynamics_derivatives(q, v, v)
-        >>> bool(np.allclose(slopes.by_force, robot.inverse_mass_matrix(q)))
+        >>> derivatives = robot.forward_dynamics_derivatives(q, v, v)
+        >>> bool(np.allclose(derivatives.by_force, robot.inverse_mass_matrix(q)))
         True
         """
     @overload
@@ -1961,8 +1961,8 @@ class Robot:
         Examples
         --------
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0]
-        >>> slopes = robot.inverse_dynamics_derivatives(q, v, v)
-        >>> bool(np.allclose(slopes.by_position, robot.gravity_derivative(q)))  # at rest
+        >>> derivatives = robot.inverse_dynamics_derivatives(q, v, v)
+        >>> bool(np.allclose(derivatives.by_position, robot.gravity_derivative(q)))  # at rest
         True
         """
     @overload

@@ -152,26 +152,26 @@ def test_power_is_the_rate_of_energy(robot: rd.Robot) -> None:
     assert_allclose((energy(h) - energy(-h)) / (2 * h), power, rtol=0, atol=1e-5 * scale)
 
 
-def test_slopes_are_differences(robot: rd.Robot) -> None:
+def test_derivatives_are_differences(robot: rd.Robot) -> None:
     s, h = states(robot, 3), 1e-6
-    slopes = robot.inverse_dynamics_derivatives(s.q, s.v, s.a)
+    derivatives = robot.inverse_dynamics_derivatives(s.q, s.v, s.a)
     for j in range(robot.nv):
         step = np.zeros(robot.nv)
         step[j] = h
         ahead = robot.inverse_dynamics(robot.integrate(s.q, step), s.v, s.a)
         behind = robot.inverse_dynamics(robot.integrate(s.q, -step), s.v, s.a)
-        scale = np.abs(slopes.by_position).max()
-        assert_allclose(slopes.by_position[..., j], (ahead - behind) / (2 * h), rtol=0, atol=1e-6 * scale)
+        scale = np.abs(derivatives.by_position).max()
+        assert_allclose(derivatives.by_position[..., j], (ahead - behind) / (2 * h), rtol=0, atol=1e-6 * scale)
 
 
-def test_pullbacks_are_the_slopes_transposed(robot: rd.Robot) -> None:
+def test_pullbacks_are_the_derivatives_transposed(robot: rd.Robot) -> None:
     s = states(robot)
 
     def pulled(slope: Any) -> Any:
         return np.einsum("ni,nij->nj", s.cotangent, slope)
 
-    slopes = robot.inverse_dynamics_derivatives(s.q, s.v, s.a)
-    expected = pulled(slopes.by_position), pulled(slopes.by_velocity), pulled(robot.mass_matrix(s.q))
+    derivatives = robot.inverse_dynamics_derivatives(s.q, s.v, s.a)
+    expected = pulled(derivatives.by_position), pulled(derivatives.by_velocity), pulled(robot.mass_matrix(s.q))
     for pullback, product in zip(robot.inverse_dynamics_pullback(s.q, s.v, s.a, s.cotangent), expected, strict=True):
         assert_allclose(pullback, product, rtol=0, atol=1e-12 * (1.0 + np.abs(product).max()))
     by_force = robot.forward_dynamics_derivatives(s.q, s.v, s.tau)

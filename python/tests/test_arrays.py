@@ -172,10 +172,10 @@ def test_out_that_cannot_be_written_is_refused() -> None:
     with pytest.raises(TypeError, match="tuple of 2 arrays"):
         PANDA.inverse_dynamics_derivatives(q, q, q, out=np.zeros((7, 7)))  # type: ignore[call-overload]
     one = np.zeros((7, 7))
-    slopes = PANDA.inverse_dynamics_derivatives(q, q, q)
+    derivatives = PANDA.inverse_dynamics_derivatives(q, q, q)
     with pytest.raises(ValueError, match="overlaps itself"):
         PANDA.inverse_dynamics_derivatives(q, q, q, out=(one, one))
-    assert slopes.by_position.shape == (7, 7)
+    assert derivatives.by_position.shape == (7, 7)
 
 
 @pytest.mark.parametrize("threads", [0, -1, 5000, 1.5, "two"])

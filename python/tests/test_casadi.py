@@ -30,10 +30,10 @@ def test_values_and_jacobians_are_the_librarys(name: str, tmp_path: Path) -> Non
             expected = getattr(robot, solution)(*state)
             scale = max(1.0, np.abs(expected).max())
             assert_allclose(np.array(function(*state)).ravel(), expected, rtol=0, atol=1e-9 * scale)
-            slopes = [*getattr(robot, f"{solution}_derivatives")(*state)]
+            derivatives = [*getattr(robot, f"{solution}_derivatives")(*state)]
             if solution == "inverse_dynamics":
-                slopes.append(robot.mass_matrix(s.q[k]))
-            found, expected = np.array(ca.DM(jacobian(*state))), np.hstack(slopes)
+                derivatives.append(robot.mass_matrix(s.q[k]))
+            found, expected = np.array(ca.DM(jacobian(*state))), np.hstack(derivatives)
             assert_allclose(found, expected, rtol=0, atol=1e-9 * max(1.0, np.abs(expected).max()))
 
 

@@ -117,7 +117,7 @@ def test_a_rollout_that_grows_names_joint_time_and_a_step() -> None:
     assert error.value.indices.tolist() == [1, 2]
 
 
-def test_one_step_and_its_slopes(robot: rd.Robot) -> None:
+def test_one_step_and_its_derivatives(robot: rd.Robot) -> None:
     s, h = states(robot, 1), 1e-3
     q, v, tau = s.q[0], s.v[0], s.tau[0]
     how: dict[str, Any] = {"dt": h, "integrator": "rk4"}

@@ -28,7 +28,7 @@ def close(found: Any, expected: Any, robot: rd.Robot, q: Any, digits: float = 1e
     assert_allclose(found, expected, rtol=0, atol=digits * max(1.0, condition * 1e-2) * scale)
 
 
-def test_a_step_is_its_slopes_transposed(robot: rd.Robot) -> None:
+def test_a_step_is_its_derivatives_transposed(robot: rd.Robot) -> None:
     s, (by_q, by_v) = states(robot, 5), cotangents(robot, 5)
     many = robot.step_pullback(s.q, s.v, s.tau, by_position=by_q, by_velocity=by_v, dt=H, **EXPLICIT)
     assert many.by_parameters is None and many.by_force is not None
@@ -60,16 +60,16 @@ def test_a_rollout_is_its_steps_one_after_the_other(name: str, integrator: str) 
     )  # fmt: skip
     assert found.by_force is not None and found.by_force.shape == tau.shape
     for k in range(2):
-        q, v, slopes = s.q[k], s.v[k], []
+        q, v, derivatives = s.q[k], s.v[k], []
         for j in range(steps):
-            slopes.append(robot.linearize_step(q, v, tau[k, j], **options))
+            derivatives.append(robot.linearize_step(q, v, tau[k, j], **options))
             q, v = robot.step(q, v, tau[k, j], **options)
         given = np.concatenate([by_q[k], by_v[k]])
         for j in reversed(range(steps)):
             if (j + 1) % stride == 0:
                 given = given + np.concatenate([on_q[k, j // stride], on_v[k, j // stride]])
-            close(found.by_force[k, j], given @ slopes[j].by_force, robot, s.q[k])
-            given = given @ slopes[j].by_state
+            close(found.by_force[k, j], given @ derivatives[j].by_force, robot, s.q[k])
+            given = given @ derivatives[j].by_state
         close(np.concatenate([found.by_position[k], found.by_velocity[k]]), given, robot, s.q[k])
 
 
@@ -291,15 +291,15 @@ def test_dissipation_has_gradients(panda: rd.Robot) -> None:
     assert np.count_nonzero(found.by_parameters[0]) == 14
 
 
-def test_slopes_under_wrenches_are_differences(panda: rd.Robot) -> None:
+def test_derivatives_under_wrenches_are_differences(panda: rd.Robot) -> None:
     s, push = states(panda, 2), {"panda_link8": np.array([10.0, -5.0, 3.0, 0.5, 0.2, -0.4])}
     d = 1e-6
     for solution, third in (("inverse_dynamics", s.a), ("forward_dynamics", s.tau)):
-        slopes = getattr(panda, f"{solution}_derivatives_with_wrenches")(s.q, s.v, third, push)
+        derivatives = getattr(panda, f"{solution}_derivatives_with_wrenches")(s.q, s.v, third, push)
         call = getattr(panda, f"{solution}_with_wrenches")
-        for which, slope in enumerate(slopes):
+        for which, slope in enumerate(derivatives):
             for j in range(7):
                 state, moved = [s.q, s.v, third], np.eye(7)[j] * d
                 sides = [call(*(x + side * moved if k == which else x for k, x in enumerate(state)), push) for side in (1, -1)]
                 assert_allclose(slope[:, :, j], (sides[0] - sides[1]) / (2 * d), rtol=1e-5, atol=1e-5)
-        assert len(slopes) == (2 if solution == "inverse_dynamics" else 3)
+        assert len(derivatives) == (2 if solution == "inverse_dynamics" else 3)

@@ -148,7 +148,7 @@ impl<'a> Computer<'a> {
         {
             return Err(Failure::new(format!("{} needs a frame; name it with --frame", quantity.name())));
         }
-        if let Some(quantity) = quantities.iter().find(|quantity| is_slope(**quantity))
+        if let Some(quantity) = quantities.iter().find(|quantity| is_derivative(**quantity))
             && arguments.dissipation
         {
             let name = quantity.name();
@@ -256,7 +256,7 @@ impl<'a> Computer<'a> {
 }
 
 /// Whether the quantity is a derivative by v, to which damping would contribute.
-fn is_slope(quantity: Quantity) -> bool {
+fn is_derivative(quantity: Quantity) -> bool {
     matches!(quantity, Quantity::InverseDynamicsDerivatives | Quantity::ForwardDynamicsDerivatives)
 }
 

@@ -292,8 +292,8 @@ impl Model {
     /// ```
     /// use robot_dynamics::description::pendulum;
     /// use robot_dynamics::model::Model;
-    /// let slopes = Model::new(pendulum(2.0, 0.5))?.forward_dynamics_derivatives(&[0.3], &[1.0], &[0.7])?;
-    /// assert!((slopes.by_position[(0, 0)] + 9.81 / 0.5 * 0.3_f64.sin()).abs() < 1e-13); // −(g/l) sin q
+    /// let derivatives = Model::new(pendulum(2.0, 0.5))?.forward_dynamics_derivatives(&[0.3], &[1.0], &[0.7])?;
+    /// assert!((derivatives.by_position[(0, 0)] + 9.81 / 0.5 * 0.3_f64.sin()).abs() < 1e-13); // −(g/l) sin q
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn forward_dynamics_derivatives(

@@ -1,6 +1,6 @@
 //! Derivatives of the recursions by configuration and velocity, in closed form.
 //!
-//! Work in the inertial frame of [`screws`](crate::kinematics::screws). Let j be a DoF of body b, whose
+//! Work in the inertial frame of [`world_frame`](crate::kinematics::world_frame). Let j be a DoF of body b, whose
 //! parent p has the velocity V_p and the acceleration A_p (A_p of the world is −gravity). A displacement
 //! along j changes the motions and forces of the subtree by the cross product with S_j. The parts that the
 //! parent imposes do not change. With
@@ -33,7 +33,7 @@ mod solve_rows;
 
 pub use center_of_mass::center_of_mass_velocity_derivative;
 pub use forward_dynamics::{
-    ForwardDynamicsDerivativesMut, ForwardDynamicsSlopes, forward_dynamics_derivatives,
+    ForwardDynamicsDerivativesKernel, ForwardDynamicsDerivativesMut, forward_dynamics_derivatives,
     forward_dynamics_derivatives_with_wrenches,
 };
 pub use frames::{
@@ -42,7 +42,7 @@ pub use frames::{
 };
 pub use gravity::gravity_derivative;
 pub use inverse_dynamics::{
-    InverseDynamicsDerivativesMut, InverseDynamicsSlopes, inverse_dynamics_derivatives,
+    InverseDynamicsDerivativesKernel, InverseDynamicsDerivativesMut, inverse_dynamics_derivatives,
     inverse_dynamics_derivatives_with_wrenches,
 };
 pub use pullback::{

@@ -6,6 +6,6 @@
 
 pub mod carried;
 pub mod place;
-pub mod screws;
 pub mod shifts;
+pub mod world_frame;
 pub mod wrench;

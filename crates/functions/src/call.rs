@@ -12,7 +12,7 @@ impl Function {
     /// Computes the function's results, each by rows, by the library's calls over any number.
     ///
     /// # Errors
-    /// [`FunctionError::NoSuchFrame`]; [`FunctionError::NoSlopes`] for derivatives and pullbacks through a
+    /// [`FunctionError::NoSuchFrame`]; [`FunctionError::NotDifferentiable`] for derivatives and pullbacks through a
     /// graph.
     ///
     /// ```
@@ -39,7 +39,7 @@ pub(crate) fn call<S: Scalar>(
     model: &Model,
 ) -> Result<impl Fn(&[Vec<S>]) -> Vec<Vec<S>>, FunctionError> {
     if function.derivative_of().is_some() {
-        return Err(FunctionError::NoSlopes { function: function.to_string() });
+        return Err(FunctionError::NotDifferentiable { function: function.to_string() });
     }
     let frame = function.frame().map(|name| model.frame_named(name)).transpose()?;
     Ok(move |arguments: &[Vec<S>]| {
@@ -83,7 +83,7 @@ impl<'a, S: Scalar> FunctionMemory<'a, S> {
     /// As [`Function::compute`].
     pub fn new(function: &'a Function, model: &'a Model) -> Result<Self, FunctionError> {
         if function.derivative_of().is_some() {
-            return Err(FunctionError::NoSlopes { function: function.to_string() });
+            return Err(FunctionError::NotDifferentiable { function: function.to_string() });
         }
         let frame = function.frame().map(|name| model.frame_named(name)).transpose()?;
         let memory = Memory::new(function, model, InstructionSet::best());

@@ -13,7 +13,7 @@ use robot_dynamics_number::Scalar;
 use crate::Function;
 use crate::function::{DerivativeKind, Row, Size};
 
-pub(crate) use self::expected_values::slopes_by_dual_numbers;
+pub(crate) use self::expected_values::derivatives_by_dual_numbers;
 
 /// A traced function with its arguments: the input of differentiation.
 struct DifferentiationInput<'a> {

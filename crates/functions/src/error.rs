@@ -21,7 +21,7 @@ pub enum FunctionError {
     #[error(
         "unknown function `{function}`: derivatives and pullbacks have no derivatives or pullbacks themselves"
     )]
-    NoSlopes {
+    NotDifferentiable {
         /// The function's name.
         function: String,
     },
@@ -43,7 +43,7 @@ pub enum FunctionError {
 impl Classified for FunctionError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::Unknown { .. } | Self::NoSlopes { .. } => ErrorKind::UnknownName,
+            Self::Unknown { .. } | Self::NotDifferentiable { .. } => ErrorKind::UnknownName,
             Self::NoSuchFrame(error) => error.kind(),
             Self::Singular { .. } => ErrorKind::Singular,
         }

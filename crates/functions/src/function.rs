@@ -203,9 +203,9 @@ impl Function {
     ///
     /// ```
     /// use robot_dynamics_functions::Function;
-    /// assert!(Function::Gravity.has_slopes() && !Function::Gravity.derivatives().has_slopes());
+    /// assert!(Function::Gravity.is_differentiable() && !Function::Gravity.derivatives().is_differentiable());
     /// ```
-    pub fn has_slopes(&self) -> bool {
+    pub fn is_differentiable(&self) -> bool {
         !matches!(
             self,
             Self::InverseDynamicsDerivatives

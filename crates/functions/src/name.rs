@@ -46,8 +46,8 @@ impl FromStr for Function {
         let of_another = |kind: DerivativeKind| Some((named(stem.strip_suffix(kind.suffix())?)?, kind));
         match DerivativeKind::ALL.into_iter().find_map(of_another) {
             None => Err(unknown()),
-            Some((function, _)) if !function.has_slopes() => {
-                Err(FunctionError::NoSlopes { function: text.into() })
+            Some((function, _)) if !function.is_differentiable() => {
+                Err(FunctionError::NotDifferentiable { function: text.into() })
             }
             Some((function, DerivativeKind::Derivatives)) => Ok(function.derivatives()),
             Some((function, DerivativeKind::Pullback)) => Ok(function.pullback()),

@@ -5,7 +5,7 @@ use robot_dynamics_expression::{Arithmetic, Graph, Operand, Plan, Traced, evalua
 use robot_dynamics_number::SplitMix64;
 
 use crate::call::call;
-use crate::derivatives::{differentiate, slopes_by_dual_numbers};
+use crate::derivatives::{derivatives_by_dual_numbers, differentiate};
 use crate::function::DerivativeKind;
 use crate::{Function, FunctionError};
 
@@ -44,7 +44,7 @@ impl Function {
     /// DifferentiationInput its expression for this robot.
     ///
     /// # Errors
-    /// [`FunctionError::NoSuchFrame`], [`FunctionError::NoSlopes`], [`FunctionError::Singular`].
+    /// [`FunctionError::NoSuchFrame`], [`FunctionError::NotDifferentiable`], [`FunctionError::Singular`].
     ///
     /// ```
     /// use robot_dynamics::description::pendulum;
@@ -70,8 +70,8 @@ impl Function {
     ) -> Result<Expression, FunctionError> {
         let of_another = self.derivative_of();
         let of = of_another.map_or(self, |(of, _)| of);
-        if of_another.is_some() && !of.has_slopes() {
-            return Err(FunctionError::NoSlopes { function: self.to_string() });
+        if of_another.is_some() && !of.is_differentiable() {
+            return Err(FunctionError::NotDifferentiable { function: self.to_string() });
         }
         let source = of.traced_model(model);
         check_mass(self, &source)?;
@@ -130,16 +130,18 @@ impl Function {
     /// use robot_dynamics::model::Model;
     /// use robot_dynamics_functions::Function;
     /// let model = Model::new(pendulum(2.0, 0.5))?;
-    /// let slopes = Function::PotentialEnergy.derivatives().slopes_by_dual_numbers(&model, &[vec![0.0]])?;
-    /// assert!((slopes.expect("slopes")[0][0] + 2.0 * 9.81 * 0.5).abs() < 1e-12); // at q = 0 the bob is level with the hinge
+    /// let derivatives = Function::PotentialEnergy.derivatives().derivatives_by_dual_numbers(&model, &[vec![0.0]])?;
+    /// assert!((derivatives.expect("derivatives")[0][0] + 2.0 * 9.81 * 0.5).abs() < 1e-12); // at q = 0 the bob is level with the hinge
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn slopes_by_dual_numbers(
+    pub fn derivatives_by_dual_numbers(
         &self,
         model: &Model,
         arguments: &[Vec<f64>],
     ) -> Result<Option<Vec<Vec<f64>>>, FunctionError> {
-        self.derivative_of().map(|slopes| slopes_by_dual_numbers(slopes, model, arguments)).transpose()
+        self.derivative_of()
+            .map(|derivatives| derivatives_by_dual_numbers(derivatives, model, arguments))
+            .transpose()
     }
 }
 

@@ -69,7 +69,7 @@ impl Program {
             .collect();
         let (mut cases, mut tolerance) = (Vec::new(), 0.0_f64);
         for inputs in random_arguments(function, model, arithmetic, states) {
-            if let Some(expected) = function.slopes_by_dual_numbers(model, &inputs)? {
+            if let Some(expected) = function.derivatives_by_dual_numbers(model, &inputs)? {
                 let (found, bounds) =
                     interpret(&traced.graph, &traced.plan, &traced.results, arithmetic, &inputs);
                 let values = traced.evaluate(&inputs);
@@ -202,14 +202,14 @@ fn random_arguments(
         let arguments = function.arguments(model);
         let has_step = arguments.iter().any(|argument| argument.name == "h");
         let h = if has_step { vec![random.uniform(1e-4, 1e-2)] } else { Vec::new() };
-        let is_of_slopes = function.is_through_graph();
+        let is_of_derivatives = function.is_through_graph();
         let mut named = |argument: &Argument| match argument.name {
             "q" => q.clone(),
             "v" => v.clone(),
             "a" => a.clone(),
             "tau" => tau.clone(),
             "h" => h.clone(),
-            _ if !is_of_slopes => cotangent.clone(),
+            _ if !is_of_derivatives => cotangent.clone(),
             _ => (0..argument.length).map(|_| random.uniform(-1.0, 1.0)).collect(),
         };
         let rounded = |row: Vec<f64>| row.iter().map(|&x| arithmetic.precision.round(x)).collect();
@@ -219,6 +219,6 @@ fn random_arguments(
 }
 
 #[cfg(test)]
-mod slope_tests;
+mod derivative_tests;
 #[cfg(test)]
 mod tests;

@@ -219,7 +219,7 @@ impl<S: Scalar> Kernel<TreeStorage, S> for PlacedBodies<'_, S> {
         let Self { model, q, bodies, columns } = self;
         place_all_in_world(model, tree, N::view(q));
         for (i, body) in model.bodies.iter().enumerate() {
-            let world = &tree.screws.world[i];
+            let world = &tree.world.pose[i];
             let ([x, y, z], p) = (world.rotation.rows(), world.translation.array());
             for (to, from) in bodies[i].iter_mut().zip([x, y, z, p].into_iter().flatten()) {
                 *to = from.value();

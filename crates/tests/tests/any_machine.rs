@@ -121,7 +121,7 @@ fn assert_one_state_matches_the_recipe<S: Scalar>(value: fn(S) -> f64, rounding:
             let [mut by_q, mut by_v, mut by_tau] = [(); 3].map(|()| vec![S::zero(); nv * nv]);
             let out = InverseDynamicsDerivativesMut { by_position: &mut by_q, by_velocity: &mut by_v };
             inverse_dynamics_derivatives(&model, &mut workspace, &q, &v, &a, out);
-            let slopes: Vec<f64> = by_q.iter().map(|&x| value(x)).collect();
+            let derivatives: Vec<f64> = by_q.iter().map(|&x| value(x)).collect();
             let out = ForwardDynamicsDerivativesMut {
                 by_position: &mut by_q,
                 by_velocity: &mut by_v,
@@ -132,7 +132,7 @@ fn assert_one_state_matches_the_recipe<S: Scalar>(value: fn(S) -> f64, rounding:
             let entry =
                 |i: usize, j: usize| (0..nv).map(|k| mass[i * nv + k] * value(by_q[k * nv + j])).sum::<f64>();
             let product = (0..nv * nv).map(|at| -entry(at / nv, at % nv));
-            let error = difference(product, &slopes);
+            let error = difference(product, &derivatives);
             assert!(error < 1e4 * rounding, "the derivatives up to {limit}: {error:e}");
         }
     }

@@ -91,7 +91,7 @@ pub fn audit_against(model: &Model, other: &Model, states: u32, seed: u64) -> Ve
     let probe = Probe { reference: other, ..Probe::new(model, states, seed) };
     checks.extend(mass_matrix::checks(&probe));
     checks.extend(lagrange::checks(&probe));
-    checks.push(gravity::slope_of_potential(&probe));
+    checks.push(gravity::gradient_of_potential(&probe));
     checks.push(skew_symmetry::defect(&probe));
     if probe.has_accelerations() {
         checks.push(inverse_dynamics::undoes_forward(&probe));

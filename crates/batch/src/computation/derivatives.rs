@@ -1,6 +1,6 @@
 //! Derivatives of dynamics on batches: several tables of results.
 
-use robot_dynamics_core::derivatives::{ForwardDynamicsSlopes, InverseDynamicsSlopes};
+use robot_dynamics_core::derivatives::{ForwardDynamicsDerivativesKernel, InverseDynamicsDerivativesKernel};
 use robot_dynamics_core::{Model, NativeFunction};
 use robot_dynamics_number::dispatch::{Hardware, LaneKernel};
 use robot_dynamics_number::{Float, StateLanes};
@@ -84,13 +84,22 @@ impl<T: Float, const FORWARD: bool> LaneKernel<BlockStorage, T> for BlockDerivat
             let tau = third;
             call::<H, _, _>(
                 &mut workspace.tree,
-                ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force },
+                ForwardDynamicsDerivativesKernel {
+                    model,
+                    q,
+                    v,
+                    tau,
+                    wrenches,
+                    by_position,
+                    by_velocity,
+                    by_force,
+                },
             );
         } else {
             let a = third;
             call::<H, _, _>(
                 &mut workspace.tree,
-                InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity },
+                InverseDynamicsDerivativesKernel { model, q, v, a, wrenches, by_position, by_velocity },
             );
         }
         let output = &mut output[..if FORWARD { 3 } else { 2 } * size];

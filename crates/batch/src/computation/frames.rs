@@ -41,7 +41,7 @@ impl<T> Operation<T> for Poses<'_> {
     ) {
         place_all_in_world(model, &mut workspace.tree, q);
         for (frame, to) in self.frames.iter().zip(poses.chunks_exact_mut(NUMBERS_PER_POSE)) {
-            let pose = pose_of(&workspace.tree.screws.world, model.frame_of(*frame));
+            let pose = pose_of(&workspace.tree.world.pose, model.frame_of(*frame));
             to[..9].copy_from_slice(pose.rotation.as_flattened());
             to[9..].copy_from_slice(&pose.translation);
         }

@@ -37,7 +37,7 @@ pub enum RolloutError {
     /// A policy gives the torques of a rollout whose pullback is requested.
     #[error(
         "a policy's torques depend on the state in a way that is not known here: keep the torques it gave, pull the \
-         rollout back with `Torques::EachStep`, and add what the policy's own slopes make of `by_force`"
+         rollout back with `Torques::EachStep`, and add what the policy's own derivatives make of `by_force`"
     )]
     Policy,
 }

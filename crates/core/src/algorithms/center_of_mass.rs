@@ -9,11 +9,11 @@ use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::V3;
 
 use crate::Workspace;
-use crate::kinematics::screws::{
-    accelerate_screws, composites_in_world, force_cross, inertia_in_world, momentum_of, move_screws,
-    place_screws, turn_screws,
-};
 use crate::kinematics::shifts::{from_main, main_in_world};
+use crate::kinematics::world_frame::{
+    composites_in_world, compute_column_rates, compute_columns, compute_twist_rates, compute_twists,
+    force_cross, inertia_in_world, momentum_of,
+};
 use crate::model::Model;
 use crate::model::native::NativeFunction;
 use crate::spatial::force::ForceVector;
@@ -67,7 +67,7 @@ pub fn center_of_mass<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
         let mass = model.mass();
         return model.fixed_first_moment.map(|moment| S::from_f64(moment / mass));
     }
-    place_screws(model, &mut workspace.tree, q);
+    compute_columns(model, &mut workspace.tree, q);
     (main_in_world(model, &workspace.tree) + center(model, &workspace.tree)).array()
 }
 
@@ -88,7 +88,7 @@ pub(crate) fn computed_by_mass<S: Scalar>(
 #[inline(always)]
 pub fn center<S: Scalar>(model: &Model, tree: &TreeMemory<S>) -> V3<S> {
     let mut first_moment = V3::zero();
-    for (body, place) in model.bodies.iter().zip(&tree.screws.world) {
+    for (body, place) in model.bodies.iter().zip(&tree.world.pose) {
         let turned = place.rotation * V3::constant(&body.first_moment);
         first_moment += turned.add_scaled(S::from_f64(body.mass), place.translation);
     }
@@ -125,8 +125,8 @@ pub fn center_of_mass_velocity<S: Scalar>(
 ) -> [S; 3] {
     workspace.check_inputs(model, q);
     check_length("v", v.len(), model.nv);
-    place_screws(model, &mut workspace.tree, q);
-    move_screws(model, &mut workspace.tree, v);
+    compute_columns(model, &mut workspace.tree, q);
+    compute_twists(model, &mut workspace.tree, v);
     let momentum = whole_momentum(model, &workspace.tree).linear;
     (momentum * S::from_f64(1.0 / model.mass())).array()
 }
@@ -168,11 +168,11 @@ pub fn center_of_mass_jacobian<S: Scalar>(
     if computed_by_mass(model, native, NativeFunction::CenterOfMassJacobian, q, jacobian) {
         return;
     }
-    place_screws(model, &mut workspace.tree, q);
+    compute_columns(model, &mut workspace.tree, q);
     composites_in_world(model, &mut workspace.tree);
     jacobian.fill(S::zero());
     let inverse_mass = 1.0 / model.mass();
-    for (dof, s) in model.dofs.iter().zip(&workspace.tree.screws.column) {
+    for (dof, s) in model.dofs.iter().zip(&workspace.tree.world.column) {
         let SpatialInertia { mass, first_moment, .. } = workspace.tree.inertias.composite[dof.body];
         let momentum = s.angular.cross(first_moment).add_scaled(mass, s.linear);
         for (row, entry) in momentum.array().into_iter().enumerate() {
@@ -206,10 +206,10 @@ pub fn center_of_mass_bias_acceleration<S: Scalar>(
 ) -> [S; 3] {
     workspace.check_inputs(model, q);
     check_length("v", v.len(), model.nv);
-    place_screws(model, &mut workspace.tree, q);
-    move_screws(model, &mut workspace.tree, v);
-    turn_screws(model, &mut workspace.tree);
-    accelerate_screws(model, &mut workspace.tree, None);
+    compute_columns(model, &mut workspace.tree, q);
+    compute_twists(model, &mut workspace.tree, v);
+    compute_column_rates(model, &mut workspace.tree);
+    compute_twist_rates(model, &mut workspace.tree, None);
     let rate = whole_momentum_rate(model, &workspace.tree).linear;
     (rate * S::from_f64(1.0 / model.mass())).array()
 }
@@ -219,8 +219,8 @@ pub fn center_of_mass_bias_acceleration<S: Scalar>(
 pub(crate) fn whole_momentum<S: Scalar>(model: &Model, tree: &TreeMemory<S>) -> ForceVector<S> {
     let mut sum = ForceVector::zero();
     for (i, body) in model.bodies.iter().enumerate() {
-        let inertia = inertia_in_world(body, &tree.screws.world[i]);
-        add_about_main(model, tree, i, &mut sum, &momentum_of(&inertia, &tree.screws.twist[i]));
+        let inertia = inertia_in_world(body, &tree.world.pose[i]);
+        add_about_main(model, tree, i, &mut sum, &momentum_of(&inertia, &tree.world.twist[i]));
     }
     sum
 }
@@ -245,9 +245,9 @@ fn add_about_main<S: Scalar>(
 pub(crate) fn whole_momentum_rate<S: Scalar>(model: &Model, tree: &TreeMemory<S>) -> ForceVector<S> {
     let mut sum = ForceVector::zero();
     for (i, body) in model.bodies.iter().enumerate() {
-        let inertia = inertia_in_world(body, &tree.screws.world[i]);
-        let mut own = momentum_of(&inertia, &tree.screws.twist_rate[i]);
-        own.add(&force_cross(&tree.screws.twist[i], &momentum_of(&inertia, &tree.screws.twist[i])));
+        let inertia = inertia_in_world(body, &tree.world.pose[i]);
+        let mut own = momentum_of(&inertia, &tree.world.twist_rate[i]);
+        own.add(&force_cross(&tree.world.twist[i], &momentum_of(&inertia, &tree.world.twist[i])));
         add_about_main(model, tree, i, &mut sum, &own);
     }
     sum

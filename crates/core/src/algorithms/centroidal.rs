@@ -11,11 +11,11 @@ use robot_dynamics_number::algebra::V3;
 
 use crate::algorithms::center_of_mass::{center, computed_by_mass, whole_momentum, whole_momentum_rate};
 use crate::algorithms::jacobian::add_entries;
-use crate::kinematics::screws::{
-    accelerate_screws, composites_in_world, inertia_in_world, momentum_of, move_screws, place_screws,
-    turn_screws,
-};
 use crate::kinematics::shifts::from_main;
+use crate::kinematics::world_frame::{
+    composites_in_world, compute_column_rates, compute_columns, compute_twist_rates, compute_twists,
+    inertia_in_world, momentum_of,
+};
 use crate::model::WORLD;
 use crate::model::native::NativeFunction;
 use crate::model::reference_point::only_slides;
@@ -60,8 +60,8 @@ pub fn centroidal_momentum<S: Scalar>(
 ) -> CentroidalMomentum<S> {
     workspace.check_inputs(model, q);
     check_length("v", v.len(), model.nv);
-    place_screws(model, &mut workspace.tree, q);
-    move_screws(model, &mut workspace.tree, v);
+    compute_columns(model, &mut workspace.tree, q);
+    compute_twists(model, &mut workspace.tree, v);
     let center = center(model, &workspace.tree);
     about(&whole_momentum(model, &workspace.tree), center)
 }
@@ -102,7 +102,7 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
     if computed_by_mass(model, native, NativeFunction::CentroidalMomentumMatrix, q, matrix) {
         return;
     }
-    place_screws(model, &mut workspace.tree, q);
+    compute_columns(model, &mut workspace.tree, q);
     composites_in_world(model, &mut workspace.tree);
     if model.points.several {
         complete_sliding(model, &mut workspace.tree);
@@ -112,7 +112,7 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
     for (index, dof) in model.dofs.iter().enumerate() {
         // I^c S: the momentum of the DoF's subtree when the DoF moves alone.
         let ForceVector { linear, angular } =
-            momentum_of(&workspace.tree.inertias.composite[dof.body], &workspace.tree.screws.column[index]);
+            momentum_of(&workspace.tree.inertias.composite[dof.body], &workspace.tree.world.column[index]);
         let mut center = center;
         if model.points.several {
             center -= from_main(model, &workspace.tree, dof.body);
@@ -128,12 +128,12 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
 #[inline(always)]
 fn complete_sliding<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| only_slides(body)) {
-        tree.inertias.composite[i].first_moment = inertia_in_world(body, &tree.screws.world[i]).first_moment;
+        tree.inertias.composite[i].first_moment = inertia_in_world(body, &tree.world.pose[i]).first_moment;
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
         if body.parent != WORLD && only_slides(&model.bodies[body.parent]) {
             let SpatialInertia { mass, first_moment, .. } = tree.inertias.composite[i];
-            let lever = tree.screws.points[body.point] - tree.screws.points[model.bodies[body.parent].point];
+            let lever = tree.world.points[body.point] - tree.world.points[model.bodies[body.parent].point];
             tree.inertias.composite[body.parent].first_moment += first_moment.add_scaled(mass, lever);
         }
     }
@@ -212,10 +212,10 @@ fn rate<S: Scalar>(
     v: &[S],
     a: Option<&[S]>,
 ) -> CentroidalMomentum<S> {
-    place_screws(model, tree, q);
-    move_screws(model, tree, v);
-    turn_screws(model, tree);
-    accelerate_screws(model, tree, a);
+    compute_columns(model, tree, q);
+    compute_twists(model, tree, v);
+    compute_column_rates(model, tree);
+    compute_twist_rates(model, tree, a);
     let center = center(model, tree);
     about(&whole_momentum_rate(model, tree), center)
 }

@@ -7,8 +7,8 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_number::Scalar;
 
 use crate::algorithms::coriolis::Branch;
-use crate::kinematics::screws::{composites_in_world, motion_cross, place_screws, shifted};
 use crate::kinematics::shifts::{lever_between, pass_flow, pass_inertia};
+use crate::kinematics::world_frame::{composites_in_world, compute_columns, motion_cross, shifted};
 use crate::model::{Body, WORLD};
 use crate::spatial::inertia::{MassFlux, SpatialInertia};
 use crate::spatial::motion::MotionVector;
@@ -50,7 +50,7 @@ pub fn christoffel_symbols<S: Scalar>(
     workspace.check_inputs(model, q);
     let nv = model.nv;
     check_length("the table of Christoffel symbols", symbols.len(), nv * nv * nv);
-    place_screws(model, &mut workspace.tree, q);
+    compute_columns(model, &mut workspace.tree, q);
     composites_in_world(model, &mut workspace.tree);
     symbols.fill(S::zero());
     for (moving, body) in model.bodies.iter().enumerate() {
@@ -65,11 +65,11 @@ pub fn christoffel_symbols<S: Scalar>(
             }
             // Ancestors i of k: only the part of the subtree of i beyond k moves.
             let mut inertia = workspace.tree.inertias.composite[moving];
-            let mut flow = MassFlux::of(&inertia, &workspace.tree.screws.column[k]);
+            let mut flow = MassFlux::of(&inertia, &workspace.tree.world.column[k]);
             let mut below = body;
             while below.parent != WORLD {
-                pass_inertia(below, &workspace.tree.screws.levers, &mut inertia);
-                pass_flow(below, &workspace.tree.screws.levers, &mut flow);
+                pass_inertia(below, &workspace.tree.world.levers, &mut inertia);
+                pass_flow(below, &workspace.tree.world.levers, &mut flow);
                 table.add_body(&workspace.tree, below.parent, &inertia, &flow);
                 below = &model.bodies[below.parent];
             }
@@ -99,21 +99,21 @@ impl<S: Scalar> SymbolTable<'_, S> {
         let model = self.model;
         let body = &model.bodies[i];
         for dof in body.dof..body.dof + body.motion.nv() {
-            let s = &tree.screws.column[dof];
+            let s = &tree.world.column[dof];
             let mut branch = Branch::new(inertia, flow, s, &self.rate(tree, i, s));
             for other in body.dof..body.dof + body.motion.nv() {
-                self.add(other, dof, branch.above(&tree.screws.column[other]));
+                self.add(other, dof, branch.above(&tree.world.column[other]));
             }
-            branch.pass_inward(body, &tree.screws.levers);
+            branch.pass_inward(body, &tree.world.levers);
             let mut at = body.parent;
             while at != WORLD {
                 let ancestor = &model.bodies[at];
                 for other in ancestor.dof..ancestor.dof + ancestor.motion.nv() {
-                    let s = &tree.screws.column[other];
+                    let s = &tree.world.column[other];
                     self.add(other, dof, branch.above(s));
                     self.add(dof, other, branch.beyond(s, &self.rate(tree, at, s)));
                 }
-                branch.pass_inward(ancestor, &tree.screws.levers);
+                branch.pass_inward(ancestor, &tree.world.levers);
                 at = ancestor.parent;
             }
         }
@@ -122,7 +122,7 @@ impl<S: Scalar> SymbolTable<'_, S> {
     /// S_k about the reference point of a descendant of k.
     #[inline(always)]
     fn moving_screw(&self, tree: &TreeMemory<S>, body: usize) -> MotionVector<S> {
-        shifted(&tree.screws.column[self.k], lever_between(self.model, tree, self.moving, body))
+        shifted(&tree.world.column[self.k], lever_between(self.model, tree, self.moving, body))
     }
 
     /// Ṡ = S_k × S for a descendant of k, else 0. Called only for bodies on one branch with k.

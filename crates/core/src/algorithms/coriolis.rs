@@ -24,7 +24,7 @@ use robot_dynamics_number::algebra::M3;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
 
-use crate::kinematics::screws::{move_screws, place_screws, turn_screws};
+use crate::kinematics::world_frame::{compute_column_rates, compute_columns, compute_twists};
 use crate::model::native::NativeFunction;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
@@ -95,9 +95,9 @@ impl<S: Scalar> Kernel<TreeStorage, S> for CoriolisMatrix<'_, S> {
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, coriolis } = self;
         let (q, v, coriolis) = (N::view(q), N::view(v), N::view_mut(coriolis));
-        place_screws(model, tree, q);
-        move_screws(model, tree, v);
-        turn_screws(model, tree);
+        compute_columns(model, tree, q);
+        compute_twists(model, tree, v);
+        compute_column_rates(model, tree);
         if M3::<N>::KEEPS_TRANSPOSE && !model.needs_dense_factor && !model.points.carried {
             by_blocks::write_matrix(model, tree, coriolis);
         } else {

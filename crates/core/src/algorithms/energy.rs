@@ -97,7 +97,7 @@ pub fn potential_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, 
 fn potential_of<N: Scalar>(model: &Model, tree: &TreeMemory<N>) -> N {
     let gravity = V3::from_f64(model.gravity());
     let mut energy = N::zero();
-    for (body, world) in model.bodies.iter().zip(&tree.screws.world) {
+    for (body, world) in model.bodies.iter().zip(&tree.world.pose) {
         let first_moment = world.rotation * V3::constant(&body.first_moment);
         energy -= gravity.dot(first_moment.add_scaled(N::from_f64(body.mass), world.translation));
     }

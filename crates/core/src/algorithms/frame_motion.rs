@@ -5,8 +5,10 @@ use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::{M3, V3};
 
 use crate::algorithms::kinematics::constant;
-use crate::kinematics::screws::{accelerate_screws, move_screws, place_screws, shifted, turn_screws};
 use crate::kinematics::shifts::in_world;
+use crate::kinematics::world_frame::{
+    compute_column_rates, compute_columns, compute_twist_rates, compute_twists, shifted,
+};
 use crate::spatial::motion::MotionVector;
 use crate::spatial::transform::Transform;
 use crate::workspace::tree::TreeMemory;
@@ -149,7 +151,7 @@ pub fn frame_acceleration<S: Scalar>(
     Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame).acceleration(reference_frame)
 }
 
-/// A frame and its body's motion, in the body's inertial frame of [`place_screws`].
+/// A frame and its body's motion, in the body's inertial frame of [`compute_columns`].
 pub struct Moving<S: Scalar> {
     /// The frame's placement in the inertial frame.
     pub place: Transform<S>,
@@ -160,7 +162,7 @@ pub struct Moving<S: Scalar> {
 }
 
 impl<S: Scalar> Moving<S> {
-    /// Reads the results of [`move_screws`] and, if called, of [`accelerate_screws`].
+    /// Reads the results of [`compute_twists`] and, if called, of [`compute_twist_rates`].
     #[inline(always)]
     fn new(model: &Model, tree: &TreeMemory<S>, frame: FrameId) -> Self {
         Self::of_frame(model, tree, model.frame_of(frame))
@@ -178,9 +180,9 @@ impl<S: Scalar> Moving<S> {
     pub fn at(model: &Model, tree: &TreeMemory<S>, body: Option<usize>) -> Self {
         match body {
             Some(body) => Self {
-                place: tree.screws.world[body],
-                twist: tree.screws.twist[body],
-                rate: tree.screws.twist_rate[body],
+                place: tree.world.pose[body],
+                twist: tree.world.twist[body],
+                rate: tree.world.twist_rate[body],
                 origin: in_world(model, tree, body),
             },
             None => Self {
@@ -194,8 +196,8 @@ impl<S: Scalar> Moving<S> {
 
     #[inline(always)]
     pub fn moved(model: &Model, tree: &mut TreeMemory<S>, q: &[S], v: &[S], frame: FrameId) -> Self {
-        place_screws(model, tree, q);
-        move_screws(model, tree, v);
+        compute_columns(model, tree, q);
+        compute_twists(model, tree, v);
         Self::new(model, tree, frame)
     }
 
@@ -208,10 +210,10 @@ impl<S: Scalar> Moving<S> {
         a: Option<&[S]>,
         frame: FrameId,
     ) -> Self {
-        place_screws(model, tree, q);
-        move_screws(model, tree, v);
-        turn_screws(model, tree);
-        accelerate_screws(model, tree, a);
+        compute_columns(model, tree, q);
+        compute_twists(model, tree, v);
+        compute_column_rates(model, tree);
+        compute_twist_rates(model, tree, a);
         Self::new(model, tree, frame)
     }
 

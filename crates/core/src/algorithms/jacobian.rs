@@ -95,14 +95,14 @@ impl<S: Scalar> Kernel<TreeStorage, S> for FrameJacobian<'_, S> {
         let Some(tip) = frame.body else { return };
         // A space Jacobian depends on the robot's position in the world.
         let origin = place_chain::<_, true>(model, tree, q, tip);
-        let own = tree.screws.world[tip].compose(&constant(frame));
+        let own = tree.world.pose[tip].compose(&constant(frame));
         // The reference point. Its distance to each axis is computed directly, from a point near the robot,
         // so that accuracy does not suffer far from the world's origin.
         let mut point = if let ReferenceFrame::World = reference_frame { -origin } else { own.translation };
         let mut at = tip;
         while at != WORLD {
             let body = &model.bodies[at];
-            let world = &tree.screws.world[at];
+            let world = &tree.world.pose[at];
             let from_point = Transform { rotation: world.rotation, translation: world.translation - point };
             for k in 0..body.motion.nv() {
                 let mut column = body.motion.screw(k, &from_point);
@@ -113,7 +113,7 @@ impl<S: Scalar> Kernel<TreeStorage, S> for FrameJacobian<'_, S> {
                 write_reduced(model, jacobian, body.dof + k, &column);
             }
             if body.shifts_reference_point {
-                point += tree.screws.levers[body.point];
+                point += tree.world.levers[body.point];
             }
             at = body.parent;
         }

@@ -141,7 +141,7 @@ pub fn write<S: Scalar>(force: &ForceVector<S>, to: &mut [S]) {
 pub fn rotation<S: Scalar>(tree: &TreeMemory<S>, segment: &Segment) -> M3<S> {
     let own = M3::constant(&segment.rotation);
     match segment.body {
-        Some(body) => tree.screws.world[body].rotation.times(&own),
+        Some(body) => tree.world.pose[body].rotation.times(&own),
         None => own,
     }
 }
@@ -150,7 +150,7 @@ pub fn rotation<S: Scalar>(tree: &TreeMemory<S>, segment: &Segment) -> M3<S> {
 fn offset<S: Scalar>(tree: &TreeMemory<S>, segment: &Segment) -> V3<S> {
     let own = V3::constant(&segment.translation);
     match segment.body {
-        Some(body) => tree.screws.world[body].rotation * own,
+        Some(body) => tree.world.pose[body].rotation * own,
         None => own,
     }
 }
@@ -161,7 +161,7 @@ fn lever<S: Scalar>(model: &Model, tree: &TreeMemory<S>, parent: &Segment, child
     let (mut at, end) = (child.body.unwrap_or(WORLD), parent.body.unwrap_or(WORLD));
     // A joint of several DoFs is a series of bodies.
     while at != end {
-        lever += tree.screws.world[at].translation;
+        lever += tree.world.pose[at].translation;
         at = model.bodies[at].parent;
     }
     lever
@@ -202,7 +202,7 @@ fn subtract_wrench<S: Scalar>(
     let (segment, mut turn) = (&model.segments.list[index], M3::constant(&frame.rotation));
     let mut arm = V3::constant(&frame.translation) - V3::constant(&segment.translation);
     if let Some(body) = frame.body {
-        let body = &tree.screws.world[body].rotation;
+        let body = &tree.world.pose[body].rotation;
         (turn, arm) = (body.times(&turn), *body * arm);
     }
     let force = turn * V3::new(wrench.force_in_frame);

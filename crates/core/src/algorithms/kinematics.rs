@@ -90,7 +90,7 @@ impl<S: Scalar> Kernel<TreeStorage, S> for OneFramePose<'_, S> {
         } else {
             robot_dynamics_description::check_length("q", self.q.len(), self.model.nq);
         }
-        *self.pose = pose_of(&tree.screws.world, self.frame);
+        *self.pose = pose_of(&tree.world.pose, self.frame);
     }
 }
 
@@ -133,7 +133,7 @@ impl<S: Scalar> Kernel<TreeStorage, S> for FramePoses<'_, S> {
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, poses } = self;
         place_all_in_world(model, tree, N::view(q));
-        let world = &tree.screws.world[..];
+        let world = &tree.world.pose[..];
         for (pose, frame) in poses.iter_mut().zip(&model.frames) {
             *pose = pose_of(world, frame);
         }

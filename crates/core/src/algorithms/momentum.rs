@@ -7,8 +7,10 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_number::Scalar;
 
 use crate::kinematics::place::gather;
-use crate::kinematics::screws::{inertia_in_world, momentum_of, motion_cross, move_screws, place_screws};
 use crate::kinematics::shifts::{pass_inward, pass_outward};
+use crate::kinematics::world_frame::{
+    compute_columns, compute_twists, inertia_in_world, momentum_of, motion_cross,
+};
 use crate::model::WORLD;
 use crate::model::native::NativeFunction;
 use crate::spatial::motion::MotionVector;
@@ -56,7 +58,7 @@ pub fn momentum<S: Scalar>(
     for (index, dof) in model.dofs.iter().enumerate() {
         let rotor = workspace.tree.dofs.v[index].scale(dof.passive.armature);
         workspace.tree.dofs.tau[index] =
-            workspace.tree.screws.column[index].dot(&workspace.tree.bodies.force[dof.body]) + rotor;
+            workspace.tree.world.column[index].dot(&workspace.tree.bodies.force[dof.body]) + rotor;
     }
     for rotor in &model.rotors {
         rotor.add_force(&workspace.tree.dofs.v, &mut workspace.tree.dofs.tau);
@@ -109,9 +111,9 @@ pub fn kinetic_energy_gradient<S: Scalar>(
         // The displacement S rotates the subtree and the velocities within it, but not the velocity V of the
         // parent. Relative to the rotated bodies, V changes by V × S.
         let mut carried =
-            if parent == WORLD { MotionVector::zero() } else { workspace.tree.screws.twist[parent] };
-        pass_outward(&model.bodies[dof.body], &workspace.tree.screws.levers, &mut carried);
-        let change = motion_cross(&carried, &workspace.tree.screws.column[index]);
+            if parent == WORLD { MotionVector::zero() } else { workspace.tree.world.twist[parent] };
+        pass_outward(&model.bodies[dof.body], &workspace.tree.world.levers, &mut carried);
+        let change = motion_cross(&carried, &workspace.tree.world.column[index]);
         workspace.tree.dofs.tau[index] = change.dot(&workspace.tree.bodies.force[dof.body]);
     }
     gather(model, &workspace.tree.dofs.tau, gradient);
@@ -120,16 +122,16 @@ pub fn kinetic_energy_gradient<S: Scalar>(
 /// Writes Σ I V over each body's subtree to `tree.bodies.force`.
 #[inline(always)]
 fn collect_momenta<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, q: &[S], v: &[S]) {
-    place_screws(model, tree, q);
-    move_screws(model, tree, v);
+    compute_columns(model, tree, q);
+    compute_twists(model, tree, v);
     for (i, body) in model.bodies.iter().enumerate() {
-        let inertia = inertia_in_world(body, &tree.screws.world[i]);
-        tree.bodies.force[i] = momentum_of(&inertia, &tree.screws.twist[i]);
+        let inertia = inertia_in_world(body, &tree.world.pose[i]);
+        tree.bodies.force[i] = momentum_of(&inertia, &tree.world.twist[i]);
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
         if body.parent != WORLD {
             let mut beyond = tree.bodies.force[i];
-            pass_inward(body, &tree.screws.levers, &mut beyond);
+            pass_inward(body, &tree.world.levers, &mut beyond);
             tree.bodies.force[body.parent].add(&beyond);
         }
     }

@@ -14,8 +14,8 @@ use robot_dynamics_number::algebra::{M3, Sym3, V3};
 
 use crate::algorithms::inverse_dynamics::accelerate_bodies;
 use crate::kinematics::place::spread;
-use crate::kinematics::screws::{move_screws, place_screws, shifted};
 use crate::kinematics::shifts::{in_world, pass_inward};
+use crate::kinematics::world_frame::{compute_columns, compute_twists, shifted};
 use crate::model::{Body, WORLD};
 use crate::spatial::force::ForceVector;
 use crate::{Model, Workspace};
@@ -92,7 +92,7 @@ pub fn joint_torque_regressor<S: Scalar>(
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
     check_length("the regressor", regressor.len(), model.nv * columns);
-    place_screws(model, &mut workspace.tree, q);
+    compute_columns(model, &mut workspace.tree, q);
     spread(model, v, &mut workspace.tree.dofs.v);
     spread(model, a, &mut workspace.tree.dofs.a);
     accelerate_bodies(model, &mut workspace.tree, q, model.gravity().map(|g| -g));
@@ -101,11 +101,11 @@ pub fn joint_torque_regressor<S: Scalar>(
         let turn = M3::<S>::from_f64(body.body_from_link.rotation);
         let motion = &workspace.tree.bodies.motion[i];
         let [w, alpha, origin] = [motion.angular, motion.alpha, motion.origin].map(|x| turn.transpose_mul(x));
-        let world_from_link = workspace.tree.screws.world[i].rotation.times(&turn);
+        let world_from_link = workspace.tree.world.pose[i].rotation.times(&turn);
         let mut wrenches = wrenches(w, alpha, origin).map(|ForceVector { linear, angular }| {
             // The same wrench about the inertial frame's origin and along its axes.
             let linear = world_from_link * linear;
-            let moment = workspace.tree.screws.world[i].translation.cross(linear);
+            let moment = workspace.tree.world.pose[i].translation.cross(linear);
             ForceVector { linear, angular: world_from_link * angular + moment }
         });
         let mut at = i;
@@ -116,11 +116,11 @@ pub fn joint_torque_regressor<S: Scalar>(
                 let first = dof.coordinate * columns + PARAMETERS_PER_LINK * link;
                 let row = &mut regressor[first..first + PARAMETERS_PER_LINK];
                 for (entry, wrench) in row.iter_mut().zip(&wrenches) {
-                    *entry += workspace.tree.screws.column[index].dot(wrench).scale(dof.ratio);
+                    *entry += workspace.tree.world.column[index].dot(wrench).scale(dof.ratio);
                 }
             }
             for wrench in &mut wrenches {
-                pass_inward(carrier, &workspace.tree.screws.levers, wrench);
+                pass_inward(carrier, &workspace.tree.world.levers, wrench);
             }
             at = carrier.parent;
         }
@@ -189,11 +189,11 @@ pub fn kinetic_energy_regressor<S: Scalar>(
     check_length("v", v.len(), model.nv);
     let columns = PARAMETERS_PER_LINK * link_bodies(model).count();
     check_length("the regressor", regressor.len(), columns);
-    place_screws(model, &mut workspace.tree, q);
-    move_screws(model, &mut workspace.tree, v);
+    compute_columns(model, &mut workspace.tree, q);
+    compute_twists(model, &mut workspace.tree, v);
     for ((i, body), row) in link_bodies(model).zip(regressor.chunks_exact_mut(PARAMETERS_PER_LINK)) {
-        let place = &workspace.tree.screws.world[i];
-        let twist = shifted(&workspace.tree.screws.twist[i], place.translation);
+        let place = &workspace.tree.world.pose[i];
+        let twist = shifted(&workspace.tree.world.twist[i], place.translation);
         let into_link = |x: V3<S>| {
             M3::from_f64(body.body_from_link.rotation).transpose_mul(place.rotation.transpose_mul(x))
         };
@@ -245,12 +245,12 @@ pub fn potential_energy_regressor<S: Scalar>(
     workspace.check_inputs(model, q);
     let columns = PARAMETERS_PER_LINK * link_bodies(model).count();
     check_length("the regressor", regressor.len(), columns);
-    place_screws(model, &mut workspace.tree, q);
+    compute_columns(model, &mut workspace.tree, q);
     let gravity = V3::from_f64(model.gravity());
     regressor.fill(S::zero());
     for ((i, body), row) in link_bodies(model).zip(regressor.chunks_exact_mut(PARAMETERS_PER_LINK)) {
         // V = −g·(m p + R h).
-        let place = &workspace.tree.screws.world[i];
+        let place = &workspace.tree.world.pose[i];
         let in_link =
             M3::from_f64(body.body_from_link.rotation).transpose_mul(place.rotation.transpose_mul(gravity));
         row[0] = -gravity.dot(place.translation + in_world(model, &workspace.tree, i));

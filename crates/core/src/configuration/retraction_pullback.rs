@@ -64,7 +64,7 @@ pub fn pull_move<S: Scalar>(
                 store(turned + shift.cross(f), &mut start[k + 3..]);
                 let across = phi.cross(f);
                 let linear = f.sub_scaled(c.c2, across).add_scaled(c.c3, phi.cross(across));
-                let along = (once * c.slope2).add_scaled(c.slope3, twice).dot(f);
+                let along = (once * c.c2_derivative).add_scaled(c.c3_derivative, twice).dot(f);
                 let angular = n
                     .add_scaled(c.c2, spin + rho.cross(f))
                     .add_scaled(c.c3, twirl + once.cross(f) - rho.cross(across))
@@ -139,8 +139,8 @@ struct Coefficients<S> {
     c1: S,
     c2: S,
     c3: S,
-    slope2: S,
-    slope3: S,
+    c2_derivative: S,
+    c3_derivative: S,
 }
 
 impl<S: Scalar> Coefficients<S> {
@@ -165,7 +165,7 @@ impl<S: Scalar> Coefficients<S> {
             y = y.scale(4.0);
         }
         let (c1, c2, c3) = lower(y, c4, c5);
-        Self { c1, c2, c3, slope2: c4.scale(2.0) - c3, slope3: c5.scale(3.0) - c4 }
+        Self { c1, c2, c3, c2_derivative: c4.scale(2.0) - c3, c3_derivative: c5.scale(3.0) - c4 }
     }
 }
 
@@ -190,13 +190,15 @@ mod tests {
             let (c2, c3) = ((1.0 - cosine) / square, (theta - sine) / (square * theta));
             let (c4, c5) = ((0.5 - c2) / square, (1.0 / 6.0 - c3) / square);
             let expected = [sine / theta, c2, c3, 2.0 * c4 - c3, 3.0 * c5 - c4];
-            for (found, expected) in [c.c1, c.c2, c.c3, c.slope2, c.slope3].into_iter().zip(expected) {
+            for (found, expected) in
+                [c.c1, c.c2, c.c3, c.c2_derivative, c.c3_derivative].into_iter().zip(expected)
+            {
                 assert!((found - expected).abs() < 1e-14, "{found} {expected} at {theta}");
             }
         }
         let c = Coefficients::of(V3::<f64>::zero());
         assert_eq!([c.c1, c.c2], [1.0, 0.5]);
-        assert!((c.c3 - 1.0 / 6.0).abs() < 1e-16 && (c.slope2 + 1.0 / 12.0).abs() < 1e-16);
-        assert!((c.slope3 + 1.0 / 60.0).abs() < 1e-16);
+        assert!((c.c3 - 1.0 / 6.0).abs() < 1e-16 && (c.c2_derivative + 1.0 / 12.0).abs() < 1e-16);
+        assert!((c.c3_derivative + 1.0 / 60.0).abs() < 1e-16);
     }
 }

@@ -7,8 +7,10 @@
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::Scalar;
 
-use crate::kinematics::screws::{inertia_in_world, momentum_of, motion_cross, move_screws, place_screws};
 use crate::kinematics::shifts::{pass_inertia, pass_inward, pass_outward};
+use crate::kinematics::world_frame::{
+    compute_columns, compute_twists, inertia_in_world, momentum_of, motion_cross,
+};
 use crate::model::WORLD;
 use crate::spatial::motion::MotionVector;
 use crate::{Model, Workspace};
@@ -54,21 +56,21 @@ pub fn center_of_mass_velocity_derivative<S: Scalar>(
     check_length("v", v.len(), model.nv);
     let nv = model.nv;
     check_length("the derivative of the centre of mass's velocity", by_position.len(), 3 * nv);
-    place_screws(model, &mut workspace.tree, q);
-    move_screws(model, &mut workspace.tree, v);
+    compute_columns(model, &mut workspace.tree, q);
+    compute_twists(model, &mut workspace.tree, v);
     for (i, body) in model.bodies.iter().enumerate() {
-        let inertia = inertia_in_world(body, &workspace.tree.screws.world[i]);
-        workspace.tree.bodies.force[i] = momentum_of(&inertia, &workspace.tree.screws.twist[i]);
+        let inertia = inertia_in_world(body, &workspace.tree.world.pose[i]);
+        workspace.tree.bodies.force[i] = momentum_of(&inertia, &workspace.tree.world.twist[i]);
         workspace.tree.inertias.composite[i] = inertia;
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
         if body.parent != WORLD {
             let (mut force, mut composite) =
                 (workspace.tree.bodies.force[i], workspace.tree.inertias.composite[i]);
-            pass_inward(body, &workspace.tree.screws.levers, &mut force);
-            pass_inertia(body, &workspace.tree.screws.levers, &mut composite);
+            pass_inward(body, &workspace.tree.world.levers, &mut force);
+            pass_inertia(body, &workspace.tree.world.levers, &mut composite);
             workspace.tree.bodies.force[body.parent].add(&force);
-            crate::kinematics::screws::add_composite(
+            crate::kinematics::world_frame::add_composite(
                 &mut workspace.tree.inertias.composite[body.parent],
                 &composite,
             );
@@ -76,11 +78,11 @@ pub fn center_of_mass_velocity_derivative<S: Scalar>(
     }
     by_position.fill(S::zero());
     let inverse_mass = 1.0 / model.mass();
-    for (dof, s) in model.dofs.iter().zip(&workspace.tree.screws.column) {
+    for (dof, s) in model.dofs.iter().zip(&workspace.tree.world.column) {
         let parent = model.bodies[dof.body].parent;
         let mut carrier =
-            if parent == WORLD { MotionVector::zero() } else { workspace.tree.screws.twist[parent] };
-        pass_outward(&model.bodies[dof.body], &workspace.tree.screws.levers, &mut carrier);
+            if parent == WORLD { MotionVector::zero() } else { workspace.tree.world.twist[parent] };
+        pass_outward(&model.bodies[dof.body], &workspace.tree.world.levers, &mut carrier);
         let carried =
             momentum_of(&workspace.tree.inertias.composite[dof.body], &motion_cross(&carrier, s)).linear;
         let change = s.angular.cross(workspace.tree.bodies.force[dof.body].linear) + carried;

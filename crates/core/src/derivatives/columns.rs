@@ -5,18 +5,20 @@ use robot_dynamics_number::{Scalar, View};
 
 use crate::Model;
 use crate::algorithms::coriolis::Branch;
-use crate::kinematics::screws::{add_composite, force_cross, inertia_in_world, momentum_of, motion_cross};
 use crate::kinematics::shifts::{pass_flow, pass_inertia, pass_inward, pass_outward};
+use crate::kinematics::world_frame::{
+    add_composite, force_cross, inertia_in_world, momentum_of, motion_cross,
+};
 use crate::kinematics::wrench::{FrameWrench, on_body};
 use crate::model::WORLD;
 use crate::spatial::force::ForceVector;
 use crate::spatial::inertia::MassFlux;
 use crate::spatial::motion::MotionVector;
 use crate::workspace::derivatives::Scratch;
-use crate::workspace::slope::Slope;
-use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, Screws, TreeMemory};
+use crate::workspace::motion_derivatives::MotionDerivatives;
+use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, TreeMemory, WorldFrameBuffers};
 
-/// The outward sweep: velocities V, accelerations A, each DoF's [`Slope`], and each body's inertia, 2B and
+/// The outward sweep: velocities V, accelerations A, each DoF's [`MotionDerivatives`], and each body's inertia, 2B and
 /// force. Reads the placements and DoFs in the inertial frame, `tree.dofs.v` and `tree.dofs.a`.
 #[inline(always)]
 pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, ground: [f64; 3]) {
@@ -24,7 +26,7 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, grou
     let n = model.bodies.len();
     let TreeMemory {
         dofs: DofBuffers { v, a, .. },
-        screws: Screws { column, world, levers, twist, twist_rate, flow, .. },
+        world: WorldFrameBuffers { column, pose: world, levers, twist, twist_rate, flow, .. },
         bodies: BodyBuffers { force, .. },
         inertias: Inertias { composite, .. },
         derivatives,
@@ -61,9 +63,9 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, grou
             let turned = if alone { once } else { motion_cross(&twist, &s) };
             let mut swept = once;
             swept.add(&turned);
-            derivatives.slope[dof] = Slope { once, twice, swept };
+            derivatives.motion[dof] = MotionDerivatives { psi: once, psi_prime: twice, velocity_term: swept };
             let (block, lane) = derivatives.paths.seat(dof);
-            block.write_screw(lane, &s);
+            block.write_column(lane, &s);
             rate.add_scaled(v[dof], &turned);
             rate.add_scaled(a[dof], &s);
         }
@@ -90,7 +92,7 @@ pub(super) fn subtract_carried<S: Scalar, N: View<S>>(
 ) {
     for wrench in wrenches {
         let Some((body, force)) = on_body(model, wrench) else { continue };
-        let ForceVector { linear, angular } = tree.screws.world[body].force_in_parent(&force);
+        let ForceVector { linear, angular } = tree.world.pose[body].force_in_parent(&force);
         tree.bodies.force[body].linear -= linear;
         tree.bodies.force[body].angular -= angular;
     }
@@ -102,7 +104,7 @@ pub(super) fn subtract_carried<S: Scalar, N: View<S>>(
 pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let TreeMemory {
-        screws: Screws { column, flow, levers, .. },
+        world: WorldFrameBuffers { column, flow, levers, .. },
         dofs: DofBuffers { tau, .. },
         inertias: Inertias { pivot, composite, .. },
         bodies: BodyBuffers { force, .. },
@@ -114,7 +116,7 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
         let (mut composite, mut flow, mut force) = (inertias[i], flows[i], forces[i]);
         for dof in body.dof..body.dof + body.motion.nv() {
             let s = column[dof];
-            let branch = Branch::new(&composite, &flow, &s, &derivatives.slope[dof].swept);
+            let branch = Branch::new(&composite, &flow, &s, &derivatives.motion[dof].velocity_term);
             let ([a, b, c], [d, e, f]) = (branch.inertial.linear.array(), branch.inertial.angular.array());
             let [g, h, i] = branch.turning.array();
             let (block, lane) = derivatives.paths.seat(dof);
@@ -145,9 +147,9 @@ pub(super) fn accelerate<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let TreeMemory {
         dofs: DofBuffers { a, .. },
-        screws: Screws { column, twist_rate, levers, .. },
+        world: WorldFrameBuffers { column, twist_rate, levers, .. },
         inertias: Inertias { pivot, composite, .. },
-        bodies: BodyBuffers { force, beyond, .. },
+        bodies: BodyBuffers { force, subtree_force: beyond, .. },
         derivatives,
         ..
     } = tree;
@@ -162,7 +164,7 @@ pub(super) fn accelerate<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
         let mut rise = carrier;
         for dof in body.dof..body.dof + body.motion.nv() {
             let s = &column[dof];
-            derivatives.slope[dof].twice.add(&motion_cross(&carrier, s));
+            derivatives.motion[dof].psi_prime.add(&motion_cross(&carrier, s));
             rise.add_scaled(a[dof], s);
         }
         rises[i] = rise;
@@ -187,7 +189,7 @@ pub(super) fn accelerate<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
 pub(super) fn bend<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let TreeMemory {
-        screws: Screws { column, flow, .. },
+        world: WorldFrameBuffers { column, flow, .. },
         bodies: BodyBuffers { force, .. },
         inertias: Inertias { composite, .. },
         derivatives,
@@ -197,12 +199,12 @@ pub(super) fn bend<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     for (i, body) in model.bodies[..n].iter().enumerate() {
         let (composite, flow, force) = (inertias[i], flows[i], forces[i]);
         for dof in body.dof..body.dof + body.motion.nv() {
-            let Scratch { slope, paths, .. } = &mut *derivatives;
-            let (slope, (block, lane)) = (&slope[dof], paths.seat(dof));
-            block.write_slope(lane, slope);
-            let mut bent = Branch::new(&composite, &flow, &slope.once, &slope.twice).above;
-            bent.add(&force_cross(&column[dof], &force));
-            block.write_bent(lane, &bent);
+            let Scratch { motion, paths, .. } = &mut *derivatives;
+            let (motion, (block, lane)) = (&motion[dof], paths.seat(dof));
+            block.write_motion(lane, motion);
+            let mut force_derivative = Branch::new(&composite, &flow, &motion.psi, &motion.psi_prime).above;
+            force_derivative.add(&force_cross(&column[dof], &force));
+            block.write_force_derivative(lane, &force_derivative);
         }
     }
 }

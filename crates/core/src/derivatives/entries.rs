@@ -19,7 +19,7 @@ use crate::workspace::derivatives::Scratch;
 use crate::workspace::dof_blocks::{DofBlock, LANES, project, turned_about};
 
 /// ∂τ/∂q and ∂τ/∂v, row-major.
-pub(super) struct Slopes<'a, S> {
+pub(super) struct DerivativeMatrices<'a, S> {
     pub by_position: &'a mut [S],
     pub by_velocity: &'a mut [S],
     /// The distance between rows.
@@ -29,7 +29,11 @@ pub(super) struct Slopes<'a, S> {
 /// Writes ∂τ/∂q, springs included, and ∂τ/∂v. If no branches are coupled, entries between DoFs on different
 /// branches are left unchanged. If branches are coupled, the matrices must be zero on entry.
 #[inline(always)]
-pub(super) fn write_slopes<N: Scalar>(model: &Model, blocks: &[DofBlock<N>], to: &mut Slopes<'_, N>) {
+pub(super) fn write_derivatives<N: Scalar>(
+    model: &Model,
+    blocks: &[DofBlock<N>],
+    to: &mut DerivativeMatrices<'_, N>,
+) {
     for block in blocks {
         write_square(model, block, to);
         let (mut below, mut own) = (block, block);
@@ -45,15 +49,15 @@ pub(super) fn write_slopes<N: Scalar>(model: &Model, blocks: &[DofBlock<N>], to:
             loop {
                 let Some(other) = blocks.get(below.before) else { break 'runs };
                 for j in 0..own.tile.rows.min(LANES) {
-                    let row = project(&own.inertial[j], &other.slopes, 0..other.tile.rows);
+                    let row = project(&own.inertial[j], &other.motions, 0..other.tile.rows);
                     to.put(model, own.tile.first + j, other, 0..other.tile.rows, &row);
                 }
                 let is_joint = own.joint_body.is_some() && own.joint_body == other.joint_body;
                 for i in 0..other.tile.rows.min(LANES) {
                     let row = if is_joint {
-                        project(&other.inertial[i], &own.slopes, 0..own.tile.rows)
+                        project(&other.inertial[i], &own.motions, 0..own.tile.rows)
                     } else {
-                        project(&other.screw[i], &own.bends, 0..own.tile.rows)
+                        project(&other.column[i], &own.forces, 0..own.tile.rows)
                     };
                     to.put(model, other.tile.first + i, own, 0..own.tile.rows, &row);
                 }
@@ -74,23 +78,23 @@ pub(super) fn write_slopes<N: Scalar>(model: &Model, blocks: &[DofBlock<N>], to:
 
 /// The entries between the DoFs of one block.
 #[inline(always)]
-fn write_square<N: Scalar>(model: &Model, own: &DofBlock<N>, to: &mut Slopes<'_, N>) {
+fn write_square<N: Scalar>(model: &Model, own: &DofBlock<N>, to: &mut DerivativeMatrices<'_, N>) {
     let count = own.tile.rows;
     for i in 0..count.min(LANES) {
         let row = own.tile.first + i;
         if own.joint_body.is_some() {
-            let entries = project(&own.inertial[i], &own.slopes, 0..count);
+            let entries = project(&own.inertial[i], &own.motions, 0..count);
             to.put(model, row, own, 0..count, &entries);
         } else {
-            let beyond = project(&own.screw[i], &own.bends, i + 1..count);
+            let beyond = project(&own.column[i], &own.forces, i + 1..count);
             to.put(model, row, own, i + 1..count, &beyond);
-            let entries = project(&own.inertial[i], &own.slopes, 0..i + 1);
+            let entries = project(&own.inertial[i], &own.motions, 0..i + 1);
             to.put(model, row, own, 0..i + 1, &entries);
         }
     }
 }
 
-impl<S: Scalar> Slopes<'_, S> {
+impl<S: Scalar> DerivativeMatrices<'_, S> {
     /// Writes entries of one DoF's row in the first columns of a block. Columns before the block are written
     /// later. With mimic joints, entries are added to the leaders', GᵀXG.
     #[inline(always)]
@@ -141,7 +145,7 @@ pub(super) fn write_mass<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
             while let Some(start) = next {
                 let mut block = start;
                 loop {
-                    let entries = project(&weights, &block.screws, 0..block.tile.rows);
+                    let entries = project(&weights, &block.columns, 0..block.tile.rows);
                     if model.needs_dense_factor {
                         add_mass(model, dof, block, &entries, mass);
                     } else {

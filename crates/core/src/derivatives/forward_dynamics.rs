@@ -11,11 +11,11 @@ use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
 
 use super::columns::{accelerate, bend, subtract_carried, sweep_in, sweep_out};
-use super::entries::{Slopes, write_mass, write_slopes};
+use super::entries::{DerivativeMatrices, write_derivatives, write_mass};
 use super::solve_rows::solve_rows;
 use crate::factorization::tile::WIDTH;
 use crate::kinematics::place::{gather, spread};
-use crate::kinematics::screws::place_screws;
+use crate::kinematics::world_frame::compute_columns;
 use crate::kinematics::wrench::FrameWrench;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::derivatives::Scratch;
@@ -23,7 +23,7 @@ use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
 
 /// The arguments.
-pub struct ForwardDynamicsSlopes<'a, S> {
+pub struct ForwardDynamicsDerivativesKernel<'a, S> {
     pub model: &'a Model,
     pub q: &'a [S],
     pub v: &'a [S],
@@ -34,16 +34,16 @@ pub struct ForwardDynamicsSlopes<'a, S> {
     pub by_force: &'a mut [S],
 }
 
-compiled_once!(ForwardDynamicsSlopes);
+compiled_once!(ForwardDynamicsDerivativesKernel);
 
-impl<S: Scalar> Kernel<TreeStorage, S> for ForwardDynamicsSlopes<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for ForwardDynamicsDerivativesKernel<'_, S> {
     const GAINS_BY_AVX512: bool = true;
 
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, tau, wrenches, by_position, by_velocity, by_force } = self;
         let (q, v, tau) = (N::view(q), N::view(v), N::view(tau));
-        place_screws(model, tree, q);
+        compute_columns(model, tree, q);
         spread(model, v, &mut tree.dofs.v);
         tree.dofs.a.fill(Scalar::zero());
         sweep_out(model, tree, model.gravity().map(|g| -g));
@@ -54,7 +54,7 @@ impl<S: Scalar> Kernel<TreeStorage, S> for ForwardDynamicsSlopes<'_, S> {
         solve_acceleration(model, tree, tau);
         accelerate(model, tree);
         bend(model, tree);
-        write_padded_slopes(model, &mut tree.derivatives);
+        write_padded_derivatives(model, &mut tree.derivatives);
         let (by_position, by_velocity) = (N::view_mut(by_position), N::view_mut(by_velocity));
         solve_rows::<N, H>(&mut tree.derivatives, by_position, by_velocity, N::view_mut(by_force));
     }
@@ -62,18 +62,18 @@ impl<S: Scalar> Kernel<TreeStorage, S> for ForwardDynamicsSlopes<'_, S> {
 
 /// Writes ∂τ/∂q and ∂τ/∂v to the workspace.
 #[inline(always)]
-fn write_padded_slopes<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
+fn write_padded_derivatives<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
     let Scratch { by_position, by_velocity, paths, .. } = scratch;
     if model.needs_dense_factor {
         by_position.fill([S::zero(); WIDTH]);
         by_velocity.fill([S::zero(); WIDTH]);
     }
-    let mut slopes = Slopes {
+    let mut derivatives = DerivativeMatrices {
         by_position: by_position.as_flattened_mut(),
         by_velocity: by_velocity.as_flattened_mut(),
         stride: model.nv.next_multiple_of(WIDTH),
     };
-    write_slopes(model, &paths.blocks, &mut slopes);
+    write_derivatives(model, &paths.blocks, &mut derivatives);
 }
 
 /// Solves M a = τ − (the forces at a = 0, in `tree.dofs.tau`) and writes a to `tree.dofs.a`.
@@ -193,6 +193,6 @@ pub fn forward_dynamics_derivatives_with_wrenches<S: Scalar>(
     workspace.allocate_matrices(model);
     run(
         &mut workspace.tree,
-        ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force },
+        ForwardDynamicsDerivativesKernel { model, q, v, tau, wrenches, by_position, by_velocity, by_force },
     );
 }

@@ -13,7 +13,7 @@ use robot_dynamics_number::algebra::V3;
 
 use crate::algorithms::frame_motion::Moving;
 use crate::algorithms::jacobian::add_column;
-use crate::kinematics::screws::{motion_cross, shifted};
+use crate::kinematics::world_frame::{motion_cross, shifted};
 use crate::model::WORLD;
 use crate::spatial::motion::MotionVector;
 use crate::workspace::tree::TreeMemory;
@@ -45,19 +45,16 @@ fn for_each_carrier<S: Scalar>(
         let body = &model.bodies[at];
         let own_arm = arm;
         if body.shifts_reference_point {
-            arm += tree.screws.levers[body.point];
+            arm += tree.world.levers[body.point];
         }
         let (velocity, acceleration) = if body.parent == WORLD {
             (MotionVector::zero(), MotionVector::zero())
         } else {
-            (
-                shifted(&tree.screws.twist[body.parent], arm),
-                shifted(&tree.screws.twist_rate[body.parent], arm),
-            )
+            (shifted(&tree.world.twist[body.parent], arm), shifted(&tree.world.twist_rate[body.parent], arm))
         };
         for dof in body.dof..body.dof + body.motion.nv() {
             let [s, turned] =
-                [&tree.screws.column[dof], &tree.screws.column_rate[dof]].map(|s| shifted(s, own_arm));
+                [&tree.world.column[dof], &tree.world.column_rate[dof]].map(|s| shifted(s, own_arm));
             column(&Carrier { dof, s, turned, velocity, acceleration });
         }
         at = body.parent;

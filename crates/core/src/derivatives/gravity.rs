@@ -8,7 +8,7 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::V3;
 
-use crate::kinematics::screws::{composites_in_world, place_screws};
+use crate::kinematics::world_frame::{composites_in_world, compute_columns};
 use crate::model::native::NativeFunction;
 use crate::workspace::native::computed_natively;
 use crate::{Model, Workspace};
@@ -50,18 +50,18 @@ pub fn gravity_derivative<S: Scalar>(
     if computed_natively(model, native, NativeFunction::GravityDerivative, &[q], &mut [&mut *hessian]) {
         return;
     }
-    place_screws(model, &mut workspace.tree, q);
+    compute_columns(model, &mut workspace.tree, q);
     composites_in_world(model, &mut workspace.tree);
     hessian.fill(S::zero());
     let up = V3::from_f64(model.gravity().map(|g| -g));
     for (i, dof) in model.dofs.iter().enumerate() {
         let body = &model.bodies[dof.body];
         let own = body.dof..body.dof + body.motion.nv();
-        let carried = up.cross(workspace.tree.screws.column[i].angular);
+        let carried = up.cross(workspace.tree.world.column[i].angular);
         for j in own.start..dof.end {
             let other = &model.dofs[j];
             let (composite, s) =
-                (&workspace.tree.inertias.composite[other.body], &workspace.tree.screws.column[j]);
+                (&workspace.tree.inertias.composite[other.body], &workspace.tree.world.column[j]);
             let momentum = s.angular.cross(composite.first_moment).add_scaled(composite.mass, s.linear);
             let entry = momentum.dot(carried).scale(dof.ratio * other.ratio);
             hessian[other.coordinate * nv + dof.coordinate] += entry;

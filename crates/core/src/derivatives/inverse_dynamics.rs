@@ -8,16 +8,16 @@ use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
 
 use super::columns::{bend, subtract_carried, sweep_in, sweep_out};
-use super::entries::{Slopes, write_slopes};
+use super::entries::{DerivativeMatrices, write_derivatives};
 use crate::kinematics::place::spread;
-use crate::kinematics::screws::place_screws;
+use crate::kinematics::world_frame::compute_columns;
 use crate::kinematics::wrench::FrameWrench;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
 
 /// The arguments.
-pub struct InverseDynamicsSlopes<'a, S> {
+pub struct InverseDynamicsDerivativesKernel<'a, S> {
     pub model: &'a Model,
     pub q: &'a [S],
     pub v: &'a [S],
@@ -27,9 +27,9 @@ pub struct InverseDynamicsSlopes<'a, S> {
     pub by_velocity: &'a mut [S],
 }
 
-compiled_once!(InverseDynamicsSlopes);
+compiled_once!(InverseDynamicsDerivativesKernel);
 
-impl<S: Scalar> Kernel<TreeStorage, S> for InverseDynamicsSlopes<'_, S> {
+impl<S: Scalar> Kernel<TreeStorage, S> for InverseDynamicsDerivativesKernel<'_, S> {
     const GAINS_BY_AVX512: bool = true;
 
     #[inline(always)]
@@ -37,7 +37,7 @@ impl<S: Scalar> Kernel<TreeStorage, S> for InverseDynamicsSlopes<'_, S> {
         let Self { model, q, v, a, wrenches, by_position, by_velocity } = self;
         let (q, v, a) = (N::view(q), N::view(v), N::view(a));
         let (by_position, by_velocity) = (N::view_mut(by_position), N::view_mut(by_velocity));
-        place_screws(model, tree, q);
+        compute_columns(model, tree, q);
         spread(model, v, &mut tree.dofs.v);
         spread(model, a, &mut tree.dofs.a);
         sweep_out(model, tree, model.gravity().map(|g| -g));
@@ -46,8 +46,8 @@ impl<S: Scalar> Kernel<TreeStorage, S> for InverseDynamicsSlopes<'_, S> {
         bend(model, tree);
         by_position.fill(N::zero());
         by_velocity.fill(N::zero());
-        let mut slopes = Slopes { by_position, by_velocity, stride: model.nv };
-        write_slopes(model, &tree.derivatives.paths.blocks, &mut slopes);
+        let mut derivatives = DerivativeMatrices { by_position, by_velocity, stride: model.nv };
+        write_derivatives(model, &tree.derivatives.paths.blocks, &mut derivatives);
     }
 }
 
@@ -143,5 +143,8 @@ pub fn inverse_dynamics_derivatives_with_wrenches<S: Scalar>(
     check_length("a", a.len(), model.nv);
     check_length("the derivative by q", by_position.len(), model.nv * model.nv);
     check_length("the derivative by v", by_velocity.len(), model.nv * model.nv);
-    run(&mut workspace.tree, InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity });
+    run(
+        &mut workspace.tree,
+        InverseDynamicsDerivativesKernel { model, q, v, a, wrenches, by_position, by_velocity },
+    );
 }

@@ -1,7 +1,7 @@
 //! Pullbacks (vector-Jacobian products) of the recursions, such as λᵀ ∂τ/∂q, in O(n) without the Jacobian.
 //!
 //! Given τ = ID(q, v, a) and a cotangent λ of nv numbers, the pullback is the gradient of λᵀτ. In the
-//! inertial frame of [`screws`](crate::kinematics::screws), DoF i has τᵢ = Sᵢᵀ Σ F over its subtree, so
+//! inertial frame of [`world_frame`](crate::kinematics::world_frame), DoF i has τᵢ = Sᵢᵀ Σ F over its subtree, so
 //!
 //! λᵀτ = Σ_b L_b·F_b, L_b = Σ Sᵢ λᵢ over the DoFs i from the root to body b:
 //!

@@ -57,9 +57,9 @@ pub fn place_chain<N: Scalar, const LOCAL: bool>(
 ) -> V3<N> {
     evaluate_angles(model, tree, q);
     let n = model.bodies.len();
-    let (bodies, chain) = (&model.bodies[..n], &mut tree.screws.chain[..n]);
+    let (bodies, chain) = (&model.bodies[..n], &mut tree.world.chain[..n]);
     let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
-    let (world, levers) = (&mut tree.screws.world[..n], &mut tree.screws.levers[..]);
+    let (world, levers) = (&mut tree.world.pose[..n], &mut tree.world.levers[..]);
     let (mut at, mut length) = (tip, 0);
     while at != WORLD {
         chain[length] = at;
@@ -89,12 +89,12 @@ pub fn place_all_in_world<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q:
     let n = model.bodies.len();
     let bodies = &model.bodies[..n];
     let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
-    let world = &mut tree.screws.world[..n];
+    let world = &mut tree.world.pose[..n];
     if n == 0 {
         return;
     }
     // The previous body is mostly the parent. A local variable avoids a load from memory. Before the first,
-    // see `place_screws`.
+    // see `compute_columns`.
     let mut last = world[0];
     for i in 0..n {
         let body = &bodies[i];
@@ -113,7 +113,7 @@ pub fn place_all_in_world<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q:
 /// Writes `world_from_body` of every body after [`place_bodies`].
 #[inline(always)]
 pub fn places_in_world<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>) {
-    let (place, world) = (&tree.bodies.place, &mut tree.screws.world);
+    let (place, world) = (&tree.bodies.place, &mut tree.world.pose);
     for (i, body) in model.bodies.iter().enumerate() {
         world[i] = if body.parent == WORLD { place[i] } else { world[body.parent].compose(&place[i]) };
     }

@@ -14,7 +14,7 @@ use crate::spatial::motion::MotionVector;
 use crate::workspace::tree::TreeMemory;
 
 /// The vector from the main reference point to a body's. Call after
-/// [`place_screws`](crate::kinematics::screws::place_screws).
+/// [`compute_columns`](crate::kinematics::world_frame::compute_columns).
 #[inline(always)]
 pub(crate) fn from_main<S: Scalar>(model: &Model, tree: &TreeMemory<S>, body: usize) -> V3<S> {
     let (Body { point, tree: root, .. }, ReferencePoints { main, main_tree, .. }) =
@@ -22,7 +22,7 @@ pub(crate) fn from_main<S: Scalar>(model: &Model, tree: &TreeMemory<S>, body: us
     // Within a tree, offsets do not involve the world's origin.
     let mut offset = from_root(tree, *point, *root) - from_root(tree, *main, *main_tree);
     if root != main_tree {
-        offset += tree.screws.points[*root] - tree.screws.points[*main_tree];
+        offset += tree.world.points[*root] - tree.world.points[*main_tree];
     }
     offset
 }
@@ -31,20 +31,20 @@ pub(crate) fn from_main<S: Scalar>(model: &Model, tree: &TreeMemory<S>, body: us
 #[inline(always)]
 pub fn in_world<S: Scalar>(model: &Model, tree: &TreeMemory<S>, body: usize) -> V3<S> {
     let Body { point, tree: root, .. } = &model.bodies[body];
-    tree.screws.points[*root] + from_root(tree, *point, *root)
+    tree.world.points[*root] + from_root(tree, *point, *root)
 }
 
 /// The position of the main reference point in the world.
 #[inline(always)]
 pub(crate) fn main_in_world<S: Scalar>(model: &Model, tree: &TreeMemory<S>) -> V3<S> {
     let ReferencePoints { main, main_tree, .. } = model.points;
-    tree.screws.points[main_tree] + from_root(tree, main, main_tree)
+    tree.world.points[main_tree] + from_root(tree, main, main_tree)
 }
 
 /// The vector from the reference point of a tree's root to another one.
 #[inline(always)]
 fn from_root<S: Scalar>(tree: &TreeMemory<S>, point: usize, root: usize) -> V3<S> {
-    if point == root { V3::zero() } else { tree.screws.points[point] }
+    if point == root { V3::zero() } else { tree.world.points[point] }
 }
 
 /// The vector from the reference point of a body to that of its descendant.
@@ -58,7 +58,7 @@ pub(crate) fn lever_between<S: Scalar>(
     let mut lever = V3::zero();
     while model.points.carried && body != carrier {
         if model.bodies[body].shifts_reference_point {
-            lever += tree.screws.levers[model.bodies[body].point];
+            lever += tree.world.levers[model.bodies[body].point];
         }
         body = model.bodies[body].parent;
     }

@@ -7,13 +7,13 @@ use crate::factorization::tile::WIDTH;
 use crate::factorization::tree_factor::TreeFactor;
 use crate::spatial::motion::MotionVector;
 use crate::workspace::dof_blocks::Paths;
+use crate::workspace::motion_derivatives::MotionDerivatives;
 use crate::workspace::passes::{Pass, Solved, passes};
-use crate::workspace::slope::Slope;
 
 /// Scratch for the derivatives.
 #[derive(Clone, Debug)]
 pub struct Scratch<S: Scalar> {
-    pub slope: Vec<Slope<S>>,
+    pub motion: Vec<MotionDerivatives<S>>,
     pub paths: Paths<S>,
     pub mass: TreeFactor<S>,
     /// τ − the forces at a = 0, then a.
@@ -39,15 +39,15 @@ impl<S: Scalar> Scratch<S> {
         let mass = TreeFactor::new(carrier);
         let rows = mass.deepest();
         let groups = nv.div_ceil(WIDTH);
-        let slopes = vec![[zero; WIDTH]; groups * nv];
+        let derivatives = vec![[zero; WIDTH]; groups * nv];
         let mut unit = [zero; 2 * WIDTH];
         unit[WIDTH] = S::one();
         Self {
-            slope: vec![Slope { once: motion, twice: motion, swept: motion }; dofs],
+            motion: vec![MotionDerivatives { psi: motion, psi_prime: motion, velocity_term: motion }; dofs],
             paths: Paths::new(model),
             vector: vec![zero; nv],
-            by_position: slopes.clone(),
-            by_velocity: slopes,
+            by_position: derivatives.clone(),
+            by_velocity: derivatives,
             passes: passes::<S>(carrier, &mass.tiles),
             solved: vec![Solved::zero(); groups * nv],
             carriers: vec![Solved::zero(); groups * rows],

@@ -13,7 +13,7 @@ use crate::factorization::sparse::{NONE, dof_parents};
 use crate::factorization::tile::{TALLEST, Tile, tiles};
 use crate::spatial::force::ForceVector;
 use crate::spatial::motion::MotionVector;
-use crate::workspace::slope::Slope;
+use crate::workspace::motion_derivatives::MotionDerivatives;
 
 /// The number of DoFs side by side.
 pub(crate) const LANES: usize = TALLEST;
@@ -24,14 +24,14 @@ pub(crate) const LANES: usize = TALLEST;
 pub struct DofBlock<S> {
     /// Terms of an ancestor: ψ′, then the angular part of ψ. In the second half of the rows: Ṡ + ψ, then the
     /// angular part of S.
-    pub slopes: [[S; 2 * LANES]; 9],
+    pub motions: [[S; 2 * LANES]; 9],
     /// Terms of a descendant: S ×\* F + I ψ′ + 2B ψ. In the second half of the rows: I (Ṡ + ψ) + 2B S. The
     /// moment comes before the force.
-    pub bends: [[S; 2 * LANES]; 6],
+    pub forces: [[S; 2 * LANES]; 6],
     /// S, its angular part before the linear one.
-    pub screws: [[S; LANES]; 6],
+    pub columns: [[S; LANES]; 6],
     /// The same, DoF by DoF.
-    pub screw: [[S; 6]; LANES],
+    pub column: [[S; 6]; LANES],
     /// I S, then the moment of 2Bᵀ S, whose force is zero; DoF by DoF.
     pub inertial: [[S; 9]; LANES],
     pub tile: Tile,
@@ -72,10 +72,10 @@ impl<S: Scalar> Paths<S> {
         }
         let zero = S::zero();
         let block = |&tile: &Tile| DofBlock {
-            slopes: [[zero; 2 * LANES]; 9],
-            bends: [[zero; 2 * LANES]; 6],
-            screws: [[zero; LANES]; 6],
-            screw: [[zero; 6]; LANES],
+            motions: [[zero; 2 * LANES]; 9],
+            forces: [[zero; 2 * LANES]; 6],
+            columns: [[zero; LANES]; 6],
+            column: [[zero; 6]; LANES],
             inertial: [[zero; 9]; LANES],
             tile,
             before: lanes.get(carrier[tile.first]).map_or(NONE, |lane| lane.0),
@@ -96,11 +96,11 @@ impl<S: Scalar> Paths<S> {
 
 impl<S: Scalar> DofBlock<S> {
     #[inline(always)]
-    pub(crate) fn write_screw(&mut self, lane: usize, s: &MotionVector<S>) {
-        self.screw[lane] = turn_first(s.angular, s.linear);
-        write(&mut self.screws, lane, 0, s.angular);
-        write(&mut self.screws, lane, 3, s.linear);
-        write(&mut self.slopes, LANES + lane, 6, s.angular);
+    pub(crate) fn write_column(&mut self, lane: usize, s: &MotionVector<S>) {
+        self.column[lane] = turn_first(s.angular, s.linear);
+        write(&mut self.columns, lane, 0, s.angular);
+        write(&mut self.columns, lane, 3, s.linear);
+        write(&mut self.motions, LANES + lane, 6, s.angular);
     }
 
     /// The forces about a point that is at −d from the present one.
@@ -113,9 +113,9 @@ impl<S: Scalar> DofBlock<S> {
             (inertial[3], inertial[4], inertial[5]) = (x, y, z);
         }
         for l in 0..2 * LANES {
-            let bend = turned_about(d, self.bends.map(|row| row[l]));
+            let force = turned_about(d, self.forces.map(|row| row[l]));
             for k in 0..6 {
-                shifted.bends[k][l] = bend[k];
+                shifted.forces[k][l] = force[k];
             }
         }
         shifted
@@ -129,26 +129,26 @@ impl<S: Scalar> DofBlock<S> {
     }
 
     #[inline(always)]
-    pub(crate) fn write_slope(&mut self, lane: usize, slope: &Slope<S>) {
-        write(&mut self.slopes, lane, 0, slope.twice.linear);
-        write(&mut self.slopes, lane, 3, slope.twice.angular);
-        write(&mut self.slopes, lane, 6, slope.once.angular);
-        write(&mut self.slopes, LANES + lane, 0, slope.swept.linear);
-        write(&mut self.slopes, LANES + lane, 3, slope.swept.angular);
+    pub(crate) fn write_motion(&mut self, lane: usize, motion: &MotionDerivatives<S>) {
+        write(&mut self.motions, lane, 0, motion.psi_prime.linear);
+        write(&mut self.motions, lane, 3, motion.psi_prime.angular);
+        write(&mut self.motions, lane, 6, motion.psi.angular);
+        write(&mut self.motions, LANES + lane, 0, motion.velocity_term.linear);
+        write(&mut self.motions, LANES + lane, 3, motion.velocity_term.angular);
     }
 
     /// S ×\* F + I ψ′ + 2B ψ.
     #[inline(always)]
-    pub(crate) fn write_bent(&mut self, lane: usize, bent: &ForceVector<S>) {
-        write(&mut self.bends, lane, 0, bent.angular);
-        write(&mut self.bends, lane, 3, bent.linear);
+    pub(crate) fn write_force_derivative(&mut self, lane: usize, force_derivative: &ForceVector<S>) {
+        write(&mut self.forces, lane, 0, force_derivative.angular);
+        write(&mut self.forces, lane, 3, force_derivative.linear);
     }
 
     /// I (Ṡ + ψ) + 2B S.
     #[inline(always)]
     pub(crate) fn write_above(&mut self, lane: usize, above: &ForceVector<S>) {
-        write(&mut self.bends, LANES + lane, 0, above.angular);
-        write(&mut self.bends, LANES + lane, 3, above.linear);
+        write(&mut self.forces, LANES + lane, 0, above.angular);
+        write(&mut self.forces, LANES + lane, 3, above.linear);
     }
 }
 

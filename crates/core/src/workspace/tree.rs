@@ -26,7 +26,7 @@ pub struct TreeMemory<S: Scalar> {
     pub angles: Angles<S>,
     pub dofs: DofBuffers<S>,
     pub bodies: BodyBuffers<S>,
-    pub screws: Screws<S>,
+    pub world: WorldFrameBuffers<S>,
     pub inertias: Inertias<S>,
     pub blocks: Blocks<S>,
     pub derivatives: Scratch<S>,
@@ -80,14 +80,14 @@ pub struct BodyBuffers<S: Scalar> {
     pub axis_motion: Vec<AxisMotion<S>>,
     pub force: Vec<ForceVector<S>>,
     /// The total force of the body's subtree.
-    pub beyond: Vec<ForceVector<S>>,
+    pub subtree_force: Vec<ForceVector<S>>,
 }
 
-/// Placements and motions in one inertial frame; see [`screws`](crate::kinematics::screws).
+/// Placements and motions in one inertial frame; see [`world_frame`](crate::kinematics::world_frame).
 #[derive(Clone, Debug)]
-pub struct Screws<S: Scalar> {
+pub struct WorldFrameBuffers<S: Scalar> {
     /// `world_from_body`, or the same placement relative to the body's reference point.
-    pub world: Vec<Transform<S>>,
+    pub pose: Vec<Transform<S>>,
     /// The reference points: those of trees' roots in the world, others relative to their tree's root.
     pub points: Vec<V3<S>>,
     /// The vector to each point from that of the parent's tree.
@@ -191,10 +191,10 @@ impl<S: Scalar> TreeMemory<S> {
                 velocity: filled(motion, bodies),
                 axis_motion: filled(AxisMotion { angular: v3, alpha: v3, origin: v3 }, bodies),
                 force: filled(force, bodies),
-                beyond: filled(force, bodies),
+                subtree_force: filled(force, bodies),
             },
-            screws: Screws {
-                world: filled(Transform { rotation: m3, translation: v3 }, bodies),
+            world: WorldFrameBuffers {
+                pose: filled(Transform { rotation: m3, translation: v3 }, bodies),
                 points: filled(v3, points),
                 levers: filled(v3, points),
                 column: filled(motion, dofs),

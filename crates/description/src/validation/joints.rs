@@ -59,7 +59,13 @@ pub(super) fn check_joint_forces(joint: &JointDescription) -> Result<(), ModelEr
     let turns_freely = matches!(joint.kind, JointKind::Spherical | JointKind::Floating | JointKind::Fixed);
     if !joint.higher_terms.is_zero() && joint.kind.nv() != 1 && !turns_freely {
         let [k2, _] = joint.higher_terms.stiffness;
-        check(false, &owner, "higher terms", k2, "of a joint of one degree of freedom, a spherical or a floating one")?;
+        check(
+            false,
+            &owner,
+            "higher terms",
+            k2,
+            "of a joint of one degree of freedom, a spherical or a floating one",
+        )?;
     }
     if let Some(spring) = &joint.spring {
         check(spring.stiffness.is_finite(), &owner, "stiffness", spring.stiffness, "finite")?;

@@ -34,6 +34,10 @@ impl Names<'_> {
         if joint.kind.nv() == 1 || joint.kind == JointKind::Fixed {
             return Ok(());
         }
-        Err(ModelError::UnknownName { user: user.into(), sort: "joint of one degree of freedom", name: name.into() })
+        Err(ModelError::UnknownName {
+            user: user.into(),
+            sort: "joint of one degree of freedom",
+            name: name.into(),
+        })
     }
 }

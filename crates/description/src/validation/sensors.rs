@@ -69,7 +69,10 @@ fn check_object(
     let Some(joint) = names.joints.get(name).filter(|_| what == "joint") else { return Ok(()) };
     if sort == ObjectSort::Joint && joint.kind.nv() != 1 {
         let kind = joint.kind.name();
-        return Err(bad(sensor, format!("joint `{name}` is {kind}; it needs a joint of one degree of freedom")));
+        return Err(bad(
+            sensor,
+            format!("joint `{name}` is {kind}; it needs a joint of one degree of freedom"),
+        ));
     }
     if sort == ObjectSort::Ball && joint.kind != JointKind::Spherical {
         return Err(bad(

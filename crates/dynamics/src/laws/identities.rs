@@ -144,11 +144,11 @@ fn check_derivatives<const N: usize>(
 
     // Ṁ depends on M only; the checks below share no code with the model's C.
     let rate = derivative(qd.norm(), |s| system.mass(&(q + qd * s)));
-    let kinetic_slope =
+    let kinetic_gradient =
         SVector::from_fn(|k, _| derivative(1.0, |s| 0.5 * qd.dot(&(system.mass(&(q + unit(k) * s)) * qd))));
     let matrix = system.coriolis_matrix(q, qd);
     let size = velocity_scale(&mass, &matrix, qd);
-    let defect = size_of(&(rate * qd - kinetic_slope - system.velocity_product(q, qd)));
+    let defect = size_of(&(rate * qd - kinetic_gradient - system.velocity_product(q, qd)));
     judge.require("C q̇ = Ṁ q̇ − ½ ∂(q̇ᵀM q̇)/∂q, by differences", sample, defect, missed::<N>() * size)?;
     let defect = skew_symmetry_defect(&rate, &matrix);
     judge.require("Ṁ − 2C is skew-symmetric, by differences", sample, defect, missed::<N>() * size)?;

@@ -11,7 +11,7 @@ use crate::{Function, FunctionError, Outcome};
 ///
 /// # Errors
 /// [`FunctionError::NoSuchFrame`].
-pub(crate) fn slopes_by_dual_numbers(
+pub(crate) fn derivatives_by_dual_numbers(
     (function, kind): (&Function, DerivativeKind),
     model: &Model,
     arguments: &[Vec<f64>],

@@ -127,7 +127,7 @@ impl Function {
     pub fn equation(&self) -> String {
         match self.derivative_of() {
             Some((function, DerivativeKind::Derivatives)) => {
-                format!("the slopes of {function}, along displacements of q")
+                format!("the derivatives of {function}, along displacements of q")
             }
             Some((function, DerivativeKind::Pullback)) => {
                 format!(
@@ -161,8 +161,8 @@ impl Function {
             Self::Momentum => "p = M(q) v",
             Self::CenterOfMass => "the centre of mass in the world",
             Self::CenterOfMassJacobian => "J v = velocity of the centre of mass; world axes",
-            Self::InverseDynamicsDerivatives => "the slopes of inverse_dynamics, by q as displacements",
-            Self::ForwardDynamicsDerivatives => "the slopes of forward_dynamics, by q as displacements",
+            Self::InverseDynamicsDerivatives => "the derivatives of inverse_dynamics, by q as displacements",
+            Self::ForwardDynamicsDerivatives => "the derivatives of forward_dynamics, by q as displacements",
             Self::InverseDynamicsPullback => "gradients of lambda^T tau, by q as displacements",
             Self::ForwardDynamicsPullback => "gradients of lambda^T a, by q as displacements",
             Self::JointTorqueRegressor => "Y(q,v,a) with Y pi = tau",
@@ -225,11 +225,11 @@ impl Function {
     }
 
     pub(crate) fn rows_of_arguments(&self) -> Vec<Row> {
-        let Some((function, slopes)) = self.derivative_of() else {
+        let Some((function, kind)) = self.derivative_of() else {
             return self.plain_arguments().to_vec();
         };
         let mut arguments = function.rows_of_arguments();
-        if slopes == DerivativeKind::Pullback {
+        if kind == DerivativeKind::Pullback {
             let (name, _, what) = COTANGENT;
             arguments.push((name, Size::of_all_changes(&function.matrices()), what));
         }
@@ -272,10 +272,10 @@ impl Function {
     }
 
     pub(crate) fn matrices(&self) -> Vec<Matrix> {
-        let Some((function, slopes)) = self.derivative_of() else {
+        let Some((function, kind)) = self.derivative_of() else {
             return self.plain_results().to_vec();
         };
-        let (rows, what) = match slopes {
+        let (rows, what) = match kind {
             DerivativeKind::Derivatives => {
                 let results = function.matrices();
                 (

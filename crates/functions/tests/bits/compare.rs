@@ -162,7 +162,7 @@ impl Comparison {
                 let count = if interpreted.graph.nodes.len() > LARGE { 1 } else { STATES };
                 let rows = states.iter().zip(&arguments).zip(&interpreted.expected);
                 for ((state, arguments), expected) in rows.take(count) {
-                    let by_dual_numbers = function.slopes_by_dual_numbers(model, arguments).unwrap();
+                    let by_dual_numbers = function.derivatives_by_dual_numbers(model, arguments).unwrap();
                     let found =
                         by_dual_numbers.unwrap_or_else(|| function.compute::<f64>(model, arguments).unwrap());
                     self.values(&interpreted.name, model, function, state, (expected, &found));

@@ -49,9 +49,10 @@ fn tangents_are_the_limits_of_differences() {
         if program.plan.steps() > 3000 {
             continue; // derivatives of derivatives: long, and nothing new
         }
-        let slopes = jacobian(&program, &model, arithmetic);
+        let derivatives = jacobian(&program, &model, arithmetic);
         let at = &program.cases[0].arguments;
-        let (found, _) = interpret(&slopes.graph, &slopes.plan, &slopes.results, arithmetic, at);
+        let (found, _) =
+            interpret(&derivatives.graph, &derivatives.plan, &derivatives.results, arithmetic, at);
         let value = |arguments: &[Vec<f64>]| {
             interpret(&program.graph, &program.plan, &program.results, arithmetic, arguments).0
         };
@@ -95,11 +96,17 @@ fn the_derivatives_of_a_step_are_those_of_the_linearised_step() {
     let (arithmetic, function) = (Arithmetic::default(), Function::SemiImplicitEulerStep);
     let row = function.integrator().unwrap();
     let program = Program::new(&function, &model, arithmetic, 4).unwrap();
-    let slopes = jacobian(&program, &model, arithmetic);
-    println!("{} operations, their slopes {}", program.plan.steps(), slopes.plan.steps());
+    let derivatives = jacobian(&program, &model, arithmetic);
+    println!("{} operations, their derivatives {}", program.plan.steps(), derivatives.plan.steps());
     let n = model.nv();
     for case in &program.cases {
-        let (found, _) = interpret(&slopes.graph, &slopes.plan, &slopes.results, arithmetic, &case.arguments);
+        let (found, _) = interpret(
+            &derivatives.graph,
+            &derivatives.plan,
+            &derivatives.results,
+            arithmetic,
+            &case.arguments,
+        );
         let [q, v, tau, h] = &case.arguments[..] else { unreachable!("four arguments") };
         let (mut by_state, mut by_force) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
         let forces = StepForces::new(tau, true);
@@ -110,8 +117,8 @@ fn the_derivatives_of_a_step_are_those_of_the_linearised_step() {
         // Blocks of results by arguments: q after the step by q, v, τ, h, then v by these.
         for (block, found) in found.iter().enumerate().filter(|(block, _)| block % 4 < 3) {
             let (result, argument) = (block / 4, block % 4);
-            for (i, slopes) in found.chunks(n).enumerate() {
-                for (j, slope) in slopes.iter().enumerate() {
+            for (i, derivatives) in found.chunks(n).enumerate() {
+                for (j, slope) in derivatives.iter().enumerate() {
                     let row = result * n + i;
                     let expected = match argument {
                         2 => by_force[row * n + j],

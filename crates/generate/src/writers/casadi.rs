@@ -121,20 +121,21 @@ fn source(context: &Context<'_>) -> String {
         if !has_jacobian(program) {
             continue;
         }
-        let slopes = jacobian(program, context.model, context.arithmetic());
-        let of_slopes = Helpers::of([(&slopes.graph, &slopes.plan)].into_iter(), context.arithmetic());
-        helpers.root |= of_slopes.root;
+        let derivatives = jacobian(program, context.model, context.arithmetic());
+        let of_derivatives =
+            Helpers::of([(&derivatives.graph, &derivatives.plan)].into_iter(), context.arithmetic());
+        helpers.root |= of_derivatives.root;
         let arguments = program.arguments.len();
-        let sparsities: Vec<Sparsity> = (0..slopes.outcomes.len())
+        let sparsities: Vec<Sparsity> = (0..derivatives.outcomes.len())
             .map(|block| {
                 let outcome = &program.outcomes[block / arguments];
-                Sparsity::of(&slopes, block, by_columns(outcome.rows, outcome.columns))
+                Sparsity::of(&derivatives, block, by_columns(outcome.rows, outcome.columns))
             })
             .collect();
         let nominal: Vec<(String, usize, usize)> =
             program.outcomes.iter().map(|x| (format!("out_{}", x.name), x.rows, x.columns)).collect();
-        let layout = layout_by(context.request, &slopes, &sparsities);
-        body += &exported(syntax, &layout, &slopes, &format!("jac_{name}"), &sparsities, &nominal);
+        let layout = layout_by(context.request, &derivatives, &sparsities);
+        body += &exported(syntax, &layout, &derivatives, &format!("jac_{name}"), &sparsities, &nominal);
     }
     let mut text = comment(&head);
     text += &prelude(syntax, helpers);
@@ -294,8 +295,8 @@ fn test(context: &Context<'_>) -> String {
          for symbol, cases in CASES.items():\n    function = casadi.external(\"{name}_\" + symbol, LIBRARY)\n    for arguments, results in cases:\n        \
          for found, expected in zip(function.call(arguments), results):\n            \
          off = np.abs(found.full() - expected).max()\n            assert off <= {tolerance:?}, (symbol, off)\n    \
-         if symbol in WITH_JACOBIAN:\n        slopes = function.jacobian()\n        arguments = cases[0][0]\n        \
-         nominal = function.call(arguments)\n        blocks = slopes.call([casadi.DM(x) for x in arguments] + nominal)\n        \
+         if symbol in WITH_JACOBIAN:\n        derivatives = function.jacobian()\n        arguments = cases[0][0]\n        \
+         nominal = function.call(arguments)\n        blocks = derivatives.call([casadi.DM(x) for x in arguments] + nominal)\n        \
          for at in range(len(arguments)):\n            columns = difference(function, arguments, at)\n            \
          for result in range(len(nominal)):\n                found = blocks[result * len(arguments) + at].full()\n                \
          expected = np.array([column[result] for column in columns]).T\n                \

@@ -114,17 +114,17 @@ fn every_function_has_the_bits_of_the_library_without_undefined_behaviour() {
 #[test]
 fn derivatives_agree_with_the_library() {
     let (free, arm) = (robots::random(), robots::named("three_r.urdf"));
-    let slopes = |model| robots::with_slopes(model).split_off(28);
-    let mut but_longest = slopes(&free);
+    let derivatives = |model| robots::with_derivatives(model).split_off(28);
+    let mut but_longest = derivatives(&free);
     but_longest.retain(|slope| slope.to_string() != "rk4_step_derivatives");
     let (double, single) = (Arithmetic::default(), Arithmetic::new(Precision::Single));
     let all = compilers();
-    for (compilers, name, model, slopes, arithmetic, options, count) in [
-        (&all[..], "c_slopes", &free, but_longest.clone(), double, &["-O0"][..], 43),
-        (&all[all.len() - 1..], "c_slopes_single", &free, but_longest, single, &["-O0"], 43),
-        (&all[..], "c_slopes_sanitised", &arm, slopes(&arm), double, &SANITIZED, 44),
+    for (compilers, name, model, derivatives, arithmetic, options, count) in [
+        (&all[..], "c_derivatives", &free, but_longest.clone(), double, &["-O0"][..], 43),
+        (&all[all.len() - 1..], "c_derivatives_single", &free, but_longest, single, &["-O0"], 43),
+        (&all[..], "c_derivatives_sanitised", &arm, derivatives(&arm), double, &SANITIZED, 44),
     ] {
-        let output = test_by(compilers, name, model, slopes, arithmetic, options);
+        let output = test_by(compilers, name, model, derivatives, arithmetic, options);
         assert_eq!(output, summary(count, false), "{name}");
     }
 }

@@ -31,7 +31,7 @@ template <typename T> static int cudaMallocManaged(T **at, size_t size) { *at = 
 fn every_kernel_has_the_bits_of_the_library() {
     let model = robots::named("gripper.urdf");
     for (name, precision) in [("cuda_double", Precision::Double), ("cuda_single", Precision::Single)] {
-        let request = Request::new(Target::Cuda, robots::with_slopes(&model))
+        let request = Request::new(Target::Cuda, robots::with_derivatives(&model))
             .with_arithmetic(Arithmetic::new(precision))
             .with_name("robot");
         let mut generated = generate(&model, &request).unwrap();

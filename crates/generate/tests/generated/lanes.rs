@@ -55,7 +55,7 @@ fn each_kind_of_joint_and_number_gives_the_bits_of_one_state() {
 #[test]
 fn every_function_gives_the_bits_of_one_state() {
     let model = robots::named("two_r.urdf");
-    let functions = robots::with_slopes(&model);
+    let functions = robots::with_derivatives(&model);
     let count = 2 * functions.len();
     let output = test("lanes_every_function", &model, functions, Arithmetic::default());
     assert!(output.contains(&format!("{count} passed")), "{output}");

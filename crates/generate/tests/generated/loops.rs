@@ -55,10 +55,10 @@ fn loops_in_c_have_the_bits_of_the_library_without_undefined_behaviour() {
         ("c_chain_unequal", unequal(), Arithmetic::default(), &["-O1"]),
     ] {
         // Separate folders, so that neither is compiled again the next time.
-        let (plain, of_slopes) = (functions()[..5].to_vec(), functions()[5..].to_vec());
+        let (plain, of_derivatives) = (functions()[..5].to_vec(), functions()[5..].to_vec());
         assert_eq!(c::test(name, &model, plain, arithmetic, options), summary(5, true), "{name}");
-        let of_slopes = c::test(&format!("{name}_slopes"), &model, of_slopes, arithmetic, options);
-        assert_eq!(of_slopes, summary(2, true), "{name}");
+        let of_derivatives = c::test(&format!("{name}_slopes"), &model, of_derivatives, arithmetic, options);
+        assert_eq!(of_derivatives, summary(2, true), "{name}");
     }
 }
 

@@ -46,12 +46,13 @@ pub(crate) fn functions(model: &Model) -> Vec<Function> {
 }
 
 /// These functions, and all derivatives and pullbacks that are not among them.
-pub(crate) fn with_slopes(model: &Model) -> Vec<Function> {
+pub(crate) fn with_derivatives(model: &Model) -> Vec<Function> {
     let functions = functions(model);
-    let is_slope = |name: &str| name.contains("derivatives") || name.contains("pullback");
-    let plain = functions.iter().filter(|function| !is_slope(&function.to_string()));
-    let slopes = plain.flat_map(|function| [function.clone().derivatives(), function.clone().pullback()]);
-    let new: Vec<Function> = slopes.filter(|slope| !functions.contains(slope)).collect();
+    let is_derivative = |name: &str| name.contains("derivatives") || name.contains("pullback");
+    let plain = functions.iter().filter(|function| !is_derivative(&function.to_string()));
+    let derivatives =
+        plain.flat_map(|function| [function.clone().derivatives(), function.clone().pullback()]);
+    let new: Vec<Function> = derivatives.filter(|slope| !functions.contains(slope)).collect();
     assert_eq!((functions.len(), new.len()), (28, 44));
     functions.into_iter().chain(new).collect()
 }

@@ -23,7 +23,7 @@ pub(crate) fn test(name: &str, model: &Model, functions: Vec<Function>, arithmet
 fn every_function_has_the_bits_of_the_library_without_the_standard_library() {
     let model = robots::named("gripper.urdf");
     for (name, precision) in [("rust_double", Precision::Double), ("rust_single", Precision::Single)] {
-        let output = test(name, &model, robots::with_slopes(&model), Arithmetic::new(precision));
+        let output = test(name, &model, robots::with_derivatives(&model), Arithmetic::new(precision));
         assert!(output.contains("72 passed"), "{output}");
     }
     let code = Request::new(Target::Rust, vec![Function::Gravity]).with_name("robot");

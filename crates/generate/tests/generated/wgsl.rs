@@ -10,7 +10,7 @@ use crate::robots;
 #[test]
 fn every_shader_is_valid() {
     let model = robots::named("ur5.urdf");
-    let functions = robots::with_slopes(&model);
+    let functions = robots::with_derivatives(&model);
     for arithmetic in [Arithmetic::new(Precision::Single).with_fused(), Arithmetic::new(Precision::Single)] {
         let request =
             Request::new(Target::Wgsl, functions.clone()).with_arithmetic(arithmetic).with_name("robot");

@@ -16,14 +16,15 @@ fn every_function_agrees_with_the_library() {
     let Some(device) = crate::device() else { return };
     for model in [robots::named("gripper.urdf"), robots::with_ball()] {
         let of_frames = Function::of_frame(&model.frames().last().unwrap().name);
-        let slopes = [
+        let derivatives = [
             Function::SemiImplicitEulerStep.derivatives(),
             Function::Rk4Step.pullback(),
             of_frames[0].clone().derivatives(),
             Function::CoriolisMatrix.pullback(),
             Function::KineticEnergy.derivatives(),
         ];
-        let functions: Vec<Function> = Function::PLAIN.into_iter().chain(of_frames).chain(slopes).collect();
+        let functions: Vec<Function> =
+            Function::PLAIN.into_iter().chain(of_frames).chain(derivatives).collect();
         let request = Request::new(Target::Wgsl, functions.clone())
             .with_arithmetic(Arithmetic::new(Precision::Single))
             .with_name("robot");

@@ -227,7 +227,7 @@ fn tangent_of_one<T: Number>(
     let mut change = [&by_q[..], &by_v, &vec![0.0; nv]].concat();
     let mut next = vec![0.0; 2 * nv];
     let (mut a, mut b) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
-    let (mut slopes, mut mover) = (LinearizeStepWorkspace::new(model), StepWorkspace::new(model));
+    let (mut derivatives, mut mover) = (LinearizeStepWorkspace::new(model), StepWorkspace::new(model));
     let mut along_parameters = by_parameters.map(|change| AlongParameters::new(model, change));
     let mut force = vec![0.0; nv];
     let mut sample = 0;
@@ -246,7 +246,7 @@ fn tangent_of_one<T: Number>(
         linearize_step(
             model,
             how.integrator,
-            &mut slopes,
+            &mut derivatives,
             &forces,
             how.step,
             RobotState { q: &q, v: &v },

@@ -56,13 +56,7 @@ impl Drive {
                     Some(joint) if joint.nv > 1 => {
                         let stretch = coordinate_ranges(model).find(|stretch| stretch.v == joint.v_index);
                         let chart = stretch.map_or(Chart::Line, |stretch| stretch.chart);
-                        Self::Dofs {
-                            q: joint.q_index,
-                            v: joint.v_index,
-                            count: joint.nv,
-                            chart,
-                            gear: *gear,
-                        }
+                        Self::Dofs { q: joint.q_index, v: joint.v_index, count: joint.nv, chart, gear: *gear }
                     }
                     _ => Self::Nothing,
                 }

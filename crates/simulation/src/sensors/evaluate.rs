@@ -4,7 +4,9 @@ use robot_dynamics_core::Model;
 use robot_dynamics_core::algorithms::energy::energies;
 use robot_dynamics_core::algorithms::frame_motion::Moving;
 use robot_dynamics_core::algorithms::joint_reactions::{NUMBERS, collect, inertial_forces};
-use robot_dynamics_core::kinematics::screws::{accelerate_screws, move_screws, place_screws, turn_screws};
+use robot_dynamics_core::kinematics::world_frame::{
+    compute_column_rates, compute_columns, compute_twist_rates, compute_twists,
+};
 use robot_dynamics_core::workspace::tree::TreeMemory;
 use robot_dynamics_description::{Quaternion, SensorKind, check_length};
 use robot_dynamics_number::algebra::V3;
@@ -37,10 +39,10 @@ impl SensorSet {
             self.actuation.torques_of_forces(model, actuation, actuator_forces, q, actuator_torques);
         }
         let tree = &mut memory.dynamics.tree;
-        place_screws(model, tree, q);
-        move_screws(model, tree, v);
-        turn_screws(model, tree);
-        accelerate_screws(model, tree, Some(a));
+        compute_columns(model, tree, q);
+        compute_twists(model, tree, v);
+        compute_column_rates(model, tree);
+        compute_twist_rates(model, tree, Some(a));
         for sensor in &self.sensors {
             let out = &mut values[sensor.range.clone()];
             self.value(model, memory, inputs, sensor, energy, out);

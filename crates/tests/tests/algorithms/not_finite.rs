@@ -164,13 +164,13 @@ fn methods_of_model_reject_non_finite() {
         });
     }
     probe("inverse_dynamics_derivatives", &[q(), v(), argument("a", a.clone())], |x| {
-        let slopes = text(m.inverse_dynamics_derivatives(&x[0], &x[1], &x[2]))?;
-        let all = [slopes.by_position, slopes.by_velocity, slopes.by_acceleration];
+        let derivatives = text(m.inverse_dynamics_derivatives(&x[0], &x[1], &x[2]))?;
+        let all = [derivatives.by_position, derivatives.by_velocity, derivatives.by_acceleration];
         Ok(all.iter().flat_map(|m| m.as_slice().to_vec()).collect())
     });
     probe("forward_dynamics_derivatives", &[q(), v(), argument("tau", tau.clone())], |x| {
-        let slopes = text(m.forward_dynamics_derivatives(&x[0], &x[1], &x[2]))?;
-        let all = [slopes.by_position, slopes.by_velocity, slopes.by_force];
+        let derivatives = text(m.forward_dynamics_derivatives(&x[0], &x[1], &x[2]))?;
+        let all = [derivatives.by_position, derivatives.by_velocity, derivatives.by_force];
         Ok(all.iter().flat_map(|m| m.as_slice().to_vec()).collect())
     });
     let cotangent = || argument("the cotangent", tau.clone());

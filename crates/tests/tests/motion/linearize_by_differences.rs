@@ -217,7 +217,7 @@ impl Stepper for Jump {
 #[test]
 fn jumps_have_no_derivative() {
     let model = Model::new(pendulum(2.0, 0.5)).unwrap();
-    let slopes = |edges: [f64; 2]| {
+    let derivatives = |edges: [f64; 2]| {
         let (mut a, mut b) = (vec![0.0; 4], vec![0.0; 2]);
         let (w, forces) = (&mut StepWorkspace::new(&model), StepForces::new(&[0.0], true));
         let out = LinearizedStep { by_state: &mut a, by_force: &mut b };
@@ -234,12 +234,12 @@ fn jumps_have_no_derivative() {
     };
     let (never, near, far) = (1.0, 1e-8, 4e-6);
     for edges in [[-never, never], [-never, near], [-near, never], [-far, never], [-far, far], [-far, near]] {
-        let a = slopes(edges).unwrap();
+        let a = derivatives(edges).unwrap();
         let expected = [1.0 + H * H, H, H, 1.0];
         let off = a.iter().zip(expected).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
         assert!(off < 1e-8, "{edges:?}: {a:?}");
     }
-    let StepDerivativeError::Discontinuous { quantity, coordinate } = slopes([-near, near]).unwrap_err()
+    let StepDerivativeError::Discontinuous { quantity, coordinate } = derivatives([-near, near]).unwrap_err()
     else {
         panic!("another error");
     };

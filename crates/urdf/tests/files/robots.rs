@@ -137,12 +137,12 @@ fn pullbacks_of_every_robot_are_rows_of_its_jacobians() {
             let state = random_state(&model, &mut SplitMix64::new(11));
             let (q, v, a, tau) = (&state.q[..], &state.v[..], &state.a[..], &state.tau[..]);
             let by = model.inverse_dynamics_pullback(q, v, a, tau).expect("a pullback");
-            let slopes = model.inverse_dynamics_derivatives(q, v, a).expect("Jacobians");
+            let derivatives = model.inverse_dynamics_derivatives(q, v, a).expect("Jacobians");
             let lambda = nalgebra::DVector::from_column_slice(tau);
             for (found, jacobian) in [
-                (&by.by_position, &slopes.by_position),
-                (&by.by_velocity, &slopes.by_velocity),
-                (&by.by_acceleration, &slopes.by_acceleration),
+                (&by.by_position, &derivatives.by_position),
+                (&by.by_velocity, &derivatives.by_velocity),
+                (&by.by_acceleration, &derivatives.by_acceleration),
             ] {
                 let (expected, scale) = (jacobian.tr_mul(&lambda), jacobian.amax().max(1.0) * lambda.norm());
                 assert!((found - expected).amax() < 1e-12 * scale, "{name}");
@@ -155,17 +155,17 @@ fn pullbacks_of_every_robot_are_rows_of_its_jacobians() {
                 continue;
             }
             let by = by.expect("a pullback");
-            let slopes = model.forward_dynamics_derivatives(q, v, tau).expect("Jacobians");
+            let derivatives = model.forward_dynamics_derivatives(q, v, tau).expect("Jacobians");
             let eigenvalues = model.mass_matrix(q).expect("M").symmetric_eigenvalues();
             let condition = eigenvalues.max() / eigenvalues.min();
             let lambda = nalgebra::DVector::from_column_slice(a);
-            let scale = [&slopes.by_position, &slopes.by_velocity, &slopes.by_force]
+            let scale = [&derivatives.by_position, &derivatives.by_velocity, &derivatives.by_force]
                 .iter()
                 .fold(0.0_f64, |most, jacobian| most.max(jacobian.amax()));
             for (found, jacobian) in [
-                (&by.by_position, &slopes.by_position),
-                (&by.by_velocity, &slopes.by_velocity),
-                (&by.by_force, &slopes.by_force),
+                (&by.by_position, &derivatives.by_position),
+                (&by.by_velocity, &derivatives.by_velocity),
+                (&by.by_force, &derivatives.by_force),
             ] {
                 let allowed = 1e2 * f64::EPSILON * condition * scale * lambda.norm();
                 let defect = (found - jacobian.tr_mul(&lambda)).amax();

@@ -8,7 +8,7 @@ use super::probe::{Probe, ROUNDING, difference, largest};
 use crate::lagrange;
 
 /// g of the Newton–Euler recursion = ∂V/∂q of the sum over the bodies, by dual numbers.
-pub(super) fn slope_of_potential(probe: &Probe<'_>) -> Check {
+pub(super) fn gradient_of_potential(probe: &Probe<'_>) -> Check {
     let mut worst = Worst::of("gravity", "g = ∂V/∂q along each coordinate");
     let (model, reference, nv) = (probe.model, probe.reference, probe.model.nv());
     let workspace = &mut Workspace::new(model);
@@ -23,8 +23,12 @@ pub(super) fn slope_of_potential(probe: &Probe<'_>) -> Check {
             let moving = state.q.iter().zip(rates).map(|(&value, rate)| Dual { value, gradient: [rate] });
             potential_energy(reference, duals, &moving.collect::<Vec<_>>()).gradient[0]
         };
-        let slopes: Vec<f64> = (0..nv).map(slope).collect();
-        worst.record(difference(&gravity, &slopes), ROUNDING * (probe.weight + largest(&gravity)), index);
+        let derivatives: Vec<f64> = (0..nv).map(slope).collect();
+        worst.record(
+            difference(&gravity, &derivatives),
+            ROUNDING * (probe.weight + largest(&gravity)),
+            index,
+        );
     }
     worst.check()
 }

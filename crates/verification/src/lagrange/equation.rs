@@ -147,10 +147,11 @@ pub fn velocity_product<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> Vec<S> {
         .map(|i| (0..nv).fold(Dual::constant(S::zero()), |p, j| p + mass[i * nv + j] * Dual::constant(v[j])))
         .collect();
     let constant: Vec<Dual<S, CHUNK>> = v.iter().map(|&v| Dual::constant(v)).collect();
-    let slopes = (0..nv)
+    let derivatives = (0..nv)
         .step_by(CHUNK)
         .flat_map(|start| kinetic_energy(model, &along_coordinates(model, q, start), &constant).gradient);
-    let mut product: Vec<S> = momentum.iter().zip(slopes).map(|(p, slope)| p.gradient[0] - slope).collect();
+    let mut product: Vec<S> =
+        momentum.iter().zip(derivatives).map(|(p, slope)| p.gradient[0] - slope).collect();
     for joint in model.joints() {
         add_ad_term(joint, v, &momentum, &mut product);
     }

@@ -3,8 +3,8 @@
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::{M3, Sym3, V3};
 
-use crate::kinematics::screws::momentum_of;
 use crate::kinematics::shifts::pass_inward;
+use crate::kinematics::world_frame::momentum_of;
 use crate::model::Body;
 use crate::spatial::force::ForceVector;
 use crate::spatial::inertia::{MassFlux, SpatialInertia};
@@ -91,7 +91,7 @@ mod tests {
     use robot_dynamics_number::SplitMix64;
 
     use super::*;
-    use crate::kinematics::screws::{force_cross, motion_cross};
+    use crate::kinematics::world_frame::{force_cross, motion_cross};
 
     /// B of the module's documentation, applied to each unit motion, is ½((V×*)I − I(V×) + (IV)×̄*), where
     /// F ×̄* S = S ×* F. Entries are products of three numbers below 3: 1e-13 allows about twenty rounding

@@ -4,7 +4,7 @@ use robot_dynamics_number::Scalar;
 
 use super::branch::Branch;
 use crate::Model;
-use crate::kinematics::screws::{add_composite, inertia_in_world};
+use crate::kinematics::world_frame::{add_composite, inertia_in_world};
 use crate::model::WORLD;
 use crate::spatial::inertia::{MassFlux, SpatialInertia};
 use crate::workspace::branch_block::BranchBlock;
@@ -35,7 +35,7 @@ impl<S: Scalar> BranchBlock<S> {
     }
 }
 
-/// Writes all entries of C. Call after [`turn_screws`](crate::kinematics::screws::turn_screws).
+/// Writes all entries of C. Call after [`compute_column_rates`](crate::kinematics::world_frame::compute_column_rates).
 #[inline(always)]
 pub(super) fn write_matrix<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, coriolis: &mut [N]) {
     gather_branches(model, tree);
@@ -46,9 +46,9 @@ pub(super) fn write_matrix<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, c
 #[inline(always)]
 fn gather_branches<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
-    let (bodies, world, twists) = (&model.bodies[..n], &tree.screws.world[..n], &tree.screws.twist[..n]);
-    let (columns, rates) = (&tree.screws.column[..], &tree.screws.column_rate[..]);
-    let (composites, flows) = (&mut tree.inertias.composite[..n], &mut tree.screws.flow[..n]);
+    let (bodies, world, twists) = (&model.bodies[..n], &tree.world.pose[..n], &tree.world.twist[..n]);
+    let (columns, rates) = (&tree.world.column[..], &tree.world.column_rate[..]);
+    let (composites, flows) = (&mut tree.inertias.composite[..n], &mut tree.world.flow[..n]);
     let blocks = &mut tree.blocks.branch_block[..];
     for i in 0..n {
         let inertia = inertia_in_world(&bodies[i], &world[i]);
@@ -81,7 +81,7 @@ fn gather_branches<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
 #[inline(always)]
 fn project_branches<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, coriolis: &mut [N]) {
     let n = model.nv;
-    let (dofs, columns, rates) = (&model.dofs[..n], &tree.screws.column[..n], &tree.screws.column_rate[..n]);
+    let (dofs, columns, rates) = (&model.dofs[..n], &tree.world.column[..n], &tree.world.column_rate[..n]);
     let blocks = &mut tree.blocks.branch_block[..];
     if model.leaf_count > 1 {
         coriolis.fill(N::zero());

@@ -6,21 +6,21 @@ use robot_dynamics_number::Scalar;
 
 use super::branch::Branch;
 use crate::Model;
-use crate::kinematics::screws::{add_composite, inertia_in_world};
 use crate::kinematics::shifts::{pass_flow, pass_inertia};
+use crate::kinematics::world_frame::{add_composite, inertia_in_world};
 use crate::model::WORLD;
 use crate::spatial::inertia::MassFlux;
 use crate::workspace::tree::TreeMemory;
 
-/// Writes all entries of C. Call after [`turn_screws`](crate::kinematics::screws::turn_screws).
+/// Writes all entries of C. Call after [`compute_column_rates`](crate::kinematics::world_frame::compute_column_rates).
 #[inline(always)]
 pub(super) fn write_matrix<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, coriolis: &mut [N]) {
     coriolis.fill(N::zero());
     let n = model.bodies.len();
-    let (bodies, world, twists) = (&model.bodies[..n], &tree.screws.world[..n], &tree.screws.twist[..n]);
-    let (columns, rates) = (&tree.screws.column[..], &tree.screws.column_rate[..]);
-    let levers = &tree.screws.levers[..];
-    let (composites, flows) = (&mut tree.inertias.composite[..n], &mut tree.screws.flow[..n]);
+    let (bodies, world, twists) = (&model.bodies[..n], &tree.world.pose[..n], &tree.world.twist[..n]);
+    let (columns, rates) = (&tree.world.column[..], &tree.world.column_rate[..]);
+    let levers = &tree.world.levers[..];
+    let (composites, flows) = (&mut tree.inertias.composite[..n], &mut tree.world.flow[..n]);
     for i in 0..n {
         let inertia = inertia_in_world(&bodies[i], &world[i]);
         flows[i] = MassFlux::of(&inertia, &twists[i]);

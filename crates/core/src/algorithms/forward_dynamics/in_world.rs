@@ -1,4 +1,4 @@
-//! The articulated-body algorithm in one inertial frame ([`screws`](crate::kinematics::screws)).
+//! The articulated-body algorithm in one inertial frame ([`world_frame`](crate::kinematics::world_frame)).
 //! **(RBDA §7.3)**
 
 #![allow(non_snake_case)] // the book's U and Iᴬ
@@ -8,10 +8,10 @@ use robot_dynamics_number::{Scalar, View};
 
 use super::spring::less_spring;
 use crate::Model;
-use crate::kinematics::screws::{
-    force_cross, inertia_in_world, momentum_of, motion_cross, move_screws, place_screws,
-};
 use crate::kinematics::shifts::pass_outward;
+use crate::kinematics::world_frame::{
+    compute_columns, compute_twists, force_cross, inertia_in_world, momentum_of, motion_cross,
+};
 use crate::kinematics::wrench::{FrameWrench, subtract_wrenches};
 use crate::model::WORLD;
 use crate::spatial::force::ForceVector;
@@ -28,8 +28,8 @@ pub(crate) fn accelerate<S: Scalar, N: View<S>>(
     v: &[N],
     wrenches: &[FrameWrench<S>],
 ) {
-    place_screws(model, tree, q);
-    move_screws(model, tree, v);
+    compute_columns(model, tree, q);
+    compute_twists(model, tree, v);
     free_bodies(model, tree);
     subtract_in_world(model, tree, wrenches);
     eliminate_dofs(model, tree);
@@ -41,9 +41,9 @@ pub(crate) fn accelerate<S: Scalar, N: View<S>>(
 #[inline(always)]
 fn free_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
-    let (bodies, world, twists) = (&model.bodies[..n], &tree.screws.world[..n], &tree.screws.twist[..n]);
-    let (rates, columns) = (&tree.dofs.v[..], &tree.screws.column[..]);
-    let (twist_rates, articulated) = (&mut tree.screws.twist_rate[..n], &mut tree.inertias.articulated[..n]);
+    let (bodies, world, twists) = (&model.bodies[..n], &tree.world.pose[..n], &tree.world.twist[..n]);
+    let (rates, columns) = (&tree.dofs.v[..], &tree.world.column[..]);
+    let (twist_rates, articulated) = (&mut tree.world.twist_rate[..n], &mut tree.inertias.articulated[..n]);
     for i in 0..n {
         let (body, twist) = (&bodies[i], &twists[i]);
         let mut joint = MotionVector::zero();
@@ -78,7 +78,7 @@ fn subtract_in_world<S: Scalar, N: View<S>>(
     tree.bodies.force.fill(ForceVector::zero());
     subtract_wrenches(model, &mut tree.bodies.force, wrenches);
     for ((articulated, force), place) in
-        tree.inertias.articulated.iter_mut().zip(&tree.bodies.force).zip(&tree.screws.world)
+        tree.inertias.articulated.iter_mut().zip(&tree.bodies.force).zip(&tree.world.pose)
     {
         articulated.bias.add(&place.force_in_parent(force));
     }
@@ -89,10 +89,9 @@ fn subtract_in_world<S: Scalar, N: View<S>>(
 fn eliminate_dofs<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let (bodies, twist_rates, angle) =
-        (&model.bodies[..n], &tree.screws.twist_rate[..n], &tree.angles.angle[..n]);
-    let (tau, columns, pivots) =
-        (&tree.dofs.tau[..], &tree.screws.column[..], &mut tree.inertias.pivot[..]);
-    let (all, levers) = (&mut tree.inertias.articulated[..n], &tree.screws.levers[..]);
+        (&model.bodies[..n], &tree.world.twist_rate[..n], &tree.angles.angle[..n]);
+    let (tau, columns, pivots) = (&tree.dofs.tau[..], &tree.world.column[..], &mut tree.inertias.pivot[..]);
+    let (all, levers) = (&mut tree.inertias.articulated[..n], &tree.world.levers[..]);
     for i in (0..n).rev() {
         let body = &bodies[i];
         let mut IA = all[i];
@@ -133,10 +132,10 @@ fn eliminate_dofs<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
 fn accelerate_dofs<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let ground = MotionVector { linear: V3::from_f64(model.gravity().map(|g| -g)), angular: V3::zero() };
     let n = model.bodies.len();
-    let (bodies, twist_rates) = (&model.bodies[..n], &mut tree.screws.twist_rate[..n]);
+    let (bodies, twist_rates) = (&model.bodies[..n], &mut tree.world.twist_rate[..n]);
     let (pivots, columns, accelerations) =
-        (&tree.inertias.pivot[..], &tree.screws.column[..], &mut tree.dofs.a[..]);
-    let levers = &tree.screws.levers[..];
+        (&tree.inertias.pivot[..], &tree.world.column[..], &mut tree.dofs.a[..]);
+    let levers = &tree.world.levers[..];
     let mut last = ground;
     for i in 0..n {
         let body = &bodies[i];

@@ -38,14 +38,14 @@ pub(crate) fn accelerate_bodies<N: Scalar>(
     let n = model.bodies.len();
     let (bodies, v, a) = (&model.bodies[..n], &tree.dofs.v[..], &tree.dofs.a[..]);
     let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
-    let (world, motions) = (&mut tree.screws.world[..n], &mut tree.bodies.axis_motion[..n]);
+    let (world, motions) = (&mut tree.world.pose[..n], &mut tree.bodies.axis_motion[..n]);
     let force = &mut tree.bodies.force[..n];
     let still = AxisMotion { angular: V3::zero(), alpha: V3::zero(), origin: V3::from_f64(ground) };
     if n == 0 {
         return;
     }
     // The previous body is mostly the parent. Local variables avoid a load from memory. Before the first, see
-    // `place_screws`.
+    // `compute_columns`.
     let (mut last_turn, mut last) = (world[0].rotation, motions[0]);
     for i in 0..n {
         let body = &bodies[i];
@@ -102,9 +102,10 @@ pub(super) fn subtract_external<S: Scalar, N: View<S>>(
     if wrenches.is_empty() {
         return;
     }
-    tree.bodies.beyond.fill(ForceVector::zero());
-    subtract_wrenches(model, &mut tree.bodies.beyond, wrenches);
-    for ((force, own), place) in tree.bodies.force.iter_mut().zip(&tree.bodies.beyond).zip(&tree.screws.world)
+    tree.bodies.subtree_force.fill(ForceVector::zero());
+    subtract_wrenches(model, &mut tree.bodies.subtree_force, wrenches);
+    for ((force, own), place) in
+        tree.bodies.force.iter_mut().zip(&tree.bodies.subtree_force).zip(&tree.world.pose)
     {
         force.linear += place.rotation * own.linear;
         force.angular += place.rotation * own.angular;
@@ -115,7 +116,7 @@ pub(super) fn subtract_external<S: Scalar, N: View<S>>(
 #[inline(always)]
 pub(super) fn collect_forces<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
-    let (bodies, world) = (&model.bodies[..n], &tree.screws.world[..n]);
+    let (bodies, world) = (&model.bodies[..n], &tree.world.pose[..n]);
     let (forces, tau) = (&mut tree.bodies.force[..n], &mut tree.dofs.tau[..]);
     // The contribution of body i + 1 to body i.
     let mut from_child = ForceVector::zero();

@@ -13,7 +13,7 @@ use super::entries::{Entries, add_armature, add_reduced};
 use crate::Model;
 use crate::kinematics::carried::{in_parent, own_inertia, turn_of};
 use crate::kinematics::place::place_bodies;
-use crate::kinematics::screws::{add_composite, momentum_of};
+use crate::kinematics::world_frame::{add_composite, momentum_of};
 use crate::model::WORLD;
 use crate::workspace::tree::TreeMemory;
 

@@ -1,4 +1,4 @@
-//! The composite-rigid-body algorithm in one inertial frame ([`screws`](crate::kinematics::screws)).
+//! The composite-rigid-body algorithm in one inertial frame ([`world_frame`](crate::kinematics::world_frame)).
 //!
 //! No vector is rotated on the way. The columns of a subtree are contiguous: a row of M is the sum of six
 //! products of a number with a contiguous array. **(RBDA §6.2)**
@@ -8,8 +8,8 @@ use robot_dynamics_number::Scalar;
 use super::columns::{project_column, project_columns, write_column};
 use super::entries::{Entries, add_armature, add_reduced, armature};
 use crate::Model;
-use crate::kinematics::screws::{composites_in_world, momentum_of, place_screws};
 use crate::kinematics::shifts::pass_inward;
+use crate::kinematics::world_frame::{composites_in_world, compute_columns, momentum_of};
 use crate::model::WORLD;
 use crate::workspace::tree::TreeMemory;
 
@@ -22,7 +22,7 @@ pub(super) fn write_matrix<N: Scalar>(
     mass: &mut [N],
     entries: Entries,
 ) {
-    place_screws(model, tree, q);
+    compute_columns(model, tree, q);
     composites_in_world(model, tree);
     if model.points.carried {
         write_from_point_to_point(model, tree, mass);
@@ -30,7 +30,7 @@ pub(super) fn write_matrix<N: Scalar>(
         return;
     }
     let (nv, dofs) = (model.nv, model.dofs.len());
-    let (composites, columns) = (&tree.inertias.composite[..], &tree.screws.column[..dofs]);
+    let (composites, columns) = (&tree.inertias.composite[..], &tree.world.column[..dofs]);
     let rows = &mut tree.blocks.rows[..];
     for (index, dof) in model.dofs.iter().enumerate() {
         write_column(rows, dofs, index, &momentum_of(&composites[dof.body], &columns[index]));
@@ -73,14 +73,14 @@ pub(super) fn write_matrix<N: Scalar>(
 fn write_from_point_to_point<N: Scalar>(model: &Model, tree: &TreeMemory<N>, mass: &mut [N]) {
     mass.fill(N::zero());
     for (j, dof) in model.dofs.iter().enumerate() {
-        let mut momentum = momentum_of(&tree.inertias.composite[dof.body], &tree.screws.column[j]);
+        let mut momentum = momentum_of(&tree.inertias.composite[dof.body], &tree.world.column[j]);
         let mut at = dof.body;
         while at != WORLD {
             let body = &model.bodies[at];
             for i in body.dof..(body.dof + body.motion.nv()).min(j + 1) {
-                add_reduced(model, mass, i, j, tree.screws.column[i].dot(&momentum));
+                add_reduced(model, mass, i, j, tree.world.column[i].dot(&momentum));
             }
-            pass_inward(body, &tree.screws.levers, &mut momentum);
+            pass_inward(body, &tree.world.levers, &mut momentum);
             at = body.parent;
         }
     }

@@ -21,7 +21,7 @@ pub(super) fn place<N: View<f64>>(model: &Model, tree: &mut TreeMemory<N>, scrat
     let n = model.bodies.len();
     let bodies = &model.bodies[..n];
     let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
-    let (world, columns) = (&mut tree.screws.world[..n], &mut tree.screws.column[..]);
+    let (world, columns) = (&mut tree.world.pose[..n], &mut tree.world.column[..]);
     let articulated = &mut tree.inertias.articulated[..n];
     let distance = &mut scratch.distance[..n];
     for i in 0..n {

@@ -76,7 +76,7 @@ fn gather(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut Scratch) {
         }
         if body.parent != WORLD {
             let child = tree.inertias.articulated[i];
-            let p = tree.screws.world[i].translation;
+            let p = tree.world.pose[i].translation;
             add_shifted(&mut tree.inertias.articulated[body.parent], &child, p);
             let extent = scratch.extent[i];
             scratch.extent[body.parent].add(&extent, scratch.distance[i]);
@@ -93,13 +93,13 @@ fn reduce(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut Scratch) {
     for (j, dof) in model.dofs.iter().enumerate() {
         scratch.reduced[dof.coordinate] += dof.ratio.abs() * scratch.root[j];
         let mut force: ForceVector<f64> =
-            response(&tree.inertias.articulated[dof.body], &tree.screws.column[j]);
+            response(&tree.inertias.articulated[dof.body], &tree.world.column[j]);
         let (mut at, mut last) = (dof.body, j);
         loop {
             let body = &model.bodies[at];
             for i in body.dof..=last {
                 let other = &model.dofs[i];
-                let mut entry = tree.screws.column[i].dot(&force) * dof.ratio * other.ratio;
+                let mut entry = tree.world.column[i].dot(&force) * dof.ratio * other.ratio;
                 if i == j {
                     entry += dof.passive.armature * dof.ratio * dof.ratio;
                 } else if other.coordinate == dof.coordinate {
@@ -113,7 +113,7 @@ fn reduce(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut Scratch) {
             if body.parent == WORLD {
                 break;
             }
-            force.angular += tree.screws.world[at].translation.cross(force.linear);
+            force.angular += tree.world.pose[at].translation.cross(force.linear);
             at = body.parent;
             last = model.bodies[at].dof + model.bodies[at].motion.nv() - 1;
         }

@@ -6,7 +6,7 @@ use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use super::bodies::{add_shifted, place, response};
 use super::vanished::{Vanished, is_clear, vanishes};
 use crate::Model;
-use crate::kinematics::screws::shifted;
+use crate::kinematics::world_frame::shifted;
 use crate::model::WORLD;
 use crate::spatial::force::ForceVector;
 use crate::spatial::inertia::DofElimination;
@@ -45,7 +45,7 @@ impl Kernel<TreeStorage, f64> for Elimination<'_> {
             let body = &model.bodies[i];
             let mut inertia = tree.inertias.articulated[i];
             for index in (body.dof..body.dof + body.motion.nv()).rev() {
-                let s = tree.screws.column[index];
+                let s = tree.world.column[index];
                 let armature = model.dofs[index].passive.armature;
                 let size = scratch.extent[i].along(body.motion, index - body.dof) + armature;
                 scratch.root[index] = size.sqrt();
@@ -81,7 +81,7 @@ impl Kernel<TreeStorage, f64> for Elimination<'_> {
                 }
             }
             if body.parent != WORLD {
-                let p = tree.screws.world[i].translation;
+                let p = tree.world.pose[i].translation;
                 add_shifted(&mut tree.inertias.articulated[body.parent], &inertia, p);
                 let extent = scratch.extent[i];
                 scratch.extent[body.parent].add(&extent, scratch.distance[i]);
@@ -102,17 +102,17 @@ fn follow<N: View<f64>>(model: &Model, tree: &mut TreeMemory<N>, scratch: &mut S
             break;
         }
         let (mut a, from) = if i == first {
-            (tree.screws.column[k], k + 1)
+            (tree.world.column[k], k + 1)
         } else {
-            (shifted(&tree.screws.twist_rate[body.parent], tree.screws.world[i].translation), body.dof)
+            (shifted(&tree.world.twist_rate[body.parent], tree.world.pose[i].translation), body.dof)
         };
         for index in from..body.dof + body.motion.nv() {
             let z = -tree.inertias.pivot[index].column.dot(&a);
-            a.add_scaled(z, &tree.screws.column[index]);
+            a.add_scaled(z, &tree.world.column[index]);
             scratch.share[index] = z.value().abs() * scratch.root[index];
             total += scratch.share[index];
         }
-        tree.screws.twist_rate[i] = a;
+        tree.world.twist_rate[i] = a;
     }
     total
 }

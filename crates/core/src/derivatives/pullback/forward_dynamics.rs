@@ -21,7 +21,7 @@ use crate::spatial::motion::MotionVector;
 use crate::workspace::buffers::Dense;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
-use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, Screws, TreeMemory, TreeStorage};
+use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, TreeMemory, TreeStorage, WorldFrameBuffers};
 use crate::{Model, Workspace};
 
 /// The arguments, for trees without coupled branches.
@@ -79,13 +79,13 @@ fn solve_again<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let TreeMemory {
         dofs: DofBuffers { tau, .. },
-        screws: Screws { column, levers, .. },
+        world: WorldFrameBuffers { column, levers, .. },
         inertias: Inertias { pivot, .. },
-        bodies: BodyBuffers { beyond, .. },
+        bodies: BodyBuffers { subtree_force: biases, .. },
         pullback,
         ..
     } = tree;
-    let (bodies, biases, shadows) = (&model.bodies[..n], &mut beyond[..n], &mut pullback.shadow[..n]);
+    let (bodies, biases, shadows) = (&model.bodies[..n], &mut biases[..n], &mut pullback.shadow[..n]);
     biases.fill(ForceVector::zero());
     for i in (0..n).rev() {
         let (body, mut bias) = (&bodies[i], biases[i]);

@@ -8,7 +8,7 @@ use super::parameters::check_parameters;
 use super::sweeps::{Results, sweep_in, sweep_out, weigh_bodies};
 use crate::derivatives::columns::subtract_carried;
 use crate::kinematics::place::spread;
-use crate::kinematics::screws::place_screws;
+use crate::kinematics::world_frame::compute_columns;
 use crate::kinematics::wrench::FrameWrench;
 use crate::model::native::NativeFunction;
 use crate::workspace::compiled_once::{compiled_once, run};
@@ -38,7 +38,7 @@ impl<S: Scalar> Kernel<TreeStorage, S> for NewtonEulerPullback<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, a, wrenches, cotangent, .. } = self;
-        place_screws(model, tree, N::view(q));
+        compute_columns(model, tree, N::view(q));
         spread(model, N::view(v), &mut tree.dofs.v);
         spread(model, N::view(a), &mut tree.dofs.a);
         spread(model, N::view(cotangent), &mut tree.dofs.tau);

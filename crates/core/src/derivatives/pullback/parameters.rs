@@ -15,9 +15,9 @@ use robot_dynamics_number::algebra::M3;
 
 use crate::algorithms::regressor::link_bodies;
 use crate::joint::Chart;
-use crate::kinematics::screws::shifted;
+use crate::kinematics::world_frame::shifted;
 use crate::model::Dof;
-use crate::workspace::tree::{Angles, DofBuffers, Screws, TreeMemory};
+use crate::workspace::tree::{Angles, DofBuffers, TreeMemory, WorldFrameBuffers};
 use crate::{Joint, Model, PARAMETERS_PER_LINK};
 
 /// The number of passive parameters of one joint: armature, damping, friction, stiffness, rest, as in
@@ -139,7 +139,7 @@ impl<'a, S> ParameterCotangents<'a, S> {
 #[inline(always)]
 pub(super) fn add_inertial<S: Scalar>(model: &Model, tree: &TreeMemory<S>, parameters: &mut [S]) {
     let n = model.bodies.len();
-    let TreeMemory { screws: Screws { world, twist, twist_rate, .. }, pullback, .. } = tree;
+    let TreeMemory { world: WorldFrameBuffers { pose: world, twist, twist_rate, .. }, pullback, .. } = tree;
     let (bodies, world, shadows) = (&model.bodies[..n], &world[..n], &pullback.shadow[..n]);
     let (twists, rates) = (&twist[..n], &twist_rate[..n]);
     let mut first = 0;

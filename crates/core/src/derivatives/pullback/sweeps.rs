@@ -5,12 +5,12 @@ use robot_dynamics_number::algebra::V3;
 
 use super::parameters::{add_inertial, add_passive};
 use crate::Model;
-use crate::kinematics::screws::{force_cross, inertia_in_world, momentum_of, motion_cross};
 use crate::kinematics::shifts::{pass_inward, pass_outward};
+use crate::kinematics::world_frame::{force_cross, inertia_in_world, momentum_of, motion_cross};
 use crate::model::{Body, WORLD};
 use crate::spatial::force::ForceVector;
 use crate::spatial::motion::MotionVector;
-use crate::workspace::tree::{BodyBuffers, DofBuffers, Screws, TreeMemory};
+use crate::workspace::tree::{BodyBuffers, DofBuffers, TreeMemory, WorldFrameBuffers};
 
 /// The world's acceleration: −gravity.
 #[inline(always)]
@@ -19,13 +19,13 @@ fn ground<S: Scalar>(model: &Model) -> MotionVector<S> {
 }
 
 /// The outward sweep: V, A and L of each body, from `dofs.{v, a}` and λ in `dofs.tau`. Call after
-/// [`place_screws`](crate::kinematics::screws::place_screws).
+/// [`compute_columns`](crate::kinematics::world_frame::compute_columns).
 #[inline(always)]
 pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let TreeMemory {
         dofs: DofBuffers { v, a, tau },
-        screws: Screws { column, levers, twist, twist_rate, .. },
+        world: WorldFrameBuffers { column, levers, twist, twist_rate, .. },
         pullback,
         ..
     } = tree;
@@ -61,7 +61,7 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
 pub(super) fn weigh_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let TreeMemory {
-        screws: Screws { world, twist, twist_rate, .. },
+        world: WorldFrameBuffers { pose: world, twist, twist_rate, .. },
         bodies: BodyBuffers { force, .. },
         pullback,
         ..
@@ -116,7 +116,7 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, resul
     let n = model.bodies.len();
     let TreeMemory {
         dofs: DofBuffers { tau, .. },
-        screws: Screws { column, levers, twist, twist_rate, .. },
+        world: WorldFrameBuffers { column, levers, twist, twist_rate, .. },
         bodies: BodyBuffers { force, .. },
         pullback,
         ..

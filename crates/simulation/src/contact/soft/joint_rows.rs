@@ -50,7 +50,7 @@ impl JointRows {
         for friction in &self.frictions {
             let response = Response::new(&friction.softness, h, 0.0);
             let set = Set::Interval(-friction.most, friction.most);
-            let row = rows.problem.push_row(set, 1.0, &friction.slopes);
+            let row = rows.problem.push_row(set, 1.0, &friction.derivatives);
             rows.problem.soften(response.softness(friction.weight));
             rows.asked.push(RowReference::new(RowOrigin::Friction, row, response.damping, 0.0));
         }
@@ -103,7 +103,7 @@ impl JointRows {
                 continue;
             }
             let response = Response::new(&limit.softness.limit, h, distance);
-            let row = rows.problem.push_row(HALF_LINE, limit.sign, &limit.slopes);
+            let row = rows.problem.push_row(HALF_LINE, limit.sign, &limit.derivatives);
             rows.problem.soften(response.softness(limit.weight));
             rows.asked.push(RowReference::new(
                 RowOrigin::TendonLimit(limit.number, limit.sign),

@@ -32,7 +32,7 @@ clone_in_place! {
 #[derive(Clone, Debug)]
 pub(super) struct Friction {
     /// Its coordinates, in increasing order, with ∂/∂q of the position along which friction acts.
-    pub(super) slopes: Vec<(usize, f64)>,
+    pub(super) derivatives: Vec<(usize, f64)>,
     /// \[N·m or N\].
     pub(super) most: f64,
     pub(super) softness: SolverImpedance,
@@ -71,7 +71,7 @@ pub(super) struct TendonLimit {
     pub(super) number: usize,
     pub(super) length: JointSum,
     /// ∂ℓ/∂q by its coordinates, in increasing order.
-    pub(super) slopes: Vec<(usize, f64)>,
+    pub(super) derivatives: Vec<(usize, f64)>,
     pub(super) bound: f64,
     pub(super) sign: f64,
     pub(super) softness: TendonSolverImpedance,
@@ -123,7 +123,7 @@ impl JointRows {
             let (k, softness, square) = (dof.coordinate, of(dof.joint), dof.ratio * dof.ratio);
             if dof.passive.friction > 0.0 {
                 self.frictions.push(Friction {
-                    slopes: vec![(k, 1.0)],
+                    derivatives: vec![(k, 1.0)],
                     most: dof.ratio.abs() * dof.passive.friction,
                     softness: softness.friction,
                     weight: weights.coordinates[k],
@@ -205,19 +205,28 @@ impl JointRows {
             model.description().tendons.iter().zip(&weights.tendons).enumerate()
         {
             let length = tendon_length(model, tendon);
-            let slopes = length.row();
-            let Some(((last, _), others)) = slopes.split_last() else { continue };
+            let derivatives = length.row();
+            let Some(((last, _), others)) = derivatives.split_last() else { continue };
             let is_path = others.iter().all(|(k, _)| carriers(&carrier, *last).any(|i| i == *k));
             let most = tendon.passive.friction;
             if most > 0.0 {
-                let (slopes, softness) = (slopes.clone(), tendon.softness.friction);
-                self.frictions.push(Friction { slopes, most, softness, weight });
+                let (derivatives, softness) = (derivatives.clone(), tendon.softness.friction);
+                self.frictions.push(Friction { derivatives, most, softness, weight });
                 self.keeps_tree &= is_path;
             }
             for (bound, sign) in [(tendon.limits.lower, 1.0), (tendon.limits.upper, -1.0)] {
                 if bound.is_finite() {
-                    let (length, slopes, softness) = (length.clone(), slopes.clone(), tendon.softness);
-                    self.tendons.push(TendonLimit { number, length, slopes, bound, sign, softness, weight });
+                    let (length, derivatives, softness) =
+                        (length.clone(), derivatives.clone(), tendon.softness);
+                    self.tendons.push(TendonLimit {
+                        number,
+                        length,
+                        derivatives,
+                        bound,
+                        sign,
+                        softness,
+                        weight,
+                    });
                     self.keeps_tree &= is_path;
                 }
             }

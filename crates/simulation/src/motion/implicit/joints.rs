@@ -178,13 +178,13 @@ impl Joints {
     /// y −= g K x.
     pub(super) fn subtract_stiffness(&self, g: f64, x: &[f64], y: &mut [f64]) {
         for k in 0..x.len() {
-            y[k] -= g * self.slopes(k).0 * x[k];
+            y[k] -= g * self.derivatives(k).0 * x[k];
         }
         self.couplings.iter().for_each(|coupling| coupling.subtract_stiffness(g, x, y));
     }
 
     /// K and D of coordinate k alone, without negative values.
-    pub(super) fn slopes(&self, k: usize) -> (f64, f64) {
+    pub(super) fn derivatives(&self, k: usize) -> (f64, f64) {
         let damping = self.damping[k].max(0.0) + self.driven_damping[k];
         (self.stiffness[k] + self.driven_stiffness[k], damping)
     }
@@ -194,7 +194,7 @@ impl Joints {
         let is_coupled = |coupling: &Coupling| coupling.row.iter().any(|(coordinate, _)| *coordinate == k);
         self.damping[k] != 0.0
             || self.friction[k] != 0.0
-            || self.slopes(k) != (0.0, 0.0)
+            || self.derivatives(k) != (0.0, 0.0)
             || self.couplings.iter().any(is_coupled)
             || self.is_bounded[k]
     }

@@ -10,7 +10,7 @@
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::joint::{Chart, Position};
-use robot_dynamics_core::kinematics::screws::{move_screws, place_screws};
+use robot_dynamics_core::kinematics::world_frame::{compute_columns, compute_twists};
 use robot_dynamics_core::model::{Body, WORLD};
 use robot_dynamics_core::spatial::transform::Transform;
 use robot_dynamics_core::workspace::compiled_once::{compiled_once, run};
@@ -191,11 +191,11 @@ impl<S: Scalar> Kernel<TreeStorage, S> for CarriedMomenta<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, momenta } = self;
-        place_screws(model, tree, N::view(q));
-        move_screws(model, tree, N::view(v));
+        compute_columns(model, tree, N::view(q));
+        compute_twists(model, tree, N::view(v));
         let (momenta, _) = N::view_mut(momenta).as_chunks_mut::<3>();
         for (i, body) in model.bodies.iter().enumerate() {
-            let (place, twist) = (&tree.screws.world[i], &tree.screws.twist[i]);
+            let (place, twist) = (&tree.world.pose[i], &tree.world.twist[i]);
             let mass = N::from_f64(body.mass);
             let turned = place.rotation * V3::constant(&body.first_moment);
             let first_moment = turned.add_scaled(mass, place.translation);

@@ -176,7 +176,7 @@ fn stiffen_entries(
     entries: &mut [f64],
 ) {
     for k in 0..paths.carrier().len() {
-        let (diagonal, (stiffness, damping)) = (paths.diagonal_of(k, entries), joints.slopes(k));
+        let (diagonal, (stiffness, damping)) = (paths.diagonal_of(k, entries), joints.derivatives(k));
         let mass = *diagonal;
         *diagonal = mass + g * (damping + g * stiffness) + armature[trees[k]] * mass;
     }

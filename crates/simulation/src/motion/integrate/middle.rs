@@ -9,7 +9,7 @@ use robot_dynamics_core::{Model, gravity};
 use robot_dynamics_number::algebra::V3;
 
 use super::forces::StepForces;
-use super::momentum::momentum_and_slope;
+use super::momentum::momentum_and_kinetic_gradient;
 use super::retraction::HalfTurn;
 use super::workspace::StepWorkspace;
 
@@ -50,7 +50,7 @@ pub(crate) fn place_middle(model: &Model, workspace: &mut StepWorkspace, h: f64)
 pub(crate) fn evaluate_middle(model: &Model, workspace: &mut StepWorkspace, forces: &StepForces<'_>, h: f64) {
     let StepWorkspace { dynamics, q, v, p_start, momentum, slope, gravity: g, held, residual, force, .. } =
         workspace;
-    momentum_and_slope(model, dynamics, q, v, momentum, slope);
+    momentum_and_kinetic_gradient(model, dynamics, q, v, momentum, slope);
     gravity(model, dynamics, q, g);
     if forces.dissipation {
         damping(model, v, force);

@@ -15,7 +15,7 @@ use robot_dynamics_number::algebra::{Sym3, V3};
 /// the joint changes the velocity w from its parent by −δ s × w. Therefore ∂K/∂q = H·(w × s) = −sᵀ(w ×\* H),
 /// with (u,ω) ×\* (f,n) = (ω×f, ω×n + u×f). **(RBDA §2.9)** For quaternion joints this is the derivative
 /// along q ⊕ δ.
-pub(super) fn momentum_and_slope(
+pub(super) fn momentum_and_kinetic_gradient(
     model: &Model,
     workspace: &mut Workspace,
     q: &[f64],
@@ -27,9 +27,7 @@ pub(super) fn momentum_and_slope(
     place_bodies(model, tree, q);
     move_bodies(model, tree, v);
     let TreeMemory {
-        bodies: BodyBuffers { place, velocity, force, .. },
-        dofs: DofBuffers { v, a, tau },
-        ..
+        bodies: BodyBuffers { place, velocity, force, .. }, dofs: DofBuffers { v, a, tau }, ..
     } = tree;
     for (i, body) in model.bodies.iter().enumerate() {
         let MotionVector { linear: u, angular: w } = velocity[i];
@@ -84,7 +82,7 @@ mod tests {
             let state = random_state(&model, &mut robot_dynamics_number::SplitMix64::new(seed));
             let mut workspace = Workspace::new(&model);
             let [mut p, mut slope, mut expected] = [(); 3].map(|()| vec![0.0; model.nv()]);
-            momentum_and_slope(&model, &mut workspace, &state.q, &state.v, &mut p, &mut slope);
+            momentum_and_kinetic_gradient(&model, &mut workspace, &state.q, &state.v, &mut p, &mut slope);
             let largest_difference =
                 |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             robot_dynamics_core::momentum(&model, &mut workspace, &state.q, &state.v, &mut expected);

@@ -25,7 +25,7 @@ use robot_dynamics_number::algebra::V3;
 
 use super::forces::StepForces;
 use super::middle::{about_center, center, damping, evaluate_middle, moment_about_center, place_middle};
-use super::momentum::momentum_and_slope;
+use super::momentum::momentum_and_kinetic_gradient;
 use super::newton::{solve_by_newton, stays_short};
 use super::retraction::HalfTurn;
 use super::rounding::{is_rounding, largest, rounding_scale};
@@ -74,7 +74,7 @@ pub(crate) fn begin(
     workspace.q_start.copy_from_slice(q);
     workspace.v.copy_from_slice(v);
     let StepWorkspace { dynamics, p_start, slope, .. } = &mut *workspace;
-    momentum_and_slope(model, dynamics, q, v, p_start, slope);
+    momentum_and_kinetic_gradient(model, dynamics, q, v, p_start, slope);
     hold_forces(model, workspace, forces, v);
 }
 
@@ -253,7 +253,7 @@ pub(crate) fn velocity_of_momentum(
     factor.factor(model, dynamics, q_start)?;
     v.copy_from_slice(p_start);
     factor.solve(v);
-    momentum_and_slope(model, dynamics, q_start, v, momentum, slope);
+    momentum_and_kinetic_gradient(model, dynamics, q_start, v, momentum, slope);
     for ((r, p), m) in residual.iter_mut().zip(&*p_start).zip(&*momentum) {
         *r = p - m;
     }

@@ -126,7 +126,7 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
         // coordinate moves.
         let inertia = mass[k * nv + k];
         let unit = if column < 2 * nv || inertia <= 0.0 { 1.0 } else { inertia / h };
-        let slopes = column_of(|by| {
+        let derivatives = column_of(|by| {
             let [before, after] = [-by, by].map(|by| stepped(&mut stepper.clone(), column, by * unit));
             let (before, after) = (before?, after?);
             let slope = |mut change: Vec<f64>, by: f64| {
@@ -141,12 +141,12 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
                 mean: slope(change(&before, &after), 2.0 * by),
             })
         })?;
-        let Some(slopes) = slopes else {
+        let Some(derivatives) = derivatives else {
             let quantity = ["q", "v", "tau"][column / nv];
             let coordinate = model.coordinate_names().get(k).cloned().unwrap_or_default();
             return Err(StepDerivativeError::Discontinuous { quantity, coordinate });
         };
-        for (row, slope) in slopes.iter().enumerate() {
+        for (row, slope) in derivatives.iter().enumerate() {
             match column.checked_sub(2 * nv) {
                 Some(column) => by_force[row * nv + column] = slope / unit,
                 None => by_state[row * 2 * nv + column] = *slope,

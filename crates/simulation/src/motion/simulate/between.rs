@@ -16,7 +16,7 @@ pub struct Between<'a> {
     is_line: bool,
     displacement: Vec<f64>,
     /// s Θ̇ at the ends.
-    slopes: [Vec<f64>; 2],
+    derivatives: [Vec<f64>; 2],
     theta: Vec<f64>,
     rate: Vec<f64>,
 }
@@ -37,7 +37,7 @@ impl<'a> Between<'a> {
             model,
             is_line: order <= 2,
             displacement: zero(),
-            slopes: [zero(), zero()],
+            derivatives: [zero(), zero()],
             theta: zero(),
             rate: zero(),
         }
@@ -45,7 +45,7 @@ impl<'a> Between<'a> {
 
     /// Sets the step to interpolate.
     pub(super) fn take(&mut self, ends: &Ends<'_>) {
-        let Self { model, displacement, slopes: [first, last], .. } = self;
+        let Self { model, displacement, derivatives: [first, last], .. } = self;
         let s = ends.times.1 - ends.times.0;
         difference(model, ends.from.0, ends.to.0, displacement);
         first.copy_from_slice(ends.from.1);
@@ -57,7 +57,7 @@ impl<'a> Between<'a> {
 
     /// (q, v) at a time inside the step.
     pub(super) fn state(&mut self, ends: &Ends<'_>, time: f64, q: &mut [f64], v: &mut [f64]) {
-        let Self { model, is_line, displacement, slopes: [first, last], theta, rate } = self;
+        let Self { model, is_line, displacement, derivatives: [first, last], theta, rate } = self;
         let (t0, t1) = ends.times;
         if time >= t1 {
             q.copy_from_slice(ends.to.0);

@@ -6,11 +6,11 @@ use crate::spatial::motion::MotionVector;
 
 /// Derivatives of the motion by one DoF.
 #[derive(Clone, Copy, Debug)]
-pub struct Slope<S: Scalar> {
+pub struct MotionDerivatives<S: Scalar> {
     /// ψ = V_p × S.
-    pub once: MotionVector<S>,
+    pub psi: MotionVector<S>,
     /// ψ′ = A_p × S + V_p × ψ.
-    pub twice: MotionVector<S>,
+    pub psi_prime: MotionVector<S>,
     /// Ṡ + ψ.
-    pub swept: MotionVector<S>,
+    pub velocity_term: MotionVector<S>,
 }

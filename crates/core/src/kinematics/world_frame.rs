@@ -18,16 +18,16 @@ use crate::spatial::motion::MotionVector;
 use crate::spatial::transform::Transform;
 use crate::workspace::tree::TreeMemory;
 
-/// Reads q; writes placements in the inertial frame, the DoFs' motions `tree.screws.column`, and the
-/// reference points `tree.screws.points`.
+/// Reads q; writes placements in the inertial frame, the DoFs' motions `tree.world.column`, and the
+/// reference points `tree.world.points`.
 #[inline(always)]
-pub fn place_screws<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q: &[N]) {
+pub fn compute_columns<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q: &[N]) {
     evaluate_angles(model, tree, q);
     let n = model.bodies.len();
     let bodies = &model.bodies[..n];
     let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
-    let (world, columns) = (&mut tree.screws.world[..n], &mut tree.screws.column[..]);
-    let (points, levers) = (&mut tree.screws.points[..], &mut tree.screws.levers[..]);
+    let (world, columns) = (&mut tree.world.pose[..n], &mut tree.world.column[..]);
+    let (points, levers) = (&mut tree.world.points[..], &mut tree.world.levers[..]);
     if n == 0 {
         return;
     }
@@ -69,13 +69,13 @@ pub fn place_screws<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q: &[N])
     }
 }
 
-/// Writes each body's velocity V = Σ S v over its ancestors' DoFs and its own. Call after [`place_screws`].
+/// Writes each body's velocity V = Σ S v over its ancestors' DoFs and its own. Call after [`compute_columns`].
 #[inline(always)]
-pub fn move_screws<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, v: &[N]) {
+pub fn compute_twists<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, v: &[N]) {
     spread(model, v, &mut tree.dofs.v);
     let n = model.bodies.len();
-    let (bodies, twists) = (&model.bodies[..n], &mut tree.screws.twist[..n]);
-    let (rates, columns, levers) = (&tree.dofs.v[..], &tree.screws.column[..], &tree.screws.levers[..]);
+    let (bodies, twists) = (&model.bodies[..n], &mut tree.world.twist[..n]);
+    let (rates, columns, levers) = (&tree.dofs.v[..], &tree.world.column[..], &tree.world.levers[..]);
     let mut last = MotionVector::zero();
     for i in 0..n {
         let body = &bodies[i];
@@ -92,19 +92,19 @@ pub fn move_screws<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, v: &[N]) 
     }
 }
 
-/// Ṡ = V × S of every DoF. Call after [`move_screws`].
+/// Ṡ = V × S of every DoF. Call after [`compute_twists`].
 #[inline(always)]
-pub fn turn_screws<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
-    for (body, twist) in model.bodies.iter().zip(&tree.screws.twist) {
+pub fn compute_column_rates<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
+    for (body, twist) in model.bodies.iter().zip(&tree.world.twist) {
         for dof in body.dof..body.dof + body.motion.nv() {
-            tree.screws.column_rate[dof] = motion_cross(twist, &tree.screws.column[dof]);
+            tree.world.column_rate[dof] = motion_cross(twist, &tree.world.column[dof]);
         }
     }
 }
 
-/// V̇ = Σ Ṡ v + S a of every body, without gravity; `None` means a = 0. Call after [`turn_screws`].
+/// V̇ = Σ Ṡ v + S a of every body, without gravity; `None` means a = 0. Call after [`compute_column_rates`].
 #[inline(always)]
-pub fn accelerate_screws<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, a: Option<&[S]>) {
+pub fn compute_twist_rates<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, a: Option<&[S]>) {
     match a {
         Some(a) => {
             spread(model, a, &mut tree.dofs.a);
@@ -113,13 +113,13 @@ pub fn accelerate_screws<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, a: 
     }
     for (i, body) in model.bodies.iter().enumerate() {
         let mut rate =
-            if body.parent == WORLD { MotionVector::zero() } else { tree.screws.twist_rate[body.parent] };
-        pass_outward(body, &tree.screws.levers, &mut rate);
+            if body.parent == WORLD { MotionVector::zero() } else { tree.world.twist_rate[body.parent] };
+        pass_outward(body, &tree.world.levers, &mut rate);
         for dof in body.dof..body.dof + body.motion.nv() {
-            rate.add_scaled(tree.dofs.v[dof], &tree.screws.column_rate[dof]);
-            rate.add_scaled(tree.dofs.a[dof], &tree.screws.column[dof]);
+            rate.add_scaled(tree.dofs.v[dof], &tree.world.column_rate[dof]);
+            rate.add_scaled(tree.dofs.a[dof], &tree.world.column[dof]);
         }
-        tree.screws.twist_rate[i] = rate;
+        tree.world.twist_rate[i] = rate;
     }
 }
 
@@ -184,8 +184,8 @@ pub fn inertia_in_world<S: Scalar>(body: &Body, place: &Transform<S>) -> Spatial
 #[inline(always)]
 pub fn composites_in_world<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
-    let (bodies, world) = (&model.bodies[..n], &tree.screws.world[..n]);
-    let (composites, levers) = (&mut tree.inertias.composite[..n], &tree.screws.levers[..]);
+    let (bodies, world) = (&model.bodies[..n], &tree.world.pose[..n]);
+    let (composites, levers) = (&mut tree.inertias.composite[..n], &tree.world.levers[..]);
     for i in 0..n {
         composites[i] = inertia_in_world(&bodies[i], &world[i]);
     }

@@ -16,7 +16,7 @@ use crate::free_robot::free_robot;
 /// All functions that have derivatives, those of frames for the last frame.
 fn functions(model: &Model) -> Vec<Function> {
     let of_frames = Function::of_frame(&model.frames().last().unwrap().name);
-    Function::PLAIN.into_iter().chain(of_frames).filter(Function::has_slopes).collect()
+    Function::PLAIN.into_iter().chain(of_frames).filter(Function::is_differentiable).collect()
 }
 
 /// In both precisions, fused and not, the simplified derivatives agree with the library's dual numbers up to
@@ -27,11 +27,11 @@ fn derivatives_agree_with_dual_numbers() {
     let (own, single) = (Arithmetic::default(), Arithmetic::new(Precision::Single));
     let mut compared = 0;
     for function in functions(&model) {
-        for slopes in
+        for derivatives in
             [Function::Derivatives(Box::new(function.clone())), Function::Pullback(Box::new(function))]
         {
             for arithmetic in [own, own.with_fused(), single] {
-                let program = Program::new(&slopes, &model, arithmetic, 2).unwrap();
+                let program = Program::new(&derivatives, &model, arithmetic, 2).unwrap();
                 for case in &program.cases {
                     let (found, _) = interpret(
                         &program.graph,
@@ -44,18 +44,21 @@ fn derivatives_agree_with_dual_numbers() {
                     let mut size = 0.0_f64;
                     for ((found, expected), outcome) in found.iter().zip(&case.results).zip(&program.outcomes)
                     {
-                        assert_eq!(expected.len(), outcome.length(), "{slopes}: {}", outcome.name);
-                        assert_eq!(found.len(), expected.len(), "{slopes}: {}", outcome.name);
+                        assert_eq!(expected.len(), outcome.length(), "{derivatives}: {}", outcome.name);
+                        assert_eq!(found.len(), expected.len(), "{derivatives}: {}", outcome.name);
                         for (x, y) in found.iter().zip(expected) {
                             let off = (x - y).abs();
-                            assert!(off <= program.tolerance, "{slopes}, {arithmetic:?}: {x:e}, not {y:e}");
+                            assert!(
+                                off <= program.tolerance,
+                                "{derivatives}, {arithmetic:?}: {x:e}, not {y:e}"
+                            );
                             size = size.max(y.abs());
                             compared += 1;
                         }
                     }
                     let is_precise =
                         arithmetic.precision == Precision::Single || program.tolerance < 1e-10 * size;
-                    assert!(is_precise || size == 0.0, "{slopes}: {:e} of {size:e}", program.tolerance);
+                    assert!(is_precise || size == 0.0, "{derivatives}: {:e} of {size:e}", program.tolerance);
                 }
             }
         }
@@ -155,12 +158,14 @@ fn derivatives_have_no_derivatives() {
     let model = free_robot();
     let parsed = |text: &str| text.parse::<Function>().unwrap_err();
     let text = "inverse_dynamics_pullback_derivatives";
-    assert!(matches!(parsed(text), FunctionError::NoSlopes { function } if function == text));
+    assert!(matches!(parsed(text), FunctionError::NotDifferentiable { function } if function == text));
     let text = "gravity_derivatives_derivatives";
     assert!(matches!(parsed(text), FunctionError::Unknown { name } if name == text));
     let nested = Function::Gravity.derivatives().derivatives();
     let error = Program::new(&nested, &model, Arithmetic::default(), 1).unwrap_err();
-    let GenerateError::Function(FunctionError::NoSlopes { function }) = &error else { panic!("{error}") };
+    let GenerateError::Function(FunctionError::NotDifferentiable { function }) = &error else {
+        panic!("{error}")
+    };
     assert_eq!(function, "gravity_derivatives_derivatives");
     let pose: Function = "frame_pose_pullback:hand".parse().unwrap();
     assert_eq!(pose, Function::FramePose("hand".into()).pullback());
