@@ -52,8 +52,8 @@ pub struct JointSolverImpedance {
     pub is_weighed_by_mass: bool,
 }
 
-/// Prints the name `JointSoftness` of version 0.1, and omits the field `is_weighed_by_mass` if it is false: the
-/// text enters the fingerprint of a robot.
+/// Prints the name `JointSoftness` of version 0.1, and omits the field `is_weighed_by_mass` if it is false:
+/// the text enters the fingerprint of a robot.
 impl core::fmt::Debug for JointSolverImpedance {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let Self { limit, friction, margin, reference, is_weighed_by_mass } = self;

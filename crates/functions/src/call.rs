@@ -12,8 +12,8 @@ impl Function {
     /// Computes the function's results, each by rows, by the library's calls over any number.
     ///
     /// # Errors
-    /// [`FunctionError::NoSuchFrame`]; [`FunctionError::NotDifferentiable`] for derivatives and pullbacks through a
-    /// graph.
+    /// [`FunctionError::NoSuchFrame`]; [`FunctionError::NotDifferentiable`] for derivatives and pullbacks
+    /// through a graph.
     ///
     /// ```
     /// use robot_dynamics::description::pendulum;

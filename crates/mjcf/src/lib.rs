@@ -1,11 +1,11 @@
 //! Reads and writes MJCF robot files, the format of MuJoCo.
 //!
-//! [`load`], [`load_from_files`] and [`parse`] turn an MJCF file and the files that it includes or attaches into a
-//! [`robot_dynamics_description::RobotDescription`] and a [`LoadReport`], which lists, by line, everything
-//! that was read, defaulted and ignored. A file without a meaning in the equations of motion is refused with
-//! a [`LoadError`] that lists all of its errors. Suspicious values are taken as written, with a warning in
-//! the report ([`Severity`]). A mesh file is opened only if the inertia of a body comes from it. [`write()`]
-//! writes a robot as MJCF.
+//! [`load`], [`load_from_files`] and [`parse`] turn an MJCF file and the files that it includes or attaches
+//! into a [`robot_dynamics_description::RobotDescription`] and a [`LoadReport`], which lists, by line,
+//! everything that was read, defaulted and ignored. A file without a meaning in the equations of motion is
+//! refused with a [`LoadError`] that lists all of its errors. Suspicious values are taken as written, with a
+//! warning in the report ([`Severity`]). A mesh file is opened only if the inertia of a body comes from it.
+//! [`write()`] writes a robot as MJCF.
 //!
 //! ```
 //! let robot = robot_dynamics_mjcf::parse(

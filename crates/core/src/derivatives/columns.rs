@@ -18,8 +18,9 @@ use crate::workspace::derivatives::Scratch;
 use crate::workspace::motion_derivatives::MotionDerivatives;
 use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, TreeMemory, WorldFrameBuffers};
 
-/// The outward sweep: velocities V, accelerations A, each DoF's [`MotionDerivatives`], and each body's inertia, 2B and
-/// force. Reads the placements and DoFs in the inertial frame, `tree.dofs.v` and `tree.dofs.a`.
+/// The outward sweep: velocities V, accelerations A, each DoF's [`MotionDerivatives`], and each body's
+/// inertia, 2B and force. Reads the placements and DoFs in the inertial frame, `tree.dofs.v` and
+/// `tree.dofs.a`.
 #[inline(always)]
 pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, ground: [f64; 3]) {
     let world_rate = MotionVector { linear: V3::from_f64(ground), angular: V3::zero() };

@@ -69,7 +69,8 @@ pub fn compute_columns<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q: &[
     }
 }
 
-/// Writes each body's velocity V = Σ S v over its ancestors' DoFs and its own. Call after [`compute_columns`].
+/// Writes each body's velocity V = Σ S v over its ancestors' DoFs and its own. Call after
+/// [`compute_columns`].
 #[inline(always)]
 pub fn compute_twists<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, v: &[N]) {
     spread(model, v, &mut tree.dofs.v);

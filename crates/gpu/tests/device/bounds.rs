@@ -6,8 +6,8 @@
 //! of their number; over joints they are added. This gives k = 4 nv roundings ε of the intermediate numbers.
 //! Their size follows from rᵢ². If joint i is prismatic, rᵢ² is the mass of its subtree. Otherwise it is the
 //! subtree's moment of inertia about the worst axis through the joint's origin or that of a joint before it.
-//! M and a are found in a frame with the origin of one of these (`core/src/kinematics/world_frame.rs`). By Cauchy
-//! and Schwarz no part of M_ij exceeds rᵢ rⱼ, and no part of τᵢ exceeds rᵢ f,
+//! M and a are found in a frame with the origin of one of these (`core/src/kinematics/world_frame.rs`). By
+//! Cauchy and Schwarz no part of M_ij exceeds rᵢ rⱼ, and no part of τᵢ exceeds rᵢ f,
 //!
 //! f = Σ rⱼ |aⱼ| + Σ |ωₖ| Σ rⱼ |vⱼ| + √m |g|,
 //!
