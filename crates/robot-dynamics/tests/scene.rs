@@ -221,7 +221,9 @@ fn refused_robots_leave_the_scene_as_it_is() {
         Err(ModelError::SeveralRoots { .. })
     ));
     let plane = Object::of_density("floor", Shape::Plane { half_size: [0.0; 2] }, 1000.0);
-    assert!(matches!(scene.add_object(&plane, Pose::IDENTITY), Err(ModelError::BadNumber { .. })));
+    let refused = scene.add_object(&plane, Pose::IDENTITY).unwrap_err();
+    assert_eq!(refused.to_string(), "the mass of object `floor` must be positive and finite, got NaN kg");
+    assert!(matches!(&refused, ModelError::Input(error) if error.quantity == "the mass of object `floor`"));
     assert_eq!(scene, before);
 }
 

@@ -58,21 +58,14 @@ impl Object {
     /// A robot of one link.
     pub(super) fn description(&self) -> Result<RobotDescription, ModelError> {
         let Self { name, shape, mass, surface, color } = self;
-        let owner = format!("object `{name}`");
         let mass_properties = match mass {
             None => None,
             Some(mass) => {
-                let bad = |quantity, value, expected| ModelError::BadNumber {
-                    owner: owner.clone(),
-                    quantity,
-                    value,
-                    expected,
-                };
-                check_positive("the mass", *mass, "kg")
-                    .map_err(|_| bad("the mass", *mass, "positive and finite"))?;
                 let volume = shape.volume().unwrap_or(f64::NAN);
-                let solid = shape.solid(mass / volume).and_then(Result::ok);
-                Some(solid.ok_or_else(|| bad("the volume", volume, "positive and finite"))?)
+                check_positive(&format!("the mass of object `{name}`"), *mass, "kg")?;
+                check_positive(&format!("the volume of object `{name}`"), volume, "m³")?;
+                let solid = shape.solid(mass / volume).transpose();
+                solid.map_err(|error| ModelError::Inertia { link: name.clone(), error })?
             }
         };
         let mut robot = RobotDescription::new(name);
