@@ -275,7 +275,7 @@ def test_simulations_of_a_batch_that_fail_leave_the_others_alone() -> None:
     torques = np.zeros((21, 2))
     torques[[3, 17], 1] = [np.nan, np.inf]
     batch.torques = torques
-    with pytest.raises(rd.BadSimulationsError, match="2 of 21 simulations cannot go on, the first is simulation 3: the controller's torque") as raised:
+    with pytest.raises(rd.BadSimulationsError, match=r"2 of 21 simulations cannot go on, the first is simulation 3: t = 0 s \(step 0\): torque\[1\] \(coordinate `elbow`\) is NaN") as raised:
         batch.step(30)
     assert list(raised.value.errors) == [3, 17] and isinstance(raised.value, rd.SimulationError)
     again = pickle.loads(pickle.dumps(raised.value))

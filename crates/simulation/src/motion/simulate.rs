@@ -34,6 +34,7 @@ pub use adaptive::{
 pub use between::Between;
 pub use callback::{CallbackError, IntoCallbackResult};
 pub use control::{ConstantTorque, Controller, ZeroTorque};
+pub(crate) use control_error::check_input_torque;
 pub use control_error::{ControllerError, check_controller_input, check_torque};
 pub use divergence_cause::DivergenceCause;
 pub use duration::steps_in;

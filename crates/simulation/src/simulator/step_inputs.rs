@@ -1,17 +1,18 @@
 //! The start and the end of a step: checks and limits of inputs, activations, mean acceleration.
 
+use robot_dynamics_number::check_number;
+
 use super::Simulation;
 use super::stepping::Memory;
-use crate::motion::simulate::RunLoop;
-use crate::{CallbackError, ControllerError, Run, RunError};
+use crate::RunError;
+use crate::motion::simulate::{RunLoop, check_input_torque};
 
 impl Simulation {
     /// Checks the inputs, clips torques to their limits, and converts wrenches to generalized forces.
     pub(super) fn begin_step(&mut self, course: &RunLoop<'_>) -> Result<(), RunError> {
         let Self { model, inputs, run, memory, effort, workspace, .. } = self;
-        if let Some(index) = inputs.torques.iter().position(|tau| !tau.is_finite()) {
-            return Err(course.blow_up("the controller's torque", index, run.steps));
-        }
+        let refused = |source| RunError::StepInput { step: run.steps, time: course.time(run.steps), source };
+        check_input_torque(model, &inputs.torques).map_err(refused)?;
         memory.tau.copy_from_slice(&inputs.torques);
         if let Some(effort) = effort {
             for (tau, limit) in memory.tau.iter_mut().zip(effort.iter()) {
@@ -20,18 +21,16 @@ impl Simulation {
         }
         memory.applied.copy_from_slice(&memory.tau);
         for wrench in &inputs.wrenches {
-            if !wrench.is_finite() {
-                let frame = &model.frame_of(wrench.frame).name;
-                return Err(bad_input(run, format!("the wrench on frame `{frame}` is not finite")));
-            }
+            wrench.check(model).map_err(refused)?;
             let Memory { jacobian, applied, .. } = memory;
             wrench.add_to(model, workspace.dynamics(), &run.q, jacobian, applied);
         }
         if let Some(actuation) = &self.actuation {
             if let Some(index) = inputs.controls.iter().position(|control| !control.is_finite()) {
                 let name = actuation.control_names().nth(index).unwrap_or_default();
-                let control = inputs.controls[index];
-                return Err(bad_input(run, format!("the control of actuator `{name}` is {control}")));
+                let checked =
+                    check_number(&format!("the control of actuator `{name}`"), inputs.controls[index]);
+                checked.map_err(refused)?;
             }
             let half = 0.5 * self.step;
             actuation.activate(&inputs.controls, 0.0, &mut self.activations);
@@ -62,9 +61,4 @@ impl Simulation {
             actuation.activate(&inputs.controls, length, activations);
         }
     }
-}
-
-fn bad_input(run: &Run, message: String) -> RunError {
-    let source = ControllerError::Callback(CallbackError::new(message));
-    RunError::Controller { step: run.steps, time: run.time, source }
 }

@@ -1,6 +1,7 @@
 //! Wrenches on frames as inputs of a step.
 
 use robot_dynamics_core::{FrameId, Model, ReferenceFrame, Workspace, frame_jacobian};
+use robot_dynamics_number::{InvalidInput, check_finite};
 
 /// A force and a moment on the link that carries a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,9 +32,14 @@ impl AppliedWrench {
         Self { frame, axes: ReferenceFrame::LocalWorldAligned, force, moment: [0.0; 3] }
     }
 
-    /// Whether all entries are finite.
-    pub(super) fn is_finite(&self) -> bool {
-        self.force.iter().chain(&self.moment).all(|x| x.is_finite())
+    /// Checks that all entries are finite; an error names the frame.
+    pub(super) fn check(&self, model: &Model) -> Result<(), InvalidInput> {
+        let named = |error: InvalidInput| {
+            let frame = &model.frame_of(self.frame).name;
+            let quantity = format!("the {} on frame `{frame}`", error.quantity);
+            error.of(quantity)
+        };
+        check_finite("force", &self.force).and_then(|()| check_finite("moment", &self.moment)).map_err(named)
     }
 
     /// Adds Jᵀw at q to `tau`; `jacobian` is scratch memory for 6 nv numbers.

@@ -480,15 +480,14 @@ fn errors_keep_the_run_until_then() {
     let mut broken =
         |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau[0] = if t > 0.5 { f64::NAN } else { 0.1 };
     let failure = attempt(good, 0.01, 100, &mut broken);
-    let RunError::NotFinite { quantity, ref coordinate, time, .. } = failure.error else {
-        panic!("{failure}")
-    };
-    assert!(quantity == "the controller's torque" && coordinate == "hinge", "{failure}");
+    let RunError::StepInput { time, ref source, .. } = failure.error else { panic!("{failure}") };
+    let named = "torque[0] (coordinate `hinge`) is NaN; every number must be finite";
+    assert_eq!(source.to_string(), named);
     assert!((0.49..=0.5).contains(&time) && failure.until.trajectory.len() >= 45, "{failure}");
     let held = AdaptiveOptions { control: ControlTiming::Held { period: 0.1 }, ..good };
     let failure = attempt(held, 0.01, 100, &mut broken);
-    let RunError::NotFinite { ref coordinate, time, .. } = failure.error else { panic!("{failure}") };
-    assert!(coordinate == "hinge" && (0.6..0.7).contains(&time), "{failure}");
+    let RunError::StepInput { time, ref source, .. } = failure.error else { panic!("{failure}") };
+    assert!(source.to_string() == named && (0.6..0.7).contains(&time), "{failure}");
 
     // A controller that fails from 0.5 s on, with continuous control and with a control period.
     let mut lost = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {

@@ -4,7 +4,6 @@ use std::ops::ControlFlow;
 
 use dynamics::{PdHold, Reach2R, hold};
 use nalgebra::{Matrix3, Vector3, vector};
-use robot_dynamics::InputProblem;
 use robot_dynamics::algorithms::MotionError;
 use robot_dynamics::algorithms::gravity;
 use robot_dynamics::description::{
@@ -16,6 +15,7 @@ use robot_dynamics::simulation::{
     ConstantTorque, Controller, ControllerError, Effect, GravityAt, GravityCompensatedPd, Integrator, Method,
     Run, RunError, RunOptions, Simulation, SimulationBuilder, StepInfo,
 };
+use robot_dynamics::{Classified, ErrorKind, InputProblem};
 
 use crate::common::damped_tree;
 
@@ -245,10 +245,9 @@ fn diverging_run_keeps_its_samples() {
         )
         .unwrap_err();
     assert_eq!(failure.until.steps, 5);
-    let RunError::NotFinite { quantity, coordinate, step: 5, time } = &failure.error else {
-        panic!("{failure}")
-    };
-    assert_eq!((*quantity, coordinate.as_str(), *time), ("the controller's torque", "elbow", 0.05));
+    let RunError::StepInput { step: 5, time: 0.05, .. } = failure.error else { panic!("{failure}") };
+    let text = "t = 0.05 s (step 5): torque[1] (coordinate `elbow`) is NaN; every number must be finite";
+    assert_eq!((failure.kind(), failure.to_string()), (ErrorKind::InvalidInput, text.to_owned()));
 }
 
 /// A controller that fails ends the run. The error has the time and the cause in its own type, and the steps

@@ -7,6 +7,7 @@ use robot_dynamics::model::{Model, neutral};
 use robot_dynamics::simulation::{
     Event, Integrator, Method, RunError, RunOptions, Simulation, SimulationBuilder,
 };
+use robot_dynamics::{Classified, ErrorKind};
 
 use crate::hopper::hopper;
 
@@ -141,7 +142,10 @@ fn failed_step_leaves_state_unchanged() {
     let before = (simulation.q().to_vec(), simulation.time());
     simulation.set_torques(&[f64::INFINITY]);
     let error = simulation.step().expect_err("no torque");
-    assert!(matches!(error, RunError::NotFinite { .. }), "{error}");
+    assert!(matches!(error, RunError::StepInput { step: 100, .. }), "{error}");
+    assert_eq!(error.kind(), ErrorKind::InvalidInput);
+    let text = "t = 0.1 s (step 100): torque[0] (coordinate `hinge`) is inf; every number must be finite";
+    assert_eq!(error.to_string(), text);
     assert_eq!((simulation.q().to_vec(), simulation.time()), before);
     simulation.set_torques(&[0.0]);
     simulation.step().expect("a step");

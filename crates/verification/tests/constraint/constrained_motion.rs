@@ -5,6 +5,7 @@ use std::error::Error;
 
 use dynamics::{KnifeEdge, PlanarBody};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, matrix, vector};
+use robot_dynamics::InputProblem;
 use robot_dynamics::algorithms::frame_pose;
 use robot_dynamics::constraints::{
     Baumgarte, ConstrainedStepReport, ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintSet,
@@ -332,11 +333,11 @@ fn failing_controller_ends_constrained_run() -> Tested {
     let failure = simulation
         .run_steps_from(&q, &v, 100, RunOptions::new().sample_ends().controller(&mut broken))
         .unwrap_err();
-    let RunError::NotFinite { quantity: "the controller's torque", coordinate, step: 2, .. } = &failure.error
-    else {
+    let RunError::StepInput { step: 2, source, .. } = &failure.error else { panic!("{failure}") };
+    let InputProblem::NotFinite { index: Some(1), coordinate, .. } = &source.problem else {
         panic!("{failure}")
     };
-    assert_eq!(coordinate, &model.coordinate_names()[1]);
+    assert_eq!(coordinate.as_ref(), Some(&model.coordinate_names()[1]));
     assert_eq!(failure.until.steps, 2);
     Ok(())
 }

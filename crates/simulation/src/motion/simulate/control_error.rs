@@ -69,6 +69,11 @@ pub fn check_controller_input(model: &Model, t: f64, q: &[f64], v: &[f64]) -> Re
     check_vector(model, "v", v)
 }
 
+/// Checks that every torque that enters a step is finite.
+pub(crate) fn check_input_torque(model: &Model, tau: &[f64]) -> Result<(), InvalidInput> {
+    check_vector(model, "torque", tau)
+}
+
 /// Checks that the torque is finite.
 pub fn check_torque(tau: &[f64]) -> Result<(), InvalidInput> {
     check_result("the controller's torque", tau)

@@ -15,13 +15,23 @@ pub enum RunError {
     /// The step, a duration or the initial configuration is invalid.
     #[error("the run cannot start: {0}")]
     Input(#[from] InvalidInput),
-    /// A computed number, or the torque of a controller, is NaN or infinite.
+    /// A torque of a controller or of `set_torques`, a wrench or a control is NaN or infinite.
+    #[error("t = {time} s (step {step}): {source}")]
+    StepInput {
+        /// Completed steps.
+        step: usize,
+        /// The time \[s\].
+        time: f64,
+        /// The number, with its coordinate.
+        source: InvalidInput,
+    },
+    /// A computed number is NaN or infinite.
     #[error(
         "{quantity} is not finite at coordinate `{coordinate}`, t = {time} s (step {step}); \
          check the inputs, or take a smaller step"
     )]
     NotFinite {
-        /// The quantity: `v`, `the acceleration`, `the energy`, `the controller's torque`, ...
+        /// The quantity: `v`, `the acceleration`, `the energy`, ...
         quantity: &'static str,
         /// The first coordinate with such a number; for the energy, the fastest coordinate.
         coordinate: String,
@@ -105,7 +115,7 @@ pub enum RunError {
 impl Classified for RunError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::Input(error) => error.kind(),
+            Self::Input(source) | Self::StepInput { source, .. } => source.kind(),
             Self::NotFinite { .. } | Self::Diverged { .. } => ErrorKind::Diverged,
             Self::SingularMass { source, .. } => source.kind(),
             Self::Controller { source, .. } => source.kind(),

@@ -10,7 +10,7 @@ use super::super::event::EventDetector;
 use super::super::ledger::fastest;
 use super::super::results::Observer;
 use super::super::{Controller, Run, RunError, StepError, Stepper};
-use super::motion::{ExternalInputs, Motion, MotionFailure, TORQUE};
+use super::motion::{ExternalInputs, Motion, MotionFailure};
 use super::stepper::{Advance, StepSequence};
 use super::{AdaptiveStepper, ControlTiming};
 
@@ -198,8 +198,8 @@ impl AdaptiveRun<'_, '_> {
     /// Records the state y at `time`, and calls the observer.
     ///
     /// # Errors
-    /// [`RunError::Controller`] or [`RunError::NotFinite`] if the torque or the energy is missing; nothing is
-    /// recorded then.
+    /// [`RunError::Controller`] or [`RunError::StepInput`] if the torque is missing or invalid,
+    /// [`RunError::NotFinite`] if the energy is not finite; nothing is recorded then.
     fn sample(
         &mut self,
         motion: &Motion<'_, '_>,
@@ -299,6 +299,6 @@ impl HeldControl<'_> {
             source,
         })?;
         self.next += 1;
-        MotionFailure::of(TORQUE, tau).map_or(Ok(()), |failure| Err(failure.at(model, time, step)))
+        MotionFailure::of_torque(model, tau).map_or(Ok(()), |failure| Err(failure.at(model, time, step)))
     }
 }

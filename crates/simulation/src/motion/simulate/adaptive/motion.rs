@@ -6,8 +6,9 @@ use differential_equations::prelude::ODE;
 use robot_dynamics_core::configuration::configuration_rate::configuration_rate;
 use robot_dynamics_core::{Model, Workspace, dissipation, forward_dynamics, normalize_quaternions};
 use robot_dynamics_integrators::IntegratorError;
+use robot_dynamics_number::InvalidInput;
 
-use super::super::{Controller, ControllerError, RunError, StepError};
+use super::super::{Controller, ControllerError, RunError, StepError, check_input_torque};
 use crate::{Actuation, ActuationWorkspace};
 
 /// The state is y = (q, v, W, D): configuration, velocity, work of τ, and dissipated energy; the last two are
@@ -131,6 +132,8 @@ struct Scratch<'c> {
 pub(super) enum MotionFailure {
     /// The entry with this index of this quantity is not finite.
     NotFinite(&'static str, usize),
+    /// A torque is not finite.
+    Input(InvalidInput),
     /// The controller failed.
     Controller(ControllerError),
     /// The step became too small, or there were too many steps.
@@ -143,6 +146,11 @@ impl MotionFailure {
         x.iter().position(|x| !x.is_finite()).map(|index| Self::NotFinite(quantity, index))
     }
 
+    /// The failure for the first torque that is not finite, if any.
+    pub(super) fn of_torque(model: &Model, tau: &[f64]) -> Option<Self> {
+        check_input_torque(model, tau).err().map(Self::Input)
+    }
+
     /// Converts to the error of a run at a time, after a number of steps.
     pub(super) fn at(self, model: &Model, time: f64, step: usize) -> RunError {
         match self {
@@ -150,6 +158,7 @@ impl MotionFailure {
                 let coordinate = model.coordinate_names().get(index).cloned().unwrap_or_default();
                 RunError::NotFinite { quantity, coordinate, step, time }
             }
+            Self::Input(source) => RunError::StepInput { step, time, source },
             Self::Controller(source) => RunError::Controller { step, time, source },
             Self::Step(source) => RunError::Step { step, time, source },
         }
@@ -159,6 +168,7 @@ impl MotionFailure {
     pub(super) fn of_step(self) -> StepError {
         match self {
             Self::NotFinite(quantity, index) => IntegratorError::NotFinite { quantity, index }.into(),
+            Self::Input(error) => error.into(),
             // This branch is unreachable: with held torques there is no controller.
             Self::Controller(_) => IntegratorError::Interrupted.into(),
             Self::Step(error) => error,
@@ -208,7 +218,7 @@ impl<'a, 'c> Motion<'a, 'c> {
         let mut scratch = self.scratch.borrow_mut();
         scratch.ask(t, q, v).map_err(MotionFailure::Controller)?;
         tau.copy_from_slice(&scratch.tau);
-        MotionFailure::of(TORQUE, &scratch.asked).map_or(Ok(()), Err)
+        MotionFailure::of_torque(self.model, &scratch.asked).map_or(Ok(()), Err)
     }
 
     /// Counts the torques that were clipped in the last evaluation.
@@ -268,9 +278,6 @@ impl Scratch<'_> {
     }
 }
 
-/// The name of the torque in errors.
-pub(super) const TORQUE: &str = "the controller's torque";
-
 impl ODE<f64, Vec<f64>> for Motion<'_, '_> {
     fn diff(&self, t: f64, y: &Vec<f64>, rate: &mut Vec<f64>) {
         let model = self.model;
@@ -314,7 +321,7 @@ impl ODE<f64, Vec<f64>> for Motion<'_, '_> {
         configuration_rate(model, &y[..nq], v, q_rate);
         forward_dynamics(model, workspace, q, v, force, acceleration);
         if failure.is_none() {
-            *failure = MotionFailure::of(TORQUE, asked)
+            *failure = MotionFailure::of_torque(model, asked)
                 .or_else(|| MotionFailure::of("the acceleration", acceleration));
         }
     }
