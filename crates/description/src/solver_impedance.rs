@@ -57,7 +57,7 @@ pub struct JointSolverImpedance {
 impl core::fmt::Debug for JointSolverImpedance {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let Self { limit, friction, margin, reference, is_weighed_by_mass } = self;
-        let mut fields = f.debug_struct("JointSolverImpedance");
+        let mut fields = f.debug_struct("JointSoftness");
         fields
             .field("limit", limit)
             .field("friction", friction)
