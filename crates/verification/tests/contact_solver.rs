@@ -17,7 +17,7 @@ fn random_problem(seed: u64, cones: usize, bounds: usize) -> (ConeProblem, Vec<f
             matrix[i * n + j] = square + if i == j { 0.1 } else { 0.0 };
         }
     }
-    let carrier: Vec<usize> = (0..n).map(|k| k.checked_sub(1).unwrap_or(sparse::NONE)).collect();
+    let dof_parent: Vec<usize> = (0..n).map(|k| k.checked_sub(1).unwrap_or(sparse::NONE)).collect();
     let mut problem = ConeProblem::new(n);
     for block in 0..cones + bounds {
         let (set, rows) = if block < cones {
@@ -32,7 +32,7 @@ fn random_problem(seed: u64, cones: usize, bounds: usize) -> (ConeProblem, Vec<f
         }
     }
     problem.force.iter_mut().for_each(|force| *force = random.uniform(-1.0, 1.0));
-    (problem, matrix, carrier)
+    (problem, matrix, dof_parent)
 }
 
 /// The alternating direction method of multipliers on 300 random problems. Where both find a solution of
@@ -41,9 +41,9 @@ fn random_problem(seed: u64, cones: usize, bounds: usize) -> (ConeProblem, Vec<f
 fn alternating_method_finds_same_solution() {
     let (mut same, mut two, mut unsolved) = (0, 0, 0);
     for seed in 0..300 {
-        let (mut problem, matrix, carrier) =
+        let (mut problem, matrix, dof_parent) =
             random_problem(seed, 1 + (seed % 3) as usize, (seed % 4) as usize);
-        problem.take(&matrix, &carrier);
+        problem.take(&matrix, &dof_parent);
         assert!(problem.solve_rigid());
         let dense = problem.dense();
         // G p + g is the c of x.

@@ -95,12 +95,12 @@ pub(crate) fn accelerate<N: StateLanes, H: Hardware>(
         // If branches are coupled, the articulated-body recursion does not apply: compute x = τ − C v − g,
         // then solve M a = x.
         call::<H, _, _>(&mut workspace.tree, NewtonEuler::bias(model, q, v, acceleration));
-        let Workspace { tree, dense: Dense { matrix: mass, carrier, .. }, .. } = workspace;
+        let Workspace { tree, dense: Dense { matrix: mass, dof_parent, .. }, .. } = workspace;
         for k in 0..model.nv {
             acceleration[k] = tau[k] - acceleration[k];
         }
-        call::<H, _, _>(tree, FactoredMass { model, q, carrier, mass });
-        sparse::solve(carrier, mass, acceleration);
+        call::<H, _, _>(tree, FactoredMass { model, q, dof_parent, mass });
+        sparse::solve(dof_parent, mass, acceleration);
         return;
     }
     call::<H, _, _>(&mut workspace.tree, ArticulatedBodies { model, q, v, tau, wrenches: &[], acceleration });
@@ -110,7 +110,7 @@ pub(crate) fn accelerate<N: StateLanes, H: Hardware>(
 pub(crate) struct FactoredMass<'a, S> {
     model: &'a Model,
     q: &'a [S],
-    carrier: &'a [usize],
+    dof_parent: &'a [usize],
     mass: &'a mut [S],
 }
 
@@ -119,10 +119,10 @@ compiled_once!(FactoredMass);
 impl<S: Scalar> Kernel<TreeStorage, S> for FactoredMass<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
-        let Self { model, q, carrier, mass } = self;
+        let Self { model, q, dof_parent, mass } = self;
         let (q, mass, entries) = (N::view(q), N::view_mut(mass), Entries::Related);
         CompositeBodies { model, q, mass: &mut *mass, entries }.run::<N, H>(tree);
-        sparse::factor(carrier, mass);
+        sparse::factor(dof_parent, mass);
     }
 }
 
@@ -152,9 +152,9 @@ impl<T> Operation<T> for InverseMass {
         [q, ..]: [&[N]; 3],
         inverse: &mut [N],
     ) {
-        let Workspace { tree, dense: Dense { matrix: mass, vector: row, carrier, .. }, .. } = workspace;
-        call::<H, _, _>(tree, FactoredMass { model, q, carrier, mass });
-        sparse::invert(carrier, mass, row, inverse);
+        let Workspace { tree, dense: Dense { matrix: mass, vector: row, dof_parent, .. }, .. } = workspace;
+        call::<H, _, _>(tree, FactoredMass { model, q, dof_parent, mass });
+        sparse::invert(dof_parent, mass, row, inverse);
         // The recursion writes the upper triangle only.
         for i in 0..model.nv {
             for j in i + 1..model.nv {

@@ -64,12 +64,12 @@ pub(crate) fn accelerate_by_cholesky<S: Scalar>(
     acceleration: &mut [S],
 ) {
     workspace.allocate_matrices(model);
-    let Workspace { tree, dense: Dense { matrix, vector: bias, carrier, .. }, .. } = workspace;
+    let Workspace { tree, dense: Dense { matrix, vector: bias, dof_parent, .. }, .. } = workspace;
     run(tree, NewtonEuler { wrenches, ..NewtonEuler::bias(model, q, v, bias) });
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
     for ((a, &tau), &bias) in acceleration.iter_mut().zip(tau).zip(&*bias) {
         *a = tau - bias;
     }
-    sparse::factor(carrier, matrix);
-    sparse::solve(carrier, matrix, acceleration);
+    sparse::factor(dof_parent, matrix);
+    sparse::solve(dof_parent, matrix, acceleration);
 }

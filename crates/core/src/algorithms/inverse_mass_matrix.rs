@@ -53,7 +53,7 @@ pub fn inverse_mass_matrix<S: Scalar>(
         return;
     }
     workspace.allocate_matrices(model);
-    let Workspace { tree, dense: Dense { matrix, vector: row, carrier, .. }, .. } = workspace;
+    let Workspace { tree, dense: Dense { matrix, vector: row, dof_parent, .. }, .. } = workspace;
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
-    run(tree, Elimination { carrier, matrix, inverse: Some((row, inverse)) });
+    run(tree, Elimination { dof_parent, matrix, inverse: Some((row, inverse)) });
 }

@@ -57,12 +57,12 @@ pub fn mass_matrix_factor<S: Scalar>(model: &Model, workspace: &mut Workspace<S>
         return;
     }
     workspace.allocate_matrices(model);
-    let Workspace { tree, dense: Dense { matrix, carrier, .. }, .. } = workspace;
+    let Workspace { tree, dense: Dense { matrix, dof_parent, .. }, .. } = workspace;
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
-    run(tree, Elimination { carrier, matrix, inverse: None });
+    run(tree, Elimination { dof_parent, matrix, inverse: None });
     factor.fill(S::zero());
     for k in 0..model.nv {
-        for i in core::iter::once(k).chain(sparse::carriers(carrier, k)) {
+        for i in core::iter::once(k).chain(sparse::dof_ancestors(dof_parent, k)) {
             factor[k * model.nv + i] = matrix[k * model.nv + i];
         }
     }
@@ -70,7 +70,7 @@ pub fn mass_matrix_factor<S: Scalar>(model: &Model, workspace: &mut Workspace<S>
 
 /// Overwrites M with its factor and, if there is a buffer for it, computes the inverse from the factor.
 pub struct Elimination<'a, S> {
-    pub carrier: &'a [usize],
+    pub dof_parent: &'a [usize],
     pub matrix: &'a mut [S],
     pub inverse: Option<(&'a mut [S], &'a mut [S])>,
 }
@@ -80,11 +80,11 @@ compiled_once!(Elimination);
 impl<S: Scalar> Kernel<TreeStorage, S> for Elimination<'_, S> {
     #[inline(always)]
     fn run<N: View<S>, H: Hardware>(self, _: &mut TreeMemory<N>) {
-        let Self { carrier, matrix, inverse } = self;
-        sparse::factor(carrier, matrix);
+        let Self { dof_parent, matrix, inverse } = self;
+        sparse::factor(dof_parent, matrix);
         if let Some((row, inverse)) = inverse {
-            sparse::invert(carrier, matrix, row, inverse);
-            sparse::mirror(carrier.len(), inverse);
+            sparse::invert(dof_parent, matrix, row, inverse);
+            sparse::mirror(dof_parent.len(), inverse);
         }
     }
 }

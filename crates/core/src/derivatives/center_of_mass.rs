@@ -80,11 +80,11 @@ pub fn center_of_mass_velocity_derivative<S: Scalar>(
     let inverse_mass = 1.0 / model.mass();
     for (dof, s) in model.dofs.iter().zip(&workspace.tree.world.column) {
         let parent = model.bodies[dof.body].parent;
-        let mut carrier =
+        let mut parent_twist =
             if parent == WORLD { MotionVector::zero() } else { workspace.tree.world.twist[parent] };
-        pass_outward(&model.bodies[dof.body], &workspace.tree.world.levers, &mut carrier);
+        pass_outward(&model.bodies[dof.body], &workspace.tree.world.levers, &mut parent_twist);
         let carried =
-            momentum_of(&workspace.tree.inertias.composite[dof.body], &motion_cross(&carrier, s)).linear;
+            momentum_of(&workspace.tree.inertias.composite[dof.body], &motion_cross(&parent_twist, s)).linear;
         let change = s.angular.cross(workspace.tree.bodies.force[dof.body].linear) + carried;
         for (row, entry) in change.array().into_iter().enumerate() {
             by_position[row * nv + dof.coordinate] += entry.scale(dof.ratio * inverse_mass);

@@ -38,33 +38,33 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, grou
     let (flows, forces, inertias) = (&mut flow[..n], &mut force[..n], &mut composite[..n]);
     for i in 0..n {
         let body = &bodies[i];
-        let (mut carrier, mut carrier_rate) = if body.parent == WORLD {
+        let (mut parent_twist, mut parent_rate) = if body.parent == WORLD {
             (MotionVector::zero(), world_rate)
         } else {
             (twists[body.parent], rates[body.parent])
         };
         if body.shifts_reference_point {
-            pass_outward(body, levers, &mut carrier);
-            pass_outward(body, levers, &mut carrier_rate);
+            pass_outward(body, levers, &mut parent_twist);
+            pass_outward(body, levers, &mut parent_rate);
             derivatives.paths.seat(body.dof).0.lever = levers[body.point].array();
         }
         let dofs = body.dof..body.dof + body.motion.nv();
-        let mut twist = carrier;
+        let mut twist = parent_twist;
         for dof in dofs.clone() {
             twist.add_scaled(v[dof], &column[dof]);
         }
-        let mut rate = carrier_rate;
+        let mut rate = parent_rate;
         let alone = dofs.len() == 1;
         for dof in dofs {
             let s = column[dof];
-            let once = motion_cross(&carrier, &s);
-            let mut twice = motion_cross(&carrier_rate, &s);
-            twice.add(&motion_cross(&carrier, &once));
+            let psi = motion_cross(&parent_twist, &s);
+            let mut psi_prime = motion_cross(&parent_rate, &s);
+            psi_prime.add(&motion_cross(&parent_twist, &psi));
             // Ṡ = V × S is ψ if the body has no other DoF, because S × S = 0.
-            let turned = if alone { once } else { motion_cross(&twist, &s) };
-            let mut swept = once;
-            swept.add(&turned);
-            derivatives.motion[dof] = MotionDerivatives { psi: once, psi_prime: twice, velocity_term: swept };
+            let turned = if alone { psi } else { motion_cross(&twist, &s) };
+            let mut velocity_term = psi;
+            velocity_term.add(&turned);
+            derivatives.motion[dof] = MotionDerivatives { psi, psi_prime, velocity_term };
             let (block, lane) = derivatives.paths.seat(dof);
             block.write_column(lane, &s);
             rate.add_scaled(v[dof], &turned);
@@ -160,12 +160,12 @@ pub(super) fn accelerate<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     for i in 0..n {
         let body = &bodies[i];
         // δA replaces A, which is not read again.
-        let mut carrier = if body.parent == WORLD { MotionVector::zero() } else { rises[body.parent] };
-        pass_outward(body, levers, &mut carrier);
-        let mut rise = carrier;
+        let mut parent_twist = if body.parent == WORLD { MotionVector::zero() } else { rises[body.parent] };
+        pass_outward(body, levers, &mut parent_twist);
+        let mut rise = parent_twist;
         for dof in body.dof..body.dof + body.motion.nv() {
             let s = &column[dof];
-            derivatives.motion[dof].psi_prime.add(&motion_cross(&carrier, s));
+            derivatives.motion[dof].psi_prime.add(&motion_cross(&parent_twist, s));
             rise.add_scaled(a[dof], s);
         }
         rises[i] = rise;

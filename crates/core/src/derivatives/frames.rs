@@ -20,7 +20,7 @@ use crate::workspace::tree::TreeMemory;
 use crate::{FrameId, Model, ReferenceFrame, Workspace};
 
 /// A DoF between the root and a frame, about the reference point of the frame's body.
-struct Carrier<S: Scalar> {
+struct AncestorDof<S: Scalar> {
     dof: usize,
     /// S and Ṡ.
     s: MotionVector<S>,
@@ -32,11 +32,11 @@ struct Carrier<S: Scalar> {
 
 /// Calls `column` with each DoF between the root and the frame.
 #[inline(always)]
-fn for_each_carrier<S: Scalar>(
+fn for_each_ancestor<S: Scalar>(
     model: &Model,
     tree: &TreeMemory<S>,
     frame: FrameId,
-    mut column: impl FnMut(&Carrier<S>),
+    mut column: impl FnMut(&AncestorDof<S>),
 ) {
     let mut at = model.frame_of(frame).body.unwrap_or(WORLD);
     // From the DoF's reference point to the frame's.
@@ -55,7 +55,7 @@ fn for_each_carrier<S: Scalar>(
         for dof in body.dof..body.dof + body.motion.nv() {
             let [s, turned] =
                 [&tree.world.column[dof], &tree.world.column_rate[dof]].map(|s| shifted(s, own_arm));
-            column(&Carrier { dof, s, turned, velocity, acceleration });
+            column(&AncestorDof { dof, s, turned, velocity, acceleration });
         }
         at = body.parent;
     }
@@ -117,20 +117,20 @@ pub fn frame_velocity_derivative<S: Scalar>(
     let (tree, twist, point) = (&workspace.tree, &moving.twist, moving.place.translation);
     match reference_frame {
         ReferenceFrame::Local => {
-            for_each_carrier(model, tree, frame, |Carrier { dof, s, velocity, .. }| {
+            for_each_ancestor(model, tree, frame, |AncestorDof { dof, s, velocity, .. }| {
                 let carried = motion_cross(velocity, s);
                 add_column(model, by_position, *dof, &moving.motion_in_frame(&carried));
             });
         }
         ReferenceFrame::World => {
-            for_each_carrier(model, tree, frame, |Carrier { dof, s, velocity, .. }| {
+            for_each_ancestor(model, tree, frame, |AncestorDof { dof, s, velocity, .. }| {
                 let change = sum(&motion_cross(s, twist), &motion_cross(velocity, s));
                 add_column(model, by_position, *dof, &moving.motion_in_world(&change));
             });
         }
         // ∂ṗ = ∂u + ∂ω × p + ω × ∂p with ∂p = s + σ × p.
         ReferenceFrame::LocalWorldAligned => {
-            for_each_carrier(model, tree, frame, |Carrier { dof, s, velocity, .. }| {
+            for_each_ancestor(model, tree, frame, |AncestorDof { dof, s, velocity, .. }| {
                 let change = sum(&motion_cross(s, twist), &motion_cross(velocity, s));
                 let mut change = shifted(&change, point);
                 change.linear += twist.angular.cross(shifted(s, point).linear);
@@ -219,16 +219,16 @@ pub fn frame_acceleration_derivatives<S: Scalar>(
     by_velocity.fill(S::zero());
     let (tree, derivatives) = (&workspace.tree, FrameAccelerationDerivatives { model, moving: &moving });
     match reference_frame {
-        ReferenceFrame::Local => for_each_carrier(model, tree, frame, |carrier| {
-            derivatives.add_local(carrier, by_position, by_velocity);
+        ReferenceFrame::Local => for_each_ancestor(model, tree, frame, |ancestor| {
+            derivatives.add_local(ancestor, by_position, by_velocity);
         }),
-        ReferenceFrame::World => for_each_carrier(model, tree, frame, |carrier| {
-            derivatives.add_world(carrier, by_position, by_velocity);
+        ReferenceFrame::World => for_each_ancestor(model, tree, frame, |ancestor| {
+            derivatives.add_world(ancestor, by_position, by_velocity);
         }),
         ReferenceFrame::LocalWorldAligned => {
             let own = shifted(&moving.twist, moving.place.translation);
-            for_each_carrier(model, tree, frame, |carrier| {
-                derivatives.add_local_world_aligned(carrier, &own, by_position, by_velocity);
+            for_each_ancestor(model, tree, frame, |ancestor| {
+                derivatives.add_local_world_aligned(ancestor, &own, by_position, by_velocity);
             });
         }
     }
@@ -242,21 +242,21 @@ struct FrameAccelerationDerivatives<'a, S: Scalar> {
 
 impl<S: Scalar> FrameAccelerationDerivatives<'_, S> {
     #[inline(always)]
-    fn add_local(&self, carrier: &Carrier<S>, by_position: &mut [S], by_velocity: &mut [S]) {
-        let (Self { model, moving }, Carrier { dof, s, velocity, acceleration, .. }) = (self, carrier);
+    fn add_local(&self, ancestor: &AncestorDof<S>, by_position: &mut [S], by_velocity: &mut [S]) {
+        let (Self { model, moving }, AncestorDof { dof, s, velocity, acceleration, .. }) = (self, ancestor);
         let once = motion_cross(velocity, s);
         let mut change = motion_cross(&once, &moving.twist);
         change.add(&motion_cross(acceleration, s));
         change.add(&motion_cross(velocity, &once));
         add_column(model, by_position, *dof, &moving.motion_in_frame(&change));
-        let by_v = self.spatial_by_velocity(carrier, &once);
+        let by_v = self.spatial_by_velocity(ancestor, &once);
         add_column(model, by_velocity, *dof, &moving.motion_in_frame(&by_v));
     }
 
     #[inline(always)]
-    fn add_world(&self, carrier: &Carrier<S>, by_position: &mut [S], by_velocity: &mut [S]) {
-        let (Self { model, moving }, dof) = (self, carrier.dof);
-        let [by_q, by_v] = self.spatial(carrier, &motion_cross(&carrier.velocity, &carrier.s));
+    fn add_world(&self, ancestor: &AncestorDof<S>, by_position: &mut [S], by_velocity: &mut [S]) {
+        let (Self { model, moving }, dof) = (self, ancestor.dof);
+        let [by_q, by_v] = self.spatial(ancestor, &motion_cross(&ancestor.velocity, &ancestor.s));
         add_column(model, by_position, dof, &moving.motion_in_world(&by_q));
         add_column(model, by_velocity, dof, &moving.motion_in_world(&by_v));
     }
@@ -265,18 +265,18 @@ impl<S: Scalar> FrameAccelerationDerivatives<'_, S> {
     #[inline(always)]
     fn add_local_world_aligned(
         &self,
-        carrier: &Carrier<S>,
+        ancestor: &AncestorDof<S>,
         own: &MotionVector<S>,
         by_position: &mut [S],
         by_velocity: &mut [S],
     ) {
-        let (Self { model, moving }, Carrier { dof, s, velocity, .. }) = (self, carrier);
+        let (Self { model, moving }, AncestorDof { dof, s, velocity, .. }) = (self, ancestor);
         let (twist, rate, point) = (&moving.twist, &moving.rate, moving.place.translation);
         let once = motion_cross(velocity, s);
         let moved = shifted(s, point).linear;
         let twist_change = sum(&motion_cross(s, twist), &once);
         let velocity_change = shifted(&twist_change, point).linear + twist.angular.cross(moved);
-        let [by_q, by_v] = self.spatial(carrier, &once);
+        let [by_q, by_v] = self.spatial(ancestor, &once);
         let mut change = shifted(&by_q, point);
         change.linear += rate.angular.cross(moved)
             + twist_change.angular.cross(own.linear)
@@ -289,20 +289,20 @@ impl<S: Scalar> FrameAccelerationDerivatives<'_, S> {
 
     /// ∂A/∂q and ∂A/∂v at the inertial frame's origin, along the world's axes; `once` is ψ.
     #[inline(always)]
-    fn spatial(&self, carrier: &Carrier<S>, once: &MotionVector<S>) -> [MotionVector<S>; 2] {
-        let (twist, Carrier { s, velocity, acceleration, .. }) = (&self.moving.twist, carrier);
+    fn spatial(&self, ancestor: &AncestorDof<S>, once: &MotionVector<S>) -> [MotionVector<S>; 2] {
+        let (twist, AncestorDof { s, velocity, acceleration, .. }) = (&self.moving.twist, ancestor);
         let mut by_q = motion_cross(s, &self.moving.rate);
         by_q.add(&motion_cross(once, twist));
         by_q.add(&motion_cross(acceleration, s));
         by_q.add(&motion_cross(velocity, once));
-        [by_q, self.spatial_by_velocity(carrier, once)]
+        [by_q, self.spatial_by_velocity(ancestor, once)]
     }
 
     /// ∂A/∂v_j = Ṡ_j + ψ_j + S_j × V, in the inertial frame.
     #[inline(always)]
-    fn spatial_by_velocity(&self, carrier: &Carrier<S>, once: &MotionVector<S>) -> MotionVector<S> {
-        let mut by_v = sum(&carrier.turned, once);
-        by_v.add(&motion_cross(&carrier.s, &self.moving.twist));
+    fn spatial_by_velocity(&self, ancestor: &AncestorDof<S>, once: &MotionVector<S>) -> MotionVector<S> {
+        let mut by_v = sum(&ancestor.turned, once);
+        by_v.add(&motion_cross(&ancestor.s, &self.moving.twist));
         by_v
     }
 }

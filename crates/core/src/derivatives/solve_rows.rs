@@ -27,7 +27,7 @@ pub(super) fn solve_rows<N: Scalar, H: Hardware>(
     by_velocity: &mut [N],
     by_force: &mut [N],
 ) {
-    let Scratch { mass, by_position: x, by_velocity: y, passes, solved, carriers, unit, .. } = scratch;
+    let Scratch { mass, by_position: x, by_velocity: y, passes, solved, ancestors, unit, .. } = scratch;
     let right = Right { x, y, unit };
     let mut to = [by_position, by_velocity, by_force];
     let n = mass.len();
@@ -38,7 +38,7 @@ pub(super) fn solve_rows<N: Scalar, H: Hardware>(
         }
         let column = pass.groups.start * WIDTH;
         for tile in &mass.tiles {
-            by_count!(tile.rows, solve_lower::<N, H>(mass, *tile, solved, carriers, column, &mut to));
+            by_count!(tile.rows, solve_lower::<N, H>(mass, *tile, solved, ancestors, column, &mut to));
         }
     }
 }
@@ -141,7 +141,7 @@ fn solve_lower<N: Scalar, H: Hardware, const ROWS: usize>(
     mass: &TreeFactor<N>,
     Tile { first, depth, .. }: Tile,
     solved: &[Solved<N>],
-    carriers: &mut [Solved<N>],
+    ancestors: &mut [Solved<N>],
     column: usize,
     to: &mut [&mut [N]; 3],
 ) {
@@ -149,29 +149,29 @@ fn solve_lower<N: Scalar, H: Hardware, const ROWS: usize>(
     let (l, width) = mass.lower();
     let mut rows = [&l[..0]; ROWS];
     each!(ROWS, i => rows[i] = &l[(first + i) * width..][..depth + ROWS]);
-    let groups = solved.chunks_exact(n).zip(carriers.chunks_exact_mut(mass.deepest())).enumerate();
+    let groups = solved.chunks_exact(n).zip(ancestors.chunks_exact_mut(mass.deepest())).enumerate();
     // From the last group: padding beyond a row's end overwrites the start of the next row, which is written
     // later.
-    for (group, (solved, carriers)) in groups.rev() {
+    for (group, (solved, ancestors)) in groups.rev() {
         let own: &[_; ROWS] = part(solved, first);
         let at = first * n + column + group * WIDTH;
         if all_at_once::<N, H>() {
-            take_carriers::<_, ROWS, X, 3>(&rows, depth, own, carriers, to, at, n);
+            take_ancestors::<_, ROWS, X, 3>(&rows, depth, own, ancestors, to, at, n);
         } else {
-            take_carriers::<_, ROWS, X, 1>(&rows, depth, own, carriers, to, at, n);
-            take_carriers::<_, ROWS, Y, 1>(&rows, depth, own, carriers, to, at, n);
-            take_carriers::<_, ROWS, Z, 1>(&rows, depth, own, carriers, to, at, n);
+            take_ancestors::<_, ROWS, X, 1>(&rows, depth, own, ancestors, to, at, n);
+            take_ancestors::<_, ROWS, Y, 1>(&rows, depth, own, ancestors, to, at, n);
+            take_ancestors::<_, ROWS, Z, 1>(&rows, depth, own, ancestors, to, at, n);
         }
     }
 }
 
 /// A tile's rows of P matrices, of which M is the first.
 #[inline(always)]
-fn take_carriers<N: Scalar, const ROWS: usize, const M: usize, const P: usize>(
+fn take_ancestors<N: Scalar, const ROWS: usize, const M: usize, const P: usize>(
     rows: &[&[N]; ROWS],
     depth: usize,
     own: &[Solved<N>; ROWS],
-    carriers: &mut [Solved<N>],
+    ancestors: &mut [Solved<N>],
     to: &mut [&mut [N]; 3],
     at: usize,
     n: usize,
@@ -182,20 +182,20 @@ fn take_carriers<N: Scalar, const ROWS: usize, const M: usize, const P: usize>(
         // The sign changes for X and Y.
         sum[i][m] = scaled(&own[i].0[M + m], if M + m == Z { scale } else { -scale });
     }));
-    for (p, Solved(carrier)) in carriers[..depth].iter().enumerate() {
-        let carrier: &[_; P] = part(carrier, M);
-        each!(ROWS, i => each!(P, m => add_scaled(&mut sum[i][m], rows[i][p], &carrier[m])));
+    for (p, Solved(ancestor)) in ancestors[..depth].iter().enumerate() {
+        let ancestor: &[_; P] = part(ancestor, M);
+        each!(ROWS, i => each!(P, m => add_scaled(&mut sum[i][m], rows[i][p], &ancestor[m])));
     }
-    let carriers = &mut carriers[depth..][..ROWS];
+    let ancestors = &mut ancestors[depth..][..ROWS];
     each!(ROWS, i => {
         each!(i, j => each!(P, m => {
             let row = sum[j][m];
             add_scaled(&mut sum[i][m], rows[i][depth + j], &row);
         }));
-        *part_mut(&mut carriers[i].0, M) = sum[i];
+        *part_mut(&mut ancestors[i].0, M) = sum[i];
     });
     each!(ROWS, i => each!(P, m => {
-        store(&sum[i][m], &carriers[i].0[M + m], to[M + m], at + i * n);
+        store(&sum[i][m], &ancestors[i].0[M + m], to[M + m], at + i * n);
     }));
 }
 

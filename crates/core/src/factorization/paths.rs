@@ -109,7 +109,7 @@ impl Paths {
 
     /// Whether the zero patterns are equal.
     pub fn is_like(&self, other: &Self) -> bool {
-        self.carrier == other.carrier
+        self.dof_parent == other.dof_parent
     }
 
     /// Packs again a matrix that is packed with more zeros.
@@ -124,8 +124,8 @@ impl Paths {
     }
 
     /// λ.
-    pub fn carrier(&self) -> &[usize] {
-        &self.carrier
+    pub fn dof_parent(&self) -> &[usize] {
+        &self.dof_parent
     }
 
     /// As [`sparse::factor`](super::sparse::factor).
@@ -262,11 +262,11 @@ mod tests {
 
     use super::Paths;
     use crate::factorization::sparse;
-    use crate::factorization::sparse::{NONE, carriers};
+    use crate::factorization::sparse::{NONE, dof_ancestors};
 
     /// Random trees: the factor, the solution and M x equal those of `sparse`.
     #[test]
-    fn packed_rows_solve_as_carriers() {
+    fn packed_rows_solve_as_parent_array() {
         let mut paths = Paths::new(3);
         for seed in 0..200 {
             let mut random = SplitMix64::new(seed);
@@ -281,7 +281,7 @@ mod tests {
             }
             let mut matrix = vec![0.0; n * n];
             for k in 0..n {
-                for i in carriers(&tree, k) {
+                for i in dof_ancestors(&tree, k) {
                     matrix[k * n + i] = random.uniform(-1.0, 1.0);
                     matrix[i * n + k] = matrix[k * n + i];
                 }
@@ -289,7 +289,7 @@ mod tests {
             }
             let x: Vec<f64> = (0..n).map(|_| random.uniform(-1.0, 1.0)).collect();
             paths.choose(&tree);
-            assert!((0..n).all(|k| paths.depth(k) == carriers(&tree, k).count()));
+            assert!((0..n).all(|k| paths.depth(k) == dof_ancestors(&tree, k).count()));
             let packed = |matrix: &[f64]| {
                 let mut packed = Vec::new();
                 paths.pack(matrix, &mut packed);

@@ -22,19 +22,19 @@ pub const NONE: usize = usize::MAX;
 
 /// λ, the parent of each DoF of the tree: the previous DoF of its body, or the last one of the parent body.
 pub fn dof_parents(model: &Model) -> Vec<usize> {
-    let carrier = |(k, dof): (usize, &Dof)| {
+    let dof_parent = |(k, dof): (usize, &Dof)| {
         let body = &model.bodies[dof.body];
         if k > body.dof {
             return k - 1;
         }
         model.bodies.get(body.parent).map_or(NONE, |parent| parent.dof + parent.motion.nv() - 1)
     };
-    model.dofs.iter().enumerate().map(carrier).collect()
+    model.dofs.iter().enumerate().map(dof_parent).collect()
 }
 
 /// λ of each coordinate. Mimic joints and armature of tendons couple branches; then the parent of each
 /// coordinate is the previous one.
-pub fn coordinate_carriers(model: &Model) -> Vec<usize> {
+pub fn coordinate_parents(model: &Model) -> Vec<usize> {
     if model.needs_dense_factor {
         return (0..model.nv).map(|k| k.checked_sub(1).unwrap_or(NONE)).collect();
     }
@@ -42,11 +42,11 @@ pub fn coordinate_carriers(model: &Model) -> Vec<usize> {
 }
 
 /// For each DoF the index of its tree in the forest λ, and the number of trees.
-pub fn trees(carrier: &[usize]) -> (Vec<usize>, usize) {
-    let (mut trees, mut count) = (Vec::with_capacity(carrier.len()), 0);
-    for &carrier in carrier {
-        trees.push(if carrier == NONE { count } else { trees[carrier] });
-        count += usize::from(carrier == NONE);
+pub fn trees(dof_parent: &[usize]) -> (Vec<usize>, usize) {
+    let (mut trees, mut count) = (Vec::with_capacity(dof_parent.len()), 0);
+    for &dof_parent in dof_parent {
+        trees.push(if dof_parent == NONE { count } else { trees[dof_parent] });
+        count += usize::from(dof_parent == NONE);
     }
     (trees, count)
 }
@@ -55,16 +55,16 @@ pub fn trees(carrier: &[usize]) -> (Vec<usize>, usize) {
 /// root become one chain in the order of their indices; all other DoFs keep their parents.
 ///
 /// Ancestors of k stay ancestors of k, so the factor of a matrix with fewer entries is right as well.
-pub fn couple(carrier: &mut [usize], [mut one, mut two]: [usize; 2]) {
+pub fn couple(dof_parent: &mut [usize], [mut one, mut two]: [usize; 2]) {
     let before = |k: usize| if k == NONE { 0 } else { k + 1 };
     while one != two {
         if before(one) < before(two) {
             (one, two) = (two, one);
         }
         // `one` is the later of the two, and its path continues with the later of λ(one) and `two`.
-        let next = carrier[one];
+        let next = dof_parent[one];
         if before(next) < before(two) {
-            carrier[one] = two;
+            dof_parent[one] = two;
         }
         one = next;
     }
@@ -72,23 +72,23 @@ pub fn couple(carrier: &mut [usize], [mut one, mut two]: [usize; 2]) {
 
 /// The ancestors of DoF k, nearest first.
 #[inline(always)]
-pub fn carriers(carrier: &[usize], k: usize) -> impl Iterator<Item = usize> + '_ {
+pub fn dof_ancestors(dof_parent: &[usize], k: usize) -> impl Iterator<Item = usize> + '_ {
     // `NONE` is out of range, which ends the chain.
-    core::iter::successors(carrier.get(carrier[k]).map(|_| carrier[k]), |&i| {
-        carrier.get(carrier[i]).map(|_| carrier[i])
+    core::iter::successors(dof_parent.get(dof_parent[k]).map(|_| dof_parent[k]), |&i| {
+        dof_parent.get(dof_parent[i]).map(|_| dof_parent[i])
     })
 }
 
-/// Overwrites the lower triangle of M, row-major, with L, and its diagonal with D. `carrier` is λ. A negative
-/// pivot becomes NaN, and so do the solutions.
+/// Overwrites the lower triangle of M, row-major, with L, and its diagonal with D. `dof_parent` is λ. A
+/// negative pivot becomes NaN, and so do the solutions.
 #[inline(always)]
-pub fn factor<S: Scalar>(carrier: &[usize], m: &mut [S]) {
-    factor_by(carrier, m, |entry, _, inverse| entry * inverse);
+pub fn factor<S: Scalar>(dof_parent: &[usize], m: &mut [S]) {
+    factor_by(dof_parent, m, |entry, _, inverse| entry * inverse);
 }
 
 /// [`factor`] with one rounding for each quotient.
-pub fn factor_by_division(carrier: &[usize], m: &mut [f64]) {
-    factor_by(carrier, m, |entry, pivot, _| entry / pivot);
+pub fn factor_by_division(dof_parent: &[usize], m: &mut [f64]) {
+    factor_by(dof_parent, m, |entry, pivot, _| entry / pivot);
 }
 
 /// [`factor_by_division`] of a matrix equal to `mass`, or larger in the sense of quadratic forms. Rejects a
@@ -97,12 +97,12 @@ pub fn factor_by_division(carrier: &[usize], m: &mut [f64]) {
 /// # Errors
 /// [`IntegratorError::SingularMass`] with that DoF.
 pub fn factor_watched(
-    carrier: &[usize],
+    dof_parent: &[usize],
     m: &mut [f64],
     mass: impl Fn(usize) -> f64,
 ) -> Result<(), IntegratorError> {
-    factor_by_division(carrier, m);
-    let n = carrier.len();
+    factor_by_division(dof_parent, m);
+    let n = dof_parent.len();
     check_pivots((0..n).map(|k| (m[k * n + k], mass(k))))
 }
 
@@ -126,19 +126,19 @@ pub fn check_pivots(
 
 /// `quotient` computes the quotient from an entry, the pivot and its inverse.
 #[inline(always)]
-fn factor_by<S: Scalar>(carrier: &[usize], m: &mut [S], quotient: impl Fn(S, S, S) -> S) {
-    let n = carrier.len();
+fn factor_by<S: Scalar>(dof_parent: &[usize], m: &mut [S], quotient: impl Fn(S, S, S) -> S) {
+    let n = dof_parent.len();
     for k in (0..n).rev() {
         let own = m[k * n + k];
         // For negative numbers √ is NaN; for others the sum is unchanged.
         let pivot = own.sqrt().mul_add(S::zero(), own);
         m[k * n + k] = pivot;
         let inverse = S::one() / pivot;
-        for i in carriers(carrier, k) {
+        for i in dof_ancestors(dof_parent, k) {
             let factor = quotient(m[k * n + i], pivot, inverse);
             let square = factor * m[k * n + i];
             m[i * n + i] -= square;
-            for j in carriers(carrier, i) {
+            for j in dof_ancestors(dof_parent, i) {
                 let product = factor * m[k * n + j];
                 m[i * n + j] -= product;
             }
@@ -149,17 +149,17 @@ fn factor_by<S: Scalar>(carrier: &[usize], m: &mut [S], quotient: impl Fn(S, S, 
 
 /// x ← M⁻¹ x from the result of [`factor`]: Lᵀz = x from the last DoF, D y = z, then L x = y from the first.
 #[inline(always)]
-pub fn solve<S: Scalar>(carrier: &[usize], l: &[S], x: &mut [S]) {
-    let n = carrier.len();
+pub fn solve<S: Scalar>(dof_parent: &[usize], l: &[S], x: &mut [S]) {
+    let n = dof_parent.len();
     for k in (0..n).rev() {
-        for i in carriers(carrier, k) {
+        for i in dof_ancestors(dof_parent, k) {
             let product = l[k * n + i] * x[k];
             x[i] -= product;
         }
     }
     for k in 0..n {
         let mut sum = x[k] / l[k * n + k];
-        for i in carriers(carrier, k) {
+        for i in dof_ancestors(dof_parent, k) {
             sum -= l[k * n + i] * x[i];
         }
         x[k] = sum;
@@ -171,11 +171,11 @@ pub fn solve<S: Scalar>(carrier: &[usize], l: &[S], x: &mut [S]) {
 /// L X = D⁻¹L⁻ᵀ, and the right side has no entry below the diagonal. Row i of X left of the diagonal is
 /// −Σ L_ij X_j over the ancestors j of i, and X is symmetric.
 #[inline(always)]
-pub fn invert<S: Scalar>(carrier: &[usize], l: &[S], row: &mut [S], inverse: &mut [S]) {
-    let n = carrier.len();
+pub fn invert<S: Scalar>(dof_parent: &[usize], l: &[S], row: &mut [S], inverse: &mut [S]) {
+    let n = dof_parent.len();
     for i in 0..n {
         row[..i].fill(S::zero());
-        let mut j = carrier[i];
+        let mut j = dof_parent[i];
         while j < n {
             let factor = -l[i * n + j];
             for k in 0..=j {
@@ -184,13 +184,13 @@ pub fn invert<S: Scalar>(carrier: &[usize], l: &[S], row: &mut [S], inverse: &mu
             for k in j + 1..i {
                 row[k] = factor.mul_add(inverse[k * n + j], row[k]);
             }
-            j = carrier[j];
+            j = dof_parent[j];
         }
         let mut diagonal = S::one() / l[i * n + i];
-        let mut j = carrier[i];
+        let mut j = dof_parent[i];
         while j < n {
             diagonal -= l[i * n + j] * row[j];
-            j = carrier[j];
+            j = dof_parent[j];
         }
         inverse[i * n + i] = diagonal;
         inverse[i * n..i * n + i].copy_from_slice(&row[..i]);
@@ -226,7 +226,7 @@ mod tests {
                 couple(&mut coupled, *pair);
             }
             // A sum of squares over each path to the root, and over each joined pair of paths.
-            let path = |k: usize| core::iter::once(k).chain(carriers(&tree, k)).collect::<Vec<_>>();
+            let path = |k: usize| core::iter::once(k).chain(dof_ancestors(&tree, k)).collect::<Vec<_>>();
             let mut sets: Vec<Vec<usize>> = (0..n).map(path).collect();
             sets.extend(joined.iter().map(|[one, two]| [path(*one), path(*two)].concat()));
             let mut matrix = vec![0.0; n * n];
@@ -241,10 +241,10 @@ mod tests {
             }
             let b: Vec<f64> = (0..n).map(|_| random.uniform(-1.0, 1.0)).collect();
             let dense: Vec<usize> = (0..n).map(|k| k.checked_sub(1).unwrap_or(NONE)).collect();
-            let [x, expected] = [&coupled, &dense].map(|carrier| {
+            let [x, expected] = [&coupled, &dense].map(|dof_parent| {
                 let (mut factored, mut x) = (matrix.clone(), b.clone());
-                factor(carrier, &mut factored);
-                solve(carrier, &factored, &mut x);
+                factor(dof_parent, &mut factored);
+                solve(dof_parent, &factored, &mut x);
                 x
             });
             for (x, expected) in x.iter().zip(&expected) {

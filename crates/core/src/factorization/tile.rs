@@ -18,16 +18,16 @@ pub struct Tile {
     pub end: usize,
 }
 
-/// Splits the coordinates of a tree into tiles of limited height. `carrier` is λ; `may_follow` tells whether
-/// a coordinate may be in the tile of the previous one.
-pub(crate) fn tiles(carrier: &[usize], tallest: usize, may_follow: impl Fn(usize) -> bool) -> Vec<Tile> {
-    let n = carrier.len();
-    let end = ends(carrier);
+/// Splits the coordinates of a tree into tiles of limited height. `dof_parent` is λ; `may_follow` tells
+/// whether a coordinate may be in the tile of the previous one.
+pub(crate) fn tiles(dof_parent: &[usize], tallest: usize, may_follow: impl Fn(usize) -> bool) -> Vec<Tile> {
+    let n = dof_parent.len();
+    let end = ends(dof_parent);
     let mut depth: Vec<usize> = Vec::with_capacity(n);
-    for above in carrier {
+    for above in dof_parent {
         depth.push(depth.get(*above).map_or(0, |above| above + 1));
     }
-    let follows = |k: usize| k < n && carrier[k] == k - 1 && end[k] == end[k - 1] && may_follow(k);
+    let follows = |k: usize| k < n && dof_parent[k] == k - 1 && end[k] == end[k - 1] && may_follow(k);
     let (mut tiles, mut first) = (Vec::new(), 0);
     while first < n {
         let mut last = first + 1;
@@ -44,11 +44,11 @@ pub(crate) fn tiles(carrier: &[usize], tallest: usize, may_follow: impl Fn(usize
 }
 
 /// One past the last descendant of each coordinate.
-fn ends(carrier: &[usize]) -> Vec<usize> {
-    let mut ends: Vec<usize> = (1..=carrier.len()).collect();
-    for k in (0..carrier.len()).rev() {
+fn ends(dof_parent: &[usize]) -> Vec<usize> {
+    let mut ends: Vec<usize> = (1..=dof_parent.len()).collect();
+    for k in (0..dof_parent.len()).rev() {
         let own = ends[k];
-        if let Some(carried) = ends.get_mut(carrier[k]) {
+        if let Some(carried) = ends.get_mut(dof_parent[k]) {
             *carried = own.max(*carried);
         }
     }

@@ -27,10 +27,10 @@ pub struct TreeFactor<S> {
 }
 
 impl<S: Scalar> TreeFactor<S> {
-    /// `carrier` is λ.
-    pub(crate) fn new(carrier: &[usize]) -> Self {
+    /// `dof_parent` is λ.
+    pub(crate) fn new(dof_parent: &[usize]) -> Self {
         let tallest = if M3::<S>::KEEPS_TRANSPOSE { TALLEST } else { 1 };
-        let tiles = tiles(carrier, tallest, |_| true);
+        let tiles = tiles(dof_parent, tallest, |_| true);
         let depth: Vec<usize> = tiles.iter().flat_map(|tile| tile.depth..tile.depth + tile.rows).collect();
         let deepest = depth.iter().max().map_or(0, |deepest| deepest + 1);
         let width = deepest.next_multiple_of(WIDTH);

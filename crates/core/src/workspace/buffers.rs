@@ -4,7 +4,7 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::dispatch::StateMemory;
 
-use crate::factorization::sparse::coordinate_carriers;
+use crate::factorization::sparse::coordinate_parents;
 use crate::model::identity::Identity;
 use crate::workspace::extent;
 use crate::workspace::tree::TreeMemory;
@@ -45,7 +45,7 @@ pub struct Dense<S> {
     /// Twice nq numbers: a configuration and its rate.
     pub coordinates: Vec<S>,
     /// λ: the parent of each coordinate, or `sparse::NONE`.
-    pub carrier: Vec<usize>,
+    pub dof_parent: Vec<usize>,
 }
 
 impl<S: Scalar> Dense<S> {
@@ -56,7 +56,7 @@ impl<S: Scalar> Dense<S> {
             matrix: zeros(if has_matrix { nv * nv } else { 0 }),
             vector: zeros(nv),
             coordinates: zeros(2 * nq),
-            carrier: coordinate_carriers(model),
+            dof_parent: coordinate_parents(model),
         }
     }
 }
@@ -72,8 +72,8 @@ impl<S: Scalar> Workspace<S> {
     pub fn limited(model: &Model, limit: InstructionSet) -> Self {
         let has_matrices = model.nv <= MATRICES_FROM_START;
         let dense = Dense::new(model, has_matrices);
-        let carrier = if has_matrices { &dense.carrier[..] } else { &[] };
-        let tree = TreeMemory::limited(model, carrier, limit);
+        let dof_parent = if has_matrices { &dense.dof_parent[..] } else { &[] };
+        let tree = TreeMemory::limited(model, dof_parent, limit);
         Self { without_matrices: (!has_matrices).then_some(limit), ..Self::over(model, tree, dense) }
     }
 
@@ -93,7 +93,7 @@ impl<S: Scalar> Workspace<S> {
     #[cold]
     #[inline(never)]
     fn allocate_matrices_with(&mut self, model: &Model, limit: InstructionSet) {
-        let tree = TreeMemory::limited(model, &self.dense.carrier, limit);
+        let tree = TreeMemory::limited(model, &self.dense.dof_parent, limit);
         let native = core::mem::replace(&mut self.tree, tree).native;
         self.tree.native = native;
         self.dense.matrix = vec![S::zero(); model.nv * model.nv];
@@ -111,7 +111,7 @@ impl<S: Scalar> Workspace<S> {
     /// Memory over one scalar type only, for kernels.
     pub fn scratch(model: &Model) -> Self {
         let dense = Dense::new(model, true);
-        Self::over(model, TreeMemory::portable(model, &dense.carrier), dense)
+        Self::over(model, TreeMemory::portable(model, &dense.dof_parent), dense)
     }
 
     /// The instructions of its recursions. If these are AVX2, derivatives may use AVX-512.

@@ -25,18 +25,18 @@ pub struct Scratch<S: Scalar> {
     pub passes: Vec<Pass>,
     /// The right sides by groups of columns, and the rows of one tile's ancestors.
     pub solved: Vec<Solved<S>>,
-    pub carriers: Vec<Solved<S>>,
+    pub ancestors: Vec<Solved<S>>,
     /// A one among zeros: eight consecutive numbers of it are a block of a unit row, or zero.
     pub unit: [S; 2 * WIDTH],
 }
 
 impl<S: Scalar> Scratch<S> {
-    /// `carrier` is λ of each coordinate; if it is empty, there is no memory for matrices.
-    pub fn new(model: &Model, carrier: &[usize]) -> Self {
-        let (dofs, nv) = (model.dofs.len(), carrier.len());
+    /// `dof_parent` is λ of each coordinate; if it is empty, there is no memory for matrices.
+    pub fn new(model: &Model, dof_parent: &[usize]) -> Self {
+        let (dofs, nv) = (model.dofs.len(), dof_parent.len());
         let zero = S::zero();
         let motion = MotionVector::zero();
-        let mass = TreeFactor::new(carrier);
+        let mass = TreeFactor::new(dof_parent);
         let rows = mass.deepest();
         let groups = nv.div_ceil(WIDTH);
         let derivatives = vec![[zero; WIDTH]; groups * nv];
@@ -48,9 +48,9 @@ impl<S: Scalar> Scratch<S> {
             vector: vec![zero; nv],
             by_position: derivatives.clone(),
             by_velocity: derivatives,
-            passes: passes::<S>(carrier, &mass.tiles),
+            passes: passes::<S>(dof_parent, &mass.tiles),
             solved: vec![Solved::zero(); groups * nv],
-            carriers: vec![Solved::zero(); groups * rows],
+            ancestors: vec![Solved::zero(); groups * rows],
             unit,
             mass,
         }

@@ -54,7 +54,7 @@ pub struct Paths<S> {
 
 impl<S: Scalar> Paths<S> {
     pub fn new(model: &Model) -> Self {
-        let carrier = dof_parents(model);
+        let dof_parent = dof_parents(model);
         let several = |dof: usize| {
             let body = model.dofs[dof].body;
             (model.bodies[body].motion.nv() > 1).then_some(body)
@@ -63,8 +63,8 @@ impl<S: Scalar> Paths<S> {
             let body = &model.bodies[model.dofs[dof].body];
             body.shifts_reference_point && body.dof == dof
         };
-        let tiles = tiles(&carrier, LANES, |k| several(k) == several(k - 1) && !shifts_reference_point(k));
-        let mut lanes = vec![(0, 0); carrier.len()];
+        let tiles = tiles(&dof_parent, LANES, |k| several(k) == several(k - 1) && !shifts_reference_point(k));
+        let mut lanes = vec![(0, 0); dof_parent.len()];
         for (at, tile) in tiles.iter().enumerate() {
             for lane in 0..tile.rows {
                 lanes[tile.first + lane] = (at, lane);
@@ -78,7 +78,7 @@ impl<S: Scalar> Paths<S> {
             column: [[zero; 6]; LANES],
             inertial: [[zero; 9]; LANES],
             tile,
-            before: lanes.get(carrier[tile.first]).map_or(NONE, |lane| lane.0),
+            before: lanes.get(dof_parent[tile.first]).map_or(NONE, |lane| lane.0),
             joint_body: several(tile.first),
             shifts_reference_point: shifts_reference_point(tile.first),
             lever: [zero; 3],

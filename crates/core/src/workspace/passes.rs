@@ -5,7 +5,7 @@ use core::ops::Range;
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::M3;
 
-use crate::factorization::sparse::carriers;
+use crate::factorization::sparse::dof_ancestors;
 use crate::factorization::tile::{Tile, WIDTH};
 
 /// Eight columns of one row of L⁻ᵀX, L⁻ᵀY and L⁻ᵀ; after the sweeps of −M⁻¹X, −M⁻¹Y and M⁻¹. No load crosses
@@ -43,23 +43,23 @@ pub struct Place {
     pub inside: usize,
 }
 
-/// The passes, from the last columns to the first; `carrier` is λ. One state takes all columns at once, so
+/// The passes, from the last columns to the first; `dof_parent` is λ. One state takes all columns at once, so
 /// that independent paths overlap. Several states take eight columns, which fill the nearest cache.
-pub fn passes<S: Scalar>(carrier: &[usize], tiles: &[Tile]) -> Vec<Pass> {
-    let groups = carrier.len().div_ceil(WIDTH);
+pub fn passes<S: Scalar>(dof_parent: &[usize], tiles: &[Tile]) -> Vec<Pass> {
+    let groups = dof_parent.len().div_ceil(WIDTH);
     let width = if M3::<S>::KEEPS_TRANSPOSE { groups.max(1) } else { 1 };
     let starts = (0..groups).step_by(width).rev();
-    starts.map(|first| Pass::new(carrier, tiles, first..groups.min(first + width))).collect()
+    starts.map(|first| Pass::new(dof_parent, tiles, first..groups.min(first + width))).collect()
 }
 
 impl Pass {
-    fn new(carrier: &[usize], tiles: &[Tile], groups: Range<usize>) -> Self {
+    fn new(dof_parent: &[usize], tiles: &[Tile], groups: Range<usize>) -> Self {
         let (mut rows, mut places) = (Vec::new(), vec![Vec::new(); tiles.len()]);
         for (group, first) in groups.clone().map(|group| group * WIDTH).enumerate() {
-            let last = carrier.len().min(first + WIDTH);
+            let last = dof_parent.len().min(first + WIDTH);
             let meets = |tile: &Tile| {
                 (first < tile.end && tile.first < last)
-                    || carriers(carrier, tile.first).any(|j| (first..last).contains(&j))
+                    || dof_ancestors(dof_parent, tile.first).any(|j| (first..last).contains(&j))
             };
             let own = tiles.iter().filter(|tile| meets(tile));
             let own: Vec<usize> = own.flat_map(|tile| tile.first..tile.first + tile.rows).collect();

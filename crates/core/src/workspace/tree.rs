@@ -41,15 +41,15 @@ impl Storage for TreeStorage {
     type Over<S: Scalar> = TreeMemory<S>;
     type Input<'a> = TreeSize<'a>;
     fn new<S: Scalar>(size: TreeSize<'_>) -> TreeMemory<S> {
-        TreeMemory::portable(size.model, size.carrier)
+        TreeMemory::portable(size.model, size.dof_parent)
     }
 }
 
-/// The size of a memory. If `carrier` is empty, there is no memory for derivatives.
+/// The size of a memory. If `dof_parent` is empty, there is no memory for derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct TreeSize<'a> {
     model: &'a Model,
-    carrier: &'a [usize],
+    dof_parent: &'a [usize],
 }
 
 /// Positions of the one-DoF joints, with their sines and cosines; one entry per body.
@@ -147,11 +147,11 @@ fn over_f32(size: TreeSize<'_>, limit: InstructionSet, made: &mut Option<TreeMem
 }
 
 impl<S: Scalar> TreeMemory<S> {
-    /// A memory for instructions up to these. `carrier` is λ of each coordinate; if it is empty, there is no
-    /// memory for derivatives.
+    /// A memory for instructions up to these. `dof_parent` is λ of each coordinate; if it is empty, there is
+    /// no memory for derivatives.
     #[inline(always)]
-    pub fn limited(model: &Model, carrier: &[usize], limit: InstructionSet) -> Self {
-        let size = TreeSize { model, carrier };
+    pub fn limited(model: &Model, dof_parent: &[usize], limit: InstructionSet) -> Self {
+        let size = TreeSize { model, dof_parent };
         let mut made = None;
         // A branch on a constant: memories of floats are compiled only in this library.
         if const { S::IS_FLOAT } {
@@ -169,7 +169,7 @@ impl<S: Scalar> TreeMemory<S> {
 
     /// A memory over this scalar type only, for kernels.
     #[inline(never)]
-    pub fn portable(model: &Model, carrier: &[usize]) -> Self {
+    pub fn portable(model: &Model, dof_parent: &[usize]) -> Self {
         let (bodies, dofs, points) = (model.bodies.len(), model.dofs.len(), model.points.count);
         let zero = S::zero();
         let (v3, m3, sym) = (V3::zero(), M3::zero(), Sym3::zero());
@@ -213,7 +213,7 @@ impl<S: Scalar> TreeMemory<S> {
                 rows: filled(zero, 6 * dofs),
                 branch_block: filled(BranchBlock::zero(), momentum_blocks(dofs)),
             },
-            derivatives: Scratch::new(model, carrier),
+            derivatives: Scratch::new(model, dof_parent),
             pullback: pullback::Scratch::new(model),
         }
     }

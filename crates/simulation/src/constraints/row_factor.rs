@@ -14,7 +14,7 @@ use super::{ConstraintError, ConstraintSet, NamedDependentRow};
 /// M(q) and its factor.
 pub(super) struct MassFactor {
     pub mass: DMatrix<f64>,
-    carrier: Vec<usize>,
+    dof_parent: Vec<usize>,
     lower: Vec<f64>,
 }
 
@@ -25,15 +25,15 @@ impl MassFactor {
         let mut lower = vec![0.0; nv * nv];
         mass_matrix(model, workspace, q, &mut lower);
         let mass = DMatrix::from_row_slice(nv, nv, &lower);
-        let carrier = workspace.dense.carrier.clone();
-        sparse::factor(&carrier, &mut lower);
-        Ok(Self { mass, carrier, lower })
+        let dof_parent = workspace.dense.dof_parent.clone();
+        sparse::factor(&dof_parent, &mut lower);
+        Ok(Self { mass, dof_parent, lower })
     }
 
     /// M⁻¹ f.
     pub(super) fn solve(&self, force: &DVector<f64>) -> DVector<f64> {
         let mut x = force.clone();
-        sparse::solve(&self.carrier, &self.lower, x.as_mut_slice());
+        sparse::solve(&self.dof_parent, &self.lower, x.as_mut_slice());
         x
     }
 }

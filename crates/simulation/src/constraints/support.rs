@@ -242,7 +242,7 @@ fn solve(problem: &mut ConeProblem, force: &DVector<f64>, actuated: &[bool], wei
     // and exceeds rounding.
     let mut epsilon = 1e-6 / weight;
     let least = 1e-12 / weight;
-    let carrier: Vec<usize> = (0..nv).map(|k| k.checked_sub(1).unwrap_or(sparse::NONE)).collect();
+    let dof_parent: Vec<usize> = (0..nv).map(|k| k.checked_sub(1).unwrap_or(sparse::NONE)).collect();
     let mut matrix = vec![0.0; nv * nv];
     let scale = force.amax().max(f64::MIN_POSITIVE);
     let (mut missing, mut before) = (force.clone(), f64::INFINITY);
@@ -252,7 +252,7 @@ fn solve(problem: &mut ConeProblem, force: &DVector<f64>, actuated: &[bool], wei
             problem.force[k] = force[k] - if actuated[k] { 0.0 } else { epsilon * problem.x[k] };
         }
         problem.multiplier.fill(0.0);
-        problem.take(&matrix, &carrier);
+        problem.take(&matrix, &dof_parent);
         if !problem.solve_soft(round > 0) {
             break;
         }

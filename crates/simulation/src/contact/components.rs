@@ -42,8 +42,8 @@ pub enum Mark {
 
 impl Components {
     /// The trees of these λ.
-    pub fn new(carrier: &[usize]) -> Self {
-        let (trees, count) = sparse::trees(carrier);
+    pub fn new(dof_parent: &[usize]) -> Self {
+        let (trees, count) = sparse::trees(dof_parent);
         let marks = [(); 5].map(|()| vec![false; count]);
         Self { trees, leaders: (0..count).collect(), active: vec![true; count], is_whole: true, marks }
     }

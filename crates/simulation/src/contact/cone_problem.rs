@@ -211,15 +211,15 @@ impl ConeProblem {
         }
     }
 
-    /// Sets M, given as a full square matrix; `carrier` (λ) describes its zeros.
-    pub fn take(&mut self, matrix: &[f64], carrier: &[usize]) {
-        self.paths.choose(carrier);
+    /// Sets M, given as a full square matrix; `dof_parent` (λ) describes its zeros.
+    pub fn take(&mut self, matrix: &[f64], dof_parent: &[usize]) {
+        self.paths.choose(dof_parent);
         self.paths.pack(matrix, &mut self.mass);
     }
 
-    /// Sets a packed M. Its λ may describe more zeros than `carrier` does.
-    pub(super) fn take_packed(&mut self, (paths, matrix): (&Paths, &[f64]), carrier: &[usize]) {
-        self.paths.choose(carrier);
+    /// Sets a packed M. Its λ may describe more zeros than `dof_parent` does.
+    pub(super) fn take_packed(&mut self, (paths, matrix): (&Paths, &[f64]), dof_parent: &[usize]) {
+        self.paths.choose(dof_parent);
         if self.paths.is_like(paths) {
             self.mass.clear();
             self.mass.extend_from_slice(matrix);
@@ -229,10 +229,10 @@ impl ConeProblem {
     }
 
     /// Extends λ by the coupling of the blocks from this row on.
-    pub(super) fn couple_from(&self, row: usize, carrier: &mut [usize]) {
+    pub(super) fn couple_from(&self, row: usize, dof_parent: &mut [usize]) {
         for block in self.blocks.iter().filter(|block| block.rows.start >= row) {
             for pair in self.support[block.support.clone()].windows(2) {
-                sparse::couple(carrier, [pair[0], pair[1]]);
+                sparse::couple(dof_parent, [pair[0], pair[1]]);
             }
         }
     }

@@ -69,7 +69,7 @@ clone_in_place! {
         /// The problem of the position correction.
         lifts: ConeProblem,
         /// λ of M̂'s zeros that remain with contacts between links.
-        carrier: Vec<usize>,
+        dof_parent: Vec<usize>,
         /// λ with the coupling of tendons at their stops, for the position correction.
         joined: Vec<usize>,
         /// The placement at the start of the step, and a later one.
@@ -105,7 +105,7 @@ impl ContactImpulses {
         Self {
             problem: ConeProblem::new(model.nv).with_islands(),
             lifts: ConeProblem::new(model.nv).with_islands(),
-            carrier: Vec::with_capacity(model.nv),
+            dof_parent: Vec::with_capacity(model.nv),
             joined: Vec::with_capacity(model.nv),
             start: Placement::new(model),
             placement: Placement::new(model),
@@ -177,13 +177,13 @@ impl ContactImpulses {
         self.count_what_acted(model, h);
         let problem = &mut self.problem;
         problem.add_speeds(v1);
-        let is_solved = if problem.find_islands(paths.carrier()) {
-            problem.take_packed((paths, matrix), paths.carrier());
+        let is_solved = if problem.find_islands(paths.dof_parent()) {
+            problem.take_packed((paths, matrix), paths.dof_parent());
             problem.solve_islands()
         } else {
-            self.couple(paths.carrier());
-            self.problem.couple_from(contacts, &mut self.carrier);
-            self.problem.take_packed((paths, matrix), &self.carrier);
+            self.couple(paths.dof_parent());
+            self.problem.couple_from(contacts, &mut self.dof_parent);
+            self.problem.take_packed((paths, matrix), &self.dof_parent);
             self.problem.solve_rigid()
         };
         if !is_solved {

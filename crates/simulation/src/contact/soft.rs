@@ -24,7 +24,7 @@ mod weights;
 
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::configuration::conventions::add_transport;
-use robot_dynamics_core::factorization::sparse::coordinate_carriers;
+use robot_dynamics_core::factorization::sparse::coordinate_parents;
 use robot_dynamics_core::model::identity::Identity;
 use robot_dynamics_core::{FrameId, Model, Workspace, bias, mass_matrix};
 use robot_dynamics_description::check_length;
@@ -101,7 +101,7 @@ clone_in_place! {
         problem: ConeProblem,
         mass: Vec<f64>,
         /// λ of M's zeros, and λ of a dense matrix.
-        carriers: [Vec<usize>; 2],
+        dof_parents: [Vec<usize>; 2],
         transport: Vec<f64>,
         speeds: Vec<f64>,
         forces: Vec<f64>,
@@ -143,7 +143,7 @@ impl SoftConstraints {
             bodies: Bodies::new(model),
             problem: ConeProblem::new(n),
             mass: vec![0.0; n * n],
-            carriers: [coordinate_carriers(model), dense],
+            dof_parents: [coordinate_parents(model), dense],
             transport: vec![0.0; n],
             speeds: Vec::new(),
             forces: vec![0.0; n],
@@ -232,7 +232,7 @@ impl SoftConstraints {
             dissipates: self.dissipates,
         });
         self.find_reference(model, v);
-        self.problem.take(&self.mass, &self.carriers[usize::from(!is_tree)]);
+        self.problem.take(&self.mass, &self.dof_parents[usize::from(!is_tree)]);
         if !self.problem.solve_soft(self.is_warm) {
             return Err(self.failure());
         }

@@ -171,7 +171,7 @@ impl ImplicitIntegrator {
         let mut impulses = Impulses::new(model, &joints);
         let impulses_kept = impulses.memory().clone();
         let factor = StiffFactor::new(model);
-        let mut components = Components::new(factor.paths().carrier());
+        let mut components = Components::new(factor.paths().dof_parent());
         let tendons = model.description().tendons.iter().map(|tendon| {
             let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
             JointSum::new(model, 0.0, terms).row()

@@ -305,7 +305,7 @@ pub fn forward_dynamics_pullback_with_parameters<S: Scalar>(
 pub fn solve_negative<S: Scalar>(dense: &Dense<S>, cotangent: &[S], x: &mut [S]) {
     x.copy_from_slice(cotangent);
     negate(x);
-    sparse::solve(&dense.carrier, &dense.matrix, x);
+    sparse::solve(&dense.dof_parent, &dense.matrix, x);
 }
 
 /// x ← −x.

@@ -128,16 +128,17 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, resul
     let mut up = V3::zero();
     for i in (0..n).rev() {
         let (body, mut force, mut momentum, mut drift) = (&bodies[i], forces[i], momenta[i], drifts[i]);
-        let mut carrier = Carrier { twist: MotionVector::zero(), rate: ground, shadow: MotionVector::zero() };
+        let mut parent =
+            ParentMotion { twist: MotionVector::zero(), rate: ground, shadow: MotionVector::zero() };
         if body.parent != WORLD {
             let p = body.parent;
-            carrier = Carrier { twist: twists[p], rate: rates[p], shadow: shadows[p] };
+            parent = ParentMotion { twist: twists[p], rate: rates[p], shadow: shadows[p] };
         }
-        carrier.pass_outward(body, levers);
-        let position = carrier.by_position(&force, &momentum, &drift);
+        parent.pass_outward(body, levers);
+        let position = parent.by_position(&force, &momentum, &drift);
         let mut velocity = drift;
         let mut both = twists[i];
-        both.add(&carrier.twist);
+        both.add(&parent.twist);
         subtract(&mut velocity, &force_cross(&both, &momentum));
         for index in body.dof..body.dof + body.motion.nv() {
             let (dof, s) = (&model.dofs[index], &column[index]);
@@ -186,13 +187,13 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, resul
 }
 
 /// V_p, A_p and L_p of the parent, at the body's own reference point.
-struct Carrier<S: Scalar> {
+struct ParentMotion<S: Scalar> {
     twist: MotionVector<S>,
     rate: MotionVector<S>,
     shadow: MotionVector<S>,
 }
 
-impl<S: Scalar> Carrier<S> {
+impl<S: Scalar> ParentMotion<S> {
     #[inline(always)]
     fn pass_outward(&mut self, body: &Body, levers: &[V3<S>]) {
         pass_outward(body, levers, &mut self.twist);

@@ -17,7 +17,7 @@ clone_in_place! {
     /// The zero pattern of a matrix: the ancestors of each DoF.
     #[derive(Debug)]
     pub struct Paths {
-        pub(super) carrier: Vec<usize>,
+        pub(super) dof_parent: Vec<usize>,
         /// The column of each entry, with 0 for padding; and the start of each row, in units of four entries.
         pub(super) columns: Vec<usize>,
         pub(super) starts: Vec<usize>,
@@ -77,30 +77,30 @@ pub(super) struct Run {
 impl Paths {
     /// With memory for n DoFs.
     pub fn new(n: usize) -> Self {
-        let (carrier, rows) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        let (dof_parent, rows) = (Vec::with_capacity(n), Vec::with_capacity(n));
         let most = usual_entries(n);
         let (columns, starts) = (Vec::with_capacity(most), Vec::with_capacity(most));
         let (branches, runs) = (Vec::with_capacity(n), Vec::with_capacity(n));
-        Self { carrier, columns, starts, rows, branches, runs, is_long: false }
+        Self { dof_parent, columns, starts, rows, branches, runs, is_long: false }
     }
 
     /// Sets λ; does nothing if it is equal to the last one.
-    pub fn choose(&mut self, carrier: &[usize]) {
-        if self.carrier == carrier {
+    pub fn choose(&mut self, dof_parent: &[usize]) {
+        if self.dof_parent == dof_parent {
             return;
         }
-        self.carrier.clear();
-        self.carrier.extend_from_slice(carrier);
+        self.dof_parent.clear();
+        self.dof_parent.extend_from_slice(dof_parent);
         self.columns.clear();
         self.rows.clear();
         self.branches.clear();
         self.runs.clear();
         self.is_long = false;
         let mut first = 0;
-        for (k, &carrier) in carrier.iter().enumerate() {
+        for (k, &dof_parent) in dof_parent.iter().enumerate() {
             let begin = self.columns.len();
-            if carrier != NONE {
-                let Row { begin, diagonal } = self.rows[carrier];
+            if dof_parent != NONE {
+                let Row { begin, diagonal } = self.rows[dof_parent];
                 self.columns.extend_from_within(begin..=diagonal);
             }
             let row = Row { begin, diagonal: self.columns.len() };
@@ -108,13 +108,13 @@ impl Paths {
             self.columns.resize(row.end(), 0);
             self.rows.push(row);
             self.is_long |= row.end() - row.begin > LONGEST;
-            if k > 0 && (carrier == NONE || carrier + 1 != k) {
+            if k > 0 && (dof_parent == NONE || dof_parent + 1 != k) {
                 self.add_branch(first, k);
                 first = k;
             }
         }
-        if first < carrier.len() {
-            self.add_branch(first, carrier.len());
+        if first < dof_parent.len() {
+            self.add_branch(first, dof_parent.len());
         }
         self.starts.clear();
         self.starts.extend(self.columns.iter().map(|&column| self.rows[column].begin / WIDTH));

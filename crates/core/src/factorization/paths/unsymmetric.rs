@@ -54,7 +54,7 @@ mod tests {
     use robot_dynamics_number::SplitMix64;
 
     use super::Paths;
-    use crate::factorization::sparse::{NONE, carriers};
+    use crate::factorization::sparse::{NONE, dof_ancestors};
 
     /// Random trees, compared with a dense factorization with pivoting.
     #[test]
@@ -71,7 +71,7 @@ mod tests {
             for k in 0..n {
                 dense[(k, k)] = n as f64 + 1.0;
                 *paths.diagonal_of(k, &mut lower) = dense[(k, k)];
-                for i in carriers(&tree, k) {
+                for i in dof_ancestors(&tree, k) {
                     dense[(k, i)] = random.uniform(-1.0, 1.0);
                     dense[(i, k)] = random.uniform(-1.0, 1.0);
                     *paths.entry_of(k, i, &mut lower) = dense[(k, i)];

@@ -30,9 +30,9 @@ impl ConeProblem {
     }
 
     /// Finds the parts of the problem, given λ of M. Returns whether it should be solved part by part.
-    pub(in crate::contact) fn find_islands(&mut self, carrier: &[usize]) -> bool {
+    pub(in crate::contact) fn find_islands(&mut self, dof_parent: &[usize]) -> bool {
         let Self { islands, blocks, support, force, .. } = self;
-        let count = islands.find_trees(carrier);
+        let count = islands.find_trees(dof_parent);
         if count < 2 || blocks.iter().any(|block| block.support.is_empty()) {
             return false;
         }
@@ -113,7 +113,7 @@ impl ConeProblem {
 
     /// Copies a part of another problem.
     fn take_part(&mut self, whole: &Self, islands: &Islands, number: usize) {
-        let Islands { coordinates, local, carrier, part_blocks, .. } = islands;
+        let Islands { coordinates, local, dof_parent, part_blocks, .. } = islands;
         let n = coordinates.len();
         self.resize(n);
         self.clear();
@@ -140,7 +140,7 @@ impl ConeProblem {
                 self.sort_last(count);
             }
         }
-        self.paths.choose(carrier);
+        self.paths.choose(dof_parent);
         self.sweeps.trees.clone_from(&islands.ranges);
         let Self { paths, mass, .. } = self;
         mass.clear();
@@ -201,7 +201,7 @@ impl Islands {
     /// Orders the coordinates of a part, and finds their λ.
     fn place(&mut self, number: usize, problem: &ConeProblem) {
         let Self { trees, begins, members, part_trees, part_blocks, .. } = self;
-        let Self { dissection, coordinates, ranges, local, carrier, support: own, .. } = self;
+        let Self { dissection, coordinates, ranges, local, dof_parent, support: own, .. } = self;
         let of_part = part_trees.group(number);
         let blocks = || part_blocks.group(number).iter().map(|index| &problem.blocks[*index]);
         let support_of = |block: &Block| &problem.support[block.support.clone()];
@@ -226,11 +226,11 @@ impl Islands {
             ranges.push(begin..coordinates.len());
         }
         local.resize(trees.len(), NONE);
-        carrier.clear();
+        dof_parent.clear();
         for (at, &k) in coordinates.iter().enumerate() {
             local[k] = at;
-            let carried = problem.paths.carrier()[k];
-            carrier.push(if carried == NONE { NONE } else { local[carried] });
+            let carried = problem.paths.dof_parent()[k];
+            dof_parent.push(if carried == NONE { NONE } else { local[carried] });
         }
         for block in blocks() {
             own.clear();
@@ -239,10 +239,10 @@ impl Islands {
             for pair in own.windows(2) {
                 let mut at = pair[1];
                 while at != NONE && at > pair[0] {
-                    at = carrier[at];
+                    at = dof_parent[at];
                 }
                 if at != pair[0] {
-                    sparse::couple(carrier, [pair[0], pair[1]]);
+                    sparse::couple(dof_parent, [pair[0], pair[1]]);
                 }
             }
         }

@@ -30,7 +30,7 @@ clone_in_place! {
         /// The range of each tree's coordinates among them.
         pub(super) ranges: Vec<Range<usize>>,
         pub(super) local: Vec<usize>,
-        pub(super) carrier: Vec<usize>,
+        pub(super) dof_parent: Vec<usize>,
         pub(super) support: Vec<usize>,
     }
 }
@@ -87,7 +87,7 @@ impl Islands {
             coordinates: room(),
             ranges: Vec::with_capacity(n + 1),
             local: room(),
-            carrier: room(),
+            dof_parent: room(),
             support: room(),
         }
     }
@@ -102,12 +102,12 @@ impl Islands {
     }
 
     /// Finds the trees of these λ. Returns their number.
-    pub(super) fn find_trees(&mut self, carrier: &[usize]) -> usize {
+    pub(super) fn find_trees(&mut self, dof_parent: &[usize]) -> usize {
         let mut count = 0;
         self.trees.clear();
-        for &carrier in carrier {
-            let tree = if carrier == NONE { count } else { self.trees[carrier] };
-            count += usize::from(carrier == NONE);
+        for &dof_parent in dof_parent {
+            let tree = if dof_parent == NONE { count } else { self.trees[dof_parent] };
+            count += usize::from(dof_parent == NONE);
             self.trees.push(tree);
         }
         count

@@ -253,7 +253,7 @@ mod tests {
                 matrix[i * n + j] = square + if i == j { 0.1 } else { 0.0 };
             }
         }
-        let carrier: Vec<usize> = (0..n).map(|k| k.checked_sub(1).unwrap_or(sparse::NONE)).collect();
+        let dof_parent: Vec<usize> = (0..n).map(|k| k.checked_sub(1).unwrap_or(sparse::NONE)).collect();
         let mut problem = ConeProblem::new(n);
         for block in 0..cones + bounds {
             let (set, rows) = if block < cones {
@@ -268,16 +268,16 @@ mod tests {
             }
         }
         problem.force.iter_mut().for_each(|force| *force = random.uniform(-1.0, 1.0));
-        (problem, matrix, carrier)
+        (problem, matrix, dof_parent)
     }
 
-    fn solve_rigid(problem: &mut ConeProblem, matrix: &[f64], carrier: &[usize]) -> bool {
-        problem.take(matrix, carrier);
+    fn solve_rigid(problem: &mut ConeProblem, matrix: &[f64], dof_parent: &[usize]) -> bool {
+        problem.take(matrix, dof_parent);
         problem.solve_rigid()
     }
 
-    fn solve_soft(problem: &mut ConeProblem, matrix: &[f64], carrier: &[usize]) -> bool {
-        problem.take(matrix, carrier);
+    fn solve_soft(problem: &mut ConeProblem, matrix: &[f64], dof_parent: &[usize]) -> bool {
+        problem.take(matrix, dof_parent);
         problem.solve_soft(false)
     }
 
@@ -296,9 +296,9 @@ mod tests {
     fn solutions_fulfil_the_laws_of_contact() {
         let mut found = 0;
         for seed in 0..300 {
-            let (mut problem, matrix, carrier) =
+            let (mut problem, matrix, dof_parent) =
                 random_problem(seed, 1 + (seed % 3) as usize, (seed % 4) as usize);
-            assert!(solve_rigid(&mut problem, &matrix, &carrier));
+            assert!(solve_rigid(&mut problem, &matrix, &dof_parent));
             assert!(imbalance(&problem, &matrix) < 1e-8, "seed {seed}");
             found += usize::from(problem.is_coulomb);
             for block in &problem.blocks {
@@ -338,14 +338,14 @@ mod tests {
 
     /// The same laws by an independent route, in the multipliers alone: p ← Π_K(p − ρ(c + μ|c_t|n)) until p
     /// converges. It has no Newton's method, penalty or extrapolation. Returns x if it converges.
-    fn by_projections(problem: &ConeProblem, matrix: &[f64], carrier: &[usize]) -> Option<Vec<f64>> {
+    fn by_projections(problem: &ConeProblem, matrix: &[f64], dof_parent: &[usize]) -> Option<Vec<f64>> {
         let (n, rows) = (problem.n, problem.start.len());
         let mut factor = matrix.to_vec();
-        sparse::factor(carrier, &mut factor);
+        sparse::factor(dof_parent, &mut factor);
         let respond = |p: &[f64]| {
             let mut x: Vec<f64> = problem.force.iter().map(|force| -force).collect();
             problem.add_forces(p, &mut x);
-            sparse::solve(carrier, &factor, &mut x);
+            sparse::solve(dof_parent, &factor, &mut x);
             let mut c = Vec::new();
             problem.multiply(&x, &mut c);
             c.iter_mut().zip(&problem.start).for_each(|(c, start)| *c += start);
@@ -391,7 +391,7 @@ mod tests {
     fn another_route_finds_the_same() {
         let mut compared = 0;
         for seed in 0..60 {
-            let (mut problem, matrix, carrier) =
+            let (mut problem, matrix, dof_parent) =
                 random_problem(seed, 1 + (seed % 2) as usize, (seed % 3) as usize);
             // With large friction there may be several solutions.
             for block in &mut problem.blocks {
@@ -399,8 +399,8 @@ mod tests {
                     *slope *= 0.2;
                 }
             }
-            let other = by_projections(&problem, &matrix, &carrier);
-            assert!(solve_rigid(&mut problem, &matrix, &carrier));
+            let other = by_projections(&problem, &matrix, &dof_parent);
+            assert!(solve_rigid(&mut problem, &matrix, &dof_parent));
             let Some(other) = other.filter(|_| problem.is_coulomb) else { continue };
             compared += 1;
             for (x, other) in problem.x.iter().zip(&other) {
@@ -415,8 +415,8 @@ mod tests {
     fn both_ways_to_the_shifts_agree() {
         let mut compared = 0;
         for seed in 0..60 {
-            let (mut problem, matrix, carrier) = random_problem(seed, 3, 1);
-            assert!(solve_rigid(&mut problem, &matrix, &carrier));
+            let (mut problem, matrix, dof_parent) = random_problem(seed, 3, 1);
+            assert!(solve_rigid(&mut problem, &matrix, &dof_parent));
             // Away from the solution, so that the step is not zero.
             problem.blocks.iter_mut().for_each(|block| block.shift = 1.1 * block.shift + 0.01);
             problem.assemble();
@@ -442,9 +442,9 @@ mod tests {
     #[test]
     fn soft_blocks_yield() {
         for seed in 0..50 {
-            let (mut problem, matrix, carrier) = random_problem(seed, 2, 2);
+            let (mut problem, matrix, dof_parent) = random_problem(seed, 2, 2);
             problem.blocks.iter_mut().for_each(|block| block.softness = 0.3);
-            assert!(solve_soft(&mut problem, &matrix, &carrier));
+            assert!(solve_soft(&mut problem, &matrix, &dof_parent));
             assert!(imbalance(&problem, &matrix) < 1e-9, "seed {seed}");
             for block in &problem.blocks {
                 let mut p: Vec<f64> = problem.c[block.rows.clone()].iter().map(|c| -c / 0.3).collect();

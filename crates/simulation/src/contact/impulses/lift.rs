@@ -149,17 +149,17 @@ impl ContactImpulses {
     /// Solves the problem with this M̂. The rows from `contacts` on are those of bounds and equalities.
     fn solve_lift(&mut self, (paths, matrix): (&Paths, &[f64]), contacts: usize) -> bool {
         let Self { lifts: problem, joined, .. } = self;
-        if problem.find_islands(paths.carrier()) {
-            problem.take_packed((paths, matrix), paths.carrier());
+        if problem.find_islands(paths.dof_parent()) {
+            problem.take_packed((paths, matrix), paths.dof_parent());
             return problem.solve_islands();
         }
         joined.clear();
-        joined.extend_from_slice(paths.carrier());
+        joined.extend_from_slice(paths.dof_parent());
         problem.couple_from(contacts, joined);
         let joined = core::mem::take(&mut self.joined);
         self.couple(&joined);
         self.joined = joined;
-        self.lifts.take_packed((paths, matrix), &self.carrier);
+        self.lifts.take_packed((paths, matrix), &self.dof_parent);
         self.lifts.solve_rigid()
     }
 }

@@ -145,14 +145,14 @@ impl ContactImpulses {
 
     /// Computes λ of the zeros that remain when links touch each other: a pair's contact couples the
     /// coordinates of both links.
-    pub(super) fn couple(&mut self, carrier: &[usize]) {
-        self.carrier.clear();
-        self.carrier.extend_from_slice(carrier);
+    pub(super) fn couple(&mut self, dof_parent: &[usize]) {
+        self.dof_parent.clear();
+        self.dof_parent.extend_from_slice(dof_parent);
         for active in &self.active {
             if let ContactPartner::Pair(pair) = active.point.against
                 && let Some(ends) = self.set.pairs[pair].ends
             {
-                sparse::couple(&mut self.carrier, ends);
+                sparse::couple(&mut self.dof_parent, ends);
             }
         }
     }

@@ -37,7 +37,7 @@ impl SoftConstraints {
         (h, damping): (f64, &[f64]),
         acceleration: &mut [f64],
     ) -> Result<(), IntegratorError> {
-        let Self { mass, carriers: [carrier, _], transport, speeds: momentum, .. } = self;
+        let Self { mass, dof_parents: [dof_parent, _], transport, speeds: momentum, .. } = self;
         let n = damping.len();
         acceleration.iter_mut().zip(&*transport).for_each(|(a, transport)| *a += transport);
         momentum.clear();
@@ -46,8 +46,8 @@ impl SoftConstraints {
         for k in 0..n {
             mass[k * n + k] += h * damping[k];
         }
-        sparse::factor_watched(carrier, mass, |_| f64::MIN_POSITIVE)?;
-        sparse::solve(carrier, mass, momentum);
+        sparse::factor_watched(dof_parent, mass, |_| f64::MIN_POSITIVE)?;
+        sparse::solve(dof_parent, mass, momentum);
         for k in 0..n {
             acceleration[k] = momentum[k] - transport[k];
         }

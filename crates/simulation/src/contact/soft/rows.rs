@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use robot_dynamics_core::Model;
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::configuration::joint_sum::JointSum;
-use robot_dynamics_core::factorization::sparse::{carriers, coordinate_carriers};
+use robot_dynamics_core::factorization::sparse::{coordinate_parents, dof_ancestors};
 use robot_dynamics_description::{
     Equality, JointKind, JointSolverImpedance, SolverImpedance, TendonSolverImpedance,
 };
@@ -200,14 +200,14 @@ impl JointRows {
     }
 
     fn add_tendons(&mut self, model: &Model, weights: &InverseWeights) {
-        let carrier = coordinate_carriers(model);
+        let dof_parent = coordinate_parents(model);
         for (number, (tendon, &weight)) in
             model.description().tendons.iter().zip(&weights.tendons).enumerate()
         {
             let length = tendon_length(model, tendon);
             let derivatives = length.row();
             let Some(((last, _), others)) = derivatives.split_last() else { continue };
-            let is_path = others.iter().all(|(k, _)| carriers(&carrier, *last).any(|i| i == *k));
+            let is_path = others.iter().all(|(k, _)| dof_ancestors(&dof_parent, *last).any(|i| i == *k));
             let most = tendon.passive.friction;
             if most > 0.0 {
                 let (derivatives, softness) = (derivatives.clone(), tendon.softness.friction);

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use nalgebra::Vector3;
 use robot_dynamics_core::configuration::manifold::coordinate_ranges;
 use robot_dynamics_core::factorization::sparse;
-use robot_dynamics_core::factorization::sparse::coordinate_carriers;
+use robot_dynamics_core::factorization::sparse::coordinate_parents;
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_core::{Model, Workspace, mass_matrix, neutral};
 use robot_dynamics_description::JointDescription;
@@ -34,15 +34,15 @@ impl InverseWeights {
         let n = model.nv;
         let (mut workspace, mut placement) = (Workspace::new(model), Placement::new(model));
         let q = reference_pose(model);
-        let (carrier, mut factor) = (coordinate_carriers(model), vec![0.0; n * n]);
+        let (dof_parent, mut factor) = (coordinate_parents(model), vec![0.0; n * n]);
         mass_matrix(model, &mut workspace, &q, &mut factor);
         let diagonal: Vec<f64> = (0..n).map(|k| factor[k * n + k]).collect();
-        sparse::factor_watched(&carrier, &mut factor, |k| diagonal[k])?;
+        sparse::factor_watched(&dof_parent, &mut factor, |k| diagonal[k])?;
         placement.set(model, &mut workspace, &q);
         // rᵀM⁻¹r.
         let weigh = |row: &[f64]| {
             let mut moved = row.to_vec();
-            sparse::solve(&carrier, &factor, &mut moved);
+            sparse::solve(&dof_parent, &factor, &mut moved);
             row.iter().zip(&moved).map(|(row, moved)| row * moved).sum::<f64>()
         };
         let mut coordinates: Vec<f64> = (0..n)

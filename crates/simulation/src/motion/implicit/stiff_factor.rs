@@ -7,7 +7,7 @@ use robot_dynamics_core::algorithms::mass_matrix::{
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::factorization::paths::Paths;
 use robot_dynamics_core::factorization::sparse;
-use robot_dynamics_core::factorization::sparse::coordinate_carriers;
+use robot_dynamics_core::factorization::sparse::coordinate_parents;
 use robot_dynamics_core::{Model, Workspace, integrate, mass_rank, neutral};
 use robot_dynamics_integrators::IntegratorError;
 
@@ -53,12 +53,12 @@ impl StiffFactor {
     pub(super) fn new(model: &Model) -> Self {
         let n = model.nv;
         let mut paths = Paths::new(n);
-        paths.choose(&coordinate_carriers(model));
+        paths.choose(&coordinate_parents(model));
         let (packed, entries) = (vec![0.0; paths.size()], vec![0.0; paths.size()]);
         let begins = (n > LARGE && is_plain(model)).then(|| row_begins(model));
         let size = begins.as_ref().and_then(|begins| begins.last().copied()).unwrap_or(n * n);
         let (mass, is_regular) = (vec![0.0; size], is_regular_somewhere(model));
-        let trees = sparse::trees(paths.carrier()).0;
+        let trees = sparse::trees(paths.dof_parent()).0;
         let armature = vec![0.0; n];
         Self { paths, is_coupled: false, mass, begins, packed, entries, is_regular, trees, armature }
     }
@@ -66,13 +66,13 @@ impl StiffFactor {
     /// Extends the sparsity for these couplings: an ancestor of one of their coordinates counts as an
     /// ancestor of the others.
     pub(super) fn couple(&mut self, couplings: &[Coupling]) {
-        let mut carrier = self.paths.carrier().to_vec();
+        let mut dof_parent = self.paths.dof_parent().to_vec();
         for pair in couplings.iter().flat_map(|coupling| coupling.row.windows(2)) {
-            sparse::couple(&mut carrier, [pair[0].0, pair[1].0]);
+            sparse::couple(&mut dof_parent, [pair[0].0, pair[1].0]);
         }
-        self.is_coupled |= carrier != self.paths.carrier();
-        self.paths.choose(&carrier);
-        self.trees = sparse::trees(&carrier).0;
+        self.is_coupled |= dof_parent != self.paths.dof_parent();
+        self.paths.choose(&dof_parent);
+        self.trees = sparse::trees(&dof_parent).0;
         for entries in [&mut self.packed, &mut self.entries] {
             entries.resize(self.paths.size(), 0.0);
         }
@@ -175,7 +175,7 @@ fn stiffen_entries(
     (g, trees, armature): (f64, &[usize], &[f64]),
     entries: &mut [f64],
 ) {
-    for k in 0..paths.carrier().len() {
+    for k in 0..paths.dof_parent().len() {
         let (diagonal, (stiffness, damping)) = (paths.diagonal_of(k, entries), joints.derivatives(k));
         let mass = *diagonal;
         *diagonal = mass + g * (damping + g * stiffness) + armature[trees[k]] * mass;

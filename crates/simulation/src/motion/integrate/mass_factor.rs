@@ -1,7 +1,7 @@
 //! The factorization M = LᵀDL of the implicit rows, with a check of the rank.
 
 use robot_dynamics_core::factorization::sparse;
-use robot_dynamics_core::factorization::sparse::coordinate_carriers;
+use robot_dynamics_core::factorization::sparse::coordinate_parents;
 use robot_dynamics_core::{Model, Workspace, mass_matrix};
 use robot_dynamics_integrators::IntegratorError;
 
@@ -17,7 +17,7 @@ impl MassFactor {
     /// Allocates memory for the factor of this model's M.
     pub fn new(model: &Model) -> Self {
         let nv = model.nv;
-        Self { parent: coordinate_carriers(model), entries: vec![0.0; nv * nv], diagonal: vec![0.0; nv] }
+        Self { parent: coordinate_parents(model), entries: vec![0.0; nv * nv], diagonal: vec![0.0; nv] }
     }
 
     /// Factors M(q).

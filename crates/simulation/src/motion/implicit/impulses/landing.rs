@@ -159,7 +159,7 @@ mod tests {
             impulses
                 .put_on_stops(
                     &factor,
-                    (&joints.stops, &Components::new(factor.paths().carrier())),
+                    (&joints.stops, &Components::new(factor.paths().dof_parent())),
                     1e-3,
                     (&[0.0; 2], &mut q),
                     &mut change,
