@@ -44,6 +44,8 @@ mod restoration;
 mod smooth;
 mod snapshot;
 mod stiff_factor;
+#[cfg(test)]
+mod test_robot;
 
 use nalgebra::Vector3;
 use robot_dynamics_core::clone_in_place::clone_in_place;
@@ -104,7 +106,6 @@ clone_in_place! {
         joints: Joints,
         factor: StiffFactor,
         impulses: Impulses,
-        has_stops: bool,
         losses: Losses,
         /// The losses of the last step.
         last: Losses,
@@ -197,7 +198,6 @@ impl ImplicitIntegrator {
             components,
             impulses,
             joints,
-            has_stops: true,
             losses: Losses::default(),
             last: Losses::default(),
             drive: None,
@@ -222,8 +222,9 @@ impl ImplicitIntegrator {
     }
 
     /// Disables position limits.
-    pub(crate) fn without_stops(self) -> Self {
-        Self { has_stops: false, ..self }
+    pub(crate) fn without_stops(mut self) -> Self {
+        self.joints.stops.clear();
+        self
     }
 
     /// Adds tendons, gravity compensation and actuators at these controls ([`Actuation`]); their stiffness

@@ -49,7 +49,7 @@ impl ImplicitIntegrator {
         self.lost.fill(Losses::default());
         self.components.clear_found();
         let may_act = self.joints.has_friction()
-            || (self.has_stops && self.joints.has_stops())
+            || self.joints.has_stops()
             || self.impulses.acts()
             || self.contacts.is_some()
             || self.equalities.is_some();
@@ -98,10 +98,8 @@ impl ImplicitIntegrator {
         if impacts == ImpactPolicy::AcceptStep {
             return Advanced::All;
         }
-        if self.has_stops {
-            for stop in joints.stops.iter().filter(|stop| impulses.meets(stop, q, q1)) {
-                components.set(Mark::Meets, components.tree_of_row(&joints.rows[stop.row]));
-            }
+        for stop in joints.stops.iter().filter(|stop| impulses.meets(stop, q, q1)) {
+            components.set(Mark::Meets, components.tree_of_row(&joints.rows[stop.row]));
         }
         if !components.has_any(Mark::Meets) {
             return Advanced::All;
@@ -159,7 +157,7 @@ impl ImplicitIntegrator {
             joints, factor, impulses, equalities, translations, memory, interrupt, components, ..
         } = self;
         let Memory { stage_v: v1, stage_q: q1, .. } = memory;
-        let stops = if self.has_stops { &joints.stops[..] } else { &[] };
+        let stops = &joints.stops[..];
         translations.restore(model, workspace, joints, q1, v1);
         impulses.turn(stops, q1, v1);
         impulses.choose(joints, stops, h, (q, q1), components);

@@ -73,6 +73,19 @@ impl BoundedProblem {
         }
     }
 
+    /// Gives unknown i this gradient and no bounds.
+    pub(super) fn release(&mut self, i: usize, gradient: f64) {
+        self.gradient[i] = gradient;
+        (self.lower[i], self.upper[i]) = (f64::NEG_INFINITY, f64::INFINITY);
+    }
+
+    /// Gives unknown i this gradient, and removes its bound on the side of `sign`.
+    pub(super) fn release_towards(&mut self, sign: f64, i: usize, gradient: f64) {
+        self.gradient[i] = gradient;
+        let side = if sign > 0.0 { &mut self.upper[i] } else { &mut self.lower[i] };
+        *side = sign * f64::INFINITY;
+    }
+
     /// Resizes the matrix and the gradient to the number of bounds, with zeros.
     pub(super) fn make_room(&mut self) {
         let n = self.x.len();

@@ -43,6 +43,12 @@ impl Stop {
         };
         self.sign * (length - self.bound)
     }
+
+    /// The gap at q without the fraction `kept` of a violation at q₀: a correction makes it nonnegative.
+    #[inline]
+    pub(super) fn gap_to_correct(&self, q0: &[f64], kept: f64, q: &[f64]) -> f64 {
+        self.gap(q) - self.gap(q0).min(0.0) * kept
+    }
 }
 
 /// The rotation vector of a ball joint, which has the same components in both links; the angle increases with

@@ -6,11 +6,11 @@ use robot_dynamics_core::{Model, Workspace, difference, integrate};
 use robot_dynamics_integrators::IntegratorError;
 
 use super::impulses::land_on_stops;
-use super::joints::Stop;
 use super::restoration::copy_positions;
 use super::{ImplicitIntegrator, Memory};
 use crate::contact::{Bound, Components, DEEP, ImpulsiveStep, Mark, ROUNDING, returns};
 use crate::energy_ledger;
+use crate::motion::drive::Drive;
 
 /// The number of repeated searches for penetrations and violated stops, because one correction may cause
 /// others.
@@ -20,7 +20,7 @@ const MOST_LIFTS: usize = 4;
 const BEYOND: f64 = 1e-6;
 
 impl ImplicitIntegrator {
-    /// Corrects the positions at the end of the step from q; `is_written` states whether `matrix` of the
+    /// Corrects the positions at the end of the step from q. `is_written` states whether `matrix` of the
     /// memory is M̂.
     pub(super) fn correct_positions(
         &mut self,
@@ -29,90 +29,119 @@ impl ImplicitIntegrator {
         tau: &[f64],
         h: f64,
         q: &[f64],
-        mut is_written: bool,
+        is_written: bool,
     ) -> Result<(), IntegratorError> {
-        let Self {
-            joints,
-            factor,
-            impulses,
-            contacts,
-            equalities,
-            memory,
-            drive,
-            components,
-            kept,
-            last_of,
-            ..
-        } = self;
-        let Memory { force: change, stage_v: v1, stage_q: q1, matrix, before, uncorrected, .. } = memory;
-        let has_stops = self.has_stops && joints.has_stops();
-        let stops = if self.has_stops { &joints.stops[..] } else { &[] };
-        let is_active = |components: &Components, stop: &&Stop| {
-            components.is_active(components.tree_of_row(&joints.rows[stop.row]))
-        };
-        // The return from a deep penetration at the start moves the weight without a force.
-        for stop in stops.iter().filter(|stop| stop.gap(q) < -DEEP) {
-            if is_active(components, &stop) {
+        self.mark_deep_stops(q);
+        let is_deep = self.components.has_any(Mark::Deep);
+        let energy_before = is_deep.then(|| self.record_uncorrected(model, workspace));
+        if self.contacts.is_some() {
+            self.lift_from_penetrations(model, workspace, h, q, is_written);
+        } else {
+            self.return_to_constraints(model, workspace, h, q)?;
+        }
+        if let Some(energy_before) = energy_before {
+            self.account_for_corrections(model, workspace, tau, energy_before);
+        }
+        Ok(())
+    }
+
+    /// Marks the components that start deep beyond a stop: their return moves the weight without a force.
+    fn mark_deep_stops(&mut self, q: &[f64]) {
+        let Self { joints, impulses, components, .. } = self;
+        for stop in joints.stops.iter().filter(|stop| stop.gap(q) < -DEEP) {
+            if impulses.is_active(stop.row, components) {
                 components.set(Mark::Deep, impulses.tree_of(stop.row, components));
             }
         }
-        let is_deep = components.has_any(Mark::Deep);
-        let mut energy = |workspace: &mut Workspace, q: &[f64], v: &[f64]| {
-            let of_motion = energy_ledger(model, workspace, q, v);
-            let stored = drive.as_mut().map_or(0.0, |drive| drive.stored_energy(q));
-            of_motion.kinetic() + of_motion.potential() + stored
-        };
-        let mut energy_before = 0.0;
-        if is_deep {
-            energy_before = energy(workspace, q1, v1);
-            uncorrected.copy_from_slice(q1);
+    }
+
+    /// Stores the positions before the correction, and returns their energy \[J\].
+    fn record_uncorrected(&mut self, model: &Model, workspace: &mut Workspace) -> f64 {
+        let Self { memory, drive, .. } = self;
+        let Memory { stage_v: v1, stage_q: q1, uncorrected, .. } = memory;
+        uncorrected.copy_from_slice(q1);
+        total_energy(model, workspace, drive, (q1, v1))
+    }
+
+    /// Removes penetrations, together with violated stops and equalities. One correction may cause other
+    /// violations, so the search is repeated.
+    fn lift_from_penetrations(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        h: f64,
+        q: &[f64],
+        is_written: bool,
+    ) {
+        let Self { joints, factor, impulses, contacts, equalities, memory, components, .. } = self;
+        let Some(contacts) = contacts else { return };
+        let Memory { force: change, stage_q: q1, matrix, before, .. } = memory;
+        if !is_written {
+            factor.write(joints, 0.5 * h, matrix);
         }
-        if let Some(contacts) = contacts {
-            let left = returns(h);
-            for lifted in 0..MOST_LIFTS {
-                let own = stops.iter().filter(|stop| is_active(components, stop));
-                let bounds = own.map(|stop| {
-                    let gap = stop.gap(q1) - stop.gap(q).min(0.0) * left;
-                    // A joint may leave its stop if the correction would otherwise leave a penetration.
-                    let holds = lifted == 0 && impulses.holds(stop, gap);
-                    Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds }
-                });
-                if !is_written {
-                    factor.write(joints, 0.5 * h, matrix);
-                    is_written = true;
-                }
-                let step = ImpulsiveStep { h, paths: factor.paths(), matrix };
-                let rounding = ROUNDING[lifted.min(1)];
-                if let Some(equalities) = equalities {
-                    equalities.place(model, workspace, q1);
-                }
-                let equal = equalities.iter().flat_map(|equalities| equalities.held(h));
-                if !contacts.lift(model, workspace, step, (q1, rounding), (bounds, equal), change) {
-                    break;
-                }
-                before.copy_from_slice(q1);
-                move_positions(model, components, change, before, q1);
+        let kept = returns(h);
+        for lifted in 0..MOST_LIFTS {
+            let own = joints.stops.iter().filter(|stop| impulses.is_active(stop.row, components));
+            let bounds = own.map(|stop| {
+                let gap = stop.gap_to_correct(q, kept, q1);
+                // A joint may leave its stop if the correction would otherwise leave a penetration.
+                let holds = lifted == 0 && impulses.holds(stop, gap);
+                Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds }
+            });
+            let step = ImpulsiveStep { h, paths: factor.paths(), matrix };
+            let rounding = ROUNDING[lifted.min(1)];
+            if let Some(equalities) = equalities {
+                equalities.place(model, workspace, q1);
             }
-            contacts.note_depth();
-            land_on_stops(stops, q, q1);
-        } else if equalities.is_some() || has_stops {
-            for stop in stops.iter().filter(|stop| is_active(components, stop) && stop.gap(q1) < -BEYOND) {
+            let equal = equalities.iter().flat_map(|equalities| equalities.held(h));
+            if !contacts.lift(model, workspace, step, (q1, rounding), (bounds, equal), change) {
+                break;
+            }
+            before.copy_from_slice(q1);
+            move_positions(model, components, change, before, q1);
+        }
+        contacts.note_depth();
+        land_on_stops(&joints.stops, q, q1);
+    }
+
+    /// Returns joints to the equalities, or to the stops if there are none, in a robot without contacts.
+    fn return_to_constraints(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        h: f64,
+        q: &[f64],
+    ) -> Result<(), IntegratorError> {
+        let Self { joints, factor, impulses, equalities, memory, components, kept, .. } = self;
+        let Memory { force: change, stage_q: q1, .. } = memory;
+        let stops = &joints.stops[..];
+        for stop in stops.iter().filter(|stop| stop.gap(q1) < -BEYOND) {
+            if impulses.is_active(stop.row, components) {
                 kept.is_rough[impulses.tree_of(stop.row, components)] = true;
             }
-            if let Some(equalities) = equalities {
-                let robot = (model, &mut *workspace);
-                let rest = (equalities, stops, &*components);
-                impulses.put_on_equalities(robot, factor, rest, h, (q, q1), change)?;
-            } else {
-                let rest = (stops, &*components);
-                impulses.put_on_stops(factor, rest, h, (q, q1), change, |way, from, to| {
-                    move_positions(model, components, way, from, to);
-                })?;
-            }
         }
-        for leader in
-            (0..components.count()).filter(|leader| is_deep && components.leader(*leader) == *leader)
-        {
+        if let Some(equalities) = equalities {
+            let rest = (equalities, stops, &*components);
+            impulses.put_on_equalities((model, workspace), factor, rest, h, (q, q1), change)
+        } else {
+            impulses.put_on_stops(factor, (stops, components), h, (q, q1), change, |way, from, to| {
+                move_positions(model, components, way, from, to);
+            })
+        }
+    }
+
+    /// Adds the change of energy by the correction to the losses of each component that started deep beyond a
+    /// constraint. The work of τ along the correction counts as work of the motors.
+    fn account_for_corrections(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        tau: &[f64],
+        energy_before: f64,
+    ) {
+        let Self { components, memory, drive, last_of, .. } = self;
+        let Memory { force: change, stage_v: v1, stage_q: q1, before, uncorrected, .. } = memory;
+        for leader in components.all() {
             if !components.has(Mark::Deep, leader) || !components.is_active(leader) {
                 continue;
             }
@@ -125,13 +154,24 @@ impl ImplicitIntegrator {
                 copy_positions(model, is_own, q1, before);
                 &*before
             };
-            // The work of τ along the correction counts as work of the motors.
             difference(model, uncorrected, corrected, change);
             let work: f64 = tau.iter().zip(&*change).map(|(tau, way)| tau * way).sum();
-            last_of[leader].corrections += work + energy_before - energy(workspace, corrected, v1);
+            let energy = total_energy(model, workspace, drive, (corrected, v1));
+            last_of[leader].corrections += work + energy_before - energy;
         }
-        Ok(())
     }
+}
+
+/// The kinetic, potential and stored energy \[J\].
+fn total_energy(
+    model: &Model,
+    workspace: &mut Workspace,
+    drive: &mut Option<Drive>,
+    (q, v): (&[f64], &[f64]),
+) -> f64 {
+    let of_motion = energy_ledger(model, workspace, q, v);
+    let stored = drive.as_mut().map_or(0.0, |drive| drive.stored_energy(q));
+    of_motion.kinetic() + of_motion.potential() + stored
 }
 
 /// Moves a configuration along a displacement. With several trees, joints with zero displacement keep their
@@ -140,5 +180,57 @@ fn move_positions(model: &Model, components: &Components, way: &[f64], from: &[f
     integrate(model, from, way, to);
     if components.count() > 1 {
         copy_positions(model, |own| own.map(|k| way[k]).all(|way| way == 0.0), from, to);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use robot_dynamics_core::Workspace;
+
+    use super::super::ImplicitIntegrator;
+    use super::super::test_robot::arm;
+    use crate::contact::returns;
+    use crate::{ContactSet, Ground};
+
+    const H: f64 = 1e-3;
+    const TAU: [f64; 2] = [3.0, -1.0];
+
+    /// Corrects `q1` after a step from `q0` of the arm, whose stops allow q₁ ≤ 0 and q₂ ≥ 0.
+    fn corrected(has_contacts: bool, q0: [f64; 2], q1: [f64; 2]) -> (Vec<f64>, f64) {
+        let model = arm();
+        let (mut workspace, mut stepper) = (Workspace::new(&model), ImplicitIntegrator::new(&model));
+        if has_contacts {
+            let far_below = ContactSet::new(&model, &[Ground::level(-9.0)]).unwrap();
+            stepper = stepper.with_contacts(&model, far_below);
+        }
+        stepper.components.begin();
+        stepper.factor.factor(&model, &mut workspace, &q0, &stepper.joints, 0.5 * H).unwrap();
+        stepper.memory.stage_q.copy_from_slice(&q1);
+        stepper.correct_positions(&model, &mut workspace, &TAU, H, &q0, false).unwrap();
+        (stepper.memory.stage_q, stepper.last_of[0].corrections)
+    }
+
+    #[test]
+    fn admissible_positions_keep_their_bits() {
+        for has_contacts in [false, true] {
+            for q1 in [[-0.3, 0.7], [0.0, 0.0], [-1e-3, 1e-3]] {
+                assert_eq!(corrected(has_contacts, [-0.1, 0.2], q1), (q1.to_vec(), 0.0));
+            }
+        }
+    }
+
+    /// A joint that passes its stop within a step returns to it. One that starts deep beyond it returns
+    /// gradually, and the work of τ, which here changes no energy, is a loss.
+    #[test]
+    fn violated_stops_are_corrected() {
+        const BEYOND: f64 = 1e-2;
+        for has_contacts in [false, true] {
+            let (q, loss) = corrected(has_contacts, [-0.1, 0.2], [BEYOND, 0.2]);
+            assert!(q[0].abs() < 1e-12 && loss == 0.0, "{has_contacts}: {q:?}");
+            let (q, loss) = corrected(has_contacts, [BEYOND, 0.2], [BEYOND, 0.2]);
+            assert!((q[0] - BEYOND * returns(H)).abs() < 1e-12, "{has_contacts}: {q:?}");
+            let work = TAU[0] * (q[0] - BEYOND) + TAU[1] * (q[1] - 0.2);
+            assert!((loss - work).abs() < 1e-15, "{has_contacts}: {loss}, {work}");
+        }
     }
 }

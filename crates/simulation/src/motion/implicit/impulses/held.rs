@@ -6,7 +6,7 @@ use robot_dynamics_integrators::IntegratorError;
 use super::super::equalities::Equalities;
 use super::super::joints::Stop;
 use super::super::stiff_factor::StiffFactor;
-use super::landing::land_on_stops;
+use super::landing::{land_on_stops, nearer_stop};
 use super::{Impulses, ROUNDING};
 use crate::contact::{Components, returns};
 use crate::equality::rows::EqualityRow;
@@ -63,48 +63,99 @@ impl Impulses {
         change: &mut [f64],
     ) -> Result<(), IntegratorError> {
         let kept = returns(h);
-        let gap = |stop: &Stop, q: &[f64]| stop.gap(q) - stop.gap(q0).min(0.0) * kept;
+        let gap = |stop: &Stop, q: &[f64]| stop.gap_to_correct(q0, kept, q);
         for _ in 0..MOST_ROUNDS {
             equalities.place(model, workspace, q1);
             let is_off = equalities.gaps(h).any(|gap| gap.abs() > ROUNDING);
-            let own = || {
-                stops
-                    .iter()
-                    .filter(|stop| components.is_active(components.tree_of_row(&self.terms[stop.row])))
-            };
-            if !is_off && own().all(|stop| gap(stop, q1) >= -ROUNDING) {
+            let mut own = stops.iter().filter(|stop| self.is_active(stop.row, components));
+            if !is_off && own.all(|stop| gap(stop, q1) >= -ROUNDING) {
                 break;
             }
-            self.hold(equalities);
-            self.rows.clear();
-            for stop in stops.iter().filter(|stop| gap(stop, q1) < FAR) {
-                if self.is_active(stop.row, components) && !self.rows.contains(&stop.row) {
-                    self.rows.push(stop.row);
-                }
-            }
-            self.rows.extend_from_slice(&self.held);
-            self.problem.begin(self.rows.len());
-            self.fill(factor);
-            for (i, row) in self.rows.iter().enumerate().filter(|(_, row)| **row < self.own) {
-                // The nearer one of a row's two stops.
-                let own = stops.iter().filter(|stop| stop.row == *row);
-                let Some(stop) = own.min_by(|a, b| gap(a, q1).total_cmp(&gap(b, q1))) else { continue };
-                self.problem.gradient[i] = stop.sign * gap(stop, q1);
-                let side =
-                    if stop.sign > 0.0 { &mut self.problem.upper[i] } else { &mut self.problem.lower[i] };
-                *side = stop.sign * f64::INFINITY;
-            }
-            let first = self.rows.len() - self.held.len();
-            for (i, gap) in equalities.gaps(h).enumerate() {
-                self.problem.gradient[first + i] = gap;
-                (self.problem.lower[first + i], self.problem.upper[first + i]) =
-                    (f64::NEG_INFINITY, f64::INFINITY);
-            }
-            self.apply(factor, change)?;
+            let gap = |stop: &Stop| gap(stop, q1);
+            self.newton_step(factor, (equalities, stops, components), h, gap, change)?;
             self.before.copy_from_slice(q1);
             integrate(model, &self.before, change, q1);
         }
         land_on_stops(stops, q0, q1);
         Ok(())
+    }
+
+    /// Computes the displacement M̂⁻¹Aᵀλ that removes φ to first order and passes no stop, at the
+    /// configuration of the equalities. `gap` is the distance from a stop there.
+    fn newton_step(
+        &mut self,
+        factor: &StiffFactor,
+        (equalities, stops, components): (&Equalities, &[Stop], &Components),
+        h: f64,
+        gap: impl Fn(&Stop) -> f64,
+        change: &mut [f64],
+    ) -> Result<(), IntegratorError> {
+        self.hold(equalities);
+        self.rows.clear();
+        for stop in stops.iter().filter(|stop| gap(stop) < FAR) {
+            if self.is_active(stop.row, components) && !self.rows.contains(&stop.row) {
+                self.rows.push(stop.row);
+            }
+        }
+        let stopped = self.rows.len();
+        self.rows.extend_from_slice(&self.held);
+        self.problem.begin(self.rows.len());
+        self.fill(factor);
+        for (i, row) in self.rows[..stopped].iter().enumerate() {
+            let Some(stop) = nearer_stop(stops, *row, &gap) else { continue };
+            self.problem.release_towards(stop.sign, i, stop.sign * gap(stop));
+        }
+        for (i, gap) in equalities.gaps(h).enumerate() {
+            self.problem.release(stopped + i, gap);
+        }
+        self.apply(factor, change)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use robot_dynamics_core::configuration::joint_sum::JointSum;
+    use robot_dynamics_core::{Workspace, integrate};
+
+    use super::super::super::equalities::Equalities;
+    use super::super::super::joints::Joints;
+    use super::super::super::stiff_factor::StiffFactor;
+    use super::super::super::test_robot::arm;
+    use super::super::SOFTER;
+    use super::Impulses;
+    use crate::contact::{Components, Interrupt};
+    use crate::equality::relation::Relation;
+    use crate::equality::rows::EqualityRows;
+
+    /// For q₁ = q₂² a step removes the terms of first order of φ: −Δq₂² remains, and the fraction of φ that
+    /// the softening leaves.
+    #[test]
+    fn newton_step_leaves_terms_of_second_order() {
+        const H: f64 = 1e-3;
+        let model = arm();
+        let (joints, mut workspace) = (Joints::new(&model), Workspace::new(&model));
+        let [joint, leader] = ["shoulder", "elbow"].map(|name| JointSum::new(&model, 0.0, [(name, 1.0)]));
+        let polynomial = [0.0, 0.0, 1.0, 0.0, 0.0];
+        let rows = EqualityRows::new(&model, [Relation::Polynomial { joint, leader, polynomial }]);
+        let mut impulses = Impulses::new(&model, &joints);
+        impulses.make_room(rows.rows());
+        let mut equalities = Equalities::new(&model, rows, vec!["parabola".to_owned()]);
+        equalities.begin(&model, &mut workspace, &[0.0, 0.0]);
+        let mut q = [0.3, 0.7];
+        let mut factor = StiffFactor::new(&model);
+        factor.factor(&model, &mut workspace, &q, &joints, 0.0).unwrap();
+        let components = Components::new(factor.paths().dof_parent());
+        for _ in 0..3 {
+            equalities.place(&model, &mut workspace, &q);
+            equalities.choose(&factor, &Interrupt::default(), &components).unwrap();
+            let (mut change, before) = ([0.0; 2], equalities.gaps(H).next().unwrap());
+            let rest = (&equalities, &[][..], &components);
+            impulses.newton_step(&factor, rest, H, |_| unreachable!(), &mut change).unwrap();
+            integrate(&model, &q.clone(), &change, &mut q);
+            equalities.place(&model, &mut workspace, &q);
+            let remaining = equalities.gaps(H).next().unwrap();
+            let error = (remaining + change[1] * change[1]).abs();
+            assert!(error < 1.01 * SOFTER * before.abs() + 1e-15, "{remaining} after {change:?}");
+        }
     }
 }

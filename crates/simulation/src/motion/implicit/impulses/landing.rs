@@ -21,7 +21,7 @@ impl Impulses {
         mut go: impl FnMut(&[f64], &[f64], &mut [f64]),
     ) -> Result<(), IntegratorError> {
         let kept = returns(h);
-        let gap = |stop: &Stop, q: &[f64]| stop.gap(q) - stop.gap(q0).min(0.0) * kept;
+        let gap = |stop: &Stop, q: &[f64]| stop.gap_to_correct(q0, kept, q);
         for i in 0..stops.len() {
             // Handle each tree at its first stop.
             let tree = self.tree_of(stops[i].row, components);
@@ -70,26 +70,24 @@ impl Impulses {
             self.problem.begin(self.rows.len());
             self.fill(factor);
             for (i, row) in self.rows.iter().enumerate() {
-                // The nearer one of a row's two stops.
-                let own = stops.iter().filter(|stop| stop.row == *row);
-                let nearer = own.min_by(|a, b| gap(a, &self.before).total_cmp(&gap(b, &self.before)));
-                let Some(stop) = nearer else { continue };
+                let Some(stop) = nearer_stop(stops, *row, |stop| gap(stop, &self.before)) else { continue };
                 let way = gap(stop, &self.before);
                 if self.holds(stop, way) {
-                    self.problem.gradient[i] = stop.sign * way.min(0.0);
-                    (self.problem.lower[i], self.problem.upper[i]) = (f64::NEG_INFINITY, f64::INFINITY);
-                    continue;
+                    self.problem.release(i, stop.sign * way.min(0.0));
+                } else {
+                    self.problem.release_towards(stop.sign, i, stop.sign * way);
                 }
-                self.problem.gradient[i] = stop.sign * way;
-                let side =
-                    if stop.sign > 0.0 { &mut self.problem.upper[i] } else { &mut self.problem.lower[i] };
-                *side = stop.sign * f64::INFINITY;
             }
             self.apply(factor, change)?;
             go(change, &self.before, q1);
         }
         Ok(())
     }
+}
+
+/// The nearer one of a row's two stops.
+pub(super) fn nearer_stop(stops: &[Stop], row: usize, gap: impl Fn(&Stop) -> f64) -> Option<&Stop> {
+    stops.iter().filter(|stop| stop.row == row).min_by(|a, b| gap(a).total_cmp(&gap(b)))
 }
 
 /// Moves joints that are next to a stop by rounding exactly onto it.
@@ -108,38 +106,14 @@ pub(in super::super) fn land_on_stops(stops: &[Stop], q0: &[f64], q1: &mut [f64]
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Vector3;
-    use robot_dynamics_core::{Model, Workspace, integrate};
-    use robot_dynamics_description::{
-        JointDescription, JointKind, Limits, LinkDescription, LinkShape, MassProperties, Pose,
-        RobotDescription, Shape, ShapeRole,
-    };
+    use robot_dynamics_core::{Workspace, integrate};
 
     use super::super::super::joints::Joints;
     use super::super::super::stiff_factor::StiffFactor;
+    use super::super::super::test_robot::arm;
     use super::Impulses;
     use crate::contact::{Bound, Components, ContactImpulses, ImpulsiveStep};
     use crate::{ContactSet, Ground};
-
-    /// Two rods with their masses at the middle, each joint with a stop at 0.
-    fn arm() -> Model {
-        let mut robot = RobotDescription::new("arm");
-        robot.links.push(LinkDescription::new("base", None));
-        let joints = [
-            ("shoulder", "base", "upper arm", 0.0, Limits::new(-3.0, 0.0)),
-            ("elbow", "upper arm", "forearm", 1.0, Limits::new(0.0, 3.0)),
-        ];
-        for (name, parent, link, x, limits) in joints {
-            let mass = MassProperties::point(1.0, Vector3::new(0.5, 0.0, 0.0)).unwrap();
-            robot.links.push(LinkDescription::new(link, mass));
-            let (kind, at) =
-                (JointKind::Revolute { axis: [0.0, 0.0, 1.0] }, Pose::from_translation([x, 0.0, 0.0]));
-            robot.joints.push(JointDescription::new(name, kind, parent, link, at).with_limits(limits));
-        }
-        let ball = Shape::Sphere { radius: 0.1 };
-        robot.shapes.push(LinkShape::new("forearm", ShapeRole::Collision, Pose::IDENTITY, ball));
-        Model::new(robot).unwrap()
-    }
 
     /// The shoulder returns to its stop. Its inertia alone would move the elbow by −M₁₂/M₂₂ = −3 times as
     /// much, but its stop holds it.
