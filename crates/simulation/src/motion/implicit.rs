@@ -41,7 +41,7 @@ mod parts;
 mod pivots;
 mod positions;
 mod restoration;
-mod smooth;
+mod rosenbrock;
 mod snapshot;
 mod stiff_factor;
 #[cfg(test)]

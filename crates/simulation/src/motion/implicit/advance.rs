@@ -45,7 +45,7 @@ impl ImplicitIntegrator {
     ) -> Result<bool, IntegratorError> {
         self.check_interrupt()?;
         self.translations.begin(model, workspace, h, (q, v));
-        self.smooth(model, workspace, tau, h, (q, v))?;
+        self.rosenbrock_step(model, workspace, tau, h, (q, v))?;
         self.lost.fill(Losses::default());
         self.components.clear_found();
         let may_act = self.joints.has_friction()
