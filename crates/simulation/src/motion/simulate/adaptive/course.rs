@@ -53,12 +53,9 @@ impl AdaptiveRun<'_, '_> {
         if let ControlTiming::Held { period } = self.stepper.options.control
             && let Some(controller) = motion.take_controller()
         {
-            held = Some(HeldControl { controller, period, next: 0, start });
-        }
-        let mut tau = vec![0.0; model.nv()];
-        if let Some(held) = &mut held {
-            held.ask(self.run, &mut tau, model, None)?;
-            motion.hold(&tau);
+            let tau = vec![0.0; model.nv()];
+            let held = held.insert(HeldControl { controller, period, next: 0, start, tau });
+            held.update(&motion, model, self.run.steps, (&self.run.q, &self.run.v))?;
         }
         let y: Vec<f64> = [&self.run.q[..], &self.run.v, &[0.0, 0.0]].concat();
         let account = [self.run.ledger.work(), self.run.ledger.dissipated()];
@@ -80,7 +77,8 @@ impl AdaptiveRun<'_, '_> {
             &y,
         )
         .map_err(|failure| failure.at(model, start, step))?;
-        let done = self.take(&mut steps, &motion, (instants, time_of), (held, tau), (watch, &mut samples));
+        let grid = SampleGrid::new(instants, time_of, self.observer.is_some(), self.sample_every);
+        let done = self.take_steps(&mut steps, &motion, held, grid, (watch, &mut samples));
         self.stepper.record.statistics.add(&steps.statistics);
         self.stepper.wanted = steps.wanted();
         if done.is_ok() {
@@ -89,87 +87,114 @@ impl AdaptiveRun<'_, '_> {
         done
     }
 
-    fn take(
+    /// Takes steps until the last instant, or until the run ends early.
+    fn take_steps(
         &mut self,
         steps: &mut StepSequence,
         motion: &Motion<'_, '_>,
-        (instants, time_of): (usize, &dyn Fn(usize) -> f64),
-        (mut held, mut tau): (Option<HeldControl<'_>>, Vec<f64>),
+        mut held: Option<HeldControl<'_>>,
+        mut grid: SampleGrid<'_>,
         (watch, samples): (&mut EventDetector<'_, '_>, &mut Samples),
     ) -> Result<(), RunError> {
         let model = self.model;
-        let end = time_of(instants);
-        // An observer needs a sample at every instant; without one, only the kept samples are evaluated.
-        let stride = match (&self.observer, self.sample_every) {
-            (Some(_), _) => 1,
-            (None, 0) => instants,
-            (None, every) => every,
-        };
-        let mut next = stride.min(instants);
         loop {
-            let target = held.as_ref().map_or(end, |held| held.instant().min(end));
-            match steps.advance(motion, target, self.stepper.interrupt.as_deref()) {
-                Ok(Advance::Moved) => {}
-                Ok(Advance::Interrupted) => {
-                    // Keep the results of the steps since the last sample.
-                    self.sample_rest(steps, motion, samples);
-                    self.run.interrupted = true;
-                    return Ok(());
-                }
-                Err(failure) => {
-                    self.sample_rest(steps, motion, samples);
-                    // If M is singular, report that instead of the step's error.
-                    self.check_mass(steps.t, &steps.y()[..model.nq()])?;
-                    if steps.statistics.accepted > 0 && !matches!(failure, MotionFailure::Controller(_)) {
-                        self.check_growth(steps, GROWN)?;
-                    }
-                    return Err(failure.at(model, steps.t, self.run.steps));
-                }
-            }
-            self.stepper.note_quaternions(model, steps.y());
-
-            let (from, to) = (steps.from, steps.t);
-            if let Err(grown) = self.check_growth(steps, LOST) {
-                self.sample_rest(steps, motion, samples);
-                return Err(grown);
-            }
-            let found = watch.look(from, to, &mut |t, q, v| motion.split(&steps.interpolate(t), q, v))?;
-            let last = found.iter().position(|found| found.is_terminal);
-            let stop = last.map(|index| found[index].occurrence.time);
-            while time_of(next) <= to && stop.is_none_or(|stop| time_of(next) < stop) && next < instants {
-                let time = time_of(next);
-                if self.sample(motion, samples, (next, time), &steps.interpolate(time), false)?.is_break() {
-                    return Ok(());
-                }
-                next = (next + stride).min(instants);
-                steps.since = 0;
-            }
-            let kept = last.map_or(found.len(), |index| index + 1);
-            self.run.events.extend(found.into_iter().take(kept).map(|found| found.occurrence));
-            if let Some(time) = stop {
-                let _ =
-                    self.sample(motion, samples, (samples.seen + 1, time), &steps.interpolate(time), true)?;
-                (self.run.ended_by_event, self.run.interrupted) = (true, false);
+            let target = held.as_ref().map_or(grid.end(), |held| held.instant().min(grid.end()));
+            if self.step_towards(target, steps, motion, samples)?.is_break()
+                || self.record_step(steps, motion, &mut grid, (watch, samples))?.is_break()
+            {
                 return Ok(());
             }
-            if to >= end {
-                let _ = self.sample(motion, samples, (instants, end), steps.y(), true)?;
-                self.run.interrupted = false;
-                return Ok(());
-            }
-            if let Err(singular) = self.check_mass(to, &steps.y()[..model.nq()]) {
-                let _ = self.sample(motion, samples, (samples.seen + 1, to), steps.y(), true)?;
+            if let Err(singular) = self.check_mass(steps.t, &steps.y()[..model.nq()]) {
+                let _ = self.sample(motion, samples, (samples.seen + 1, steps.t), steps.y(), true)?;
                 return Err(singular);
             }
-            if let Some(held) = held.as_mut().filter(|held| to >= held.instant()) {
+            if let Some(held) = held.as_mut().filter(|held| steps.t >= held.instant()) {
                 let (mut q, mut v) = (Vec::new(), Vec::new());
                 motion.split(steps.y(), &mut q, &mut v);
-                held.ask(self.run, &mut tau, model, Some((&q, &v)))?;
-                motion.hold(&tau);
+                held.update(motion, model, self.run.steps, (&q, &v))?;
                 steps.restart(motion).map_err(|failure| failure.at(model, steps.t, self.run.steps))?;
                 steps.since = 0;
             }
         }
+    }
+
+    /// Takes one step, at most to `target`; breaks if it is interrupted. After an interruption or an error,
+    /// the state of the last accepted step is the last sample.
+    fn step_towards(
+        &mut self,
+        target: f64,
+        steps: &mut StepSequence,
+        motion: &Motion<'_, '_>,
+        samples: &mut Samples,
+    ) -> Result<ControlFlow<()>, RunError> {
+        match steps.advance(motion, target, self.stepper.interrupt.as_deref()) {
+            Ok(Advance::Moved) => {}
+            Ok(Advance::Interrupted) => {
+                self.sample_rest(steps, motion, samples);
+                self.run.interrupted = true;
+                return Ok(ControlFlow::Break(()));
+            }
+            Err(failure) => {
+                self.sample_rest(steps, motion, samples);
+                return Err(self.cause_of(failure, steps));
+            }
+        }
+        self.stepper.note_quaternions(self.model, steps.y());
+        if let Err(grown) = self.check_growth(steps, LOST) {
+            self.sample_rest(steps, motion, samples);
+            return Err(grown);
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
+    /// The error of a run whose step failed: a singular M or divergence, which cause other failures, or else
+    /// the failure itself.
+    fn cause_of(&mut self, failure: MotionFailure, steps: &StepSequence) -> RunError {
+        let model = self.model;
+        if let Err(singular) = self.check_mass(steps.t, &steps.y()[..model.nq()]) {
+            return singular;
+        }
+        if steps.statistics.accepted > 0
+            && !matches!(failure, MotionFailure::Controller(_))
+            && let Err(grown) = self.check_growth(steps, GROWN)
+        {
+            return grown;
+        }
+        failure.at(model, steps.t, self.run.steps)
+    }
+
+    /// Records the events and the samples of the last step; breaks if the run ends there.
+    fn record_step(
+        &mut self,
+        steps: &mut StepSequence,
+        motion: &Motion<'_, '_>,
+        grid: &mut SampleGrid<'_>,
+        (watch, samples): (&mut EventDetector<'_, '_>, &mut Samples),
+    ) -> Result<ControlFlow<()>, RunError> {
+        let (from, to) = (steps.from, steps.t);
+        let mut found = watch.look(from, to, &mut |t, q, v| motion.split(&steps.interpolate(t), q, v))?;
+        let terminal = found.iter().position(|found| found.is_terminal);
+        let stop = terminal.map(|index| found[index].occurrence.time);
+        while let Some((instant, time)) = grid.due(to, stop) {
+            if self.sample(motion, samples, (instant, time), &steps.interpolate(time), false)?.is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
+            grid.advance();
+            steps.since = 0;
+        }
+        found.truncate(terminal.map_or(found.len(), |index| index + 1));
+        self.run.events.extend(found.into_iter().map(|found| found.occurrence));
+        if let Some(time) = stop {
+            let _ = self.sample(motion, samples, (samples.seen + 1, time), &steps.interpolate(time), true)?;
+            (self.run.ended_by_event, self.run.interrupted) = (true, false);
+            return Ok(ControlFlow::Break(()));
+        }
+        if to >= grid.end() {
+            let _ = self.sample(motion, samples, (grid.instants, grid.end()), steps.y(), true)?;
+            self.run.interrupted = false;
+            return Ok(ControlFlow::Break(()));
+        }
+        Ok(ControlFlow::Continue(()))
     }
 
     /// # Errors
@@ -268,6 +293,50 @@ struct Samples {
     is_started: bool,
 }
 
+/// The instants of a run at which samples are evaluated between its first and last instant.
+struct SampleGrid<'t> {
+    /// The number of the last instant.
+    instants: usize,
+    time_of: &'t dyn Fn(usize) -> f64,
+    stride: usize,
+    /// The next instant.
+    next: usize,
+}
+
+impl<'t> SampleGrid<'t> {
+    /// An observer needs a sample at every instant; without one, only the kept samples are evaluated.
+    fn new(
+        instants: usize,
+        time_of: &'t dyn Fn(usize) -> f64,
+        is_observed: bool,
+        sample_every: usize,
+    ) -> Self {
+        let stride = match (is_observed, sample_every) {
+            (true, _) => 1,
+            (false, 0) => instants,
+            (false, every) => every,
+        };
+        Self { instants, time_of, stride, next: stride.min(instants) }
+    }
+
+    /// The time of the last instant.
+    fn end(&self) -> f64 {
+        (self.time_of)(self.instants)
+    }
+
+    /// The next instant and its time, if it is not after `to`, before `stop`, and not the last instant.
+    fn due(&self, to: f64, stop: Option<f64>) -> Option<(usize, f64)> {
+        let time = (self.time_of)(self.next);
+        let is_due = time <= to && stop.is_none_or(|stop| time < stop) && self.next < self.instants;
+        is_due.then_some((self.next, time))
+    }
+
+    /// Passes to the next instant.
+    fn advance(&mut self) {
+        self.next = (self.next + self.stride).min(self.instants);
+    }
+}
+
 /// A controller that is called once a period.
 struct HeldControl<'c> {
     controller: &'c mut dyn Controller,
@@ -275,6 +344,8 @@ struct HeldControl<'c> {
     /// The number of the next instant.
     next: u64,
     start: f64,
+    /// The torques of the last call.
+    tau: Vec<f64>,
 }
 
 impl HeldControl<'_> {
@@ -283,22 +354,54 @@ impl HeldControl<'_> {
         self.start + self.next as f64 * self.period
     }
 
-    /// Calls the controller at this state, or at that of the run.
-    fn ask(
+    /// Calls the controller at this state, and holds its torques until the next instant. `step` is the number
+    /// of the last sample, for errors.
+    fn update(
         &mut self,
-        run: &Run,
-        tau: &mut [f64],
+        motion: &Motion<'_, '_>,
         model: &Model,
-        state: Option<(&[f64], &[f64])>,
+        step: usize,
+        (q, v): (&[f64], &[f64]),
     ) -> Result<(), RunError> {
-        let (time, step) = (self.instant(), run.steps);
-        let (q, v) = state.unwrap_or((&run.q, &run.v));
+        let (time, tau) = (self.instant(), &mut self.tau);
         self.controller.torque(time, q, v, tau).map_err(|source| RunError::Controller {
             step,
             time,
             source,
         })?;
         self.next += 1;
-        MotionFailure::of_torque(model, tau).map_or(Ok(()), |failure| Err(failure.at(model, time, step)))
+        if let Some(failure) = MotionFailure::of_torque(model, tau) {
+            return Err(failure.at(model, time, step));
+        }
+        motion.hold(tau);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SampleGrid;
+
+    /// The instants that are sampled between the first and the last one, up to `to` and before `stop`.
+    fn sampled(is_observed: bool, sample_every: usize, to: f64, stop: Option<f64>) -> Vec<usize> {
+        let time_of = |instant: usize| instant as f64 * 0.1;
+        let mut grid = SampleGrid::new(7, &time_of, is_observed, sample_every);
+        let mut all = Vec::new();
+        while let Some((instant, time)) = grid.due(to, stop) {
+            assert!(time.to_bits() == time_of(instant).to_bits());
+            all.push(instant);
+            grid.advance();
+        }
+        all
+    }
+
+    #[test]
+    fn samples_lie_between_the_ends() {
+        assert_eq!(sampled(true, 3, 1.0, None), [1, 2, 3, 4, 5, 6]);
+        assert_eq!(sampled(false, 3, 1.0, None), [3, 6]);
+        assert_eq!(sampled(false, 0, 1.0, None), [0; 0]);
+        assert_eq!(sampled(false, 9, 1.0, None), [0; 0]);
+        assert_eq!(sampled(true, 1, 0.25, None), [1, 2]);
+        assert_eq!(sampled(true, 1, 1.0, Some(0.1)), [0; 0]);
     }
 }
