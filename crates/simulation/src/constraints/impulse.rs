@@ -6,11 +6,10 @@
 
 use nalgebra::DVector;
 use robot_dynamics_core::{Model, Workspace};
-use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::check_computed;
-use robot_dynamics_number::{check_finite, check_number};
+use robot_dynamics_number::check_number;
 
-use super::row_factor::{MassFactor, RowFactor};
+use super::row_factor::factor_rows;
 use super::{ConstraintError, ConstraintOptions, ConstraintSet};
 
 /// The result of an impact.
@@ -70,17 +69,9 @@ pub fn contact_impulse(
     v: &[f64],
     restitution: f64,
 ) -> Result<ContactImpulse, ConstraintError> {
-    workspace.check_inputs(model, q);
     check_number("the restitution", restitution)?;
     assert!((0.0..=1.0).contains(&restitution), "the restitution must lie in [0, 1], got {restitution}");
-    check_length("q", q.len(), model.nq());
-    check_length("v", v.len(), model.nv());
-    check_finite("q", q)?;
-    check_finite("v", v)?;
-    options.check()?;
-    let rows = set.rows(model, workspace, q, v);
-    let mass = MassFactor::new(model, workspace, q)?;
-    let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
+    let (mass, factor) = factor_rows(model, workspace, (set, options), (q, v))?;
     let before = DVector::from_column_slice(v);
     let forbidden = &factor.forces * &before * (1.0 + restitution);
     let impulse = -factor.solve_triangle_transposed(&forbidden);

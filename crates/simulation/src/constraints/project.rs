@@ -11,7 +11,7 @@ use robot_dynamics_integrators::check_computed;
 use robot_dynamics_number::{check_finite, check_number};
 
 use super::forward::LargestEntry;
-use super::row_factor::{MassFactor, RowFactor};
+use super::row_factor::{MassFactor, RowFactor, factor_rows};
 use super::{ConstraintError, ConstraintOptions, ConstraintSet};
 
 /// The most Gauss–Newton steps of a projection; near the constraint it takes three.
@@ -170,15 +170,7 @@ pub fn project_velocity(
     q: &[f64],
     v: &mut [f64],
 ) -> Result<f64, ConstraintError> {
-    workspace.check_inputs(model, q);
-    check_length("q", q.len(), model.nq());
-    check_length("v", v.len(), model.nv());
-    check_finite("q", q)?;
-    check_finite("v", v)?;
-    options.check()?;
-    let rows = set.rows(model, workspace, q, v);
-    let mass = MassFactor::new(model, workspace, q)?;
-    let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
+    let (mass, factor) = factor_rows(model, workspace, (set, options), (q, v))?;
     let before = DVector::from_column_slice(v);
     let allowed = factor.project_velocity(&before);
     let removed = before - &allowed;

@@ -5,11 +5,9 @@
 
 use nalgebra::DMatrix;
 use robot_dynamics_core::{Model, Workspace};
-use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::check_computed;
-use robot_dynamics_number::check_finite;
 
-use super::row_factor::{MassFactor, RowFactor};
+use super::row_factor::factor_rows;
 use super::{ConstraintError, ConstraintOptions, ConstraintSet};
 
 /// P_u on forces and P on velocities, both nv×nv of rank nv − rank A.
@@ -62,14 +60,8 @@ pub fn constraint_projections(
     options: &ConstraintOptions,
     q: &[f64],
 ) -> Result<TreeProjections, ConstraintError> {
-    workspace.check_inputs(model, q);
     let nv = model.nv();
-    check_length("q", q.len(), model.nq());
-    check_finite("q", q)?;
-    options.check()?;
-    let rows = set.rows(model, workspace, q, &vec![0.0; nv]);
-    let mass = MassFactor::new(model, workspace, q)?;
-    let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
+    let (_, factor) = factor_rows(model, workspace, (set, options), (q, &vec![0.0; nv]))?;
     // With A = T E the middle factor cancels: P_u = 1 − Eᵀ E M⁻¹.
     let force = DMatrix::identity(nv, nv) - factor.forces.tr_mul(&factor.responses);
     check_computed("the projection", force.as_slice())?;

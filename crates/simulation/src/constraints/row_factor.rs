@@ -7,9 +7,11 @@
 use nalgebra::{DMatrix, DVector};
 use robot_dynamics_core::factorization::sparse;
 use robot_dynamics_core::{Model, Workspace, check_rank, mass_matrix};
+use robot_dynamics_description::check_length;
+use robot_dynamics_number::check_finite;
 
 use super::rows::ConstraintRows;
-use super::{ConstraintError, ConstraintSet, NamedDependentRow};
+use super::{ConstraintError, ConstraintOptions, ConstraintSet, NamedDependentRow};
 
 /// M(q) and its factor.
 pub(super) struct MassFactor {
@@ -36,6 +38,32 @@ impl MassFactor {
         sparse::solve(&self.dof_parent, &self.lower, x.as_mut_slice());
         x
     }
+}
+
+/// Checks the options and the state, and factors M and the rows there.
+///
+/// # Errors
+/// An option, a number of the state or a row is not finite, or M is singular.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[track_caller]
+pub(super) fn factor_rows(
+    model: &Model,
+    workspace: &mut Workspace,
+    (set, options): (&ConstraintSet, &ConstraintOptions),
+    (q, v): (&[f64], &[f64]),
+) -> Result<(MassFactor, RowFactor), ConstraintError> {
+    workspace.check_inputs(model, q);
+    check_length("q", q.len(), model.nq());
+    check_length("v", v.len(), model.nv());
+    check_finite("q", q)?;
+    check_finite("v", v)?;
+    options.check()?;
+    let rows = set.rows(model, workspace, q, v);
+    let mass = MassFactor::new(model, workspace, q)?;
+    let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
+    Ok((mass, factor))
 }
 
 /// A = T E with T lower triangular (K×K) and the non-zero rows of E orthonormal in M⁻¹.
