@@ -126,19 +126,13 @@ fn compute<S: Scalar>(
     results: &mut [Vec<S>],
 ) {
     let Memory { tree: w, step } = memory;
-    let (x, y, z, l) = (arguments[0], arguments[1], arguments[2], arguments[3]);
-    let (first, others) = results.split_at_mut(1);
-    let one = &mut first[0][..];
+    let (x, y, z) = (arguments[0], arguments[1], arguments[2]);
+    let one = &mut results[0][..];
     match function {
         Function::InverseDynamics => robot_dynamics_core::inverse_dynamics(model, w, x, y, z, one),
         Function::ForwardDynamics => robot_dynamics_core::forward_dynamics(model, w, x, y, z, one),
         Function::MassMatrix => robot_dynamics_core::mass_matrix(model, w, x, one),
-        Function::MassMatrixRelated => {
-            let (nv, mut mass) = (model.nv(), vec![S::zero(); model.nv() * model.nv()]);
-            robot_dynamics_core::mass_matrix(model, w, x, &mut mass);
-            let entries = robot_dynamics_core::mass_matrix_related_entries(model);
-            entries.iter().zip(one).for_each(|(&(i, j), entry)| *entry = mass[i * nv + j]);
-        }
+        Function::MassMatrixRelated => related_mass_matrix(model, w, x, one),
         Function::MassMatrixFactor => robot_dynamics_core::mass_matrix_factor(model, w, x, one),
         Function::InverseMassMatrix => robot_dynamics_core::inverse_mass_matrix(model, w, x, one),
         Function::Bias => robot_dynamics_core::bias(model, w, x, y, one),
@@ -151,74 +145,21 @@ fn compute<S: Scalar>(
         Function::Momentum => robot_dynamics_core::momentum(model, w, x, y, one),
         Function::CenterOfMass => one.copy_from_slice(&robot_dynamics_core::center_of_mass(model, w, x)),
         Function::CenterOfMassJacobian => robot_dynamics_core::center_of_mass_jacobian(model, w, x, one),
-        Function::InverseDynamicsDerivatives => {
-            let [two, three] = others else { unreachable!("three results") };
-            let out =
-                robot_dynamics_core::InverseDynamicsDerivativesMut { by_position: one, by_velocity: two };
-            robot_dynamics_core::inverse_dynamics_derivatives(model, w, x, y, z, out);
-            robot_dynamics_core::mass_matrix(model, w, x, three);
-        }
-        Function::ForwardDynamicsDerivatives => {
-            let [two, three] = others else { unreachable!("three results") };
-            let out = robot_dynamics_core::ForwardDynamicsDerivativesMut {
-                by_position: one,
-                by_velocity: two,
-                by_force: three,
-            };
-            robot_dynamics_core::forward_dynamics_derivatives(model, w, x, y, z, out);
-        }
-        Function::InverseDynamicsPullback => {
-            let [two, three] = others else { unreachable!("three results") };
-            let out = robot_dynamics_core::InversePullbackMut {
-                by_position: one,
-                by_velocity: two,
-                by_acceleration: three,
-                parameters: &mut [],
-            };
-            robot_dynamics_core::inverse_dynamics_pullback(model, w, x, y, z, l, out);
-        }
-        Function::ForwardDynamicsPullback => {
-            let [two, three, four] = others else { unreachable!("four results") };
-            let out = robot_dynamics_core::ForwardPullbackMut {
-                acceleration: one,
-                by_position: two,
-                by_velocity: three,
-                by_force: four,
-                parameters: &mut [],
-            };
-            robot_dynamics_core::forward_dynamics_pullback(model, w, x, y, z, l, out);
-        }
+        Function::InverseDynamicsDerivatives => inverse_derivatives(model, w, [x, y, z], results),
+        Function::ForwardDynamicsDerivatives => forward_derivatives(model, w, [x, y, z], results),
+        Function::InverseDynamicsPullback => inverse_pullback(model, w, arguments, results),
+        Function::ForwardDynamicsPullback => forward_pullback(model, w, arguments, results),
         Function::JointTorqueRegressor => robot_dynamics_core::joint_torque_regressor(model, w, x, y, z, one),
         Function::SemiImplicitEulerStep | Function::Rk4Step => {
-            let w = step.as_mut().expect("a step has a workspace");
-            let Some(StepScheme::Explicit(stages)) = function.integrator().map(Integrator::scheme) else {
-                unreachable!("generated steps have explicit stages")
-            };
-            let forces = StepForces::new(z, true);
-            robot_dynamics_simulation::step_stages(
-                model,
-                stages,
-                w,
-                &forces,
-                l[0],
-                (x, y),
-                (one, &mut others[0]),
-            );
+            let workspace = step.as_mut().expect("a step has a workspace");
+            explicit_step(function, model, workspace, arguments, results);
         }
-        Function::FramePoses => {
-            let unknown = Pose { rotation: [[S::zero(); 3]; 3], translation: [S::zero(); 3] };
-            let mut poses = vec![unknown; model.frames().len()];
-            robot_dynamics_core::frame_poses(model, w, x, &mut poses);
-            for (to, Pose { rotation, translation }) in one.chunks_exact_mut(12).zip(&poses) {
-                to[..9].copy_from_slice(rotation.as_flattened());
-                to[9..].copy_from_slice(translation);
-            }
-        }
+        Function::FramePoses => frame_poses(model, w, x, one),
         Function::FramePose(_) => {
             let Pose { rotation, translation } =
                 robot_dynamics_core::frame_pose(model, w, x, required(frame));
             one.copy_from_slice(rotation.as_flattened());
-            others[0].copy_from_slice(&translation);
+            results[1].copy_from_slice(&translation);
         }
         Function::FrameJacobian(reference_frame, _) => {
             robot_dynamics_core::frame_jacobian(model, w, x, required(frame), *reference_frame, one);
@@ -226,6 +167,103 @@ fn compute<S: Scalar>(
         Function::Derivatives(_) | Function::Pullback(_) => {
             unreachable!("derived from the trace of another function")
         }
+    }
+}
+
+/// The entries of M without structural zeros.
+fn related_mass_matrix<S: Scalar>(model: &Model, w: &mut Workspace<S>, q: &[S], entries: &mut [S]) {
+    let (nv, mut mass) = (model.nv(), vec![S::zero(); model.nv() * model.nv()]);
+    robot_dynamics_core::mass_matrix(model, w, q, &mut mass);
+    let places = robot_dynamics_core::mass_matrix_related_entries(model);
+    places.iter().zip(entries).for_each(|(&(i, j), entry)| *entry = mass[i * nv + j]);
+}
+
+/// ∂τ/∂q, ∂τ/∂v and ∂τ/∂a = M.
+fn inverse_derivatives<S: Scalar>(
+    model: &Model,
+    w: &mut Workspace<S>,
+    [q, v, a]: [&[S]; 3],
+    results: &mut [Vec<S>],
+) {
+    let [by_position, by_velocity, mass] = results else { unreachable!("three results") };
+    let out = robot_dynamics_core::InverseDynamicsDerivativesMut { by_position, by_velocity };
+    robot_dynamics_core::inverse_dynamics_derivatives(model, w, q, v, a, out);
+    robot_dynamics_core::mass_matrix(model, w, q, mass);
+}
+
+/// ∂a/∂q, ∂a/∂v and ∂a/∂τ.
+fn forward_derivatives<S: Scalar>(
+    model: &Model,
+    w: &mut Workspace<S>,
+    [q, v, tau]: [&[S]; 3],
+    results: &mut [Vec<S>],
+) {
+    let [by_position, by_velocity, by_force] = results else { unreachable!("three results") };
+    let out = robot_dynamics_core::ForwardDynamicsDerivativesMut { by_position, by_velocity, by_force };
+    robot_dynamics_core::forward_dynamics_derivatives(model, w, q, v, tau, out);
+}
+
+/// The products of the weights λ with the derivatives of τ.
+fn inverse_pullback<S: Scalar>(
+    model: &Model,
+    w: &mut Workspace<S>,
+    arguments: &[&[S]],
+    results: &mut [Vec<S>],
+) {
+    let &[q, v, a, cotangent] = arguments else { unreachable!("four arguments") };
+    let [by_position, by_velocity, by_acceleration] = results else { unreachable!("three results") };
+    let parameters = &mut [];
+    let out =
+        robot_dynamics_core::InversePullbackMut { by_position, by_velocity, by_acceleration, parameters };
+    robot_dynamics_core::inverse_dynamics_pullback(model, w, q, v, a, cotangent, out);
+}
+
+/// The acceleration, and the products of the weights λ with its derivatives.
+fn forward_pullback<S: Scalar>(
+    model: &Model,
+    w: &mut Workspace<S>,
+    arguments: &[&[S]],
+    results: &mut [Vec<S>],
+) {
+    let &[q, v, tau, cotangent] = arguments else { unreachable!("four arguments") };
+    let [acceleration, by_position, by_velocity, by_force] = results else { unreachable!("four results") };
+    let parameters = &mut [];
+    let out = robot_dynamics_core::ForwardPullbackMut {
+        acceleration,
+        by_position,
+        by_velocity,
+        by_force,
+        parameters,
+    };
+    robot_dynamics_core::forward_dynamics_pullback(model, w, q, v, tau, cotangent, out);
+}
+
+/// The state after one explicit step.
+fn explicit_step<S: Scalar>(
+    function: &Function,
+    model: &Model,
+    workspace: &mut StepStagesWorkspace<S>,
+    arguments: &[&[S]],
+    results: &mut [Vec<S>],
+) {
+    let Some(StepScheme::Explicit(stages)) = function.integrator().map(Integrator::scheme) else {
+        unreachable!("generated steps have explicit stages")
+    };
+    let &[q, v, tau, h] = arguments else { unreachable!("four arguments") };
+    let [q_next, v_next] = results else { unreachable!("two results") };
+    let forces = StepForces::new(tau, true);
+    let (from, to) = ((q, v), (&mut q_next[..], &mut v_next[..]));
+    robot_dynamics_simulation::step_stages(model, stages, workspace, &forces, h[0], from, to);
+}
+
+/// The rotation matrix and the origin of each frame, 12 numbers a frame.
+fn frame_poses<S: Scalar>(model: &Model, w: &mut Workspace<S>, q: &[S], numbers: &mut [S]) {
+    let unknown = Pose { rotation: [[S::zero(); 3]; 3], translation: [S::zero(); 3] };
+    let mut poses = vec![unknown; model.frames().len()];
+    robot_dynamics_core::frame_poses(model, w, q, &mut poses);
+    for (to, Pose { rotation, translation }) in numbers.chunks_exact_mut(12).zip(&poses) {
+        to[..9].copy_from_slice(rotation.as_flattened());
+        to[9..].copy_from_slice(translation);
     }
 }
 

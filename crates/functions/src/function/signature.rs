@@ -117,6 +117,38 @@ const fn square(name: &'static str, what: &'static str) -> Matrix {
     (name, Size::Nv, Size::Nv, what)
 }
 
+const INVERSE_DERIVATIVES: &[Matrix] = &[
+    square("by_position", "d tau / d q"),
+    square("by_velocity", "d tau / d v"),
+    square("by_acceleration", "d tau / d a = M"),
+];
+
+const FORWARD_DERIVATIVES: &[Matrix] = &[
+    square("by_position", "d a / d q"),
+    square("by_velocity", "d a / d v"),
+    square("by_force", "d a / d tau = M^-1"),
+];
+
+const INVERSE_PULLBACK: &[Matrix] = &[
+    vector("by_position", "lambda^T d tau / d q"),
+    vector("by_velocity", "lambda^T d tau / d v"),
+    vector("by_acceleration", "lambda^T d tau / d a"),
+];
+
+const FORWARD_PULLBACK: &[Matrix] = &[
+    vector("acceleration", "a [rad/s², m/s²]"),
+    vector("by_position", "lambda^T d a / d q"),
+    vector("by_velocity", "lambda^T d a / d v"),
+    vector("by_force", "lambda^T d a / d tau"),
+];
+
+const NEXT_STATE: &[Matrix] = &[
+    ("q_next", Size::Nq, Size::One, "after the step; quaternions of unit length"),
+    vector("v_next", "after the step"),
+];
+
+const JACOBIAN: &[Matrix] = &[("jacobian", Size::Fixed(6), Size::Nv, "linear rows, then angular")];
+
 impl Function {
     /// The equation of its results.
     ///
@@ -295,7 +327,6 @@ impl Function {
     }
 
     fn plain_results(&self) -> &'static [Matrix] {
-        const JACOBIAN: &[Matrix] = &[("jacobian", Size::Fixed(6), Size::Nv, "linear rows, then angular")];
         match self {
             Self::Derivatives(_) | Self::Pullback(_) => unreachable!("those of another function"),
             Self::InverseDynamics => const { &[vector("tau", "generalized force [N·m, N]")] },
@@ -316,57 +347,17 @@ impl Function {
             Self::Momentum => const { &[vector("momentum", "[kg·m²/s, kg·m/s]")] },
             Self::CenterOfMass => &[("center", Size::Fixed(3), Size::One, "[m]")],
             Self::CenterOfMassJacobian => &[("jacobian", Size::Fixed(3), Size::Nv, "[m, 1]")],
-            Self::InverseDynamicsDerivatives => {
-                const {
-                    &[
-                        square("by_position", "d tau / d q"),
-                        square("by_velocity", "d tau / d v"),
-                        square("by_acceleration", "d tau / d a = M"),
-                    ]
-                }
-            }
-            Self::ForwardDynamicsDerivatives => {
-                const {
-                    &[
-                        square("by_position", "d a / d q"),
-                        square("by_velocity", "d a / d v"),
-                        square("by_force", "d a / d tau = M^-1"),
-                    ]
-                }
-            }
-            Self::InverseDynamicsPullback => {
-                const {
-                    &[
-                        vector("by_position", "lambda^T d tau / d q"),
-                        vector("by_velocity", "lambda^T d tau / d v"),
-                        vector("by_acceleration", "lambda^T d tau / d a"),
-                    ]
-                }
-            }
-            Self::ForwardDynamicsPullback => {
-                const {
-                    &[
-                        vector("acceleration", "a [rad/s², m/s²]"),
-                        vector("by_position", "lambda^T d a / d q"),
-                        vector("by_velocity", "lambda^T d a / d v"),
-                        vector("by_force", "lambda^T d a / d tau"),
-                    ]
-                }
-            }
+            Self::InverseDynamicsDerivatives => INVERSE_DERIVATIVES,
+            Self::ForwardDynamicsDerivatives => FORWARD_DERIVATIVES,
+            Self::InverseDynamicsPullback => INVERSE_PULLBACK,
+            Self::ForwardDynamicsPullback => FORWARD_PULLBACK,
             Self::JointTorqueRegressor => &[(
                 "regressor",
                 Size::Nv,
                 Size::Parameters,
                 "columns: for each moving link m, h (3), I about its origin (xx xy yy xz yz zz)",
             )],
-            Self::SemiImplicitEulerStep | Self::Rk4Step => {
-                const {
-                    &[
-                        ("q_next", Size::Nq, Size::One, "after the step; quaternions of unit length"),
-                        vector("v_next", "after the step"),
-                    ]
-                }
-            }
+            Self::SemiImplicitEulerStep | Self::Rk4Step => NEXT_STATE,
             Self::FramePoses => &[("poses", Size::Poses, Size::One, "for each frame R by rows, then p [m]")],
             Self::FramePose(_) => &[
                 ("rotation", Size::Fixed(3), Size::Fixed(3), "R, the frame's axes are its columns"),
