@@ -22,13 +22,15 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use robot_dynamics::constraints::ConstraintSet;
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{Controller, Effect, Method, StepInfo, steps_in};
 use robot_dynamics::text::one_line;
 
 pub(crate) use self::arguments::Arguments;
 use self::csv::OptionalColumns;
-use self::files::Files;
+use self::drive::ActuatorControls;
+use self::files::{Files, WrittenFiles};
 use self::ground::Floor;
 use self::hold::Hold;
 use self::plot::Plot;
@@ -49,53 +51,23 @@ const MAX_STEPS: f64 = 1e9;
 
 pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     let LoadedRobot { model, report, .. } = arguments.robot.load_to_compute()?;
-    if model.nv() == 0 {
-        return Err(Failure::new(format!(
-            "{}: the robot has no degree of freedom to simulate (--floating-base adds six)",
-            arguments.robot.shown()
-        )));
-    }
     let arguments = &*arguments;
-    method::check(arguments)?;
-    let steps = steps(arguments)?;
-    let is_held = arguments.hold || !arguments.goal.is_empty();
-    let mut setup = Setup::choose(arguments, &model, is_held)?;
-    let loops = loops::choose(arguments, &model, &setup)?;
-    let mut start = Start::choose(&model, &arguments.pose, &arguments.velocity, !is_held)?;
-    if let Some(loops) = &loops {
-        loops::close(&model, loops, &mut start, !is_held && arguments.pose.is_empty())?;
-    }
-    let floor = Floor::choose(arguments, &model, &setup, &mut start)?;
-    let drive = drive::choose(arguments, &model, &setup, &start)?;
-    let mut goal = start.q.clone();
-    set(&model, "--goal", &arguments.goal, Numbers::Configuration, &mut goal)?;
-    let mut hold = if is_held {
-        Some(Hold::new(&model, &goal, arguments.gains, arguments.dt).map_err(Failure::new)?)
+    let mut plan = RunPlan::choose(arguments, &model)?;
+    let mut hold = if plan.is_held {
+        Some(Hold::new(&model, &plan.goal, arguments.gains, arguments.dt).map_err(Failure::new)?)
     } else {
         None
     };
     // From here on no signal leaves an unfinished file.
     interruption::end_between_steps()?;
-    let (csv, plot) = (arguments.csv.as_deref(), arguments.plot.as_deref());
-    let touching = setup.ground_links().to_vec();
-    let columns = OptionalColumns { touching: &touching, has_losses: setup.has_losses() };
-    let stride = arguments.steps_between_rows().map_err(Failure::new)?;
+    let touching = plan.setup.ground_links().to_vec();
+    let columns = OptionalColumns { touching: &touching, has_losses: plan.setup.has_losses() };
     let read: Vec<PathBuf> = report.files.iter().chain(&arguments.srdf).cloned().collect();
-    let mut files = Files::open(&model, (arguments.robot.path(), &read), (csv, stride, columns), plot)?;
+    let mut files = open_files(arguments, &model, &read, columns)?;
     let print_summary = if files.use_standard_output() { print_error } else { print };
 
-    let progress = progress(steps);
-    let recorder = Recorder::new(&model);
-    let mut observer = Observer { recorder, files, progress: &progress, steps, step: arguments.dt };
-    let clock = Instant::now();
-    let controller = hold.as_mut().map(|hold| &mut hold.controller as &mut dyn Controller);
-    let ran = run::run(arguments, &model, &start, (&mut setup, drive.as_ref()), steps, controller, |info| {
-        observer.record(info)
-    });
-    let seconds = clock.elapsed().as_secs_f64();
-    progress.finish_and_clear();
-
-    let Observer { mut recorder, files, .. } = observer;
+    let Recording { recorder, files, ran, seconds } =
+        take_steps(arguments, &model, &mut plan, hold.as_mut(), files);
     let RunResult { run, failure, .. } = &ran;
     if let Some(error) = failure
         && run.trajectory.is_empty()
@@ -103,14 +75,13 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
         return Err(Failure::new(error));
     }
     let is_whole = failure.is_none() && !run.interrupted;
-    recorder.finish();
     let picture = Plot {
         model: &model,
         recorder: &recorder,
         columns,
-        caption: &caption((arguments, &setup), &model, run.time, is_held, is_whole),
+        caption: &caption((arguments, &plan.setup), &model, run.time, plan.is_held, is_whole),
         scale: recorder.energy_scale(&run.ledger, failure.is_some()).0,
-        conserves: !is_held && setup.conserves(),
+        conserves: !plan.is_held && plan.setup.conserves(),
         diverged: failure.is_some(),
     };
     let written = files.finish(&picture, is_whole);
@@ -120,19 +91,109 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     let summary = Summary {
         arguments,
         model: &model,
-        start: &start,
-        goal: &goal,
+        start: &plan.start,
+        goal: &plan.goal,
         hold: hold.as_ref(),
-        drive: drive.as_ref(),
-        setup: &setup,
-        loops: loops.as_ref(),
-        floor: floor.as_ref(),
+        drive: plan.drive.as_ref(),
+        setup: &plan.setup,
+        loops: plan.loops.as_ref(),
+        floor: plan.floor.as_ref(),
         ran: &ran,
         recorder: &recorder,
         seconds,
         written: &written,
     };
     print_summary(&summary.text())?;
+    outcome(arguments, &ran, &written)
+}
+
+/// The choices for a run, from the arguments and the robot.
+struct RunPlan {
+    steps: usize,
+    setup: Setup,
+    loops: Option<ConstraintSet>,
+    start: Start,
+    floor: Option<Floor>,
+    drive: Option<ActuatorControls>,
+    /// Whether a controller holds the robot at the goal.
+    is_held: bool,
+    goal: Vec<f64>,
+}
+
+impl RunPlan {
+    fn choose(arguments: &Arguments, model: &Model) -> Result<Self, Failure> {
+        if model.nv() == 0 {
+            return Err(Failure::new(format!(
+                "{}: the robot has no degree of freedom to simulate (--floating-base adds six)",
+                arguments.robot.shown()
+            )));
+        }
+        method::check(arguments)?;
+        let steps = steps(arguments)?;
+        let is_held = arguments.hold || !arguments.goal.is_empty();
+        let setup = Setup::choose(arguments, model, is_held)?;
+        let loops = loops::choose(arguments, model, &setup)?;
+        let mut start = Start::choose(model, &arguments.pose, &arguments.velocity, !is_held)?;
+        if let Some(loops) = &loops {
+            loops::close(model, loops, &mut start, !is_held && arguments.pose.is_empty())?;
+        }
+        let floor = Floor::choose(arguments, model, &setup, &mut start)?;
+        let drive = drive::choose(arguments, model, &setup, &start)?;
+        let mut goal = start.q.clone();
+        set(model, "--goal", &arguments.goal, Numbers::Configuration, &mut goal)?;
+        Ok(Self { steps, setup, loops, start, floor, drive, is_held, goal })
+    }
+}
+
+/// Opens the files of the results. `read` has the files that the run reads, which must not be overwritten.
+fn open_files(
+    arguments: &Arguments,
+    model: &Model,
+    read: &[PathBuf],
+    columns: OptionalColumns<'_>,
+) -> Result<Files, Failure> {
+    let (csv, plot) = (arguments.csv.as_deref(), arguments.plot.as_deref());
+    let stride = arguments.steps_between_rows().map_err(Failure::new)?;
+    Files::open(model, (arguments.robot.path(), read), (csv, stride, columns), plot)
+}
+
+/// A run with its samples and its unfinished files.
+struct Recording {
+    recorder: Recorder,
+    files: Files,
+    ran: RunResult,
+    /// Wall-clock time of the run \[s\].
+    seconds: f64,
+}
+
+/// Takes all steps, and records and shows the progress.
+fn take_steps(
+    arguments: &Arguments,
+    model: &Model,
+    plan: &mut RunPlan,
+    hold: Option<&mut Hold<'_>>,
+    files: Files,
+) -> Recording {
+    let progress = progress(plan.steps);
+    let recorder = Recorder::new(model);
+    let mut observer =
+        Observer { recorder, files, progress: &progress, steps: plan.steps, step: arguments.dt };
+    let RunPlan { steps, setup, start, drive, .. } = plan;
+    let clock = Instant::now();
+    let controller = hold.map(|hold| &mut hold.controller as &mut dyn Controller);
+    let ran = run::run(arguments, model, start, (setup, drive.as_ref()), *steps, controller, |info| {
+        observer.record(info)
+    });
+    let seconds = clock.elapsed().as_secs_f64();
+    progress.finish_and_clear();
+    let Observer { mut recorder, files, .. } = observer;
+    recorder.finish();
+    Recording { recorder, files, ran, seconds }
+}
+
+/// The outcome of the command after its summary.
+fn outcome(arguments: &Arguments, ran: &RunResult, written: &WrittenFiles) -> Outcome {
+    let RunResult { run, failure, .. } = ran;
     let causes: Vec<&str> = failure.iter().chain(&written.troubles).map(String::as_str).collect();
     if !causes.is_empty() {
         return Err(Failure::new(format!("{}{}", causes.join("; "), written.kept())));
