@@ -59,7 +59,7 @@ impl Reader<'_> {
             self.push_children(section, &context, &mut pending);
         }
         while let Some((node, context)) = pending.pop() {
-            self.element_of_body(node, &context, &mut bodies, &mut pending);
+            self.read_body_element(node, &context, &mut bodies, &mut pending);
         }
         bodies
     }
@@ -68,7 +68,8 @@ impl Reader<'_> {
         pending.extend(self.tree.nodes[node].children.iter().rev().map(|&child| (child, Rc::clone(context))));
     }
 
-    fn element_of_body(
+    /// Reads an element in a body. The elements in it are added to `pending`.
+    fn read_body_element(
         &mut self,
         node: Id,
         context: &Rc<Context>,
@@ -84,48 +85,14 @@ impl Reader<'_> {
             return;
         }
         match tree.nodes[node].name.as_str() {
-            "body" => {
-                let element = self.raw_element(node);
-                let class = self.child_class(&element, context.class);
-                let parent_from_body = context.frame * self.placement(&element);
-                let mut body = Body::new(name, element.clone(), context.body, parent_from_body);
-                body.gravity_compensation = self.number(&element, "gravcomp").unwrap_or(0.0);
-                body.mocap = self.boolean(&element, "mocap").unwrap_or(false);
-                let inside = Context {
-                    body: bodies.len(),
-                    frame: Isometry3::identity(),
-                    class,
-                    suffix: Rc::clone(&context.suffix),
-                };
-                bodies.push(body);
-                self.push_children(node, &Rc::new(inside), pending);
-            }
-            "frame" => {
-                let element = self.raw_element(node);
-                let class = self.child_class(&element, context.class);
-                let frame = context.frame * self.placement(&element);
-                let inside = Context { frame, class, ..Context::clone(context) };
-                self.push_children(node, &Rc::new(inside), pending);
-            }
+            "body" => self.read_body(node, name, context, bodies, pending),
+            "frame" => self.read_frame(node, context, pending),
             "replicate" => self.replicate(node, context, pending),
             "inertial" if is_world => {
                 let element = self.raw_element(node);
                 self.refuse(&element, "the world cannot have an <inertial>; put it into a body");
             }
-            "inertial" => {
-                let element = self.raw_element(node);
-                let place = format!("{}/inertial", bodies[context.body].element.place);
-                let element = Element { place, ..element };
-                if let Some(first) = &bodies[context.body].inertial {
-                    let message = format!(
-                        "a second <inertial>; the first, on line {}, counts; delete one of them",
-                        first.element.line
-                    );
-                    self.warn(&element, message);
-                } else {
-                    bodies[context.body].inertial = Some(Box::new(self.inertial(element)));
-                }
-            }
+            "inertial" => self.read_inertial(node, &mut bodies[context.body]),
             "joint" | "freejoint" if is_world => {
                 let element = self.raw_element(node);
                 self.refuse(&element, "the world cannot have joints; put the joint into a body");
@@ -145,23 +112,71 @@ impl Reader<'_> {
                 let geom = self.geom(element, name, &context.frame);
                 push(&mut bodies[context.body].geoms, geom);
             }
-            "site" => {
-                let element = self.element(node, context.class);
-                let placement = match self.numbers::<6>(&element, "fromto") {
-                    Some([a, b, c, d, e, f]) => {
-                        // The frame is at the midpoint, with z along the segment.
-                        let (from, to) = ([a, b, c].into(), [d, e, f].into());
-                        segment(from, to)
-                    }
-                    None => self.placement(&element),
-                };
-                if !name.is_empty() {
-                    let body_from_site = context.frame * placement;
-                    push(&mut bodies[context.body].sites, Site { name, element, body_from_site });
-                }
-            }
+            "site" => self.read_site(node, name, context, &mut bodies[context.body]),
             // Reported by `list_unread`.
             _ => {}
+        }
+    }
+
+    /// Reads a `<body>` without its content.
+    fn read_body(
+        &mut self,
+        node: Id,
+        name: String,
+        context: &Context,
+        bodies: &mut Vec<Body>,
+        pending: &mut Vec<(Id, Rc<Context>)>,
+    ) {
+        let element = self.raw_element(node);
+        let class = self.child_class(&element, context.class);
+        let parent_from_body = context.frame * self.placement(&element);
+        let mut body = Body::new(name, element.clone(), context.body, parent_from_body);
+        body.gravity_compensation = self.number(&element, "gravcomp").unwrap_or(0.0);
+        body.mocap = self.boolean(&element, "mocap").unwrap_or(false);
+        let inside = Context {
+            body: bodies.len(),
+            frame: Isometry3::identity(),
+            class,
+            suffix: Rc::clone(&context.suffix),
+        };
+        bodies.push(body);
+        self.push_children(node, &Rc::new(inside), pending);
+    }
+
+    /// Reads a `<frame>`, which moves the elements in it.
+    fn read_frame(&mut self, node: Id, context: &Context, pending: &mut Vec<(Id, Rc<Context>)>) {
+        let element = self.raw_element(node);
+        let class = self.child_class(&element, context.class);
+        let frame = context.frame * self.placement(&element);
+        let inside = Context { frame, class, ..Context::clone(context) };
+        self.push_children(node, &Rc::new(inside), pending);
+    }
+
+    /// Reads the `<inertial>` of a body, unless it already has one.
+    fn read_inertial(&mut self, node: Id, body: &mut Body) {
+        let element = self.raw_element(node);
+        let place = format!("{}/inertial", body.element.place);
+        let element = Element { place, ..element };
+        if let Some(first) = &body.inertial {
+            let message = format!(
+                "a second <inertial>; the first, on line {}, counts; delete one of them",
+                first.element.line
+            );
+            self.warn(&element, message);
+        } else {
+            body.inertial = Some(Box::new(self.inertial(element)));
+        }
+    }
+
+    /// Reads a `<site>`; without a name nothing refers to it.
+    fn read_site(&mut self, node: Id, name: String, context: &Context, body: &mut Body) {
+        let element = self.element(node, context.class);
+        let placement = match self.numbers::<6>(&element, "fromto") {
+            Some([a, b, c, d, e, f]) => segment([a, b, c].into(), [d, e, f].into()),
+            None => self.placement(&element),
+        };
+        if !name.is_empty() {
+            push(&mut body.sites, Site { name, element, body_from_site: context.frame * placement });
         }
     }
 
