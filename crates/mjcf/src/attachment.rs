@@ -6,6 +6,7 @@
 //! Tendons and contact pairs are copied if at least one of their names exists.
 
 mod copies;
+mod part;
 
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -45,6 +46,17 @@ struct Expansion<'s> {
     class_names: HashSet<String>,
     /// The meshes and other assets that exist, by kind and name.
     asset_names: HashSet<(String, String)>,
+}
+
+/// The part that an `<attach>` copies.
+struct AttachedPart {
+    /// The root of its model.
+    model: Id,
+    prefix: String,
+    /// The elements to copy.
+    elements: Vec<Id>,
+    /// The `childclass` at their original place.
+    childclass: Option<Rc<str>>,
 }
 
 enum Step {
@@ -185,95 +197,62 @@ impl Expansion<'_> {
 
     /// Replaces an `<attach>` by a frame that contains the copied part.
     fn attach(&mut self, id: Id) {
-        let attribute = |name| self.tree().nodes[id].attribute(name).map(str::to_owned);
-        let [model, body, frame, prefix] = ["model", "body", "frame", "prefix"].map(attribute);
-        let Some(prefix) = prefix else {
-            let (line, place) = self.place(id);
-            let (attribute, example) = ("prefix", "PREFIX");
-            self.source.errors.push(MjcfError::MissingAttribute { line, place, attribute, example });
+        let Some(AttachedPart { model, prefix, elements, childclass }) = self.read_part(id) else {
             return;
         };
-        let part = match (body, frame) {
-            (Some(_), Some(_)) => return self.refuse(id, "both body and frame are given; keep one of them"),
-            (Some(name), None) => Some(("body", name)),
-            (None, Some(name)) => Some(("frame", name)),
-            (None, None) => None,
-        };
-        let child = match &model {
-            Some(model) => match self.assets.get(model) {
-                Some(&child) => child,
-                None => return self.refuse_unknown_name(id, "model in <asset>", model),
-            },
-            None if part.is_none() => {
-                return self.refuse(id, "give it a model, or a body or a frame of this file");
-            }
-            None => self.root,
-        };
-        let (sources, around) = match part {
-            None => {
-                let tree = self.tree();
-                let sections = tree.children(child, "worldbody");
-                (sections.flat_map(|id| tree.nodes[id].children.clone()).collect(), None)
-            }
-            Some((kind, name)) => {
-                let key = (kind, name.clone());
-                let found = if child == self.root {
-                    self.parts.get(&key).cloned()
-                } else {
-                    let tree = &self.source.tree;
-                    let parts = self.parts_of.entry(child).or_insert_with(|| parts_of(tree, child));
-                    parts.get(&key).cloned()
-                };
-                let Some((found, around)) = found else {
-                    let what = if kind == "body" { "body to be attached" } else { "frame to be attached" };
-                    return self.refuse_unknown_name(id, what, &name);
-                };
-                if self.ancestors.contains(&found) {
-                    return self.refuse(id, format!("it attaches the {kind} {name:?} that contains it"));
-                }
-                if self.names.contains(&(kind, format!("{prefix}{name}"))) {
-                    let reason = format!("the {kind} {prefix}{name} already exists; use another prefix");
-                    return self.refuse(id, reason);
-                }
-                (vec![found], around)
-            }
-        };
         self.source.tree.has_copies = true;
-        let external = child != self.root;
-        let is_first = external && !self.classes.contains_key(&(child, prefix.clone()));
+        let is_external = model != self.root;
+        let is_first = is_external && !self.classes.contains_key(&(model, prefix.clone()));
         if is_first {
-            self.attach_classes_and_assets(id, child, &prefix);
+            self.attach_classes_and_assets(id, model, &prefix);
         }
-        let classes = self.classes.get(&(child, prefix.clone())).cloned();
+        let classes = self.classes.get(&(model, prefix.clone())).cloned();
         let renaming = Renaming { prefix: &prefix, classes: classes.as_ref(), ..Renaming::default() };
-        // The classes are those of the original place of the part.
-        let childclass = renaming.class(around.as_deref().unwrap_or("main"));
         let mut copies = HashMap::new();
         let children: Vec<Id> =
-            sources.into_iter().filter_map(|from| self.copy(from, &renaming, &mut copies)).collect();
-        for &copy in &children {
-            let was_exceeded = self.source.budget.is_exceeded();
-            match names_in(&mut self.source.budget, &self.source.tree, copy) {
-                Ok(names) => names.into_iter().for_each(|name| self.enter(id, name)),
-                Err(_) if was_exceeded => return,
-                Err(exceeded) => return self.source.refuse_excess(id, exceeded),
-            }
+            elements.into_iter().filter_map(|from| self.copy(from, &renaming, &mut copies)).collect();
+        if !self.enter_copies(id, &children) {
+            return;
         }
+        let childclass = renaming.class(childclass.as_deref().unwrap_or("main"));
         let node = &mut self.source.tree.nodes[id];
         node.name = "frame".into();
         node.attributes = vec![("childclass".into(), childclass)];
         node.children = children;
+        let actuators = self.attach_outer_sections(model, &renaming);
+        if is_first {
+            self.attach_poses(id, model, &renaming, (copies, actuators));
+        }
+    }
+
+    /// Adds the names in the copies; returns false if they exceed the budget.
+    fn enter_copies(&mut self, id: Id, copies: &[Id]) -> bool {
+        for &copy in copies {
+            let was_exceeded = self.source.budget.is_exceeded();
+            match names_in(&mut self.source.budget, &self.source.tree, copy) {
+                Ok(names) => names.into_iter().for_each(|name| self.enter(id, name)),
+                Err(exceeded) => {
+                    if !was_exceeded {
+                        self.source.refuse_excess(id, exceeded);
+                    }
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Copies the elements outside bodies of a model. Returns the copy of each actuator, if it has one.
+    fn attach_outer_sections(&mut self, model: Id, renaming: &Renaming<'_>) -> Vec<Option<Id>> {
         let mut actuators = Vec::new();
         for section in OUTER_SECTIONS {
-            let elements = self.tree().in_sections_of(child, section);
-            let copies = self.copy_outer(section, &elements, &renaming);
+            let elements = self.tree().in_sections_of(model, section);
+            let copies = self.copy_outer(section, &elements, renaming);
             if section == "actuator" {
                 actuators = elements.iter().map(|element| copies.get(element).copied()).collect();
             }
         }
-        if is_first {
-            self.attach_poses(id, child, &renaming, (copies, actuators));
-        }
+        actuators
     }
 
     /// Copies the keyframes of a model, but not those of models that it attaches. `copies` maps the elements
@@ -294,9 +273,7 @@ impl Expansion<'_> {
         if keys.is_empty() {
             return;
         }
-        let tree = &self.source.tree;
-        let sections = tree.children(child, "worldbody");
-        let world: Vec<Id> = sections.flat_map(|section| tree.nodes[section].children.clone()).collect();
+        let world = self.tree().in_sections_of(child, "worldbody");
         let (mut whole, mut attached) = (frame, HashMap::new());
         if world.iter().any(|own| !copies.contains_key(own)) {
             let mut all = HashMap::new();
@@ -373,22 +350,4 @@ impl Expansion<'_> {
         self.source.tree.nodes[self.root].children.push(section);
         self.classes.insert((child, prefix.to_owned()), classes);
     }
-}
-
-/// All bodies and frames of a model by name, with the `childclass` that applies to each.
-fn parts_of(tree: &Tree, root: Id) -> Parts {
-    let mut parts = HashMap::new();
-    let mut pending: Vec<(Id, Option<Rc<str>>)> =
-        tree.children(root, "worldbody").map(|section| (section, None)).collect();
-    while let Some((id, class)) = pending.pop() {
-        let node = &tree.nodes[id];
-        if let Some((kind, name)) =
-            of_element(node, "worldbody").filter(|(kind, _)| matches!(*kind, "body" | "frame"))
-        {
-            parts.insert((kind, name), (id, class.clone()));
-        }
-        let class = node.attribute("childclass").map(Rc::from).or(class);
-        pending.extend(node.children.iter().map(|&child| (child, class.clone())));
-    }
-    parts
 }
