@@ -41,72 +41,87 @@ impl Reader<'_> {
             }
             let written = self.text(&element, "name").filter(|name| !name.is_empty());
             let name = names.unique(&written.map_or_else(|| format!("key_{index}"), str::to_owned));
-            let initial: Vec<f64> =
-                table.joints.iter().flat_map(|joint| to_mujoco(joint, &joint.initial)).collect();
-            let dofs: usize = table.joints.iter().map(|joint| joint.motion.dof_count()).sum();
-            let (q, v, controls) = if let Some(frame) = self.tree.nodes[id].scope {
-                let part = parts.entry(frame).or_insert_with(|| self.part(frame, table, actuators));
-                let mut all = [initial, vec![0.0; dofs], vec![0.0; actuators.count]];
-                let mut has_controls = false;
-                for (which, name) in ["qpos", "qvel", "ctrl"].into_iter().enumerate() {
-                    let rest = vec![0.0; part.0[which].len()];
-                    if let Some(list) = self.read_list(&element, name, &rest) {
-                        part.place(which, &list, &mut all[which]);
-                        has_controls |= which == 2;
-                    }
+            let rest = KeyLists::at_rest(table, actuators);
+            let lists = match self.tree.nodes[id].scope {
+                Some(frame) => {
+                    let part = parts.entry(frame).or_insert_with(|| self.part(frame, table, actuators));
+                    self.read_part_lists(&element, part, rest)
                 }
-                let [q, v, u] = all;
-                (q, v, if has_controls { u } else { Vec::new() })
-            } else {
-                let q = self.read_list(&element, "qpos", &initial).unwrap_or(initial);
-                let v = self.read_list(&element, "qvel", &vec![0.0; dofs]);
-                let controls = self.read_list(&element, "ctrl", &vec![0.0; actuators.count]);
-                (q, v.unwrap_or_else(|| vec![0.0; dofs]), controls.unwrap_or_default())
+                None => self.read_lists(&element, rest),
             };
-            let mut pose = NamedPose::new(name, []);
-            let (mut at_q, mut at_v) = (0, 0);
-            for joint in &table.joints {
-                let (nq, nv) = (joint.initial.len(), joint.motion.dof_count());
-                let own = &q[at_q..at_q + nq];
-                let (position, turn) = from_mujoco(joint, own).unwrap_or_else(|| {
-                    let message = format!(
-                        "qpos: the quaternion of joint {:?} is zero: taken as the identity",
-                        joint.name
-                    );
-                    self.warn(&element, message);
-                    let place = &own[..own.len() - 4];
-                    ([place, &[0.0, 0.0, 0.0, 1.0]].concat(), UnitQuaternion::identity())
-                });
-                let mut velocity = v[at_v..at_v + nv].to_vec();
-                if joint.motion == Motion::Free {
-                    // MuJoCo's linear velocity is along the axes of the world, ours along those of the body.
-                    let linear = turn.inverse() * Vector3::new(velocity[0], velocity[1], velocity[2]);
-                    velocity[..3].copy_from_slice(linear.as_slice());
-                }
-                pose.positions.push((joint.name.clone(), position));
-                if velocity.iter().any(|&v| v != 0.0) {
-                    pose.velocities.push((joint.name.clone(), velocity));
-                }
-                (at_q, at_v) = (at_q + nq, at_v + nv);
-            }
-            if !controls.is_empty() {
-                pose.controls = actuators.read.iter().map(|&index| controls[index]).collect();
+            let mut pose = self.named_pose(&element, name, table, &lists);
+            if lists.has_controls {
+                pose.controls = actuators.read.iter().map(|&index| lists.controls[index]).collect();
             }
             self.report_read(&element, "a keyframe");
             robot.poses.push(pose);
         }
-        let is_neutral = |joint: &JointEntry| match joint.initial[..] {
-            [angle] => angle == 0.0,
-            [.., x, y, z, w] => {
-                [x, y, z, w] == [0.0, 0.0, 0.0, 1.0]
-                    && joint.initial[..joint.initial.len() - 4].iter().all(|&x| x == 0.0)
-            }
-            _ => true,
-        };
         if !table.joints.iter().all(is_neutral) && names.reserve(INITIAL) {
             let positions = table.joints.iter().map(|joint| (joint.name.clone(), joint.initial.clone()));
             robot.poses.push(NamedPose::new(INITIAL, positions));
         }
+    }
+
+    /// The lists of a keyframe of the main model; `rest` completes and replaces them.
+    fn read_lists(&mut self, element: &Element, rest: KeyLists) -> KeyLists {
+        let q = self.read_list(element, "qpos", &rest.q);
+        let v = self.read_list(element, "qvel", &rest.v);
+        let controls = self.read_list(element, "ctrl", &rest.controls);
+        KeyLists {
+            q: q.unwrap_or(rest.q),
+            v: v.unwrap_or(rest.v),
+            has_controls: controls.is_some(),
+            controls: controls.unwrap_or(rest.controls),
+        }
+    }
+
+    /// The lists of a keyframe of an attached model, placed in those of the robot.
+    fn read_part_lists(&mut self, element: &Element, part: &Part, rest: KeyLists) -> KeyLists {
+        let mut lists = rest;
+        let all = [("qpos", &mut lists.q), ("qvel", &mut lists.v), ("ctrl", &mut lists.controls)];
+        for (which, (name, all)) in all.into_iter().enumerate() {
+            let rest = vec![0.0; part.0[which].len()];
+            if let Some(list) = self.read_list(element, name, &rest) {
+                part.place(which, &list, all);
+                lists.has_controls |= which == 2;
+            }
+        }
+        lists
+    }
+
+    /// The positions and velocities of the joints in a keyframe.
+    fn named_pose(
+        &mut self,
+        element: &Element,
+        name: String,
+        table: &ElementTable,
+        lists: &KeyLists,
+    ) -> NamedPose {
+        let mut pose = NamedPose::new(name, []);
+        let (mut at_q, mut at_v) = (0, 0);
+        for joint in &table.joints {
+            let (nq, nv) = (joint.initial.len(), joint.motion.dof_count());
+            let own = &lists.q[at_q..at_q + nq];
+            let (position, turn) = from_mujoco(joint, own).unwrap_or_else(|| {
+                let message =
+                    format!("qpos: the quaternion of joint {:?} is zero: taken as the identity", joint.name);
+                self.warn(element, message);
+                let place = &own[..own.len() - 4];
+                ([place, &[0.0, 0.0, 0.0, 1.0]].concat(), UnitQuaternion::identity())
+            });
+            let mut velocity = lists.v[at_v..at_v + nv].to_vec();
+            if joint.motion == Motion::Free {
+                // MuJoCo's linear velocity is along the axes of the world, ours along those of the body.
+                let linear = turn.inverse() * Vector3::new(velocity[0], velocity[1], velocity[2]);
+                velocity[..3].copy_from_slice(linear.as_slice());
+            }
+            pose.positions.push((joint.name.clone(), position));
+            if velocity.iter().any(|&v| v != 0.0) {
+                pose.velocities.push((joint.name.clone(), velocity));
+            }
+            (at_q, at_v) = (at_q + nq, at_v + nv);
+        }
+        pose
     }
 
     /// A list with as many numbers as `rest`, which completes a shorter list; `None` if the attribute is
@@ -132,6 +147,28 @@ impl Reader<'_> {
         let (expected, found) = (count.to_string(), list.len());
         self.errors.push(MjcfError::WrongCount { line, place, attribute, text, expected, found });
         None
+    }
+}
+
+/// The numbers of a keyframe, in MuJoCo's order.
+struct KeyLists {
+    q: Vec<f64>,
+    v: Vec<f64>,
+    controls: Vec<f64>,
+    /// Whether the keyframe gives controls.
+    has_controls: bool,
+}
+
+impl KeyLists {
+    /// The pose in which the file places the bodies, at rest and without controls.
+    fn at_rest(table: &ElementTable, actuators: &Actuators) -> Self {
+        let dofs = table.joints.iter().map(|joint| joint.motion.dof_count()).sum();
+        Self {
+            q: table.joints.iter().flat_map(|joint| to_mujoco(joint, &joint.initial)).collect(),
+            v: vec![0.0; dofs],
+            controls: vec![0.0; actuators.count],
+            has_controls: false,
+        }
     }
 }
 
@@ -173,6 +210,18 @@ impl Part {
                 all[at] = *number;
             }
         }
+    }
+}
+
+/// Whether the file places the bodies so that the joint is at zero.
+fn is_neutral(joint: &JointEntry) -> bool {
+    match joint.initial[..] {
+        [angle] => angle == 0.0,
+        [.., x, y, z, w] => {
+            [x, y, z, w] == [0.0, 0.0, 0.0, 1.0]
+                && joint.initial[..joint.initial.len() - 4].iter().all(|&x| x == 0.0)
+        }
+        _ => true,
     }
 }
 
