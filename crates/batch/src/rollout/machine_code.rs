@@ -54,6 +54,53 @@ struct KernelSteps<'a, T> {
     torques: Torques<'a, T>,
 }
 
+/// The numbers of all states of a job, state by state.
+struct Numbers<'m, T> {
+    q: &'m mut [T],
+    v: &'m mut [T],
+    /// The state after a step.
+    q_end: &'m mut [T],
+    v_end: &'m mut [T],
+    tau: &'m mut [T],
+    /// The length of each state's step.
+    h: &'m mut [T],
+    scratch: &'m mut [T],
+}
+
+impl<'m, T: Float + Number> Numbers<'m, T> {
+    fn of(memory: &'m mut Vec<T>, model: &Model, states: usize, scratch: usize) -> Self {
+        let (nq, nv) = (model.nq, model.nv);
+        block::make_room(memory, states * (2 * nq + 3 * nv + 1) + scratch);
+        let mut rest = &mut memory[..];
+        let mut take = |count: usize| rest.split_off_mut(..count).unwrap_or_default();
+        let (q, v) = (take(states * nq), take(states * nv));
+        let (q_end, v_end) = (take(states * nq), take(states * nv));
+        let (tau, h) = (take(states * nv), take(states));
+        Self { q, v, q_end, v_end, tau, h, scratch: rest }
+    }
+
+    /// Takes the state after a step as the start of the next one.
+    fn advance(&mut self) {
+        core::mem::swap(&mut self.q, &mut self.q_end);
+        core::mem::swap(&mut self.v, &mut self.v_end);
+    }
+
+    /// A bit for each state that is not finite; all its numbers become NaN.
+    fn mark_bad(&mut self, model: &Model, states: usize) -> u32 {
+        let (nq, nv) = (model.nq, model.nv);
+        let mut bad = 0;
+        for state in 0..states {
+            let (q, v) = (&mut self.q[state * nq..][..nq], &mut self.v[state * nv..][..nv]);
+            if !q.iter().chain(&*v).copied().all(Float::is_finite) {
+                bad |= 1 << state;
+                q.fill(T::from_f64(f64::NAN));
+                v.fill(T::from_f64(f64::NAN));
+            }
+        }
+        bad
+    }
+}
+
 impl<T: Float + Number> KernelSteps<'_, T> {
     /// A bit for each bad state, and whether all reached the end.
     fn advance(
@@ -63,23 +110,16 @@ impl<T: Float + Number> KernelSteps<'_, T> {
         shared: &Shared<'_>,
     ) -> (u32, bool) {
         let Self { kernel, model, rollout, torques, .. } = self;
-        let (nq, nv, states) = (model.nq, model.nv, job.states);
-        let ThreadMemory { block, native: numbers } = memory;
-        block::make_room(numbers, states * (2 * nq + 3 * nv + 1) + kernel.scratch_len());
-        let mut rest = &mut numbers[..];
-        let mut take = |count: usize| rest.split_off_mut(..count).unwrap_or_default();
-        let (mut q, mut v) = (take(states * nq), take(states * nv));
-        let (mut q_end, mut v_end) = (take(states * nq), take(states * nv));
-        let (tau, steps) = (take(states * nv), take(states));
-        let scratch = rest;
-        q.copy_from_slice(job.q);
-        v.copy_from_slice(job.v);
-        steps.fill(T::from_f64(rollout.step));
+        let (nv, states) = (model.nv, job.states);
+        let ThreadMemory { block, native } = memory;
+        let mut numbers = Numbers::of(native, model, states, kernel.scratch_len());
+        numbers.q.copy_from_slice(job.q);
+        numbers.v.copy_from_slice(job.v);
+        numbers.h.fill(T::from_f64(rollout.step));
         match torques {
-            Torques::Held(table) => tau.copy_from_slice(&table[job.first * nv..][..states * nv]),
-            Torques::Zero | Torques::EachStep(_) | Torques::Policy(_) => tau.fill(T::zero()),
+            Torques::Held(table) => numbers.tau.copy_from_slice(&table[job.first * nv..][..states * nv]),
+            Torques::Zero | Torques::EachStep(_) | Torques::Policy(_) => numbers.tau.fill(T::zero()),
         }
-        let samples = rollout.samples();
         let mut looked = 0;
         for done in 0..rollout.steps {
             if done == looked + STEPS_PER_LOOK {
@@ -88,53 +128,64 @@ impl<T: Float + Number> KernelSteps<'_, T> {
                     return (0, false);
                 }
             }
-            match torques {
-                Torques::Zero | Torques::Held(_) => {}
-                Torques::EachStep(table) => {
-                    for state in 0..states {
-                        let row = ((job.first + state) * rollout.steps + done) * nv;
-                        tau[state * nv..][..nv].copy_from_slice(&table[row..][..nv]);
-                    }
-                }
-                Torques::Policy(policy) => {
-                    let (first, time) = (job.first, done as f64 * rollout.step);
-                    policy(PolicyInput { first, states, step: done, time, q, v }, tau);
-                }
-            }
-            let mut far = Vec::new();
-            let results = &mut [&mut *q_end, &mut *v_end];
-            kernel.call_rows(states, &[q, v, tau, steps], results, scratch, |state| far.push(state));
-            for state in far {
-                let (of_q, of_v) = (state * nq..(state + 1) * nq, state * nv..(state + 1) * nv);
-                q_end[of_q.clone()].copy_from_slice(&q[of_q.clone()]);
-                v_end[of_v.clone()].copy_from_slice(&v[of_v.clone()]);
-                let way = (self.model, self.rollout, self.stages);
-                step_by_recursion(way, block, &tau[of_v.clone()], &mut q_end[of_q], &mut v_end[of_v]);
-            }
-            core::mem::swap(&mut q, &mut q_end);
-            core::mem::swap(&mut v, &mut v_end);
+            self.set_torques(job, done, &mut numbers);
+            self.step(block, states, &mut numbers);
+            numbers.advance();
             if rollout.stride != 0 && (done + 1) % rollout.stride == 0 {
-                let sample = (done + 1) / rollout.stride - 1;
-                for state in 0..states {
-                    let row = state * samples + sample;
-                    job.q_trajectory[row * nq..][..nq].copy_from_slice(&q[state * nq..][..nq]);
-                    job.v_trajectory[row * nv..][..nv].copy_from_slice(&v[state * nv..][..nv]);
-                }
+                self.record_sample(job, (done + 1) / rollout.stride - 1, &numbers);
             }
         }
-        let mut bad = 0;
-        for state in 0..states {
-            let (q, v) = (&mut q[state * nq..][..nq], &mut v[state * nv..][..nv]);
-            if !q.iter().chain(&*v).copied().all(Float::is_finite) {
-                bad |= 1 << state;
-                q.fill(T::from_f64(f64::NAN));
-                v.fill(T::from_f64(f64::NAN));
-            }
-        }
-        job.q.copy_from_slice(q);
-        job.v.copy_from_slice(v);
+        let bad = numbers.mark_bad(model, states);
+        job.q.copy_from_slice(numbers.q);
+        job.v.copy_from_slice(numbers.v);
         shared.go_on((states * (rollout.steps - looked)) as u64);
         (bad, true)
+    }
+
+    /// Sets the torques of step `done` that change from step to step.
+    fn set_torques(&self, job: &Job<'_, T>, done: usize, numbers: &mut Numbers<'_, T>) {
+        let (nv, states) = (self.model.nv, job.states);
+        let Numbers { q, v, tau, .. } = numbers;
+        match self.torques {
+            Torques::Zero | Torques::Held(_) => {}
+            Torques::EachStep(table) => {
+                for state in 0..states {
+                    let row = ((job.first + state) * self.rollout.steps + done) * nv;
+                    tau[state * nv..][..nv].copy_from_slice(&table[row..][..nv]);
+                }
+            }
+            Torques::Policy(policy) => {
+                let (first, time) = (job.first, done as f64 * self.rollout.step);
+                policy(PolicyInput { first, states, step: done, time, q, v }, tau);
+            }
+        }
+    }
+
+    /// Takes one step of all states. States with an angle outside the range of the kernel's sine use the
+    /// recursion.
+    fn step(&self, block: &mut BlockMemory, states: usize, numbers: &mut Numbers<'_, T>) {
+        let (nq, nv) = (self.model.nq, self.model.nv);
+        let Numbers { q, v, q_end, v_end, tau, h, scratch } = numbers;
+        let mut far = Vec::new();
+        let results = &mut [&mut **q_end, &mut **v_end];
+        self.kernel.call_rows(states, &[q, v, tau, h], results, scratch, |state| far.push(state));
+        for state in far {
+            let (of_q, of_v) = (state * nq..(state + 1) * nq, state * nv..(state + 1) * nv);
+            q_end[of_q.clone()].copy_from_slice(&q[of_q.clone()]);
+            v_end[of_v.clone()].copy_from_slice(&v[of_v.clone()]);
+            let way = (self.model, self.rollout, self.stages);
+            step_by_recursion(way, block, &tau[of_v.clone()], &mut q_end[of_q], &mut v_end[of_v]);
+        }
+    }
+
+    /// Copies all states to sample `sample` of the trajectories.
+    fn record_sample(&self, job: &mut Job<'_, T>, sample: usize, numbers: &Numbers<'_, T>) {
+        let (nq, nv, samples) = (self.model.nq, self.model.nv, self.rollout.samples());
+        for state in 0..job.states {
+            let row = state * samples + sample;
+            job.q_trajectory[row * nq..][..nq].copy_from_slice(&numbers.q[state * nq..][..nq]);
+            job.v_trajectory[row * nv..][..nv].copy_from_slice(&numbers.v[state * nv..][..nv]);
+        }
     }
 }
 
