@@ -13,8 +13,10 @@ mod hull;
 mod obj;
 mod polygon;
 mod stl;
+mod surface;
 mod triangles;
 
 pub use file::{parse, read};
 pub use hull::{corners, hull};
+pub use surface::open_edges;
 pub use triangles::{Triangles, check};

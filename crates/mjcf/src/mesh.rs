@@ -124,7 +124,14 @@ impl Reader<'_> {
             // A reflection reverses the orientation of the faces.
             mesh.faces.iter_mut().for_each(|face| face.swap(1, 2));
         }
-        extent(&mesh, inertia)
+        let extent = extent(&mesh, inertia)?;
+        if extent.open_edges > 0 {
+            let count = extent.open_edges;
+            let message =
+                "its mass is that of the pyramids from the centre to the triangles; close the surface";
+            self.warn(element, format!("the surface of the mesh is open at {count} edges: {message}"));
+        }
+        Ok(extent)
     }
 
     /// Reads a mesh from `vertex` and `face`.

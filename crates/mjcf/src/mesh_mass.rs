@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_description::MassProperties;
-use robot_dynamics_mesh::{Triangles, hull};
+use robot_dynamics_mesh::{Triangles, hull, open_edges};
 
 /// The values of the attribute `inertia` of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +25,8 @@ pub(crate) struct MeshExtent {
     pub(crate) measure: f64,
     /// At density 1, in the mesh's frame.
     pub(crate) body: MassProperties,
+    /// The number of edges where the surface of a solid is open.
+    pub(crate) open_edges: usize,
 }
 
 /// The mass properties of a mesh at density 1. For a mesh without faces they are those of its convex hull.
@@ -36,23 +38,32 @@ pub(crate) fn extent(mesh: &Triangles, inertia: MeshInertia) -> Result<MeshExten
     } else {
         mesh.faces.iter().map(|face| face.map(|corner| mesh.points[corner])).collect()
     };
+    let mut open = 0;
     let body = match inertia {
-        MeshInertia::Exact | MeshInertia::Convex => MassProperties::solid_mesh(1.0, &triangles)
-            .map_err(|error| format!("{error}; check that its triangles are counter-clockwise from outside")),
-        MeshInertia::Shell => MassProperties::shell_mesh(1.0, &triangles).map_err(|error| error.to_string()),
-        MeshInertia::Legacy => {
-            legacy_mass(&triangles).ok_or_else(|| "it has no volume; give it inertia=\"shell\"".to_owned())
+        MeshInertia::Exact if !mesh.faces.is_empty() => {
+            open = open_edges(mesh)?;
+            sum_of_pyramids(&triangles, |volume| volume).ok_or_else(|| {
+                "its volume is not positive; check that its triangles are counter-clockwise from outside"
+                    .into()
+            })
         }
+        MeshInertia::Exact | MeshInertia::Convex => {
+            MassProperties::solid_mesh(1.0, &triangles).map_err(|error| error.to_string())
+        }
+        MeshInertia::Shell => MassProperties::shell_mesh(1.0, &triangles).map_err(|error| error.to_string()),
+        MeshInertia::Legacy => sum_of_pyramids(&triangles, f64::abs)
+            .ok_or_else(|| "it has no volume; give it inertia=\"shell\"".to_owned()),
     }?;
-    Ok(MeshExtent { measure: body.mass(), body })
+    Ok(MeshExtent { measure: body.mass(), body, open_edges: open })
 }
 
 /// The pyramids from the centroid of the surface give the centre of mass. Those from the centre of mass give
-/// mass and inertia.
-fn legacy_mass(triangles: &[[Vector3<f64>; 3]]) -> Option<MassProperties> {
+/// mass and inertia. `counted` maps the signed volume of a pyramid to the counted one. For a closed surface the
+/// signed volumes are exact, from any point. For an open one these two points are MuJoCo's.
+fn sum_of_pyramids(triangles: &[[Vector3<f64>; 3]], counted: fn(f64) -> f64) -> Option<MassProperties> {
     let surface = MassProperties::shell_mesh(1.0, triangles).ok()?;
     let middle = surface.center_of_mass();
-    let volume = |[p, q, r]: &[Vector3<f64>; 3]| (p.dot(&q.cross(r)) / 6.0).abs();
+    let volume = |[p, q, r]: &[Vector3<f64>; 3]| counted(p.dot(&q.cross(r)) / 6.0);
     let (mut total, mut first) = (0.0, Vector3::zeros());
     for triangle in triangles {
         let corners = triangle.map(|corner| corner - middle);

@@ -12,9 +12,15 @@ pub enum XmlError {
     /// The file cannot be opened or read.
     #[error("cannot read {}: {source}", path.display())]
     Unreadable { path: PathBuf, source: std::io::Error },
-    /// The file is not text.
-    #[error("byte {byte} is not UTF-8; save the file as UTF-8, and check that it is a robot file")]
-    NotUtf8 { byte: usize },
+    /// The file is not text in the encoding that it declares, or in UTF-8.
+    #[error("byte {byte} is not {encoding}; save the file as UTF-8, and check that it is a robot file")]
+    NotText { byte: usize, encoding: String },
+    /// The XML declaration names an unknown encoding.
+    #[error("the declared encoding {encoding:?} is unknown; save the file as UTF-8")]
+    UnknownEncoding { encoding: String },
+    /// The file has another format.
+    #[error("this is {format}: {advice}")]
+    OtherFormat { format: &'static str, advice: &'static str },
     /// The file is larger than the limit.
     #[error("the file has more than {limit} bytes, the largest size of a robot file")]
     TooLarge { limit: usize },
@@ -44,7 +50,12 @@ impl XmlError {
     /// ```
     pub fn line(&self) -> Option<usize> {
         match self {
-            Self::Unreadable { .. } | Self::NotUtf8 { .. } | Self::TooLarge { .. } | Self::Empty => None,
+            Self::Unreadable { .. }
+            | Self::NotText { .. }
+            | Self::UnknownEncoding { .. }
+            | Self::OtherFormat { .. }
+            | Self::TooLarge { .. }
+            | Self::Empty => None,
             Self::BadXml { line, .. }
             | Self::DocumentType { line }
             | Self::TooDeep { line, .. }

@@ -4,8 +4,11 @@
 //! [`LoadOptions`] are the options of all readers, and [`Writer`] writes XML.
 
 mod budget;
+mod encoding;
 mod error;
+mod format;
 mod lines;
+mod markup;
 mod options;
 mod repair;
 mod scan;

@@ -3,10 +3,13 @@
 //! - Undeclared prefixes, as in `<drake:joint>` without `xmlns:drake`. Other readers take the prefix as a
 //!   part of the name. The repair declares the prefix on the outermost element.
 //! - An XML declaration `<?xml … ?>` that is not at the start of the file. The repair replaces it by blanks.
+//! - Incorrect markup: see [`markup`].
 //!
 //! The line numbers stay the same.
 
 use roxmltree::{Document, Error, TextPos};
+
+use crate::{XmlError, markup, scan};
 
 /// The largest number of repairs in a file.
 const REPAIR_LIMIT: usize = 20;
@@ -18,42 +21,46 @@ pub(crate) struct RepairedXml {
     pub(crate) faults: Vec<(usize, String)>,
 }
 
-/// Repairs this error of the parser, and those that follow; `None` if an error is of another kind.
-pub(crate) fn repair(original: &str, mut error: Error) -> Option<RepairedXml> {
-    let mut text = original.to_owned();
-    let mut faults = Vec::new();
-    while faults.len() < REPAIR_LIMIT {
-        match error {
-            Error::UnknownNamespace(prefix, position) => {
-                text.insert_str(
-                    end_of_first_name(&text)?,
-                    &format!(" xmlns:{prefix}=\"undeclared:{prefix}\""),
-                );
-                let prefix = crate::excerpt(&prefix);
-                let message = format!(
-                    "the prefix `{prefix}:` is not declared: taken as that of a foreign namespace; add \
-                     xmlns:{prefix}=\"…\" to the outermost element"
-                );
-                faults.push((position.row as usize, message));
-            }
-            Error::UnexpectedDeclaration(position) => {
-                let start = byte_of(&text, position)?;
-                let end = start + text[start..].find("?>")? + 2;
-                let blank: String =
-                    text[start..end].chars().map(|c| if c == '\n' { c } else { ' ' }).collect();
-                text.replace_range(start..end, &blank);
-                let message = "<?xml … ?> is not at the start of the file: ignored; move it to the first byte, or \
-                               delete it";
-                faults.push((position.row as usize, message.to_owned()));
-            }
-            _ => return None,
-        }
-        match Document::parse(&text) {
-            Ok(_) => return Some(RepairedXml { text, faults }),
-            Err(next) => error = next,
-        }
+/// Repairs a text that the parser refuses, as far as its faults are known.
+///
+/// # Errors
+/// [`XmlError`] if the text is hostile behind its first fault.
+pub(crate) fn repair(original: &str, depth: usize) -> Result<RepairedXml, XmlError> {
+    let (mut text, mut faults) = markup::correct(original);
+    scan::refuse_hostile(&text, depth)?;
+    for _ in 0..REPAIR_LIMIT {
+        let Err(error) = Document::parse(&text) else { break };
+        let Some(fault) = repair_one(&mut text, error) else { break };
+        faults.push(fault);
     }
-    None
+    Ok(RepairedXml { text, faults })
+}
+
+/// Repairs this error of the parser; returns its line and a message, or `None` if the error is of another
+/// kind.
+fn repair_one(text: &mut String, error: Error) -> Option<(usize, String)> {
+    match error {
+        Error::UnknownNamespace(prefix, position) => {
+            let end = end_of_first_name(text)?;
+            text.insert_str(end, &format!(" xmlns:{prefix}=\"undeclared:{prefix}\""));
+            let prefix = crate::excerpt(&prefix);
+            let message = format!(
+                "the prefix `{prefix}:` is not declared: taken as that of a foreign namespace; add \
+                 xmlns:{prefix}=\"…\" to the outermost element"
+            );
+            Some((position.row as usize, message))
+        }
+        Error::UnexpectedDeclaration(position) => {
+            let start = byte_of(text, position)?;
+            let end = start + text[start..].find("?>")? + 2;
+            let blank: String = text[start..end].chars().map(|c| if c == '\n' { c } else { ' ' }).collect();
+            text.replace_range(start..end, &blank);
+            let message = "<?xml … ?> is not at the start of the file: ignored; move it to the first byte, or \
+                           delete it";
+            Some((position.row as usize, message.to_owned()))
+        }
+        _ => None,
+    }
 }
 
 /// The byte of the first `<?xml` after the position of the error.

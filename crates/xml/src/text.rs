@@ -7,12 +7,13 @@ use std::path::{Path, PathBuf};
 
 use roxmltree::{Document, Error};
 
-use crate::{XmlError, excerpt, repair, scan};
+use crate::encoding::decode;
+use crate::{XmlError, excerpt, format, repair, scan};
 
 /// The largest size of a robot file in bytes.
 pub const SIZE_LIMIT: usize = 1 << 26;
 
-/// Reads the text of a file: UTF-8, or Latin-1 if its XML declaration says so.
+/// Reads the text of a file: UTF-8, or the encoding of its byte order mark or its XML declaration.
 ///
 /// ```
 /// let missing = robot_dynamics_xml::read_file("nowhere.xml".as_ref());
@@ -20,7 +21,7 @@ pub const SIZE_LIMIT: usize = 1 << 26;
 /// ```
 ///
 /// # Errors
-/// [`XmlError`] if the file cannot be read, is too large, or is not text.
+/// [`XmlError`] if the file cannot be read, is too large, is not text, or has another format.
 pub fn read_file(path: &Path) -> Result<String, XmlError> {
     let mut bytes = Vec::new();
     File::open(path)
@@ -60,7 +61,7 @@ pub fn read_regular_file(path: &Path) -> Result<String, XmlError> {
     read_file(path)
 }
 
-/// Decodes the content of a file: UTF-8, or Latin-1 if its XML declaration says so.
+/// Decodes the content of a file: UTF-8, or the encoding of its byte order mark or its XML declaration.
 ///
 /// ```
 /// assert_eq!(robot_dynamics_xml::text_of("größer".as_bytes())?, "größer");
@@ -69,32 +70,19 @@ pub fn read_regular_file(path: &Path) -> Result<String, XmlError> {
 /// ```
 ///
 /// # Errors
-/// [`XmlError`] if the content is too large, or is not text.
+/// [`XmlError`] if the content is too large, is not text, or has another format.
 pub fn text_of(content: &[u8]) -> Result<String, XmlError> {
     if content.len() > SIZE_LIMIT {
         return Err(XmlError::TooLarge { limit: SIZE_LIMIT });
     }
-    decode(content).map(Cow::into_owned).map_err(|byte| XmlError::NotUtf8 { byte })
-}
-
-/// The text, or the position of the first byte that is not UTF-8.
-fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, usize> {
-    core::str::from_utf8(bytes).map(Cow::Borrowed).or_else(|error| {
-        let declaration = bytes.split(|&byte| byte == b'>').next().unwrap_or_default();
-        let declaration = String::from_utf8_lossy(declaration).to_ascii_lowercase();
-        let is_latin = ["iso-8859-1", "latin1", "latin-1"].iter().any(|name| declaration.contains(name));
-        // The first 256 characters of Unicode are those of Latin-1.
-        if is_latin {
-            Ok(bytes.iter().map(|&byte| char::from(byte)).collect())
-        } else {
-            Err(error.valid_up_to())
-        }
-    })
+    format::refuse_other_formats(content)?;
+    decode(content).map(Cow::into_owned)
 }
 
 /// Parses a text and calls `read` with the document. Hostile text is refused, as are elements nested deeper
-/// than `depth`. Some faults of the XML are repaired: undeclared prefixes, and an XML declaration that is not
-/// at the start. `read` also gets the line and a message for each repaired fault.
+/// than `depth`. Faults of the XML that other readers accept are repaired: undeclared prefixes, an XML
+/// declaration that is not at the start, `--` in comments, missing spaces between attributes, `&` and `<` as
+/// characters. `read` also gets the line and a message for each kind of repaired fault.
 ///
 /// ```
 /// let name = |document: &robot_dynamics_xml::roxmltree::Document<'_>| document.root_element().tag_name().name().to_owned();
@@ -116,16 +104,15 @@ pub fn parse<R>(
     if text.trim_start_matches('\u{feff}').trim().is_empty() {
         return Err(XmlError::Empty);
     }
+    format::refuse_other_formats(text.as_bytes())?;
     scan::refuse_hostile(text, depth)?;
     match Document::parse(text) {
         Ok(document) => Ok(read(&document, &[])),
-        Err(error) => {
-            let repaired = repair::repair(text, error);
-            let (text, faults) = repaired
-                .as_ref()
-                .map_or((text, &[][..]), |repaired| (&repaired.text[..], &repaired.faults[..]));
+        Err(_) => {
+            let repaired = repair::repair(text, depth)?;
+            let text = &repaired.text;
             let document = Document::parse(text).map_err(|error| bad_xml(&error, text))?;
-            Ok(read(&document, faults))
+            Ok(read(&document, &repaired.faults))
         }
     }
 }

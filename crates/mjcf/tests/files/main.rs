@@ -9,6 +9,7 @@ mod golden;
 mod height_fields;
 mod hostile;
 mod includes;
+mod meshes;
 mod messages;
 mod motion;
 mod mutations;

@@ -191,7 +191,10 @@ fn missing_and_binary_files_are_refused() {
     assert!(matches!(only(&load(&folder, &options).expect_err("no robot")), UrdfError::Unreadable { .. }));
     let binary = folder.join("binary.urdf");
     std::fs::write(&binary, [b'<', b'r', 0xff, 0x00, 0x80]).expect("a file");
-    assert!(matches!(only(&load(&binary, &options).expect_err("no robot")), UrdfError::NotUtf8 { byte: 2 }));
+    assert!(matches!(
+        only(&load(&binary, &options).expect_err("no robot")),
+        UrdfError::NotText { byte: 2, .. }
+    ));
     let large = folder.join("large.urdf");
     std::fs::write(&large, " ".repeat(robot_dynamics::urdf::SIZE_LIMIT + 1)).expect("a file");
     assert!(matches!(only(&load(&large, &options).expect_err("no robot")), UrdfError::TooLarge { .. }));

@@ -67,7 +67,7 @@ fn errors() {
         add(&mut out, input, refused(&text, &LoadOptions::default()));
     }
     for error in [
-        UrdfError::NotUtf8 { byte: 2 },
+        UrdfError::NotText { byte: 2, encoding: "UTF-8".into() },
         UrdfError::TooLarge { limit: robot_dynamics_urdf::SIZE_LIMIT },
         UrdfError::Unreadable { path: "robot.urdf".into(), source: std::io::ErrorKind::NotFound.into() },
     ] {

@@ -269,6 +269,6 @@ fn a_robot_without_a_name_has_that_of_the_file() {
     );
     std::fs::write(&file, &latin[43..]).expect("a file");
     let refused = robot_dynamics_urdf::load(&file, &LoadOptions::default()).expect_err("not declared");
-    assert!(matches!(refused.errors(), [UrdfError::NotUtf8 { byte: 14 }]), "{refused}");
+    assert!(matches!(refused.errors(), [UrdfError::NotText { byte: 14, .. }]), "{refused}");
     std::fs::remove_dir_all(&folder).expect("the folder");
 }
