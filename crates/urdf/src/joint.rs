@@ -20,7 +20,8 @@ impl<'a> Reader<'a> {
     pub(crate) fn joint(&mut self, element: &Element<'a>) -> JointDescription {
         let name = self.required_name(element, "name", "<joint name=\"NAME\" type=\"TYPE\">");
         let type_name = self.required_text(element, "type", "type=\"revolute\" or another joint type");
-        let known = ["origin", "parent", "child", "axis", "limit", "dynamics", "mimic"];
+        let passive = self.passive_forces_element(element);
+        let known = ["origin", "parent", "child", "axis", "limit", "dynamics", passive, "mimic"];
         self.list_unread(element, &["name", "type"], &known, UnknownPart::Physics);
         let (parent, child) = (self.link_of(element, "parent"), self.link_of(element, "child"));
         let parent_from_joint = self.origin(element);
@@ -46,7 +47,7 @@ impl<'a> Reader<'a> {
         }
         let mut joint = JointDescription::new(name, kind, parent, child, parent_from_joint);
         if kind == JointKind::Fixed {
-            for part in ["limit", "dynamics", "mimic"] {
+            for part in ["limit", passive, "mimic"] {
                 self.report_unused(element, kind, part);
             }
         } else {

@@ -11,7 +11,7 @@ impl<'a> Reader<'a> {
     /// Reads damping and friction. Beyond the standard it reads the armature (rotor inertia through the gear)
     /// and a spring: `armature`, `stiffness` or `spring_stiffness`, `rest` or `spring_reference`.
     pub(crate) fn passive_forces(&mut self, joint: &Element<'a>, kind: JointKind) -> PassiveForces {
-        let Some(element) = self.child(joint, "dynamics") else {
+        let Some(element) = self.child(joint, self.passive_forces_element(joint)) else {
             self.report_default(joint, "no <dynamics>: no damping, no friction");
             return PassiveForces::default();
         };
@@ -48,6 +48,12 @@ impl<'a> Reader<'a> {
         }
         self.report_read(&element, "passive forces");
         passive
+    }
+
+    /// The name of the element with the passive forces: `joint_properties` in files before 2010.
+    pub(crate) fn passive_forces_element(&self, joint: &Element<'a>) -> &'static str {
+        let has = |name| joint.node.children().any(|child| self.is(child, name));
+        if has("joint_properties") && !has("dynamics") { "joint_properties" } else { "dynamics" }
     }
 
     fn warn_if_negative(&mut self, element: &Element<'a>, name: &str, value: f64, effect: &str) {

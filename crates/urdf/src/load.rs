@@ -6,6 +6,7 @@ use std::path::Path;
 use robot_dynamics_description::plausibility::WrittenAngles;
 use robot_dynamics_description::{Base, Disposition, LinkDescription, LoadReport, RobotDescription};
 use robot_dynamics_xml::excerpt;
+use robot_dynamics_xml::roxmltree::Node;
 
 use crate::element::Element;
 use crate::reader::Reader;
@@ -102,6 +103,10 @@ fn read_text(text: &str, options: LoadOptions, path: Option<&Path>) -> Result<Ro
             };
             return Err(UrdfError::NotARobot { line, found: excerpt(found), advice }.into());
         }
+        if is_srdf(&reader, root) {
+            let advice = "it adds groups and allowed collisions to a URDF file; load that file";
+            return Err(UrdfError::OtherFormat { format: "SRDF", advice }.into());
+        }
         refuse_unexpanded(&reader, root, path)?;
         for (line, message) in faults {
             reader.push(*line, "robot".into(), Disposition::AsWritten, message.clone());
@@ -109,6 +114,14 @@ fn read_text(text: &str, options: LoadOptions, path: Option<&Path>) -> Result<Ro
         read_robot(reader, &Element { node: root, line, place: "robot".to_owned() }, path)
     })
     .map_err(UrdfError::from)?
+}
+
+/// Whether a `<robot>` has elements of SRDF and no link.
+fn is_srdf<'a>(reader: &Reader<'a>, root: Node<'a, 'a>) -> bool {
+    let words =
+        ["group", "group_state", "end_effector", "virtual_joint", "passive_joint", "disable_collisions"];
+    let has = |name| root.children().any(|child| reader.is(child, name));
+    !has("link") && words.into_iter().any(has)
 }
 
 fn read_robot<'a>(

@@ -129,7 +129,7 @@ impl<'a> Reader<'a> {
             let named = node.attribute("reference").or(node.attribute("name"));
             let of = named.map(|name| format!(" ({:?})", excerpt(name))).unwrap_or_default();
             self.report_ignored(line, place.clone(), format!("{what}{of}"));
-        } else if unknown == UnknownPart::Physics && !is_physics(node) {
+        } else if unknown == UnknownPart::Physics && !has_only_known_quantities(node) {
             self.report_ignored_physics(line, place.clone(), "unknown element, perhaps physics");
         } else if !is_physics(node) {
             self.report_ignored(line, place.clone(), "unknown element");
@@ -155,6 +155,17 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// Whether the numbers of an element are all known quantities, of which each is reported if it affects the
+/// motion.
+fn has_only_known_quantities(node: Node<'_, '_>) -> bool {
+    is_physics(node)
+        || node.attributes().len() > 0
+            && !node
+                .children()
+                .any(|child| child.is_element() || !child.text().unwrap_or_default().trim().is_empty())
+            && node.attributes().all(|attribute| neutral_value(attribute.name()).is_some())
+}
+
 /// Whether an element that is not read affects the motion.
 fn is_physics(node: Node<'_, '_>) -> bool {
     let name = node.tag_name().name();
@@ -172,19 +183,22 @@ fn value_of<'a>(node: Node<'a, 'a>) -> &'a str {
 
 /// Whether a quantity of this name and value affects the motion.
 fn carries_physics(name: &str, value: &str) -> bool {
-    let plain: String = name
-        .chars()
-        .take(40)
-        .filter(|letter| letter.is_alphanumeric())
-        .map(|letter| letter.to_ascii_lowercase())
-        .collect();
-    let Some(&(_, neutral)) = PHYSICAL_QUANTITIES.iter().find(|(word, _)| *word == plain) else {
-        return false;
-    };
+    let Some(neutral) = neutral_value(name) else { return false };
     let value = match value.trim() {
         "true" => Some(1.0),
         "false" => Some(0.0),
         text => text.parse::<f64>().ok(),
     };
     value != Some(neutral)
+}
+
+/// The value without effect of the physical quantity of this name; `None` for another name.
+fn neutral_value(name: &str) -> Option<f64> {
+    let plain: String = name
+        .chars()
+        .take(40)
+        .filter(|letter| letter.is_alphanumeric())
+        .map(|letter| letter.to_ascii_lowercase())
+        .collect();
+    PHYSICAL_QUANTITIES.iter().find(|(word, _)| *word == plain).map(|&(_, neutral)| neutral)
 }

@@ -29,12 +29,13 @@ fn numbers(robot: &Robot) -> [f64; 3] {
 }
 
 /// With `inertia="exact"` the surface must be oriented, as in MuJoCo. An open one is taken as MuJoCo takes it,
-/// with a warning. The numbers are those of mujoco 4.0.0, whose sums have other orders.
+/// with a warning. The numbers are those of mujoco 4.0.0. It diagonalizes inertia with an error of 1e-9, and its sums
+/// have other orders.
 #[test]
 fn exact_inertia_checks_the_surface() {
     let near = |robot: &Robot, expected: [f64; 3]| {
         let found = numbers(robot);
-        assert!(found.iter().zip(expected).all(|(x, y)| (x - y).abs() < 1e-12 * y.abs()), "{found:?}");
+        assert!(found.iter().zip(expected).all(|(x, y)| (x - y).abs() < 1e-9 * y.abs()), "{found:?}");
     };
     let closed = swinging("0 2 1  0 3 2  0 1 3  1 2 3").expect("a robot");
     near(&closed, [10.000000546375919, -26.977501766346435, 1.0400000755989431]);

@@ -36,7 +36,9 @@ pub(crate) const CASES: &[(Frame, &str, &[(Option<usize>, &str)])] = &[
     // blank with a byte order mark
     (whole, "\u{feff} \n", &[(None, "Empty")]),
     // not xml
-    (whole, "solid stl facet", &[(Some(1), "BadXml")]),
+    (whole, "a robot", &[(Some(1), "BadXml")]),
+    // a mesh
+    (whole, "solid stl facet", &[(None, "OtherFormat")]),
     // unclosed robot
     (whole, r#"<robot name="r">
 <link name="a"/>
@@ -49,8 +51,10 @@ pub(crate) const CASES: &[(Frame, &str, &[(Option<usize>, &str)])] = &[
     (whole, r#"<robot name="r">
   <link name="a" name="b"/>
 </robot>"#, &[(Some(2), "BadXml")]),
-    // unknown entity
-    (whole, r#"<robot name="&who;"/>"#, &[(Some(1), "BadXml")]),
+    // unknown entity in a name, which is read as its characters
+    (whole, r#"<robot name="&who;"/>"#, &[(Some(1), "NoLinks")]),
+    // unknown entity in the place of a number
+    (whole, r#"<robot name="r"><link name="a"><inertial><mass value="&m;"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link></robot>"#, &[(Some(1), "NotANumber")]),
     // document type
     (whole, r#"<?xml version="1.0"?>
 <!DOCTYPE robot [<!ENTITY a "aaaa">]>

@@ -251,6 +251,60 @@ fn limits_of_fixed_joints_give_notes() {
     assert_eq!((robot.report.counts.warnings, robot.report.counts.errors), (0, 0), "{}", robot.report);
 }
 
+/// `<joint_properties>` was the name of `<dynamics>`. In another unknown element, known quantities that have no
+/// effect are no physics.
+#[test]
+fn old_and_unknown_elements_of_joints_are_physics_if_they_act() {
+    let joint = |content: &str| {
+        let robot = read(&in_joint(content));
+        let joint = robot.description.joints.iter().find(|joint| joint.name == "j").expect("the joint");
+        ((joint.passive.damping, joint.passive.friction), robot.report.counts.warnings)
+    };
+    assert_eq!(joint(r#"<joint_properties damping="1.5" friction="0.2"/>"#), ((1.5, 0.2), 0));
+    assert_eq!(joint(r#"<joint_properties friction="0.0"/>"#), ((0.0, 0.0), 0));
+    // Both elements: the new name counts, and the numbers of the other are reported.
+    let both = r#"<dynamics damping="1"/><joint_properties damping="2"/>"#;
+    let (passive, warnings) = joint(both);
+    assert_eq!(passive, (1.0, 0.0));
+    assert!(warnings > 0);
+    assert_eq!(joint(r#"<motor rotor_inertia="0" gear_ratio="1"/>"#).1, 0);
+    assert!(joint(r#"<motor rotor_inertia="0.1" gear_ratio="1"/>"#).1 > 0);
+    assert!(joint(r#"<motor curvature="0"/>"#).1 > 0);
+}
+
+/// Markup that other readers take is taken, with a warning that a strict reading refuses.
+#[test]
+fn loose_markup_is_read_with_warnings() {
+    let text = "<!-- a -- b --><robot name='r'>\n<gazebo><topic>a&b</topic></gazebo>\n<link name='a'/>
+        <!------><link name='b'/><joint name='j'type='continuous'><parent link='a'/><child link='b'/></joint></robot>";
+    let robot = read(text);
+    assert_eq!((robot.description.links.len(), robot.description.joints.len()), (2, 1));
+    let lines: Vec<usize> = robot
+        .report
+        .warnings()
+        .filter(|finding| finding.place() == "robot")
+        .map(robot_dynamics_urdf::Finding::line)
+        .collect();
+    assert_eq!(lines, [1, 2, 4], "{}", robot.report);
+    assert!(parse(text, &LoadOptions::default().with_strict()).is_err());
+    // What follows a repaired fault is still refused if it is hostile.
+    let hostile = format!("<!-- -- --><robot name='r'>{}", "<a>".repeat(100_000));
+    let refused = parse(&hostile, &LoadOptions::default()).expect_err("deep");
+    assert!(matches!(refused.errors(), [UrdfError::TooDeep { .. }]), "{refused}");
+}
+
+#[test]
+fn files_of_other_kinds_are_named() {
+    let srdf = "<robot name='r'><group name='arm'/><disable_collisions link1='a' link2='b'/></robot>";
+    for (text, format) in [(srdf, "SRDF"), ("#usda 1.0\n", "USD"), ("PK\u{3}\u{4}", "a ZIP archive")] {
+        let refused = parse(text, &LoadOptions::default()).expect_err(format);
+        assert!(
+            matches!(refused.errors(), [UrdfError::OtherFormat { format: found, .. }] if *found == format),
+            "{refused}"
+        );
+    }
+}
+
 #[test]
 fn a_robot_without_a_name_has_that_of_the_file() {
     let folder = std::env::temp_dir().join(format!("urdf-names-{}", std::process::id()));
