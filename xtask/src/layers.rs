@@ -39,7 +39,7 @@ pub(crate) const LAYERS: &[(&str, &[&str])] = &[
         &["core", "description", "integrators", "nalgebra", "number", "serde", "simulation", "thiserror"],
     ),
     ("dynamics", &["core", "description", "integrators", "nalgebra", "number", "thiserror", "verification"]),
-    ("xml", &["roxmltree", "thiserror"]),
+    ("xml", &["encoding_rs", "roxmltree", "thiserror"]),
     ("mesh", &["nalgebra", "robust"]),
     ("urdf", &["core", "description", "nalgebra", "number", "thiserror", "xml"]),
     ("mjcf", &["core", "description", "mesh", "nalgebra", "thiserror", "xml"]),
@@ -84,6 +84,7 @@ pub(crate) const LEAVES: &[&str] = &["cli", "tests", "python", "wasm"];
 pub(crate) const OWNED: &[(&str, &str)] = &[
     ("clap", "cli"),
     ("cudarc", "gpu"),
+    ("encoding_rs", "xml"),
     ("plotters", "cli"),
     ("roxmltree", "xml"),
     ("wasm-bindgen", "wasm"),

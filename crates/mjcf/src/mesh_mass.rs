@@ -58,8 +58,8 @@ pub(crate) fn extent(mesh: &Triangles, inertia: MeshInertia) -> Result<MeshExten
 }
 
 /// The pyramids from the centroid of the surface give the centre of mass. Those from the centre of mass give
-/// mass and inertia. `counted` maps the signed volume of a pyramid to the counted one. For a closed surface the
-/// signed volumes are exact, from any point. For an open one these two points are MuJoCo's.
+/// mass and inertia. `counted` maps the signed volume of a pyramid to the counted one. For a closed surface
+/// the signed volumes are exact, from any point. For an open one these two points are MuJoCo's.
 fn sum_of_pyramids(triangles: &[[Vector3<f64>; 3]], counted: fn(f64) -> f64) -> Option<MassProperties> {
     let surface = MassProperties::shell_mesh(1.0, triangles).ok()?;
     let middle = surface.center_of_mass();

@@ -28,9 +28,9 @@ fn numbers(robot: &Robot) -> [f64; 3] {
     [mass, torque(0.0), torque(1.0) - torque(0.0)]
 }
 
-/// With `inertia="exact"` the surface must be oriented, as in MuJoCo. An open one is taken as MuJoCo takes it,
-/// with a warning. The numbers are those of mujoco 4.0.0. It diagonalizes inertia with an error of 1e-9, and its sums
-/// have other orders.
+/// With `inertia="exact"` the surface must be oriented, as in MuJoCo. An open one is taken as MuJoCo takes
+/// it, with a warning. The numbers are those of mujoco 4.0.0. It diagonalizes inertia with an error of 1e-9,
+/// and its sums have other orders.
 #[test]
 fn exact_inertia_checks_the_surface() {
     let near = |robot: &Robot, expected: [f64; 3]| {

@@ -251,8 +251,8 @@ fn limits_of_fixed_joints_give_notes() {
     assert_eq!((robot.report.counts.warnings, robot.report.counts.errors), (0, 0), "{}", robot.report);
 }
 
-/// `<joint_properties>` was the name of `<dynamics>`. In another unknown element, known quantities that have no
-/// effect are no physics.
+/// `<joint_properties>` was the name of `<dynamics>`. In another unknown element, known quantities that have
+/// no effect are no physics.
 #[test]
 fn old_and_unknown_elements_of_joints_are_physics_if_they_act() {
     let joint = |content: &str| {
@@ -287,7 +287,7 @@ fn loose_markup_is_read_with_warnings() {
         .collect();
     assert_eq!(lines, [1, 2, 4], "{}", robot.report);
     assert!(parse(text, &LoadOptions::default().with_strict()).is_err());
-    // What follows a repaired fault is still refused if it is hostile.
+    // Hostile text behind a repaired fault is still refused.
     let hostile = format!("<!-- -- --><robot name='r'>{}", "<a>".repeat(100_000));
     let refused = parse(&hostile, &LoadOptions::default()).expect_err("deep");
     assert!(matches!(refused.errors(), [UrdfError::TooDeep { .. }]), "{refused}");
