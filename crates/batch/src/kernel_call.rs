@@ -12,17 +12,17 @@ pub(super) fn call<H: Hardware, N: Scalar, K: TreeKernel<N>>(tree: &mut TreeMemo
     if const { N::IS_FLOAT } {
         run(tree, kernel);
     } else {
-        H::call(OnMemory { tree, kernel });
+        H::call(KernelWithMemory { tree, kernel });
     }
 }
 
 /// A kernel and its memory.
-struct OnMemory<'a, N: Scalar, K> {
+struct KernelWithMemory<'a, N: Scalar, K> {
     tree: &'a mut TreeMemory<N>,
     kernel: K,
 }
 
-impl<N: Scalar, K: Kernel<TreeStorage, N>> Call for OnMemory<'_, N, K> {
+impl<N: Scalar, K: Kernel<TreeStorage, N>> Call for KernelWithMemory<'_, N, K> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
         self.kernel.run::<N, H>(self.tree);

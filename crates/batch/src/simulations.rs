@@ -197,7 +197,7 @@ impl SimulationBatch {
     }
 
     #[track_caller]
-    fn place(&mut self, which: &[bool], q: &[f64], v: &[f64], place: Place) -> Vec<(usize, RunError)> {
+    fn place(&mut self, which: &[bool], q: &[f64], v: &[f64], place: SetState) -> Vec<(usize, RunError)> {
         let Some(first) = self.simulations.first() else { return Vec::new() };
         let (nq, nv) = (first.q().len(), first.v().len());
         self.check_count("which", which.len(), 1);
@@ -267,4 +267,4 @@ impl SimulationBatch {
 }
 
 /// Sets the state (q, v) of a simulation.
-type Place = fn(&mut Simulation, &[f64], &[f64]) -> Result<(), RunError>;
+type SetState = fn(&mut Simulation, &[f64], &[f64]) -> Result<(), RunError>;

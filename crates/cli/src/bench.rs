@@ -19,7 +19,7 @@ use self::batch::Batch;
 use self::entry::{Entry, Precision, Task, median};
 use self::machine::Machine;
 use self::results::Results;
-use self::single_states::Single;
+use self::single_states::SingleStateBench;
 use self::states::{States, tip};
 use crate::failure::{Failure, Outcome};
 use crate::interruption;
@@ -79,7 +79,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let (tip, tip_name) = tip(&model);
     let states = States::random(&model, count, arguments.seed);
     let mut measurement = Measurement {
-        single: Single::new(&model, &states, tip),
+        single: SingleStateBench::new(&model, &states, tip),
         doubles: Batch::new(&model, States::random(&model, count, arguments.seed), tip, &threads)?,
         singles: Batch::new(&model, States::random(&model, count, arguments.seed), tip, &threads)?,
     };
@@ -113,7 +113,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
 
 /// The robot's states and memory for all measurements.
 struct Measurement<'a> {
-    single: Single<'a>,
+    single: SingleStateBench<'a>,
     doubles: Batch<'a, f64>,
     singles: Batch<'a, f32>,
 }

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use robot_dynamics::model::Model;
 use robot_dynamics::text::one_line;
 use robot_dynamics_generate::{
-    Arithmetic, Function, Generated, GeneratedFile, Precision, Request, Sine, Target, generate,
+    Arithmetic, Function, GeneratedFile, GeneratedFiles, Precision, Request, Sine, Target, generate,
 };
 
 use crate::destination::refuse_clashes;
@@ -96,7 +96,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     request.straight = arguments.straight;
     request.command = Some(command(arguments));
     let mut generated = generate(&model, &request).map_err(Failure::new)?;
-    let refuse_clashes = |generated: &Generated| {
+    let refuse_clashes = |generated: &GeneratedFiles| {
         let paths = generated.paths(&arguments.output);
         // A new folder contains nothing to replace.
         let in_its_folder = paths.iter().filter(|path| path.parent().is_some_and(Path::is_dir));

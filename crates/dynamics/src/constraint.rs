@@ -76,14 +76,15 @@ impl<R: PfaffianOver<K, N>, const K: usize, const N: usize> Pfaffian<K, N> for F
 /// but it keeps A q̇ only near zero, and γ above about 2/h makes an explicit step unstable.
 /// Source: Baumgarte, *Stabilization of constraints and integrals of motion* (1972), at velocity level.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stabilized<C> {
+#[doc(alias = "Stabilized")]
+pub struct StabilizedConstraint<C> {
     /// The constraint.
     pub constraint: C,
     /// γ \[1/s\]; 0 disables the feedback.
     pub rate: f64,
 }
 
-impl<C: Pfaffian<K, N>, const K: usize, const N: usize> Pfaffian<K, N> for Stabilized<C> {
+impl<C: Pfaffian<K, N>, const K: usize, const N: usize> Pfaffian<K, N> for StabilizedConstraint<C> {
     fn rows(&self, q: &SVector<f64, N>) -> SMatrix<f64, K, N> {
         self.constraint.rows(q)
     }

@@ -112,7 +112,7 @@ pub use actuation::{PlanarKinematics, actuator_velocity, generalized_force};
 pub use body_jacobian::{BodyJacobian, gravity_from_bodies, mass_from_bodies, potential_from_bodies};
 pub use constraint::{
     ConstrainedStep, ConstraintError, ConstraintProjections, DependentRow, FromRows, Pfaffian, PfaffianOver,
-    RowFactor, Stabilized, constrained_forward_dynamics, constrained_forward_dynamics_by_lu,
+    RowFactor, StabilizedConstraint, constrained_forward_dynamics, constrained_forward_dynamics_by_lu,
     constrained_rk4_step, reduced_acceleration,
 };
 pub use control::{HoldReport, HoldRun, PdHold, REACH_TORQUE_LIMITS, hold};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use robot_dynamics_expression::Arithmetic;
 
-use crate::{Function, GenerateError, Generated, Request, Target, generate};
+use crate::{Function, GenerateError, GeneratedFiles, Request, Target, generate};
 
 /// Generates code from a robot's file; in a `build.rs`, Rust for the crate that is built.
 ///
@@ -132,7 +132,7 @@ impl Builder {
     /// let missing = robot_dynamics_generate::Builder::new("robots/nowhere.urdf").generate(robot_dynamics_generate::Target::Rust);
     /// assert!(missing.unwrap_err().to_string().contains("nowhere.urdf"));
     /// ```
-    pub fn generate(&self, target: Target) -> Result<Generated, GenerateError> {
+    pub fn generate(&self, target: Target) -> Result<GeneratedFiles, GenerateError> {
         let mut options = robot_dynamics::LoadOptions::default();
         if self.floating {
             options = options.with_floating_base();

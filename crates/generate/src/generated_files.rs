@@ -27,14 +27,15 @@ impl GeneratedFile {
 /// report.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct Generated {
+#[doc(alias = "Generated")]
+pub struct GeneratedFiles {
     /// The files, in the order of their names.
     pub files: Vec<GeneratedFile>,
     /// If files and functions cannot have the requested name: their name, and the reason.
     pub renamed: Option<String>,
 }
 
-impl Generated {
+impl GeneratedFiles {
     /// The file of this name.
     ///
     /// ```

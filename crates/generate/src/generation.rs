@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use robot_dynamics::model::Model;
 use robot_dynamics_expression::{Precision, Sine};
 
-use crate::generated_files::{Generated, GeneratedFile};
+use crate::generated_files::{GeneratedFile, GeneratedFiles};
 use crate::layout::Layout;
 use crate::program::Program;
 use crate::writers::{self, Context};
@@ -27,7 +27,7 @@ use crate::{GenerateError, Request, Target, heading, names};
 /// # Errors
 /// [`GenerateError`]: a missing frame, a robot without moving joints, a singular mass matrix, unsupported
 /// numbers.
-pub fn generate(model: &Model, request: &Request) -> Result<Generated, GenerateError> {
+pub fn generate(model: &Model, request: &Request) -> Result<GeneratedFiles, GenerateError> {
     Ok(prepare(model, request)?.written(model, request))
 }
 
@@ -84,12 +84,12 @@ pub(crate) struct TracedPrograms {
 }
 
 impl TracedPrograms {
-    pub(crate) fn written(&self, model: &Model, request: &Request) -> Generated {
+    pub(crate) fn written(&self, model: &Model, request: &Request) -> GeneratedFiles {
         let Self { name, programs, layouts } = self;
         let context = Context { model, request, name, programs, layouts };
         let mut files = writers::files(&context);
         files.push(GeneratedFile::new("REPORT.md", heading::report(&context)));
         files.sort_by(|a, b| a.name.cmp(&b.name));
-        Generated { files, renamed: heading::renamed(model, request) }
+        GeneratedFiles { files, renamed: heading::renamed(model, request) }
     }
 }

@@ -63,7 +63,7 @@ mod writers;
 
 pub use builder::Builder;
 pub use error::GenerateError;
-pub use generated_files::{Generated, GeneratedFile};
+pub use generated_files::{GeneratedFile, GeneratedFiles};
 pub use generation::generate;
 pub use measure::measure;
 pub use request::Request;

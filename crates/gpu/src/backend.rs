@@ -5,7 +5,7 @@ pub(crate) mod cuda;
 #[cfg(feature = "wgpu")]
 pub(crate) mod wgpu;
 
-use robot_dynamics_generate::{Generated, Precision, Target};
+use robot_dynamics_generate::{GeneratedFiles, Precision, Target};
 
 use crate::DeviceError;
 
@@ -37,7 +37,12 @@ pub(crate) trait Backend: Send + Sync + Sized {
     ///
     /// # Errors
     /// The message of the device's compiler.
-    fn compile(&self, generated: &Generated, symbol: &str, tables: Tables) -> Result<Self::Kernel, String>;
+    fn compile(
+        &self,
+        generated: &GeneratedFiles,
+        symbol: &str,
+        tables: Tables,
+    ) -> Result<Self::Kernel, String>;
 
     fn allocate(&self, bytes: usize) -> Result<Self::Buffer, DeviceError>;
 

@@ -2,7 +2,7 @@
 
 use crate::element::Element;
 use crate::reader::Reader;
-use crate::settings::{Compiler, FromGeoms};
+use crate::settings::{Compiler, InertiaSource};
 use crate::tree::Id;
 
 impl Reader<'_> {
@@ -36,9 +36,9 @@ impl Reader<'_> {
             let from_geoms = self.word(&element, "inertiafromgeom", &["false", "true", "auto"]);
             if let Some(word) = from_geoms {
                 compiler.inertia_from_geoms = match word {
-                    "false" => FromGeoms::Never,
-                    "true" => FromGeoms::Always,
-                    _ => FromGeoms::WhereMissing,
+                    "false" => InertiaSource::Never,
+                    "true" => InertiaSource::Always,
+                    _ => InertiaSource::WhereMissing,
                 };
             }
             if let Some([first, last]) = self.numbers::<2>(&element, "inertiagrouprange") {

@@ -9,7 +9,7 @@ use crate::geom::{Form, Geom};
 use crate::inertial::Inertial;
 use crate::mesh_mass::MeshExtent;
 use crate::reader::Reader;
-use crate::settings::{Compiler, FromGeoms};
+use crate::settings::{Compiler, InertiaSource};
 use crate::{MjcfError, primitive};
 
 /// The mass properties of a body.
@@ -52,9 +52,9 @@ impl Reader<'_> {
     fn mass(&mut self, body: &Body) -> Mass {
         let written = body.inertial.as_deref();
         let from_geoms = match self.compiler(&body.element).inertia_from_geoms {
-            FromGeoms::Always => true,
-            FromGeoms::Never => false,
-            FromGeoms::WhereMissing => written.is_none(),
+            InertiaSource::Always => true,
+            InertiaSource::Never => false,
+            InertiaSource::WhereMissing => written.is_none(),
         };
         let inferred = if from_geoms { self.mass_of_geoms(body) } else { None };
         let is_inferred = inferred.is_some();

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use robot_dynamics_description::plausibility::WrittenAngles;
 use robot_dynamics_description::{Disposition, Finding, LoadReport, Severity};
-use robot_dynamics_xml::{Budget, Exceeded, Resource, excerpt};
+use robot_dynamics_xml::{Budget, ExceededLimit, Resource, excerpt};
 
 use crate::assets::Meshes;
 use crate::classes::{Class, Classes};
@@ -135,7 +135,7 @@ impl<'a> Reader<'a> {
     /// Charges the budget on behalf of this element; `false`, with an error, above the limit.
     pub(crate) fn charge(&mut self, node: Id, resource: Resource, count: usize) -> bool {
         let is_first = !self.budget.is_exceeded();
-        let Err(Exceeded { what, limit }) = self.budget.charge(resource, count) else { return true };
+        let Err(ExceededLimit { what, limit }) = self.budget.charge(resource, count) else { return true };
         if is_first {
             let (line, place) = (self.tree.nodes[node].line, self.place(node));
             self.errors.push(MjcfError::TooMany { line, place, what, limit });

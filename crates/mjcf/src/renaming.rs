@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
-use robot_dynamics_xml::{Budget, Exceeded, Resource};
+use robot_dynamics_xml::{Budget, ExceededLimit, Resource};
 
 use crate::path::stem;
 use crate::tree::{Id, Node, Tree};
@@ -143,7 +143,7 @@ pub(crate) fn names_in(
     budget: &mut Budget,
     tree: &Tree,
     part: Id,
-) -> Result<Vec<(ObjectKind, String)>, Exceeded> {
+) -> Result<Vec<(ObjectKind, String)>, ExceededLimit> {
     let mut found = Vec::new();
     let mut pending: Vec<(Id, Rc<str>)> = vec![(part, Rc::from(""))];
     while let Some((id, suffix)) = pending.pop() {

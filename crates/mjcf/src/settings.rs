@@ -4,7 +4,7 @@ use core::ops::RangeInclusive;
 
 /// The source of the inertia of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum FromGeoms {
+pub(crate) enum InertiaSource {
     /// The inertia is that of `<inertial>`.
     Never,
     /// The inertia is that of the geoms, even with an `<inertial>`.
@@ -23,7 +23,7 @@ pub(crate) struct Compiler {
     pub(crate) euler_sequence: [u8; 3],
     /// Whether a range implies a limit.
     pub(crate) auto_limits: bool,
-    pub(crate) inertia_from_geoms: FromGeoms,
+    pub(crate) inertia_from_geoms: InertiaSource,
     /// The groups of geoms that contribute to the inertia.
     pub(crate) inertia_groups: RangeInclusive<i64>,
     /// The least mass of a body \[kg\].
@@ -52,7 +52,7 @@ impl Default for Compiler {
             degrees: true,
             euler_sequence: *b"xyz",
             auto_limits: true,
-            inertia_from_geoms: FromGeoms::WhereMissing,
+            inertia_from_geoms: InertiaSource::WhereMissing,
             inertia_groups: 0..=5,
             least_mass: 0.0,
             least_moment: 0.0,

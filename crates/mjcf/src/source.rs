@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use robot_dynamics_xml::roxmltree::{Document, Node as XmlNode};
-use robot_dynamics_xml::{Budget, Exceeded, Lines, Resource, excerpt, spellings};
+use robot_dynamics_xml::{Budget, ExceededLimit, Lines, Resource, excerpt, spellings};
 
 use crate::MjcfError;
 use crate::folder::{FileSet, Folder};
@@ -111,7 +111,7 @@ impl Source {
             }
             let place = || in_file_place(&self.tree.files[file], &excerpt(node.tag_name().name()));
             let charged = self.budget.charge(Resource::Elements, 1);
-            if let Err(Exceeded { what, limit }) = charged {
+            if let Err(ExceededLimit { what, limit }) = charged {
                 let (line, place) = (line_of(node), place());
                 self.errors.push(MjcfError::TooMany { line, place, what, limit });
                 return;
@@ -150,7 +150,7 @@ impl Source {
             return Err(format!("all files together have more than {limit} bytes"));
         }
         let charged = self.budget.charge(Resource::Characters, text.len());
-        charged.map_err(|Exceeded { what, limit }| format!("there are more than {limit} {what}"))
+        charged.map_err(|ExceededLimit { what, limit }| format!("there are more than {limit} {what}"))
     }
 
     /// Charges the budget for a copy of this element; `false`, with an error, above the limit.
@@ -164,7 +164,7 @@ impl Source {
     }
 
     /// Lists a limit that was exceeded at this element.
-    pub(crate) fn refuse_excess(&mut self, id: Id, Exceeded { what, limit }: Exceeded) {
+    pub(crate) fn refuse_excess(&mut self, id: Id, ExceededLimit { what, limit }: ExceededLimit) {
         let node = &self.tree.nodes[id];
         let (line, place) = (node.line, in_file_place(&self.tree.files[node.file], &excerpt(&node.name)));
         self.errors.push(MjcfError::TooMany { line, place, what, limit });

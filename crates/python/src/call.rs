@@ -7,7 +7,7 @@ use crate::batch::{self, Rows};
 use crate::errors::Class;
 use crate::ffi::{self, Array, Kind};
 use crate::number::Number;
-use crate::operand::{Given, common_kind, common_lead, given, shown, spread};
+use crate::operand::{ArrayArgument, common_kind, common_lead, given, shown, spread};
 use crate::outcome::{Outcome, bad_states};
 use crate::results::MOST_RESULTS;
 use crate::robot::Robot;
@@ -48,7 +48,7 @@ fn with_care<'py>(
     let threads = threads::count_of(threads)?;
     let mut all = Vec::with_capacity(operands.len());
     for (object, operand) in operands.iter().zip(row.operands) {
-        let first = all.first().map(|first: &Given<'_>| first.kind);
+        let first = all.first().map(|first: &ArrayArgument<'_>| first.kind);
         all.push(given(py, &robot.model, operand, frames.len(), object, first)?);
     }
     let lead = common_lead(py, &all)?;
@@ -67,7 +67,7 @@ struct Call<'a, 'py> {
     robot: &'a Robot,
     row: &'a Row,
     frames: &'a [FrameId],
-    all: Vec<Given<'py>>,
+    all: Vec<ArrayArgument<'py>>,
     lead: Vec<usize>,
     out: Option<&'a Bound<'py, PyAny>>,
     threads: Option<usize>,

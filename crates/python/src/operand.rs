@@ -11,7 +11,7 @@ use crate::row::{Operand, Width};
 
 /// An argument as a plain array of float64 or float32, with the dimensions before its own.
 #[derive(Debug)]
-pub(crate) struct Given<'py> {
+pub(crate) struct ArrayArgument<'py> {
     pub(crate) name: &'static str,
     pub(crate) array: Bound<'py, PyAny>,
     pub(crate) kind: Kind,
@@ -21,7 +21,7 @@ pub(crate) struct Given<'py> {
     pub(crate) leading: usize,
 }
 
-impl Given<'_> {
+impl ArrayArgument<'_> {
     pub(crate) fn lead(&self) -> &[usize] {
         &self.shape[..self.leading]
     }
@@ -48,7 +48,7 @@ pub(crate) fn given<'py>(
     frames: usize,
     object: &Bound<'py, PyAny>,
     first: Option<Kind>,
-) -> PyResult<Given<'py>> {
+) -> PyResult<ArrayArgument<'py>> {
     let name = operand.name;
     let mut array = as_array(py, name, object)?;
     if let (Width::One, Some(kind), None) = (operand.width, first, Array::of(object)) {
@@ -62,7 +62,7 @@ pub(crate) fn given<'py>(
     let Some(leading) = shape.len().checked_sub(own.len()).filter(|leading| &shape[*leading..] == own) else {
         return Err(wrong_shape(py, model, operand, &shape, own));
     };
-    Ok(Given { name, array, kind, shape, leading })
+    Ok(ArrayArgument { name, array, kind, shape, leading })
 }
 
 #[cold]
@@ -157,7 +157,7 @@ pub(crate) fn as_floats<'py>(
 }
 
 /// The one type of all arguments.
-pub(crate) fn common_kind(py: Python<'_>, all: &[Given<'_>]) -> PyResult<Kind> {
+pub(crate) fn common_kind(py: Python<'_>, all: &[ArrayArgument<'_>]) -> PyResult<Kind> {
     let Some(first) = all.first() else { return Ok(Kind::F64) };
     match all.iter().find(|given| given.kind != first.kind) {
         None => Ok(first.kind),
@@ -183,7 +183,7 @@ pub(crate) fn dtype(kind: Kind) -> &'static str {
 }
 
 /// The dimensions of the batch: each argument's, broadcast as numpy broadcasts.
-pub(crate) fn common_lead(py: Python<'_>, all: &[Given<'_>]) -> PyResult<Vec<usize>> {
+pub(crate) fn common_lead(py: Python<'_>, all: &[ArrayArgument<'_>]) -> PyResult<Vec<usize>> {
     let axes = all.iter().map(|given| given.leading).max().unwrap_or(0);
     let mut lead = vec![1; axes];
     for given in all {
@@ -199,7 +199,7 @@ pub(crate) fn common_lead(py: Python<'_>, all: &[Given<'_>]) -> PyResult<Vec<usi
 }
 
 #[cold]
-fn do_not_broadcast(py: Python<'_>, all: &[Given<'_>]) -> PyErr {
+fn do_not_broadcast(py: Python<'_>, all: &[ArrayArgument<'_>]) -> PyErr {
     let shapes: Vec<_> =
         all.iter().map(|given| format!("{} has shape {}", given.name, shown(&given.shape))).collect();
     let leads: Vec<_> = all.iter().map(|given| shown(given.lead())).collect();
@@ -210,7 +210,7 @@ fn do_not_broadcast(py: Python<'_>, all: &[Given<'_>]) -> PyErr {
 }
 
 /// An argument in the shape of the whole batch, where it is neither that already nor one state for all.
-pub(crate) fn spread<'py>(py: Python<'py>, given: &mut Given<'py>, lead: &[usize]) -> PyResult<()> {
+pub(crate) fn spread<'py>(py: Python<'py>, given: &mut ArrayArgument<'py>, lead: &[usize]) -> PyResult<()> {
     let states: usize = given.lead().iter().product();
     if given.lead() == lead || states == 1 || states == lead.iter().product::<usize>() {
         return Ok(());

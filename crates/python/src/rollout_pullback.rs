@@ -14,7 +14,7 @@ use crate::errors::Class;
 use crate::ffi::{self, Array, Kind};
 use crate::interrupts::{FEW_STEPS, interruptible, until};
 use crate::number::Number;
-use crate::operand::{Given, common_kind, given};
+use crate::operand::{ArrayArgument, common_kind, given};
 use crate::results::MOST_RESULTS;
 use crate::robot::Robot;
 use crate::rollout::{NOT_FINITE, describe_bad, threads_for};
@@ -163,11 +163,11 @@ fn header<'a>(array: Option<&'a Bound<'_, PyAny>>) -> Array<'a> {
 impl<'py> Call<'_, 'py> {
     /// The arrays are q, v, the cotangents of the end, then τ and the trajectory's cotangents if there are
     /// any.
-    fn run<T: Number>(self, all: &[Given<'py>]) -> PyResult<Gradients<'py>> {
+    fn run<T: Number>(self, all: &[ArrayArgument<'py>]) -> PyResult<Gradients<'py>> {
         let Self { py, robot, has_tau, .. } = self;
         let lead = all[0].lead();
         // They are changed in place, so the arguments are copied.
-        let copy = |given: &Given<'py>| given.array.call_method1("copy", ("C",));
+        let copy = |given: &ArrayArgument<'py>| given.array.call_method1("copy", ("C",));
         let (by_position, by_velocity) = (copy(&all[2])?, copy(&all[3])?);
         let tau = has_tau.then(|| &all[4]);
         let by_force = tau.map(|tau| outcome::new::<T>(py, &tau.shape));

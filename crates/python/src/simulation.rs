@@ -76,13 +76,13 @@ fn sample_interval(period: Option<SamplePeriod>) -> PyResult<SampleInterval> {
 }
 
 /// Ends a run when Python has a signal to handle.
-struct Watch {
+struct SignalCheck {
     last: Instant,
     steps: u32,
     signal: Option<PyErr>,
 }
 
-impl Watch {
+impl SignalCheck {
     fn look(&mut self) -> ControlFlow<()> {
         self.steps = self.steps.wrapping_add(1);
         if !self.steps.is_multiple_of(16) || self.last.elapsed() < PATIENCE {
@@ -133,7 +133,7 @@ impl RunPlan<'_> {
     ) -> PyResult<Recording> {
         let has_callbacks = torques.is_called() || !self.events.is_empty();
         let (is_adaptive, flag) = (self.is_adaptive, Arc::clone(&self.flag));
-        let mut watch = Watch { last: Instant::now(), steps: 0, signal: None };
+        let mut watch = SignalCheck { last: Instant::now(), steps: 0, signal: None };
         let run = || self.run_watched(simulation, torques, &mut watch);
         // A run that calls Python at each step keeps the interpreter's lock.
         let recording = if has_callbacks {
@@ -150,7 +150,7 @@ impl RunPlan<'_> {
         self,
         simulation: &mut Simulation,
         torques: &mut Torques<'_>,
-        watch: &mut Watch,
+        watch: &mut SignalCheck,
     ) -> Recording {
         let Self { robot, steps, stride, .. } = self;
         let events = &mut events_of(robot, self.events, self.stop_at_limits);

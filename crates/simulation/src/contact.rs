@@ -15,10 +15,11 @@
 
 mod broad_phase;
 mod candidates;
-mod closest;
+mod closest_points;
 mod components;
 pub mod cone_problem;
 mod contact_search;
+mod contact_shape;
 #[cfg(feature = "convex")]
 #[path = "contact/convex/parry.rs"]
 mod convex;
@@ -35,10 +36,10 @@ mod interrupt;
 mod law;
 mod link_contacts;
 mod link_pairs;
-mod meeting;
 mod named_pairs;
 mod pair;
 mod pair_points;
+mod placed_pair;
 mod placed_shape;
 mod plane;
 mod point;
@@ -46,7 +47,6 @@ mod problem;
 mod shape_checks;
 mod soft;
 mod touch;
-mod touching;
 mod touching_point;
 
 pub use field::HeightField;
@@ -61,7 +61,7 @@ pub use cone_problem::{ConeProblem, Set};
 pub use ground::axes;
 pub use impulses::lift::{Bound, ROUNDING};
 pub use impulses::{
-    ContactImpulses, DEEP, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, Remembered as ContactMemory, returns,
+    ContactImpulses, ContactMemory, DEEP, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, returns,
 };
 pub use interrupt::Interrupt;
 
@@ -72,13 +72,13 @@ use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::{LinkShape, Pose, Shape, ShapeRole, Surface};
 
 use self::candidates::{Candidates, Sweep};
+use self::contact_shape::ContactShape;
 use self::field::PlacedField;
 use self::form::Form;
-use self::meeting::MOST_MEETING;
 use self::named_pairs::NamedPairs;
 use self::pair::Pair;
+use self::placed_pair::MOST_PAIR_POINTS;
 use self::shape_checks::{described, size_not_finite};
-use self::touching::Touching;
 use crate::placement::Placement;
 
 /// The shapes of one robot that can touch the ground, and the grounds.
@@ -113,7 +113,7 @@ pub struct ContactSet {
     /// The links that the grounds are on; an empty name for a ground that no shape describes.
     ground_links: Vec<String>,
     fields: Vec<PlacedField>,
-    shapes: Vec<Touching>,
+    shapes: Vec<ContactShape>,
     /// The links that can touch the ground.
     links: Vec<String>,
     left_out: Vec<String>,
@@ -238,7 +238,7 @@ impl ContactSet {
         };
         let on_ground = touches_ground.then(&mut number);
         self.points += form.count();
-        self.shapes.push(Touching {
+        self.shapes.push(ContactShape {
             name: shape.name.clone(),
             link: shape.link.clone(),
             on_ground,
@@ -312,6 +312,6 @@ impl ContactSet {
 
     /// The number of possible contacts.
     fn count(&self) -> usize {
-        self.ground_point_count() + self.pairs.len() * MOST_MEETING
+        self.ground_point_count() + self.pairs.len() * MOST_PAIR_POINTS
     }
 }

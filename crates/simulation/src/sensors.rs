@@ -47,13 +47,13 @@ pub struct SensorSet {
     actuation: Actuation,
     /// The potential energy of links fixed to the world \[J\].
     fixed_energy: f64,
-    needs: Needs,
+    needs: SensorRequirements,
     values: usize,
 }
 
 /// The quantities that only some sensors need.
 #[derive(Clone, Copy, Debug, Default)]
-struct Needs {
+struct SensorRequirements {
     energy: bool,
     reactions: bool,
     actuator_torques: bool,
@@ -155,7 +155,7 @@ impl SensorSet {
     /// As [`Actuation::new`]. A model from a file does not cause errors.
     pub fn new(model: &Model) -> Result<Self, ModelError> {
         let (mut sensors, mut values) = (Vec::new(), 0);
-        let mut needs = Needs::default();
+        let mut needs = SensorRequirements::default();
         for description in &model.description.sensors {
             let range = values..values + description.kind.size();
             values = range.end;

@@ -45,7 +45,8 @@ pub struct Budget {
 
 /// A limit that was exceeded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Exceeded {
+#[doc(alias = "Exceeded")]
+pub struct ExceededLimit {
     /// The name of the quantity, in plural.
     pub what: &'static str,
     /// Its limit.
@@ -54,14 +55,14 @@ pub struct Exceeded {
 
 impl Resource {
     /// The name and the limit of the quantity.
-    pub fn limit(self) -> Exceeded {
+    pub fn limit(self) -> ExceededLimit {
         let (what, limit) = match self {
             Self::Elements => ("elements in all files and copies", ELEMENT_LIMIT),
             Self::Characters => ("characters in all files and in the names of copies", CHARACTER_LIMIT),
             Self::Numbers => ("numbers in height fields, meshes and poses", NUMBER_LIMIT),
             Self::Steps => ("references in copies", STEP_LIMIT),
         };
-        Exceeded { what, limit }
+        ExceededLimit { what, limit }
     }
 }
 
@@ -69,8 +70,8 @@ impl Budget {
     /// Adds to the use of a quantity.
     ///
     /// # Errors
-    /// [`Exceeded`] if the use is then above the limit.
-    pub fn charge(&mut self, resource: Resource, count: usize) -> Result<(), Exceeded> {
+    /// [`ExceededLimit`] if the use is then above the limit.
+    pub fn charge(&mut self, resource: Resource, count: usize) -> Result<(), ExceededLimit> {
         let used = &mut self.used[resource as usize];
         *used = used.saturating_add(count);
         let limit = resource.limit();

@@ -17,7 +17,7 @@ mod writer;
 
 pub use roxmltree;
 
-pub use budget::{Budget, CHARACTER_LIMIT, ELEMENT_LIMIT, Exceeded, NUMBER_LIMIT, Resource};
+pub use budget::{Budget, CHARACTER_LIMIT, ELEMENT_LIMIT, ExceededLimit, NUMBER_LIMIT, Resource};
 pub use error::{XmlError, excerpt};
 pub use lines::Lines;
 pub use options::LoadOptions;

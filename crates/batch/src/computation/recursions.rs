@@ -4,7 +4,7 @@ use robot_dynamics_core::algorithms::forward_dynamics::ArticulatedBodies;
 use robot_dynamics_core::algorithms::inverse_dynamics::{NewtonEuler, upward};
 use robot_dynamics_core::algorithms::mass_matrix::{CompositeBodies, Entries};
 use robot_dynamics_core::factorization::sparse;
-use robot_dynamics_core::workspace::buffers::Dense;
+use robot_dynamics_core::workspace::buffers::DenseBuffers;
 use robot_dynamics_core::workspace::compiled_once::compiled_once;
 use robot_dynamics_core::workspace::tree::{TreeMemory, TreeStorage};
 use robot_dynamics_core::{Model, NativeFunction, Workspace};
@@ -95,7 +95,7 @@ pub(crate) fn accelerate<N: StateLanes, H: Hardware>(
         // If branches are coupled, the articulated-body recursion does not apply: compute x = τ − C v − g,
         // then solve M a = x.
         call::<H, _, _>(&mut workspace.tree, NewtonEuler::bias(model, q, v, acceleration));
-        let Workspace { tree, dense: Dense { matrix: mass, dof_parent, .. }, .. } = workspace;
+        let Workspace { tree, dense: DenseBuffers { matrix: mass, dof_parent, .. }, .. } = workspace;
         for k in 0..model.nv {
             acceleration[k] = tau[k] - acceleration[k];
         }
@@ -152,7 +152,8 @@ impl<T> Operation<T> for InverseMass {
         [q, ..]: [&[N]; 3],
         inverse: &mut [N],
     ) {
-        let Workspace { tree, dense: Dense { matrix: mass, vector: row, dof_parent, .. }, .. } = workspace;
+        let Workspace { tree, dense: DenseBuffers { matrix: mass, vector: row, dof_parent, .. }, .. } =
+            workspace;
         call::<H, _, _>(tree, FactoredMass { model, q, dof_parent, mass });
         sparse::invert(dof_parent, mass, row, inverse);
         // The recursion writes the upper triangle only.

@@ -1,7 +1,7 @@
 //! The structurally nonzero entries of M of a block.
 
 use robot_dynamics_core::algorithms::mass_matrix::{CompositeBodies, Entries, is_plain, related_end};
-use robot_dynamics_core::workspace::buffers::Dense;
+use robot_dynamics_core::workspace::buffers::DenseBuffers;
 use robot_dynamics_core::{Model, NativeFunction, Workspace};
 use robot_dynamics_number::dispatch::Hardware;
 use robot_dynamics_number::{Scalar, StateLanes};
@@ -47,7 +47,7 @@ impl<T> Operation<T> for RelatedMass {
             );
             return;
         }
-        let Workspace { tree, dense: Dense { matrix, .. }, .. } = workspace;
+        let Workspace { tree, dense: DenseBuffers { matrix, .. }, .. } = workspace;
         let (mass, entries) = (&mut matrix[..], Entries::RelatedAbove);
         call::<H, _, _>(tree, CompositeBodies { model, q, mass, entries });
         pack(model, matrix, packed);

@@ -9,8 +9,8 @@ use robot_dynamics_simulation::Rollout;
 
 use super::job::Job;
 use super::outcome::Outcome;
-use super::progress::Shared;
-use super::step::{Advance, STEPS_PER_LOOK};
+use super::progress::SharedProgress;
+use super::step::{BlockRollout, STEPS_PER_LOOK};
 use super::torques::{PolicyInput, Torques};
 use crate::distribution::for_each_part;
 use crate::workspace::{BlockMemory, ThreadMemory};
@@ -26,7 +26,7 @@ pub(super) fn move_natively<'a, T: Float + Number>(
     (rollout, stages): (&Rollout, &[Stage]),
     torques: Torques<'_, T>,
     tables: [&'a mut [T]; 4],
-    (shared, outcome): (&Shared<'_>, &Outcome),
+    (shared, outcome): (&SharedProgress<'_>, &Outcome),
 ) -> Result<(), [&'a mut [T]; 4]> {
     let step = NativeFunction::step(rollout.integrator, rollout.dissipation);
     let kernel = step.and_then(|step| machine_code::kernel(model, workspace, step));
@@ -107,7 +107,7 @@ impl<T: Float + Number> KernelSteps<'_, T> {
         &self,
         memory: &mut ThreadMemory<T>,
         job: &mut Job<'_, T>,
-        shared: &Shared<'_>,
+        shared: &SharedProgress<'_>,
     ) -> (u32, bool) {
         let Self { kernel, model, rollout, torques, .. } = self;
         let (nv, states) = (model.nv, job.states);
@@ -198,9 +198,9 @@ pub(super) fn step_by_recursion<T: Float>(
     v: &mut [T],
 ) {
     let one_step = &rollout.one_step();
-    let shared = &Shared::of_one_step();
+    let shared = &SharedProgress::of_one_step();
     let job = Job { first: 0, states: 1, q, v, q_trajectory: &mut [], v_trajectory: &mut [] };
     let outputs = (&mut 0, &mut false);
     let torques = Torques::Held(tau);
-    block::run(block, Advance { model, rollout: one_step, stages, torques, job, shared, outputs });
+    block::run(block, BlockRollout { model, rollout: one_step, stages, torques, job, shared, outputs });
 }

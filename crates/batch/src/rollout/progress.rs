@@ -36,14 +36,14 @@ pub type RolloutObserver<'a> = &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> +
 pub const UNOBSERVED: RolloutObserver<'static> = &|_| ControlFlow::Continue(());
 
 /// The data that all threads of a rollout share.
-pub(crate) struct Shared<'a> {
+pub(crate) struct SharedProgress<'a> {
     progress: RolloutObserver<'a>,
     done: AtomicU64,
     total: u64,
     cancelled: AtomicBool,
 }
 
-impl<'a> Shared<'a> {
+impl<'a> SharedProgress<'a> {
     /// For this number of steps over all states.
     pub(super) fn new(progress: RolloutObserver<'a>, total: u64) -> Self {
         Self { progress, done: AtomicU64::new(0), total, cancelled: AtomicBool::new(false) }

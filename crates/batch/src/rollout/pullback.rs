@@ -17,7 +17,7 @@ pub use self::inputs::RolloutPullbackInputs;
 use self::machine_code::pull_back_natively;
 use super::error::RolloutError;
 use super::outcome::Outcome;
-use super::progress::{RolloutObserver, Shared};
+use super::progress::{RolloutObserver, SharedProgress};
 use super::torques::Torques;
 use crate::distribution::for_each_block;
 use crate::machine_code::Number;
@@ -76,7 +76,7 @@ pub(crate) fn compute<T: Float + Number>(
     if batch == 0 || nv == 0 {
         return Ok(());
     }
-    let shared = Shared::new(progress, batch as u64 * rollout.steps as u64);
+    let shared = SharedProgress::new(progress, batch as u64 * rollout.steps as u64);
     let outcome = Outcome::default();
     let spacing = rollout.spacing(given.spacing);
     #[cfg(feature = "native")]

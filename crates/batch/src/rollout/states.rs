@@ -10,8 +10,8 @@ use super::job::Job;
 #[cfg(feature = "native")]
 use super::machine_code::move_natively;
 use super::outcome::Outcome;
-use super::progress::{RolloutObserver, Shared};
-use super::step::Advance;
+use super::progress::{RolloutObserver, SharedProgress};
+use super::step::BlockRollout;
 use super::torques::Torques;
 use crate::distribution::for_each_block;
 use crate::machine_code::Number;
@@ -76,7 +76,7 @@ pub(crate) fn move_states<T: Float + Number>(
         };
         return Ok(BadStates::unless_empty((0..batch).filter(is_bad).collect(), batch)?);
     }
-    let shared = Shared::new(progress, batch as u64 * rollout.steps as u64);
+    let shared = SharedProgress::new(progress, batch as u64 * rollout.steps as u64);
     let outcome = Outcome::default();
     let tables = [q, v, q_trajectory, v_trajectory];
     #[cfg(feature = "native")]
@@ -106,10 +106,10 @@ fn advance<T: Float>(
     (rollout, stages): (&Rollout, &[Stage]),
     torques: Torques<'_, T>,
     job: Job<'_, T>,
-    shared: &Shared<'_>,
+    shared: &SharedProgress<'_>,
 ) -> (u32, bool) {
     let (mut bad, mut finished) = (0, false);
     let outputs = (&mut bad, &mut finished);
-    block::run(block, Advance { model, rollout, stages, torques, job, shared, outputs });
+    block::run(block, BlockRollout { model, rollout, stages, torques, job, shared, outputs });
     (bad, finished)
 }

@@ -10,11 +10,11 @@ use robot_dynamics_integrators::Stage;
 use robot_dynamics_number::dispatch::{Hardware, LaneKernel};
 use robot_dynamics_number::{Float, Scalar, StateLanes};
 use robot_dynamics_simulation::Rollout;
-use robot_dynamics_simulation::motion::integrate::explicit::{Motion, explicit_step};
+use robot_dynamics_simulation::motion::integrate::explicit::{StageSystem, explicit_step};
 use robot_dynamics_simulation::motion::integrate::stage_memory::StageMemory;
 
 use super::job::Job;
-use super::progress::Shared;
+use super::progress::SharedProgress;
 use super::torques::{PolicyInput, PolicyRows, Torques};
 use crate::block::{
     Block, BlockStorage, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
@@ -25,19 +25,19 @@ use crate::computation::recursions::accelerate;
 pub(super) const STEPS_PER_LOOK: usize = 64;
 
 /// A rollout of one block.
-pub(super) struct Advance<'a, T> {
+pub(super) struct BlockRollout<'a, T> {
     pub model: &'a Model,
     pub rollout: &'a Rollout,
     pub stages: &'a [Stage],
     pub torques: Torques<'a, T>,
     pub job: Job<'a, T>,
-    pub shared: &'a Shared<'a>,
+    pub shared: &'a SharedProgress<'a>,
     /// A bit for each bad state, and whether all reached the end.
     pub outputs: (&'a mut u32, &'a mut bool),
 }
 
 /// A block's state and the memory of a step.
-struct Moving<'a, S> {
+struct BlockState<'a, S> {
     q: &'a mut [S],
     v: &'a mut [S],
     tau: &'a mut [S],
@@ -45,7 +45,7 @@ struct Moving<'a, S> {
     memory: StageMemory<'a, S>,
 }
 
-impl<'a, S> Moving<'a, S> {
+impl<'a, S> BlockState<'a, S> {
     /// The number of entries that a rollout needs for each state.
     fn size(model: &Model, stages: usize) -> usize {
         model.nq + 3 * model.nv + StageMemory::<S>::size(model, stages)
@@ -60,16 +60,16 @@ impl<'a, S> Moving<'a, S> {
     }
 }
 
-impl<T: Float> LaneKernel<BlockStorage, T> for Advance<'_, T> {
+impl<T: Float> LaneKernel<BlockStorage, T> for BlockRollout<'_, T> {
     #[inline(always)]
     fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
         let Self { model, rollout, stages, torques, job, shared, outputs } = self;
         let Block { workspace, input: memory, .. } = block;
-        make_room(memory, Moving::<N>::size(model, stages.len()));
+        make_room(memory, BlockState::<N>::size(model, stages.len()));
         let (nq, nv, states) = (model.nq, model.nv, job.states);
         let (bad, finished) = outputs;
         let h = N::from_f64(rollout.step);
-        let mut at = Moving::new(model, stages.len(), memory);
+        let mut at = BlockState::new(model, stages.len(), memory);
         gather::<N, H>(job.q, nq, states, at.q);
         gather::<N, H>(job.v, nv, states, at.v);
         match torques {
@@ -144,7 +144,7 @@ struct BlockMotion<'a, N: Scalar, H> {
     hardware: PhantomData<H>,
 }
 
-impl<N: StateLanes, H: Hardware> Motion<N> for BlockMotion<'_, N, H> {
+impl<N: StateLanes, H: Hardware> StageSystem<N> for BlockMotion<'_, N, H> {
     type Error = Infallible;
 
     #[inline(always)]
@@ -175,9 +175,9 @@ fn advance<N: StateLanes, H: Hardware>(
     workspace: &mut Workspace<N>,
     (stages, dissipation): (&[Stage], bool),
     h: N,
-    at: &mut Moving<'_, N>,
+    at: &mut BlockState<'_, N>,
 ) {
-    let Moving { q, v, tau, force, memory } = at;
+    let BlockState { q, v, tau, force, memory } = at;
     let hardware = PhantomData::<H>;
     let mut motion = BlockMotion { model, workspace, dissipation, tau, force, hardware };
     let Ok(()) = explicit_step(model, stages, &mut motion, h, memory, (q, v));

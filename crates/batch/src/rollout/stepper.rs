@@ -6,7 +6,7 @@ use robot_dynamics_simulation::{StepForces, StepWorkspace, Stepper};
 
 use super::error::RolloutError;
 use super::outcome::Outcome;
-use super::progress::{RolloutObserver, Shared, UNOBSERVED};
+use super::progress::{RolloutObserver, SharedProgress, UNOBSERVED};
 use super::states::RolloutStates;
 use super::torques::Torques;
 use crate::BatchWorkspace;
@@ -114,7 +114,7 @@ pub fn rollout_by_stepper<S: Stepper + Clone + Sync>(
     check_table("the trajectory of q", q_trajectory.len(), batch, rollout.samples() * nq);
     check_table("the trajectory of v", v_trajectory.len(), batch, rollout.samples() * nv);
     torques.check(batch, rollout.steps, nv);
-    let shared = Shared::new(progress, batch as u64 * rollout.steps as u64);
+    let shared = SharedProgress::new(progress, batch as u64 * rollout.steps as u64);
     let outcome = Outcome::default();
     for_each_state(
         workspace,
@@ -154,7 +154,7 @@ impl StepperMemory {
         rollout: &StepperRollout<'_, S>,
         torques: Torques<'_, f64>,
         (state, [q, v, q_trajectory, v_trajectory]): (usize, [&mut [f64]; 4]),
-        shared: &Shared<'_>,
+        shared: &SharedProgress<'_>,
     ) -> Option<bool> {
         let Self { workspace, tau, start } = self;
         let (nq, nv, h) = (q.len(), v.len(), rollout.step);

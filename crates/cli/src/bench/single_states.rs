@@ -24,7 +24,7 @@ pub(super) const QUANTITIES: [Quantity; 9] = [
 ];
 
 /// One thread's memory for all quantities.
-pub(super) struct Single<'a> {
+pub(super) struct SingleStateBench<'a> {
     model: &'a Model,
     states: &'a States<f64>,
     tip: FrameId,
@@ -32,7 +32,7 @@ pub(super) struct Single<'a> {
     memory: QuantityMemory,
 }
 
-impl<'a> Single<'a> {
+impl<'a> SingleStateBench<'a> {
     pub(super) fn new(model: &'a Model, states: &'a States<f64>, tip: FrameId) -> Self {
         let (workspace, memory) = (Workspace::new(model), QuantityMemory::new(model));
         Self { model, states, tip, workspace, memory }

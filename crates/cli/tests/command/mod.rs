@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 
 /// The exit code and the output of a run.
 #[derive(Debug)]
-pub(crate) struct Ran {
+pub(crate) struct RunOutput {
     pub(crate) code: Option<i32>,
     pub(crate) out: String,
     pub(crate) err: String,
@@ -58,7 +58,7 @@ impl Folder {
     }
 
     /// Runs it. It must not panic for any arguments.
-    pub(crate) fn run(&self, arguments: &[&str], input: &[u8]) -> Ran {
+    pub(crate) fn run(&self, arguments: &[&str], input: &[u8]) -> RunOutput {
         let mut child = self.command(arguments).spawn().unwrap();
         let mut stdin = child.stdin.take().unwrap();
         let input = input.to_vec();
@@ -66,7 +66,7 @@ impl Folder {
         let writer = std::thread::spawn(move || drop(stdin.write_all(&input)));
         let output = child.wait_with_output().unwrap();
         writer.join().unwrap();
-        let ran = Ran {
+        let ran = RunOutput {
             code: output.status.code(),
             out: String::from_utf8(output.stdout).unwrap(),
             err: String::from_utf8(output.stderr).unwrap(),

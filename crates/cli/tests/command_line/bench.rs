@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Read};
 use robot_dynamics::quantity::Quantity;
 use serde_json::Value;
 
-use crate::command::{Folder, Ran};
+use crate::command::{Folder, RunOutput};
 
 /// Quantities of single states, by their names in the library.
 const SINGLE: [&str; 9] = [
@@ -31,7 +31,7 @@ const ROLLOUT: [&str; 2] = ["semi_implicit_euler", "rk4"];
 
 /// The output of a measurement. A debug build, as in tests, has one warning.
 #[track_caller]
-fn measured(ran: &Ran) -> &str {
+fn measured(ran: &RunOutput) -> &str {
     assert_eq!(ran.code, Some(0), "{ran:?}");
     assert_eq!(ran.err.lines().count(), usize::from(cfg!(debug_assertions)), "{}", ran.err);
     &ran.out

@@ -6,7 +6,7 @@ use std::fs;
 use std::os::unix::fs::symlink;
 use std::process::{Command, Stdio};
 
-use crate::command::{Folder, Ran};
+use crate::command::{Folder, RunOutput};
 
 const MAIN: &str = r#"<mujoco model="arm">
   <asset>
@@ -49,7 +49,7 @@ fn contents(folder: &Folder) -> Vec<Vec<u8>> {
 }
 
 #[track_caller]
-fn assert_refused(ran: &Ran, role: &str, name: &str, file: &str) {
+fn assert_refused(ran: &RunOutput, role: &str, name: &str, file: &str) {
     assert_eq!((ran.code, ran.out.as_str()), (Some(1), ""), "{name}: {}", ran.err);
     let named =
         ran.err.starts_with(&format!("error: {role} {name} ")) && ran.err.contains(&format!(", {file};"));
@@ -87,7 +87,7 @@ fn no_file_that_was_read_is_replaced() {
         command.args(["-c", script, env!("CARGO_BIN_EXE_dynamics"), file]).current_dir(folder.path("."));
         let output = command.output().unwrap();
         let [out, err] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
-        assert_refused(&Ran { code: output.status.code(), out, err }, "--csv", "/dev/fd/7", file);
+        assert_refused(&RunOutput { code: output.status.code(), out, err }, "--csv", "/dev/fd/7", file);
     }
     for name in ["plot.svg", "arm.c"] {
         symlink("parts/upper.xml", folder.path(name)).unwrap();

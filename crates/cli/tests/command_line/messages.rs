@@ -3,7 +3,7 @@
 //! All wording that tests compare is in these files. After a change, `INSTA_UPDATE=always cargo test -p
 //! robot-dynamics-cli --all-features` rewrites them, for review as a diff.
 
-use crate::command::{Folder, Ran};
+use crate::command::{Folder, RunOutput};
 
 /// A list of commands with their outputs.
 #[derive(Default)]
@@ -11,7 +11,7 @@ pub(crate) struct Transcript(String);
 
 impl Transcript {
     /// Adds a command with its exit code and its texts.
-    pub(crate) fn add(&mut self, arguments: &[&str], ran: &Ran) {
+    pub(crate) fn add(&mut self, arguments: &[&str], ran: &RunOutput) {
         self.add_text(&format!("$ dynamics {}", arguments.join(" ")));
         if let Some(code) = ran.code.filter(|code| *code != 0) {
             self.add_text(&format!("exit code {code}"));
@@ -22,9 +22,9 @@ impl Transcript {
     }
 
     /// Adds a command that prints measured or computed numbers, each of which becomes `#`.
-    pub(crate) fn add_without_numbers(&mut self, arguments: &[&str], ran: &Ran) {
+    pub(crate) fn add_without_numbers(&mut self, arguments: &[&str], ran: &RunOutput) {
         let [out, err] = [&ran.out, &ran.err].map(|text| without_numbers(text));
-        self.add(arguments, &Ran { code: ran.code, out, err });
+        self.add(arguments, &RunOutput { code: ran.code, out, err });
     }
 
     pub(crate) fn add_text(&mut self, text: &str) {
@@ -344,7 +344,7 @@ fn summaries() {
         // Machine code depends on the instructions of the machine.
         let output = folder.command(&arguments).env("ROBOT_DYNAMICS_NATIVE", "0").output().unwrap();
         let [out, err] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
-        transcript.add_without_numbers(&arguments, &Ran { code: output.status.code(), out, err });
+        transcript.add_without_numbers(&arguments, &RunOutput { code: output.status.code(), out, err });
     }
     transcript.compare("summaries");
 }

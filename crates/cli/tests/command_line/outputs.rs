@@ -5,12 +5,12 @@ use std::fs;
 use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
 use std::process::Stdio;
 
-use crate::command::{Folder, Ran};
+use crate::command::{Folder, RunOutput};
 use crate::labels::{DRIFT, DRIFT_OF_KINETIC, FAILED_TO_WRITE, number_after};
 use crate::messages::Transcript;
 
 /// A short run with these additional arguments.
-fn simulate(folder: &Folder, robot: &str, arguments: &[&str]) -> Ran {
+fn simulate(folder: &Folder, robot: &str, arguments: &[&str]) -> RunOutput {
     folder.run(&[&["simulate", robot, "--duration", "0.05"], arguments].concat(), b"")
 }
 
@@ -134,14 +134,14 @@ fn streams_are_written_as_they_are() {
 }
 
 /// Runs it with a limit on the size of files, as on an almost full disk.
-fn with_little_room(folder: &Folder, kilobytes: u32, arguments: &[&str]) -> Ran {
+fn with_little_room(folder: &Folder, kilobytes: u32, arguments: &[&str]) -> RunOutput {
     // With the signal ignored the write fails, as on a full disk.
     let script = format!("trap '' XFSZ; ulimit -f {kilobytes}; exec \"$@\"");
     let mut command = std::process::Command::new("bash");
     command.args(["-c", &script, "bash", env!("CARGO_BIN_EXE_dynamics")]).args(arguments);
     command.current_dir(folder.path(".")).stdin(Stdio::null());
     let output = command.output().unwrap();
-    Ran {
+    RunOutput {
         code: output.status.code(),
         out: String::from_utf8(output.stdout).unwrap(),
         err: String::from_utf8(output.stderr).unwrap(),
@@ -171,7 +171,7 @@ fn a_full_disk_keeps_what_fits() {
     assert!(ran.out.contains(&format!("run.partial.csv ({} ", cells.len() - 1)), "{}", ran.out);
     assert!(folder.names().iter().all(|name| !name.contains("unfinished")), "{:?}", folder.names());
     let mut transcript = Transcript::default();
-    transcript.add_without_numbers(&run, &Ran { out: String::new(), ..ran });
+    transcript.add_without_numbers(&run, &RunOutput { out: String::new(), ..ran });
     transcript.compare("full_disk");
 }
 

@@ -11,7 +11,7 @@ use crate::algorithms::inverse_dynamics::NewtonEuler;
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::factorization::sparse;
 use crate::kinematics::wrench::FrameWrench;
-use crate::workspace::buffers::{Dense, Workspace};
+use crate::workspace::buffers::{DenseBuffers, Workspace};
 use crate::workspace::compiled_once::run;
 
 /// The acceleration of [`forward_dynamics`](crate::forward_dynamics) by an independent route. M comes from
@@ -64,7 +64,7 @@ pub(crate) fn accelerate_by_cholesky<S: Scalar>(
     acceleration: &mut [S],
 ) {
     workspace.allocate_matrices(model);
-    let Workspace { tree, dense: Dense { matrix, vector: bias, dof_parent, .. }, .. } = workspace;
+    let Workspace { tree, dense: DenseBuffers { matrix, vector: bias, dof_parent, .. }, .. } = workspace;
     run(tree, NewtonEuler { wrenches, ..NewtonEuler::bias(model, q, v, bias) });
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
     for ((a, &tau), &bias) in acceleration.iter_mut().zip(tau).zip(&*bias) {

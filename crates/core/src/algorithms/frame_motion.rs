@@ -93,7 +93,7 @@ pub fn frame_velocity<S: Scalar>(
     workspace.check_inputs(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
-    Moving::moved(model, &mut workspace.tree, q, v, frame).velocity(reference_frame)
+    MovingFrame::moved(model, &mut workspace.tree, q, v, frame).velocity(reference_frame)
 }
 
 /// The acceleration of a frame \[m/s², rad/s²\]: the time derivative of the numbers of [`frame_velocity`] in
@@ -148,11 +148,11 @@ pub fn frame_acceleration<S: Scalar>(
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
-    Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame).acceleration(reference_frame)
+    MovingFrame::accelerated(model, &mut workspace.tree, q, v, Some(a), frame).acceleration(reference_frame)
 }
 
 /// A frame and its body's motion, in the body's inertial frame of [`compute_columns`].
-pub struct Moving<S: Scalar> {
+pub struct MovingFrame<S: Scalar> {
     /// The frame's placement in the inertial frame.
     pub place: Transform<S>,
     pub twist: MotionVector<S>,
@@ -161,7 +161,7 @@ pub struct Moving<S: Scalar> {
     pub origin: V3<S>,
 }
 
-impl<S: Scalar> Moving<S> {
+impl<S: Scalar> MovingFrame<S> {
     /// Reads the results of [`compute_twists`] and, if called, of [`compute_twist_rates`].
     #[inline(always)]
     fn new(model: &Model, tree: &TreeMemory<S>, frame: FrameId) -> Self {

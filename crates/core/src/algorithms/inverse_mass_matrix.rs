@@ -10,7 +10,7 @@ use crate::Model;
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::algorithms::mass_matrix_factor::Elimination;
 use crate::model::native::NativeFunction;
-use crate::workspace::buffers::{Dense, Workspace};
+use crate::workspace::buffers::{DenseBuffers, Workspace};
 use crate::workspace::compiled_once::run;
 use crate::workspace::native::computed_natively;
 
@@ -53,7 +53,7 @@ pub fn inverse_mass_matrix<S: Scalar>(
         return;
     }
     workspace.allocate_matrices(model);
-    let Workspace { tree, dense: Dense { matrix, vector: row, dof_parent, .. }, .. } = workspace;
+    let Workspace { tree, dense: DenseBuffers { matrix, vector: row, dof_parent, .. }, .. } = workspace;
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
     run(tree, Elimination { dof_parent, matrix, inverse: Some((row, inverse)) });
 }

@@ -8,7 +8,7 @@ use robot_dynamics_number::algebra::V3;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
 
-use crate::algorithms::frame_motion::{Moving, SpatialAcceleration};
+use crate::algorithms::frame_motion::{MovingFrame, SpatialAcceleration};
 use crate::algorithms::kinematics::constant;
 use crate::kinematics::place::place_chain;
 use crate::model::WORLD;
@@ -200,5 +200,5 @@ pub fn frame_bias_acceleration<S: Scalar>(
     workspace.check_inputs(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
-    Moving::accelerated(model, &mut workspace.tree, q, v, None, frame).acceleration(reference_frame)
+    MovingFrame::accelerated(model, &mut workspace.tree, q, v, None, frame).acceleration(reference_frame)
 }

@@ -11,7 +11,7 @@ use crate::Model;
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::factorization::sparse;
 use crate::model::native::NativeFunction;
-use crate::workspace::buffers::{Dense, Workspace};
+use crate::workspace::buffers::{DenseBuffers, Workspace};
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
 use crate::workspace::tree::{TreeMemory, TreeStorage};
@@ -57,7 +57,7 @@ pub fn mass_matrix_factor<S: Scalar>(model: &Model, workspace: &mut Workspace<S>
         return;
     }
     workspace.allocate_matrices(model);
-    let Workspace { tree, dense: Dense { matrix, dof_parent, .. }, .. } = workspace;
+    let Workspace { tree, dense: DenseBuffers { matrix, dof_parent, .. }, .. } = workspace;
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
     run(tree, Elimination { dof_parent, matrix, inverse: None });
     factor.fill(S::zero());

@@ -8,7 +8,7 @@ use robot_dynamics_number::{Dual, Scalar};
 use crate::Model;
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::configuration::configuration_rate::configuration_rate;
-use crate::workspace::buffers::{Dense, Workspace};
+use crate::workspace::buffers::{DenseBuffers, Workspace};
 use crate::workspace::compiled_once::run;
 
 /// Ṁ(q,v) = d/dt M(q(t)) with q̇ from v, nv×nv, row-major: the exact derivative of
@@ -49,7 +49,7 @@ pub fn mass_matrix_rate<S: Scalar>(
     check_length("v", v.len(), model.nv);
     check_length("the rate of the mass matrix", rate.len(), model.nv * model.nv);
     workspace.allocate_matrices(model);
-    let Workspace { tree, dense: Dense { matrix, vector, coordinates, .. }, .. } = workspace;
+    let Workspace { tree, dense: DenseBuffers { matrix, vector, coordinates, .. }, .. } = workspace;
     let (position, position_rate) = coordinates.split_at_mut(model.nq);
     for (dual, &q) in position.iter_mut().zip(q) {
         *dual = Dual::constant(q);

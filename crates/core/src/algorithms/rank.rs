@@ -25,10 +25,10 @@ mod bodies;
 mod followers;
 mod singular;
 mod tree;
-mod vanished;
+mod vanished_pivot;
 
 pub use singular::{SingularMass, SingularMotion};
-use vanished::{ROUNDINGS, Vanished};
+use vanished_pivot::{ROUNDINGS, VanishedPivot};
 
 use robot_dynamics_description::check_length;
 
@@ -150,7 +150,7 @@ fn for_each_vanished(
     scratch: &mut Scratch,
     q: &[f64],
     roundings: f64,
-    on_vanished: &mut dyn FnMut(&Vanished<'_>),
+    on_vanished: &mut dyn FnMut(&VanishedPivot<'_>),
 ) {
     check_length("q", q.len(), model.nq);
     let bound = roundings * f64::EPSILON;

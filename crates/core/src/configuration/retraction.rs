@@ -17,13 +17,13 @@ pub fn move_along<N: Scalar>(model: &Model, q: &[N], displacement: &[N], moved: 
         match chart {
             Chart::Line => moved[i] = q[i] + displacement[k],
             Chart::Rotation => {
-                let turn = Turn::new(vector_at(displacement, k));
+                let turn = RotationVector::new(vector_at(displacement, k));
                 turn_by(&q[i..], &turn, &mut moved[i..]);
             }
             Chart::Placement => {
                 let linear = vector_at(displacement, k);
                 let angular = vector_at(displacement, k + 3);
-                let turn = Turn::new(angular);
+                let turn = RotationVector::new(angular);
                 let (b, c) = turn.shift_coefficients();
                 let once = angular.cross(linear);
                 let shift = linear.add_scaled(b, once).add_scaled(c, angular.cross(once));
@@ -38,7 +38,7 @@ pub fn move_along<N: Scalar>(model: &Model, q: &[N], displacement: &[N], moved: 
 }
 
 /// A rotation vector φ, θ = |φ|.
-struct Turn<N: Scalar> {
+struct RotationVector<N: Scalar> {
     phi: V3<N>,
     theta: N,
     /// sin ½θ / ½θ.
@@ -46,7 +46,7 @@ struct Turn<N: Scalar> {
     cosine: N,
 }
 
-impl<N: Scalar> Turn<N> {
+impl<N: Scalar> RotationVector<N> {
     #[inline(always)]
     fn new(phi: V3<N>) -> Self {
         // 1e-30 keeps θ from being zero; sin x / x rounds to 1 at much larger x.
@@ -84,7 +84,7 @@ impl<N: Scalar> Turn<N> {
 
 /// q ⊗ (½φ s(½θ), cos ½θ), normalized; quaternions x y z w.
 #[inline(always)]
-fn turn_by<N: Scalar>(q: &[N], turn: &Turn<N>, to: &mut [N]) {
+fn turn_by<N: Scalar>(q: &[N], turn: &RotationVector<N>, to: &mut [N]) {
     let (a, w) = (vector_at(q, 0), q[3]);
     let b = turn.phi * turn.sinc.scale(0.5);
     let imaginary = a * turn.cosine + b * w + a.cross(b);

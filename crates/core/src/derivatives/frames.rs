@@ -11,7 +11,7 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::V3;
 
-use crate::algorithms::frame_motion::Moving;
+use crate::algorithms::frame_motion::MovingFrame;
 use crate::algorithms::jacobian::add_column;
 use crate::kinematics::world_frame::{motion_cross, shifted};
 use crate::model::WORLD;
@@ -112,7 +112,7 @@ pub fn frame_velocity_derivative<S: Scalar>(
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
-    let moving = Moving::moved(model, &mut workspace.tree, q, v, frame);
+    let moving = MovingFrame::moved(model, &mut workspace.tree, q, v, frame);
     by_position.fill(S::zero());
     let (tree, twist, point) = (&workspace.tree, &moving.twist, moving.place.translation);
     match reference_frame {
@@ -214,7 +214,7 @@ pub fn frame_acceleration_derivatives<S: Scalar>(
     check_length("a", a.len(), model.nv);
     check_length("the derivative by q", by_position.len(), 6 * model.nv);
     check_length("the derivative by v", by_velocity.len(), 6 * model.nv);
-    let moving = Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame);
+    let moving = MovingFrame::accelerated(model, &mut workspace.tree, q, v, Some(a), frame);
     by_position.fill(S::zero());
     by_velocity.fill(S::zero());
     let (tree, derivatives) = (&workspace.tree, FrameAccelerationDerivatives { model, moving: &moving });
@@ -237,7 +237,7 @@ pub fn frame_acceleration_derivatives<S: Scalar>(
 /// The columns of [`frame_acceleration_derivatives`] for one DoF.
 struct FrameAccelerationDerivatives<'a, S: Scalar> {
     model: &'a Model,
-    moving: &'a Moving<S>,
+    moving: &'a MovingFrame<S>,
 }
 
 impl<S: Scalar> FrameAccelerationDerivatives<'_, S> {

@@ -12,7 +12,7 @@ use robot_dynamics_number::dispatch::Hardware;
 use crate::factorization::tile::{Tile, WIDTH, by_count, each};
 use crate::factorization::tree_factor::{TreeFactor, add_scaled, part, part_mut, scaled};
 use crate::workspace::derivatives::Scratch;
-use crate::workspace::passes::{Pass, Place, Solved};
+use crate::workspace::passes::{Pass, SolvedColumns, TileRange};
 
 /// The indices of the matrices in a row.
 const X: usize = 0;
@@ -28,7 +28,7 @@ pub(super) fn solve_rows<N: Scalar, H: Hardware>(
     by_force: &mut [N],
 ) {
     let Scratch { mass, by_position: x, by_velocity: y, passes, solved, ancestors, unit, .. } = scratch;
-    let right = Right { x, y, unit };
+    let right = RightSides { x, y, unit };
     let mut to = [by_position, by_velocity, by_force];
     let n = mass.len();
     for pass in passes.iter() {
@@ -49,7 +49,7 @@ const fn all_at_once<N: Scalar, H: Hardware>() -> bool {
 }
 
 /// The right sides, in rows padded to multiples of eight.
-struct Right<'a, S> {
+struct RightSides<'a, S> {
     x: &'a [[S; WIDTH]],
     y: &'a [[S; WIDTH]],
     /// A one among zeros: eight consecutive numbers of it are a block of a unit row, or zero.
@@ -62,9 +62,9 @@ fn solve_transposed<N: Scalar, H: Hardware, const ROWS: usize>(
     mass: &TreeFactor<N>,
     tile: Tile,
     pass: &Pass,
-    places: &[Place],
-    right: &Right<'_, N>,
-    solved: &mut [Solved<N>],
+    places: &[TileRange],
+    right: &RightSides<'_, N>,
+    solved: &mut [SolvedColumns<N>],
 ) {
     let n = mass.len();
     let (first, eights) = (tile.first, n.div_ceil(WIDTH));
@@ -79,7 +79,7 @@ fn solve_transposed<N: Scalar, H: Hardware, const ROWS: usize>(
         y[i] = &right.y[from..][..pass.groups.len()];
     });
     let l = &l[tile.depth..];
-    for &Place { group, from, until, inside } in places {
+    for &TileRange { group, from, until, inside } in places {
         let solved = &mut solved[group * n..][..n];
         let beyond = &pass.rows[group][from..until];
         if all_at_once::<N, H>() {
@@ -115,7 +115,7 @@ fn take_beyond<S: Scalar, const ROWS: usize, const M: usize, const P: usize>(
     beyond: &[usize],
     first: usize,
     mut sum: [[[S; WIDTH]; P]; ROWS],
-    solved: &mut [Solved<S>],
+    solved: &mut [SolvedColumns<S>],
 ) {
     // The row finished last comes last, so that the others do not wait for it.
     for &k in beyond.iter().rev() {
@@ -140,8 +140,8 @@ fn take_beyond<S: Scalar, const ROWS: usize, const M: usize, const P: usize>(
 fn solve_lower<N: Scalar, H: Hardware, const ROWS: usize>(
     mass: &TreeFactor<N>,
     Tile { first, depth, .. }: Tile,
-    solved: &[Solved<N>],
-    ancestors: &mut [Solved<N>],
+    solved: &[SolvedColumns<N>],
+    ancestors: &mut [SolvedColumns<N>],
     column: usize,
     to: &mut [&mut [N]; 3],
 ) {
@@ -170,8 +170,8 @@ fn solve_lower<N: Scalar, H: Hardware, const ROWS: usize>(
 fn take_ancestors<N: Scalar, const ROWS: usize, const M: usize, const P: usize>(
     rows: &[&[N]; ROWS],
     depth: usize,
-    own: &[Solved<N>; ROWS],
-    ancestors: &mut [Solved<N>],
+    own: &[SolvedColumns<N>; ROWS],
+    ancestors: &mut [SolvedColumns<N>],
     to: &mut [&mut [N]; 3],
     at: usize,
     n: usize,
@@ -182,7 +182,7 @@ fn take_ancestors<N: Scalar, const ROWS: usize, const M: usize, const P: usize>(
         // The sign changes for X and Y.
         sum[i][m] = scaled(&own[i].0[M + m], if M + m == Z { scale } else { -scale });
     }));
-    for (p, Solved(ancestor)) in ancestors[..depth].iter().enumerate() {
+    for (p, SolvedColumns(ancestor)) in ancestors[..depth].iter().enumerate() {
         let ancestor: &[_; P] = part(ancestor, M);
         each!(ROWS, i => each!(P, m => add_scaled(&mut sum[i][m], rows[i][p], &ancestor[m])));
     }

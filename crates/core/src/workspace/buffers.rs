@@ -28,7 +28,7 @@ pub struct Workspace<S: Scalar = f64> {
     /// The robot that it belongs to.
     pub robot: Identity,
     pub tree: TreeMemory<S>,
-    pub dense: Dense<S>,
+    pub dense: DenseBuffers<S>,
     /// Scratch for the rank check.
     pub rank: extent::Scratch,
     /// The newest instructions of the tree's memory, if the matrices are not allocated yet.
@@ -37,7 +37,7 @@ pub struct Workspace<S: Scalar = f64> {
 
 /// Memory for computations with the recursions' results.
 #[derive(Clone, Debug)]
-pub struct Dense<S> {
+pub struct DenseBuffers<S> {
     /// nv×nv, row-major: M, then its factor. See [`Workspace::allocate_matrices`].
     pub matrix: Vec<S>,
     /// nv numbers.
@@ -48,7 +48,7 @@ pub struct Dense<S> {
     pub dof_parent: Vec<usize>,
 }
 
-impl<S: Scalar> Dense<S> {
+impl<S: Scalar> DenseBuffers<S> {
     fn new(model: &Model, has_matrix: bool) -> Self {
         let zeros = |count: usize| vec![S::zero(); count];
         let (nq, nv) = (model.nq, model.nv);
@@ -71,13 +71,13 @@ impl<S: Scalar> Workspace<S> {
     /// older machine. Results agree up to rounding; AVX2 and AVX-512 give the same bits.
     pub fn limited(model: &Model, limit: InstructionSet) -> Self {
         let has_matrices = model.nv <= MATRICES_FROM_START;
-        let dense = Dense::new(model, has_matrices);
+        let dense = DenseBuffers::new(model, has_matrices);
         let dof_parent = if has_matrices { &dense.dof_parent[..] } else { &[] };
         let tree = TreeMemory::limited(model, dof_parent, limit);
         Self { without_matrices: (!has_matrices).then_some(limit), ..Self::over(model, tree, dense) }
     }
 
-    fn over(model: &Model, tree: TreeMemory<S>, dense: Dense<S>) -> Self {
+    fn over(model: &Model, tree: TreeMemory<S>, dense: DenseBuffers<S>) -> Self {
         let rank = extent::Scratch::new(model);
         Self { robot: model.identity.clone(), tree, dense, rank, without_matrices: None }
     }
@@ -110,7 +110,7 @@ impl<S: Scalar> Workspace<S> {
 
     /// Memory over one scalar type only, for kernels.
     pub fn scratch(model: &Model) -> Self {
-        let dense = Dense::new(model, true);
+        let dense = DenseBuffers::new(model, true);
         Self::over(model, TreeMemory::portable(model, &dense.dof_parent), dense)
     }
 

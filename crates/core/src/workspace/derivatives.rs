@@ -8,7 +8,7 @@ use crate::factorization::tree_factor::TreeFactor;
 use crate::spatial::motion::MotionVector;
 use crate::workspace::dof_blocks::Paths;
 use crate::workspace::motion_derivatives::MotionDerivatives;
-use crate::workspace::passes::{Pass, Solved, passes};
+use crate::workspace::passes::{Pass, SolvedColumns, passes};
 
 /// Scratch for the derivatives.
 #[derive(Clone, Debug)]
@@ -24,8 +24,8 @@ pub struct Scratch<S: Scalar> {
     pub by_velocity: Vec<[S; WIDTH]>,
     pub passes: Vec<Pass>,
     /// The right sides by groups of columns, and the rows of one tile's ancestors.
-    pub solved: Vec<Solved<S>>,
-    pub ancestors: Vec<Solved<S>>,
+    pub solved: Vec<SolvedColumns<S>>,
+    pub ancestors: Vec<SolvedColumns<S>>,
     /// A one among zeros: eight consecutive numbers of it are a block of a unit row, or zero.
     pub unit: [S; 2 * WIDTH],
 }
@@ -49,8 +49,8 @@ impl<S: Scalar> Scratch<S> {
             by_position: derivatives.clone(),
             by_velocity: derivatives,
             passes: passes::<S>(dof_parent, &mass.tiles),
-            solved: vec![Solved::zero(); groups * nv],
-            ancestors: vec![Solved::zero(); groups * rows],
+            solved: vec![SolvedColumns::zero(); groups * nv],
+            ancestors: vec![SolvedColumns::zero(); groups * rows],
             unit,
             mass,
         }

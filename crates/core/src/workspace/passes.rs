@@ -12,9 +12,9 @@ use crate::factorization::tile::{Tile, WIDTH};
 /// a cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub struct Solved<S>(pub [[S; WIDTH]; 3]);
+pub struct SolvedColumns<S>(pub [[S; WIDTH]; 3]);
 
-impl<S: Scalar> Solved<S> {
+impl<S: Scalar> SolvedColumns<S> {
     pub(crate) fn zero() -> Self {
         Self([[S::zero(); WIDTH]; 3])
     }
@@ -28,12 +28,12 @@ pub struct Pass {
     /// For each group the rows that are not zero there, ascending.
     pub rows: Vec<Vec<usize>>,
     /// For each tile the groups in which it is not zero.
-    pub places: Vec<Vec<Place>>,
+    pub places: Vec<Vec<TileRange>>,
 }
 
 /// A tile's entries in one group.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct TileRange {
     /// Its index, relative to the first group of the pass.
     pub group: usize,
     /// The range of the group's rows that are descendants of the tile.
@@ -66,7 +66,7 @@ impl Pass {
             let before = |end: usize| own.partition_point(|&k| k < end);
             for (tile, places) in tiles.iter().zip(&mut places).filter(|(tile, _)| meets(tile)) {
                 let (from, until) = (before(tile.first + tile.rows), before(tile.end));
-                places.push(Place { group, from, until, inside: before(last).clamp(from, until) - from });
+                places.push(TileRange { group, from, until, inside: before(last).clamp(from, until) - from });
             }
             rows.push(own);
         }

@@ -2,7 +2,7 @@
 
 use dynamics::{
     ConstraintError, ConstraintProjections, Dynamics, FromRows, KnifeEdge, Pfaffian, PfaffianOver,
-    PlanarBody, Reach2R, Reach3R, RowFactor, Stabilized, constrained_forward_dynamics,
+    PlanarBody, Reach2R, Reach3R, RowFactor, StabilizedConstraint, constrained_forward_dynamics,
     constrained_forward_dynamics_by_lu, constrained_rk4_step, reduced_acceleration,
 };
 use nalgebra::{SMatrix, SVector, Vector1, Vector2, Vector3, matrix, vector};
@@ -197,7 +197,7 @@ fn wheel_forces_cause_no_side_force() {
 fn stabilised_constraint_reduces_side_slip() {
     let knife = KnifeEdge::new(2.0, 0.5);
     let (rate, h) = (5.0, 1e-3);
-    let constraint = Stabilized { constraint: knife, rate };
+    let constraint = StabilizedConstraint { constraint: knife, rate };
     let (mut q, mut qd) = (vector![0.0, 0.0, 0.3], Vector3::zeros());
     qd += knife.rows(&q).transpose() * 0.5 + KnifeEdge::velocity(&q, 1.0, 0.9);
     // A fourth-order step written for this test: the derivatives of (q, q̇) at four stages.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use robot_dynamics_generate::Generated;
+use robot_dynamics_generate::GeneratedFiles;
 
 /// The file with the names of the generated files.
 const NAMES: &str = "names.txt";
@@ -14,7 +14,7 @@ pub(crate) struct Folder(pub(crate) PathBuf);
 
 impl Folder {
     /// A folder with only this code. If an earlier run wrote the same code, its compiled files are kept.
-    pub(crate) fn of(name: &str, generated: &Generated) -> Self {
+    pub(crate) fn of(name: &str, generated: &GeneratedFiles) -> Self {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("generated").join(name);
         let has =
             |name: &str, text: &str| fs::read_to_string(path.join(name)).is_ok_and(|found| found == text);

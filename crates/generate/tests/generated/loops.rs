@@ -2,7 +2,7 @@
 //! code has none.
 
 use robot_dynamics::model::Model;
-use robot_dynamics_generate::{Arithmetic, Function, Generated, Precision, Request, Target, generate};
+use robot_dynamics_generate::{Arithmetic, Function, GeneratedFiles, Precision, Request, Target, generate};
 
 use crate::folder::{Folder, summary};
 use crate::testing::chain;
@@ -139,7 +139,7 @@ fn loops_for_casadi_change_no_bit() {
     let model = two_groups();
     let loops = generate(&model, &request.clone().with_name("loops")).unwrap();
     let straight = generate(&model, &request.clone().with_straight().with_name("straight")).unwrap();
-    let source = |generated: &Generated, name: &str| generated.file(name).unwrap().text.clone();
+    let source = |generated: &GeneratedFiles, name: &str| generated.file(name).unwrap().text.clone();
     assert!(has_loop(&source(&loops, "loops.c")) && !has_loop(&source(&straight, "straight.c")));
     let folder = Folder::of("casadi_chain", &loops);
     std::fs::write(folder.0.join("straight.c"), source(&straight, "straight.c")).unwrap();

@@ -4,7 +4,7 @@
 
 use robot_dynamics::description::{RobotDescription, pendulum};
 use robot_dynamics::model::Model;
-use robot_dynamics_generate::{Arithmetic, Function, Generated, Precision, Request, Target, generate};
+use robot_dynamics_generate::{Arithmetic, Function, GeneratedFiles, Precision, Request, Target, generate};
 
 use crate::folder::Folder;
 
@@ -112,7 +112,7 @@ fn assert_rust_compiles(folder: &Folder, name: &str) {
     folder.run(&rustc, &[&strict[..], &[&own, "tests/golden.rs", "-o", "golden.rmeta"]].concat());
 }
 
-fn assert_shaders_are_valid(generated: &Generated) {
+fn assert_shaders_are_valid(generated: &GeneratedFiles) {
     for shader in generated.files.iter().filter(|file| file.name.ends_with(".wgsl")) {
         let module = naga::front::wgsl::parse_str(&shader.text);
         let module = module.unwrap_or_else(|error| panic!("{}: {error}\n{}", shader.name, shader.text));

@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex};
 
 use cudarc::driver::{CudaContext, CudaFunction, CudaModule, CudaStream, DriverError};
 use cudarc::nvrtc::{CompileError, CompileOptions, compile_ptx_with_opts};
-use robot_dynamics_generate::{Generated, Precision, Target};
+use robot_dynamics_generate::{GeneratedFiles, Precision, Target};
 
 use self::launch::{Buffer, Launch, locked};
 use super::{Backend, Command, Tables};
@@ -103,7 +103,7 @@ impl Backend for Cuda {
         self.limits.launch_states.unwrap_or(MAX_STATES).clamp(1, MAX_STATES)
     }
 
-    fn compile(&self, generated: &Generated, symbol: &str, tables: Tables) -> Result<Kernel, String> {
+    fn compile(&self, generated: &GeneratedFiles, symbol: &str, tables: Tables) -> Result<Kernel, String> {
         let file = generated.file("robot.cu").ok_or("no kernels were generated")?;
         let module = self.module(&file.text)?;
         let function = module.load_function(&format!("robot_{symbol}")).map_err(|error| error.to_string())?;

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::task::{Context, Poll, Waker};
 
-use robot_dynamics_generate::{Generated, Precision, Target, WGSL_WORKGROUP};
+use robot_dynamics_generate::{GeneratedFiles, Precision, Target, WGSL_WORKGROUP};
 
 use super::{Backend, Command, Tables};
 use crate::{DeviceError, Limits};
@@ -143,7 +143,7 @@ impl Backend for Wgpu {
         self.device.limits().max_compute_workgroups_per_dimension as usize * WGSL_WORKGROUP
     }
 
-    fn compile(&self, generated: &Generated, symbol: &str, tables: Tables) -> Result<Kernel, String> {
+    fn compile(&self, generated: &GeneratedFiles, symbol: &str, tables: Tables) -> Result<Kernel, String> {
         let file = generated.file(&format!("robot_{symbol}.wgsl")).ok_or("no such shader was generated")?;
         let scopes =
             [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation]

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use robot_dynamics::control::Reference;
 
-use super::law::{Controls, Followed, Law, check_own, parts, torque};
+use super::law::{Controls, Law, ReferenceSource, check_own, parts, torque};
 use crate::errors::Class;
 use crate::numbers::{configuration, vector};
 use crate::robot::Robot;
@@ -47,7 +47,7 @@ use crate::robot::Robot;
 #[pyclass(frozen, module = "robot_dynamics._native")]
 pub(crate) struct ComputedTorque {
     robot: Py<Robot>,
-    reference: Followed<Reference>,
+    reference: ReferenceSource<Reference>,
     stiffness: Vec<f64>,
     damping: Vec<f64>,
     dissipation: bool,
@@ -67,7 +67,7 @@ impl ComputedTorque {
     ) -> PyResult<Self> {
         let own = robot.get();
         Ok(Self {
-            reference: Followed::of(reference, |given| reference_of(own, given))?,
+            reference: ReferenceSource::of(reference, |given| reference_of(own, given))?,
             stiffness: vector(py, own, "stiffness", stiffness)?,
             damping: vector(py, own, "damping", damping)?,
             dissipation,

@@ -70,12 +70,12 @@ pub(super) fn parts<'py>(
 }
 
 /// The reference of a law: a constant, or a function of t.
-pub(crate) enum Followed<T> {
+pub(crate) enum ReferenceSource<T> {
     Constant(T),
     Called(Py<PyAny>),
 }
 
-impl<T: Clone> Followed<T> {
+impl<T: Clone> ReferenceSource<T> {
     /// A function, or a constant that `read` reads.
     pub(super) fn of<'py>(
         given: &Bound<'py, PyAny>,

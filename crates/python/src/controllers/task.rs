@@ -7,7 +7,7 @@ use robot_dynamics::constraints::SpatialAxis;
 use robot_dynamics::control::{PoseReference, TaskGains, TaskReference};
 use robot_dynamics::model::FrameId;
 
-use super::law::{Controls, Followed, Law, check_own, parts, torque};
+use super::law::{Controls, Law, ReferenceSource, check_own, parts, torque};
 use crate::constraints::closure_rows;
 use crate::errors::Class;
 use crate::numbers::{configuration, numbers, pose_of, shaped};
@@ -72,16 +72,16 @@ use crate::robot::Robot;
 pub(crate) struct TaskControl {
     robot: Py<Robot>,
     frame: FrameId,
-    reference: Leading,
+    reference: ControlledDirections,
     gains: TaskGains,
     rows: Option<Vec<SpatialAxis>>,
     posture: Option<(Vec<f64>, f64)>,
 }
 
 /// The directions that are controlled.
-enum Leading {
-    Position(Followed<TaskReference>),
-    Pose(Followed<PoseReference>),
+enum ControlledDirections {
+    Position(ReferenceSource<TaskReference>),
+    Pose(ReferenceSource<PoseReference>),
 }
 
 #[pymethods]
@@ -106,8 +106,8 @@ impl TaskControl {
         let (place, _) = parts(first)?;
         let (shape, _) = numbers(py, "the reference", &place)?;
         let reference = match shape[..] {
-            [4, 4] => Leading::Pose(Followed::of(reference, pose_reference)?),
-            [3] => Leading::Position(Followed::of(reference, task_reference)?),
+            [4, 4] => ControlledDirections::Pose(ReferenceSource::of(reference, pose_reference)?),
+            [3] => ControlledDirections::Position(ReferenceSource::of(reference, task_reference)?),
             _ => {
                 let found = shown(&shape);
                 let message = format!(
@@ -171,8 +171,8 @@ impl Controls for TaskControl {
             }};
         }
         match &self.reference {
-            Leading::Position(followed) => law!(followed, task_reference),
-            Leading::Pose(followed) => law!(followed, pose_reference),
+            ControlledDirections::Position(followed) => law!(followed, task_reference),
+            ControlledDirections::Pose(followed) => law!(followed, pose_reference),
         }
     }
 }

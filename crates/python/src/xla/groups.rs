@@ -19,9 +19,9 @@ const KEPT: usize = 8;
 
 /// A robot with computed parameters: the fingerprint of the robot whose geometry it has, and the bits of the
 /// parameters.
-type Made = (u64, Vec<u64>, Arc<Robot>);
+type KeyedRobot = (u64, Vec<u64>, Arc<Robot>);
 
-static MADE: Mutex<VecDeque<Made>> = Mutex::new(VecDeque::new());
+static MADE: Mutex<VecDeque<KeyedRobot>> = Mutex::new(VecDeque::new());
 
 /// Neighbouring states with the same parameters, if any.
 struct Group {

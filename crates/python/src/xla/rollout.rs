@@ -20,7 +20,7 @@ use crate::rollout::threads_for;
 use crate::threads;
 
 /// The parts that all calls about rollouts have in common.
-struct Course {
+struct RolloutCall {
     robot: &'static Robot,
     how: Rollout,
     /// `none`, `held` or `each`.
@@ -29,7 +29,7 @@ struct Course {
     threads: usize,
 }
 
-impl Course {
+impl RolloutCall {
     fn of(call: &XlaCall<'_>) -> Result<Self, String> {
         let whole = |name| call.whole(name).map(|x| usize::try_from(x).unwrap_or(usize::MAX));
         let integrator =
@@ -104,7 +104,7 @@ pub(crate) fn rollout(call: XlaCall<'_>) -> Result<(), String> {
 }
 
 fn rollout_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
-    Course::of(&call)?.run(call, |course, robot, (read, written), _, threads| {
+    RolloutCall::of(&call)?.run(call, |course, robot, (read, written), _, threads| {
         let (mut read, mut written) = (read.into_iter(), written.into_iter());
         let (q0, v0) = (next(&mut read)?, next(&mut read)?);
         let tau = if course.has_torques() { next(&mut read)? } else { &[] };
@@ -132,7 +132,7 @@ pub(crate) fn rollout_pullback(call: XlaCall<'_>) -> Result<(), String> {
 }
 
 fn rollout_pullback_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
-    Course::of(&call)?.run(call, |course, robot, (read, written), _, threads| {
+    RolloutCall::of(&call)?.run(call, |course, robot, (read, written), _, threads| {
         let (mut read, mut written) = (read.into_iter(), written.into_iter());
         let (q, v) = (next(&mut read)?, next(&mut read)?);
         let tau = if course.has_torques() { next(&mut read)? } else { &[] };
@@ -181,7 +181,7 @@ pub(crate) fn rollout_tangent(call: XlaCall<'_>) -> Result<(), String> {
 }
 
 fn rollout_tangent_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
-    Course::of(&call)?.run(call, |course, robot, (read, written), states, threads| {
+    RolloutCall::of(&call)?.run(call, |course, robot, (read, written), states, threads| {
         // The rows of each state.
         let mut rows: Vec<Tables<'_, T>> = (0..states).map(|_| (Vec::new(), Vec::new())).collect();
         for table in read {
@@ -211,7 +211,7 @@ fn rollout_tangent_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
 
 fn tangent_of_one<T: Number>(
     robot: &Robot,
-    course: &Course,
+    course: &RolloutCall,
     read: &[&[T]],
     written: &mut [&mut [T]],
 ) -> Result<(), String> {
@@ -228,7 +228,7 @@ fn tangent_of_one<T: Number>(
     let mut next = vec![0.0; 2 * nv];
     let (mut a, mut b) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
     let (mut derivatives, mut mover) = (LinearizeStepWorkspace::new(model), StepWorkspace::new(model));
-    let mut along_parameters = by_parameters.map(|change| AlongParameters::new(model, change));
+    let mut along_parameters = by_parameters.map(|change| ParameterDirection::new(model, change));
     let mut force = vec![0.0; nv];
     let mut sample = 0;
     for k in 0..how.steps {
@@ -282,7 +282,7 @@ fn tangent_of_one<T: Number>(
 }
 
 /// P δp of one step, row by row of P by the step's pullback.
-struct AlongParameters {
+struct ParameterDirection {
     change: Vec<f64>,
     workspace: StepPullbackWorkspace,
     row: Vec<f64>,
@@ -291,7 +291,7 @@ struct AlongParameters {
     by_force: Vec<f64>,
 }
 
-impl AlongParameters {
+impl ParameterDirection {
     fn new(model: &Model, change: Vec<f64>) -> Self {
         let nv = model.nv();
         Self {

@@ -127,7 +127,7 @@ impl ConstraintForces {
         if unit.is_empty() {
             return Self { basis: DMatrix::zeros(nv, 0) };
         }
-        Self { basis: Split::of(&DMatrix::from_columns(&unit)).range }
+        Self { basis: SingularValueSplit::of(&DMatrix::from_columns(&unit)).range }
     }
 
     /// μ: (U μ)ᵢ = fᵢ on coordinates without motors by least squares; of such μ, the one with the least motor
@@ -137,7 +137,7 @@ impl ConstraintForces {
             |motors: bool| -> Vec<usize> { (0..actuated.len()).filter(|&i| actuated[i] == motors).collect() };
         let (driven, free) = (pick(true), pick(false));
         let on_free = self.basis.select_rows(&free);
-        let Split { range, null, pseudo_inverse } = Split::of(&on_free);
+        let SingularValueSplit { range, null, pseudo_inverse } = SingularValueSplit::of(&on_free);
         let wanted = force.select_rows(&free);
         let fixed = pseudo_inverse * range.tr_mul(&wanted);
         // The columns of U_d N are orthonormal, as those of U N are and U_f N = 0.
@@ -159,7 +159,7 @@ impl ConstraintForces {
 }
 
 /// B = U Σ Vᵀ, split at the smallest singular value above rounding.
-struct Split {
+struct SingularValueSplit {
     /// The columns of U that span the range of B.
     range: DMatrix<f64>,
     /// An orthonormal basis of the x with B x = 0.
@@ -168,7 +168,7 @@ struct Split {
     pseudo_inverse: DMatrix<f64>,
 }
 
-impl Split {
+impl SingularValueSplit {
     /// Splits a B whose columns have at most length 1, so that singular values are compared with 1.
     fn of(b: &DMatrix<f64>) -> Self {
         let (m, n) = b.shape();

@@ -15,7 +15,7 @@ use super::{
     ConstraintDrift, ConstraintError, ConstraintOptions, ConstraintSet, constrained_forward_dynamics,
     project_position, project_velocity,
 };
-use crate::motion::integrate::explicit::{Motion, explicit_step};
+use crate::motion::integrate::explicit::{StageSystem, explicit_step};
 use crate::motion::integrate::net_force;
 use crate::motion::integrate::stage_memory::StageMemory;
 use crate::{StepForces, StepWorkspace, constraint_drift};
@@ -220,7 +220,7 @@ fn variational_row(
 }
 
 /// A constrained tree with constant forces.
-struct Held<'a> {
+struct ConstrainedTree<'a> {
     model: &'a Model,
     workspace: &'a mut Workspace,
     set: &'a ConstraintSet,
@@ -232,7 +232,7 @@ struct Held<'a> {
     rank: Option<usize>,
 }
 
-impl Motion<f64> for Held<'_> {
+impl StageSystem<f64> for ConstrainedTree<'_> {
     type Error = ConstraintError;
 
     fn move_along(&self, q: &[f64], displacement: &[f64], moved: &mut [f64]) {
@@ -263,9 +263,9 @@ fn explicit_row(
     let mut memory = vec![0.0; StageMemory::<f64>::size(model, stages.len())];
     let mut memory = StageMemory::new(model, stages.len(), &mut memory);
     let force = vec![0.0; model.nv()];
-    let mut motion = Held { model, workspace, set, options, forces, force, rank: None };
+    let mut motion = ConstrainedTree { model, workspace, set, options, forces, force, rank: None };
     explicit_step(model, stages, &mut motion, h, &mut memory, (q, v))?;
-    let Held { rank, workspace, .. } = motion;
+    let ConstrainedTree { rank, workspace, .. } = motion;
     let StageMemory { q: q_end, v: v_end, .. } = memory;
     check_computed("v after the step", v_end)?;
     check_computed("q after the step", q_end)?;

@@ -40,11 +40,11 @@ pub(super) fn variational_step(
     (h, fractions): (f64, &[f64]),
     q: &mut [f64],
     v: &mut [f64],
-) -> Result<Done, ConstraintError> {
+) -> Result<VariationalStepReport, ConstraintError> {
     begin(model, workspace, forces, q, v);
     let mut rank = None;
     for part in fractions.iter().map(|fraction| fraction * h) {
-        let held = HeldRows::at_start(model, workspace, set, options)?;
+        let held = IndependentRows::at_start(model, workspace, set, options)?;
         rank.get_or_insert(held.independent.len());
         held.solve(model, workspace, set, forces, part)?;
         finish(model, workspace, part);
@@ -61,11 +61,11 @@ pub(super) fn variational_step(
     }
     q.copy_from_slice(&workspace.q_start);
     v.copy_from_slice(&workspace.v);
-    Ok(Done { rank: rank.unwrap_or(0), velocity_before })
+    Ok(VariationalStepReport { rank: rank.unwrap_or(0), velocity_before })
 }
 
 /// The results of a step other than the state.
-pub(super) struct Done {
+pub(super) struct VariationalStepReport {
     /// The rank of A at the start.
     pub rank: usize,
     /// max |A v| of p₁⁻.
@@ -73,7 +73,7 @@ pub(super) struct Done {
 }
 
 /// The independent rows at the start of an inner step.
-struct HeldRows {
+struct IndependentRows {
     /// Their indices in the set.
     independent: Vec<usize>,
     /// A(q₀) of them.
@@ -91,7 +91,7 @@ struct RowEquations {
     slope: DMatrix<f64>,
 }
 
-impl HeldRows {
+impl IndependentRows {
     fn at_start(
         model: &Model,
         workspace: &mut StepWorkspace,

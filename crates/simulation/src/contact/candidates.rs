@@ -7,7 +7,7 @@ use robot_dynamics_core::Model;
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::model::WORLD;
 
-use super::touching::Touching;
+use super::contact_shape::ContactShape;
 
 clone_in_place! {
     /// The shapes that may touch each other by their file, without named pairs.
@@ -31,7 +31,7 @@ clone_in_place! {
 }
 
 impl Candidates {
-    pub(super) fn new(model: &Model, shapes: &[Touching], carriers: Vec<usize>) -> Self {
+    pub(super) fn new(model: &Model, shapes: &[ContactShape], carriers: Vec<usize>) -> Self {
         let mut numbers = HashMap::new();
         let mut number = |link: &str| {
             let next = numbers.len();
@@ -109,7 +109,7 @@ impl Sweep {
 
 /// Whether a shape is fixed to the world itself: as in MJCF, such shapes touch links that joints connect to
 /// the world.
-fn is_scenery(model: &Model, shape: &Touching) -> bool {
+fn is_scenery(model: &Model, shape: &ContactShape) -> bool {
     let description = model.description();
     let is_child = description.joints.iter().any(|joint| joint.child == shape.link);
     let link = description.links.iter().find(|link| link.name == shape.link);

@@ -79,7 +79,7 @@ use self::block::Block;
 use self::islands::Islands;
 use self::projection::ProjectionDerivative;
 use self::rows::Rows;
-use self::shift_search::Search;
+use self::shift_search::ShiftSearch;
 use self::sweep_memory::Sweeps;
 use super::interrupt::Interrupt;
 
@@ -139,8 +139,8 @@ robot_dynamics_core::clone_in_place::clone_in_place! {
         paths: Paths,
         /// ∂p/∂p̄ of each cone, times R.
         derivatives: Vec<ProjectionDerivative>,
-        known: Known,
-        search: Search,
+        known: ValidQuantities,
+        search: ShiftSearch,
         islands: Islands,
         /// The problem of one part.
         part: Option<Box<ConeProblem>>,
@@ -156,7 +156,7 @@ robot_dynamics_core::clone_in_place::clone_in_place! {
 
 /// The quantities that are valid for the present x.
 #[derive(Clone, Copy, Debug, Default)]
-struct Known {
+struct ValidQuantities {
     /// Whether `hessian` holds a factor, and whether its derivatives are nearly those at x.
     is_factored: bool,
     is_fresh: bool,
@@ -200,8 +200,8 @@ impl ConeProblem {
             weighted: Vec::with_capacity(6 * (n + 4)),
             paths: Paths::new(n),
             derivatives: Vec::with_capacity(2 * n + 32),
-            known: Known::default(),
-            search: Search::new(n),
+            known: ValidQuantities::default(),
+            search: ShiftSearch::new(n),
             islands: Islands::default(),
             part: None,
             sweeps: Sweeps::default(),

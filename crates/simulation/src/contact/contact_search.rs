@@ -1,8 +1,8 @@
 //! The pairs of shapes with a known contact search.
 
 use super::ContactSet;
+use super::contact_shape::ContactShape;
 use super::convex::{Convex, KNOWN};
-use super::touching::Touching;
 
 /// Pairs without a known contact search are named one by one up to this number.
 const MOST_NOTES: usize = 100_000;
@@ -19,7 +19,7 @@ impl ContactSet {
 
     /// Whether two shapes have a known contact search, once their convex forms are made.
     pub(super) fn can_meet(&self, shapes: [usize; 2]) -> bool {
-        let has = |is: fn(&Touching) -> bool| shapes.iter().all(|shape| is(&self.shapes[*shape]));
+        let has = |is: fn(&ContactShape) -> bool| shapes.iter().all(|shape| is(&self.shapes[*shape]));
         has(|shape| shape.form.is_line()) || has(|shape| shape.convex.is_some())
     }
 

@@ -1,8 +1,8 @@
 //! Height fields: uneven ground as heights on a grid.
 
-mod closest;
+mod closest_points;
+mod ellipsoid;
 mod facets;
-mod smooth;
 mod touch;
 
 use std::sync::Arc;

@@ -15,15 +15,15 @@ use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::factorization::paths::Paths;
 
 use self::axes::directions;
-use self::contact_state::{Active, Begun, Near};
-use self::memory::Carried;
+use self::contact_state::{ActiveContact, InitialContact, NearbyPair};
+use self::memory::CarriedForce;
 use super::cone_problem::{MOST_ROWS, Set};
 use super::interrupt::Interrupt;
 use super::touching_point::TouchingPoint;
 use super::{ConeProblem, ContactSet};
 use crate::placement::{Placement, Twist};
 
-pub use self::memory::Remembered;
+pub use self::memory::ContactMemory;
 pub use self::search::DEEP;
 
 /// The time constant with which a penetration or violated stop at the start of a step is corrected, and a
@@ -75,25 +75,25 @@ clone_in_place! {
         /// The placement at the start of the step, and a later one.
         start: Placement,
         placement: Placement,
-        active: Vec<Active>,
+        active: Vec<ActiveContact>,
         /// The velocity of each body at the start of the step, and the wrench on it.
         velocities: Vec<Twist>,
         wrenches: Vec<Twist>,
         /// The contacts of the last step at the start of this one, in the same order.
-        begun: Vec<Begun>,
+        begun: Vec<InitialContact>,
         /// The contacts of the last step with a face of a height field that have left the space above it.
-        gone: Vec<Carried>,
+        gone: Vec<CarriedForce>,
         /// Whether each contact of the last step was found again; the pairs of the present contacts, in
         /// increasing order.
         seen: Vec<bool>,
         touching_pairs: Vec<usize>,
         /// The deepest penetration at the last search \[m\].
         depth: f64,
-        memory: Remembered,
+        memory: ContactMemory,
         /// The contacts of the last step on components that are inactive.
-        parked: Vec<Carried>,
+        parked: Vec<CarriedForce>,
         /// The pairs of trees that are near each other while components move separately.
-        near: Vec<Near>,
+        near: Vec<NearbyPair>,
     }
 }
 
@@ -117,7 +117,7 @@ impl ContactImpulses {
             seen: Vec::with_capacity(most),
             touching_pairs: Vec::with_capacity(most),
             depth: 0.0,
-            memory: Remembered::new(most, set.links.len()),
+            memory: ContactMemory::new(most, set.links.len()),
             parked: Vec::with_capacity(most),
             near: Vec::with_capacity(most),
             set,
@@ -131,7 +131,7 @@ impl ContactImpulses {
     }
 
     /// The memory between steps.
-    pub fn memory(&mut self) -> &mut Remembered {
+    pub fn memory(&mut self) -> &mut ContactMemory {
         &mut self.memory
     }
 
@@ -228,7 +228,7 @@ impl ContactImpulses {
         }
         let mut bias = point.gap.max(0.0) / RETURN_TIME;
         let before = if let Some(known) = self.active[index].known {
-            let Carried { force, shift, acts, .. } = self.memory.carried[known];
+            let CarriedForce { force, shift, acts, .. } = self.memory.carried[known];
             if acts {
                 for r in (0..rows).filter(|r| scale[*r] > 0.0) {
                     self.problem.multiplier[row + r] = h * force[r] / scale[r];

@@ -5,12 +5,12 @@ use robot_dynamics_core::model::WORLD;
 use robot_dynamics_core::{Model, Workspace, neutral};
 
 use super::candidates::Candidates;
-use super::closest::Nearest;
+use super::closest_points::ClosestPoints;
 use super::components::floating_part;
 use super::ground::{axes, bad_friction, bad_restitution};
-use super::meeting::MOST_MEETING;
-use super::pair::{Met, Pair};
-use super::placed_shape::Placed;
+use super::pair::{Pair, PairContacts};
+use super::placed_pair::MOST_PAIR_POINTS;
+use super::placed_shape::PlacedShape;
 use super::soft::mixed;
 use super::touching_point::{ContactPartner, TouchingPoint};
 use super::{ContactError, ContactSet};
@@ -242,9 +242,9 @@ impl ContactSet {
         &self,
         placement: &Placement,
         number: usize,
-        last: &mut Option<Met>,
+        last: &mut Option<PairContacts>,
     ) -> TouchingPoint {
-        let (number, k) = (number / MOST_MEETING, number % MOST_MEETING);
+        let (number, k) = (number / MOST_PAIR_POINTS, number % MOST_PAIR_POINTS);
         // The pairs of the last step exist.
         let index = self.sweep.slot_of(number).unwrap_or_default();
         let pair = &self.pairs[index];
@@ -253,12 +253,12 @@ impl ContactSet {
         let met = kept.unwrap_or_else(|| {
             let placed = shapes.map(|shape| shape.placed(placement));
             let meeting = self.meeting(pair.shapes, &placed, shapes[0].reach + shapes[1].reach);
-            Met { number, placed, meeting }
+            PairContacts { number, placed, meeting }
         });
         let placed = &met.placed;
         // Without such a point, the shapes are far from each other.
         let apart = placed[0].center - placed[1].center;
-        let far = || Nearest {
+        let far = || ClosestPoints {
             gap: f64::INFINITY,
             at: (placed[0].center + placed[1].center) * 0.5,
             normal: apart.try_normalize(0.0).unwrap_or_else(Vector3::z),
@@ -279,12 +279,12 @@ impl ContactSet {
         least.filter(|gap| *gap < -OVERLAP)
     }
 
-    fn at_pair(&self, index: usize, first: &Placed, found: Nearest, k: usize) -> TouchingPoint {
+    fn at_pair(&self, index: usize, first: &PlacedShape, found: ClosestPoints, k: usize) -> TouchingPoint {
         let pair = &self.pairs[index];
         // The tangential directions turn with the first shape.
         let axes = axes(first.rotation.tr_mul(&found.normal)).map(|axis| first.rotation * axis);
         TouchingPoint {
-            number: self.ground_point_count() + pair.number * MOST_MEETING + k,
+            number: self.ground_point_count() + pair.number * MOST_PAIR_POINTS + k,
             shape: pair.shapes[0],
             against: ContactPartner::Pair(index),
             gap: found.gap,

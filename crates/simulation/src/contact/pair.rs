@@ -4,8 +4,8 @@ use robot_dynamics_core::Model;
 use robot_dynamics_core::model::WORLD;
 use robot_dynamics_description::Surface;
 
-use super::meeting::Meeting;
-use super::placed_shape::Placed;
+use super::placed_pair::PlacedPair;
+use super::placed_shape::PlacedShape;
 
 /// Two shapes of links that may touch.
 #[derive(Clone, Debug)]
@@ -46,8 +46,8 @@ impl Pair {
 }
 
 /// The contact points of the pair with this number.
-pub(super) struct Met {
+pub(super) struct PairContacts {
     pub(super) number: usize,
-    pub(super) placed: [Placed; 2],
-    pub(super) meeting: Meeting,
+    pub(super) placed: [PlacedShape; 2],
+    pub(super) meeting: PlacedPair,
 }

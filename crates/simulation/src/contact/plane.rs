@@ -3,8 +3,8 @@
 use robot_dynamics_core::Model;
 use robot_dynamics_description::{LinkShape, Shape, ShapeRole, Surface};
 
+use super::contact_shape::ContactShape;
 use super::soft::mixed;
-use super::touching::Touching;
 use super::{ContactError, ContactSet, Ground};
 
 impl ContactSet {
@@ -43,7 +43,7 @@ impl ContactSet {
             let is = |one: &str, two: &str| described.is_some_and(|ground| ground.link == one) && link == two;
             exclusions.iter().any(|(one, two)| is(one, two) || is(two, one))
         };
-        let of = |shape: &Touching| {
+        let of = |shape: &ContactShape| {
             let is_meant = |name: &str| described.is_none_or(|ground| ground.name == name);
             let pair = shape.on_grounds.iter().find(|(name, _)| is_meant(name)).map(|(_, surface)| *surface);
             let touches = || have_common_bits(&shape.surface, own) && !is_excluded(&shape.link);
@@ -151,7 +151,7 @@ pub(super) fn takes_part(model: &Model, shape: &LinkShape) -> bool {
 
 /// Whether a shape touches a ground or height field without a surface. Such a ground has bit 1 of both masks,
 /// and represents the planes and height fields that shapes are paired with.
-pub(super) fn meets_bare(shape: &Touching) -> bool {
+pub(super) fn meets_bare(shape: &ContactShape) -> bool {
     !shape.on_grounds.is_empty() || have_common_bits(&shape.surface, &Surface::default())
 }
 

@@ -4,11 +4,11 @@ use nalgebra::Vector3;
 use robot_dynamics_core::Model;
 
 use super::ContactSet;
+use super::contact_shape::ContactShape;
 use super::form::ABOUT;
-use super::meeting::MOST_MEETING;
-use super::pair::Met;
-use super::placed_shape::Placed;
-use super::touching::Touching;
+use super::pair::PairContacts;
+use super::placed_pair::MOST_PAIR_POINTS;
+use super::placed_shape::PlacedShape;
 use super::touching_point::{ContactPartner, TouchingPoint};
 use crate::Ground;
 use crate::placement::Placement;
@@ -20,7 +20,7 @@ impl ContactSet {
     /// Calls `look` for each point of each shape whose gap to a ground is at most `within` \[m\].
     pub(super) fn look(&self, placement: &Placement, within: f64, mut look: impl FnMut(TouchingPoint)) {
         let is_looked_at =
-            |index: usize, shape: &Touching| shape.on_ground.is_some() && self.is_active(index);
+            |index: usize, shape: &ContactShape| shape.on_ground.is_some() && self.is_active(index);
         for (index, shape) in
             self.shapes.iter().enumerate().filter(|(index, shape)| is_looked_at(*index, shape))
         {
@@ -54,7 +54,7 @@ impl ContactSet {
                     near.for_each(&mut look);
                 } else {
                     let [_, s, t] = self.grounds[ground_index].1;
-                    let mut outermost = Outermost::new([s, t]);
+                    let mut outermost = ExtremePoints::new([s, t]);
                     near.for_each(|point| outermost.add(point));
                     outermost.each(&mut look);
                 }
@@ -92,7 +92,7 @@ impl ContactSet {
     /// Makes the pair of this point's number, if it does not exist.
     pub(super) fn make_touched(&mut self, model: &Model, number: usize) {
         if let Some(number) = number.checked_sub(self.ground_count()) {
-            self.make_numbered(model, number / MOST_MEETING);
+            self.make_numbered(model, number / MOST_PAIR_POINTS);
         }
     }
 
@@ -106,7 +106,7 @@ impl ContactSet {
         &self,
         placement: &Placement,
         number: usize,
-        last: &mut Option<Met>,
+        last: &mut Option<PairContacts>,
     ) -> TouchingPoint {
         if let Some(number) = number.checked_sub(self.ground_point_count()) {
             return self.point_of_pair_after(placement, number, last);
@@ -125,14 +125,14 @@ impl ContactSet {
 
     fn at_ground(
         &self,
-        placed: &Placed,
+        placed: &PlacedShape,
         (shape, ground): (usize, usize),
         k: usize,
         down: &Vector3<f64>,
     ) -> TouchingPoint {
         let (Ground { offset, .. }, axes) = &self.grounds[ground];
         let n = &axes[0];
-        let Touching { form, first, .. } = &self.shapes[shape];
+        let ContactShape { form, first, .. } = &self.shapes[shape];
         let at = placed.at(&form.point(k, down));
         TouchingPoint {
             number: ground * self.points + first + k,
@@ -147,13 +147,13 @@ impl ContactSet {
 
 /// The deepest of many points and the outermost in directions all around; their convex hull supports the
 /// shape.
-pub(super) struct Outermost {
+pub(super) struct ExtremePoints {
     /// Two tangential directions of the ground.
     sides: [Vector3<f64>; 2],
     best: [Option<(f64, TouchingPoint)>; MOST_POINTS],
 }
 
-impl Outermost {
+impl ExtremePoints {
     pub(super) fn new(sides: [Vector3<f64>; 2]) -> Self {
         Self { sides, best: [None; MOST_POINTS] }
     }

@@ -2,7 +2,7 @@
 
 use robot_dynamics_core::Model;
 use robot_dynamics_core::algorithms::energy::energies;
-use robot_dynamics_core::algorithms::frame_motion::Moving;
+use robot_dynamics_core::algorithms::frame_motion::MovingFrame;
 use robot_dynamics_core::algorithms::joint_reactions::{NUMBERS, collect, inertial_forces};
 use robot_dynamics_core::kinematics::world_frame::{
     compute_column_rates, compute_columns, compute_twist_rates, compute_twists,
@@ -11,7 +11,7 @@ use robot_dynamics_core::workspace::tree::TreeMemory;
 use robot_dynamics_description::{Quaternion, SensorKind, check_length};
 use robot_dynamics_number::algebra::V3;
 
-use super::reading::{Reading, Sensed, Sensor};
+use super::reading::{Reading, Sensor, SensorFrame};
 use super::subtree::subtree_value;
 use super::{PointForce, SensorInputs, SensorMemory, SensorSet};
 
@@ -180,8 +180,8 @@ fn frame_value(
     out: &mut [f64],
 ) {
     let Reading::Frame { on, reference, zone, field } = &sensor.reading else { return };
-    let at = Moving::of_frame(model, tree, &on.frame);
-    let seen = reference.as_ref().map(|reference| Moving::of_frame(model, tree, &reference.frame));
+    let at = MovingFrame::of_frame(model, tree, &on.frame);
+    let seen = reference.as_ref().map(|reference| MovingFrame::of_frame(model, tree, &reference.frame));
     let turn = at.place.rotation;
     // In the frame that the sensor's values are relative to.
     let relative = |x: V3<f64>| seen.as_ref().map_or(x, |seen| seen.place.rotation.transpose_mul(x)).array();
@@ -245,7 +245,7 @@ fn frame_value(
 fn touch(
     model: &Model,
     wrenches: &[PointForce],
-    on: &Sensed,
+    on: &SensorFrame,
     meets: impl Fn([f64; 3], V3<f64>) -> bool,
 ) -> f64 {
     let mut sum = 0.0;
@@ -265,7 +265,7 @@ fn gather_external(model: &Model, memory: &mut SensorMemory, wrenches: &[PointFo
     memory.external.fill(0.0);
     for wrench in wrenches {
         let link = model.frame_of(wrench.link).link;
-        let origin = Moving::of_frame(model, &memory.dynamics.tree, &model.frames[link]);
+        let origin = MovingFrame::of_frame(model, &memory.dynamics.tree, &model.frames[link]);
         let arm = V3::new(wrench.point) - (origin.origin + origin.place.translation);
         let force = V3::new(wrench.force);
         let moment = V3::new(wrench.moment) + arm.cross(force);
@@ -277,7 +277,7 @@ fn gather_external(model: &Model, memory: &mut SensorMemory, wrenches: &[PointFo
 }
 
 /// The force, or the moment about the frame's origin, in the frame's axes.
-fn reaction_in_frame(model: &Model, reactions: &[f64], on: &Sensed, is_force: bool) -> [f64; 3] {
+fn reaction_in_frame(model: &Model, reactions: &[f64], on: &SensorFrame, is_force: bool) -> [f64; 3] {
     let own = &reactions[NUMBERS * model.segments.of_link[on.frame.link]..][..NUMBERS];
     let (force, moment) = (V3::new([own[0], own[1], own[2]]), V3::new([own[3], own[4], own[5]]));
     let back = on.link_from_frame.inverse();

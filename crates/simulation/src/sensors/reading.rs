@@ -26,8 +26,8 @@ pub(super) struct Sensor {
 pub(super) enum Reading {
     Robot,
     Frame {
-        on: Box<Sensed>,
-        reference: Option<Box<Sensed>>,
+        on: Box<SensorFrame>,
+        reference: Option<Box<SensorFrame>>,
         zone: Option<Zone>,
         field: [f64; 3],
     },
@@ -51,12 +51,12 @@ pub(super) enum Reading {
 
 /// A frame that a sensor is attached to.
 #[derive(Clone, Debug)]
-pub(super) struct Sensed {
+pub(super) struct SensorFrame {
     pub(super) frame: Frame,
     pub(super) link_from_frame: Pose,
 }
 
-impl Sensed {
+impl SensorFrame {
     fn new(model: &Model, object: &SensorObject) -> Self {
         let description = &model.description;
         // `Model::new` has found all names.
@@ -94,7 +94,7 @@ impl Reading {
         match sensor.kind.sort() {
             ObjectSort::Robot => Self::Robot,
             ObjectSort::Frame => {
-                let sensed = |object| Box::new(Sensed::new(model, object));
+                let sensed = |object| Box::new(SensorFrame::new(model, object));
                 let reference = sensor.reference.as_ref().map(sensed);
                 let zone = sensor.zone.as_ref().and_then(Zone::new);
                 Self::Frame { on: sensed(&sensor.object), reference, zone, field: sensor.field }

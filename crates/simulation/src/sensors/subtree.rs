@@ -1,7 +1,7 @@
 //! Centre of mass, its velocity, and angular momentum of a link and its descendants.
 
 use robot_dynamics_core::Model;
-use robot_dynamics_core::algorithms::frame_motion::Moving;
+use robot_dynamics_core::algorithms::frame_motion::MovingFrame;
 use robot_dynamics_core::algorithms::joint_reactions::rotation;
 use robot_dynamics_core::workspace::tree::TreeMemory;
 use robot_dynamics_description::SensorKind;
@@ -50,7 +50,7 @@ pub(super) fn subtree_value(
 
 fn of_link(model: &Model, tree: &TreeMemory<f64>, index: usize) -> Link {
     let segment = &model.segments.list[index];
-    let at = Moving::at(model, tree, segment.body);
+    let at = MovingFrame::at(model, tree, segment.body);
     let turn = rotation(tree, segment);
     // Relative to the link's origin, and to the body's.
     let own = if segment.mass == 0.0 {

@@ -61,7 +61,7 @@ impl Check {
 }
 
 /// The worst of many comparisons of a defect with its allowed rounding.
-pub(super) struct Worst {
+pub(super) struct LargestDefect {
     name: &'static str,
     law: &'static str,
     found: f64,
@@ -70,7 +70,7 @@ pub(super) struct Worst {
     place: String,
 }
 
-impl Worst {
+impl LargestDefect {
     pub(super) fn of(name: &'static str, law: &'static str) -> Self {
         Self { name, law, found: 0.0, allowed: 0.0, ratio: -1.0, place: String::new() }
     }

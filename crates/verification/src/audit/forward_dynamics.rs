@@ -2,7 +2,7 @@
 
 use robot_dynamics_core::{Workspace, forward_dynamics, forward_dynamics_by_cholesky};
 
-use super::check::{Check, Worst};
+use super::check::{Check, LargestDefect};
 use super::probe::{Probe, worst_entry};
 use crate::lagrange;
 
@@ -15,7 +15,7 @@ pub(super) fn two_routes(probe: &Probe<'_>) -> Check {
     } else {
         "a by articulated bodies = a by Cholesky"
     };
-    let mut worst = Worst::of("forward_routes", law);
+    let mut worst = LargestDefect::of("forward_routes", law);
     let (workspace, other_workspace) = (&mut Workspace::new(model), &mut Workspace::new(reference));
     let (mut a, mut other) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
     for (index, state) in probe.states() {

@@ -3,13 +3,13 @@
 use robot_dynamics_core::{Workspace, potential_energy};
 use robot_dynamics_number::Dual;
 
-use super::check::{Check, Worst};
+use super::check::{Check, LargestDefect};
 use super::probe::{Probe, ROUNDING, difference, largest};
 use crate::lagrange;
 
 /// g of the Newton–Euler recursion = ∂V/∂q of the sum over the bodies, by dual numbers.
 pub(super) fn gradient_of_potential(probe: &Probe<'_>) -> Check {
-    let mut worst = Worst::of("gravity", "g = ∂V/∂q along each coordinate");
+    let mut worst = LargestDefect::of("gravity", "g = ∂V/∂q along each coordinate");
     let (model, reference, nv) = (probe.model, probe.reference, probe.model.nv());
     let workspace = &mut Workspace::new(model);
     let duals = &mut Workspace::<Dual<f64, 1>>::new(reference);

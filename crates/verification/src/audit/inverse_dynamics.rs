@@ -2,12 +2,12 @@
 
 use robot_dynamics_core::{Workspace, forward_dynamics, inverse_dynamics};
 
-use super::check::{Check, Worst};
+use super::check::{Check, LargestDefect};
 use super::probe::{Probe, worst_entry};
 
 /// a → τ by the Newton–Euler recursion → a by forward dynamics.
 pub(super) fn undoes_forward(probe: &Probe<'_>) -> Check {
-    let mut worst = Worst::of("forward_inverse", "forward dynamics of (inverse dynamics of a) = a");
+    let mut worst = LargestDefect::of("forward_inverse", "forward dynamics of (inverse dynamics of a) = a");
     let (model, reference) = (probe.model, probe.reference);
     let (workspace, other_workspace) = (&mut Workspace::new(model), &mut Workspace::new(reference));
     let (mut tau, mut a) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);

@@ -2,7 +2,7 @@
 
 use robot_dynamics_core::Workspace;
 
-use super::check::{Check, Worst};
+use super::check::{Check, LargestDefect};
 use super::probe::{Probe, ROUNDING, difference, largest};
 use crate::lagrange;
 
@@ -11,9 +11,9 @@ pub(super) fn checks(probe: &Probe<'_>) -> [Check; 3] {
     let (model, reference) = (probe.model, probe.reference);
     let workspace = &mut Workspace::new(model);
     let mut found = vec![0.0; model.nv()];
-    let mut mass = Worst::of("lagrange_mass", "M = Σ (m J_cᵀJ_c + J_ωᵀ𝓘J_ω)");
-    let mut product = Worst::of("lagrange_velocity_product", "C v of the recursion = that of ∂M/∂q");
-    let mut gravity = Worst::of("lagrange_gravity", "g of the recursion = ∂V/∂q of the recipe");
+    let mut mass = LargestDefect::of("lagrange_mass", "M = Σ (m J_cᵀJ_c + J_ωᵀ𝓘J_ω)");
+    let mut product = LargestDefect::of("lagrange_velocity_product", "C v of the recursion = that of ∂M/∂q");
+    let mut gravity = LargestDefect::of("lagrange_gravity", "g of the recursion = ∂V/∂q of the recipe");
     for (index, state) in probe.states() {
         let (q, v) = (&state.q[..], &state.v[..]);
         mass.record(

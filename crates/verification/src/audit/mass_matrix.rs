@@ -2,7 +2,7 @@
 
 use robot_dynamics_core::Workspace;
 
-use super::check::{Check, Worst};
+use super::check::{Check, LargestDefect};
 use super::probe::{Probe, ROUNDING};
 
 /// Above this condition number an acceleration has fewer than four of sixteen digits.
@@ -31,7 +31,7 @@ fn condition(probe: &Probe<'_>) -> Check {
 
 /// M eⱼ = (τ for acceleration eⱼ at rest) − g: composite bodies against the Newton–Euler recursion.
 fn columns(probe: &Probe<'_>) -> Check {
-    let mut worst = Worst::of("mass_columns", "M eⱼ = inverse dynamics of eⱼ at rest");
+    let mut worst = LargestDefect::of("mass_columns", "M eⱼ = inverse dynamics of eⱼ at rest");
     let (reference, nv) = (probe.reference, probe.model.nv());
     let workspace = &mut Workspace::new(reference);
     let rest = vec![0.0; nv];

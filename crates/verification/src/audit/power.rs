@@ -3,13 +3,13 @@
 use robot_dynamics_core::{Workspace, forward_dynamics, kinetic_energy, potential_energy};
 use robot_dynamics_number::Dual;
 
-use super::check::{Check, Worst};
+use super::check::{Check, LargestDefect};
 use super::probe::{Probe, dot};
 use crate::lagrange;
 
 /// d/dt (K + V) = τ·v along the motion that τ causes, by dual numbers.
 pub(super) fn balance(probe: &Probe<'_>) -> Check {
-    let mut worst = Worst::of("power", "d/dt (K + V) = τ·v");
+    let mut worst = LargestDefect::of("power", "d/dt (K + V) = τ·v");
     let (model, reference) = (probe.model, probe.reference);
     let workspace = &mut Workspace::new(model);
     let duals = &mut Workspace::<Dual<f64, 1>>::new(reference);

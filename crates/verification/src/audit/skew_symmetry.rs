@@ -3,12 +3,12 @@
 use robot_dynamics_core::{Workspace, coriolis_matrix, mass_matrix_rate};
 use robot_dynamics_number::Dual;
 
-use super::check::{Check, Worst};
+use super::check::{Check, LargestDefect};
 use super::probe::{Probe, ROUNDING};
 
 /// Ṁ − 2C is skew-symmetric, where Ṁ is the derivative of M along the motion and does not involve C.
 pub(super) fn defect(probe: &Probe<'_>) -> Check {
-    let mut worst = Worst::of("skew", "Ṁ − 2C skew-symmetric");
+    let mut worst = LargestDefect::of("skew", "Ṁ − 2C skew-symmetric");
     let (model, reference, nv) = (probe.model, probe.reference, probe.model.nv());
     let workspace = &mut Workspace::new(model);
     let duals = &mut Workspace::<Dual<f64, 1>>::new(reference);

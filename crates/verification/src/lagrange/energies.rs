@@ -4,7 +4,7 @@ use robot_dynamics_core::{Joint, Model};
 use robot_dynamics_description::{JointDescription, MassProperties, check_length};
 use robot_dynamics_number::Scalar;
 
-use super::kinematics::{LinkKinematics, driven, link_kinematics};
+use super::kinematics::{LinkKinematics, joint_source, link_kinematics};
 use crate::lagrange::algebra::{M3, V3};
 
 /// A link's mass, center of mass and inertia, and the Jacobians of the latter two, in the world's axes.
@@ -57,7 +57,7 @@ fn rotors(model: &Model) -> impl Iterator<Item = (f64, Vec<f64>)> {
             let joint = model.description().joints.iter().find(|joint| joint.name == *name).expect("checked");
             // A locked joint does not move.
             if joint.kind.nv() == 1 {
-                let place = driven(model, joint);
+                let place = joint_source(model, joint);
                 row[place.v_index] += c * place.ratio;
             }
         }
@@ -96,7 +96,7 @@ pub fn mass_matrix<S: Scalar>(model: &Model, q: &[S]) -> Vec<S> {
         }
     }
     for (joint, _) in joints(model) {
-        let place = driven(model, joint);
+        let place = joint_source(model, joint);
         for k in 0..joint.kind.nv() {
             let reflected = joint.passive.armature * place.ratio * place.ratio;
             mass[(place.v_index + k) * (nv + 1)] += S::from_f64(reflected);
@@ -139,7 +139,7 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> S {
         twice += velocity.dot(velocity).scale(body.mass) + omega.dot(body.inertia * omega);
     }
     for (joint, _) in joints(model) {
-        let place = driven(model, joint);
+        let place = joint_source(model, joint);
         for k in 0..joint.kind.nv() {
             let rate = v[place.v_index + k].scale(place.ratio);
             twice += (rate * rate).scale(joint.passive.armature);
@@ -176,7 +176,7 @@ pub fn potential_energy<S: Scalar>(model: &Model, q: &[S]) -> S {
         energy -= gravity.dot(body.center).scale(body.mass);
     }
     for (joint, _) in joints(model).filter(|(joint, _)| joint.passive.stiffness != 0.0) {
-        let place = driven(model, joint);
+        let place = joint_source(model, joint);
         for k in 0..joint.kind.nv() {
             let position = q[place.q_index + k].scale(place.ratio) + S::from_f64(place.offset);
             let stretch = position - S::from_f64(joint.passive.rest);

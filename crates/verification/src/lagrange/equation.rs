@@ -34,8 +34,8 @@ pub fn position_rate<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> Vec<S> {
         let (i, j) = (joint.q_index, joint.v_index);
         match free_part(joint) {
             None => rate[i..i + joint.nq].copy_from_slice(&v[j..j + joint.nv]),
-            Some(Free::Turn) => quaternion_rate(&q[i..i + 4], &v[j..j + 3], &mut rate[i..i + 4]),
-            Some(Free::Motion) => {
+            Some(FreePart::Turn) => quaternion_rate(&q[i..i + 4], &v[j..j + 3], &mut rate[i..i + 4]),
+            Some(FreePart::Motion) => {
                 let velocity = turned(&q[i + 3..i + 7], [v[j], v[j + 1], v[j + 2]]);
                 rate[i..i + 3].copy_from_slice(&velocity);
                 quaternion_rate(&q[i + 3..i + 7], &v[j + 3..j + 6], &mut rate[i + 3..i + 7]);
@@ -45,16 +45,16 @@ pub fn position_rate<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> Vec<S> {
     rate
 }
 
-enum Free {
+enum FreePart {
     Turn,
     Motion,
 }
 
 /// The joints whose v is not a derivative of coordinates: those with more entries in q than in v.
-fn free_part(joint: &Joint) -> Option<Free> {
+fn free_part(joint: &Joint) -> Option<FreePart> {
     match (joint.nq, joint.nv) {
-        (4, 3) => Some(Free::Turn),
-        (7, 6) => Some(Free::Motion),
+        (4, 3) => Some(FreePart::Turn),
+        (7, 6) => Some(FreePart::Motion),
         _ => None,
     }
 }
@@ -168,8 +168,8 @@ fn add_ad_term<S: Scalar>(joint: &Joint, v: &[S], momentum: &[Dual<S, 1>], produ
     let j = joint.v_index;
     match free_part(joint) {
         None => {}
-        Some(Free::Turn) => add(j, cross(velocity(j), momentum(j))),
-        Some(Free::Motion) => {
+        Some(FreePart::Turn) => add(j, cross(velocity(j), momentum(j))),
+        Some(FreePart::Motion) => {
             let (u, w) = (velocity(j), velocity(j + 3));
             add(j, cross(w, momentum(j)));
             add(j + 3, cross(w, momentum(j + 3)));

@@ -147,7 +147,7 @@ pub fn link_kinematics<S: Scalar>(model: &Model, q: &[S]) -> Vec<LinkKinematics<
 
 /// A joint's position as a function of q: q_joint = `ratio`·q\[`q_index`\] + `offset`, moved by
 /// v\[`v_index`\].
-pub(super) struct Driven {
+pub(super) struct JointSource {
     pub q_index: usize,
     pub v_index: usize,
     pub ratio: f64,
@@ -155,14 +155,18 @@ pub(super) struct Driven {
 }
 
 /// The source of a joint's position: its own entry of q, or its leaders.
-pub(super) fn driven(model: &Model, joint: &JointDescription) -> Driven {
+pub(super) fn joint_source(model: &Model, joint: &JointDescription) -> JointSource {
     let Some(mimic) = &joint.mimic else {
         let place = model.joint(&joint.name).expect("every joint of the description is in the model");
-        return Driven { q_index: place.q_index, v_index: place.v_index, ratio: 1.0, offset: 0.0 };
+        return JointSource { q_index: place.q_index, v_index: place.v_index, ratio: 1.0, offset: 0.0 };
     };
     let leader = model.description().joints.iter().find(|j| j.name == mimic.joint).expect("checked");
-    let leader = driven(model, leader);
-    Driven { ratio: mimic.ratio * leader.ratio, offset: mimic.ratio * leader.offset + mimic.offset, ..leader }
+    let leader = joint_source(model, leader);
+    JointSource {
+        ratio: mimic.ratio * leader.ratio,
+        offset: mimic.ratio * leader.offset + mimic.offset,
+        ..leader
+    }
 }
 
 /// Continues from the joint's frame at q = 0 to the child link's frame.
@@ -170,7 +174,7 @@ fn move_joint<S: Scalar>(model: &Model, joint: &JointDescription, q: &[S], link:
     if joint.kind == JointKind::Fixed {
         return;
     }
-    let Driven { q_index: i, v_index: j, ratio, offset } = driven(model, joint);
+    let JointSource { q_index: i, v_index: j, ratio, offset } = joint_source(model, joint);
     let position = |k: usize| q[i + k].scale(ratio) + S::from_f64(offset);
     match joint.kind {
         JointKind::Fixed => {}

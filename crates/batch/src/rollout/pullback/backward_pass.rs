@@ -8,7 +8,7 @@ use robot_dynamics_number::dispatch::{Hardware, LaneKernel};
 use robot_dynamics_number::{Float, StateLanes};
 use robot_dynamics_simulation::Rollout;
 use robot_dynamics_simulation::motion::pullback::checkpoints::{RolloutInputs, memory_size, pull_back};
-use robot_dynamics_simulation::motion::pullback::stages::{Accelerations, At, Cotangents};
+use robot_dynamics_simulation::motion::pullback::stages::{Accelerations, Cotangents, PullbackPoint};
 
 use super::bad_rows::spoil;
 use super::inputs::RolloutPullbackInputs;
@@ -17,7 +17,7 @@ use crate::block::{
 };
 use crate::computation::pullback::{ForwardPullback, pull_forward};
 use crate::computation::recursions::accelerate;
-use crate::rollout::progress::Shared;
+use crate::rollout::progress::SharedProgress;
 use crate::rollout::torques::Torques;
 
 /// The backward pass of one block.
@@ -30,7 +30,7 @@ pub(super) struct Backward<'a, T> {
     pub(super) first: usize,
     pub(super) states: usize,
     pub(super) results: [&'a mut [T]; 4],
-    pub(super) shared: &'a Shared<'a>,
+    pub(super) shared: &'a SharedProgress<'a>,
     /// A bit for each bad state, and whether all reached the start.
     pub(super) outputs: (&'a mut u32, &'a mut bool),
 }
@@ -113,7 +113,7 @@ struct Lanes<'a, N: StateLanes, H> {
     part: &'a mut [N],
     force_rows: &'a mut [N::Float],
     poison: N,
-    shared: &'a Shared<'a>,
+    shared: &'a SharedProgress<'a>,
     hardware: PhantomData<H>,
 }
 
@@ -183,8 +183,8 @@ impl<N: StateLanes, H: Hardware> Accelerations<N> for BlockAccelerations<'_, N, 
     }
 
     #[inline(always)]
-    fn pull_back(&mut self, model: &Model, at: At<'_, N>, to: Cotangents<'_, N>) {
-        let At { q, v, tau, cotangent } = at;
+    fn pull_back(&mut self, model: &Model, at: PullbackPoint<'_, N>, to: Cotangents<'_, N>) {
+        let PullbackPoint { q, v, tau, cotangent } = at;
         let Cotangents { acceleration, by_position, by_velocity, by_force, parameters } = to;
         let to = ForwardPullback { acceleration, by_position, by_velocity, by_force, parameters };
         pull_forward::<N, H>(model, self.workspace, [q, v, tau, cotangent], to);

@@ -13,7 +13,7 @@ use super::inputs::RolloutPullbackInputs;
 use crate::distribution::for_each_part;
 use crate::rollout::machine_code::step_by_recursion;
 use crate::rollout::outcome::Outcome;
-use crate::rollout::progress::Shared;
+use crate::rollout::progress::SharedProgress;
 use crate::rollout::torques::Torques;
 use crate::workspace::{BlockMemory, ThreadMemory};
 use crate::{BatchWorkspace, block, machine_code};
@@ -29,7 +29,7 @@ pub(super) fn pull_back_natively<'a, T: Float + Number>(
     (rollout, stages, spacing): (&Rollout, &[Stage], usize),
     given: &RolloutPullbackInputs<'_, T>,
     results: [&'a mut [T]; 4],
-    (shared, outcome): (&Shared<'_>, &Outcome),
+    (shared, outcome): (&SharedProgress<'_>, &Outcome),
 ) -> Result<(), [&'a mut [T]; 4]> {
     let kernels = || {
         let (row, dissipation) = (rollout.integrator, rollout.dissipation);
@@ -45,7 +45,7 @@ pub(super) fn pull_back_natively<'a, T: Float + Number>(
     for_each_part(workspace, batch, (STATES, 1), results, &|memory, first, states, results| {
         let (mut bits, mut finished) = (0, false);
         if !shared.is_cancelled() {
-            let way = KernelWay { step, pullback, model, rollout, stages, spacing, given, first, states };
+            let way = KernelPasses { step, pullback, model, rollout, stages, spacing, given, first, states };
             (bits, finished) = way.run(memory, results, shared);
         }
         outcome.add(bits, finished, first..first + states);
@@ -54,7 +54,7 @@ pub(super) fn pull_back_natively<'a, T: Float + Number>(
 }
 
 /// The forward and backward pass of some states.
-struct KernelWay<'a, T> {
+struct KernelPasses<'a, T> {
     step: &'a Kernel<T>,
     pullback: &'a Kernel<T>,
     model: &'a Model,
@@ -88,8 +88,8 @@ struct Memory<'a, T> {
 }
 
 impl<'a, T: Float + Number> Memory<'a, T> {
-    fn new(way: &KernelWay<'_, T>, numbers: &'a mut Vec<T>) -> Self {
-        let KernelWay { step, pullback, model, rollout, spacing, states, .. } = *way;
+    fn new(way: &KernelPasses<'_, T>, numbers: &'a mut Vec<T>) -> Self {
+        let KernelPasses { step, pullback, model, rollout, spacing, states, .. } = *way;
         let (of_state, nv) = (states * (model.nq + model.nv), states * model.nv);
         let of_checkpoints = rollout.steps.div_ceil(spacing) * of_state;
         let of_scratch = step.scratch_len().max(pullback.scratch_len());
@@ -113,9 +113,14 @@ impl<'a, T: Float + Number> Memory<'a, T> {
     }
 }
 
-impl<T: Float + Number> KernelWay<'_, T> {
+impl<T: Float + Number> KernelPasses<'_, T> {
     /// A bit for each bad state, and whether all reached the start.
-    fn run(&self, memory: &mut ThreadMemory<T>, results: [&mut [T]; 4], shared: &Shared<'_>) -> (u32, bool) {
+    fn run(
+        &self,
+        memory: &mut ThreadMemory<T>,
+        results: [&mut [T]; 4],
+        shared: &SharedProgress<'_>,
+    ) -> (u32, bool) {
         let Self { model, rollout, spacing, given, first, states, .. } = *self;
         let [by_position, by_velocity, force_rows, _] = results;
         let ThreadMemory { block, native: numbers } = memory;
@@ -292,7 +297,7 @@ impl<T: Float + Number> KernelWay<'_, T> {
     ) {
         let Self { model, rollout, stages, .. } = *self;
         let rollout = &rollout.one_step();
-        let shared = &Shared::of_one_step();
+        let shared = &SharedProgress::of_one_step();
         let (outputs, stages) = ((&mut 0, &mut false), (stages, 1));
         let results = [by_position, by_velocity, by_force, &mut []];
         let backward =

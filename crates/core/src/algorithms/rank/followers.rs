@@ -2,7 +2,7 @@
 //! armature.
 
 use super::bodies::{add_shifted, place, response};
-use super::vanished::{Vanished, is_clear, vanishes};
+use super::vanished_pivot::{VanishedPivot, is_clear, vanishes};
 use crate::Model;
 use crate::model::WORLD;
 use crate::spatial::force::ForceVector;
@@ -18,7 +18,7 @@ pub(super) fn eliminate(
     scratch: &mut Scratch,
     q: &[f64],
     bound: f64,
-    on_vanished: &mut dyn FnMut(&Vanished<'_>),
+    on_vanished: &mut dyn FnMut(&VanishedPivot<'_>),
 ) {
     place(model, tree, scratch, q);
     gather(model, tree, scratch);
@@ -40,7 +40,7 @@ pub(super) fn eliminate(
             }
             if vanishes(pivot, bound, share[k..n].iter().sum()) {
                 let inertia = reduced[k] * reduced[k];
-                on_vanished(&Vanished { index: k, pivot, inertia, share: &share[k..n] });
+                on_vanished(&VanishedPivot { index: k, pivot, inertia, share: &share[k..n] });
                 // The DoF is locked: the elimination leaves it out.
                 m[k * n..k * n + k].fill(0.0);
                 continue;

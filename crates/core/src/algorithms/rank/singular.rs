@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use robot_dynamics_number::{Classified, ErrorKind};
 
-use super::vanished::Vanished;
+use super::vanished_pivot::VanishedPivot;
 use crate::Model;
 
 /// A joint takes part in a motion if its share exceeds this fraction of the largest. Rounding of a joint that
@@ -41,8 +41,8 @@ impl SingularMotion {
         self.pivot < -1e-9 * self.inertia
     }
 
-    pub(super) fn named(model: &Model, vanished: &Vanished<'_>) -> Self {
-        let Vanished { index, pivot, inertia, share } = *vanished;
+    pub(super) fn named(model: &Model, vanished: &VanishedPivot<'_>) -> Self {
+        let VanishedPivot { index, pivot, inertia, share } = *vanished;
         let most = share.iter().fold(0.0, |most: f64, &x| most.max(x));
         let first = model.joint_at(index);
         let mut joints = vec![first.name.clone()];
@@ -78,7 +78,7 @@ impl SingularMass {
 
     /// A single coordinate on which a factorization of M failed.
     pub fn at(model: &Model, index: usize, pivot: f64) -> Self {
-        let vanished = Vanished { index, pivot, inertia: f64::NAN, share: &[] };
+        let vanished = VanishedPivot { index, pivot, inertia: f64::NAN, share: &[] };
         Self { motions: vec![SingularMotion::named(model, &vanished)] }
     }
 }

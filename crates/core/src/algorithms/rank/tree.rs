@@ -4,7 +4,7 @@ use robot_dynamics_number::View;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 
 use super::bodies::{add_shifted, place, response};
-use super::vanished::{Vanished, is_clear, vanishes};
+use super::vanished_pivot::{VanishedPivot, is_clear, vanishes};
 use crate::Model;
 use crate::kinematics::world_frame::shifted;
 use crate::model::WORLD;
@@ -20,7 +20,7 @@ struct Elimination<'a> {
     scratch: &'a mut Scratch,
     q: &'a [f64],
     bound: f64,
-    on_vanished: &'a mut dyn FnMut(&Vanished<'_>),
+    on_vanished: &'a mut dyn FnMut(&VanishedPivot<'_>),
 }
 
 /// Calls `on_vanished` for the pivots of M(q) that vanish.
@@ -30,7 +30,7 @@ pub(super) fn eliminate(
     scratch: &mut Scratch,
     q: &[f64],
     bound: f64,
-    on_vanished: &mut dyn FnMut(&Vanished<'_>),
+    on_vanished: &mut dyn FnMut(&VanishedPivot<'_>),
 ) {
     run_on_machine(tree, &mut Some(Elimination { model, scratch, q, bound, on_vanished }));
 }
@@ -56,7 +56,7 @@ impl Kernel<TreeStorage, f64> for Elimination<'_> {
                 if !is_clear(left, scratch.extent[i].least, bound) {
                     let total = follow(model, tree, scratch, index);
                     if vanishes(d, bound, total) {
-                        on_vanished(&Vanished {
+                        on_vanished(&VanishedPivot {
                             index: model.dofs[index].coordinate,
                             pivot: d,
                             inertia: size,

@@ -18,7 +18,7 @@ use crate::model::WORLD;
 use crate::model::native::NativeFunction;
 use crate::spatial::force::ForceVector;
 use crate::spatial::motion::MotionVector;
-use crate::workspace::buffers::Dense;
+use crate::workspace::buffers::DenseBuffers;
 use crate::workspace::compiled_once::{compiled_once, run};
 use crate::workspace::native::computed_natively;
 use crate::workspace::tree::{BodyBuffers, DofBuffers, Inertias, TreeMemory, TreeStorage, WorldFrameBuffers};
@@ -302,7 +302,7 @@ pub fn forward_dynamics_pullback_with_parameters<S: Scalar>(
 
 /// −M⁻¹ā, by the factor that forward dynamics leaves in the workspace for a robot with coupled branches.
 #[inline(always)]
-pub fn solve_negative<S: Scalar>(dense: &Dense<S>, cotangent: &[S], x: &mut [S]) {
+pub fn solve_negative<S: Scalar>(dense: &DenseBuffers<S>, cotangent: &[S], x: &mut [S]) {
     x.copy_from_slice(cotangent);
     negate(x);
     sparse::solve(&dense.dof_parent, &dense.matrix, x);

@@ -39,7 +39,7 @@ impl<T> Kernels<T> {
 #[derive(Debug)]
 pub(in crate::model) struct Slots<T> {
     functions: [OnceLock<Slot<T>>; NativeFunction::ALL.len()],
-    frames: OnceLock<OfFrames<T>>,
+    frames: OnceLock<FrameSlots<T>>,
 }
 
 /// The sizes of a model that limit its kernels of frames.
@@ -50,7 +50,7 @@ pub(in crate::model) struct Counts {
 
 /// Functions of one frame are contiguous, frame after frame.
 #[derive(Debug)]
-struct OfFrames<T> {
+struct FrameSlots<T> {
     kernels: Box<[OnceLock<Box<Slot<T>>>]>,
     compiled: AtomicUsize,
     most: usize,
@@ -72,7 +72,7 @@ impl<T> Slots<T> {
         let slot = match task.frame {
             None => self.functions[task.function as usize].get_or_init(compile),
             Some(frame) => {
-                let frames = self.frames.get_or_init(|| OfFrames::new(counts()));
+                let frames = self.frames.get_or_init(|| FrameSlots::new(counts()));
                 frames.kernels[place(task.function, frame)].get_or_init(|| frames.limited(compile))
             }
         };
@@ -93,7 +93,7 @@ impl<T> Slots<T> {
     }
 }
 
-impl<T> OfFrames<T> {
+impl<T> FrameSlots<T> {
     #[cold]
     fn new(Counts { frames, bodies }: Counts) -> Self {
         let count = frames * NativeFunction::OF_FRAMES.len();

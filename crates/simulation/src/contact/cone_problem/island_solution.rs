@@ -10,7 +10,7 @@ use robot_dynamics_core::factorization::sparse::NONE;
 
 use super::ConeProblem;
 use super::block::Block;
-use super::islands::{Grouped, Islands};
+use super::islands::{Groups, Islands};
 
 /// The fewest trees for which a problem of a single part is solved as a part, with its trees ordered.
 const LEAST_TREES_TO_ORDER_ONE_PART: usize = 8;
@@ -80,7 +80,7 @@ impl ConeProblem {
         part_trees.set(groups, leaders.iter().map(|leader| numbers[*leader]));
         let of_block = |block: &Block| numbers[leaders[trees[support[block.support.start]]]];
         part_blocks.set(groups, blocks.iter().map(of_block));
-        let mut of_trees = Grouped { begins: core::mem::take(begins), items: core::mem::take(members) };
+        let mut of_trees = Groups { begins: core::mem::take(begins), items: core::mem::take(members) };
         of_trees.set(count, trees.iter().copied());
         (*begins, *members) = (of_trees.begins, of_trees.items);
         true

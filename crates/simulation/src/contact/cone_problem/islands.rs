@@ -22,8 +22,8 @@ clone_in_place! {
         /// The number of each tree's part, stored at its root.
         pub(super) numbers: Vec<usize>,
         /// The trees and the blocks of each part.
-        pub(super) part_trees: Grouped,
-        pub(super) part_blocks: Grouped,
+        pub(super) part_trees: Groups,
+        pub(super) part_blocks: Groups,
         pub(super) dissection: Dissection,
         /// The present part: its coordinates, the local number of each coordinate, and λ.
         pub(super) coordinates: Vec<usize>,
@@ -38,13 +38,13 @@ clone_in_place! {
 clone_in_place! {
     /// Items in groups.
     #[derive(Debug, Default)]
-    pub(super) struct Grouped {
+    pub(super) struct Groups {
         pub(super) begins: Vec<usize>,
         pub(super) items: Vec<usize>,
     }
 }
 
-impl Grouped {
+impl Groups {
     /// Groups the items by these group numbers; [`NONE`] belongs to no group.
     pub(super) fn set(&mut self, groups: usize, numbers: impl Iterator<Item = usize> + Clone) {
         self.begins.clear();
@@ -81,8 +81,8 @@ impl Islands {
             members: room(),
             leaders: room(),
             numbers: room(),
-            part_trees: Grouped { begins: room(), items: room() },
-            part_blocks: Grouped { begins: room(), items: blocks() },
+            part_trees: Groups { begins: room(), items: room() },
+            part_blocks: Groups { begins: room(), items: blocks() },
             dissection: Dissection::new(n),
             coordinates: room(),
             ranges: Vec::with_capacity(n + 1),

@@ -10,7 +10,7 @@ use robot_dynamics_number::dispatch::run_here;
 use super::ConeProblem;
 use super::projection::norm;
 use super::set::Set;
-use super::shift_search::Many;
+use super::shift_search::UnsymmetricFactorMemory;
 use super::square::Add;
 
 impl ConeProblem {
@@ -19,7 +19,7 @@ impl ConeProblem {
         self.assemble_common_matrix();
         self.add_sliding_cones();
         let Self { blocks, cones, support, paths, search, .. } = self;
-        let Many { lower, upper, turns, way, .. } = &mut search.many;
+        let UnsymmetricFactorMemory { lower, upper, turns, way, .. } = &mut search.many;
         paths.factor_unsymmetric(lower, upper);
         paths.solve_unsymmetric(lower, upper, way);
         let mut next = 0;
@@ -36,7 +36,7 @@ impl ConeProblem {
         let Self {
             blocks, cones, support, rows, mass, weighted, weights, derivatives, paths, search, ..
         } = self;
-        let Many { lower, upper, pulls, turns, way } = &mut search.many;
+        let UnsymmetricFactorMemory { lower, upper, pulls, turns, way } = &mut search.many;
         lower.clone_from(mass);
         run_here(Add { blocks, cones, derivatives, weights, support, rows, paths, matrix: lower, weighted });
         upper.clone_from(lower);
@@ -50,7 +50,7 @@ impl ConeProblem {
     /// Adds −V U of the sliding cones to the triangles, and computes −V (s − μ|c_t|) into `way`.
     fn add_sliding_cones(&mut self) {
         let Self { blocks, cones, support, entries, derivatives, paths, c, search, .. } = self;
-        let Many { lower, upper, pulls, turns, way } = &mut search.many;
+        let UnsymmetricFactorMemory { lower, upper, pulls, turns, way } = &mut search.many;
         for &cone in &search.sliding {
             let (block, derivatives) = (&blocks[cones[cone]], &derivatives[cone]);
             let Set::Cone(friction) = block.set else { continue };
@@ -88,7 +88,7 @@ impl ConeProblem {
     /// Moves x by these changes of the shifts, with the known factor of H.
     pub(super) fn follow_many_shifts(&mut self) {
         let Self { blocks, cones, support, hessian, paths, x, search, .. } = self;
-        let Many { pulls, way, .. } = &mut search.many;
+        let UnsymmetricFactorMemory { pulls, way, .. } = &mut search.many;
         way.fill(0.0);
         let mut next = 0;
         for (&cone, shift) in search.sliding.iter().zip(&search.shifts) {

@@ -7,7 +7,7 @@ use robot_dynamics_number::dispatch::{Call, Hardware, run_here};
 
 use super::ConeProblem;
 use super::entries::{dot, map, sum};
-use super::projection::Place;
+use super::projection::MultiplierZone;
 use super::square::Add;
 use super::tolerances::TOLERANCES;
 
@@ -106,7 +106,7 @@ impl ConeProblem {
             // If every block acts as in the factor and none slides, the objective is quadratic and x its
             // minimum.
             is_exact = acts_as_before
-                && self.derivatives.iter().all(|derivatives| derivatives.place != Place::Border);
+                && self.derivatives.iter().all(|derivatives| derivatives.place != MultiplierZone::Border);
             if is_inexact && is_exact {
                 break;
             }

@@ -40,7 +40,7 @@ pub(super) fn project_with_derivative(slope: f64, p: &mut [f64]) -> ProjectionDe
 #[inline(always)]
 pub(super) fn project_to_border(slope: f64, p: &mut [f64]) -> ProjectionDerivative {
     let mut derivatives =
-        ProjectionDerivative { place: Place::Border, slope, ..ProjectionDerivative::ELSEWHERE };
+        ProjectionDerivative { place: MultiplierZone::Border, slope, ..ProjectionDerivative::ELSEWHERE };
     let (normal, side) = (p[0], norm(&p[1..]));
     derivatives.share = 1.0 / (1.0 + slope * slope);
     let at = (normal + slope * side) * derivatives.share;
@@ -58,7 +58,7 @@ pub(super) fn project_to_border(slope: f64, p: &mut [f64]) -> ProjectionDerivati
 pub(super) struct ProjectionDerivative {
     /// The zone: the derivative is 1 within the cone, 0 elsewhere, and on the border that of the fields
     /// below.
-    pub(super) place: Place,
+    pub(super) place: MultiplierZone,
     /// μ, 1/(1 + μ²), μp_n/|y_t| and the direction e.
     slope: f64,
     share: f64,
@@ -67,9 +67,14 @@ pub(super) struct ProjectionDerivative {
 }
 
 impl ProjectionDerivative {
-    pub(super) const WITHIN: Self = Self { place: Place::Within, ..Self::ELSEWHERE };
-    pub(super) const ELSEWHERE: Self =
-        Self { place: Place::Elsewhere, slope: 0.0, share: 0.0, turn: 0.0, direction: [0.0; MOST_ROWS - 1] };
+    pub(super) const WITHIN: Self = Self { place: MultiplierZone::Interior, ..Self::ELSEWHERE };
+    pub(super) const ELSEWHERE: Self = Self {
+        place: MultiplierZone::Elsewhere,
+        slope: 0.0,
+        share: 0.0,
+        turn: 0.0,
+        direction: [0.0; MOST_ROWS - 1],
+    };
 
     /// ∂Π_i/∂y_n on the border.
     #[inline(always)]
@@ -91,11 +96,11 @@ impl ProjectionDerivative {
 
 /// The zone of a multiplier in its set.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Place {
+pub(super) enum MultiplierZone {
     /// On a bound, or zero.
     Elsewhere,
     /// Inside its set: the row sticks.
-    Within,
+    Interior,
     /// On the border of its cone: the contact slides.
     Border,
 }
@@ -108,17 +113,17 @@ pub(super) fn is_between(p: f64, lower: f64, upper: f64) -> bool {
 }
 
 /// The zone of p in its set.
-pub(super) fn place_of(set: Set, p: &[f64]) -> Place {
+pub(super) fn place_of(set: Set, p: &[f64]) -> MultiplierZone {
     match set {
-        Set::Interval(lower, upper) if is_between(p[0], lower, upper) => Place::Within,
+        Set::Interval(lower, upper) if is_between(p[0], lower, upper) => MultiplierZone::Interior,
         // The tolerance allows for rounding.
         Set::Cone(slope)
             if p[0] > 0.0 && norm(&p[1..]) * (1.0 + TOLERANCES.bound_rounding) <= slope * p[0] =>
         {
-            Place::Within
+            MultiplierZone::Interior
         }
-        Set::Cone(_) if p[0] > 0.0 && p.len() > 1 => Place::Border,
-        _ => Place::Elsewhere,
+        Set::Cone(_) if p[0] > 0.0 && p.len() > 1 => MultiplierZone::Border,
+        _ => MultiplierZone::Elsewhere,
     }
 }
 

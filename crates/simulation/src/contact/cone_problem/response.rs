@@ -5,7 +5,8 @@ use robot_dynamics_number::dispatch::{Call, Hardware, run_here};
 use super::ConeProblem;
 use super::entries::{map, sum};
 use super::projection::{
-    Place, ProjectionDerivative, is_between, place_of, project, project_to_border, project_with_derivative,
+    MultiplierZone, ProjectionDerivative, is_between, place_of, project, project_to_border,
+    project_with_derivative,
 };
 use super::set::Set;
 use super::tolerances::TOLERANCES;
@@ -98,7 +99,8 @@ impl ConeProblem {
         for (&index, now) in cones.iter().zip(all) {
             let (set, shift, rows) = (blocks[index].set, blocks[index].shift, blocks[index].rows.clone());
             let Set::Cone(slope) = set else { continue };
-            let place = if first { place_of(set, &multiplier[rows.clone()]) } else { Place::Elsewhere };
+            let place =
+                if first { place_of(set, &multiplier[rows.clone()]) } else { MultiplierZone::Elsewhere };
             let push = [shift, c[rows.start]].map(|speed| inverses[rows.start] * speed);
             let p = &mut p[rows];
             let derivatives = match <&mut [f64; 3]>::try_from(&mut *p) {
@@ -108,7 +110,7 @@ impl ConeProblem {
             let is_as_before = derivatives.place == now.place;
             acts_as_before &= is_as_before;
             // In the other zones the derivative is constant.
-            if !is_as_before || derivatives.place == Place::Border {
+            if !is_as_before || derivatives.place == MultiplierZone::Border {
                 *now = derivatives;
             }
         }
@@ -137,18 +139,18 @@ impl ConeProblem {
 
 /// Projects p onto a cone, after s and the normal velocity moved it by these amounts.
 #[inline(always)]
-fn answer(slope: f64, place: Place, [shift, push]: [f64; 2], p: &mut [f64]) -> ProjectionDerivative {
+fn answer(slope: f64, place: MultiplierZone, [shift, push]: [f64; 2], p: &mut [f64]) -> ProjectionDerivative {
     p[0] -= shift;
     match place {
-        Place::Within => ProjectionDerivative::WITHIN,
-        Place::Border => {
+        MultiplierZone::Interior => ProjectionDerivative::WITHIN,
+        MultiplierZone::Border => {
             // Project as if the normal velocity were 0, and then move p along the derivative.
             p[0] += push;
             let derivatives = project_to_border(slope, p);
             p.iter_mut().enumerate().for_each(|(i, p)| *p -= derivatives.by_normal(i) * push);
             derivatives
         }
-        Place::Elsewhere => project_with_derivative(slope, p),
+        MultiplierZone::Elsewhere => project_with_derivative(slope, p),
     }
 }
 

@@ -8,7 +8,7 @@ use super::tolerances::TOLERANCES;
 clone_in_place! {
     /// Memory for the search for s.
     #[derive(Debug)]
-    pub(super) struct Search {
+    pub(super) struct ShiftSearch {
         /// For each cone s and μ|c_t| − s, in the last three iterations.
         pub(super) past: [Vec<(f64, f64)>; 3],
         /// The indices of the sliding cones among the cones.
@@ -18,7 +18,7 @@ clone_in_place! {
         /// ∂F/∂s − 1, and the change of s.
         pub(super) derivatives: Vec<f64>,
         pub(super) shifts: Vec<f64>,
-        pub(super) many: Many,
+        pub(super) many: UnsymmetricFactorMemory,
         /// The error of s in the last iteration.
         pub(super) off: f64,
         /// The number of fixed-point iterations left before Newton's method is tried again.
@@ -28,7 +28,7 @@ clone_in_place! {
     }
 }
 
-impl Search {
+impl ShiftSearch {
     /// Allocates memory for n coordinates and 32 sliding cones.
     pub(super) fn new(n: usize) -> Self {
         Self {
@@ -37,7 +37,7 @@ impl Search {
             ways: Vec::with_capacity(32 / WIDTH * n),
             derivatives: Vec::with_capacity(32 * 32 + WIDTH),
             shifts: Vec::with_capacity(32),
-            many: Many::default(),
+            many: UnsymmetricFactorMemory::default(),
             off: f64::INFINITY,
             by_images: 0,
             images: TOLERANCES.fixed_point_iterations,
@@ -58,7 +58,7 @@ impl Search {
 clone_in_place! {
     /// Memory for the unsymmetric factor.
     #[derive(Debug, Default)]
-    pub(super) struct Many {
+    pub(super) struct UnsymmetricFactorMemory {
         pub(super) lower: Vec<f64>,
         pub(super) upper: Vec<f64>,
         /// −V and U of each sliding cone, one entry for each of its coordinates.

@@ -10,9 +10,9 @@ use robot_dynamics_core::factorization::paths::WIDTH;
 use super::ConeProblem;
 use super::block::Block;
 use super::entries::dot;
-use super::projection::{Place, ProjectionDerivative, norm, place_of};
+use super::projection::{MultiplierZone, ProjectionDerivative, norm, place_of};
 use super::set::Set;
-use super::shift_search::Search;
+use super::shift_search::ShiftSearch;
 use super::tolerances::TOLERANCES;
 
 /// From this number of sliding cones on, one unsymmetric factor of H's size serves all of them.
@@ -25,7 +25,7 @@ impl ConeProblem {
         let Self { blocks, multiplier, c, .. } = self;
         for block in blocks {
             if let Set::Cone(slope) = block.set
-                && place_of(block.set, &multiplier[block.rows.clone()]) == Place::Border
+                && place_of(block.set, &multiplier[block.rows.clone()]) == MultiplierZone::Border
             {
                 block.shift = slope * norm(&c[block.rows.start + 1..block.rows.end]);
             }
@@ -73,7 +73,9 @@ impl ConeProblem {
         }
         let Self { cones, derivatives, search, .. } = self;
         search.sliding.clear();
-        search.sliding.extend((0..cones.len()).filter(|cone| derivatives[*cone].place == Place::Border));
+        search
+            .sliding
+            .extend((0..cones.len()).filter(|cone| derivatives[*cone].place == MultiplierZone::Border));
         match search.sliding.len() {
             0 => return false,
             LEAST_FOR_COMMON_FACTOR.. => self.find_many_shifts(),
@@ -90,7 +92,7 @@ impl ConeProblem {
     pub(super) fn find_shifts(&mut self) {
         let Self { n, blocks, cones, support, entries, derivatives, c, hessian, paths, search, .. } = self;
         let n = *n;
-        let Search { sliding, ways, derivatives: matrix, shifts, .. } = search;
+        let ShiftSearch { sliding, ways, derivatives: matrix, shifts, .. } = search;
         let count = sliding.len();
         let rows_of = |block: &Block| {
             let support = &support[block.support.clone()];
@@ -139,7 +141,7 @@ impl ConeProblem {
     /// Adds the changes to the shifts, and moves x with them.
     fn apply_shifts(&mut self) {
         let Self { n, blocks, cones, derivatives, c, x, search, .. } = self;
-        let Search { past, sliding, ways, shifts, .. } = search;
+        let ShiftSearch { past, sliding, ways, shifts, .. } = search;
         past.iter_mut().for_each(Vec::clear);
         self.known.is_followed = false;
         let mut next = sliding.iter().zip(&mut *shifts).peekable();
@@ -222,7 +224,7 @@ impl ConeProblem {
 /// μ|c_t| − s of a cone. It is −s if the contact sticks, because its c_t is an error of p̄.
 fn way_to_image(block: &Block, derivatives: &ProjectionDerivative, c: &[f64]) -> Option<f64> {
     let Set::Cone(slope) = block.set else { return None };
-    let sticks = derivatives.place == Place::Within;
+    let sticks = derivatives.place == MultiplierZone::Interior;
     let speed = if sticks { 0.0 } else { norm(&c[block.rows.start + 1..block.rows.end]) };
     Some(slope * speed - block.shift)
 }

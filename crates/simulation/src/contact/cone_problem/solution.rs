@@ -238,7 +238,7 @@ mod tests {
     use robot_dynamics_number::SplitMix64;
 
     use super::super::entries::dot;
-    use super::super::projection::{Place, norm, project, project_with_derivative};
+    use super::super::projection::{MultiplierZone, norm, project, project_with_derivative};
     use super::*;
 
     /// A random M with a few blocks over some of its coordinates.
@@ -420,7 +420,7 @@ mod tests {
             // Away from the solution, so that the step is not zero.
             problem.blocks.iter_mut().for_each(|block| block.shift = 1.1 * block.shift + 0.01);
             problem.assemble();
-            let slides = |cone: &usize| problem.derivatives[*cone].place == Place::Border;
+            let slides = |cone: &usize| problem.derivatives[*cone].place == MultiplierZone::Border;
             problem.search.sliding = (0..problem.cones.len()).filter(slides).collect();
             if problem.search.sliding.is_empty() {
                 continue;
@@ -480,9 +480,9 @@ mod tests {
                     let difference = (plus[i] - minus[i]) / 2e-6;
                     // None of these 100 points is within 1e-6 of the border of a zone.
                     let slope = match derivatives.place {
-                        Place::Border => derivatives.entry(i, k),
-                        Place::Within => f64::from(u8::from(i == k)),
-                        Place::Elsewhere => 0.0,
+                        MultiplierZone::Border => derivatives.entry(i, k),
+                        MultiplierZone::Interior => f64::from(u8::from(i == k)),
+                        MultiplierZone::Elsewhere => 0.0,
                     };
                     assert!((difference - slope).abs() < 1e-7, "{difference} {slope}");
                 }

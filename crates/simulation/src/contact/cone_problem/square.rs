@@ -6,7 +6,7 @@ use robot_dynamics_core::factorization::paths::{Paths, add, add_three, filled_up
 use robot_dynamics_number::dispatch::{Call, Hardware};
 
 use super::block::Block;
-use super::projection::{Place, ProjectionDerivative};
+use super::projection::{MultiplierZone, ProjectionDerivative};
 use super::rows::Rows;
 
 /// Adds AᵀG A/R of all blocks to the packed lower triangle, with G = Π′ of each block.
@@ -32,8 +32,10 @@ impl Call for Add<'_> {
         for (k, a, row) in rows.singles(support) {
             *paths.diagonal_of(k, matrix) += a * (weights[row] * a);
         }
-        let of_cones =
-            cones.iter().zip(derivatives).filter(|(_, derivatives)| derivatives.place != Place::Elsewhere);
+        let of_cones = cones
+            .iter()
+            .zip(derivatives)
+            .filter(|(_, derivatives)| derivatives.place != MultiplierZone::Elsewhere);
         let of_cones = of_cones.map(|(index, derivatives)| (*index, derivatives));
         let of_rows = rows.wide_rows().filter(|index| weights[blocks[*index].rows.start] != 0.0);
         let of_rows = of_rows.map(|index| (index, &ProjectionDerivative::WITHIN));
@@ -55,7 +57,7 @@ impl Call for Add<'_> {
 #[inline(always)]
 fn weigh(a: &[f64], rows: usize, derivatives: &ProjectionDerivative, inverse: f64, weighted: &mut Vec<f64>) {
     weighted.clear();
-    if derivatives.place == Place::Within {
+    if derivatives.place == MultiplierZone::Interior {
         weighted.extend(a.iter().map(|a| inverse * a));
         return;
     }

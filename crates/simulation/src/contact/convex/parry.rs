@@ -6,9 +6,9 @@ use parry3d_f64::math::{Pose, Rotation, Vector};
 use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry3d_f64::shape::SharedShape;
 
-use super::closest::Nearest;
+use super::closest_points::ClosestPoints;
 use super::form::Form;
-use super::placed_shape::Placed;
+use super::placed_shape::PlacedShape;
 
 /// A shape in parry's form.
 #[derive(Clone, Debug)]
@@ -54,9 +54,9 @@ impl Convex {
     pub(super) fn meet(
         &self,
         other: &Self,
-        placed: &[Placed; 2],
+        placed: &[PlacedShape; 2],
         within: f64,
-        mut look: impl FnMut(Nearest),
+        mut look: impl FnMut(ClosestPoints),
     ) {
         let [one, two] = [(self, &placed[0]), (other, &placed[1])];
         let turns = [one, two].map(|(own, placed)| placed.rotation * own.turn);
@@ -82,7 +82,7 @@ impl Convex {
         for point in &manifold.points {
             let a = placed[0].center + turns[0] * vector(point.local_p1);
             let b = placed[1].center + turns[1] * vector(point.local_p2);
-            look(Nearest { gap: (b - a).dot(&out), at: (a + b) * 0.5, normal: -out });
+            look(ClosestPoints { gap: (b - a).dot(&out), at: (a + b) * 0.5, normal: -out });
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Without the feature `convex`, only balls and capsules can touch each other.
 
-use super::closest::Nearest;
+use super::closest_points::ClosestPoints;
 use super::form::Form;
-use super::placed_shape::Placed;
+use super::placed_shape::PlacedShape;
 
 /// A type without values.
 #[derive(Clone, Debug)]
@@ -18,7 +18,7 @@ impl Convex {
     }
 
     /// The contact points or nearest points of two shapes.
-    pub(super) fn meet(&self, _: &Self, _: &[Placed; 2], _: f64, _: impl FnMut(Nearest)) {
+    pub(super) fn meet(&self, _: &Self, _: &[PlacedShape; 2], _: f64, _: impl FnMut(ClosestPoints)) {
         match *self {}
     }
 }

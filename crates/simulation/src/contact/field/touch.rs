@@ -3,22 +3,22 @@
 use nalgebra::Vector3;
 
 use super::PlacedField;
-use super::smooth::{Near, Smooth};
+use super::ellipsoid::{PlacedEllipsoid, TrianglePoint};
 use crate::contact::ContactSet;
+use crate::contact::contact_shape::ContactShape;
 use crate::contact::form::Form;
 use crate::contact::ground::axes;
-use crate::contact::placed_shape::Placed;
-use crate::contact::touch::{MOST_POINTS, Outermost};
-use crate::contact::touching::Touching;
+use crate::contact::placed_shape::PlacedShape;
+use crate::contact::touch::{ExtremePoints, MOST_POINTS};
 use crate::contact::touching_point::{ContactPartner, TouchingPoint};
 
 /// A shape that may touch a field, both by their indices.
 #[derive(Clone, Copy)]
-struct Meeting<'a> {
+struct FieldPair<'a> {
     set: &'a ContactSet,
     shape: usize,
     field: usize,
-    placed: &'a Placed,
+    placed: &'a PlacedShape,
     /// The number of the first point of the first shape at the field's first face.
     first: usize,
 }
@@ -32,14 +32,14 @@ impl ContactSet {
     /// Calls `look` for each point of that shape whose gap to a height field is at most `within` \[m\].
     pub(in crate::contact) fn look_at_fields(
         &self,
-        (shape, placed): (usize, &Placed),
+        (shape, placed): (usize, &PlacedShape),
         within: f64,
         mut look: impl FnMut(TouchingPoint),
     ) {
         let (reach, count) = (self.shapes[shape].reach, self.shapes[shape].form.count());
         let mut first = self.points * self.grounds.len();
         for (index, field) in self.fields.iter().enumerate() {
-            let meeting = Meeting { set: self, shape, field: index, placed, first };
+            let meeting = FieldPair { set: self, shape, field: index, placed, first };
             first += self.points * field.count();
             if !self.meets_field(shape, index) {
                 continue;
@@ -51,7 +51,7 @@ impl ContactSet {
                 meeting.look(within, &mut look);
             } else {
                 let [x, y] = [0, 1].map(|k| field.rotation.column(k).into_owned());
-                let mut outermost = Outermost::new([x, y]);
+                let mut outermost = ExtremePoints::new([x, y]);
                 meeting.look(within, |point| outermost.add(point));
                 outermost.each(&mut look);
             }
@@ -62,7 +62,7 @@ impl ContactSet {
     /// that face.
     pub(in crate::contact) fn point_at_field(
         &self,
-        placed: impl FnOnce(&Touching) -> Placed,
+        placed: impl FnOnce(&ContactShape) -> PlacedShape,
         number: usize,
     ) -> TouchingPoint {
         let (mut field, mut first) = (0, self.points * self.grounds.len());
@@ -76,11 +76,11 @@ impl ContactSet {
         let shape = self.shapes.partition_point(|shape| shape.first <= point) - 1;
         let placed = placed(&self.shapes[shape]);
         let k = point - self.shapes[shape].first;
-        Meeting { set: self, shape, field, placed: &placed, first }.point(k, face)
+        FieldPair { set: self, shape, field, placed: &placed, first }.point(k, face)
     }
 }
 
-impl Meeting<'_> {
+impl FieldPair<'_> {
     fn form(&self) -> &Form {
         &self.set.shapes[self.shape].form
     }
@@ -158,7 +158,7 @@ impl Meeting<'_> {
     }
 
     /// Point k as a ball or an ellipsoid, if it is one.
-    fn smooth(&self, k: usize) -> Option<Smooth> {
+    fn smooth(&self, k: usize) -> Option<PlacedEllipsoid> {
         let field = self.field();
         let (at, half_axes) = match self.form() {
             Form::Rounded { centers, radius } if *radius > 0.0 => (centers[k], Vector3::repeat(*radius)),
@@ -166,11 +166,11 @@ impl Meeting<'_> {
             _ => return None,
         };
         let center = field.inward(&self.placed.at(&at));
-        Some(Smooth { center, rotation: field.rotation.tr_mul(&self.placed.rotation), half_axes })
+        Some(PlacedEllipsoid { center, rotation: field.rotation.tr_mul(&self.placed.rotation), half_axes })
     }
 
     /// The face that a centre is below, through which the shape leaves the ground.
-    fn face_over(&self, smooth: &Smooth) -> Option<usize> {
+    fn face_over(&self, smooth: &PlacedEllipsoid) -> Option<usize> {
         let facets = &self.field().facets;
         let triangle = facets.under(&smooth.center)?;
         (facets.plane(triangle).gap(&smooth.center) < 0.0).then(|| facets.of[triangle])
@@ -204,7 +204,7 @@ impl Meeting<'_> {
         self.touching((k, face), at, plane.gap(&field.inward(&at)), field.rotation * plane.normal)
     }
 
-    fn at_near(&self, k: usize, near: &Near) -> TouchingPoint {
+    fn at_near(&self, k: usize, near: &TrianglePoint) -> TouchingPoint {
         let field = self.field();
         let face = field.facets.of[near.triangle];
         match near.edge {

@@ -1,8 +1,8 @@
 //! The forces and energy losses of a step.
 
 use super::axes::in_world;
-use super::contact_state::Active;
-use super::memory::{Carried, Total};
+use super::contact_state::ActiveContact;
+use super::memory::{CarriedForce, TotalImpulse};
 use super::{ContactImpulses, MOST_ROWS, QUIET};
 use crate::contact::components::{Components, Mark};
 use crate::contact::touching_point::ContactPartner;
@@ -36,7 +36,7 @@ impl ContactImpulses {
         self.list_touching_pairs();
         let summed = self.memory.totals.len();
         for active in &self.active {
-            let Active { point, tree, .. } = *active;
+            let ActiveContact { point, tree, .. } = *active;
             let leader = components.leader_or_first(tree);
             let before = &active.before;
             let mut force = [0.0; MOST_ROWS];
@@ -59,10 +59,11 @@ impl ContactImpulses {
                 let shift = self.problem.shift_of(active.row);
                 let seen = self.seen_on_face(&point);
                 let (number, acts) = (point.number, !components.has(Mark::Hit, tree));
-                let total = Total { number, tree, impulse: h * world, angular: h * moment, point, seen };
+                let total =
+                    TotalImpulse { number, tree, impulse: h * world, angular: h * moment, point, seen };
                 self.memory.add_impulse(summed, &total);
                 let trees = self.set.trees(components, &point);
-                carried.push(Carried { number, trees, acts, force, shift, seen });
+                carried.push(CarriedForce { number, trees, acts, force, shift, seen });
             }
         }
         self.memory.totals.sort_unstable_by_key(|total| total.number);

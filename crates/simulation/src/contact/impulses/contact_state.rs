@@ -5,7 +5,7 @@ use crate::contact::touching_point::TouchingPoint;
 
 /// A contact of this step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Active {
+pub(super) struct ActiveContact {
     pub(super) point: TouchingPoint,
     /// One of the trees of the contact.
     pub(super) tree: usize,
@@ -21,7 +21,7 @@ pub(super) struct Active {
     pub(super) before: [f64; MOST_ROWS],
 }
 
-impl Active {
+impl ActiveContact {
     pub(super) fn new(point: TouchingPoint, tree: usize, known: Option<usize>) -> Self {
         let (scale, before) = ([1.0; MOST_ROWS], [0.0; MOST_ROWS]);
         Self { point, tree, row: 0, rows: 1, scale, bias: 0.0, known, before }
@@ -30,7 +30,7 @@ impl Active {
 
 /// A contact of the last step at the start of a step: its gap and velocity.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Begun {
+pub(super) struct InitialContact {
     pub(super) number: usize,
     pub(super) gap: f64,
     pub(super) velocity: [f64; MOST_ROWS],
@@ -39,7 +39,7 @@ pub(super) struct Begun {
 /// Two shapes near each other at the end of a step: their trees, the gap, and the largest displacement of
 /// each.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Near {
+pub(super) struct NearbyPair {
     pub(super) trees: [usize; 2],
     pub(super) gap: f64,
     pub(super) ways: [f64; 2],

@@ -4,8 +4,8 @@ use robot_dynamics_core::factorization::paths::Paths;
 use robot_dynamics_core::factorization::sparse::NONE;
 use robot_dynamics_core::{Model, Workspace};
 
-use super::contact_state::Active;
-use super::contact_state::Begun;
+use super::contact_state::ActiveContact;
+use super::contact_state::InitialContact;
 use super::{ContactImpulses, ImpulsiveStep, STUCK, Set, TouchingPoint, returns};
 use crate::contact::ContactSet;
 use crate::placement::Placement;
@@ -95,7 +95,7 @@ impl ContactImpulses {
             *depth = depth.max(-point.gap);
             is_below |=
                 point.gap < -rounding && point.gap - allowed(set, start, begun, kept, &point) < -rounding;
-            active.push(Active::new(point, NONE, None));
+            active.push(ActiveContact::new(point, NONE, None));
         });
         is_below
     }
@@ -105,7 +105,7 @@ impl ContactImpulses {
         let Self { set, lifts: problem, start, placement, active, begun, .. } = self;
         let mut has_to_move = false;
         problem.clear();
-        for Active { point, .. } in &*active {
+        for ActiveContact { point, .. } in &*active {
             let gap = point.gap - allowed(set, start, begun, kept, point);
             let row = problem.push(HALF_LINE, 1, set.coordinates(point).iter().copied());
             let (support, entries) = problem.last();
@@ -165,7 +165,13 @@ impl ContactImpulses {
 }
 
 /// The remaining part of a penetration at the start of the step, which is allowed.
-fn allowed(set: &ContactSet, start: &Placement, begun: &[Begun], kept: f64, point: &TouchingPoint) -> f64 {
+fn allowed(
+    set: &ContactSet,
+    start: &Placement,
+    begun: &[InitialContact],
+    kept: f64,
+    point: &TouchingPoint,
+) -> f64 {
     let known = begun.binary_search_by_key(&point.number, |begun| begun.number);
     let before = known.map_or_else(|_| set.point(start, point.number).gap, |known| begun[known].gap);
     kept * before.min(0.0)

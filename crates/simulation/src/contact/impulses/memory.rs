@@ -11,20 +11,20 @@ use crate::{ContactLaws, ContactSet};
 clone_in_place! {
     /// The memory between steps.
     #[derive(Debug)]
-    pub struct Remembered {
+    pub struct ContactMemory {
         pub(super) laws: ContactLaws,
         /// The contacts of the last step, in increasing order of their numbers.
-        pub(super) carried: Vec<Carried>,
+        pub(super) carried: Vec<CarriedForce>,
         /// The impulse on each link in the whole step so far \[N·s\].
         pub(super) impulses: Vec<[f64; 3]>,
         /// The impulse of each contact in the whole step so far, in increasing order of their numbers.
-        pub(super) totals: Vec<Total>,
+        pub(super) totals: Vec<TotalImpulse>,
     }
 }
 
 /// A contact's impulse in all parts of a step, in world axes; after division by the step's length, its force.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Total {
+pub(super) struct TotalImpulse {
     pub(super) number: usize,
     /// One of the trees of the contact.
     pub(super) tree: usize,
@@ -34,11 +34,11 @@ pub(super) struct Total {
     pub(super) angular: Vector3<f64>,
     /// The point of the last part in which it acted, in the world.
     pub(super) point: TouchingPoint,
-    /// As in [`Carried`].
+    /// As in [`CarriedForce`].
     pub(super) seen: Option<TouchingPoint>,
 }
 
-impl Total {
+impl TotalImpulse {
     /// The contact point at the end of the step.
     pub(super) fn point(&self, set: &ContactSet, placement: &Placement) -> TouchingPoint {
         let point = point_of(self.seen.as_ref(), self.number, set, placement);
@@ -62,7 +62,7 @@ fn point_of(
 
 /// A contact's force in the last step: normal, two tangential, then the moments about the same axes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Carried {
+pub(super) struct CarriedForce {
     pub(super) number: usize,
     /// The trees of the contact; [`NONE`](robot_dynamics_core::factorization::sparse::NONE) for the ground.
     pub(super) trees: [usize; 2],
@@ -74,7 +74,7 @@ pub(super) struct Carried {
     pub(super) seen: Option<TouchingPoint>,
 }
 
-impl Carried {
+impl CarriedForce {
     /// One of its trees.
     pub(super) fn tree(&self) -> usize {
         self.trees[0].min(self.trees[1])
@@ -94,7 +94,7 @@ impl Carried {
     }
 }
 
-impl Remembered {
+impl ContactMemory {
     /// An empty memory with space for this number of contacts and links.
     pub fn new(contacts: usize, links: usize) -> Self {
         Self {
@@ -136,12 +136,12 @@ impl Remembered {
     }
 
     /// Adds to a contact's sum. The first `known` sums are in order; new ones follow them.
-    pub(super) fn add_impulse(&mut self, known: usize, new: &Total) {
+    pub(super) fn add_impulse(&mut self, known: usize, new: &TotalImpulse) {
         match self.totals[..known].binary_search_by_key(&new.number, |total| total.number) {
             Ok(at) => {
                 let total = &mut self.totals[at];
                 let (impulse, angular) = (total.impulse + new.impulse, total.angular + new.angular);
-                *total = Total { impulse, angular, ..*new };
+                *total = TotalImpulse { impulse, angular, ..*new };
             }
             Err(_) => self.totals.push(*new),
         }

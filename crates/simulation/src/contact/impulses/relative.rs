@@ -9,12 +9,12 @@ use robot_dynamics_description::Surface;
 
 use super::axes::{along_axes, in_world};
 use super::{ContactImpulses, MOST_ROWS};
-use crate::contact::touching::Touching;
+use crate::contact::contact_shape::ContactShape;
 use crate::contact::touching_point::{ContactPartner, TouchingPoint};
 use crate::contact::{Components, ContactSet};
 use crate::placement::{Placement, Twist};
 
-impl Touching {
+impl ContactShape {
     /// The tree that moves it, or [`NONE`].
     pub(super) fn tree(&self, components: &Components) -> usize {
         self.coordinates.last().map_or(NONE, |coordinate| components.tree_of(*coordinate))

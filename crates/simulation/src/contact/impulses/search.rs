@@ -2,14 +2,14 @@
 
 use robot_dynamics_core::{Model, Workspace};
 
-use super::contact_state::Active;
-use super::contact_state::Near;
+use super::contact_state::ActiveContact;
+use super::contact_state::NearbyPair;
 use super::lift::NEAR;
-use super::memory::Carried;
+use super::memory::CarriedForce;
 use super::{ContactImpulses, lift};
 use crate::contact::ContactSet;
 use crate::contact::components::{Components, Mark};
-use crate::contact::touching::Touching;
+use crate::contact::contact_shape::ContactShape;
 use crate::contact::touching_point::{ContactPartner, TouchingPoint};
 
 /// A touchdown slower than this is not an impact that divides the step \[m/s\].
@@ -65,7 +65,7 @@ impl ContactImpulses {
                     components.set(Mark::Meets, tree.min(other));
                 }
             }
-            active.push(Active::new(point, tree.min(other), known));
+            active.push(ActiveContact::new(point, tree.min(other), known));
         });
         // A contact of the last step stays, even if rounding opens it, so that gaps near 0 do not decide
         // which points are searched.
@@ -80,12 +80,12 @@ impl ContactImpulses {
                     gone.push(*carried);
                 }
             } else if point.gap.is_finite() {
-                active.push(Active::new(point, carried.tree(), Some(index)));
+                active.push(ActiveContact::new(point, carried.tree(), Some(index)));
             } else if !matches!(point.against, ContactPartner::Ground(_)) {
                 gone.push(*carried);
             }
         }
-        for tree in active.iter().map(|active| active.tree).chain(gone.iter().map(Carried::tree)) {
+        for tree in active.iter().map(|active| active.tree).chain(gone.iter().map(CarriedForce::tree)) {
             components.set(Mark::Touched, tree);
         }
     }
@@ -108,13 +108,13 @@ impl ContactImpulses {
             if let ContactPartner::Pair(pair) = point.against {
                 let shapes = set.pairs[pair].shapes;
                 let trees = shapes.map(|shape| set.shapes[shape].tree(components));
-                near.push(Near { trees, gap: point.gap, ways: shapes.map(|shape| way(set, shape)) });
+                near.push(NearbyPair { trees, gap: point.gap, ways: shapes.map(|shape| way(set, shape)) });
             }
         });
         let mut is_done = false;
         while !is_done {
             is_done = true;
-            for Near { trees: [one, other], gap, ways } in &*near {
+            for NearbyPair { trees: [one, other], gap, ways } in &*near {
                 let meets = [one, other].map(|tree| components.has(Mark::Meets, *tree));
                 if meets[0] != meets[1] && *gap <= if meets[0] { ways[0] } else { ways[1] } {
                     is_done &= !components.join(*one, *other);
@@ -141,7 +141,7 @@ impl ContactImpulses {
     }
 
     /// Restores the memory at the start of the step, for the active components only.
-    pub(crate) fn take_back_active(&mut self, begun: &super::Remembered, components: &Components) {
+    pub(crate) fn take_back_active(&mut self, begun: &super::ContactMemory, components: &Components) {
         self.memory.carried.clear();
         let own = begun.carried.iter().filter(|carried| components.is_active(carried.tree()));
         self.memory.carried.extend(own);
@@ -181,7 +181,7 @@ impl ContactImpulses {
             if point.gap < -lift::ROUNDING[1] {
                 crosses |= components.join(tree, other);
             }
-            active.push(Active::new(point, tree.min(other), None));
+            active.push(ActiveContact::new(point, tree.min(other), None));
         });
         crosses
     }
@@ -189,7 +189,7 @@ impl ContactImpulses {
     fn look_at_active(&mut self, components: &Components) {
         let mut active = core::mem::take(&mut self.set.active);
         active.clear();
-        let is_active = |shape: &Touching| components.is_active(shape.tree(components));
+        let is_active = |shape: &ContactShape| components.is_active(shape.tree(components));
         active.extend(self.set.shapes.iter().map(is_active));
         self.set.active = active;
     }

@@ -5,9 +5,9 @@ use robot_dynamics_core::{Model, Workspace};
 
 use super::ContactImpulses;
 use super::axes::along_axes;
-use super::contact_state::Active;
-use super::contact_state::Begun;
-use super::memory::Carried;
+use super::contact_state::ActiveContact;
+use super::contact_state::InitialContact;
+use super::memory::CarriedForce;
 use crate::contact::touching_point::{ContactPartner, TouchingPoint};
 
 /// The fewest points of two links that form a face.
@@ -36,7 +36,7 @@ impl ContactImpulses {
         // Usually both lists have the same order.
         let mut next = 0;
         for carried in &memory.carried {
-            let is_it = |seen: &Active| seen.point.number == carried.number;
+            let is_it = |seen: &ActiveContact| seen.point.number == carried.number;
             let found = was_looked_at.then(|| {
                 let after = active[next..].iter().position(is_it).map(|at| next + at);
                 after.or_else(|| active[..next].iter().position(is_it))
@@ -44,7 +44,9 @@ impl ContactImpulses {
             let seen = found.flatten().map(|at| &active[at]);
             next = found.flatten().map_or(next, |at| at + 1);
             let point = match seen {
-                Some(Active { point, .. }) if matches!(point.against, ContactPartner::Ground(_)) => *point,
+                Some(ActiveContact { point, .. }) if matches!(point.against, ContactPartner::Ground(_)) => {
+                    *point
+                }
                 _ => set.point_after(start, carried.number, &mut met),
             };
             let [mut velocity, mut spin] = [Vector3::zeros(); 2];
@@ -54,7 +56,7 @@ impl ContactImpulses {
                 spin += w * sign;
             }
             let (number, velocity) = (carried.number, along_axes(&point, &velocity, &spin));
-            begun.push(Begun { number, gap: point.gap, velocity });
+            begun.push(InitialContact { number, gap: point.gap, velocity });
         }
     }
 
@@ -81,7 +83,7 @@ impl ContactImpulses {
         let Self { set, problem, placement, wrenches, active, gone, memory, .. } = self;
         wrenches.fill(Default::default());
         let mut is_elsewhere = false;
-        let mut add = |point: &TouchingPoint, carried: &Carried, h: f64| {
+        let mut add = |point: &TouchingPoint, carried: &CarriedForce, h: f64| {
             set.add_wrench(point, &carried.force.map(|force| h * force), wrenches);
             is_elsewhere = true;
         };
@@ -106,7 +108,7 @@ impl ContactImpulses {
         let ContactPartner::Pair(pair) = point.against else { return None };
         let first = self.touching_pairs.partition_point(|other| *other < pair);
         let alike = self.touching_pairs[first..].iter().take_while(|other| **other == pair);
-        (alike.take(FACE).count() == FACE).then(|| Carried::seen(&self.set, &self.placement, point))
+        (alike.take(FACE).count() == FACE).then(|| CarriedForce::seen(&self.set, &self.placement, point))
     }
 
     /// Lists the pair of each contact, for [`seen_on_face`](Self::seen_on_face).

@@ -20,9 +20,9 @@ clone_in_place! {
     pub(super) struct JointRows {
         pub(super) frictions: Vec<Friction>,
         pub(super) limits: Vec<Limit>,
-        pub(super) turns: Vec<Turn>,
+        pub(super) turns: Vec<BallLimit>,
         pub(super) tendons: Vec<TendonLimit>,
-        pub(super) equalities: Vec<Equal>,
+        pub(super) equalities: Vec<PolynomialEquality>,
         pub(super) connections: Vec<Connection>,
         /// Whether the coordinates of each row lie on one path to the root.
         pub(super) keeps_tree: bool,
@@ -55,7 +55,7 @@ pub(super) struct Limit {
 
 /// most − |log q| ≥ 0 of a ball joint.
 #[derive(Clone, Debug)]
-pub(super) struct Turn {
+pub(super) struct BallLimit {
     pub(super) q: usize,
     pub(super) coordinate: usize,
     pub(super) most: f64,
@@ -80,7 +80,7 @@ pub(super) struct TendonLimit {
 
 /// y − y⁰ = Σ cₖ(x − x⁰)ᵏ of joints' positions, each (q, coordinate, reference).
 #[derive(Clone, Debug)]
-pub(super) struct Equal {
+pub(super) struct PolynomialEquality {
     pub(super) joint: (usize, usize, f64),
     pub(super) leader: Option<(usize, usize, f64)>,
     pub(super) polynomial: [f64; 5],
@@ -165,7 +165,7 @@ impl JointRows {
                 let (q, coordinate) = (own.q_index, own.v_index);
                 let (margin, softness) = (softness.margin, softness.limit);
                 let weight = weights.coordinates[coordinate];
-                self.turns.push(Turn { q, coordinate, most, margin, softness, weight });
+                self.turns.push(BallLimit { q, coordinate, most, margin, softness, weight });
             }
         }
     }
@@ -184,7 +184,13 @@ impl JointRows {
                     };
                     let other = leader.map_or(0.0, |leader| weights.coordinates[leader.1]);
                     let weight = weights.coordinates[joint.1] + other;
-                    self.equalities.push(Equal { joint, leader, polynomial: *polynomial, softness, weight });
+                    self.equalities.push(PolynomialEquality {
+                        joint,
+                        leader,
+                        polynomial: *polynomial,
+                        softness,
+                        weight,
+                    });
                 }
                 Equality::Connect { a: (a, _), b: (b, _) } | Equality::Weld { a, b, .. } => {
                     let sides = ["a", "b"].map(|side| model.frame(&equality.frame_name(side)));

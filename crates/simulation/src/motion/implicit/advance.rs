@@ -21,7 +21,7 @@ pub(super) enum ImpactPolicy {
 
 /// The components that took a step.
 #[derive(Clone, Copy, PartialEq)]
-enum Advanced {
+enum AdvancedComponents {
     /// All that were active.
     All,
     /// The components without an impact, which alone remain active.
@@ -53,10 +53,10 @@ impl ImplicitIntegrator {
             || self.impulses.acts()
             || self.contacts.is_some()
             || self.equalities.is_some();
-        let (mut advanced, mut is_written) = (Advanced::All, false);
+        let (mut advanced, mut is_written) = (AdvancedComponents::All, false);
         if may_act {
             advanced = self.find_impacts(model, workspace, h, q, impacts);
-            if advanced == Advanced::None {
+            if advanced == AdvancedComponents::None {
                 return Ok(false);
             }
             is_written = self.solve_impulses(model, workspace, h, (q, v))?;
@@ -76,7 +76,7 @@ impl ImplicitIntegrator {
             return Err(IntegratorError::Interrupted);
         }
         copy_active(model, components, (q1, v1), (q, v));
-        Ok(advanced == Advanced::All)
+        Ok(advanced == AdvancedComponents::All)
     }
 
     /// Finds the contacts at the end of the smooth part of a step from q. With `RejectStep`, excludes the
@@ -88,7 +88,7 @@ impl ImplicitIntegrator {
         h: f64,
         q: &[f64],
         impacts: ImpactPolicy,
-    ) -> Advanced {
+    ) -> AdvancedComponents {
         let Self { joints, impulses, contacts, components, memory, .. } = self;
         let q1 = &mut memory.stage_q;
         integrate(model, q, &memory.displacement, q1);
@@ -96,25 +96,25 @@ impl ImplicitIntegrator {
             contacts.find(model, workspace, (h, f64::from(PARTS)), q1, components);
         }
         if impacts == ImpactPolicy::AcceptStep {
-            return Advanced::All;
+            return AdvancedComponents::All;
         }
         for stop in joints.stops.iter().filter(|stop| impulses.meets(stop, q, q1)) {
             components.set(Mark::Meets, components.tree_of_row(&joints.rows[stop.row]));
         }
         if !components.has_any(Mark::Meets) {
-            return Advanced::All;
+            return AdvancedComponents::All;
         }
         if let Some(contacts) = contacts.as_mut().filter(|_| !components.is_one()) {
             contacts.join_near(model, components);
         }
         if !components.activate_marked(Mark::Meets, false) {
             components.activate_all();
-            return Advanced::None;
+            return AdvancedComponents::None;
         }
         if let Some(contacts) = contacts {
             contacts.leave_inactive(components);
         }
-        Advanced::WithoutImpacts
+        AdvancedComponents::WithoutImpacts
     }
 
     /// Solves for the impulses of friction, stops, equalities and contacts, applies them to the end of the

@@ -40,7 +40,7 @@ clone_in_place! {
         active: Vec<usize>,
         /// φ of each row at the start of the step, or 0 if it is negligible.
         start: Vec<f64>,
-        memory: Remembered,
+        memory: EqualityMemory,
         /// λ of a trial.
         found: Vec<f64>,
         /// E and E M̂⁻¹ with E M̂⁻¹Eᵀ = 1, row by row of the enforced rows.
@@ -54,7 +54,7 @@ clone_in_place! {
 clone_in_place! {
     /// The state that one step passes to the next.
     #[derive(Debug)]
-    pub struct Remembered {
+    pub struct EqualityMemory {
         /// λ of the last step without impacts \[N or N·m\].
         carried: Vec<f64>,
         /// The impulses of the whole step so far \[N·s or N·m·s\].
@@ -64,7 +64,7 @@ clone_in_place! {
     }
 }
 
-impl Remembered {
+impl EqualityMemory {
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.carried.copy_from_slice(&other.carried);
         self.impulses.copy_from_slice(&other.impulses);
@@ -90,7 +90,7 @@ impl Equalities {
             names,
             active: Vec::with_capacity(count),
             start: vec![0.0; count],
-            memory: Remembered { carried: vec![0.0; count], impulses: vec![0.0; count], is_begun: false },
+            memory: EqualityMemory { carried: vec![0.0; count], impulses: vec![0.0; count], is_begun: false },
             found: vec![0.0; count],
             forces: Vec::with_capacity(count * nv),
             responses: Vec::with_capacity(count * nv),
@@ -99,7 +99,7 @@ impl Equalities {
         }
     }
 
-    pub(super) fn memory(&mut self) -> &mut Remembered {
+    pub(super) fn memory(&mut self) -> &mut EqualityMemory {
         &mut self.memory
     }
 
@@ -238,7 +238,7 @@ impl Equalities {
     ) {
         let Self { rows, active, memory, .. } = self;
         let tree_of = |row: usize| components.tree_of_row(&rows.rows()[row].terms);
-        let Remembered { carried, impulses, .. } = memory;
+        let EqualityMemory { carried, impulses, .. } = memory;
         let mut next = 0;
         for (i, (impulse, carried)) in impulses.iter_mut().zip(carried.iter_mut()).enumerate() {
             if !components.is_active(tree_of(i)) {
@@ -261,7 +261,7 @@ impl Equalities {
     }
 
     /// Restores the stored state at the start of a step, for the active trees.
-    pub(super) fn take_back_active(&mut self, begun: &Remembered, components: &Components) {
+    pub(super) fn take_back_active(&mut self, begun: &EqualityMemory, components: &Components) {
         let Self { rows, memory, .. } = self;
         for (i, row) in rows.rows().iter().enumerate() {
             if components.is_active(components.tree_of_row(&row.terms)) {

@@ -51,9 +51,9 @@ clone_in_place! {
         /// The multipliers of the rows in the contact problem.
         beside: Vec<f64>,
         column: Vec<f64>,
-        memory: Remembered,
+        memory: ImpulseMemory,
         /// The stops of every row that the step meets.
-        met: Vec<Met>,
+        met: Vec<RowStops>,
         /// For each row, whether it was on a stop at the start of the step.
         pressed: Vec<bool>,
         /// For each row, the velocity of its return to a stop.
@@ -65,7 +65,7 @@ clone_in_place! {
 
 /// The stops of a row that a step meets or starts on.
 #[derive(Clone, Copy, Debug, Default)]
-struct Met {
+struct RowStops {
     at_lower: bool,
     at_upper: bool,
     was_on: bool,
@@ -76,7 +76,7 @@ struct Met {
 clone_in_place! {
     /// The state that one step passes to the next.
     #[derive(Debug)]
-    pub struct Remembered {
+    pub struct ImpulseMemory {
         /// Each row's force in the last step without impacts \[N·m or N\].
         carried: Vec<f64>,
         /// The generalized forces of all rows.
@@ -88,7 +88,7 @@ clone_in_place! {
     }
 }
 
-impl Remembered {
+impl ImpulseMemory {
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.carried.copy_from_slice(&other.carried);
         self.forces.copy_from_slice(&other.forces);
@@ -112,7 +112,7 @@ impl Impulses {
             beside: Vec::with_capacity(most),
             column: vec![0.0; model.nv],
             met: Vec::with_capacity(most),
-            memory: Remembered {
+            memory: ImpulseMemory {
                 carried: vec![0.0; most],
                 forces: vec![0.0; model.nv],
                 held: vec![0.0; most],
@@ -141,7 +141,7 @@ impl Impulses {
     }
 
     /// The state that one step passes to the next.
-    pub(super) fn memory(&mut self) -> &mut Remembered {
+    pub(super) fn memory(&mut self) -> &mut ImpulseMemory {
         &mut self.memory
     }
 
@@ -183,7 +183,7 @@ impl Impulses {
             }
         }
         self.met.clear();
-        self.met.resize(self.memory.carried.len(), Met::default());
+        self.met.resize(self.memory.carried.len(), RowStops::default());
         for stop in stops {
             let (gap, met) = (stop.gap(q0), &mut self.met[stop.row]);
             let is_on = is_on_at(stop, &self.memory.held, gap);
@@ -322,8 +322,8 @@ impl Impulses {
     }
 
     /// Restores the stored state at the start of a step, for the active trees.
-    pub(super) fn take_back_active(&mut self, begun: &Remembered, components: &Components) {
-        let Remembered { carried, forces, held, stopped } = &mut self.memory;
+    pub(super) fn take_back_active(&mut self, begun: &ImpulseMemory, components: &Components) {
+        let ImpulseMemory { carried, forces, held, stopped } = &mut self.memory;
         for (row, terms) in self.terms[..self.own].iter().enumerate() {
             if components.is_active(components.tree_of_row(terms)) {
                 carried[row] = begun.carried[row];

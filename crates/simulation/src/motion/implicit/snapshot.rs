@@ -16,14 +16,14 @@ clone_in_place! {
         pub(super) fastest: Vec<f64>,
         /// Whether a stop or contact was met or corrected since then, for each tree.
         pub(super) is_rough: Vec<bool>,
-        pub(super) impulses: impulses::Remembered,
+        pub(super) impulses: impulses::ImpulseMemory,
         pub(super) contacts: Option<ContactMemory>,
-        pub(super) equalities: Option<equalities::Remembered>,
+        pub(super) equalities: Option<equalities::EqualityMemory>,
     }
 }
 
 impl StepSnapshot {
-    pub(super) fn new(model: &Model, trees: usize, impulses: impulses::Remembered) -> Self {
+    pub(super) fn new(model: &Model, trees: usize, impulses: impulses::ImpulseMemory) -> Self {
         Self {
             q: vec![0.0; model.nq],
             v: vec![0.0; model.nv],

@@ -12,7 +12,7 @@ use super::vectors::{scale, start_from, sum_stages};
 use super::workspace::StepWorkspace;
 
 /// The system that the stages integrate.
-pub trait Motion<S: Scalar> {
+pub trait StageSystem<S: Scalar> {
     /// The error of an acceleration.
     type Error;
 
@@ -34,7 +34,7 @@ pub fn explicit_names() -> String {
 /// with quaternions these are the methods of Munthe-Kaas, with stages in exponential coordinates Θ. **(HLW
 /// §IV.8)**
 #[inline(always)]
-pub fn explicit_step<S: Scalar, M: Motion<S>>(
+pub fn explicit_step<S: Scalar, M: StageSystem<S>>(
     model: &Model,
     stages: &[Stage],
     motion: &mut M,
@@ -83,7 +83,7 @@ pub fn explicit_step<S: Scalar, M: Motion<S>>(
 }
 
 /// A tree under constant forces.
-struct Free<'a> {
+struct TreeUnderForces<'a> {
     model: &'a Model,
     workspace: &'a mut Workspace,
     /// τ − b(v).
@@ -91,7 +91,7 @@ struct Free<'a> {
     forces: &'a StepForces<'a>,
 }
 
-impl Motion<f64> for Free<'_> {
+impl StageSystem<f64> for TreeUnderForces<'_> {
     type Error = IntegratorError;
 
     fn move_along(&self, q: &[f64], displacement: &[f64], moved: &mut [f64]) {
@@ -126,7 +126,7 @@ pub(super) fn step(
             return Ok(());
         }
     }
-    let mut motion = Free { model, workspace: dynamics, force, forces };
+    let mut motion = TreeUnderForces { model, workspace: dynamics, force, forces };
     advance(model, stages, &mut motion, h, &mut memory, (q, v))
 }
 
@@ -134,7 +134,7 @@ pub(super) fn step(
 pub fn advance(
     model: &Model,
     stages: &[Stage],
-    motion: &mut impl Motion<f64, Error = IntegratorError>,
+    motion: &mut impl StageSystem<f64, Error = IntegratorError>,
     h: f64,
     memory: &mut StageMemory<'_, f64>,
     (q, v): (&mut [f64], &mut [f64]),

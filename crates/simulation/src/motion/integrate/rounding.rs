@@ -3,7 +3,7 @@
 use robot_dynamics_core::algorithms::mass_matrix::{CompositeBodies, Entries};
 use robot_dynamics_core::configuration::manifold::coordinate_ranges;
 use robot_dynamics_core::joint::Chart;
-use robot_dynamics_core::workspace::buffers::Dense;
+use robot_dynamics_core::workspace::buffers::DenseBuffers;
 use robot_dynamics_core::workspace::compiled_once::run;
 use robot_dynamics_core::{Model, Workspace};
 
@@ -44,7 +44,7 @@ pub fn is_rounding(model: &Model, workspace: &mut StepWorkspace, h: f64) -> bool
         dynamics, q, v, q_start, p_start, slope, gravity, held, residual, displacement, ..
     } = workspace;
     dynamics.allocate_matrices(model);
-    let Workspace { tree, dense: Dense { matrix: mass, .. }, .. } = dynamics;
+    let Workspace { tree, dense: DenseBuffers { matrix: mass, .. }, .. } = dynamics;
     run(tree, CompositeBodies { model, q, mass, entries: Entries::All });
     for (k, (terms, row)) in displacement.iter_mut().zip(mass.chunks_exact(model.nv)).enumerate() {
         let momentum: f64 = row.iter().zip(&*v).map(|(m, v)| (m * v).abs()).sum();

@@ -8,7 +8,7 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::Stage;
 use robot_dynamics_number::Scalar;
 
-use super::explicit::{Motion, explicit_step};
+use super::explicit::{StageSystem, explicit_step};
 use super::forces::{StepForces, net_force};
 use super::stage_memory::{StageMemory, most_stages};
 
@@ -37,7 +37,7 @@ impl<S: Scalar> StepStagesWorkspace<S> {
 }
 
 /// A tree under constant forces.
-struct Held<'a, S: Scalar> {
+struct TreeUnderForces<'a, S: Scalar> {
     model: &'a Model,
     workspace: &'a mut Workspace<S>,
     /// τ − b(v).
@@ -45,7 +45,7 @@ struct Held<'a, S: Scalar> {
     forces: &'a StepForces<'a, S>,
 }
 
-impl<S: Scalar> Motion<S> for Held<'_, S> {
+impl<S: Scalar> StageSystem<S> for TreeUnderForces<'_, S> {
     type Error = Infallible;
 
     fn move_along(&self, q: &[S], displacement: &[S], moved: &mut [S]) {
@@ -109,7 +109,7 @@ pub fn step_stages<S: Scalar>(
     let (count, most) = (stages.len(), most_stages());
     assert!(count <= most, "the method has {count} stages, at most {most} are taken");
     let mut memory = StageMemory::new(model, count, memory);
-    let mut motion = Held { model, workspace: dynamics, force, forces };
+    let mut motion = TreeUnderForces { model, workspace: dynamics, force, forces };
     let Ok(()) = explicit_step(model, stages, &mut motion, h, &mut memory, (q, v));
     q_next.copy_from_slice(memory.q);
     v_next.copy_from_slice(memory.v);

@@ -5,7 +5,7 @@ use robot_dynamics_integrators::Stage;
 use robot_dynamics_number::Scalar;
 
 use super::rollout::Rollout;
-use super::stages::{Accelerations, Held, PullbackMemory, pull_back_step};
+use super::stages::{Accelerations, PullbackMemory, PullbackTree, pull_back_step};
 use crate::motion::integrate::explicit::explicit_step;
 use crate::motion::integrate::stage_memory::StageMemory;
 
@@ -76,7 +76,7 @@ pub fn pull_back<S: Scalar, A: Accelerations<S>, C: RolloutInputs<S>>(
     let (first_q, first_v) = memory.stretch[..state].split_at_mut(model.nq);
     first_q.copy_from_slice(q);
     first_v.copy_from_slice(v);
-    let mut way = Way { model, rollout, stages, h, accelerations };
+    let mut way = RolloutSetup { model, rollout, stages, h, accelerations };
     // Forward: the first state of each segment.
     let coordinate_ranges = steps.div_ceil(spacing);
     for stretch in 0..coordinate_ranges {
@@ -112,7 +112,7 @@ pub fn pull_back<S: Scalar, A: Accelerations<S>, C: RolloutInputs<S>>(
 }
 
 /// The data that all steps of a rollout share.
-struct Way<'a, A, S> {
+struct RolloutSetup<'a, A, S> {
     model: &'a Model,
     rollout: &'a Rollout,
     stages: &'a [Stage],
@@ -120,7 +120,7 @@ struct Way<'a, A, S> {
     accelerations: &'a mut A,
 }
 
-impl<S: Scalar, A: Accelerations<S>> Way<'_, A, S> {
+impl<S: Scalar, A: Accelerations<S>> RolloutSetup<'_, A, S> {
     /// Advances from one state of the segment to another, possibly in the same memory.
     #[inline(always)]
     fn advance<C: RolloutInputs<S>>(
@@ -134,7 +134,7 @@ impl<S: Scalar, A: Accelerations<S>> Way<'_, A, S> {
         let Memory { stages: numbers, stretch, accelerations, tau, scratch, by_force, .. } = memory;
         let [force, acceleration, other] = scratch;
         course.torque(step, tau);
-        let mut held = Held {
+        let mut held = PullbackTree {
             model,
             accelerations: &mut *self.accelerations,
             dissipation: self.rollout.dissipation,
@@ -181,7 +181,7 @@ impl<S: Scalar, A: Accelerations<S>> Way<'_, A, S> {
         }
         let cotangents = (by_q, by_v);
         by_force.fill(S::zero());
-        let mut held = Held {
+        let mut held = PullbackTree {
             model,
             accelerations: &mut *self.accelerations,
             dissipation: self.rollout.dissipation,

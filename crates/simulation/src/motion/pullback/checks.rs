@@ -12,9 +12,9 @@ impl<'a> TypeFamily for Numbers<'a> {
 }
 
 /// A workspace and a configuration.
-struct At<'a>(core::marker::PhantomData<&'a ()>);
+struct PositionInputs<'a>(core::marker::PhantomData<&'a ()>);
 
-impl<'a> TypeFamily for At<'a> {
+impl<'a> TypeFamily for PositionInputs<'a> {
     type Over<S: Scalar> = (&'a mut Workspace<S>, &'a [S]);
 }
 
@@ -51,7 +51,7 @@ pub(super) fn check_mass<S: Scalar>(
     workspace: &mut Workspace<S>,
     q: &[S],
 ) -> Result<(), SingularMass> {
-    match S::specialize::<At<'_>>((workspace, q)) {
+    match S::specialize::<PositionInputs<'_>>((workspace, q)) {
         Specialization::F64((workspace, q)) => check_rank(model, workspace, q),
         Specialization::F32(_) | Specialization::Other(_) => Ok(()),
     }

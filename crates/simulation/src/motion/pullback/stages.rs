@@ -26,7 +26,7 @@ use robot_dynamics_core::derivatives::pull_dissipation;
 use robot_dynamics_integrators::Stage;
 use robot_dynamics_number::Scalar;
 
-use crate::motion::integrate::explicit::Motion;
+use crate::motion::integrate::explicit::StageSystem;
 use crate::motion::integrate::vectors::{scale, start_from, sum_stages};
 
 /// Forward dynamics and its pullback, for one state or for several states in lanes.
@@ -35,7 +35,7 @@ pub trait Accelerations<S: Scalar> {
     fn accelerate(&mut self, model: &Model, q: &[S], v: &[S], tau: &[S], a: &mut [S]);
 
     /// Computes the cotangents of q, v and τ from that of a, and adds those of the parameters.
-    fn pull_back(&mut self, model: &Model, at: At<'_, S>, to: Cotangents<'_, S>);
+    fn pull_back(&mut self, model: &Model, at: PullbackPoint<'_, S>, to: Cotangents<'_, S>);
 
     /// The pullback of a whole step of h from q and v under τ by machine code. It transforms the cotangents
     /// of the step's end in place, and writes that of τ. Returns whether such code exists. It does not
@@ -53,7 +53,7 @@ pub trait Accelerations<S: Scalar> {
 }
 
 /// The state at which forward dynamics is pulled back, and the cotangent of a.
-pub struct At<'a, S> {
+pub struct PullbackPoint<'a, S> {
     pub q: &'a [S],
     pub v: &'a [S],
     pub tau: &'a [S],
@@ -70,7 +70,7 @@ pub struct Cotangents<'a, S> {
 }
 
 /// A tree under forces that are constant over a step.
-pub struct Held<'a, S, A> {
+pub struct PullbackTree<'a, S, A> {
     pub model: &'a Model,
     pub accelerations: &'a mut A,
     pub dissipation: bool,
@@ -84,7 +84,7 @@ pub struct Held<'a, S, A> {
     pub parameters: &'a mut [S],
 }
 
-impl<S: Scalar, A> Held<'_, S, A> {
+impl<S: Scalar, A> PullbackTree<'_, S, A> {
     /// τ − b(v).
     #[inline(always)]
     fn net_force(&mut self, v: &[S]) {
@@ -100,7 +100,7 @@ impl<S: Scalar, A> Held<'_, S, A> {
     }
 }
 
-impl<S: Scalar, A: Accelerations<S>> Motion<S> for Held<'_, S, A> {
+impl<S: Scalar, A: Accelerations<S>> StageSystem<S> for PullbackTree<'_, S, A> {
     type Error = Infallible;
 
     #[inline(always)]
@@ -116,7 +116,7 @@ impl<S: Scalar, A: Accelerations<S>> Motion<S> for Held<'_, S, A> {
     }
 }
 
-impl<S: Scalar, A: Accelerations<S>> Held<'_, S, A> {
+impl<S: Scalar, A: Accelerations<S>> PullbackTree<'_, S, A> {
     /// The cotangents of q and v from that of v̇; those of τ and of the parameters are accumulated.
     #[inline(always)]
     fn pull_back(
@@ -131,7 +131,7 @@ impl<S: Scalar, A: Accelerations<S>> Held<'_, S, A> {
         let parameters = &mut *self.parameters;
         accelerations.pull_back(
             model,
-            At { q, v, tau: force, cotangent },
+            PullbackPoint { q, v, tau: force, cotangent },
             Cotangents { acceleration, by_position, by_velocity, by_force: by_stage_force, parameters },
         );
         if self.dissipation {
@@ -205,7 +205,7 @@ impl<'a, S> PullbackMemory<'a, S> {
 pub fn pull_back_step<S: Scalar, A: Accelerations<S>>(
     model: &Model,
     stages: &[Stage],
-    motion: &mut Held<'_, S, A>,
+    motion: &mut PullbackTree<'_, S, A>,
     h: S,
     memory: &mut PullbackMemory<'_, S>,
     (q, v, known): (&[S], &[S], &[S]),
@@ -273,7 +273,7 @@ pub fn pull_back_step<S: Scalar, A: Accelerations<S>>(
 fn run_stages<S: Scalar, A: Accelerations<S>>(
     model: &Model,
     stages: &[Stage],
-    motion: &mut Held<'_, S, A>,
+    motion: &mut PullbackTree<'_, S, A>,
     h: S,
     memory: &mut PullbackMemory<'_, S>,
     (q, v, known): (&[S], &[S], &[S]),

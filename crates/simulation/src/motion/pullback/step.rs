@@ -12,7 +12,9 @@ use robot_dynamics_number::Scalar;
 
 use super::checks::{check_floats, check_given, check_mass};
 use super::cotangents::MotionCotangents;
-use super::stages::{Accelerations, At, Cotangents, Held, PullbackMemory, add, pull_back_step};
+use super::stages::{
+    Accelerations, Cotangents, PullbackMemory, PullbackPoint, PullbackTree, add, pull_back_step,
+};
 use crate::StepForces;
 use crate::motion::integrate::check_step;
 use crate::motion::integrate::stage_memory::most_stages;
@@ -90,8 +92,8 @@ impl<S: Scalar> Accelerations<S> for OneState<'_, S> {
         is_computed
     }
 
-    fn pull_back(&mut self, model: &Model, at: At<'_, S>, to: Cotangents<'_, S>) {
-        let At { q, v, tau, cotangent } = at;
+    fn pull_back(&mut self, model: &Model, at: PullbackPoint<'_, S>, to: Cotangents<'_, S>) {
+        let PullbackPoint { q, v, tau, cotangent } = at;
         let Cotangents { acceleration, by_position, by_velocity, by_force, parameters } = to;
         let out = ForwardPullbackMut { acceleration, by_position, by_velocity, by_force, parameters };
         forward_dynamics_pullback_with_parameters(
@@ -197,7 +199,7 @@ pub fn step_pullback<S: Scalar>(
         && accelerations.pull_back_natively(model, at, S::from_f64(h), cotangents, &mut w.by_force);
     if !is_computed {
         w.by_force.fill(S::zero());
-        let mut motion = Held {
+        let mut motion = PullbackTree {
             model,
             accelerations,
             dissipation: forces.dissipation,

@@ -9,7 +9,7 @@ use super::gains::{add_actuation_gains, add_passive_gains};
 use super::ledger::end_energies;
 use super::{StepError, Stepper};
 use crate::motion::drive::ActuatorLoad;
-use crate::motion::integrate::explicit::{Motion, advance};
+use crate::motion::integrate::explicit::{StageSystem, advance};
 use crate::motion::integrate::stage_memory::StageMemory;
 use crate::motion::integrate::{accelerate, check_step};
 use crate::{Actuation, ActuationWorkspace, StateTransition, StepForces, StepWorkspace};
@@ -192,7 +192,7 @@ struct ActuatedTree<'a, T> {
     dissipation: bool,
 }
 
-impl<T: Iterator<Item = f64>> Motion<f64> for ActuatedTree<'_, T> {
+impl<T: Iterator<Item = f64>> StageSystem<f64> for ActuatedTree<'_, T> {
     type Error = IntegratorError;
 
     fn move_along(&self, q: &[f64], displacement: &[f64], moved: &mut [f64]) {

@@ -23,8 +23,8 @@ use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::{EnergyLedger, IntegratorError};
 
-use self::motion::{Motion, MotionFailure};
-use self::stepper::{Advance, StepSequence};
+use self::motion::{AdaptiveSystem, MotionFailure};
+use self::stepper::{AdvanceResult, StepSequence};
 use super::{StepError, Stepper};
 use crate::{Actuation, StateTransition, StepForces, StepWorkspace};
 
@@ -140,16 +140,16 @@ impl Stepper for AdaptiveStepper {
         check_length("v", v.len(), model.nv());
         self.choose(model, &mut workspace.dynamics, (q, v), forces.dissipation);
         let applied = ExternalInputs { driven: self.driven_from(0.0), ..ExternalInputs::held(forces.tau) };
-        let motion = Motion::new(model, forces.dissipation, self.energy, applied);
+        let motion = AdaptiveSystem::new(model, forces.dissipation, self.energy, applied);
         let y = [&*q, &*v, &[0.0, 0.0]].concat();
         let mut steps =
             StepSequence::start(self.record.method, &self.options, self.wanted, &motion, (0.0, h), &y)
                 .map_err(MotionFailure::of_step)?;
         let moved = loop {
             match steps.advance(&motion, h, self.interrupt.as_deref()) {
-                Ok(Advance::Moved) if steps.t >= h => break Ok(()),
-                Ok(Advance::Moved) => self.note_quaternions(model, steps.y()),
-                Ok(Advance::Interrupted) => break Err(IntegratorError::Interrupted.into()),
+                Ok(AdvanceResult::Moved) if steps.t >= h => break Ok(()),
+                Ok(AdvanceResult::Moved) => self.note_quaternions(model, steps.y()),
+                Ok(AdvanceResult::Interrupted) => break Err(IntegratorError::Interrupted.into()),
                 Err(failure) => break Err(failure.of_step()),
             }
         };

@@ -10,8 +10,8 @@ use super::super::event::EventDetector;
 use super::super::ledger::fastest;
 use super::super::results::Observer;
 use super::super::{Controller, Run, RunError, StepError, Stepper};
-use super::motion::{ExternalInputs, Motion, MotionFailure};
-use super::stepper::{Advance, StepSequence};
+use super::motion::{ExternalInputs, AdaptiveSystem, MotionFailure};
+use super::stepper::{AdvanceResult, StepSequence};
 use super::{AdaptiveStepper, ControlTiming};
 
 /// An adaptive run. Its samples lie on a uniform grid; the steps between them are as long as the tolerance
@@ -48,7 +48,7 @@ impl AdaptiveRun<'_, '_> {
         let (start, end) = (self.run.time, time_of(instants));
         self.check_mass(start, &self.run.q.clone())?;
         self.stepper.choose(model, self.workspace, (&self.run.q, &self.run.v), self.dissipation);
-        let motion = Motion::new(model, self.dissipation, self.stepper.energy, applied);
+        let motion = AdaptiveSystem::new(model, self.dissipation, self.stepper.energy, applied);
         let mut held = None;
         if let ControlTiming::Held { period } = self.stepper.options.control
             && let Some(controller) = motion.take_controller()
@@ -91,7 +91,7 @@ impl AdaptiveRun<'_, '_> {
     fn take_steps(
         &mut self,
         steps: &mut StepSequence,
-        motion: &Motion<'_, '_>,
+        motion: &AdaptiveSystem<'_, '_>,
         mut held: Option<HeldControl<'_>>,
         mut grid: SampleGrid<'_>,
         (watch, samples): (&mut EventDetector<'_, '_>, &mut Samples),
@@ -124,12 +124,12 @@ impl AdaptiveRun<'_, '_> {
         &mut self,
         target: f64,
         steps: &mut StepSequence,
-        motion: &Motion<'_, '_>,
+        motion: &AdaptiveSystem<'_, '_>,
         samples: &mut Samples,
     ) -> Result<ControlFlow<()>, RunError> {
         match steps.advance(motion, target, self.stepper.interrupt.as_deref()) {
-            Ok(Advance::Moved) => {}
-            Ok(Advance::Interrupted) => {
+            Ok(AdvanceResult::Moved) => {}
+            Ok(AdvanceResult::Interrupted) => {
                 self.sample_rest(steps, motion, samples);
                 self.run.interrupted = true;
                 return Ok(ControlFlow::Break(()));
@@ -167,7 +167,7 @@ impl AdaptiveRun<'_, '_> {
     fn record_step(
         &mut self,
         steps: &mut StepSequence,
-        motion: &Motion<'_, '_>,
+        motion: &AdaptiveSystem<'_, '_>,
         grid: &mut SampleGrid<'_>,
         (watch, samples): (&mut EventDetector<'_, '_>, &mut Samples),
     ) -> Result<ControlFlow<()>, RunError> {
@@ -214,7 +214,7 @@ impl AdaptiveRun<'_, '_> {
     }
 
     /// Adds a last sample at the current state, if it is later than the sample before.
-    fn sample_rest(&mut self, steps: &StepSequence, motion: &Motion<'_, '_>, samples: &mut Samples) {
+    fn sample_rest(&mut self, steps: &StepSequence, motion: &AdaptiveSystem<'_, '_>, samples: &mut Samples) {
         if steps.t > self.run.time {
             let _ = self.sample(motion, samples, (samples.seen + 1, steps.t), steps.y(), true);
         }
@@ -227,7 +227,7 @@ impl AdaptiveRun<'_, '_> {
     /// [`RunError::NotFinite`] if the energy is not finite; nothing is recorded then.
     fn sample(
         &mut self,
-        motion: &Motion<'_, '_>,
+        motion: &AdaptiveSystem<'_, '_>,
         samples: &mut Samples,
         (instant, time): (usize, f64),
         y: &[f64],
@@ -358,7 +358,7 @@ impl HeldControl<'_> {
     /// of the last sample, for errors.
     fn update(
         &mut self,
-        motion: &Motion<'_, '_>,
+        motion: &AdaptiveSystem<'_, '_>,
         model: &Model,
         step: usize,
         (q, v): (&[f64], &[f64]),

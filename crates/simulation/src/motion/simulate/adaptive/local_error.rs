@@ -2,7 +2,7 @@
 
 use differential_equations::prelude::ODE;
 
-use super::motion::Motion;
+use super::motion::AdaptiveSystem;
 
 /// The coordinate with the largest error over a step of `h`, weighted as in the step control: |error| / (1 +
 /// |y|).
@@ -10,7 +10,7 @@ use super::motion::Motion;
 /// The method does not expose the errors of its steps. The estimate here compares one step of the classical
 /// Runge–Kutta method of order 4 with two half steps. It is largest where the motion is fastest, for any
 /// method. An entry that is not finite counts as infinite.
-pub(super) fn least_accurate(motion: &Motion<'_, '_>, t: f64, y: &[f64], h: f64) -> String {
+pub(super) fn least_accurate(motion: &AdaptiveSystem<'_, '_>, t: f64, y: &[f64], h: f64) -> String {
     let whole = step(motion, t, y, h);
     let half = step(motion, t, y, 0.5 * h);
     let halves = step(motion, t + 0.5 * h, &half, 0.5 * h);
@@ -34,7 +34,7 @@ pub(super) fn least_accurate(motion: &Motion<'_, '_>, t: f64, y: &[f64], h: f64)
 }
 
 /// One classical Runge–Kutta step.
-fn step(motion: &Motion<'_, '_>, t: f64, y: &[f64], h: f64) -> Vec<f64> {
+fn step(motion: &AdaptiveSystem<'_, '_>, t: f64, y: &[f64], h: f64) -> Vec<f64> {
     let at = |slope: &[f64], fraction: f64| -> Vec<f64> {
         y.iter().zip(slope).map(|(y, slope)| y + fraction * h * slope).collect()
     };

@@ -5,7 +5,7 @@ use differential_equations::ode::OrdinaryNumericalMethod;
 use differential_equations::prelude::{Interpolation, Status};
 use robot_dynamics_core::{Model, Workspace, inverse_mass_matrix};
 
-use super::motion::Motion;
+use super::motion::AdaptiveSystem;
 
 /// Threshold of max D_kk (M⁻¹)_kk above which implicit steps are chosen \[1/s\]. Explicit steps of order 9
 /// are stable up to about 4/rate. Below half a millisecond they cost more in total than implicit steps.
@@ -86,9 +86,9 @@ fn fastest_damping(model: &Model, workspace: &mut Workspace, q: &[f64]) -> f64 {
 #[allow(clippy::ptr_arg)] // the state type of the methods
 pub(super) trait Steps {
     /// Starts at y(t); returns false if the rate is not finite.
-    fn begin(&mut self, motion: &Motion<'_, '_>, t: f64, end: f64, y: &Vec<f64>) -> bool;
+    fn begin(&mut self, motion: &AdaptiveSystem<'_, '_>, t: f64, end: f64, y: &Vec<f64>) -> bool;
     /// Attempts a step of h; returns false if the method fails.
-    fn step(&mut self, motion: &Motion<'_, '_>, h: f64) -> bool;
+    fn step(&mut self, motion: &AdaptiveSystem<'_, '_>, h: f64) -> bool;
     /// Whether the last step was rejected.
     fn is_rejected(&self) -> bool;
     /// The proposed next step \[s\].
@@ -104,11 +104,11 @@ pub(super) trait Steps {
 }
 
 impl<M: OrdinaryNumericalMethod<f64, Vec<f64>> + Interpolation<f64, Vec<f64>>> Steps for M {
-    fn begin(&mut self, motion: &Motion<'_, '_>, t: f64, end: f64, y: &Vec<f64>) -> bool {
+    fn begin(&mut self, motion: &AdaptiveSystem<'_, '_>, t: f64, end: f64, y: &Vec<f64>) -> bool {
         self.init(motion, t, end, y).is_ok()
     }
 
-    fn step(&mut self, motion: &Motion<'_, '_>, h: f64) -> bool {
+    fn step(&mut self, motion: &AdaptiveSystem<'_, '_>, h: f64) -> bool {
         self.set_h(h);
         OrdinaryNumericalMethod::step(self, motion).is_ok()
     }

@@ -17,7 +17,7 @@ use crate::{Actuation, ActuationWorkspace};
 /// Quaternions in y are four numbers. The equation preserves their length exactly, the steps to their
 /// tolerance. All forces are computed at the unit quaternion, so an error of the length has no effect on the
 /// motion.
-pub(super) struct Motion<'a, 'c> {
+pub(super) struct AdaptiveSystem<'a, 'c> {
     pub model: &'a Model,
     pub dissipation: bool,
     /// The unit of the energy account \[J\]. An implicit step is solved to one absolute error in all entries
@@ -176,7 +176,7 @@ impl MotionFailure {
     }
 }
 
-impl<'a, 'c> Motion<'a, 'c> {
+impl<'a, 'c> AdaptiveSystem<'a, 'c> {
     pub(super) fn new(model: &'a Model, dissipation: bool, energy: f64, applied: ExternalInputs<'c>) -> Self {
         let nothing = vec![0.0; model.nv()];
         let motion = Self {
@@ -278,7 +278,7 @@ impl Scratch<'_> {
     }
 }
 
-impl ODE<f64, Vec<f64>> for Motion<'_, '_> {
+impl ODE<f64, Vec<f64>> for AdaptiveSystem<'_, '_> {
     fn diff(&self, t: f64, y: &Vec<f64>, rate: &mut Vec<f64>) {
         let model = self.model;
         let (nq, nv) = (model.nq(), model.nv());

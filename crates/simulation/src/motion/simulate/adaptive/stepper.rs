@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::super::StepError;
 use super::local_error::least_accurate;
 use super::method::{AdaptiveMethod, Steps};
-use super::motion::{Motion, MotionFailure};
+use super::motion::{AdaptiveSystem, MotionFailure};
 use super::options::AdaptiveOptions;
 use super::statistics::StepStatistics;
 
@@ -30,7 +30,7 @@ pub(super) struct StepSequence {
 
 /// The result of an attempt to advance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Advance {
+pub(super) enum AdvanceResult {
     /// One accepted step.
     Moved,
     /// An interrupt; the state is unchanged.
@@ -43,7 +43,7 @@ impl StepSequence {
         kind: AdaptiveMethod,
         options: &AdaptiveOptions,
         wanted: f64,
-        motion: &Motion<'_, '_>,
+        motion: &AdaptiveSystem<'_, '_>,
         (t, end): (f64, f64),
         y: &[f64],
     ) -> Result<Self, MotionFailure> {
@@ -67,19 +67,19 @@ impl StepSequence {
     }
 
     /// Restarts from the current state after a jump of the forces.
-    pub(super) fn restart(&mut self, motion: &Motion<'_, '_>) -> Result<(), MotionFailure> {
+    pub(super) fn restart(&mut self, motion: &AdaptiveSystem<'_, '_>) -> Result<(), MotionFailure> {
         let y = self.method.y().clone();
         self.restart_from(motion, &y)
     }
 
     #[allow(clippy::ptr_arg)] // as in `begin`
-    fn restart_from(&mut self, motion: &Motion<'_, '_>, y: &Vec<f64>) -> Result<(), MotionFailure> {
+    fn restart_from(&mut self, motion: &AdaptiveSystem<'_, '_>, y: &Vec<f64>) -> Result<(), MotionFailure> {
         self.method = self.kind.start(self.tolerance, self.wanted.min(self.end - self.t));
         self.begin(motion, y)
     }
 
     #[allow(clippy::ptr_arg)] // the state type of the methods
-    fn begin(&mut self, motion: &Motion<'_, '_>, y: &Vec<f64>) -> Result<(), MotionFailure> {
+    fn begin(&mut self, motion: &AdaptiveSystem<'_, '_>, y: &Vec<f64>) -> Result<(), MotionFailure> {
         if self.method.begin(motion, self.t, self.end, y) {
             return Ok(());
         }
@@ -105,13 +105,13 @@ impl StepSequence {
     /// Takes one accepted step, at most to `target`.
     pub(super) fn advance(
         &mut self,
-        motion: &Motion<'_, '_>,
+        motion: &AdaptiveSystem<'_, '_>,
         target: f64,
         interrupt: Option<&AtomicBool>,
-    ) -> Result<Advance, MotionFailure> {
+    ) -> Result<AdvanceResult, MotionFailure> {
         loop {
             if interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed)) {
-                return Ok(Advance::Interrupted);
+                return Ok(AdvanceResult::Interrupted);
             }
             let left = target - self.t;
             // If the remainder after this step would be tiny, halve the distance first.
@@ -163,7 +163,7 @@ impl StepSequence {
             self.wanted = if h < self.wanted { self.method.h().max(self.wanted) } else { self.method.h() };
             self.from = self.t;
             self.t = if lands { target } else { self.method.t() };
-            return Ok(Advance::Moved);
+            return Ok(AdvanceResult::Moved);
         }
     }
 
@@ -178,7 +178,7 @@ impl StepSequence {
     }
 
     /// The cause of a failed step from y: a number that is not finite, or forces that are not smooth.
-    fn failed(&self, motion: &Motion<'_, '_>, y: &[f64]) -> MotionFailure {
+    fn failed(&self, motion: &AdaptiveSystem<'_, '_>, y: &[f64]) -> MotionFailure {
         motion.take_failure().or_else(|| self.failure.clone()).unwrap_or_else(|| {
             let step = self.wanted.min(self.least());
             let coordinate = least_accurate(motion, self.t, y, step);
@@ -205,7 +205,7 @@ mod tests {
         let state = random_state(&model, &mut robot_dynamics_number::SplitMix64::new(7));
         let y: Vec<f64> = [&state.q[..], &state.v, &[0.0, 0.0]].concat();
         let rest = vec![0.0; model.nv()];
-        let motion = Motion::new(&model, false, 1.0, ExternalInputs::held(&rest));
+        let motion = AdaptiveSystem::new(&model, false, 1.0, ExternalInputs::held(&rest));
         let errors = [0.07, 0.05].map(|h| {
             let start = |tolerance, max_steps, end| {
                 let method = AdaptiveMethod::Explicit;

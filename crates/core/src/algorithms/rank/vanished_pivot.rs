@@ -17,7 +17,7 @@ pub(super) const ROUNDINGS: f64 = 16.0;
 const CLEAR: f64 = 1e6;
 
 /// A vanished pivot.
-pub(super) struct Vanished<'a> {
+pub(super) struct VanishedPivot<'a> {
     /// Its coordinate.
     pub index: usize,
     /// dₖ.

@@ -5,12 +5,12 @@ use robot_dynamics_description::Surface;
 
 use super::convex::Convex;
 use super::form::Form;
-use super::placed_shape::Placed;
+use super::placed_shape::PlacedShape;
 use crate::placement::Placement;
 
 /// A shape of a link.
 #[derive(Clone, Debug)]
-pub(super) struct Touching {
+pub(super) struct ContactShape {
     pub(super) name: String,
     pub(super) link: String,
     /// The index of its link among those that can touch the ground.
@@ -36,10 +36,10 @@ pub(super) struct Touching {
     pub(super) first: usize,
 }
 
-impl Touching {
+impl ContactShape {
     /// The shape in the world.
-    pub(super) fn placed(&self, placement: &Placement) -> Placed {
+    pub(super) fn placed(&self, placement: &Placement) -> PlacedShape {
         let (rotation, p) = placement.body(self.body);
-        Placed { center: p + rotation * self.translation, rotation: rotation * self.rotation }
+        PlacedShape { center: p + rotation * self.translation, rotation: rotation * self.rotation }
     }
 }

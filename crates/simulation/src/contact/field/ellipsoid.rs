@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::closest::{mixed, nearest};
+use super::closest_points::{mixed, nearest};
 use super::facets::Facets;
 
 /// The most faces that one ball can be near at once.
@@ -15,7 +15,7 @@ const SAME: f64 = 1e-12;
 ///
 /// Distances are measured in y, where the shape is a ball: they determine exactly whether and where it
 /// touches.
-pub(super) struct Smooth {
+pub(super) struct PlacedEllipsoid {
     pub(super) center: Vector3<f64>,
     /// R.
     pub(super) rotation: Matrix3<f64>,
@@ -25,7 +25,7 @@ pub(super) struct Smooth {
 
 /// The nearest point on one triangle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Near {
+pub(super) struct TrianglePoint {
     pub(super) triangle: usize,
     /// |y|.
     distance: f64,
@@ -37,14 +37,14 @@ pub(super) struct Near {
     on_field: Vector3<f64>,
 }
 
-impl Smooth {
+impl PlacedEllipsoid {
     /// The corners of a triangle in y.
     fn scaled(&self, corners: [Vector3<f64>; 3]) -> [Vector3<f64>; 3] {
         corners.map(|corner| self.rotation.tr_mul(&(corner - self.center)).component_div(&self.half_axes))
     }
 
     /// `None` if the centre is behind the triangle.
-    pub(super) fn near(&self, facets: &Facets, triangle: usize) -> Option<Near> {
+    pub(super) fn near(&self, facets: &Facets, triangle: usize) -> Option<TrianglePoint> {
         let plane = facets.plane(triangle);
         let above = plane.gap(&self.center);
         if above < 0.0 {
@@ -59,7 +59,7 @@ impl Smooth {
         let extent = self.rotation.tr_mul(&plane.normal).component_mul(&self.half_axes).norm();
         let to_plane = above / extent;
         if distance - to_plane <= 0.1 * SAME * (1.0 + to_plane) {
-            return Some(Near { triangle, distance, gap: above - extent, edge: None, on_field });
+            return Some(TrianglePoint { triangle, distance, gap: above - extent, edge: None, on_field });
         }
         // The normal is D⁻¹y; the gap is exact at 0, and everywhere for a ball.
         let slope = y.component_div(&self.half_axes);
@@ -67,19 +67,19 @@ impl Smooth {
         let gap = (distance - 1.0) * distance / size;
         let at = self.center + self.rotation * y.component_mul(&self.half_axes) / distance;
         let normal = self.rotation * slope / -size;
-        Some(Near { triangle, distance, gap, edge: Some([at, normal]), on_field })
+        Some(TrianglePoint { triangle, distance, gap, edge: Some([at, normal]), on_field })
     }
 
     /// The nearest point of each face within this distance \[m\]; the nearest faces first if there are too
     /// many.
-    pub(super) fn near_faces(&self, facets: &Facets, within: f64) -> [Option<Near>; MOST_NEAR] {
-        let mut found = [None::<Near>; MOST_NEAR];
+    pub(super) fn near_faces(&self, facets: &Facets, within: f64) -> [Option<TrianglePoint>; MOST_NEAR] {
+        let mut found = [None::<TrianglePoint>; MOST_NEAR];
         for triangle in facets.within(&self.center, self.half_axes.max() + within) {
             let Some(near) = self.near(facets, triangle).filter(|near| near.gap <= within) else { continue };
             let face = facets.of[triangle];
             let known = found.iter().position(|one| one.is_some_and(|one| facets.of[one.triangle] == face));
             let slot = known.or_else(|| found.iter().position(Option::is_none)).unwrap_or_else(|| {
-                let far = |one: &Option<Near>| one.map_or(f64::INFINITY, |one| one.distance);
+                let far = |one: &Option<TrianglePoint>| one.map_or(f64::INFINITY, |one| one.distance);
                 let farthest = (0..MOST_NEAR).max_by(|&a, &b| far(&found[a]).total_cmp(&far(&found[b])));
                 farthest.unwrap_or(0)
             });
@@ -92,7 +92,7 @@ impl Smooth {
 
     /// Whether no other triangle that contains this point is nearer, even from behind. Among equal ones, the
     /// first face counts.
-    pub(super) fn is_least(&self, facets: &Facets, near: &Near) -> bool {
+    pub(super) fn is_least(&self, facets: &Facets, near: &TrianglePoint) -> bool {
         let face = facets.of[near.triangle];
         facets.within(&near.on_field, facets.rounding).all(|other| {
             if facets.of[other] == face {

@@ -1,26 +1,28 @@
 //! The contact points of two shapes.
 
-use super::closest::{self, Line, Nearest};
+use super::closest_points::{self, ClosestPoints, Line};
 
 /// The most contact points of a pair: of many, the deepest, and the outermost in directions all around.
-pub(super) const MOST_MEETING: usize = 9;
+pub(super) const MOST_PAIR_POINTS: usize = 9;
 
 /// Two shapes in their placements.
 #[allow(clippy::large_enum_variant)] // one at a time, on the stack
-pub(super) enum Meeting {
+pub(super) enum PlacedPair {
     /// Balls and capsules.
     Lines([Line; 2]),
     /// Other shapes: each point, and whether this is its first number.
-    Points([Option<(Nearest, bool)>; MOST_MEETING]),
+    Points([Option<(ClosestPoints, bool)>; MOST_PAIR_POINTS]),
 }
 
-impl Meeting {
+impl PlacedPair {
     /// The possible contact points, with their numbers.
-    pub(super) fn each(&self, mut look: impl FnMut(usize, Nearest)) {
+    pub(super) fn each(&self, mut look: impl FnMut(usize, ClosestPoints)) {
         match self {
             Self::Lines([one, two]) => {
-                for k in (0..closest::MOST_NEAREST).filter(|k| closest::takes_part(one, two, *k)) {
-                    look(k, closest::nearest(one, two, k));
+                for k in
+                    (0..closest_points::MOST_NEAREST).filter(|k| closest_points::takes_part(one, two, *k))
+                {
+                    look(k, closest_points::nearest(one, two, k));
                 }
             }
             Self::Points(points) => {
@@ -34,9 +36,9 @@ impl Meeting {
     }
 
     /// Point k, if there is one.
-    pub(super) fn point(&self, k: usize) -> Option<Nearest> {
+    pub(super) fn point(&self, k: usize) -> Option<ClosestPoints> {
         match self {
-            Self::Lines([one, two]) => Some(closest::nearest(one, two, k)),
+            Self::Lines([one, two]) => Some(closest_points::nearest(one, two, k)),
             Self::Points(points) => points[k].map(|(point, _)| point),
         }
     }

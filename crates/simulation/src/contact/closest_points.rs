@@ -24,7 +24,7 @@ pub(super) struct Line {
 
 /// The nearest points of two surfaces.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Nearest {
+pub(super) struct ClosestPoints {
     /// Negative where they overlap \[m\].
     pub(super) gap: f64,
     /// Half-way between the surfaces.
@@ -78,7 +78,7 @@ pub(super) fn takes_part(one: &Line, two: &Line, k: usize) -> bool {
 }
 
 /// Point k, whether it can be a contact or not.
-pub(super) fn nearest(one: &Line, two: &Line, k: usize) -> Nearest {
+pub(super) fn nearest(one: &Line, two: &Line, k: usize) -> ClosestPoints {
     let (a, b) = match k {
         0 => {
             let [s, t] = crossing(one, two).unwrap_or([0.5; 2]);
@@ -92,7 +92,7 @@ pub(super) fn nearest(one: &Line, two: &Line, k: usize) -> Nearest {
     // If the lines meet: a direction out of both, or any direction.
     let normal = if distance > 0.0 { apart / distance } else { across(one, two) };
     let gap = distance - one.radius - two.radius;
-    Nearest { gap, at: b + normal * (two.radius + 0.5 * gap), normal }
+    ClosestPoints { gap, at: b + normal * (two.radius + 0.5 * gap), normal }
 }
 
 fn across(one: &Line, two: &Line) -> Vector3<f64> {
@@ -134,7 +134,7 @@ mod tests {
             }
             assert!((found - 0.3 - least).abs() < 1e-4, "round {round}: {} for {}", least, found - 0.3);
             for k in 0..MOST_NEAREST {
-                let Nearest { gap, at, normal } = nearest(&one, &two, k);
+                let ClosestPoints { gap, at, normal } = nearest(&one, &two, k);
                 let depth = |line: &Line| (at - line.at(line.share(&at))).norm() - line.radius;
                 // Half of the gap from each surface, and not nearer.
                 assert!((normal.norm() - 1.0).abs() < 1e-12);
