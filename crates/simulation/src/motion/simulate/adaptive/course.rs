@@ -10,7 +10,7 @@ use super::super::event::EventDetector;
 use super::super::ledger::fastest;
 use super::super::results::Observer;
 use super::super::{Controller, Run, RunError, StepError, Stepper};
-use super::motion::{ExternalInputs, AdaptiveSystem, MotionFailure};
+use super::motion::{AdaptiveSystem, ExternalInputs, MotionFailure};
 use super::stepper::{AdvanceResult, StepSequence};
 use super::{AdaptiveStepper, ControlTiming};
 
