@@ -54,7 +54,7 @@ pub mod algorithms;
 pub mod derivatives;
 
 // The recursions as methods that check their input.
-mod checked;
+mod model_methods;
 
 // The recursions as a table.
 mod quantity;
@@ -95,7 +95,6 @@ pub use algorithms::regressor::{
     PARAMETERS_PER_LINK, inertial_parameters, joint_torque_regressor, kinetic_energy_regressor,
     potential_energy_regressor,
 };
-pub use checked::{ForwardDynamicsDerivatives, ForwardPullback, InverseDynamicsDerivatives, InversePullback};
 pub use configuration::cotangent::{cotangent_from_coordinates, cotangent_to_coordinates};
 pub use configuration::joint_map::{JointMap, JointMapError};
 pub use configuration::manifold::{
@@ -114,11 +113,14 @@ pub use derivatives::{
     with_parameters,
 };
 pub use kinematics::wrench::FrameWrench;
-pub use model::massless::lock_massless;
+pub use model::massless_joints::lock_massless;
 pub use model::native::{NativeCode, NativeFunction, NativeReport, NativeUse};
 #[cfg(feature = "native")]
 pub use model::native::{NativeTrace, Tracer};
 pub use model::random_state::{RandomState, random_state};
 pub use model::{Frame, FrameId, Joint, Link, Model, ReferenceFrame};
+pub use model_methods::{
+    ForwardDynamicsDerivatives, ForwardPullback, InverseDynamicsDerivatives, InversePullback,
+};
 pub use quantity::{Input, Inputs, Quantity, QuantityMemory, QuantityResult, ResultShape};
 pub use workspace::buffers::Workspace;

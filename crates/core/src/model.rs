@@ -1,6 +1,6 @@
 //! The compiled robot: from a description to the arrays of the recursions.
 
-pub mod actuated;
+pub mod actuated_dofs;
 mod ancestors;
 pub mod body;
 pub mod compile;
@@ -9,13 +9,13 @@ pub mod identity;
 pub mod joint;
 pub mod link;
 pub mod mass;
-pub mod massless;
+pub mod massless_joints;
 pub mod native;
 mod placed_link;
 pub mod random_state;
 pub mod reference_frame;
 pub(crate) mod reference_point;
-pub(crate) mod regroup;
+pub(crate) mod regrouping;
 pub(crate) mod right_angles;
 pub mod robot;
 pub mod rotor;

@@ -13,7 +13,7 @@ use robot_dynamics_description::{
 use crate::assembly::ElementTable;
 use crate::classes::{ACTUATORS, MAIN};
 use crate::element::Element;
-use crate::joint::Motion;
+use crate::joint::JointType;
 use crate::names::Names;
 use crate::option::DisabledForces;
 use crate::reader::Reader;
@@ -256,8 +256,9 @@ impl Reader<'_> {
             ["joint", "jointinparent"].into_iter().find_map(|word| Some((word, self.text(element, word)?)));
         if let Some((word, name)) = to_joint {
             let joint = self.joint_named(element, name, table)?;
-            let along_world = joint.motion == Motion::Free && gear[..3].iter().any(|&x| x != 0.0);
-            let in_parent = word == "jointinparent" && !matches!(joint.motion, Motion::Hinge | Motion::Slide);
+            let along_world = joint.motion == JointType::Free && gear[..3].iter().any(|&x| x != 0.0);
+            let in_parent =
+                word == "jointinparent" && !matches!(joint.motion, JointType::Hinge | JointType::Slide);
             if along_world || in_parent {
                 let message = "a force of a free or ball joint that is not along the axes of the body is not in the model";
                 self.report_ignored_physics(element, message);

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3};
 use robot_dynamics_description::{MassProperties, PrincipalInertia};
 
 use crate::body::Body;
-use crate::joint::Motion;
+use crate::joint::JointType;
 use crate::mass::Mass;
 use crate::reader::Reader;
 
@@ -20,7 +20,7 @@ impl Reader<'_> {
             let body = &mut bodies[index];
             let [joint] = &body.joints[..] else { continue };
             let wanted = joint.align.unwrap_or(self.compiler(&body.element).align_free);
-            if joint.motion != Motion::Free || has_children[index] || !wanted {
+            if joint.motion != JointType::Free || has_children[index] || !wanted {
                 continue;
             }
             let Some(properties) = masses[index].properties else { continue };

@@ -15,7 +15,7 @@ use robot_dynamics_xml::excerpt;
 
 use crate::MjcfError;
 use crate::body::Body;
-use crate::joint::{Joint, Motion};
+use crate::joint::{Joint, JointType};
 use crate::mass::Mass;
 use crate::names::Names;
 use crate::option::DisabledForces;
@@ -61,7 +61,7 @@ pub(crate) struct JointEntry {
     pub(crate) name: String,
     /// The file's element.
     pub(crate) node: Id,
-    pub(crate) motion: Motion,
+    pub(crate) motion: JointType,
     /// q in the pose of the file; for a free joint x y z and the quaternion x y z w.
     pub(crate) initial: Vec<f64>,
     /// The rest position of its spring, whether or not it has one.
@@ -151,7 +151,7 @@ impl Reader<'_> {
 
     /// Refuses combinations of joints that have no meaning in MJCF.
     fn check_joints(&mut self, body: &Body) {
-        let is_free = |joint: &&Joint| joint.motion == Motion::Free;
+        let is_free = |joint: &&Joint| joint.motion == JointType::Free;
         if let Some(free) = body.joints.iter().find(is_free) {
             if body.parent != 0 {
                 self.refuse(
@@ -184,7 +184,7 @@ impl Reader<'_> {
         for (at, joint) in body.joints.iter().enumerate() {
             let is_last = at + 1 == body.joints.len();
             // The anchor has no effect for a slide or a free joint.
-            let turns = matches!(joint.motion, Motion::Hinge | Motion::Ball);
+            let turns = matches!(joint.motion, JointType::Hinge | JointType::Ball);
             let anchor = if turns { joint.anchor } else { Vector3::zeros() };
             let name = self.joint_name(joint, link, assembly);
             let child = if is_last && anchor == Vector3::zeros() {
@@ -193,7 +193,7 @@ impl Reader<'_> {
                 assembly.links.unique(&format!("{link}/{name}"))
             };
             let parent_from_joint = match joint.motion {
-                Motion::Free => Isometry3::identity(),
+                JointType::Free => Isometry3::identity(),
                 _ => parent_from_here * Translation3::from(anchor) * to_zero_position(joint),
             };
             let initial = initial_position(joint, &body.parent_from_body);
@@ -298,26 +298,26 @@ impl Reader<'_> {
 fn kind(joint: &Joint) -> JointKind {
     let axis = joint.axis.into();
     match joint.motion {
-        Motion::Hinge if joint.limits.lower == f64::NEG_INFINITY => JointKind::Continuous { axis },
-        Motion::Hinge => JointKind::Revolute { axis },
-        Motion::Slide => JointKind::Prismatic { axis },
-        Motion::Ball => JointKind::Spherical,
-        Motion::Free => JointKind::Floating,
+        JointType::Hinge if joint.limits.lower == f64::NEG_INFINITY => JointKind::Continuous { axis },
+        JointType::Hinge => JointKind::Revolute { axis },
+        JointType::Slide => JointKind::Prismatic { axis },
+        JointType::Ball => JointKind::Spherical,
+        JointType::Free => JointKind::Floating,
     }
 }
 
 /// The transform from the placement in the file, which is that of q = `ref`, to that of q = 0.
 fn to_zero_position(joint: &Joint) -> Isometry3<f64> {
     match joint.motion {
-        Motion::Hinge => {
+        JointType::Hinge => {
             let axis = Unit::new_unchecked(joint.axis);
             Isometry3::from_parts(
                 Translation3::identity(),
                 UnitQuaternion::from_axis_angle(&axis, -joint.reference),
             )
         }
-        Motion::Slide => Translation3::from(joint.axis * -joint.reference).into(),
-        Motion::Ball | Motion::Free => Isometry3::identity(),
+        JointType::Slide => Translation3::from(joint.axis * -joint.reference).into(),
+        JointType::Ball | JointType::Free => Isometry3::identity(),
     }
 }
 
@@ -327,19 +327,19 @@ pub(crate) fn pose_spring(
     stiffness: f64,
     parent_from_body: &Isometry3<f64>,
 ) -> Option<PoseSpring> {
-    let rest = if joint.motion == Motion::Free { pose(parent_from_body) } else { Pose::IDENTITY };
-    let has_one = stiffness != 0.0 && matches!(joint.motion, Motion::Ball | Motion::Free);
+    let rest = if joint.motion == JointType::Free { pose(parent_from_body) } else { Pose::IDENTITY };
+    let has_one = stiffness != 0.0 && matches!(joint.motion, JointType::Ball | JointType::Free);
     // The higher terms of a free joint's spring have the same rest.
-    let has_higher = joint.motion == Motion::Free && joint.higher_terms.stiffness != [0.0; 2];
+    let has_higher = joint.motion == JointType::Free && joint.higher_terms.stiffness != [0.0; 2];
     (has_one || has_higher).then_some(PoseSpring { stiffness, rest })
 }
 
 /// q in the pose of the file.
 fn initial_position(joint: &Joint, parent_from_body: &Isometry3<f64>) -> Vec<f64> {
     match joint.motion {
-        Motion::Hinge | Motion::Slide => vec![joint.reference],
-        Motion::Ball => vec![0.0, 0.0, 0.0, 1.0],
-        Motion::Free => {
+        JointType::Hinge | JointType::Slide => vec![joint.reference],
+        JointType::Ball => vec![0.0, 0.0, 0.0, 1.0],
+        JointType::Free => {
             let (x, q) = (parent_from_body.translation.vector, parent_from_body.rotation.quaternion());
             vec![x.x, x.y, x.z, q.i, q.j, q.k, q.w]
         }

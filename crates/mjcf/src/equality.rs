@@ -7,7 +7,7 @@ use crate::assembly::{ElementTable, JointEntry};
 use crate::body::Body;
 use crate::classes::MAIN;
 use crate::element::Element;
-use crate::joint::Motion;
+use crate::joint::JointType;
 use crate::names::Names;
 use crate::orientation::pose;
 use crate::reader::Reader;
@@ -65,7 +65,7 @@ impl Reader<'_> {
     /// A joint with one degree of freedom, and its q in the pose of the file.
     fn single_joint(&mut self, element: &Element, name: &str, table: &ElementTable) -> Option<(String, f64)> {
         let joint = self.joint_named(element, name, table)?;
-        if !matches!(joint.motion, Motion::Hinge | Motion::Slide) {
+        if !matches!(joint.motion, JointType::Hinge | JointType::Slide) {
             self.refuse(
                 element,
                 format!("joint {name:?} is a {} joint; use a hinge or slide joint", joint.motion.word()),

@@ -10,7 +10,7 @@ use crate::reader::Reader;
 
 /// The type of a geom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Form {
+pub(crate) enum GeomType {
     Plane,
     HeightField,
     Sphere,
@@ -22,7 +22,7 @@ pub(crate) enum Form {
     SignedDistance,
 }
 
-impl Form {
+impl GeomType {
     /// The number of values of `size` that the type uses.
     fn sizes(self) -> usize {
         match self {
@@ -39,7 +39,7 @@ pub(crate) struct Geom {
     /// The name with the suffixes of the replicates around it; empty for a geom without a name.
     pub(crate) name: String,
     pub(crate) element: Element,
-    pub(crate) form: Form,
+    pub(crate) form: GeomType,
     /// Radius and half length, or half edges, or semi-axes \[m\]; not used for a primitive that is fitted to
     /// a mesh.
     pub(crate) size: [f64; 3],
@@ -61,15 +61,15 @@ impl Reader<'_> {
     pub(crate) fn geom(&mut self, element: Element, name: String, frame: &Isometry3<f64>) -> Geom {
         let words = ["plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf"];
         let form = match self.word(&element, "type", &words) {
-            Some("plane") => Form::Plane,
-            Some("hfield") => Form::HeightField,
-            Some("capsule") => Form::Capsule,
-            Some("ellipsoid") => Form::Ellipsoid,
-            Some("cylinder") => Form::Cylinder,
-            Some("box") => Form::Box,
-            Some("mesh") => Form::Mesh,
-            Some("sdf") => Form::SignedDistance,
-            _ => Form::Sphere,
+            Some("plane") => GeomType::Plane,
+            Some("hfield") => GeomType::HeightField,
+            Some("capsule") => GeomType::Capsule,
+            Some("ellipsoid") => GeomType::Ellipsoid,
+            Some("cylinder") => GeomType::Cylinder,
+            Some("box") => GeomType::Box,
+            Some("mesh") => GeomType::Mesh,
+            Some("sdf") => GeomType::SignedDistance,
+            _ => GeomType::Sphere,
         };
         let mut size = self.overlay(&element, "size", [0.0; 3]);
         let mesh = self.text(&element, "mesh").map(str::to_owned);
@@ -79,7 +79,7 @@ impl Reader<'_> {
             None => self.placement(&element),
         };
         if mesh.is_none() {
-            if form == Form::Mesh {
+            if form == GeomType::Mesh {
                 let (line, place) = (element.line, element.place.clone());
                 self.errors.push(MjcfError::MissingAttribute {
                     line,
@@ -115,7 +115,7 @@ impl Reader<'_> {
     fn segment_placement(
         &mut self,
         element: &Element,
-        form: Form,
+        form: GeomType,
         [a, b, c, d, e, f]: [f64; 6],
         size: &mut [f64; 3],
     ) -> Isometry3<f64> {
@@ -124,8 +124,8 @@ impl Reader<'_> {
         // A length of zero is an error, which is listed once below.
         let half = if half < LENGTH_THRESHOLD { f64::NAN } else { half };
         match form {
-            Form::Capsule | Form::Cylinder => size[1] = half,
-            Form::Ellipsoid | Form::Box => *size = [size[0], size[0], half],
+            GeomType::Capsule | GeomType::Cylinder => size[1] = half,
+            GeomType::Ellipsoid | GeomType::Box => *size = [size[0], size[0], half],
             _ => {
                 let text = excerpt(self.text(element, "type").unwrap_or("sphere"));
                 self.refuse(

@@ -8,14 +8,14 @@ use crate::reader::Reader;
 
 /// The type of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Motion {
+pub(crate) enum JointType {
     Hinge,
     Slide,
     Ball,
     Free,
 }
 
-impl Motion {
+impl JointType {
     /// The name of the type in MJCF.
     pub(crate) fn word(self) -> &'static str {
         match self {
@@ -50,7 +50,7 @@ pub(crate) struct Joint {
     /// Empty for a joint without a name.
     pub(crate) name: String,
     pub(crate) element: Element,
-    pub(crate) motion: Motion,
+    pub(crate) motion: JointType,
     /// The fixed point of the rotation, in the frame of the body \[m\].
     pub(crate) anchor: Vector3<f64>,
     /// The unit axis, in the frame of the body.
@@ -81,7 +81,7 @@ impl Reader<'_> {
         let align = self.word(element, "align", &["false", "true", "auto"]);
         Joint {
             name,
-            motion: Motion::Free,
+            motion: JointType::Free,
             anchor: Vector3::zeros(),
             axis: Vector3::z(),
             reference: 0.0,
@@ -105,27 +105,27 @@ impl Reader<'_> {
     /// Reads a `<joint>`; `frame` is the pose of the `<frame>` elements around it in the body.
     pub(crate) fn joint(&mut self, element: &Element, name: String, frame: &Isometry3<f64>) -> Joint {
         let motion = match self.word(element, "type", &["hinge", "slide", "ball", "free"]) {
-            Some("slide") => Motion::Slide,
-            Some("ball") => Motion::Ball,
-            Some("free") => Motion::Free,
-            _ => Motion::Hinge,
+            Some("slide") => JointType::Slide,
+            Some("ball") => JointType::Ball,
+            Some("free") => JointType::Free,
+            _ => JointType::Hinge,
         };
         let mut joint = self.free_joint(element, name);
         joint.motion = motion;
-        if matches!(motion, Motion::Hinge | Motion::Slide) {
+        if matches!(motion, JointType::Hinge | JointType::Slide) {
             let axis = self.numbers::<3>(element, "axis").unwrap_or([0.0, 0.0, 1.0]);
             joint.axis = frame.rotation * self.direction(element, "axis", Vector3::from(axis));
         }
-        if motion != Motion::Free {
+        if motion != JointType::Free {
             let anchor = self.numbers::<3>(element, "pos").unwrap_or_default();
             joint.anchor = (frame * Point3::from(anchor)).coords;
         }
-        if motion == Motion::Hinge || motion == Motion::Slide {
+        if motion == JointType::Hinge || motion == JointType::Slide {
             let reference = self.number(element, "ref").unwrap_or(0.0);
             joint.reference = self.joint_angle(element, motion, reference);
         }
         joint.limits = self.limits(element, motion);
-        if matches!(motion, Motion::Hinge | Motion::Slide)
+        if matches!(motion, JointType::Hinge | JointType::Slide)
             && let Some([lower, upper]) = self.limit(element, "actuatorfrclimited", "actuatorfrcrange")
         {
             joint.actuator_force_range = [lower, upper];
@@ -159,20 +159,20 @@ impl Reader<'_> {
     }
 
     /// Converts a number of a hinge or ball joint from the angle unit of the file.
-    fn joint_angle(&self, element: &Element, motion: Motion, number: f64) -> f64 {
-        let turns = matches!(motion, Motion::Hinge | Motion::Ball);
+    fn joint_angle(&self, element: &Element, motion: JointType, number: f64) -> f64 {
+        let turns = matches!(motion, JointType::Hinge | JointType::Ball);
         if turns { self.compiler(element).angle(number) } else { number }
     }
 
-    fn limits(&mut self, element: &Element, motion: Motion) -> Limits {
+    fn limits(&mut self, element: &Element, motion: JointType) -> Limits {
         let mut limits = Limits::default();
         if let Some([lower, upper]) = self.limit(element, "limited", "range") {
             let [lower, upper] = [lower, upper].map(|bound| self.joint_angle(element, motion, bound));
             match motion {
-                Motion::Hinge | Motion::Slide => (limits.lower, limits.upper) = (lower, upper),
+                JointType::Hinge | JointType::Slide => (limits.lower, limits.upper) = (lower, upper),
                 // The larger number counts, as in MuJoCo.
-                Motion::Ball => limits.turn = lower.max(upper),
-                Motion::Free => self.warn(element, "range: a free joint has no limits"),
+                JointType::Ball => limits.turn = lower.max(upper),
+                JointType::Free => self.warn(element, "range: a free joint has no limits"),
             }
         }
         limits
@@ -229,20 +229,20 @@ impl Reader<'_> {
         joint.passive =
             PassiveForces::default().with_armature(armature).with_damping(damping).with_friction(friction);
         joint.higher_terms = PolynomialStiffnessDamping { stiffness: [k2, k3], damping: [d2, d3] };
-        if motion == Motion::Free && armature != 0.0 {
+        if motion == JointType::Free && armature != 0.0 {
             let message = format!(
                 "armature={armature} of a free joint: in the model it acts along the axes of the body, in MuJoCo along those \
                  of the world; M is equal, and the bias lacks armature·ω×v"
             );
             self.report_ignored_physics(element, message);
         }
-        if motion == Motion::Free && friction != 0.0 {
+        if motion == JointType::Free && friction != 0.0 {
             let message = format!(
                 "frictionloss={friction} of a free joint: in the model it acts along the axes of the body, in MuJoCo along those of the world"
             );
             self.report_ignored_physics(element, message);
         }
-        if matches!(motion, Motion::Hinge | Motion::Slide) {
+        if matches!(motion, JointType::Hinge | JointType::Slide) {
             joint.passive = joint.passive.with_spring(stiffness, self.joint_angle(element, motion, rest));
         } else {
             joint.placement_stiffness = stiffness;

@@ -10,7 +10,7 @@ use crate::MjcfError;
 use crate::actuator::Actuators;
 use crate::assembly::{ElementTable, JointEntry};
 use crate::element::Element;
-use crate::joint::Motion;
+use crate::joint::JointType;
 use crate::names::Names;
 use crate::reader::Reader;
 use crate::tree::Id;
@@ -110,7 +110,7 @@ impl Reader<'_> {
                 ([place, &[0.0, 0.0, 0.0, 1.0]].concat(), UnitQuaternion::identity())
             });
             let mut velocity = lists.v[at_v..at_v + nv].to_vec();
-            if joint.motion == Motion::Free {
+            if joint.motion == JointType::Free {
                 // MuJoCo's linear velocity is along the axes of the world, ours along those of the body.
                 let linear = turn.inverse() * Vector3::new(velocity[0], velocity[1], velocity[2]);
                 velocity[..3].copy_from_slice(linear.as_slice());
@@ -228,8 +228,8 @@ fn is_neutral(joint: &JointEntry) -> bool {
 /// The q of a joint with its quaternion in the order w x y z.
 fn to_mujoco(joint: &JointEntry, q: &[f64]) -> Vec<f64> {
     match (joint.motion, q) {
-        (Motion::Ball, &[x, y, z, w]) => vec![w, x, y, z],
-        (Motion::Free, &[a, b, c, x, y, z, w]) => vec![a, b, c, w, x, y, z],
+        (JointType::Ball, &[x, y, z, w]) => vec![w, x, y, z],
+        (JointType::Free, &[a, b, c, x, y, z, w]) => vec![a, b, c, w, x, y, z],
         _ => q.to_vec(),
     }
 }
@@ -239,11 +239,11 @@ fn to_mujoco(joint: &JointEntry, q: &[f64]) -> Vec<f64> {
 fn from_mujoco(joint: &JointEntry, q: &[f64]) -> Option<(Vec<f64>, UnitQuaternion<f64>)> {
     let turn = |w, x, y, z| UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-15);
     match (joint.motion, q) {
-        (Motion::Ball, &[w, x, y, z]) => {
+        (JointType::Ball, &[w, x, y, z]) => {
             let turn = turn(w, x, y, z)?;
             Some((vec![turn.i, turn.j, turn.k, turn.w], turn))
         }
-        (Motion::Free, &[a, b, c, w, x, y, z]) => {
+        (JointType::Free, &[a, b, c, w, x, y, z]) => {
             let turn = turn(w, x, y, z)?;
             Some((vec![a, b, c, turn.i, turn.j, turn.k, turn.w], turn))
         }

@@ -57,7 +57,7 @@ mod geom;
 mod inertial;
 mod joint;
 mod orientation;
-mod walk;
+mod worldbody;
 
 // Inertia from shapes.
 mod assets;

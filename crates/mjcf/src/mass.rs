@@ -5,7 +5,7 @@ use robot_dynamics_description::{Disposition, MassProperties, PrincipalInertia, 
 use robot_dynamics_xml::excerpt;
 
 use crate::body::Body;
-use crate::geom::{Form, Geom};
+use crate::geom::{Geom, GeomType};
 use crate::inertial::Inertial;
 use crate::mesh_mass::MeshExtent;
 use crate::reader::Reader;
@@ -158,13 +158,13 @@ impl Reader<'_> {
         }
         // Volume or area, mass properties at density 1, and the frame in the body.
         let (measure, own, place) = match (geom.form, &geom.mesh) {
-            (Form::Plane, _) => return None,
-            (Form::HeightField | Form::SignedDistance, _) => {
+            (GeomType::Plane, _) => return None,
+            (GeomType::HeightField | GeomType::SignedDistance, _) => {
                 let message = "its mass is not in the model: masses of height fields and signed distance fields are not supported";
                 self.report_ignored_physics(&geom.element, message);
                 return None;
             }
-            (Form::Mesh, Some(mesh)) => {
+            (GeomType::Mesh, Some(mesh)) => {
                 if geom.shell {
                     let message = "shellinertia of a mesh, which MuJoCo 4 refuses: taken as mass in the surface; write \
                                    inertia=\"shell\" in its <asset>";
@@ -199,7 +199,7 @@ impl Reader<'_> {
     /// `mesh_shape`.
     fn usable_mesh(&mut self, geom: &Geom, mesh: &str) -> Option<MeshExtent> {
         self.mesh_named(mesh)?;
-        match &*self.mesh_extent(mesh, geom.shell && geom.form == Form::Mesh) {
+        match &*self.mesh_extent(mesh, geom.shell && geom.form == GeomType::Mesh) {
             Ok(extent) => Some(*extent),
             Err(reason) => {
                 let (line, place) = (geom.element.line, geom.element.place.clone());
@@ -225,9 +225,9 @@ impl Reader<'_> {
         let [c, b, a]: [f64; 3] = moments.into();
         let [x, y, z] = [half_edge(b + c - a), half_edge(a + c - b), half_edge(a + b - c)];
         let size = match geom.form {
-            Form::Sphere => [(x + y + z) / 3.0, 0.0, 0.0],
-            Form::Capsule => [0.5 * (x + y), (z - 0.25 * (x + y)).max(0.0), 0.0],
-            Form::Cylinder => [0.5 * (x + y), z, 0.0],
+            GeomType::Sphere => [(x + y + z) / 3.0, 0.0, 0.0],
+            GeomType::Capsule => [0.5 * (x + y), (z - 0.25 * (x + y)).max(0.0), 0.0],
+            GeomType::Cylinder => [0.5 * (x + y), z, 0.0],
             _ => [x, y, z],
         };
         let axes = body_from_principal.matrix();

@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use crate::geom::Form;
+use crate::geom::GeomType;
 
 /// A solid of uniform density, or a shell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,40 +15,42 @@ pub(crate) struct Extent {
 
 /// The extent of a primitive; `None` for other types. `size`: radius and half length, or half edges, or
 /// semi-axes.
-pub(crate) fn extent(form: Form, size: [f64; 3], shell: bool) -> Option<Extent> {
+pub(crate) fn extent(form: GeomType, size: [f64; 3], shell: bool) -> Option<Extent> {
     let [a, b, c] = size;
     Some(match (form, shell) {
-        (Form::Sphere, false) => Extent { measure: 4.0 / 3.0 * PI * a.powi(3), moments: [0.4 * a * a; 3] },
-        (Form::Sphere, true) => Extent { measure: 4.0 * PI * a * a, moments: [2.0 / 3.0 * a * a; 3] },
-        (Form::Cylinder, false) => {
+        (GeomType::Sphere, false) => {
+            Extent { measure: 4.0 / 3.0 * PI * a.powi(3), moments: [0.4 * a * a; 3] }
+        }
+        (GeomType::Sphere, true) => Extent { measure: 4.0 * PI * a * a, moments: [2.0 / 3.0 * a * a; 3] },
+        (GeomType::Cylinder, false) => {
             let measure = 2.0 * PI * a * a * b;
             Extent { measure, moments: symmetric_moments(a * a / 4.0 + b * b / 3.0, a * a / 2.0) }
         }
-        (Form::Cylinder, true) => {
+        (GeomType::Cylinder, true) => {
             // A tube and two discs.
             let tube = (4.0 * PI * a * b, a * a / 2.0 + b * b / 3.0, a * a);
             let discs = (2.0 * PI * a * a, a * a / 4.0 + b * b, a * a / 2.0);
             combine_parts([tube, discs])
         }
-        (Form::Capsule, false) => {
+        (GeomType::Capsule, false) => {
             // A cylinder, and two half balls whose centres of mass are 3/8 of the radius beyond its ends.
             let cylinder = (2.0 * PI * a * a * b, a * a / 4.0 + b * b / 3.0, a * a / 2.0);
             let ends = 0.4 * a * a;
             let balls = (4.0 / 3.0 * PI * a.powi(3), ends + b * b + 0.75 * a * b, ends);
             combine_parts([cylinder, balls])
         }
-        (Form::Capsule, true) => {
+        (GeomType::Capsule, true) => {
             // A tube, and two half spheres whose centres of mass are half the radius beyond its ends.
             let tube = (4.0 * PI * a * b, a * a / 2.0 + b * b / 3.0, a * a);
             let ends = 2.0 / 3.0 * a * a;
             let spheres = (4.0 * PI * a * a, ends + b * b + a * b, ends);
             combine_parts([tube, spheres])
         }
-        (Form::Ellipsoid, false) => Extent {
+        (GeomType::Ellipsoid, false) => Extent {
             measure: 4.0 / 3.0 * PI * a * b * c,
             moments: moments_from_squares(size.map(|x| x * x / 5.0)),
         },
-        (Form::Ellipsoid, true) => {
+        (GeomType::Ellipsoid, true) => {
             // There is no closed form. As in MuJoCo, the area is that of Thomsen's formula, and the moments
             // are those of a layer between ellipsoids whose semi-axes differ by 1 µm.
             const P: f64 = 1.6075;
@@ -63,10 +65,10 @@ pub(crate) fn extent(form: Form, size: [f64; 3], shell: bool) -> Option<Extent> 
             let layer = core::array::from_fn(|k| (whole[k] - inner[k]) / (outside - inside));
             Extent { measure: 4.0 * PI * mean.powf(1.0 / P), moments: layer }
         }
-        (Form::Box, false) => {
+        (GeomType::Box, false) => {
             Extent { measure: 8.0 * a * b * c, moments: moments_from_squares(size.map(|x| x * x / 3.0)) }
         }
-        (Form::Box, true) => {
+        (GeomType::Box, true) => {
             // Three pairs of plates: a plate normal to x is at x = ±a and uniform over y and z.
             let areas = [8.0 * b * c, 8.0 * c * a, 8.0 * a * b];
             let total: f64 = areas.iter().sum();
@@ -111,7 +113,7 @@ mod tests {
 
     const SIZE: [f64; 3] = [0.3, 0.2, 0.5];
 
-    fn moments(form: Form, size: [f64; 3], shell: bool) -> [f64; 3] {
+    fn moments(form: GeomType, size: [f64; 3], shell: bool) -> [f64; 3] {
         extent(form, size, shell).expect("a body").moments
     }
 
@@ -125,10 +127,10 @@ mod tests {
     #[test]
     fn shells_are_the_growth_of_solids() {
         let h = 1e-6;
-        for form in [Form::Sphere, Form::Cylinder, Form::Capsule, Form::Box] {
+        for form in [GeomType::Sphere, GeomType::Cylinder, GeomType::Capsule, GeomType::Box] {
             // The half length of a capsule is that of its cylinder, which does not change.
             let grown = |h: f64| match form {
-                Form::Capsule => [SIZE[0] + h, SIZE[1], SIZE[2]],
+                GeomType::Capsule => [SIZE[0] + h, SIZE[1], SIZE[2]],
                 _ => SIZE.map(|x| x + h),
             };
             let [more, less] = [h, -h].map(|h| extent(form, grown(h), false).expect("a body"));
@@ -152,24 +154,24 @@ mod tests {
         };
         let size = Vector3::from(SIZE);
         let brick = of(MassProperties::solid_box(1.0, 2.0 * size));
-        assert_near(moments(Form::Box, SIZE, false), brick, 1e-14);
+        assert_near(moments(GeomType::Box, SIZE, false), brick, 1e-14);
         let egg = of(MassProperties::solid_ellipsoid(1.0, size));
-        assert_near(moments(Form::Ellipsoid, SIZE, false), egg, 1e-14);
+        assert_near(moments(GeomType::Ellipsoid, SIZE, false), egg, 1e-14);
         let can = of(MassProperties::solid_cylinder(1.0, SIZE[0], 2.0 * SIZE[1]));
-        assert_near(moments(Form::Cylinder, SIZE, false), can, 1e-14);
+        assert_near(moments(GeomType::Cylinder, SIZE, false), can, 1e-14);
     }
 
     /// A capsule of length zero and an ellipsoid with equal semi-axes are balls.
     #[test]
     fn degenerate_shapes_are_balls() {
         for shell in [false, true] {
-            let ball = moments(Form::Sphere, SIZE, shell);
-            assert_near(moments(Form::Capsule, [0.3, 0.0, 0.0], shell), ball, 1e-14);
+            let ball = moments(GeomType::Sphere, SIZE, shell);
+            assert_near(moments(GeomType::Capsule, [0.3, 0.0, 0.0], shell), ball, 1e-14);
             // The middle of the layer is 0.5 µm outside: a relative error of 5e-7/0.3 of the radius, and
             // twice that of its square.
             let tolerance = if shell { 7e-6 } else { 1e-14 };
-            assert_near(moments(Form::Ellipsoid, [0.3; 3], shell), ball, tolerance);
+            assert_near(moments(GeomType::Ellipsoid, [0.3; 3], shell), ball, tolerance);
         }
-        assert_eq!(extent(Form::Plane, SIZE, false), None);
+        assert_eq!(extent(GeomType::Plane, SIZE, false), None);
     }
 }

@@ -7,7 +7,7 @@ use robot_dynamics_description::{
 use crate::assembly::ElementTable;
 use crate::body::Body;
 use crate::element::Element;
-use crate::joint::Motion;
+use crate::joint::JointType;
 use crate::names::Names;
 use crate::reader::Reader;
 use crate::tree::{Id, Tree};
@@ -111,9 +111,9 @@ impl Reader<'_> {
                 let joint = self.required_text(element, "joint", "JOINT")?;
                 let joint = self.joint_named(element, joint, table)?;
                 let fits = match joint.motion {
-                    Motion::Hinge | Motion::Slide => name.starts_with("joint"),
-                    Motion::Ball => name.starts_with("ball"),
-                    Motion::Free => false,
+                    JointType::Hinge | JointType::Slide => name.starts_with("joint"),
+                    JointType::Ball => name.starts_with("ball"),
+                    JointType::Free => false,
                 };
                 if !fits {
                     let message = format!(

@@ -14,7 +14,7 @@ use crate::body::Body;
 use crate::classes::MAIN;
 use crate::element::Element;
 use crate::folder::Folder;
-use crate::geom::{Form, Geom};
+use crate::geom::{Geom, GeomType};
 use crate::orientation::pose;
 use crate::reader::Reader;
 use crate::renaming::asset_name;
@@ -62,15 +62,15 @@ impl Reader<'_> {
     fn shape(&mut self, geom: &Geom) -> Option<(Shape, Pose)> {
         let [a, b, c] = geom.size;
         let shape = match (geom.form, &geom.mesh) {
-            (Form::Mesh | Form::SignedDistance, None) => return None,
+            (GeomType::Mesh | GeomType::SignedDistance, None) => return None,
             (_, Some(mesh)) => return self.mesh_shape(geom, mesh),
-            (Form::Sphere, None) => Shape::Sphere { radius: a },
-            (Form::Capsule, None) => Shape::Capsule { radius: a, length: 2.0 * b },
-            (Form::Cylinder, None) => Shape::Cylinder { radius: a, length: 2.0 * b },
-            (Form::Ellipsoid, None) => Shape::Ellipsoid { half_axes: geom.size },
-            (Form::Box, None) => Shape::Box { size: [2.0 * a, 2.0 * b, 2.0 * c] },
-            (Form::Plane, None) => Shape::Plane { half_size: [a, b] },
-            (Form::HeightField, None) => self.height_field(geom)?,
+            (GeomType::Sphere, None) => Shape::Sphere { radius: a },
+            (GeomType::Capsule, None) => Shape::Capsule { radius: a, length: 2.0 * b },
+            (GeomType::Cylinder, None) => Shape::Cylinder { radius: a, length: 2.0 * b },
+            (GeomType::Ellipsoid, None) => Shape::Ellipsoid { half_axes: geom.size },
+            (GeomType::Box, None) => Shape::Box { size: [2.0 * a, 2.0 * b, 2.0 * c] },
+            (GeomType::Plane, None) => Shape::Plane { half_size: [a, b] },
+            (GeomType::HeightField, None) => self.height_field(geom)?,
         };
         Some((shape, pose(&geom.body_from_geom)))
     }

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
 use crate::body::Body;
-use crate::joint::{Joint, Motion};
+use crate::joint::{Joint, JointType};
 use crate::mass::Mass;
 
 /// MuJoCo's tolerances for positions and axes, and for moments.
@@ -33,7 +33,7 @@ pub(crate) fn bodies_weighed_by_mass(bodies: &[Body], masses: &[Mass]) -> Vec<bo
 
 fn slides_along_an_axis(joint: &Joint) -> bool {
     let parts = joint.axis.iter().filter(|part| part.abs() > SAME_PLACE).count();
-    joint.motion == Motion::Slide && joint.anchor == Vector3::zeros() && parts == 1
+    joint.motion == JointType::Slide && joint.anchor == Vector3::zeros() && parts == 1
 }
 
 /// Whether the principal frame is that of the body. MuJoCo sorts the moments that it computes, the largest

@@ -6,7 +6,7 @@ use robot_dynamics_description::{PassiveForces, RobotDescription, TendonDescript
 
 use crate::assembly::ElementTable;
 use crate::classes::MAIN;
-use crate::joint::Motion;
+use crate::joint::JointType;
 use crate::names::Names;
 use crate::option::DisabledForces;
 use crate::reader::Reader;
@@ -48,7 +48,7 @@ impl Reader<'_> {
                 let coefficient = self.required_number(&term, "coef");
                 let Some(name) = self.required_text(&term, "joint", "JOINT") else { continue };
                 let Some(joint) = self.joint_named(&term, name, table) else { continue };
-                if matches!(joint.motion, Motion::Hinge | Motion::Slide) {
+                if matches!(joint.motion, JointType::Hinge | JointType::Slide) {
                     terms.push((joint.name.clone(), coefficient));
                     relaxed += coefficient * joint.rest;
                 } else {

@@ -8,7 +8,7 @@
 mod carried_weight;
 mod coupling;
 mod law;
-mod measured;
+mod measurements;
 mod pose_spring;
 mod tendon;
 mod transmission;

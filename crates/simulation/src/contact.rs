@@ -18,18 +18,19 @@ mod candidates;
 mod closest_points;
 mod components;
 pub mod cone_problem;
+mod contact_detection;
+mod contact_geometry;
 mod contact_search;
 mod contact_shape;
 #[cfg(feature = "convex")]
 #[path = "contact/convex/parry.rs"]
 mod convex;
 #[cfg(not(feature = "convex"))]
-#[path = "contact/convex/without.rs"]
+#[path = "contact/convex/stub.rs"]
 mod convex;
 mod described_pairs;
 mod field;
 mod field_contacts;
-mod form;
 mod ground;
 mod impulses;
 mod interrupt;
@@ -45,9 +46,8 @@ mod plane;
 mod point;
 mod problem;
 mod shape_checks;
+mod shape_point;
 mod soft;
-mod touch;
-mod touching_point;
 
 pub use field::HeightField;
 pub use ground::{ContactError, Ground};
@@ -59,7 +59,7 @@ pub use soft::{ActiveSet, SoftConstraints, SoftContact, SoftDynamicsInputs};
 pub use components::{Components, Mark};
 pub use cone_problem::{ConeProblem, Set};
 pub use ground::axes;
-pub use impulses::lift::{Bound, ROUNDING};
+pub use impulses::position_correction::{Bound, ROUNDING};
 pub use impulses::{
     ContactImpulses, ContactMemory, DEEP, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, returns,
 };
@@ -72,9 +72,9 @@ use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::{LinkShape, Pose, Shape, ShapeRole, Surface};
 
 use self::candidates::{Candidates, Sweep};
+use self::contact_geometry::ContactGeometry;
 use self::contact_shape::ContactShape;
 use self::field::PlacedField;
-use self::form::Form;
 use self::named_pairs::NamedPairs;
 use self::pair::Pair;
 use self::placed_pair::MOST_PAIR_POINTS;
@@ -216,8 +216,8 @@ impl ContactSet {
         let has_bit = (surface.contype | surface.conaffinity) & 1 != 0;
         let touches_ground = (has_bit || !on_grounds.is_empty()) && body != WORLD;
         let form = match &shape.shape {
-            Shape::Mesh { .. } => points_of(shape).and_then(|points| Form::of_points(&points)),
-            other => Form::new(other).ok_or_else(|| "it is no shape that moves".to_owned()),
+            Shape::Mesh { .. } => points_of(shape).and_then(|points| ContactGeometry::of_points(&points)),
+            other => ContactGeometry::new(other).ok_or_else(|| "it is no shape that moves".to_owned()),
         };
         let form = match form {
             Ok(form) => form,

@@ -8,7 +8,6 @@
 //! Cost: one to four evaluations of forward dynamics, O(n), for an explicit step. Explicit steps diverge if h
 //! exceeds about 2.8 times the shortest time constant. Source: HLW; each file names its own.
 
-pub mod drive;
 pub mod implicit;
 pub mod integrate;
 pub mod linearize_step;
@@ -16,6 +15,7 @@ pub(crate) mod mujoco_euler;
 pub mod pullback;
 pub mod simulate;
 mod state;
+pub mod step_actuation;
 mod step_derivative_error;
 
 pub use state::RobotState;

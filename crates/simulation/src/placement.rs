@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_core::clone_in_place::clone_in_place;
-use robot_dynamics_core::kinematics::place::place_all_in_world;
+use robot_dynamics_core::kinematics::placement::place_all_in_world;
 use robot_dynamics_core::model::{Dof, WORLD};
 use robot_dynamics_core::spatial::transform::Transform;
 use robot_dynamics_core::workspace::compiled_once::{compiled_once, run};

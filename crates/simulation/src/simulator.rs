@@ -10,7 +10,7 @@
 //! the wrenches on frames.
 //! [`SimulationBuilder`] selects the effects and the method; [`Simulation`] takes the steps.
 
-mod acting;
+mod active_effects;
 #[cfg(feature = "adaptive")]
 mod adaptive;
 mod assembly;
@@ -24,13 +24,13 @@ mod method;
 mod own_stepper;
 mod results;
 mod run_options;
-mod running;
+mod runs;
 #[cfg(feature = "native")]
-pub mod side_by_side;
+pub mod simultaneous_steps;
 mod state;
 mod step_inputs;
 mod stepping;
-mod unsupported;
+mod unsupported_features;
 mod wrench;
 
 pub use crate::motion::simulate::Observer;
@@ -41,5 +41,5 @@ pub use method::{Method, SimulationStepper, UnknownMethod};
 pub use run_options::{RunOptions, SampleInterval};
 pub use state::Snapshot;
 pub use stepping::Simulation;
-pub use unsupported::UnsupportedFeatures;
+pub use unsupported_features::UnsupportedFeatures;
 pub use wrench::AppliedWrench;

@@ -55,8 +55,8 @@ mod origin;
 mod shapes;
 
 // Checks of the robot as a whole.
+mod mass_check;
 mod mimic_leaders;
-mod moved_mass;
 mod rigid_body;
 mod tree;
 mod world;

@@ -14,7 +14,7 @@ use crate::shapes::Appearance;
 use crate::tree::{SourceLines, Tree};
 use crate::unread_parts::UnknownPart;
 use crate::xacro::refuse_unexpanded;
-use crate::{LoadError, LoadOptions, UrdfError, mesh_file, mimic_leaders, moved_mass, world};
+use crate::{LoadError, LoadOptions, UrdfError, mass_check, mesh_file, mimic_leaders, world};
 
 /// The deepest nesting of elements. A URDF file has five levels: `robot/link/visual/geometry/mesh`.
 const DEPTH_LIMIT: usize = 200;
@@ -166,7 +166,7 @@ fn read_robot<'a>(
         if reader.options.floating_base {
             world::add_floating_base(&mut reader, &mut robot, element);
         }
-        moved_mass::check(&robot, &tree, &leaders, &lines, &mut reader);
+        mass_check::check(&robot, &tree, &leaders, &lines, &mut reader);
     }
 
     let Appearance { mut shapes, angles } = reader.appearance(element);

@@ -2,7 +2,7 @@
 
 use robot_dynamics_core::algorithms::jacobian::FrameJacobian;
 use robot_dynamics_core::algorithms::kinematics::{NUMBERS_PER_POSE, pose_of};
-use robot_dynamics_core::kinematics::place::place_all_in_world;
+use robot_dynamics_core::kinematics::placement::place_all_in_world;
 use robot_dynamics_core::model::native::NativeTask;
 use robot_dynamics_core::{FrameId, Model, NativeFunction, ReferenceFrame, Workspace};
 use robot_dynamics_number::StateLanes;

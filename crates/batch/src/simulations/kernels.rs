@@ -9,7 +9,7 @@ use robot_dynamics_integrators::Integrator;
 use robot_dynamics_native::Kernel;
 use robot_dynamics_simulation::RunError;
 use robot_dynamics_simulation::simulator::Simulation;
-use robot_dynamics_simulation::simulator::side_by_side::StepStart;
+use robot_dynamics_simulation::simulator::simultaneous_steps::StepStart;
 
 use super::steps::advance;
 use crate::Threads;

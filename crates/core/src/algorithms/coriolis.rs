@@ -13,9 +13,9 @@
 //! methods to compute the Coriolis matrix and Christoffel symbols for rigid-body systems*, J. Comput.
 //! Nonlinear Dyn. 16 (2021).
 
+mod blocks;
 mod branch;
-mod by_blocks;
-mod by_paths;
+mod paths;
 
 pub(crate) use branch::Branch;
 
@@ -99,9 +99,9 @@ impl<S: Scalar> Kernel<TreeStorage, S> for CoriolisMatrix<'_, S> {
         compute_twists(model, tree, v);
         compute_column_rates(model, tree);
         if M3::<N>::KEEPS_TRANSPOSE && !model.needs_dense_factor && !model.points.carried {
-            by_blocks::write_matrix(model, tree, coriolis);
+            blocks::write_matrix(model, tree, coriolis);
         } else {
-            by_paths::write_matrix(model, tree, coriolis);
+            paths::write_matrix(model, tree, coriolis);
         }
     }
 }

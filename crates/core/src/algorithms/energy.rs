@@ -6,7 +6,7 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::{Sym3, V3};
 
-use crate::kinematics::place::{move_bodies, place_all_in_world, place_bodies, places_in_world};
+use crate::kinematics::placement::{move_bodies, place_all_in_world, place_bodies, places_in_world};
 use crate::model::native::NativeFunction;
 use crate::spatial::motion::MotionVector;
 use crate::workspace::native::{computed_natively, native_number};

@@ -12,14 +12,14 @@
 //! are traced, as zeros and ones fold there.
 
 mod articulated_inertia;
-mod in_body_frames;
-mod in_world;
+mod body_frames;
 mod pivots;
 mod spring;
+mod world_frame;
 
-pub(crate) use in_world::accelerate as accelerate_in_world;
 #[doc(hidden)]
 pub use pivots::inverse_pivots;
+pub(crate) use world_frame::accelerate as accelerate_in_world;
 
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::algebra::M3;
@@ -27,7 +27,7 @@ use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
 
 use crate::algorithms::forward_dynamics_by_cholesky::accelerate_by_cholesky;
-use crate::kinematics::place::{gather, spread};
+use crate::kinematics::placement::{gather, spread};
 use crate::kinematics::wrench::FrameWrench;
 use crate::model::native::NativeFunction;
 use crate::workspace::compiled_once::{compiled_once, run};
@@ -146,9 +146,9 @@ impl<S: Scalar> Kernel<TreeStorage, S> for ArticulatedBodies<'_, S> {
         let (q, v, tau, acceleration) = (N::view(q), N::view(v), N::view(tau), N::view_mut(acceleration));
         spread(model, tau, &mut tree.dofs.tau);
         if M3::<N>::FOLDS_ZEROS {
-            in_body_frames::accelerate(model, tree, q, v, wrenches);
+            body_frames::accelerate(model, tree, q, v, wrenches);
         } else {
-            in_world::accelerate(model, tree, q, v, wrenches);
+            world_frame::accelerate(model, tree, q, v, wrenches);
         }
         gather(model, &tree.dofs.a, acceleration);
     }

@@ -8,15 +8,15 @@
 //! in vector registers. Source: RBDA §5.3; Luh, Walker, Paul, *On-line computational scheme for mechanical
 //! manipulators*, J. Dyn. Sys. Meas. Control 102 (1980).
 
-mod along_world_axes;
-mod in_body_frames;
+mod body_frames;
+mod world_axes;
 
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::algebra::M3;
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
 
-use crate::kinematics::place::{evaluate_angles, gather, spread};
+use crate::kinematics::placement::{evaluate_angles, gather, spread};
 use crate::kinematics::wrench::{FrameWrench, subtract_wrenches};
 use crate::model::native::NativeFunction;
 use crate::workspace::compiled_once::{compiled_once, run};
@@ -24,8 +24,8 @@ use crate::workspace::native::computed_natively;
 use crate::workspace::tree::{TreeMemory, TreeStorage};
 use crate::{Model, Workspace};
 
-pub(crate) use self::along_world_axes::accelerate_bodies as accelerate_along_world_axes;
-pub(crate) use self::in_body_frames::accelerate_bodies;
+pub(crate) use self::body_frames::accelerate_bodies;
+pub(crate) use self::world_axes::accelerate_bodies as accelerate_along_world_axes;
 
 /// The arguments of a Newton–Euler recursion. If `v` or `a` is absent, it is zero.
 pub struct NewtonEuler<'a, S> {
@@ -66,13 +66,13 @@ impl<S: Scalar> Kernel<TreeStorage, S> for NewtonEuler<'_, S> {
             None => tree.dofs.a.fill(Scalar::zero()),
         }
         if M3::<N>::KEEPS_TRANSPOSE {
-            along_world_axes::accelerate_bodies(model, tree, q, ground);
-            along_world_axes::subtract_external(model, tree, wrenches);
-            along_world_axes::collect_forces(model, tree);
+            world_axes::accelerate_bodies(model, tree, q, ground);
+            world_axes::subtract_external(model, tree, wrenches);
+            world_axes::collect_forces(model, tree);
         } else {
             accelerate_bodies(model, tree, q, ground);
             subtract_wrenches(model, &mut tree.bodies.force, wrenches);
-            in_body_frames::collect_forces(model, tree);
+            body_frames::collect_forces(model, tree);
         }
         if model.has_armature {
             for ((tau, a), dof) in tree.dofs.tau.iter_mut().zip(&tree.dofs.a).zip(&model.dofs) {

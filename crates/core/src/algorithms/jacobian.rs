@@ -10,7 +10,7 @@ use robot_dynamics_number::{Scalar, View};
 
 use crate::algorithms::frame_motion::{MovingFrame, SpatialAcceleration};
 use crate::algorithms::kinematics::constant;
-use crate::kinematics::place::place_chain;
+use crate::kinematics::placement::place_chain;
 use crate::model::WORLD;
 use crate::model::native::NativeFunction;
 use crate::spatial::motion::MotionVector;

@@ -10,7 +10,7 @@ use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::{M3, V3};
 
 use crate::algorithms::inverse_dynamics::{accelerate_along_world_axes, upward};
-use crate::kinematics::place::{evaluate_angles, spread};
+use crate::kinematics::placement::{evaluate_angles, spread};
 use crate::kinematics::wrench::FrameWrench;
 use crate::model::WORLD;
 use crate::model::segment::Segment;

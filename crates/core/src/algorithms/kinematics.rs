@@ -8,7 +8,7 @@ use robot_dynamics_number::algebra::{M3, V3};
 use robot_dynamics_number::dispatch::{Hardware, Kernel};
 use robot_dynamics_number::{Scalar, View};
 
-use crate::kinematics::place::{place_all_in_world, place_chain};
+use crate::kinematics::placement::{place_all_in_world, place_chain};
 use crate::model::Frame;
 use crate::model::native::NativeFunction;
 use crate::spatial::transform::Transform;

@@ -7,10 +7,10 @@
 //! There are two forms. `in_world` uses one inertial frame, so no vector is rotated. `in_body_frames` takes
 //! half the operations where expressions are traced, as zeros and ones fold there. **(RBDA §6.2)**
 
+mod body_frames;
 mod columns;
 mod entries;
-mod in_body_frames;
-mod in_world;
+mod world_frame;
 
 pub use columns::{project_column, project_columns, write_column};
 pub use entries::{Entries, is_plain, mass_matrix_related_entries, related_end};
@@ -97,9 +97,9 @@ impl<S: Scalar> Kernel<TreeStorage, S> for CompositeBodies<'_, S> {
         let Self { model, q, mass, entries } = self;
         let (q, mass) = (N::view(q), N::view_mut(mass));
         if M3::<N>::FOLDS_ZEROS {
-            in_body_frames::write_matrix(model, tree, q, mass, entries);
+            body_frames::write_matrix(model, tree, q, mass, entries);
         } else {
-            in_world::write_matrix(model, tree, q, mass, entries);
+            world_frame::write_matrix(model, tree, q, mass, entries);
         }
     }
 }

@@ -6,7 +6,7 @@
 use robot_dynamics_description::check_length;
 use robot_dynamics_number::Scalar;
 
-use crate::kinematics::place::gather;
+use crate::kinematics::placement::gather;
 use crate::kinematics::shifts::{pass_inward, pass_outward};
 use crate::kinematics::world_frame::{
     compute_columns, compute_twists, inertia_in_world, momentum_of, motion_cross,

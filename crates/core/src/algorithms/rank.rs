@@ -22,12 +22,12 @@
 //! origin, so that long slides and a distant base do not cost accuracy.
 
 mod bodies;
-mod followers;
-mod singular;
+mod coupled_branches;
+mod singular_mass;
 mod tree;
 mod vanished_pivot;
 
-pub use singular::{SingularMass, SingularMotion};
+pub use singular_mass::{SingularMass, SingularMotion};
 use vanished_pivot::{ROUNDINGS, VanishedPivot};
 
 use robot_dynamics_description::check_length;
@@ -155,7 +155,7 @@ fn for_each_vanished(
     check_length("q", q.len(), model.nq);
     let bound = roundings * f64::EPSILON;
     if model.needs_dense_factor {
-        followers::eliminate(model, tree, scratch, q, bound, on_vanished);
+        coupled_branches::eliminate(model, tree, scratch, q, bound, on_vanished);
     } else {
         tree::eliminate(model, tree, scratch, q, bound, on_vanished);
     }

@@ -13,7 +13,7 @@ use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::{M3, Sym3, V3};
 
 use crate::algorithms::inverse_dynamics::accelerate_bodies;
-use crate::kinematics::place::spread;
+use crate::kinematics::placement::spread;
 use crate::kinematics::shifts::{in_world, pass_inward};
 use crate::kinematics::world_frame::{compute_columns, compute_twists, shifted};
 use crate::model::{Body, WORLD};

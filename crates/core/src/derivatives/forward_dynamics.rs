@@ -14,7 +14,7 @@ use super::columns::{accelerate, bend, subtract_carried, sweep_in, sweep_out};
 use super::entries::{DerivativeMatrices, write_derivatives, write_mass};
 use super::solve_rows::solve_rows;
 use crate::factorization::tile::WIDTH;
-use crate::kinematics::place::{gather, spread};
+use crate::kinematics::placement::{gather, spread};
 use crate::kinematics::world_frame::compute_columns;
 use crate::kinematics::wrench::FrameWrench;
 use crate::workspace::compiled_once::{compiled_once, run};

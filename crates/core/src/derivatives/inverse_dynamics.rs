@@ -9,7 +9,7 @@ use robot_dynamics_number::{Scalar, View};
 
 use super::columns::{bend, subtract_carried, sweep_in, sweep_out};
 use super::entries::{DerivativeMatrices, write_derivatives};
-use crate::kinematics::place::spread;
+use crate::kinematics::placement::spread;
 use crate::kinematics::world_frame::compute_columns;
 use crate::kinematics::wrench::FrameWrench;
 use crate::workspace::compiled_once::{compiled_once, run};

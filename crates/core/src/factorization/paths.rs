@@ -12,7 +12,7 @@
 mod four;
 mod pattern;
 mod sweeps;
-mod unsymmetric;
+mod unsymmetric_factor;
 
 use robot_dynamics_number::dispatch::{Call, Hardware, run_here};
 

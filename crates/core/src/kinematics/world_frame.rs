@@ -9,7 +9,7 @@ use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::{M3, Sym3, V3};
 
 use crate::Model;
-use crate::kinematics::place::{evaluate_angles, place_body, spread};
+use crate::kinematics::placement::{evaluate_angles, place_body, spread};
 use crate::kinematics::shifts::{pass_inertia, pass_outward};
 use crate::model::{Body, WORLD};
 use crate::spatial::force::ForceVector;

@@ -7,8 +7,6 @@
 //! Copies of a model share it. A function keeps its recursion in three cases: its expression is too long, the
 //! processor or system does not allow code, or machine code is switched off.
 
-#[cfg(not(feature = "native"))]
-pub(super) mod absent;
 mod function;
 #[cfg(feature = "native")]
 mod kernels;
@@ -17,6 +15,8 @@ mod report;
 mod size;
 #[cfg(feature = "native")]
 pub(super) mod slots;
+#[cfg(not(feature = "native"))]
+pub(super) mod stub;
 
 use crate::Model;
 use crate::model::robot::Native;

@@ -16,10 +16,10 @@ use crate::model::frame::{Frame, FrameId, refuse_frame};
 use crate::model::identity::Identity;
 use crate::model::joint::Joint;
 use crate::model::link::Link;
-#[cfg(not(feature = "native"))]
-pub(crate) use crate::model::native::absent::Native;
 #[cfg(feature = "native")]
 use crate::model::native::slots::Kernels;
+#[cfg(not(feature = "native"))]
+pub(crate) use crate::model::native::stub::Native;
 #[cfg(feature = "native")]
 use crate::model::native::{NativeFunction, NativeTrace};
 use crate::model::reference_point::ReferencePoints;

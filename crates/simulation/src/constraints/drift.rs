@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::check_length;
 
-use super::forward::LargestEntry;
+use super::forward_dynamics::LargestEntry;
 use super::rows::ConstraintRows;
 use super::{ConstraintError, ConstraintSet};
 

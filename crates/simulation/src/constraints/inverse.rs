@@ -11,7 +11,7 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::check_computed;
 use robot_dynamics_number::check_finite;
 
-use super::forward::LargestEntry;
+use super::forward_dynamics::LargestEntry;
 use super::row_factor::ROUNDING;
 use super::{ConstraintError, ConstraintSet};
 

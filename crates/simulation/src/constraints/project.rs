@@ -10,7 +10,7 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::check_computed;
 use robot_dynamics_number::{check_finite, check_number};
 
-use super::forward::LargestEntry;
+use super::forward_dynamics::LargestEntry;
 use super::row_factor::{MassFactor, RowFactor, factor_rows};
 use super::{ConstraintError, ConstraintOptions, ConstraintSet};
 

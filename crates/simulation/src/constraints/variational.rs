@@ -24,7 +24,7 @@ use super::row_factor::{MassFactor, RowFactor};
 use super::{
     ConstraintError, ConstraintOptions, ConstraintSet, RedundantRows, constraint_drift, project_velocity,
 };
-use crate::motion::integrate::middle::{evaluate_middle, place_middle};
+use crate::motion::integrate::midpoint::{evaluate_middle, place_middle};
 use crate::motion::integrate::rounding::{is_rounding, largest, rounding_scale};
 use crate::motion::integrate::variational::{
     MAX_ITERATIONS, MAX_STALLS, begin, finish, place_end, run_away, velocity_of_momentum,

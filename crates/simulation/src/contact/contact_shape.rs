@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 use robot_dynamics_description::Surface;
 
+use super::contact_geometry::ContactGeometry;
 use super::convex::Convex;
-use super::form::Form;
 use super::placed_shape::PlacedShape;
 use crate::placement::Placement;
 
@@ -22,7 +22,7 @@ pub(super) struct ContactShape {
     /// `body_from_shape`.
     pub(super) rotation: Matrix3<f64>,
     pub(super) translation: Vector3<f64>,
-    pub(super) form: Form,
+    pub(super) form: ContactGeometry,
     /// The convex form, if one of its pairs needs it.
     pub(super) convex: Option<Convex>,
     pub(super) reach: f64,

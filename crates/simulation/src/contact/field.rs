@@ -1,9 +1,9 @@
 //! Height fields: uneven ground as heights on a grid.
 
 mod closest_points;
+mod contact_detection;
 mod ellipsoid;
 mod facets;
-mod touch;
 
 use std::sync::Arc;
 

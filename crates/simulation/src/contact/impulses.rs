@@ -3,9 +3,9 @@
 mod account;
 mod axes;
 mod contact_state;
-pub(crate) mod lift;
 mod memory;
-mod relative;
+pub(crate) mod position_correction;
+mod relative_motion;
 mod results;
 mod search;
 mod step_start;
@@ -19,7 +19,7 @@ use self::contact_state::{ActiveContact, InitialContact, NearbyPair};
 use self::memory::CarriedForce;
 use super::cone_problem::{MOST_ROWS, Set};
 use super::interrupt::Interrupt;
-use super::touching_point::TouchingPoint;
+use super::shape_point::ShapePoint;
 use super::{ConeProblem, ContactSet};
 use crate::placement::{Placement, Twist};
 

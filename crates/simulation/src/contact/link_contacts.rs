@@ -11,8 +11,8 @@ use super::ground::{axes, bad_friction, bad_restitution};
 use super::pair::{Pair, PairContacts};
 use super::placed_pair::MOST_PAIR_POINTS;
 use super::placed_shape::PlacedShape;
+use super::shape_point::{ContactPartner, ShapePoint};
 use super::soft::mixed;
-use super::touching_point::{ContactPartner, TouchingPoint};
 use super::{ContactError, ContactSet};
 use crate::placement::Placement;
 
@@ -204,12 +204,7 @@ impl ContactSet {
 
     /// Calls `look` for each point of each pair [found near](Self::find_near) with a gap of at most `within`
     /// \[m\].
-    pub(super) fn look_at_pairs(
-        &self,
-        placement: &Placement,
-        within: f64,
-        mut look: impl FnMut(TouchingPoint),
-    ) {
+    pub(super) fn look_at_pairs(&self, placement: &Placement, within: f64, mut look: impl FnMut(ShapePoint)) {
         let center = |shape: usize| {
             let (rotation, p) = placement.body(self.shapes[shape].body);
             p + rotation * self.shapes[shape].translation
@@ -243,7 +238,7 @@ impl ContactSet {
         placement: &Placement,
         number: usize,
         last: &mut Option<PairContacts>,
-    ) -> TouchingPoint {
+    ) -> ShapePoint {
         let (number, k) = (number / MOST_PAIR_POINTS, number % MOST_PAIR_POINTS);
         // The pairs of the last step exist.
         let index = self.sweep.slot_of(number).unwrap_or_default();
@@ -279,11 +274,11 @@ impl ContactSet {
         least.filter(|gap| *gap < -OVERLAP)
     }
 
-    fn at_pair(&self, index: usize, first: &PlacedShape, found: ClosestPoints, k: usize) -> TouchingPoint {
+    fn at_pair(&self, index: usize, first: &PlacedShape, found: ClosestPoints, k: usize) -> ShapePoint {
         let pair = &self.pairs[index];
         // The tangential directions turn with the first shape.
         let axes = axes(first.rotation.tr_mul(&found.normal)).map(|axis| first.rotation * axis);
-        TouchingPoint {
+        ShapePoint {
             number: self.ground_point_count() + pair.number * MOST_PAIR_POINTS + k,
             shape: pair.shapes[0],
             against: ContactPartner::Pair(index),

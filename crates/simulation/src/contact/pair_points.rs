@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::ContactSet;
 use super::closest_points::{ClosestPoints, Line};
-use super::form::Form;
+use super::contact_geometry::ContactGeometry;
 use super::ground::axes;
 use super::placed_pair::{MOST_PAIR_POINTS, PlacedPair};
 use super::placed_shape::PlacedShape;
@@ -65,8 +65,8 @@ fn choose(
     }
 }
 
-fn line(form: &Form, placed: &PlacedShape) -> Option<Line> {
-    let Form::Rounded { centers, radius } = form else { return None };
+fn line(form: &ContactGeometry, placed: &PlacedShape) -> Option<Line> {
+    let ContactGeometry::Rounded { centers, radius } = form else { return None };
     if !form.is_line() {
         return None;
     }

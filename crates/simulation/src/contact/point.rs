@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::touching_point::{ContactPartner, TouchingPoint};
+use super::shape_point::{ContactPartner, ShapePoint};
 use super::{ContactImpulses, ContactSet};
 
 /// A contact point of a shape with a ground or another shape, with the force and moment there.
@@ -67,7 +67,7 @@ impl ContactImpulses {
     /// The contacts at the end of the last step.
     pub(crate) fn contact_points(&self) -> impl Iterator<Item = ContactPoint<'_>> {
         self.points().map(|(point, wrench)| {
-            let TouchingPoint { shape, against, at, axes: [normal, ..], gap, .. } = point;
+            let ShapePoint { shape, against, at, axes: [normal, ..], gap, .. } = point;
             self.set().contact_point((shape, against), (at, normal, gap), wrench)
         })
     }

@@ -17,9 +17,9 @@ mod forces;
 mod impedance;
 mod joint_rows;
 mod point;
+mod point_rows;
 mod reference;
 mod rows;
-mod sides;
 mod weights;
 
 use robot_dynamics_core::clone_in_place::clone_in_place;
@@ -30,14 +30,14 @@ use robot_dynamics_core::{FrameId, Model, Workspace, bias, mass_matrix};
 use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::IntegratorError;
 
+use self::point_rows::Bodies;
 use self::reference::{RowReference, StepState};
 use self::rows::JointRows;
-use self::sides::Bodies;
 use self::weights::InverseWeights;
 use super::field::PlacedField;
 use super::interrupt::Interrupt;
 use super::pair::Pair;
-use super::touching_point::{ContactPartner, TouchingPoint};
+use super::shape_point::{ContactPartner, ShapePoint};
 use super::{ConeProblem, ContactError, ContactSet};
 
 pub use self::active_set::ActiveSet;

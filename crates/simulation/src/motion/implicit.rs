@@ -28,10 +28,9 @@
 //! ½hM̂⁻¹Eᵀλ, as under a constant force. Positions that remain beyond a stop are then moved to it.
 
 mod advance;
-mod bounded;
+mod bounded_problem;
 mod constraints;
 mod contacts;
-mod divided;
 mod equalities;
 mod impulses;
 mod interruption;
@@ -43,6 +42,7 @@ mod positions;
 mod restoration;
 mod rosenbrock;
 mod snapshot;
+mod step_division;
 mod stiff_factor;
 #[cfg(test)]
 mod test_robot;
@@ -62,9 +62,9 @@ use self::momentum::FreeTranslations;
 use self::snapshot::StepSnapshot;
 use self::stiff_factor::StiffFactor;
 use crate::contact::{Components, ContactImpulses, Interrupt};
-use crate::motion::drive::{Drive, record};
 use crate::motion::integrate::check_step;
 use crate::motion::simulate::{Losses, StepError, Stepper};
+use crate::motion::step_actuation::{StepActuation, record};
 use crate::{Actuation, ContactLaws, StateTransition, StepForces, StepWorkspace};
 
 clone_in_place! {
@@ -113,7 +113,7 @@ clone_in_place! {
         last_of: Vec<Losses>,
         /// The couplings between trees, and the trees that move.
         components: Components,
-        drive: Option<Drive>,
+        drive: Option<StepActuation>,
         contacts: Option<ContactImpulses>,
         equalities: Option<Equalities>,
         translations: FreeTranslations,
@@ -239,7 +239,7 @@ impl ImplicitIntegrator {
         self.components.unite(self.joints.couplings().iter().map(|coupling| &coupling.row[..]));
         self.resize_trees();
         let actuation = actuation.clone().without_tendon_friction();
-        self.drive = Some(Drive::new(self.memory.force.len(), &actuation, controls));
+        self.drive = Some(StepActuation::new(self.memory.force.len(), &actuation, controls));
         self
     }
 

@@ -15,7 +15,7 @@ mod dense_factor;
 pub mod explicit;
 mod forces;
 mod mass_factor;
-pub(crate) mod middle;
+pub(crate) mod midpoint;
 mod momentum;
 mod newton;
 mod newton_memory;

@@ -16,9 +16,9 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::{EnergyLedger, IntegratorError, check_computed};
 
 use crate::contact::Interrupt;
-use crate::motion::drive::{Drive, record};
 use crate::motion::integrate::check_step;
 use crate::motion::simulate::{Losses, StepError, Stepper, add_passive_gains};
+use crate::motion::step_actuation::{StepActuation, record};
 use crate::{
     ActiveSet, Actuation, SoftConstraints, SoftDynamicsInputs, StateTransition, StepForces, StepWorkspace,
 };
@@ -49,7 +49,7 @@ clone_in_place! {
     pub struct MujocoEuler {
         law: SoftConstraints,
         interrupt: Interrupt,
-        drive: Option<Drive>,
+        drive: Option<StepActuation>,
         damping: Vec<f64>,
         losses: Losses,
         /// The losses of the last step.
@@ -104,7 +104,7 @@ impl MujocoEuler {
     #[track_caller]
     pub(crate) fn with_actuation(mut self, actuation: &Actuation, controls: &[f64]) -> Self {
         let actuation = actuation.clone().without_tendon_friction();
-        self.drive = Some(Drive::new(self.tau.len(), &actuation, controls));
+        self.drive = Some(StepActuation::new(self.tau.len(), &actuation, controls));
         self
     }
 

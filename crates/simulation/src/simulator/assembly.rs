@@ -3,7 +3,7 @@
 use robot_dynamics_number::check_positive;
 use std::sync::Arc;
 
-use super::acting::Kinds;
+use super::active_effects::Kinds;
 use super::method::{SimulationStepper, StepperKind};
 use super::{Effect, Method, Simulation, SimulationBuilder, SimulationError};
 use crate::constraints::{ConstrainedStepper, ConstraintOptions};

@@ -11,7 +11,7 @@ use robot_dynamics::model::Model;
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::{Run, RunError, RunFailure, RunOptions, StepForces, StepWorkspace, Stepper};
 
-use crate::dropped::{implicit_on, soft_on, stepper};
+use crate::free_body::{implicit_on, soft_on, stepper};
 
 const H: f64 = 1e-3;
 type Ended = Result<Run, Box<RunFailure>>;

@@ -9,7 +9,7 @@ use robot_dynamics::description::{
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{StepForces, StepWorkspace, Stepper};
 
-use crate::dropped::{implicit_over, run_watched, stepper};
+use crate::free_body::{implicit_over, run_watched, stepper};
 
 const G: f64 = 9.81;
 

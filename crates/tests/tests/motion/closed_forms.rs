@@ -11,7 +11,7 @@ use robot_dynamics::description::{
 use robot_dynamics::model::Model;
 use robot_dynamics::number::SplitMix64;
 
-use crate::dropped::run_on;
+use crate::free_body::run_on;
 
 const G: f64 = 9.81;
 
@@ -368,7 +368,7 @@ fn roll(side: usize, (h, steps): (f64, usize)) {
     let rates = [each, (push - ground - n * each) / mass];
     let (mut sum, mut seen) = (0.0, 0);
     let clock = std::time::Instant::now();
-    crate::dropped::implicit_on(&model, contacts)
+    crate::free_body::implicit_on(&model, contacts)
         .dt(h)
         .build()
         .unwrap()

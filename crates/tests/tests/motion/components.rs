@@ -14,7 +14,7 @@ use robot_dynamics::description::{
 use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::simulation::{IntegratorError, StepForces, StepWorkspace, Stepper};
 
-use crate::dropped::{implicit_on, run_watched, stepper};
+use crate::free_body::{implicit_on, run_watched, stepper};
 
 const G: f64 = 9.81;
 

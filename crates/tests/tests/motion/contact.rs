@@ -19,7 +19,7 @@ use robot_dynamics::simulation::{
 };
 use robot_dynamics::{InputProblem, InvalidInput};
 
-use crate::dropped::{body, implicit_on, run_on, stepper};
+use crate::free_body::{body, implicit_on, run_on, stepper};
 
 const G: f64 = 9.81;
 

@@ -20,7 +20,7 @@ use robot_dynamics::simulation::{
 };
 use robot_dynamics::verification::admm;
 
-use crate::dropped::{implicit_on, implicit_over, run_watched, stepper};
+use crate::free_body::{implicit_on, implicit_over, run_watched, stepper};
 
 const G: f64 = 9.81;
 

@@ -7,7 +7,7 @@ use robot_dynamics::description::{
 use robot_dynamics::model::Model;
 use robot_dynamics::number::SplitMix64;
 
-use crate::dropped::{implicit_over, run_watched};
+use crate::free_body::{implicit_over, run_watched};
 
 /// Two thighs on one pelvis, each with a shin: human legs as files describe them, with the limit of the
 /// middle hinge at 1.570795 rad.

@@ -10,7 +10,7 @@ use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::number::SplitMix64;
 use robot_dynamics::simulation::RunOptions;
 
-use crate::dropped::{body, implicit_on, run_on, soft_on};
+use crate::free_body::{body, implicit_on, run_on, soft_on};
 
 const G: f64 = 9.81;
 

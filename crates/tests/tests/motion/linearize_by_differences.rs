@@ -16,7 +16,7 @@ use robot_dynamics::simulation::{
 };
 
 use crate::common::{Robot, families};
-use crate::dropped::{body, implicit_on, soft_on, stepper};
+use crate::free_body::{body, implicit_on, soft_on, stepper};
 
 const G: f64 = 9.81;
 const H: f64 = 1e-3;

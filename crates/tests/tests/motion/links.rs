@@ -13,7 +13,7 @@ use robot_dynamics::model::{Model, Workspace};
 use robot_dynamics::simulation::{Run, RunOptions, StepForces, StepInfo, StepWorkspace, Stepper};
 use robot_dynamics::verification::admm;
 
-use crate::dropped::{implicit_on, stepper};
+use crate::free_body::{implicit_on, stepper};
 
 const G: f64 = 9.81;
 

@@ -5,7 +5,7 @@ use robot_dynamics::description::Shape;
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{RunOptions, SimulationBuilder};
 
-use crate::dropped::{body, implicit_on, soft_on};
+use crate::free_body::{body, implicit_on, soft_on};
 
 const G: f64 = 9.81;
 

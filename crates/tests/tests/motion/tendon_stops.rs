@@ -9,7 +9,7 @@ use robot_dynamics::description::{
 use robot_dynamics::model::Model;
 use robot_dynamics::simulation::{Run, StepInfo};
 
-use crate::dropped::{implicit_over, run_watched};
+use crate::free_body::{implicit_over, run_watched};
 
 const G: f64 = 9.81;
 

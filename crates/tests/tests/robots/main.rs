@@ -9,4 +9,4 @@ mod checked_methods;
 mod configuration;
 mod joint_map;
 mod quantities;
-mod surgery;
+mod robot_edits;

@@ -1,6 +1,6 @@
 //! `Simulation`: active effects, method, and single steps against runs.
 
-mod acts;
+mod active_effects;
 #[cfg(feature = "adaptive")]
 mod adaptive;
 mod batch;

@@ -7,4 +7,4 @@ mod common;
 mod derivatives;
 mod dispatch_paths;
 mod momentum;
-mod oracles;
+mod reference_routes;

@@ -4,8 +4,8 @@
 mod common;
 
 mod batch_derivatives;
-mod by_stepper;
 mod calls;
 mod pullback;
 mod related_mass;
 mod rollouts;
+mod stepper_rollouts;

@@ -4,7 +4,7 @@ use robot_dynamics_number::algebra::{M3, Sym3, V3};
 use robot_dynamics_number::{Scalar, View};
 
 use crate::Model;
-use crate::kinematics::place::{evaluate_angles, place_body};
+use crate::kinematics::placement::{evaluate_angles, place_body};
 use crate::model::WORLD;
 use crate::spatial::force::ForceVector;
 use crate::spatial::inertia::ArticulatedInertia;

@@ -11,7 +11,7 @@ use crate::algorithms::forward_dynamics::accelerate_in_world;
 use crate::algorithms::forward_dynamics_by_cholesky::accelerate_by_cholesky;
 use crate::derivatives::columns::subtract_carried;
 use crate::factorization::sparse;
-use crate::kinematics::place::{gather, spread};
+use crate::kinematics::placement::{gather, spread};
 use crate::kinematics::shifts::{pass_inward, pass_outward};
 use crate::kinematics::wrench::FrameWrench;
 use crate::model::WORLD;

@@ -7,7 +7,7 @@ use robot_dynamics_number::{Scalar, View};
 use super::parameters::check_parameters;
 use super::sweeps::{Results, sweep_in, sweep_out, weigh_bodies};
 use crate::derivatives::columns::subtract_carried;
-use crate::kinematics::place::spread;
+use crate::kinematics::placement::spread;
 use crate::kinematics::world_frame::compute_columns;
 use crate::kinematics::wrench::FrameWrench;
 use crate::model::native::NativeFunction;

@@ -8,10 +8,10 @@
 use robot_dynamics_number::dispatch::run_here;
 
 use super::ConeProblem;
+use super::hessian::Add;
 use super::projection::norm;
 use super::set::Set;
 use super::shift_search::UnsymmetricFactorMemory;
-use super::square::Add;
 
 impl ConeProblem {
     /// Computes ds of the sliding cones into the search's `shifts`.

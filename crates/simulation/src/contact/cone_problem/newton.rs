@@ -7,8 +7,8 @@ use robot_dynamics_number::dispatch::{Call, Hardware, run_here};
 
 use super::ConeProblem;
 use super::entries::{dot, map, sum};
+use super::hessian::Add;
 use super::projection::MultiplierZone;
-use super::square::Add;
 use super::tolerances::TOLERANCES;
 
 /// The progress of one run of Newton's method.

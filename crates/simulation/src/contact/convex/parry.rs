@@ -7,7 +7,7 @@ use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQuer
 use parry3d_f64::shape::SharedShape;
 
 use super::closest_points::ClosestPoints;
-use super::form::Form;
+use super::contact_geometry::ContactGeometry;
 use super::placed_shape::PlacedShape;
 
 /// A shape in parry's form.
@@ -24,15 +24,15 @@ pub(super) const KNOWN: &str =
 
 impl Convex {
     /// `None` for shapes that parry does not support.
-    pub(super) fn new(form: &Form) -> Option<Self> {
+    pub(super) fn new(form: &ContactGeometry) -> Option<Self> {
         let vector = |v: &Vector3<f64>| Vector::new(v.x, v.y, v.z);
         let mut turn = Matrix3::identity();
         let shape = match form {
-            Form::Rounded { centers, radius } if form.is_line() => match &centers[..] {
+            ContactGeometry::Rounded { centers, radius } if form.is_line() => match &centers[..] {
                 [one, two] => SharedShape::capsule(vector(one), vector(two), *radius),
                 _ => SharedShape::ball(*radius),
             },
-            Form::Rounded { centers, .. } => {
+            ContactGeometry::Rounded { centers, .. } => {
                 let half = centers[0].abs();
                 if centers.len() == 8 && centers.iter().all(|corner| corner.abs() == half) {
                     SharedShape::cuboid(half.x, half.y, half.z)
@@ -40,11 +40,11 @@ impl Convex {
                     SharedShape::convex_hull(&centers.iter().map(vector).collect::<Vec<_>>())?
                 }
             }
-            Form::Cylinder { radius, half } => {
+            ContactGeometry::Cylinder { radius, half } => {
                 turn = Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
                 SharedShape::cylinder(*half, *radius)
             }
-            Form::Ellipsoid(_) => return None,
+            ContactGeometry::Ellipsoid(_) => return None,
         };
         Some(Self { shape, turn })
     }

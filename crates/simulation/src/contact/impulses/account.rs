@@ -5,7 +5,7 @@ use super::contact_state::ActiveContact;
 use super::memory::{CarriedForce, TotalImpulse};
 use super::{ContactImpulses, MOST_ROWS, QUIET};
 use crate::contact::components::{Components, Mark};
-use crate::contact::touching_point::ContactPartner;
+use crate::contact::shape_point::ContactPartner;
 
 /// The energy that contacts took out of a step, by cause \[J\].
 #[derive(Clone, Copy, Debug, Default)]

@@ -5,10 +5,10 @@ use robot_dynamics_description::Surface;
 
 use super::MOST_ROWS;
 use crate::contact::shape_checks::rows_of;
-use crate::contact::touching_point::TouchingPoint;
+use crate::contact::shape_point::ShapePoint;
 
 /// Force and moment in world axes.
-pub(super) fn in_world(point: &TouchingPoint, force: &[f64; MOST_ROWS]) -> (Vector3<f64>, Vector3<f64>) {
+pub(super) fn in_world(point: &ShapePoint, force: &[f64; MOST_ROWS]) -> (Vector3<f64>, Vector3<f64>) {
     let [n, s, t] = &point.axes;
     let at = |k: usize| n * force[k] + s * force[k + 1] + t * force[k + 2];
     (at(0), at(3))
@@ -16,7 +16,7 @@ pub(super) fn in_world(point: &TouchingPoint, force: &[f64; MOST_ROWS]) -> (Vect
 
 /// Normal and tangential components of a velocity, then those of an angular velocity.
 pub(super) fn along_axes(
-    point: &TouchingPoint,
+    point: &ShapePoint,
     velocity: &Vector3<f64>,
     spin: &Vector3<f64>,
 ) -> [f64; MOST_ROWS] {

@@ -1,12 +1,12 @@
 //! Contacts that act, that a step starts with, and that are near.
 
 use super::MOST_ROWS;
-use crate::contact::touching_point::TouchingPoint;
+use crate::contact::shape_point::ShapePoint;
 
 /// A contact of this step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ActiveContact {
-    pub(super) point: TouchingPoint,
+    pub(super) point: ShapePoint,
     /// One of the trees of the contact.
     pub(super) tree: usize,
     /// The index of its first row, and the number of rows.
@@ -22,7 +22,7 @@ pub(super) struct ActiveContact {
 }
 
 impl ActiveContact {
-    pub(super) fn new(point: TouchingPoint, tree: usize, known: Option<usize>) -> Self {
+    pub(super) fn new(point: ShapePoint, tree: usize, known: Option<usize>) -> Self {
         let (scale, before) = ([1.0; MOST_ROWS], [0.0; MOST_ROWS]);
         Self { point, tree, row: 0, rows: 1, scale, bias: 0.0, known, before }
     }

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use robot_dynamics_core::clone_in_place::clone_in_place;
 
 use crate::contact::cone_problem::MOST_ROWS;
-use crate::contact::touching_point::TouchingPoint;
+use crate::contact::shape_point::ShapePoint;
 use crate::placement::Placement;
 use crate::{ContactLaws, ContactSet};
 
@@ -33,26 +33,21 @@ pub(super) struct TotalImpulse {
     /// About the moving contact point \[N·m·s\].
     pub(super) angular: Vector3<f64>,
     /// The point of the last part in which it acted, in the world.
-    pub(super) point: TouchingPoint,
+    pub(super) point: ShapePoint,
     /// As in [`CarriedForce`].
-    pub(super) seen: Option<TouchingPoint>,
+    pub(super) seen: Option<ShapePoint>,
 }
 
 impl TotalImpulse {
     /// The contact point at the end of the step.
-    pub(super) fn point(&self, set: &ContactSet, placement: &Placement) -> TouchingPoint {
+    pub(super) fn point(&self, set: &ContactSet, placement: &Placement) -> ShapePoint {
         let point = point_of(self.seen.as_ref(), self.number, set, placement);
         if point.gap.is_finite() { point } else { self.point }
     }
 }
 
 /// The point of this number, or the one fixed to the first shape's body.
-fn point_of(
-    seen: Option<&TouchingPoint>,
-    number: usize,
-    set: &ContactSet,
-    placement: &Placement,
-) -> TouchingPoint {
+fn point_of(seen: Option<&ShapePoint>, number: usize, set: &ContactSet, placement: &Placement) -> ShapePoint {
     let Some(mut seen) = seen.copied() else { return set.point(placement, number) };
     let (rotation, p) = placement.body(set.shapes[seen.shape].body);
     seen.at = p + rotation * seen.at;
@@ -71,7 +66,7 @@ pub(super) struct CarriedForce {
     pub(super) force: [f64; MOST_ROWS],
     pub(super) shift: f64,
     /// For a pair's face: the point in the frame of the first shape's body.
-    pub(super) seen: Option<TouchingPoint>,
+    pub(super) seen: Option<ShapePoint>,
 }
 
 impl CarriedForce {
@@ -81,12 +76,12 @@ impl CarriedForce {
     }
 
     /// The contact point.
-    pub(super) fn point(&self, set: &ContactSet, placement: &Placement) -> TouchingPoint {
+    pub(super) fn point(&self, set: &ContactSet, placement: &Placement) -> ShapePoint {
         point_of(self.seen.as_ref(), self.number, set, placement)
     }
 
     /// The point in the frame of the first shape's body.
-    pub(super) fn seen(set: &ContactSet, placement: &Placement, point: &TouchingPoint) -> TouchingPoint {
+    pub(super) fn seen(set: &ContactSet, placement: &Placement, point: &ShapePoint) -> ShapePoint {
         let (mut seen, (rotation, p)) = (*point, placement.body(set.shapes[point.shape].body));
         seen.at = rotation.tr_mul(&(seen.at - p));
         seen.axes = seen.axes.map(|axis| rotation.tr_mul(&axis));

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::ContactImpulses;
-use crate::contact::touching_point::TouchingPoint;
+use crate::contact::shape_point::ShapePoint;
 use crate::contact::{ContactLaws, ContactProblem, ContactSet};
 
 impl ContactImpulses {
@@ -37,7 +37,7 @@ impl ContactImpulses {
     /// The contacts of the last step, each with its mean force and moment in world axes.
     pub(in crate::contact) fn points(
         &self,
-    ) -> impl Iterator<Item = (TouchingPoint, (Vector3<f64>, Vector3<f64>))> + '_ {
+    ) -> impl Iterator<Item = (ShapePoint, (Vector3<f64>, Vector3<f64>))> + '_ {
         let totals = self.memory.totals.iter();
         totals.map(|total| (total.point(&self.set, &self.placement), (total.impulse, total.angular)))
     }

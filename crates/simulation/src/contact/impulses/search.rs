@@ -4,13 +4,13 @@ use robot_dynamics_core::{Model, Workspace};
 
 use super::contact_state::ActiveContact;
 use super::contact_state::NearbyPair;
-use super::lift::NEAR;
 use super::memory::CarriedForce;
-use super::{ContactImpulses, lift};
+use super::position_correction::NEAR;
+use super::{ContactImpulses, position_correction};
 use crate::contact::ContactSet;
 use crate::contact::components::{Components, Mark};
 use crate::contact::contact_shape::ContactShape;
-use crate::contact::touching_point::{ContactPartner, TouchingPoint};
+use crate::contact::shape_point::{ContactPartner, ShapePoint};
 
 /// A touchdown slower than this is not an impact that divides the step \[m/s\].
 const SLOW: f64 = 0.05;
@@ -178,7 +178,7 @@ impl ContactImpulses {
         set.look_around(placement, NEAR, |point| {
             let [tree, other] = set.trees(components, &point);
             *depth = depth.max(-point.gap);
-            if point.gap < -lift::ROUNDING[1] {
+            if point.gap < -position_correction::ROUNDING[1] {
                 crosses |= components.join(tree, other);
             }
             active.push(ActiveContact::new(point, tree.min(other), None));
@@ -196,7 +196,7 @@ impl ContactImpulses {
 }
 
 /// Whether both are the same point of the same pair.
-fn is_same(one: &TouchingPoint, other: &TouchingPoint) -> bool {
+fn is_same(one: &ShapePoint, other: &ShapePoint) -> bool {
     one.against == other.against
         && matches!(one.against, ContactPartner::Pair(_))
         && (one.at - other.at).norm_squared() < SAME * SAME

@@ -8,7 +8,7 @@ use super::axes::along_axes;
 use super::contact_state::ActiveContact;
 use super::contact_state::InitialContact;
 use super::memory::CarriedForce;
-use crate::contact::touching_point::{ContactPartner, TouchingPoint};
+use crate::contact::shape_point::{ContactPartner, ShapePoint};
 
 /// The fewest points of two links that form a face.
 const FACE: usize = 3;
@@ -83,7 +83,7 @@ impl ContactImpulses {
         let Self { set, problem, placement, wrenches, active, gone, memory, .. } = self;
         wrenches.fill(Default::default());
         let mut is_elsewhere = false;
-        let mut add = |point: &TouchingPoint, carried: &CarriedForce, h: f64| {
+        let mut add = |point: &ShapePoint, carried: &CarriedForce, h: f64| {
             set.add_wrench(point, &carried.force.map(|force| h * force), wrenches);
             is_elsewhere = true;
         };
@@ -104,7 +104,7 @@ impl ContactImpulses {
 
     /// The point fixed to the first link, if it is one of a face of two links. (The point on which a ball
     /// rolls moves with the ball.)
-    pub(super) fn seen_on_face(&self, point: &TouchingPoint) -> Option<TouchingPoint> {
+    pub(super) fn seen_on_face(&self, point: &ShapePoint) -> Option<ShapePoint> {
         let ContactPartner::Pair(pair) = point.against else { return None };
         let first = self.touching_pairs.partition_point(|other| *other < pair);
         let alike = self.touching_pairs[first..].iter().take_while(|other| **other == pair);

@@ -11,8 +11,8 @@ use robot_dynamics_core::{FrameId, ReferenceFrame, frame_bias_acceleration, fram
 use robot_dynamics_description::SolverImpedance;
 
 use super::impedance::Response;
+use super::point_rows::{Bodies, Side, push};
 use super::reference::{RowOrigin, RowReference, StepState};
-use super::sides::{Bodies, Side, push};
 use crate::contact::ConeProblem;
 use crate::contact::cone_problem::Set;
 use crate::equality::site::{Site, SitePlace};

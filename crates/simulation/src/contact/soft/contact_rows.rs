@@ -6,8 +6,8 @@ use robot_dynamics_description::SolverImpedance;
 
 use super::active_set::ActiveLimits;
 use super::impedance::Response;
+use super::point_rows::{self, Side};
 use super::reference::{RowOrigin, RowReference, StepState};
-use super::sides::{self, Side};
 use super::{LEAST_FRICTION, SoftConstraints, SoftContact};
 use crate::contact::cone_problem::{MOST_ROWS, Set};
 use crate::contact::ground::axes;
@@ -75,7 +75,7 @@ impl SoftConstraints {
             *direction = if k < 3 { (axis, none) } else { (none, axis) };
         }
         let (bodies, problem) = (&self.bodies, &mut self.problem);
-        let row = sides::push(problem, model, bodies, set, sides, &directions[..rows]);
+        let row = point_rows::push(problem, model, bodies, set, sides, &directions[..rows]);
         problem.soften(cone * cone * response.softness(weight[0]));
         let spring = scale[0] * response.spring;
         let of_sides =

@@ -3,7 +3,7 @@
 use robot_dynamics_core::{FrameId, Model};
 
 use super::active_set::ActiveSet;
-use super::{ContactPartner, ContactSet, Pair, SoftConstraints, SoftContact, TouchingPoint};
+use super::{ContactPartner, ContactSet, Pair, ShapePoint, SoftConstraints, SoftContact};
 
 impl SoftConstraints {
     /// The limits and contacts that acted at the last state.
@@ -29,7 +29,7 @@ impl SoftConstraints {
             set.find_near(model, &bodies.placement, of_pairs);
         }
         let set = &*set;
-        let mut add = |point: &TouchingPoint, is_fixed: bool| {
+        let mut add = |point: &ShapePoint, is_fixed: bool| {
             let Some(contact) = contact_at(set, (links, shapes), point) else { return };
             if contact.distance < contact.margin || (is_fixed && contact.distance.is_finite()) {
                 contacts.push(contact);
@@ -50,7 +50,7 @@ impl SoftConstraints {
 fn contact_at(
     set: &ContactSet,
     (links, shapes): (&[FrameId], &[Option<FrameId>]),
-    point: &TouchingPoint,
+    point: &ShapePoint,
 ) -> Option<SoftContact> {
     let normal = point.axes[0];
     if let ContactPartner::Pair(index) = point.against {

@@ -5,9 +5,9 @@ use robot_dynamics_description::Quaternion;
 
 use super::active_set::ActiveLimits;
 use super::impedance::Response;
+use super::point_rows::Bodies;
 use super::reference::{RowOrigin, RowReference, StepState};
 use super::rows::JointRows;
-use super::sides::Bodies;
 use crate::contact::ConeProblem;
 use crate::contact::cone_problem::Set;
 

@@ -11,7 +11,7 @@ use robot_dynamics_description::{
 };
 
 use super::connection::Connection;
-use super::sides::tendon_length;
+use super::point_rows::tendon_length;
 use super::weights::InverseWeights;
 
 clone_in_place! {

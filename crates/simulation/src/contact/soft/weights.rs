@@ -11,7 +11,7 @@ use robot_dynamics_core::{Model, Workspace, mass_matrix, neutral};
 use robot_dynamics_description::JointDescription;
 use robot_dynamics_integrators::IntegratorError;
 
-use super::sides::tendon_length;
+use super::point_rows::tendon_length;
 use crate::placement::Placement;
 
 /// The means of the diagonals of J M⁻¹ Jᵀ.

@@ -1,14 +1,14 @@
 //! The impulses of friction, stops and equalities in one step.
 
-mod apart;
-mod held;
+mod ball_stops;
+mod component_problems;
+mod equality_rows;
 mod landing;
-mod turning;
 
 use robot_dynamics_core::Model;
 use robot_dynamics_core::clone_in_place::clone_in_place;
 
-use super::bounded::BoundedProblem;
+use super::bounded_problem::BoundedProblem;
 use super::joints::{Joints, Stop};
 use crate::contact::{Components, Interrupt, Mark, QUIET, RETURN_TIME};
 use crate::motion::simulate::Losses;

@@ -9,8 +9,8 @@ use robot_dynamics_integrators::IntegratorError;
 
 use super::ImplicitIntegrator;
 use super::advance::{ImpactPolicy, PARTS};
-use super::divided::{FAR, SMALL};
 use super::equalities::Equalities;
+use super::step_division::{FAR, SMALL};
 use crate::contact::Mark;
 use crate::motion::simulate::Losses;
 use crate::{StepForces, StepWorkspace};

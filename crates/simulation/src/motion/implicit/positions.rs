@@ -10,7 +10,7 @@ use super::restoration::copy_positions;
 use super::{ImplicitIntegrator, Memory};
 use crate::contact::{Bound, Components, DEEP, ImpulsiveStep, Mark, ROUNDING, returns};
 use crate::energy_ledger;
-use crate::motion::drive::Drive;
+use crate::motion::step_actuation::StepActuation;
 
 /// The number of repeated searches for penetrations and violated stops, because one correction may cause
 /// others.
@@ -166,7 +166,7 @@ impl ImplicitIntegrator {
 fn total_energy(
     model: &Model,
     workspace: &mut Workspace,
-    drive: &mut Option<Drive>,
+    drive: &mut Option<StepActuation>,
     (q, v): (&[f64], &[f64]),
 ) -> f64 {
     let of_motion = energy_ledger(model, workspace, q, v);

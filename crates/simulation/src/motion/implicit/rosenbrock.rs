@@ -7,7 +7,7 @@ use robot_dynamics_integrators::IntegratorError;
 
 use super::joints::Joints;
 use super::{ImplicitIntegrator, Memory};
-use crate::motion::drive::Drive;
+use crate::motion::step_actuation::StepActuation;
 
 /// γ = 1 − 1/√2: L-stable; of the two L-stable values, the one with the smaller error.
 const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
@@ -124,7 +124,7 @@ struct MiddleForces<'a> {
     tau: &'a [f64],
     /// The constraint forces of the last step.
     carried: &'a [f64],
-    drive: &'a mut Option<Drive>,
+    drive: &'a mut Option<StepActuation>,
     /// C v + g, and the forces of actuation.
     bias: &'a mut [f64],
     driven: &'a mut [f64],

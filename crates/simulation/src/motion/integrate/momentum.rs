@@ -1,6 +1,6 @@
 //! Momentum and the gradient of the kinetic energy, in one outward and one inward recursion.
 
-use robot_dynamics_core::kinematics::place::{gather, move_bodies, place_bodies};
+use robot_dynamics_core::kinematics::placement::{gather, move_bodies, place_bodies};
 use robot_dynamics_core::model::WORLD;
 use robot_dynamics_core::spatial::force::ForceVector;
 use robot_dynamics_core::spatial::motion::MotionVector;

@@ -11,7 +11,7 @@ use robot_dynamics_core::joint::Chart;
 use robot_dynamics_integrators::IntegratorError;
 
 use super::forces::StepForces;
-use super::middle::{evaluate_middle, place_middle};
+use super::midpoint::{evaluate_middle, place_middle};
 use super::newton_memory::Newton;
 use super::rounding::{is_rounding, largest, rounding_scale};
 use super::vectors::add_scaled;

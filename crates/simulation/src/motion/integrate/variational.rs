@@ -24,7 +24,7 @@ use robot_dynamics_integrators::{IntegratorError, check_computed};
 use robot_dynamics_number::algebra::V3;
 
 use super::forces::StepForces;
-use super::middle::{about_center, center, damping, evaluate_middle, moment_about_center, place_middle};
+use super::midpoint::{about_center, center, damping, evaluate_middle, moment_about_center, place_middle};
 use super::momentum::momentum_and_kinetic_gradient;
 use super::newton::{solve_by_newton, stays_short};
 use super::retraction::HalfTurn;

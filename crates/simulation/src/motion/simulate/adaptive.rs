@@ -1,18 +1,18 @@
 //! Adaptive steps of high order: error control, dense output and events.
 
-mod course;
 mod local_error;
 mod method;
 mod motion;
 mod options;
+mod run_loop;
 mod statistics;
 mod stepper;
 
-pub use course::AdaptiveRun;
 pub use method::AdaptiveMethod;
 pub use motion::ExternalInputs;
 pub(crate) use motion::HeldActuation;
 pub use options::{AdaptiveOptions, ControlTiming};
+pub use run_loop::AdaptiveRun;
 pub use statistics::StepStatistics;
 
 use std::sync::Arc;

@@ -2,9 +2,9 @@
 
 use robot_dynamics_integrators::EnergyLedger;
 
-use super::between::{Between, Ends};
-use super::cut::RepeatableStep;
 use super::event::EventDetector;
+use super::interpolation::{Ends, StepInterpolation};
+use super::shortened_step::RepeatableStep;
 use super::{Run, RunError, RunLoop, Stepper};
 use crate::{StepForces, StepWorkspace};
 
@@ -14,7 +14,11 @@ impl RunLoop<'_> {
         &self,
         run: &mut Run,
         stepper: &mut S,
-        (workspace, watch, between): (&mut StepWorkspace, &mut EventDetector<'_, '_>, &mut Between<'_>),
+        (workspace, watch, between): (
+            &mut StepWorkspace,
+            &mut EventDetector<'_, '_>,
+            &mut StepInterpolation<'_>,
+        ),
         forces: &StepForces<'_>,
         (q, v): (&mut Vec<f64>, &mut Vec<f64>),
     ) -> Result<(), RunError> {

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use robot_dynamics_core::{Model, Workspace, mass_matrix};
 
 use super::divergence_cause::DivergenceCause;
-use super::ledger::fastest;
+use super::energy_account::fastest;
 use super::run::RunLoop;
 use super::{Run, RunError, Stepper};
 

@@ -3,7 +3,7 @@
 use robot_dynamics_core::Model;
 
 use crate::Actuation;
-use crate::motion::drive::Drive;
+use crate::motion::step_actuation::StepActuation;
 
 /// Adds K and D of the joints' springs and, with `dissipation`, of their dampers.
 pub fn add_passive_gains(model: &Model, dissipation: bool, stiffness: &mut [f64], damping: &mut [f64]) {
@@ -38,7 +38,7 @@ pub(crate) fn add_actuation_gains(
     }
 }
 
-impl Drive {
+impl StepActuation {
     /// Adds K and D of its tendons and servos.
     pub(crate) fn add_gains(&self, nv: usize, stiffness: &mut [f64], damping: &mut [f64]) {
         add_actuation_gains(self.actuation(), nv, stiffness, damping);

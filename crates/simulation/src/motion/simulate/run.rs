@@ -5,7 +5,7 @@ use robot_dynamics_description::check_length;
 use robot_dynamics_integrators::{EnergyLedger, IntegratorError};
 use robot_dynamics_number::check_positive;
 
-use super::ledger::{fastest, open_start};
+use super::energy_account::{fastest, open_start};
 use super::results::Run;
 use super::{RunError, StepError, Stepper, Trajectory};
 use crate::{StateTransition, StepForces, StepWorkspace};

@@ -6,8 +6,8 @@ use robot_dynamics_core::algorithms::energy::energies;
 use robot_dynamics_core::{Model, Workspace, check_rank};
 
 use super::super::divergence::{GROWN, LOST};
+use super::super::energy_account::fastest;
 use super::super::event::EventDetector;
-use super::super::ledger::fastest;
 use super::super::results::Observer;
 use super::super::{Controller, Run, RunError, StepError, Stepper};
 use super::motion::{AdaptiveSystem, ExternalInputs, MotionFailure};

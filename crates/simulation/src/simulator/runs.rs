@@ -7,7 +7,7 @@ use robot_dynamics_core::Model;
 
 use super::stepping::Memory;
 use super::{Observer, RunOptions, Simulation};
-use crate::motion::simulate::{Between, EventDetector};
+use crate::motion::simulate::{EventDetector, StepInterpolation};
 use crate::{Controller, Run, RunError, RunFailure, StepForces, Stepper, Trajectory};
 
 impl Simulation {
@@ -158,7 +158,7 @@ impl Simulation {
             Option<Observer<'_>>,
         ),
     ) -> Result<(), RunError> {
-        let mut between = Between::new(model, self.stepper.order());
+        let mut between = StepInterpolation::new(model, self.stepper.order());
         let first = self.run.steps;
         for done in 0..=steps {
             let course = self.course(model, sample_every, self.base);

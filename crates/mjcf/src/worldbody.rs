@@ -9,7 +9,7 @@ use robot_dynamics_xml::Resource;
 use crate::body::{Body, Site};
 use crate::classes::{Class, MAIN};
 use crate::element::Element;
-use crate::joint::Motion;
+use crate::joint::JointType;
 use crate::reader::Reader;
 use crate::tree::{Id, Tree};
 
@@ -33,7 +33,7 @@ impl Reader<'_> {
     }
 
     /// The joints in a frame, which need not be in the tree, with their elements. Reports nothing.
-    pub(crate) fn joints_in(&mut self, frame: Id) -> Vec<(Id, Motion)> {
+    pub(crate) fn joints_in(&mut self, frame: Id) -> Vec<(Id, JointType)> {
         let saved = (self.errors.len(), self.refused_warnings.len(), self.angles.len());
         let report = self.report.clone();
         let node = &self.tree.nodes[frame];

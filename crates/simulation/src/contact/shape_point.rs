@@ -15,7 +15,7 @@ pub(super) enum ContactPartner {
 
 /// A point of a shape relative to a ground or another shape.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TouchingPoint {
+pub(super) struct ShapePoint {
     /// Its number among all points on all grounds, and then of all pairs.
     pub(super) number: usize,
     pub(super) shape: usize,

@@ -14,8 +14,8 @@ use super::ImplicitIntegrator;
 use super::advance::{ImpactPolicy, PARTS};
 use super::restoration::copy_positions;
 use crate::contact::{Components, ContactImpulses};
-use crate::motion::drive::record;
 use crate::motion::simulate::Losses;
+use crate::motion::step_actuation::record;
 use crate::{StateTransition, StepForces, StepWorkspace, energy_ledger};
 
 /// A step in which no coordinate moves further than this needs no check \[rad or m\].

@@ -16,7 +16,7 @@ use robot_dynamics_number::algebra::{M3, V3};
 use robot_dynamics_number::{Scalar, View};
 
 use crate::Model;
-use crate::kinematics::place::place_body;
+use crate::kinematics::placement::place_body;
 use crate::kinematics::wrench::{FrameWrench, subtract_wrenches};
 use crate::model::{Body, WORLD};
 use crate::spatial::force::ForceVector;

@@ -5,12 +5,12 @@ use nalgebra::Vector3;
 use super::PlacedField;
 use super::ellipsoid::{PlacedEllipsoid, TrianglePoint};
 use crate::contact::ContactSet;
+use crate::contact::contact_detection::{ExtremePoints, MOST_POINTS};
+use crate::contact::contact_geometry::ContactGeometry;
 use crate::contact::contact_shape::ContactShape;
-use crate::contact::form::Form;
 use crate::contact::ground::axes;
 use crate::contact::placed_shape::PlacedShape;
-use crate::contact::touch::{ExtremePoints, MOST_POINTS};
-use crate::contact::touching_point::{ContactPartner, TouchingPoint};
+use crate::contact::shape_point::{ContactPartner, ShapePoint};
 
 /// A shape that may touch a field, both by their indices.
 #[derive(Clone, Copy)]
@@ -34,7 +34,7 @@ impl ContactSet {
         &self,
         (shape, placed): (usize, &PlacedShape),
         within: f64,
-        mut look: impl FnMut(TouchingPoint),
+        mut look: impl FnMut(ShapePoint),
     ) {
         let (reach, count) = (self.shapes[shape].reach, self.shapes[shape].form.count());
         let mut first = self.points * self.grounds.len();
@@ -64,7 +64,7 @@ impl ContactSet {
         &self,
         placed: impl FnOnce(&ContactShape) -> PlacedShape,
         number: usize,
-    ) -> TouchingPoint {
+    ) -> ShapePoint {
         let (mut field, mut first) = (0, self.points * self.grounds.len());
         let mut rest = number - first;
         while rest >= self.points * self.fields[field].count() {
@@ -81,7 +81,7 @@ impl ContactSet {
 }
 
 impl FieldPair<'_> {
-    fn form(&self) -> &Form {
+    fn form(&self) -> &ContactGeometry {
         &self.set.shapes[self.shape].form
     }
 
@@ -89,12 +89,12 @@ impl FieldPair<'_> {
         &self.set.fields[self.field]
     }
 
-    fn look(&self, within: f64, mut look: impl FnMut(TouchingPoint)) {
+    fn look(&self, within: f64, mut look: impl FnMut(ShapePoint)) {
         let field = self.field();
         let facets = &field.facets;
         let reach = self.set.shapes[self.shape].reach;
         let center = field.inward(&self.placed.center);
-        let mut push = |point: TouchingPoint| {
+        let mut push = |point: ShapePoint| {
             if point.gap <= within {
                 look(point);
             }
@@ -131,7 +131,7 @@ impl FieldPair<'_> {
         }
     }
 
-    fn point(&self, k: usize, face: usize) -> TouchingPoint {
+    fn point(&self, k: usize, face: usize) -> ShapePoint {
         let field = self.field();
         let facets = &field.facets;
         let mut point = self.at_face(k, face);
@@ -161,8 +161,10 @@ impl FieldPair<'_> {
     fn smooth(&self, k: usize) -> Option<PlacedEllipsoid> {
         let field = self.field();
         let (at, half_axes) = match self.form() {
-            Form::Rounded { centers, radius } if *radius > 0.0 => (centers[k], Vector3::repeat(*radius)),
-            Form::Ellipsoid(half_axes) => (Vector3::zeros(), *half_axes),
+            ContactGeometry::Rounded { centers, radius } if *radius > 0.0 => {
+                (centers[k], Vector3::repeat(*radius))
+            }
+            ContactGeometry::Ellipsoid(half_axes) => (Vector3::zeros(), *half_axes),
             _ => return None,
         };
         let center = field.inward(&self.placed.at(&at));
@@ -197,14 +199,14 @@ impl FieldPair<'_> {
     }
 
     /// Point k relative to the plane of the face.
-    fn at_face(&self, k: usize, face: usize) -> TouchingPoint {
+    fn at_face(&self, k: usize, face: usize) -> ShapePoint {
         let field = self.field();
         let plane = &field.facets.planes[face];
         let at = self.placed.at(&self.form().point(k, &self.down(face)));
         self.touching((k, face), at, plane.gap(&field.inward(&at)), field.rotation * plane.normal)
     }
 
-    fn at_near(&self, k: usize, near: &TrianglePoint) -> TouchingPoint {
+    fn at_near(&self, k: usize, near: &TrianglePoint) -> ShapePoint {
         let field = self.field();
         let face = field.facets.of[near.triangle];
         match near.edge {
@@ -222,9 +224,9 @@ impl FieldPair<'_> {
         at: Vector3<f64>,
         gap: f64,
         normal: Vector3<f64>,
-    ) -> TouchingPoint {
+    ) -> ShapePoint {
         let own = self.set.shapes[self.shape].first + k;
-        TouchingPoint {
+        ShapePoint {
             number: self.first + face * self.set.points + own,
             shape: self.shape,
             against: ContactPartner::Field(self.field),
@@ -347,9 +349,8 @@ mod tests {
                 }
             }
             for (k, point) in found.iter().enumerate() {
-                let is_new = |other: &TouchingPoint| {
-                    other.number != point.number && (other.at - point.at).norm() > 1e-9
-                };
+                let is_new =
+                    |other: &ShapePoint| other.number != point.number && (other.at - point.at).norm() > 1e-9;
                 assert!(found[..k].iter().all(is_new), "case {case}: {found:?}");
             }
             let is_plane =

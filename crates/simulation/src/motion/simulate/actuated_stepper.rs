@@ -5,13 +5,13 @@ use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::{Model, Workspace, dissipation, integrate};
 use robot_dynamics_integrators::{EnergyLedger, Integrator, IntegratorError, Stage, StepScheme};
 
+use super::energy_account::end_energies;
 use super::gains::{add_actuation_gains, add_passive_gains};
-use super::ledger::end_energies;
 use super::{StepError, Stepper};
-use crate::motion::drive::ActuatorLoad;
 use crate::motion::integrate::explicit::{StageSystem, advance};
 use crate::motion::integrate::stage_memory::StageMemory;
 use crate::motion::integrate::{accelerate, check_step};
+use crate::motion::step_actuation::ActuatorLoad;
 use crate::{Actuation, ActuationWorkspace, StateTransition, StepForces, StepWorkspace};
 
 clone_in_place! {

@@ -11,7 +11,7 @@ use crate::spatial::rotation::JointRotation;
 use crate::spatial::transform::Transform;
 use crate::workspace::tree::Angles;
 
-/// The rotation of body i's joint. Call after [`evaluate_angles`](crate::kinematics::place::evaluate_angles).
+/// The rotation of body i's joint. Call after [`evaluate_angles`](crate::kinematics::placement::evaluate_angles).
 #[inline(always)]
 pub(crate) fn turn_of<S: Scalar>(model: &Model, angles: &Angles<S>, q: &[S], i: usize) -> JointRotation<S> {
     let (angle, sine, cosine) = (angles.angle[i], angles.sine[i], angles.cosine[i]);

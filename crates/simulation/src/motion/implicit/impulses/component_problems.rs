@@ -2,7 +2,7 @@
 
 use robot_dynamics_integrators::IntegratorError;
 
-use super::super::bounded::BoundedProblem;
+use super::super::bounded_problem::BoundedProblem;
 use super::super::stiff_factor::StiffFactor;
 use super::{Impulses, SOFTER, along};
 use crate::contact::{Components, JointRow, Mark};

@@ -6,7 +6,7 @@ use robot_dynamics_core::{Model, Workspace};
 
 use super::contact_state::ActiveContact;
 use super::contact_state::InitialContact;
-use super::{ContactImpulses, ImpulsiveStep, STUCK, Set, TouchingPoint, returns};
+use super::{ContactImpulses, ImpulsiveStep, STUCK, Set, ShapePoint, returns};
 use crate::contact::ContactSet;
 use crate::placement::Placement;
 
@@ -170,7 +170,7 @@ fn allowed(
     start: &Placement,
     begun: &[InitialContact],
     kept: f64,
-    point: &TouchingPoint,
+    point: &ShapePoint,
 ) -> f64 {
     let known = begun.binary_search_by_key(&point.number, |begun| begun.number);
     let before = known.map_or_else(|_| set.point(start, point.number).gap, |known| begun[known].gap);

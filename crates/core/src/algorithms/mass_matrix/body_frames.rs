@@ -11,8 +11,8 @@ use robot_dynamics_number::Scalar;
 
 use super::entries::{Entries, add_armature, add_reduced};
 use crate::Model;
-use crate::kinematics::carried::{in_parent, own_inertia, turn_of};
-use crate::kinematics::place::place_bodies;
+use crate::kinematics::parent_inertia::{in_parent, own_inertia, turn_of};
+use crate::kinematics::placement::place_bodies;
 use crate::kinematics::world_frame::{add_composite, momentum_of};
 use crate::model::WORLD;
 use crate::workspace::tree::TreeMemory;

@@ -10,7 +10,7 @@ use robot_dynamics_description::Surface;
 use super::axes::{along_axes, in_world};
 use super::{ContactImpulses, MOST_ROWS};
 use crate::contact::contact_shape::ContactShape;
-use crate::contact::touching_point::{ContactPartner, TouchingPoint};
+use crate::contact::shape_point::{ContactPartner, ShapePoint};
 use crate::contact::{Components, ContactSet};
 use crate::placement::{Placement, Twist};
 
@@ -29,7 +29,7 @@ impl ContactSet {
         &self,
         model: &Model,
         placement: &Placement,
-        point: &TouchingPoint,
+        point: &ShapePoint,
         mut look: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
     ) {
         let body = self.shapes[point.shape].body;
@@ -49,7 +49,7 @@ impl ContactSet {
     }
 
     /// The bodies that move there, the first shape's with 1 and the other's with −1.
-    pub(super) fn sides(&self, point: &TouchingPoint) -> impl Iterator<Item = (usize, f64)> {
+    pub(super) fn sides(&self, point: &ShapePoint) -> impl Iterator<Item = (usize, f64)> {
         let other = match point.against {
             ContactPartner::Ground(_) | ContactPartner::Field(_) => WORLD,
             ContactPartner::Pair(pair) => self.shapes[self.pairs[pair].shapes[1]].body,
@@ -59,7 +59,7 @@ impl ContactSet {
     }
 
     /// The trees of the two sides of a contact.
-    pub(super) fn trees(&self, components: &Components, point: &TouchingPoint) -> [usize; 2] {
+    pub(super) fn trees(&self, components: &Components, point: &ShapePoint) -> [usize; 2] {
         let tree = |shape: usize| self.shapes[shape].tree(components);
         let other = match point.against {
             ContactPartner::Ground(_) | ContactPartner::Field(_) => NONE,
@@ -69,7 +69,7 @@ impl ContactSet {
     }
 
     /// Adds a contact's force and moment to those of its bodies, about the world's origin.
-    pub(super) fn add_wrench(&self, point: &TouchingPoint, force: &[f64; MOST_ROWS], wrenches: &mut [Twist]) {
+    pub(super) fn add_wrench(&self, point: &ShapePoint, force: &[f64; MOST_ROWS], wrenches: &mut [Twist]) {
         let (force, moment) = in_world(point, force);
         let moment = moment + point.at.cross(&force);
         for (body, sign) in self.sides(point) {
@@ -79,7 +79,7 @@ impl ContactSet {
     }
 
     /// The coordinates of the relative motion, in increasing order.
-    pub(super) fn coordinates(&self, point: &TouchingPoint) -> &[usize] {
+    pub(super) fn coordinates(&self, point: &ShapePoint) -> &[usize] {
         match point.against {
             ContactPartner::Ground(_) | ContactPartner::Field(_) => &self.shapes[point.shape].coordinates,
             ContactPartner::Pair(pair) => &self.pairs[pair].coordinates,
@@ -88,7 +88,7 @@ impl ContactSet {
 
     /// The surface given for the contact, its coefficient of sliding friction, and its restitution; `None` if
     /// not given.
-    pub(in crate::contact) fn stated(&self, point: &TouchingPoint) -> (Option<&Surface>, Option<f64>, f64) {
+    pub(in crate::contact) fn stated(&self, point: &ShapePoint) -> (Option<&Surface>, Option<f64>, f64) {
         let on_ground = self.shapes[point.shape].on_grounds.first().map(|(_, surface)| surface);
         match point.against {
             ContactPartner::Ground(ground) => {
@@ -117,7 +117,7 @@ impl ContactSet {
 
     /// The surface of the contact, or the shape's own if none is given, with the coefficients of sliding
     /// friction and of restitution.
-    pub(super) fn surface(&self, point: &TouchingPoint) -> (&Surface, f64, f64) {
+    pub(super) fn surface(&self, point: &ShapePoint) -> (&Surface, f64, f64) {
         let (stated, friction, restitution) = self.stated(point);
         let surface = stated.unwrap_or(&self.shapes[point.shape].surface);
         (surface, friction.unwrap_or(surface.friction[0]).max(0.0), restitution)

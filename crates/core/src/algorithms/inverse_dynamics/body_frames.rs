@@ -10,7 +10,7 @@ use robot_dynamics_number::Scalar;
 use robot_dynamics_number::algebra::{M3, Padded, V3};
 
 use crate::Model;
-use crate::kinematics::place::place_body;
+use crate::kinematics::placement::place_body;
 use crate::model::{Body, WORLD};
 use crate::spatial::force::ForceVector;
 use crate::spatial::motion::{AxisMotion, BodyMotion};

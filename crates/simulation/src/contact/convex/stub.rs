@@ -1,7 +1,7 @@
 //! Without the feature `convex`, only balls and capsules can touch each other.
 
 use super::closest_points::ClosestPoints;
-use super::form::Form;
+use super::contact_geometry::ContactGeometry;
 use super::placed_shape::PlacedShape;
 
 /// A type without values.
@@ -13,7 +13,7 @@ pub(super) const KNOWN: &str = "only balls and capsules are known to touch each 
                                 cylinders and convex meshes";
 
 impl Convex {
-    pub(super) fn new(_: &Form) -> Option<Self> {
+    pub(super) fn new(_: &ContactGeometry) -> Option<Self> {
         None
     }
 

@@ -11,7 +11,7 @@ use robot_dynamics_number::algebra::V3;
 /// With s = t₁ − t₀ the error of q is at most |Θ⁗| s⁴/384, and that of v, which follows from Θ̇, is O(s³). In
 /// rows of first and second order Θ̇ would overshoot end velocities that hardly differ; there v is linear
 /// between them, with the error O(s²).
-pub struct Between<'a> {
+pub struct StepInterpolation<'a> {
     model: &'a Model,
     is_line: bool,
     displacement: Vec<f64>,
@@ -29,7 +29,7 @@ pub(super) struct Ends<'a> {
     pub to: (&'a [f64], &'a [f64]),
 }
 
-impl<'a> Between<'a> {
+impl<'a> StepInterpolation<'a> {
     /// Creates the interpolation for a row of this order.
     pub fn new(model: &'a Model, order: u32) -> Self {
         let zero = || vec![0.0; model.nv()];

@@ -38,7 +38,7 @@ pub(super) const ABOUT: [(f64, f64); RIM] = {
 
 /// A shape in contact with a half-space, in the shape's frame.
 #[derive(Clone, Debug)]
-pub(super) enum Form {
+pub(super) enum ContactGeometry {
     /// Balls of one radius about these points, and their convex hull.
     Rounded { centers: Vec<Vector3<f64>>, radius: f64 },
     /// About z, from −half to half.
@@ -47,7 +47,7 @@ pub(super) enum Form {
     Ellipsoid(Vector3<f64>),
 }
 
-impl Form {
+impl ContactGeometry {
     /// `None` for shapes without known points, or that cannot move.
     pub(super) fn new(shape: &Shape) -> Option<Self> {
         Some(match *shape {
@@ -178,7 +178,7 @@ mod tests {
             Shape::Ellipsoid { half_axes: [0.1, 0.2, 0.4] },
         ];
         for shape in shapes {
-            let form = Form::new(&shape).unwrap();
+            let form = ContactGeometry::new(&shape).unwrap();
             for _ in 0..50 {
                 let mut unit = || Vector3::from_fn(|_, _| random.uniform(-1.0, 1.0)).normalize();
                 let down = unit();

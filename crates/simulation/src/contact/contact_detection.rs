@@ -4,12 +4,12 @@ use nalgebra::Vector3;
 use robot_dynamics_core::Model;
 
 use super::ContactSet;
+use super::contact_geometry::ABOUT;
 use super::contact_shape::ContactShape;
-use super::form::ABOUT;
 use super::pair::PairContacts;
 use super::placed_pair::MOST_PAIR_POINTS;
 use super::placed_shape::PlacedShape;
-use super::touching_point::{ContactPartner, TouchingPoint};
+use super::shape_point::{ContactPartner, ShapePoint};
 use crate::Ground;
 use crate::placement::Placement;
 
@@ -18,7 +18,7 @@ pub(super) const MOST_POINTS: usize = 1 + ABOUT.len();
 
 impl ContactSet {
     /// Calls `look` for each point of each shape whose gap to a ground is at most `within` \[m\].
-    pub(super) fn look(&self, placement: &Placement, within: f64, mut look: impl FnMut(TouchingPoint)) {
+    pub(super) fn look(&self, placement: &Placement, within: f64, mut look: impl FnMut(ShapePoint)) {
         let is_looked_at =
             |index: usize, shape: &ContactShape| shape.on_ground.is_some() && self.is_active(index);
         for (index, shape) in
@@ -67,12 +67,7 @@ impl ContactSet {
     }
 
     /// Calls `look` for these, and for the points of each pair of shapes.
-    pub(super) fn look_around(
-        &self,
-        placement: &Placement,
-        within: f64,
-        mut look: impl FnMut(TouchingPoint),
-    ) {
+    pub(super) fn look_around(&self, placement: &Placement, within: f64, mut look: impl FnMut(ShapePoint)) {
         self.look(placement, within, &mut look);
         self.look_at_pairs(placement, within, look);
     }
@@ -97,7 +92,7 @@ impl ContactSet {
     }
 
     /// The point of this number, at any distance.
-    pub(super) fn point(&self, placement: &Placement, number: usize) -> TouchingPoint {
+    pub(super) fn point(&self, placement: &Placement, number: usize) -> ShapePoint {
         self.point_after(placement, number, &mut None)
     }
 
@@ -107,7 +102,7 @@ impl ContactSet {
         placement: &Placement,
         number: usize,
         last: &mut Option<PairContacts>,
-    ) -> TouchingPoint {
+    ) -> ShapePoint {
         if let Some(number) = number.checked_sub(self.ground_point_count()) {
             return self.point_of_pair_after(placement, number, last);
         }
@@ -129,12 +124,12 @@ impl ContactSet {
         (shape, ground): (usize, usize),
         k: usize,
         down: &Vector3<f64>,
-    ) -> TouchingPoint {
+    ) -> ShapePoint {
         let (Ground { offset, .. }, axes) = &self.grounds[ground];
         let n = &axes[0];
         let ContactShape { form, first, .. } = &self.shapes[shape];
         let at = placed.at(&form.point(k, down));
-        TouchingPoint {
+        ShapePoint {
             number: ground * self.points + first + k,
             shape,
             against: ContactPartner::Ground(ground),
@@ -150,7 +145,7 @@ impl ContactSet {
 pub(super) struct ExtremePoints {
     /// Two tangential directions of the ground.
     sides: [Vector3<f64>; 2],
-    best: [Option<(f64, TouchingPoint)>; MOST_POINTS],
+    best: [Option<(f64, ShapePoint)>; MOST_POINTS],
 }
 
 impl ExtremePoints {
@@ -158,7 +153,7 @@ impl ExtremePoints {
         Self { sides, best: [None; MOST_POINTS] }
     }
 
-    pub(super) fn add(&mut self, point: TouchingPoint) {
+    pub(super) fn add(&mut self, point: ShapePoint) {
         let [s, t] = &self.sides;
         for (k, best) in self.best.iter_mut().enumerate() {
             let far = match k {
@@ -175,7 +170,7 @@ impl ExtremePoints {
     }
 
     /// Calls `look` with each point once.
-    pub(super) fn each(&self, mut look: impl FnMut(TouchingPoint)) {
+    pub(super) fn each(&self, mut look: impl FnMut(ShapePoint)) {
         for (k, (_, point)) in self.best.iter().flatten().enumerate() {
             if self.best[..k].iter().flatten().all(|(_, other)| other.number != point.number) {
                 look(*point);

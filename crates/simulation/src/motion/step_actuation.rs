@@ -11,7 +11,7 @@ use crate::{Actuation, ActuationWorkspace, StateTransition, StepWorkspace};
 clone_in_place! {
     /// Tendons, gravity compensation and actuators, at held controls.
     #[derive(Debug)]
-    pub struct Drive {
+    pub struct StepActuation {
         actuation: Actuation,
         workspace: ActuationWorkspace,
         controls: Vec<f64>,
@@ -41,7 +41,7 @@ impl ActuatorLoad {
     }
 }
 
-impl Drive {
+impl StepActuation {
     /// # Panics
     /// Panics if the number of controls differs from the number of actuators.
     #[track_caller]
@@ -106,7 +106,7 @@ pub fn record(
     workspace: &mut StepWorkspace,
     ledger: &mut EnergyLedger,
     transition: StateTransition<'_>,
-    drive: &mut Option<Drive>,
+    drive: &mut Option<StepActuation>,
     (last, losses): (&mut Losses, &mut Losses),
 ) {
     let (kinetic, potential) = end_energies(model, workspace, transition);
@@ -114,7 +114,7 @@ pub fn record(
     let StepWorkspace { displacement: way, q: middle, .. } = workspace;
     let mut work: f64 = forces.tau.iter().zip(&*way).map(|(tau, way)| tau * way).sum();
     let mut stored = 0.0;
-    if let Some(Drive { actuation, workspace, controls, torques, driven, mean, half, .. }) = drive {
+    if let Some(StepActuation { actuation, workspace, controls, torques, driven, mean, half, .. }) = drive {
         // The impulse of forces that are linear in q and v, hf(q̄, Δq/h), times the mean velocity.
         for k in 0..way.len() {
             half[k] = 0.5 * way[k];

@@ -7,7 +7,7 @@ use robot_dynamics_integrators::Integrator;
 
 use super::{Method, Simulation};
 use crate::motion::simulate::RunLoop;
-use crate::motion::simulate::ledger::{StateTransition, record_energies};
+use crate::motion::simulate::energy_account::{StateTransition, record_energies};
 use crate::{RunError, StepForces};
 
 /// The start of a step.

@@ -2,8 +2,8 @@
 
 use robot_dynamics_integrators::EnergyLedger;
 
-use super::between::{Between, Ends};
 use super::event::EventDetector;
+use super::interpolation::{Ends, StepInterpolation};
 use super::{EventOccurrence, Run, RunError, RunLoop, Stepper};
 use crate::{StepForces, StepWorkspace};
 
@@ -45,7 +45,7 @@ impl<S: Stepper + Clone> RepeatableStep<'_, S> {
         after: f64,
         workspace: &mut StepWorkspace,
         watch: &mut EventDetector<'_, '_>,
-        between: &mut Between<'_>,
+        between: &mut StepInterpolation<'_>,
     ) -> Result<ShortenedStep<S>, RunError> {
         let (event, h, (t0, t1)) = (occurrence.event, self.course.step, self.ends.times);
         let cut = self.take(occurrence.time - t0, event, workspace, watch)?;
