@@ -7,9 +7,9 @@
 //! The outward pass solves q̈ = (u − Uᵀa)/d. **(RBDA §7.3)** The code uses the same letters. `IA` holds pᴬ as
 //! `bias`, and a [`DofElimination`](crate::spatial::inertia::DofElimination) holds U/d and u/d.
 //!
-//! A joint of several DoFs is eliminated one DoF at a time. There are two forms. `in_world` uses one inertial
-//! frame, so that inertias add without a rotation. `in_body_frames` takes fewer operations where expressions
-//! are traced, as zeros and ones fold there.
+//! A joint of several DoFs is eliminated one DoF at a time. There are two forms. `world_frame` uses one
+//! inertial frame, so that inertias add without a rotation. `body_frames` takes fewer operations where
+//! expressions are traced, as zeros and ones fold there.
 
 mod articulated_inertia;
 mod body_frames;

@@ -4,7 +4,7 @@
 //! takes is I^c S. Its component along each ancestor's motion gives that joint's column of M: M_ij = S_iᵀ
 //! I^c_j S_j.
 //!
-//! There are two forms. `in_world` uses one inertial frame, so no vector is rotated. `in_body_frames` takes
+//! There are two forms. `world_frame` uses one inertial frame, so no vector is rotated. `body_frames` takes
 //! half the operations where expressions are traced, as zeros and ones fold there. **(RBDA §6.2)**
 
 mod body_frames;
