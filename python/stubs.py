@@ -241,7 +241,7 @@ RETURNS = {
     "_contacts": (
         "list[tuple[str, str, str | None, str, int | None, _Array, _Array, float, _Array, _Array]]"
     ),
-    "_ledger": "_Record",
+    "_energy_account": "_Record",
     "_reset": "None",
     "_set_state": "None",
     # The method of a robot; that of a batch returns nothing.

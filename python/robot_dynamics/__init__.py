@@ -59,7 +59,7 @@ from robot_dynamics.files import RobotText, UnsupportedFeature
 from robot_dynamics.ground import Ground, HeightField
 from robot_dynamics.identification import IdentificationResult
 from robot_dynamics.loading import example, load, loads, random_robot
-from robot_dynamics.motion import EnergyLedger, Event, LinearizedStep, Motion, Rollout, StepStatistics
+from robot_dynamics.motion import EnergyAccount, Event, LinearizedStep, Motion, Rollout, StepStatistics
 from robot_dynamics.planning import TimedPath
 from robot_dynamics.pullbacks import RolloutPullback
 from robot_dynamics.report import Finding, LoadReport
@@ -98,7 +98,7 @@ __all__ = [
     "DescriptionError",
     "DissipationPullback",
     "Dlqr",
-    "EnergyLedger",
+    "EnergyAccount",
     "Event",
     "Finding",
     "ForwardDynamicsDerivatives",

@@ -2635,8 +2635,8 @@ class Simulation:
         """See `apply_wrench`."""
     def _contacts(self) -> list[tuple[str, str, str | None, str, int | None, _Array, _Array, float, _Array, _Array]]:
         """See `contacts`."""
-    def _ledger(self) -> _Record:
-        """See `ledger`."""
+    def _energy_account(self) -> _Record:
+        """See `energy_account`."""
     def _reset(self, q: Numbers | None, v: Numbers | None, pose: str | None) -> None:
         """See `reset`."""
     @property

@@ -56,7 +56,7 @@ class Occurrence(NamedTuple):
 
 
 @dataclass(frozen=True)
-class EnergyLedger:
+class EnergyAccount:
     """Energy account at the end of a motion [J]: start + work − dissipated = kinetic + potential."""
 
     start: float
@@ -126,7 +126,7 @@ class Motion:
     """A simulated motion, sample by sample.
 
     >>> motion = rd.example("two_r").simulate([0.0, 0.0], duration=1.0)
-    >>> motion.q.shape, motion.ledger.drift < 1e-9
+    >>> motion.q.shape, motion.energy_account.drift < 1e-9
     ((1001, 2), True)
     """
 
@@ -145,7 +145,7 @@ class Motion:
     """Kinetic energy (samples,) [J]."""
     potential: Array = field(repr=False)
     """Potential energy (samples,) [J]."""
-    ledger: EnergyLedger
+    energy_account: EnergyAccount
     """Energy account of the motion."""
     peak_torque: Array = field(repr=False)
     """Largest |τ| of each coordinate over all steps (nv,) [N·m or N]."""
@@ -226,8 +226,8 @@ class Motion:
 
     def __repr__(self) -> str:
         time = self.times[-1] if len(self.times) else 0.0
-        is_conservative = np.isfinite(self.ledger.drift)
-        error = self.ledger.drift if is_conservative else self.ledger.relative_imbalance
+        is_conservative = np.isfinite(self.energy_account.drift)
+        error = self.energy_account.drift if is_conservative else self.energy_account.relative_imbalance
         name = "drift" if is_conservative else "imbalance"
         return f"<Motion: {time:g} s, {len(self.times)} samples, energy {name} {error:.1e}>"
 
@@ -428,7 +428,7 @@ def simulate(
     >>> bool(np.abs(motion.q[-1]).max() < 1e-9)
     True
     >>> fall = robot.simulate(np.full(7, 0.1), duration=1.0, dt=0.01, integrator="adaptive", tolerance=1e-12, dissipation=False)
-    >>> fall.ledger.drift < 1e-12, fall.steps == fall.statistics.accepted
+    >>> fall.energy_account.drift < 1e-12, fall.steps == fall.statistics.accepted
     (True, True)
     """
     directions = {"both": 0, "rising": 1, "falling": -1}
@@ -470,7 +470,7 @@ def simulate(
 
 def _motion_of(robot: Robot, record: dict[str, Any]) -> Motion:
     """The motion of a record of the compiled module."""
-    record["ledger"] = EnergyLedger(**record["ledger"])
+    record["energy_account"] = EnergyAccount(**record["energy_account"])
     record["events"] = tuple(Occurrence(*event) for event in record["events"])
     if record.get("statistics") is not None:
         record["statistics"] = StepStatistics(**record["statistics"])

@@ -14,7 +14,7 @@ from robot_dynamics import ground as grounds
 from robot_dynamics._native import Constraints
 from robot_dynamics.errors import ShapeError
 from robot_dynamics.ground import AnyGround
-from robot_dynamics.motion import Correction, EnergyLedger, disabled_effects
+from robot_dynamics.motion import Correction, EnergyAccount, disabled_effects
 from robot_dynamics.numbers import Numbers
 
 if TYPE_CHECKING:
@@ -231,9 +231,9 @@ class Simulation(_native.Simulation):
         return [ContactPoint(*fields) for fields in self._contacts()]
 
     @property
-    def ledger(self) -> EnergyLedger:
+    def energy_account(self) -> EnergyAccount:
         """Energy account since the last reset."""
-        return EnergyLedger(**self._ledger())
+        return EnergyAccount(**self._energy_account())
 
     def copy(self) -> Self:
         """Copy of the simulation with the same state and inputs.

@@ -217,10 +217,10 @@ def test_the_audit_counts_dissipation_where_asked() -> None:
     keep = ["timestamp", "episode_index"]
     accounts = arrow.energy_accounts(arrow.compute(robot, recording, "audit:dissipation", keep=keep))
     assert accounts["imbalance"][0].as_py() < 1e-5 * accounts["energy_moved"][0].as_py()
-    assert accounts["dissipated"][0].as_py() == pytest.approx(motion.ledger.dissipated, rel=1e-5)
+    assert accounts["dissipated"][0].as_py() == pytest.approx(motion.energy_account.dissipated, rel=1e-5)
     assert accounts["torque_residual"][0].as_py()[0] < 1e-12
     without = arrow.energy_accounts(arrow.compute(robot, recording, "audit", keep=keep))
-    assert without["imbalance"][0].as_py() > 0.99 * motion.ledger.dissipated
+    assert without["imbalance"][0].as_py() > 0.99 * motion.energy_account.dissipated
 
 
 def test_energy_accounts_keep_episodes_apart() -> None:

@@ -111,7 +111,7 @@ def test_adaptive_steps_are_as_accurate_as_asked_for(panda: rd.Robot) -> None:
     how: dict[str, Any] = {"duration": 0.5, "dt": 0.05, "integrator": "adaptive"}
     exact, rough = (panda.simulate(s.q[0], s.v[0], **how, tolerance=tolerance) for tolerance in (1e-13, 1e-6))
     assert exact.times.tolist() == pytest.approx(np.arange(11) * 0.05)
-    assert exact.ledger.drift < 1e-12 and np.abs(rough.q - exact.q).max() < 1e-5
+    assert exact.energy_account.drift < 1e-12 and np.abs(rough.q - exact.q).max() < 1e-5
     assert exact.statistics is not None and rough.statistics is not None
     assert exact.steps == exact.statistics.accepted > rough.statistics.accepted
     assert 0.0 < exact.statistics.shortest <= exact.statistics.longest < 0.5
@@ -180,8 +180,8 @@ def test_adaptive_steps_say_what_they_leave_out(panda: rd.Robot) -> None:
     motion = damped.simulate([0.0], **how)
     fine = damped.simulate([0.0], duration=0.5, integrator="rk4", without=["actuators"], sample_period=0.1)
     assert_allclose(motion.q, fine.q, atol=1e-9)
-    assert motion.ledger.dissipated > 0.1 and abs(motion.ledger.imbalance) < 1e-9
-    assert rubbed.simulate([0.0], **how).ledger.dissipated == 0.0
+    assert motion.energy_account.dissipated > 0.1 and abs(motion.energy_account.imbalance) < 1e-9
+    assert rubbed.simulate([0.0], **how).energy_account.dissipated == 0.0
     # Torques are within the effort limits, also those of a function.
     pushed, bounded = (damped.simulate([0.0], tau=[torque], **how) for torque in (50.0, 1.0))
     assert np.array_equal(pushed.q, bounded.q)

@@ -46,10 +46,10 @@ def test_the_books_balance_and_samples_are_the_motion(robot: rd.Robot) -> None:
     assert motion.times.tolist() == pytest.approx([0.0, 0.001, 0.002, 0.003, 0.004, 0.005])
     assert np.array_equal(motion.q[0], s.q[0]) and motion.steps == 50
     assert_allclose(motion.energy, robot.kinetic_energy(motion.q, motion.v) + robot.potential_energy(motion.q), rtol=1e-12)
-    ledger = motion.ledger
+    energy_account = motion.energy_account
     scale = 1.0 + np.abs(motion.kinetic).max()
-    assert abs(ledger.start + ledger.work - ledger.dissipated - ledger.kinetic - ledger.potential) < 1e-6 * scale
-    assert_allclose(ledger.kinetic, motion.kinetic[-1], rtol=1e-12)
+    assert abs(energy_account.start + energy_account.work - energy_account.dissipated - energy_account.kinetic - energy_account.potential) < 1e-6 * scale
+    assert_allclose(energy_account.kinetic, motion.kinetic[-1], rtol=1e-12)
 
 
 def test_a_rollout_is_each_simulation(panda: rd.Robot) -> None:

@@ -56,7 +56,7 @@ def test_steps_from_outside_are_the_bits_of_one_run(integrator: str | None) -> N
         q, v = moved(sim, 50)
         assert np.array_equal(q, run.q[1:]) and np.array_equal(v, run.v[1:]), (robot.name, integrator)
         assert (sim.method, sim.left_out, sim.steps) == (run.method, run.left_out, run.steps)
-        assert repr(sim.ledger) == repr(run.ledger) and sim.time == run.times[-1]
+        assert repr(sim.energy_account) == repr(run.energy_account) and sim.time == run.times[-1]
         together = rd.Simulation(robot, integrator=integrator)
         together.reset(start, controls=controls)
         together.torques = tau
@@ -72,13 +72,13 @@ def test_snapshots_and_copies_go_on_with_the_same_bits(integrator: str) -> None:
     sim.step(30)
     kept, twin = sim.snapshot(), sim.copy()
     ahead = moved(sim, 20)
-    account = sim.ledger
+    account = sim.energy_account
     assert all(np.array_equal(*pair) for pair in zip(moved(twin, 20), ahead, strict=True))
     sim.clear_wrenches()
     sim.step(7)
     sim.restore(kept)
     assert sim.steps == 30
-    assert all(np.array_equal(*pair) for pair in zip(moved(sim, 20), ahead, strict=True)) and repr(sim.ledger) == repr(account)
+    assert all(np.array_equal(*pair) for pair in zip(moved(sim, 20), ahead, strict=True)) and repr(sim.energy_account) == repr(account)
     assert type(twin) is rd.Simulation and twin.robot is robot
     with pytest.raises(ValueError, match="of another simulation"):
         rd.Simulation(load("two_r")).restore(kept)
@@ -373,7 +373,7 @@ def test_adaptive_steps_from_outside_are_those_of_a_run_to_their_tolerance() -> 
     # About ten steps, each with an error of at most 1e-12, in a motion that amplifies errors less than a
     # hundredfold.
     assert sim.method == "adaptive" and np.abs(sim.q - run.q[-1]).max() < 1e-9
-    assert sim.ledger.drift < 1e-10
+    assert sim.energy_account.drift < 1e-10
     kept = sim.snapshot()
     sim.step()
     once = sim.q

@@ -54,7 +54,7 @@ fn text() -> Result<String> {
         let mut simulation = builder.build()?;
         simulation.reset(&q, &[0.0, 0.0])?;
         simulation.run_for(10.0)?;
-        Ok(simulation.ledger().drift())
+        Ok(simulation.energy_account().drift())
     };
     // Adding zero turns −0 into 0.
     Ok(format!(

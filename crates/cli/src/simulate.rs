@@ -80,7 +80,7 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
         recorder: &recorder,
         columns,
         caption: &caption((arguments, &plan.setup), &model, run.time, plan.is_held, is_whole),
-        scale: recorder.energy_scale(&run.ledger, failure.is_some()).0,
+        scale: recorder.energy_scale(&run.energy_account, failure.is_some()).0,
         conserves: !plan.is_held && plan.setup.conserves(),
         diverged: failure.is_some(),
     };

@@ -144,7 +144,7 @@ pub use robot_dynamics_description::{
     six_digits,
 };
 pub use robot_dynamics_integrators::{
-    EnergyLedger, Integrator, IntegratorError, Stage, StepScheme, Symplectic, energy_scale,
+    EnergyAccount, Integrator, IntegratorError, Stage, StepScheme, Symplectic, energy_scale,
 };
 pub use rp_arm::RpArm;
 pub use worked_example::WorkedExample;

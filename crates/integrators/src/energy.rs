@@ -6,12 +6,13 @@
 /// Energies are in J. For a run without u and b the imbalance is the energy drift.
 ///
 /// ```
-/// let mut account = robot_dynamics_integrators::EnergyLedger::new(1.0, 2.0);
+/// let mut account = robot_dynamics_integrators::EnergyAccount::new(1.0, 2.0);
 /// account.enter(1.5, 2.5, 1.0, 0.0); // the motors' work is the gain
 /// assert_eq!((account.now(), account.imbalance()), (4.0, 0.0));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EnergyLedger {
+#[doc(alias = "EnergyLedger")]
+pub struct EnergyAccount {
     start: f64,
     kinetic: f64,
     potential: f64,
@@ -24,7 +25,7 @@ pub struct EnergyLedger {
     max_through: f64,
 }
 
-impl EnergyLedger {
+impl EnergyAccount {
     /// Starts the account at K and V \[J\].
     pub fn new(kinetic: f64, potential: f64) -> Self {
         Self {
@@ -108,11 +109,11 @@ impl EnergyLedger {
     /// driven and damped ones.
     ///
     /// ```
-    /// let mut ledger = robot_dynamics_integrators::EnergyLedger::new(0.0, -1000.0);
-    /// ledger.enter(3.0, -999.0, 4.5, 0.48); // motors add 4.5 J, dampers remove 0.48 J
-    /// assert!((ledger.energy_moved() - 4.5).abs() < 1e-12);
-    /// assert!((ledger.relative_imbalance() - 0.02 / 4.5).abs() < 1e-12);
-    /// assert!(!ledger.is_conservative());
+    /// let mut energy_account = robot_dynamics_integrators::EnergyAccount::new(0.0, -1000.0);
+    /// energy_account.enter(3.0, -999.0, 4.5, 0.48); // motors add 4.5 J, dampers remove 0.48 J
+    /// assert!((energy_account.energy_moved() - 4.5).abs() < 1e-12);
+    /// assert!((energy_account.relative_imbalance() - 0.02 / 4.5).abs() < 1e-12);
+    /// assert!(!energy_account.is_conservative());
     /// ```
     pub fn relative_imbalance(&self) -> f64 {
         if self.max_imbalance == 0.0 { 0.0 } else { self.max_imbalance / self.energy_moved() }

@@ -20,7 +20,7 @@ mod name;
 mod scheme;
 mod table;
 
-pub use energy::{EnergyLedger, energy_scale};
+pub use energy::{EnergyAccount, energy_scale};
 pub use error::{IntegratorError, check_computed};
 pub use scheme::{Stage, StepScheme};
 pub use table::{Integrator, Symplectic};

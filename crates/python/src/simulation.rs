@@ -22,7 +22,7 @@ use robot_dynamics::simulation::{
     steps_in,
 };
 
-use self::energy_account::{ledger_of, losses_of, statistics_of};
+use self::energy_account::{energy_account_of, losses_of, statistics_of};
 use self::options::Setup;
 use self::setup::controls_of;
 use self::torques::Torques;
@@ -201,7 +201,7 @@ fn recorded<'py>(py: Python<'py>, robot: &Robot, run: &Run) -> PyResult<Bound<'p
             ("tau", outcome::filled(py, &[rows, nv], &tables[2])?),
             ("kinetic", column(|sample| sample.kinetic)?),
             ("potential", column(|sample| sample.potential)?),
-            ("ledger", ledger_of(py, &run.ledger)?.into_any()),
+            ("energy_account", energy_account_of(py, &run.energy_account)?.into_any()),
             ("peak_torque", array(py, &run.peak_torque)?),
             ("losses", losses_of(py, run.losses)?),
             ("events", events.into_any()),

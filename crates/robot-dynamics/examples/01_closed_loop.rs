@@ -111,7 +111,7 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
     let record = simulation.constraint_record().ok_or("no constraint")?;
     Ok(Numbers {
         pin_force: [motion.multipliers[0], motion.multipliers[1]],
-        energy_drift: run.ledger.drift(),
+        energy_drift: run.energy_account.drift(),
         gap: record.drift,
         turns: (run.q[0] - q[0]) / std::f64::consts::TAU,
     })
@@ -146,7 +146,10 @@ pub(crate) fn figure() -> Result<Figure, Box<dyn Error>> {
             RunOptions::new().sample_ends().observer(&mut |info| {
                 let drift = constraint_drift(&model, workspace, &set, info.q, info.v);
                 gap.push((info.time, drift.position));
-                energy.push((info.time, info.ledger.imbalance().abs() / info.ledger.start().abs()));
+                energy.push((
+                    info.time,
+                    info.energy_account.imbalance().abs() / info.energy_account.start().abs(),
+                ));
                 ControlFlow::Continue(())
             }),
         )?;

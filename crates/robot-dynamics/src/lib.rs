@@ -160,7 +160,7 @@ pub mod contact {
 /// Simulations: everything that a file states, step by step.
 pub mod simulation {
     pub use robot_dynamics_integrators::{
-        EnergyLedger, Integrator, IntegratorError, Stage, StepScheme, Symplectic,
+        EnergyAccount, Integrator, IntegratorError, Stage, StepScheme, Symplectic,
     };
     pub use robot_dynamics_simulation::simulator::*;
     pub use robot_dynamics_simulation::{
@@ -168,7 +168,7 @@ pub mod simulation {
         DivergenceCause, Event, EventOccurrence, GravityAt, GravityCompensatedPd, ImplicitIntegrator,
         IntoCallbackResult, Losses, MujocoEuler, PointForce, Run, RunError, RunFailure, Sample, SensorInputs,
         SensorMemory, SensorSet, StateTransition, StepError, StepForces, StepInfo, StepStagesWorkspace,
-        StepWorkspace, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step, step, step_stages,
+        StepWorkspace, Stepper, Trajectory, ZeroTorque, energy_account, record_step, step, step_stages,
         steps_in,
     };
     #[cfg(feature = "adaptive")]

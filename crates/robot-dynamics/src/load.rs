@@ -32,7 +32,7 @@ impl Robot {
     /// let robot = robot_dynamics::load(file)?;
     /// let mut simulation = robot.simulation().conservative().build()?;
     /// simulation.run_for(0.1)?;
-    /// assert!(simulation.ledger().drift() < 1e-9);
+    /// assert!(simulation.energy_account().drift() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn simulation(&self) -> SimulationBuilder<'static> {

@@ -62,7 +62,7 @@ fn a_sole_held_at_its_corners_moves_as_one_weld() {
         let fastest = simulation.v().iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
         // The constraint forces of the first step have a relative error of h³.
         assert!(fastest < 1e-8, "{corners} corners: {fastest}");
-        assert!(simulation.ledger().imbalance().abs() < 1e-11, "{corners} corners");
+        assert!(simulation.energy_account().imbalance().abs() < 1e-11, "{corners} corners");
     }
 }
 

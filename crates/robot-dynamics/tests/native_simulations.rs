@@ -84,7 +84,7 @@ fn side_by_side_each_has_the_bits_that_it_has_alone() {
                 let side = &batch.simulations()[number];
                 let name = format!("{}, {row:?}, {threads} threads, simulation {number}", model.name());
                 assert_eq!((one.q(), one.v(), one.steps()), (side.q(), side.v(), side.steps()), "{name}");
-                assert_eq!(one.ledger(), side.ledger(), "{name}");
+                assert_eq!(one.energy_account(), side.energy_account(), "{name}");
                 assert_eq!(one.acceleration(), side.acceleration(), "{name}");
                 if let Err(error) = alone {
                     assert_eq!(failed.next(), Some((number, error.to_string())), "{name}");
@@ -106,9 +106,14 @@ fn motions_and_energies_are_those_of_the_recursions_to_rounding() {
             own.run_for(0.1).expect("a short run");
         }
         let numbers = |own: &Simulation| {
-            let ledger = own.ledger();
-            let books = [ledger.kinetic(), ledger.potential(), ledger.work(), ledger.dissipated()];
-            own.q().iter().chain(own.v()).copied().chain(books).collect::<Vec<f64>>()
+            let energy_account = own.energy_account();
+            let account = [
+                energy_account.kinetic(),
+                energy_account.potential(),
+                energy_account.work(),
+                energy_account.dissipated(),
+            ];
+            own.q().iter().chain(own.v()).copied().chain(account).collect::<Vec<f64>>()
         };
         let (found, expected) = (numbers(&native), numbers(&plain));
         let size = expected.iter().fold(1.0, |size: f64, x| size.max(x.abs()));

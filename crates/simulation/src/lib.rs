@@ -59,7 +59,7 @@ pub use motion::simulate::{AdaptiveMethod, AdaptiveOptions, AdaptiveRecord, Cont
 pub use motion::simulate::{
     CallbackError, ConstantTorque, Controller, ControllerError, DivergenceCause, Event, EventOccurrence,
     GravityAt, GravityCompensatedPd, IntoCallbackResult, Losses, Run, RunError, RunFailure, Sample,
-    StateTransition, StepError, StepInfo, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
+    StateTransition, StepError, StepInfo, Stepper, Trajectory, ZeroTorque, energy_account, record_step,
     steps_in,
 };
 pub use motion::{RobotState, StepDerivativeError};

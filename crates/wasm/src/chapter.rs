@@ -18,11 +18,11 @@ mod workbench;
 pub use brick::{Brick, BrickDrift};
 pub use closed_form::ClosedForm;
 pub use falling_arm::{ArmEnergies, FallingArm};
-pub use knife_edge::{Blade, BladeBooks, knife_edge_defect};
+pub use knife_edge::{Blade, BladeEnergyAccount, knife_edge_defect};
 pub use parity::parity_values;
 pub use race::Race;
 pub use replay::Replay;
-pub use thrown_arm::{ThrownArm, ThrownBooks};
+pub use thrown_arm::{ThrownArm, ThrownArmEnergyAccount};
 pub use workbench::{HoldForecast, HoldTorques, Workbench};
 
 /// The names of the integrators, in the order of the library's table.

@@ -34,14 +34,15 @@ mod robots;
 
 #[cfg(feature = "chapter")]
 pub use chapter::{
-    ArmEnergies, Blade, BladeBooks, Brick, BrickDrift, ClosedForm, FallingArm, HoldForecast, HoldTorques,
-    Race, Replay, ThrownArm, ThrownBooks, Workbench, integrator_names, knife_edge_defect, parity_values,
+    ArmEnergies, Blade, BladeEnergyAccount, Brick, BrickDrift, ClosedForm, FallingArm, HoldForecast,
+    HoldTorques, Race, Replay, ThrownArm, ThrownArmEnergyAccount, Workbench, integrator_names,
+    knife_edge_defect, parity_values,
 };
 pub use error::LabError;
 #[cfg(feature = "flips")]
 pub use flips::FlipMap;
 #[cfg(feature = "robots")]
 pub use robots::{
-    DrawnBody, DrawnJoint, DrawnShape, FeltMass, Robot, RobotBooks, RobotControl, RobotCoordinate,
-    RobotCounts, RobotFiles, RobotPose, RobotTorques, one_line_text, robot_parity_values,
+    DrawnBody, DrawnJoint, DrawnShape, FeltMass, Robot, RobotControl, RobotCoordinate, RobotCounts,
+    RobotEnergyAccount, RobotFiles, RobotPose, RobotTorques, one_line_text, robot_parity_values,
 };

@@ -25,7 +25,7 @@ mod start;
 
 mod parity;
 
-pub use account::{RobotBooks, RobotCounts};
+pub use account::{RobotCounts, RobotEnergyAccount};
 pub use controls::{RobotControl, RobotPose};
 pub use coordinate::RobotCoordinate;
 pub use drawing::{DrawnBody, DrawnJoint, DrawnShape};

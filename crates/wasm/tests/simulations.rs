@@ -1,6 +1,6 @@
 //! The page's simulations against whole runs of the library.
 
-use dynamics::{EnergyLedger, Integrator, Reach2R, SystemEnergy, SystemStep};
+use dynamics::{EnergyAccount, Integrator, Reach2R, SystemEnergy, SystemStep};
 use nalgebra::{Vector2, vector};
 use wasm::{Brick, FallingArm, LabError, Race, Robot, RobotFiles};
 
@@ -113,9 +113,9 @@ fn a_closed_loop_stays_closed() -> Result<(), LabError> {
         ring.advance(20)?;
         most = most.max(gap(&mut ring));
     }
-    let books = ring.books();
-    assert!(most < 1e-9 && books.damping > 1e-3, "{most} m: {books:?}");
-    assert!(books.unaccounted.abs() < 1e-3 * (1.0 + books.damping), "{books:?}");
+    let account = ring.energy_account();
+    assert!(most < 1e-9 && account.damping > 1e-3, "{most} m: {account:?}");
+    assert!(account.unaccounted.abs() < 1e-3 * (1.0 + account.damping), "{account:?}");
     assert!(ring.acting().contains(&"equalities".to_owned()) && ring.loose().is_none());
     ring.choose("rk4", 1e-3, Vec::new())?;
     ring.advance(200)?;
@@ -175,8 +175,8 @@ fn a_hand_pulls() -> Result<(), LabError> {
     robot.pull_to(&to)?;
     robot.advance(3000)?;
     assert!(apart(&robot.held_point(), &to) < 0.5 * apart(&from, &to), "{:?}", robot.held_point());
-    let books = robot.books();
-    assert!(books.work.abs() > 0.1 && books.unaccounted.abs() < 1e-2, "{books:?}");
+    let account = robot.energy_account();
+    assert!(account.work.abs() > 0.1 && account.unaccounted.abs() < 1e-2, "{account:?}");
     robot.let_go();
     assert!(robot.held_point().is_empty());
     Ok(())
@@ -214,9 +214,12 @@ fn stops_hold() -> Result<(), LabError> {
     for (coordinate, q) in robot.coordinates().iter().zip(robot.q()) {
         assert!(q >= coordinate.lower - 1e-9 && q <= coordinate.upper + 1e-9, "{} at {q}", coordinate.name);
     }
-    let books = robot.books();
-    assert!(books.stops > 1.0, "{books:?}");
-    assert!((books.damping + books.friction + books.stops - books.dissipated).abs() < 1e-9, "{books:?}");
+    let account = robot.energy_account();
+    assert!(account.stops > 1.0, "{account:?}");
+    assert!(
+        (account.damping + account.friction + account.stops - account.dissipated).abs() < 1e-9,
+        "{account:?}"
+    );
     Ok(())
 }
 
@@ -248,10 +251,10 @@ fn the_ground_holds() -> Result<(), LabError> {
     assert!((lifted / (robot.total_mass() * 9.81) - 1.0).abs() < 1e-6, "{lifted} N");
     assert!(on_ground().count() >= 3, "it stands: {forces:?}");
     assert!(forces.chunks_exact(6).all(|touch| touch[2] > -1e-3), "where the ground is: {forces:?}");
-    let books = robot.books();
-    assert!(books.impacts > 1.0 && books.sliding > 0.01, "{books:?}");
-    let named = books.damping + books.friction + books.stops + books.sliding + books.impacts;
-    assert!((named - books.dissipated).abs() < 1e-9, "{books:?}");
+    let account = robot.energy_account();
+    assert!(account.impacts > 1.0 && account.sliding > 0.01, "{account:?}");
+    let named = account.damping + account.friction + account.stops + account.sliding + account.impacts;
+    assert!((named - account.dissipated).abs() < 1e-9, "{account:?}");
     assert_eq!(robot.q(), {
         let mut again = Robot::load(include_str!("../../../robots/quadruped.urdf"), true, false)?;
         again.set_ground(true)?;
@@ -317,10 +320,10 @@ fn the_files_actuators_act() -> Result<(), LabError> {
     robot.set_controls(&[0.5, 0.0, 0.0, 0.0, 0.0])?;
     robot.advance(3000)?;
     assert!(
-        (robot.q()[0] - 0.5).abs() < 0.1 && robot.books().work.abs() > 1e-3,
+        (robot.q()[0] - 0.5).abs() < 0.1 && robot.energy_account().work.abs() > 1e-3,
         "{:?}: {:?}",
         robot.q(),
-        robot.books()
+        robot.energy_account()
     );
     let time = robot.time();
     robot.hold(20.0, 1.0)?;
@@ -385,21 +388,21 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
 
 /// The arm's energy account equals the library's over the same steps.
 #[test]
-fn the_falling_arm_keeps_the_librarys_books() -> Result<(), LabError> {
+fn the_falling_arm_keeps_the_librarys_energy_account() -> Result<(), LabError> {
     let mut lab = FallingArm::worked_example()?;
     lab.advance(1500)?;
     let arm = Reach2R::worked_example();
     let quarter = core::f64::consts::FRAC_PI_4;
     let (mut q, mut qd, zero) = (vector![quarter, 2.0 * quarter], Vector2::zeros(), Vector2::zeros());
-    let mut ledger = EnergyLedger::open(&arm, &q, &qd);
+    let mut energy_account = EnergyAccount::open(&arm, &q, &qd);
     for _ in 0..1500 {
         let next = Integrator::RungeKutta4.step(&arm, &q, &qd, &zero, 1e-3)?;
-        ledger.record(&arm, (&q, &qd), (&next.0, &next.1), &zero, 1e-3);
+        energy_account.record(&arm, (&q, &qd), (&next.0, &next.1), &zero, 1e-3);
         (q, qd) = next;
     }
     assert_eq!(
         (lab.q(), lab.qd(), lab.drift()),
-        (q.as_slice().to_vec(), qd.as_slice().to_vec(), ledger.drift())
+        (q.as_slice().to_vec(), qd.as_slice().to_vec(), energy_account.drift())
     );
     Ok(())
 }

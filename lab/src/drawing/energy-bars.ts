@@ -3,7 +3,7 @@ import { html, scientific, show } from '../element.ts';
 
 export interface EnergyBars {
   element: HTMLElement;
-  draw(books: { kinetic: number; potential: number; start: number; work: number; unaccounted: number }, beat: number): void;
+  draw(account: { kinetic: number; potential: number; start: number; work: number; unaccounted: number }, beat: number): void;
 }
 
 export function energyBars(): EnergyBars {
@@ -24,29 +24,29 @@ export function energyBars(): EnergyBars {
     one.style.transform = `translateX(${(100 * from).toFixed(3)}%) scaleX(${Math.max(0, to - from).toFixed(5)})`;
   };
   return {
-    element: html('div', { class: 'books', role: 'group', 'aria-label': 'Energy' },
+    element: html('div', { class: 'energy-account', role: 'group', 'aria-label': 'Energy' },
       line('Energy', [kinetic, potential],
         html('span', { class: 'key second' }, 'K '), k, ' J + ', html('span', { class: 'key muted' }, 'V '), v, ' J'),
       line('Sources', [start, gain, loss],
         html('span', { class: 'key ink' }, 'at the start '), e, ' J + ', html('span', { class: 'key accent' }, 'by hand '), w, ' J'),
       html('p', { class: 'book-off' }, 'The two differ by ', off, ' J, the error of the steps.')),
-    draw(books, beat) {
-      const has = books.kinetic + books.potential;
-      most = Math.max(most * 0.999, 1.08 * Math.max(has, books.start, 1));
-      put(kinetic, 0, books.kinetic / most);
-      put(potential, books.kinetic / most, has / most);
-      const given = books.start + books.work;
-      put(start, 0, Math.min(books.start, given) / most);
-      put(gain, books.start / most, given / most);
+    draw(account, beat) {
+      const has = account.kinetic + account.potential;
+      most = Math.max(most * 0.999, 1.08 * Math.max(has, account.start, 1));
+      put(kinetic, 0, account.kinetic / most);
+      put(potential, account.kinetic / most, has / most);
+      const given = account.start + account.work;
+      put(start, 0, Math.min(account.start, given) / most);
+      put(gain, account.start / most, given / most);
       // Energy that the hand removed is marked as a loss.
-      put(loss, given / most, books.start / most);
+      put(loss, given / most, account.start / most);
       if (beat % 6 !== 0) return;
       const write = (one: HTMLElement, text: string): void => { if (one.textContent !== text) one.textContent = text; };
-      write(k, show(books.kinetic, 1));
-      write(v, show(books.potential, 1));
-      write(e, show(books.start, 1));
-      write(w, show(books.work, 1));
-      write(off, scientific(Math.abs(books.unaccounted)));
+      write(k, show(account.kinetic, 1));
+      write(v, show(account.potential, 1));
+      write(e, show(account.start, 1));
+      write(w, show(account.work, 1));
+      write(off, scientific(Math.abs(account.unaccounted)));
     },
   };
 }

@@ -23,7 +23,7 @@ export function energyTable(): RobotReadings {
       limited.hidden = cut === 0;
       if (cut > 0) limited.textContent = `In ${String(cut)} steps a torque was limited to its effort limit.`;
       const { kinetic, potential, energy, work, damping, friction, stops, corrections, sliding, impacts, unaccounted } =
-        robot.books;
+        robot.energyAccount;
       numbers.draw({
         t: show(robot.time, 2), mass: show(robot.totalMass, 2), dof: String(robot.v.length), K: show(kinetic), V: show(potential),
         E: show(energy), work: show(work), lost: show(damping), friction: show(friction), stops: show(stops),

@@ -109,7 +109,7 @@ export function knifeEdge(): Widget {
       speedPlot.draw(t!, [v!]);
     }
     if (beat % 6 !== 0) return;
-    const { kinetic, work, unaccounted } = blade.books;
+    const { kinetic, work, unaccounted } = blade.energyAccount;
     numbers.draw({
       t: show(blade.time, 2), v: show(blade.speed), turn: show(blade.qd[2]!), lambda: show(blade.lambda),
       slip: scientific(blade.sideSlip), mv: show(blade.turningForce), K: show(kinetic), work: show(work),

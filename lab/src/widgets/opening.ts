@@ -54,7 +54,7 @@ export function opening(): Widget {
   },
   svg('line', { class: 'horizon', x1: -12, x2: 12, y1: 0, y2: 0 }), svg('circle', { class: 'reach', r: 1.5 }), plane);
   plane.append(felt.under, body.element, felt.over, spring, grip.element);
-  const books = energyBars();
+  const bars = energyBars();
   const halfTurn = html('span', { class: 'number', 'data-reading': 'half-turn' });
 
   const points = (): Point[] => {
@@ -74,7 +74,7 @@ export function opening(): Widget {
       const [, x, y] = columns(arm.samples(), 3);
       felt.past(x!, y!);
       if (beat % 6 === 0) halfTurn.textContent = show(felt.halfTurn(), 0);
-      books.draw(arm.books, beat);
+      bars.draw(arm.energyAccount, beat);
     }
   };
   /** Replaces the arm by one with other parameters in the same state. */
@@ -109,7 +109,7 @@ export function opening(): Widget {
     draw,
     reset: begin,
     describe: () => {
-      const { kinetic, potential } = arm.books;
+      const { kinetic, potential } = arm.energyAccount;
       const angles = Array.from(arm.q, (q) => show((q * 180) / Math.PI, 0)).join(', ');
       return `Paused at ${show(arm.time, 1)} seconds. Joint angles ${angles} degrees. `
         + `Kinetic energy ${show(kinetic, 1)} joules, potential ${show(potential, 1)}.`;
@@ -132,7 +132,7 @@ export function opening(): Widget {
           '; gravity is ', pull.element, '. Drag the numbers.')),
       html('div', { class: 'hero-controls controls' },
         clock.element, layers.element, shareRow(ID, WORDS[ID].title, shared))),
-    books.element,
+    bars.element,
   );
   lightTerms(element);
   remembered(element, ID, shared);

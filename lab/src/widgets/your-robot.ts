@@ -153,7 +153,7 @@ export function yourRobot(): Widget {
     reset: () => { if (released !== undefined) put(released.q, released.v); },
     describe: () => {
       if (robot === undefined) return '';
-      const off = scientific(robot.books.unaccounted);
+      const off = scientific(robot.energyAccount.unaccounted);
       return `${robot.name}, paused at ${show(robot.time, 2)} seconds, energy residual ${off} joules.`;
     },
     single: 10,
@@ -244,7 +244,7 @@ export function yourRobot(): Widget {
       { name: 'pull', code: 'algorithms::frame_jacobian', says: 'a spring and a damper at your hand' },
       { name: 'felt', code: 'algorithms::inverse_mass_matrix', says: 'the effective mass at your hand' },
       { name: 'contact', code: 'contact::ContactSet', says: 'unilateral contact with Coulomb friction' },
-      { name: 'ledger', code: 'simulation::EnergyLedger', says: 'the energy balance' },
+      { name: 'account', code: 'simulation::EnergyAccount', says: 'the energy balance' },
     ],
     plots,
     share: () => {

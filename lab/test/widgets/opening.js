@@ -10,7 +10,7 @@ const along = (person, share) =>
     return { x: at.x, y: at.y };
   }, share);
 
-const books = async (person) => {
+const energy = async (person) => {
   const [K, V, start, work, off] = await Promise.all(['K', 'V', 'start', 'work', 'off'].map((key) => person.reads(key)));
   return { K, V, start, work, off };
 };
@@ -26,7 +26,7 @@ export default {
       await person.page.mouse.up();
       await person.waits(1);
       await person.press('Pause');
-      const { K, V, start, work, off } = await books(person);
+      const { K, V, start, work, off } = await energy(person);
       assert.ok(K > 0.5, `it flies: ${K} J`);
       assert.ok(Math.abs(work) > 0.3, `the hand did work: ${work} J`);
       near(K + V, start + work, 0.21, 'what it has and what it was given, to the digits shown');
@@ -39,7 +39,7 @@ export default {
       const arm = person.section.getByRole('application');
       await arm.focus();
       for (let k = 0; k < 4; k += 1) await arm.press('ArrowUp');
-      const { K, start, work } = await books(person);
+      const { K, start, work } = await energy(person);
       assert.ok(K > 1, `${K} J of motion`);
       near(K, work, 0.11, 'all of it by hand');
       assert.ok(start > 1);
@@ -62,7 +62,7 @@ export default {
         await send('touchEnd');
         await person.waits(0.5);
         await person.press('Pause');
-        assert.ok(Math.abs((await books(person)).work) > 0.1, 'it was thrown');
+        assert.ok(Math.abs((await energy(person)).work) > 0.1, 'it was thrown');
         const box = await person.section.locator('.throw').boundingBox();
         const scrolled = await person.swipesFrom({ x: box.x + 12, y: Math.min(box.y + box.height - 20, 700) }, 200);
         assert.ok(scrolled > 80, `the page went ${scrolled} px`);
@@ -73,11 +73,11 @@ export default {
   'numbers in the text are dragged, and turned by keys': (address) =>
     at(address, ID, async (person) => {
       const gravity = person.handle('Gravity');
-      const before = (await books(person)).V;
+      const before = (await energy(person)).V;
       await gravity.focus();
       await gravity.press('PageUp');
       assert.equal(await gravity.getAttribute('aria-valuenow'), '10.8');
-      assert.ok((await books(person)).V > before * 1.05, 'it is heavier');
+      assert.ok((await energy(person)).V > before * 1.05, 'it is heavier');
       const lit = await person.section.locator('math .lit').evaluateAll((all) => all.map((one) => one.dataset.term));
       assert.deepEqual(lit, ['gravity'], 'the term that moved is lit');
       await person.drags('Mass of link 3', 50, 0);

@@ -80,9 +80,13 @@ impl CsvFile {
         if !info.step.is_multiple_of(self.stride) && !is_last || self.rows > 0 && info.step == self.last {
             return Ok(());
         }
-        let ledger = info.ledger;
-        let energies =
-            [ledger.kinetic(), ledger.potential(), ledger.kinetic() + ledger.potential(), ledger.imbalance()];
+        let energy_account = info.energy_account;
+        let energies = [
+            energy_account.kinetic(),
+            energy_account.potential(),
+            energy_account.kinetic() + energy_account.potential(),
+            energy_account.imbalance(),
+        ];
         self.line.clear();
         let _ = write!(self.line, "{:?}", info.time);
         let losses = numbers(&info.losses.unwrap_or_default());

@@ -2,7 +2,7 @@
 //! extremes.
 
 use robot_dynamics::model::Model;
-use robot_dynamics::simulation::{EnergyLedger, StepInfo};
+use robot_dynamics::simulation::{EnergyAccount, StepInfo};
 
 use super::csv::numbers;
 
@@ -98,7 +98,7 @@ impl Recorder {
             }
             k += 1;
         }
-        self.worst_error = self.worst_error.max(info.ledger.imbalance().abs());
+        self.worst_error = self.worst_error.max(info.energy_account.imbalance().abs());
         self.is_apart = !info.step.is_multiple_of(self.stride);
         if self.is_apart {
             match &mut self.latest {
@@ -114,19 +114,19 @@ impl Recorder {
         }
     }
 
-    /// The scale of an energy error, and its name. It is the ledger's scale for a conservative motion, and
-    /// the energy moved for a motion with motors or losses. The largest K of a diverged motion is
+    /// The scale of an energy error, and its name. It is the energy account's scale for a conservative
+    /// motion, and the energy moved for a motion with motors or losses. The largest K of a diverged motion is
     /// meaningless, so its scale is |E₀|, or the K that nine tenths of the samples stay below.
-    pub(crate) fn energy_scale(&self, ledger: &EnergyLedger, diverged: bool) -> (f64, &'static str) {
-        let start = ledger.start().abs();
-        if !diverged && !ledger.is_conservative() {
-            return (ledger.energy_moved(), "energy moved");
+    pub(crate) fn energy_scale(&self, energy_account: &EnergyAccount, diverged: bool) -> (f64, &'static str) {
+        let start = energy_account.start().abs();
+        if !diverged && !energy_account.is_conservative() {
+            return (energy_account.energy_moved(), "energy moved");
         }
-        if ledger.scale() == start || (diverged && start > 0.0) {
+        if energy_account.scale() == start || (diverged && start > 0.0) {
             return (start, "|E0|");
         }
         if !diverged {
-            return (ledger.scale(), "max K");
+            return (energy_account.scale(), "max K");
         }
         let mut kinetic: Vec<f64> = self.samples.iter().map(|sample| sample.kinetic).collect();
         kinetic.sort_by(f64::total_cmp);
@@ -173,9 +173,9 @@ impl Sample {
     fn take(&mut self, info: &StepInfo<'_>, worst_error: f64) {
         self.time = info.time;
         self.q.copy_from_slice(info.q);
-        self.kinetic = info.ledger.kinetic();
-        self.potential = info.ledger.potential();
-        self.error = info.ledger.imbalance();
+        self.kinetic = info.energy_account.kinetic();
+        self.potential = info.energy_account.potential();
+        self.error = info.energy_account.imbalance();
         self.worst_error = worst_error;
         self.losses = numbers(&info.losses.unwrap_or_default());
         let (sizes, mut k) = (&mut self.contact[..], 0);

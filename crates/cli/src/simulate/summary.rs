@@ -165,7 +165,7 @@ impl Summary<'_> {
 
     /// Energies over time, and the energy drift.
     fn energies(&self) -> String {
-        let (ledger, samples) = (&self.ran.run.ledger, &self.recorder.samples);
+        let (energy_account, samples) = (&self.ran.run.energy_account, &self.recorder.samples);
         let error = if self.conserves() { ">E − E0 [J]" } else { ">residual [J]" };
         let mut table = Table::new(&[">t [s]", ">K [J]", ">V [J]", ">E [J]", error]);
         let last = samples.len().saturating_sub(1);
@@ -185,9 +185,9 @@ impl Summary<'_> {
             text += "  no step was taken\n";
             return text;
         }
-        let (scale, divisor) = self.recorder.energy_scale(ledger, self.ran.failure.is_some());
-        let relative = match ledger.max_imbalance() {
-            _ if !ledger.start().is_finite() => f64::NAN,
+        let (scale, divisor) = self.recorder.energy_scale(energy_account, self.ran.failure.is_some());
+        let relative = match energy_account.max_imbalance() {
+            _ if !energy_account.start().is_finite() => f64::NAN,
             0.0 => 0.0,
             most => most / scale,
         };
@@ -212,13 +212,13 @@ impl Summary<'_> {
                     }
                     text
                 }
-                None => format!("losses: damping and friction {} J", short(ledger.dissipated())),
+                None => format!("losses: damping and friction {} J", short(energy_account.dissipated())),
             };
             let _ = writeln!(
                 text,
                 "  work of motors {} J; {losses}; residual, max |E − E0 − in + out| \
                  / {divisor}: {relative:.2e}",
-                short(ledger.work()),
+                short(energy_account.work()),
             );
         }
         if relative > 1e-2 {

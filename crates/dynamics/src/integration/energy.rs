@@ -1,7 +1,7 @@
-//! The energy of a run of a fixed-size system: its steps recorded in an [`EnergyLedger`].
+//! The energy of a run of a fixed-size system: its steps recorded in an [`EnergyAccount`].
 
 use nalgebra::SVector;
-use robot_dynamics_integrators::{EnergyLedger, Integrator, IntegratorError};
+use robot_dynamics_integrators::{EnergyAccount, Integrator, IntegratorError};
 
 use super::{State, SystemStep};
 use crate::Dynamics;
@@ -11,17 +11,17 @@ use crate::Dynamics;
 /// ```
 /// use dynamics::{Reach2R, SystemEnergy, SystemStep};
 /// use nalgebra::vector;
-/// use robot_dynamics_integrators::{EnergyLedger, Integrator};
+/// use robot_dynamics_integrators::{EnergyAccount, Integrator};
 /// let arm = Reach2R::worked_example();
 /// let (mut q, mut qd, u) = (vector![0.0, 0.0], vector![0.0, 0.0], vector![30.0, 6.0]);
-/// let mut ledger = EnergyLedger::open(&arm, &q, &qd);
+/// let mut energy_account = EnergyAccount::open(&arm, &q, &qd);
 /// for _ in 0..1000 {
 ///     let next = Integrator::RungeKutta4.step(&arm, &q, &qd, &u, 1e-3)?;
-///     ledger.record(&arm, (&q, &qd), (&next.0, &next.1), &u, 1e-3);
+///     energy_account.record(&arm, (&q, &qd), (&next.0, &next.1), &u, 1e-3);
 ///     (q, qd) = next;
 /// }
 /// // The motors put energy in, and all of it is accounted for.
-/// assert!(ledger.work() > 1.0 && ledger.max_imbalance() < 1e-7);
+/// assert!(energy_account.work() > 1.0 && energy_account.max_imbalance() < 1e-7);
 /// # Ok::<(), robot_dynamics_integrators::IntegratorError>(())
 /// ```
 pub trait SystemEnergy: Sized {
@@ -46,7 +46,7 @@ pub trait SystemEnergy: Sized {
     );
 }
 
-impl SystemEnergy for EnergyLedger {
+impl SystemEnergy for EnergyAccount {
     fn open<D: Dynamics<N> + ?Sized, const N: usize>(
         system: &D,
         q: &SVector<f64, N>,
@@ -88,7 +88,7 @@ pub struct EnergyRun<const N: usize> {
     /// (q, q̇) at the end.
     pub end: State<N>,
     /// The energy account.
-    pub ledger: EnergyLedger,
+    pub energy_account: EnergyAccount,
     /// The largest |imbalance| in the first tenth of the steps \[J\].
     pub first_tenth: f64,
     /// The largest |imbalance| in the last tenth of the steps \[J\]. It has the size of the first tenth's if
@@ -128,14 +128,14 @@ pub fn energy_run<D: Dynamics<N> + ?Sized, const N: usize>(
     integrator: Integrator,
 ) -> Result<EnergyRun<N>, IntegratorError> {
     let (mut q, mut qd) = (*q0, *qd0);
-    let mut ledger = EnergyLedger::open(system, &q, &qd);
+    let mut energy_account = EnergyAccount::open(system, &q, &qd);
     let (mut first_tenth, mut last_tenth) = (0.0_f64, 0.0_f64);
     let tenth = steps.div_ceil(10);
     for done in 1..=steps {
         let next = integrator.step(system, &q, &qd, u, h)?;
-        ledger.record(system, (&q, &qd), (&next.0, &next.1), u, h);
+        energy_account.record(system, (&q, &qd), (&next.0, &next.1), u, h);
         (q, qd) = next;
-        let imbalance = ledger.imbalance().abs();
+        let imbalance = energy_account.imbalance().abs();
         if !imbalance.is_finite() {
             return Err(IntegratorError::EnergyNotFinite { steps_done: done });
         }
@@ -146,13 +146,13 @@ pub fn energy_run<D: Dynamics<N> + ?Sized, const N: usize>(
             last_tenth = last_tenth.max(imbalance);
         }
     }
-    Ok(EnergyRun { end: (q, qd), ledger, first_tenth, last_tenth })
+    Ok(EnergyRun { end: (q, qd), energy_account, first_tenth, last_tenth })
 }
 
 /// The energy drift of a run: max over the steps of |E − E₀| / |E₀|, E = K + V, with u held throughout.
 ///
 /// It is the error of the integrator if u = 0 and b = 0. If |E₀| is too small for comparison, the divisor is
-/// [`EnergyLedger::scale`].
+/// [`EnergyAccount::scale`].
 ///
 /// # Errors
 /// If [`SystemStep::step`] fails; [`IntegratorError::EnergyNotFinite`] if the motion diverges.
@@ -179,5 +179,5 @@ pub fn energy_drift<D: Dynamics<N> + ?Sized, const N: usize>(
     steps: usize,
     integrator: Integrator,
 ) -> Result<f64, IntegratorError> {
-    Ok(energy_run(system, q0, qd0, u, h, steps, integrator)?.ledger.drift())
+    Ok(energy_run(system, q0, qd0, u, h, steps, integrator)?.energy_account.drift())
 }

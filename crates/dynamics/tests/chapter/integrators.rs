@@ -289,10 +289,10 @@ fn energy_account_closes_with_work_and_dissipation() {
     let (q0, zero, u) = (vector![-1.0, 0.4], Vector2::zeros(), vector![4.0, -1.0]);
     let imbalance = |h: f64, steps| {
         let run = energy_run(&damped, &q0, &zero, &u, h, steps, Integrator::RungeKutta4).unwrap();
-        assert!(run.ledger.dissipated() > 0.5 && run.ledger.work().abs() > 0.5, "{run:?}");
+        assert!(run.energy_account.dissipated() > 0.5 && run.energy_account.work().abs() > 0.5, "{run:?}");
         // The energy is not constant: without the two entries the imbalance would be this large.
-        assert!(run.ledger.drift() * run.ledger.scale() > 0.5, "{run:?}");
-        run.ledger.max_imbalance()
+        assert!(run.energy_account.drift() * run.energy_account.scale() > 0.5, "{run:?}");
+        run.energy_account.max_imbalance()
     };
     let (coarse, fine) = (imbalance(0.02, 150), imbalance(0.01, 300));
     println!("imbalance {coarse:.2e} J at 20 ms, {fine:.2e} J at 10 ms");
@@ -309,8 +309,8 @@ fn drift_is_defined_at_zero_energy() {
     let (q0, zero) = (vector![0.0, 0.0], Vector2::zeros());
     assert_eq!(arm.energy(&q0, &zero), 0.0);
     let run = energy_run(&arm, &q0, &zero, &zero, 1e-3, 2000, Integrator::RungeKutta4).unwrap();
-    assert!(run.ledger.scale() > 10.0, "{run:?}");
-    assert!(run.ledger.drift() < 1e-7 && run.ledger.drift() > 0.0, "{run:?}");
+    assert!(run.energy_account.scale() > 10.0, "{run:?}");
+    assert!(run.energy_account.drift() < 1e-7 && run.energy_account.drift() > 0.0, "{run:?}");
     // At rest in equilibrium nothing moves, with any integrator.
     let hang = vector![-PI / 2.0, 0.0];
     for row in Integrator::ALL {

@@ -44,10 +44,10 @@ fn pendulum(integrator: Integrator) -> EnergyRun<1> {
 fn report<const N: usize>(integrator: Integrator, run: EnergyRun<N>) -> EnergyRun<N> {
     println!(
         "{integrator:>22}: drift {:.2e}, first tenth {:.2e} J, last tenth {:.2e} J, at the end {:+.2e} J",
-        run.ledger.drift(),
+        run.energy_account.drift(),
         run.first_tenth,
         run.last_tenth,
-        run.ledger.imbalance()
+        run.energy_account.imbalance()
     );
     run
 }
@@ -63,10 +63,10 @@ fn growth<const N: usize>(run: &EnergyRun<N>) -> f64 {
 #[test]
 fn rk4_energy_of_arm_drifts_steadily() {
     let run = arm(Integrator::RungeKutta4);
-    assert!((1.2e-7..1.1e-6).contains(&run.ledger.drift()), "{run:?}");
+    assert!((1.2e-7..1.1e-6).contains(&run.energy_account.drift()), "{run:?}");
     assert!((5.0..25.0).contains(&growth(&run)), "{run:?}");
     // The loss has one sign: the error is largest at the end of the run.
-    assert!(run.ledger.imbalance() < -0.9 * run.last_tenth, "{run:?}");
+    assert!(run.energy_account.imbalance() < -0.9 * run.last_tenth, "{run:?}");
 }
 
 /// The error of the variational steps is O(hᵖ) and stays bounded. The last tenth has the error of the first,
@@ -75,7 +75,7 @@ fn rk4_energy_of_arm_drifts_steadily() {
 fn variational_energy_of_arm_stays_bounded() {
     for (row, bound) in [(Integrator::VariationalMidpoint, 5e-4), (Integrator::VariationalYoshida4, 5e-7)] {
         let run = arm(row);
-        assert!(run.ledger.drift() < bound, "{row}: {run:?}");
+        assert!(run.energy_account.drift() < bound, "{row}: {run:?}");
         assert!((0.5..2.0).contains(&growth(&run)), "{row}: {run:?}");
     }
 }
@@ -85,9 +85,9 @@ fn variational_energy_of_arm_stays_bounded() {
 #[test]
 fn semi_implicit_energy_is_bounded_only_for_constant_mass() {
     let constant = pendulum(Integrator::SemiImplicitEuler);
-    assert!(constant.ledger.drift() < 0.1 && (0.9..1.1).contains(&growth(&constant)), "{constant:?}");
+    assert!(constant.energy_account.drift() < 0.1 && (0.9..1.1).contains(&growth(&constant)), "{constant:?}");
     let varying = arm(Integrator::SemiImplicitEuler);
-    assert!(varying.ledger.drift() > 1.0 && growth(&varying) > 2.0, "{varying:?}");
+    assert!(varying.energy_account.drift() > 1.0 && growth(&varying) > 2.0, "{varying:?}");
 }
 
 /// The pendulum is periodic, so chance plays no part. RK4's loss in ten times the time is ten times as large,

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::simulation::{AdaptiveRecord, EnergyLedger, Losses};
+use robot_dynamics::simulation::{AdaptiveRecord, EnergyAccount, Losses};
 
 use crate::numbers::{object, record};
 
@@ -21,20 +21,26 @@ pub(super) fn losses_of(py: Python<'_>, losses: Option<Losses>) -> PyResult<Boun
 }
 
 /// The energy account at the end of a motion.
-pub(super) fn ledger_of<'py>(py: Python<'py>, ledger: &EnergyLedger) -> PyResult<Bound<'py, PyDict>> {
+pub(super) fn energy_account_of<'py>(
+    py: Python<'py>,
+    energy_account: &EnergyAccount,
+) -> PyResult<Bound<'py, PyDict>> {
     record(
         py,
         [
-            ("start", object(py, ledger.start())?),
-            ("kinetic", object(py, ledger.kinetic())?),
-            ("potential", object(py, ledger.potential())?),
-            ("work", object(py, ledger.work())?),
-            ("dissipated", object(py, ledger.dissipated())?),
-            ("imbalance", object(py, ledger.imbalance())?),
-            ("max_imbalance", object(py, ledger.max_imbalance())?),
-            ("energy_moved", object(py, ledger.energy_moved())?),
-            ("relative_imbalance", object(py, ledger.relative_imbalance())?),
-            ("drift", object(py, if ledger.is_conservative() { ledger.drift() } else { f64::NAN })?),
+            ("start", object(py, energy_account.start())?),
+            ("kinetic", object(py, energy_account.kinetic())?),
+            ("potential", object(py, energy_account.potential())?),
+            ("work", object(py, energy_account.work())?),
+            ("dissipated", object(py, energy_account.dissipated())?),
+            ("imbalance", object(py, energy_account.imbalance())?),
+            ("max_imbalance", object(py, energy_account.max_imbalance())?),
+            ("energy_moved", object(py, energy_account.energy_moved())?),
+            ("relative_imbalance", object(py, energy_account.relative_imbalance())?),
+            (
+                "drift",
+                object(py, if energy_account.is_conservative() { energy_account.drift() } else { f64::NAN })?,
+            ),
         ],
     )
 }

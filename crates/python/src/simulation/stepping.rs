@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use robot_dynamics::simulation::{AppliedWrench, Simulation as Stepped, Snapshot as Kept};
 
-use super::energy_account::{ledger_of, losses_of};
+use super::energy_account::{energy_account_of, losses_of};
 use super::options::Setup;
 use super::setup::{controls_of, failed_step};
 use crate::errors::Class;
@@ -386,9 +386,9 @@ impl Simulation {
         Ok(sensors)
     }
 
-    /// See `ledger`.
-    fn _ledger<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        ledger_of(py, self.stepped.ledger())
+    /// See `energy_account`.
+    fn _energy_account<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        energy_account_of(py, self.stepped.energy_account())
     }
 
     /// The energy [J] that damping, friction, stops, sliding and impacts took; `None` if the method does not

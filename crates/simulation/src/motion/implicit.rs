@@ -53,7 +53,7 @@ use robot_dynamics_core::configuration::joint_sum::JointSum;
 use robot_dynamics_core::factorization::paths::usual_entries;
 use robot_dynamics_core::{Model, SingularMass, Workspace};
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::EnergyLedger;
+use robot_dynamics_integrators::EnergyAccount;
 
 use self::equalities::Equalities;
 use self::impulses::Impulses;
@@ -329,11 +329,11 @@ impl Stepper for ImplicitIntegrator {
         &mut self,
         model: &Model,
         workspace: &mut StepWorkspace,
-        ledger: &mut EnergyLedger,
+        energy_account: &mut EnergyAccount,
         transition: StateTransition<'_>,
     ) {
         let losses = (&mut self.last, &mut self.losses);
-        record(model, workspace, ledger, transition, &mut self.drive, losses);
+        record(model, workspace, energy_account, transition, &mut self.drive, losses);
         if let Some(drive) = &mut self.drive {
             drive.record_forces();
         }

@@ -13,7 +13,7 @@ use robot_dynamics_core::conventions::{acceleration_to_mujoco, velocity_from_muj
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_core::{Model, dissipation_derivative, integrate};
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::{EnergyLedger, IntegratorError, check_computed};
+use robot_dynamics_integrators::{EnergyAccount, IntegratorError, check_computed};
 
 use crate::contact::Interrupt;
 use crate::motion::integrate::check_step;
@@ -244,10 +244,10 @@ impl Stepper for MujocoEuler {
         &mut self,
         model: &Model,
         workspace: &mut StepWorkspace,
-        ledger: &mut EnergyLedger,
+        energy_account: &mut EnergyAccount,
         transition: StateTransition<'_>,
     ) {
         let losses = (&mut self.last, &mut self.losses);
-        record(model, workspace, ledger, transition, &mut self.drive, losses);
+        record(model, workspace, energy_account, transition, &mut self.drive, losses);
     }
 }

@@ -37,7 +37,7 @@ pub(crate) use control_error::check_input_torque;
 pub use control_error::{ControllerError, check_controller_input, check_torque};
 pub use divergence_cause::DivergenceCause;
 pub use duration::steps_in;
-pub use energy_account::{StateTransition, end_energies, energy_ledger, record_step};
+pub use energy_account::{StateTransition, end_energies, energy_account, record_step};
 pub use error::{RunError, RunFailure};
 pub use event::{Event, EventDetector, EventOccurrence};
 pub use gains::add_passive_gains;

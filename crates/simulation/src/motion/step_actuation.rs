@@ -3,7 +3,7 @@
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::{Model, integrate};
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::EnergyLedger;
+use robot_dynamics_integrators::EnergyAccount;
 
 use super::simulate::{Losses, end_energies};
 use crate::{Actuation, ActuationWorkspace, StateTransition, StepWorkspace};
@@ -104,7 +104,7 @@ impl StepActuation {
 pub fn record(
     model: &Model,
     workspace: &mut StepWorkspace,
-    ledger: &mut EnergyLedger,
+    energy_account: &mut EnergyAccount,
     transition: StateTransition<'_>,
     drive: &mut Option<StepActuation>,
     (last, losses): (&mut Losses, &mut Losses),
@@ -130,6 +130,6 @@ pub fn record(
         stored = actuation.stored_energy(workspace, to.0);
     }
     losses.add(last);
-    let dissipated = ledger.dissipated() + last.total();
-    ledger.enter(kinetic, potential + stored, ledger.work() + work, dissipated);
+    let dissipated = energy_account.dissipated() + last.total();
+    energy_account.enter(kinetic, potential + stored, energy_account.work() + work, dissipated);
 }

@@ -167,7 +167,7 @@ impl<'a> SimulationBuilder<'a> {
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let mut simulation = SimulationBuilder::new(&model).stepper(Euler).dt(1e-4).build()?;
     /// let run = simulation.run(0.1, RunOptions::new())?;
-    /// assert!(run.ledger.drift() < 1e-3);
+    /// assert!(run.energy_account.drift() < 1e-3);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]

@@ -4,7 +4,7 @@ use core::fmt;
 use core::str::FromStr;
 
 use robot_dynamics_core::{Model, SingularMass, Workspace};
-use robot_dynamics_integrators::{EnergyLedger, Integrator};
+use robot_dynamics_integrators::{EnergyAccount, Integrator};
 use thiserror::Error;
 
 use super::own_stepper::OwnStepper;
@@ -346,9 +346,9 @@ impl Stepper for SimulationStepper {
         &mut self,
         model: &Model,
         workspace: &mut StepWorkspace,
-        ledger: &mut EnergyLedger,
+        energy_account: &mut EnergyAccount,
         transition: StateTransition<'_>,
     ) {
-        each!(&mut self.kind, own => own.record(model, workspace, ledger, transition));
+        each!(&mut self.kind, own => own.record(model, workspace, energy_account, transition));
     }
 }

@@ -1,6 +1,6 @@
 //! Results of the last step in addition to the state.
 
-use robot_dynamics_integrators::EnergyLedger;
+use robot_dynamics_integrators::EnergyAccount;
 
 use super::Simulation;
 use crate::motion::simulate::Losses;
@@ -54,8 +54,8 @@ impl Simulation {
     }
 
     /// The energy account since the last reset.
-    pub fn ledger(&self) -> &EnergyLedger {
-        &self.run.ledger
+    pub fn energy_account(&self) -> &EnergyAccount {
+        &self.run.energy_account
     }
 
     /// The energy that was dissipated, by cause; `None` if the method does not separate the causes.

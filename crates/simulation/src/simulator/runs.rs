@@ -91,7 +91,7 @@ impl Simulation {
     /// let mut events = [Event::new("vertical", |_, q: &[f64], _: &[f64]| q[0] - 1.5).terminal()];
     /// let run = simulation.run(1.0, RunOptions::new().events(&mut events))?;
     /// assert!(run.ended_by_event && (simulation.q()[0] - 1.5).abs() < 1e-9);
-    /// assert!(run.ledger.drift() < 1e-9);
+    /// assert!(run.energy_account.drift() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn run(&mut self, duration: f64, options: RunOptions<'_, '_>) -> Result<Run, Box<RunFailure>> {

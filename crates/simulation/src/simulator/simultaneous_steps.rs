@@ -64,11 +64,11 @@ impl Simulation {
     /// and changes nothing, for a step that [`step`](Self::step) would reject.
     pub fn record_external_step(&mut self, (q, v): (&[f64], &[f64]), energies: (f64, f64)) -> bool {
         let Self { model, run, memory, stepper, workspace, .. } = self;
-        let mut ledger = run.ledger;
+        let mut energy_account = run.energy_account;
         let forces = StepForces::new(&memory.applied, self.dissipates);
         let start = (&run.q[..], &run.v[..]);
         let transition = StateTransition { from: start, to: (q, v), forces: &forces, h: self.step };
-        record_energies(model, workspace, &mut ledger, transition, energies);
+        record_energies(model, workspace, &mut energy_account, transition, energies);
         let course = RunLoop {
             model,
             step: self.step,
@@ -77,7 +77,7 @@ impl Simulation {
             base: self.base,
         };
         let is_good = q.iter().chain(v).all(|x| x.is_finite());
-        if !is_good || course.is_lost(v) || !ledger.imbalance().is_finite() {
+        if !is_good || course.is_lost(v) || !energy_account.imbalance().is_finite() {
             return false;
         }
         memory.before.copy_from_slice(&run.v);
@@ -85,7 +85,7 @@ impl Simulation {
         memory.v.copy_from_slice(v);
         memory.record_acceleration(self.step);
         let end = course.time(run.steps + 1);
-        RunLoop::enter(run, stepper, (ledger, end), (q, v));
+        RunLoop::enter(run, stepper, (energy_account, end), (q, v));
         self.end_step(self.step);
         self.is_checked = false;
         true

@@ -347,9 +347,9 @@ impl Simulation {
         let forces = StepForces::new(&memory.applied, self.dissipates);
         let end = course.time(run.steps + 1);
         let state = (&mut memory.q[..], &mut memory.v[..]);
-        let ledger = course.take(stepper, workspace, run, &forces, self.step, state)?;
+        let energy_account = course.take(stepper, workspace, run, &forces, self.step, state)?;
         memory.record_acceleration(self.step);
-        RunLoop::enter(run, stepper, (ledger, end), (&memory.q, &memory.v));
+        RunLoop::enter(run, stepper, (energy_account, end), (&memory.q, &memory.v));
         self.end_step(self.step);
         Ok(())
     }

@@ -168,12 +168,19 @@ fn energy_account_of_driven_runs_closes() {
         let state = random_state(&model, &mut SplitMix64::new(seed));
         let run = |h: f64, steps: usize| driven_run(&model, h, (&state.q, &state.v), &[0.5], steps);
         let (coarse, fine) = (run(2e-3, 100), run(1e-3, 200));
-        let (ledger, largest) = (fine.ledger, fine.ledger.max_imbalance());
-        let order = (coarse.ledger.max_imbalance() / largest).log2();
+        let (energy_account, largest) = (fine.energy_account, fine.energy_account.max_imbalance());
+        let order = (coarse.energy_account.max_imbalance() / largest).log2();
         println!("robot {seed}: imbalance {largest:.1e} J, order {order:.2}");
-        assert!(ledger.work().abs() > 1e-3 && ledger.dissipated() > 1e-3, "{ledger:?}");
+        assert!(
+            energy_account.work().abs() > 1e-3 && energy_account.dissipated() > 1e-3,
+            "{energy_account:?}"
+        );
         assert!(largest < 1e-10 || order > 3.5, "robot {seed}: {largest:e}, order {order}");
-        assert!(largest < 1e-4 * ledger.scale(), "robot {seed}: {largest:e} of {}", ledger.scale());
+        assert!(
+            largest < 1e-4 * energy_account.scale(),
+            "robot {seed}: {largest:e} of {}",
+            energy_account.scale()
+        );
     }
 }
 
@@ -415,8 +422,8 @@ fn springs_of_free_and_ball_joints_reach_equilibrium() {
     assert!(tau.iter().zip(&g).all(|(tau, g)| (tau - g).abs() < 1e-4), "{tau:?} {g:?}");
     let mild = robot(40.0, 0.2);
     let (coarse, fine) = (run(&mild, 4e-4, 500), run(&mild, 2e-4, 1000));
-    let scale = fine.ledger.scale();
-    let (coarse, fine) = (coarse.ledger.max_imbalance(), fine.ledger.max_imbalance());
+    let scale = fine.energy_account.scale();
+    let (coarse, fine) = (coarse.energy_account.max_imbalance(), fine.energy_account.max_imbalance());
     println!("imbalance {coarse:.1e} J, {fine:.1e} J of {scale:.1e} J");
     assert!(fine < 1e-3 * scale && coarse / fine > 3.5, "{coarse:e} {fine:e}");
 }

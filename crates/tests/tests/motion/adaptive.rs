@@ -118,8 +118,8 @@ fn error_follows_tolerance() {
             let run = simulation.run_steps_from(&state.q, &state.v, 100, options).unwrap();
             let record = simulation.adaptive_record().unwrap();
             let error = distance(&model, (&run.q, &run.v), (&reference.q, &reference.v));
-            let imbalance = run.ledger.max_imbalance() / (1.0 + run.ledger.kinetic());
-            let work = (run.ledger.work() - reference.ledger.work()).abs();
+            let imbalance = run.energy_account.max_imbalance() / (1.0 + run.energy_account.kinetic());
+            let work = (run.energy_account.work() - reference.energy_account.work()).abs();
             println!(
                 "robot {seed} {tolerance:.0e}: error {error:.1e}, imbalance {imbalance:.1e}, work {work:.1e}, quaternions \
                  {:.1e}, {:?}",
@@ -132,8 +132,8 @@ fn error_follows_tolerance() {
                 imbalance < allowed && record.quaternion_error < allowed,
                 "robot {seed}, {tolerance:e}: {imbalance:e}"
             );
-            assert!(work < allowed * (1.0 + run.ledger.work().abs()), "robot {seed}: {work:e}");
-            assert!(run.ledger.dissipated() > 0.01, "damping acts");
+            assert!(work < allowed * (1.0 + run.energy_account.work().abs()), "robot {seed}: {work:e}");
+            assert!(run.energy_account.dissipated() > 0.01, "damping acts");
             assert_eq!(run.trajectory.len(), 101);
             errors.push(error);
         }
@@ -197,7 +197,11 @@ fn held_control_matches_fixed_steps() {
         assert!((a.q[0] - b.q[0]).abs() < 1e-9 && (a.v[0] - b.v[0]).abs() < 1e-8, "{a:?} {b:?}");
     }
     assert!(steps.longest < 1e-3 + 1e-15 && steps.accepted >= 1000, "{steps:?}");
-    assert!(run.ledger.work().abs() > 1.0 && run.ledger.max_imbalance() < 1e-9, "{:?}", run.ledger);
+    assert!(
+        run.energy_account.work().abs() > 1.0 && run.energy_account.max_imbalance() < 1e-9,
+        "{:?}",
+        run.energy_account
+    );
 
     // A continuous law is the limit of short periods, and it needs few steps.
     let mut continuous = free(&model, to(1e-11), 0.1);
@@ -305,7 +309,11 @@ fn flag_interrupts_between_samples() {
     assert!(run.time > 0.4 && run.time < 2.0, "{}", run.time);
     let last = run.trajectory.sample(1);
     assert_eq!((last.time, last.q, last.v), (run.time, &run.q[..], &run.v[..]));
-    assert!(run.ledger.drift() < 1e-8, "the energy account is that of this time: {:e}", run.ledger.drift());
+    assert!(
+        run.energy_account.drift() < 1e-8,
+        "the energy account is that of this time: {:e}",
+        run.energy_account.drift()
+    );
     // The flag is set at the start: no step is taken.
     let run = simulation.run_steps_from(&[0.3], &[0.0], 1, RunOptions::new().controller(&mut late)).unwrap();
     assert_eq!((run.interrupted, run.time, statistics(&simulation).accepted), (true, 0.0, 0));
@@ -372,7 +380,7 @@ fn stiff_damping_is_integrated_implicitly() {
             assert_eq!(record.method, AdaptiveMethod::Implicit);
             let steps = record.statistics;
             let error = distance(&model, (&found.q, &found.v), (&exact.q, &exact.v));
-            let imbalance = found.ledger.max_imbalance() / (1.0 + found.ledger.start().abs());
+            let imbalance = found.energy_account.max_imbalance() / (1.0 + found.energy_account.start().abs());
             println!("robot {seed} {tolerance:.0e}: error {error:.1e}, imbalance {imbalance:.1e}, {steps:?}");
             // Each step is within the tolerance. In the energy account W and D have that error. K has the
             // error of the velocities times the momentum, which has the size of the energy here.
@@ -420,7 +428,7 @@ fn stiff_damper_follows_closed_form() {
     }
     let stored = 0.5 * stiffness * 0.25;
     let left = 0.5 * stiffness * found.q[0] * found.q[0];
-    assert!((found.ledger.dissipated() - (stored - left)).abs() < 1e-7 * stored);
+    assert!((found.energy_account.dissipated() - (stored - left)).abs() < 1e-7 * stored);
     let failure = run(AdaptiveMethod::Explicit).unwrap_err();
     let RunError::Step { ref source, .. } = failure.error else { panic!("{failure}") };
     assert!(matches!(source, StepError::TooManySteps { .. }), "{failure}");

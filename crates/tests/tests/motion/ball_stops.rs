@@ -56,7 +56,7 @@ fn pendulum_comes_to_rest_at_its_limit() {
         // The impact is early or late by a sixteenth of a step: m g ℓ sin θ times the distance in that time.
         let late = mass * G * length * most.sin() * 1.5e-3 / 16.0;
         assert!(
-            (losses.stops - lost).abs() < late && run.ledger.max_imbalance() < late,
+            (losses.stops - lost).abs() < late && run.energy_account.max_imbalance() < late,
             "{losses:?} for {lost}"
         );
     }

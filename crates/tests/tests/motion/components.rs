@@ -171,7 +171,7 @@ fn momentum_includes_all_components() {
     });
     assert!(carried > 100.0, "nothing landed: {carried} N");
     assert!(most < 1e-9, "{most} N·s");
-    let (off, scale) = (run.ledger.max_imbalance(), run.ledger.scale());
+    let (off, scale) = (run.energy_account.max_imbalance(), run.energy_account.scale());
     assert!(off < 1e-3 * scale, "{off} of {scale} J");
 }
 

@@ -221,7 +221,7 @@ fn shapes_fall_and_come_to_rest() {
             let run = run_watched(&robot, Ground::level(0.1), (&q, &v), (1e-3, 4000), |info| {
                 let gap = contacts.clearance(&model, &mut workspace, info.q).unwrap();
                 deepest = deepest.min(gap);
-                let dissipated = info.ledger.dissipated();
+                let dissipated = info.energy_account.dissipated();
                 assert!(dissipated >= lost, "{shape:?} {seed}: {dissipated} after {lost}");
                 lost = dissipated;
             });
@@ -229,9 +229,9 @@ fn shapes_fall_and_come_to_rest() {
             let gap = contacts.clearance(&model, &mut workspace, &run.q).unwrap();
             assert!(gap < 1e-6, "{shape:?} {seed}: {gap} above the ground");
             assert!(
-                run.ledger.max_imbalance() < 0.02 * run.ledger.scale(),
+                run.energy_account.max_imbalance() < 0.02 * run.energy_account.scale(),
                 "{shape:?} {seed}: {:?}",
-                run.ledger
+                run.energy_account
             );
             if rests {
                 assert!(run.v.iter().all(|v| v.abs() < 1e-9), "{shape:?} {seed}: {:?}", run.v);
@@ -279,7 +279,11 @@ fn random_robots_fall_without_energy_gain() {
                 deepest = deepest.min(contacts.clearance(&model, &mut workspace, info.q).unwrap());
             });
         assert!(deepest > -1e-4, "seed {seed}: {deepest}");
-        assert!(run.ledger.max_imbalance() < 0.05 * run.ledger.scale(), "seed {seed}: {:?}", run.ledger);
+        assert!(
+            run.energy_account.max_imbalance() < 0.05 * run.energy_account.scale(),
+            "seed {seed}: {:?}",
+            run.energy_account
+        );
     }
 }
 

@@ -139,7 +139,7 @@ fn loops_have_order_2() {
             let drift = constraint_drift(model, &mut Workspace::new(model), set, &run.q, &run.v);
             assert!(drift.position < 1e-11, "{name}: {drift:?}");
             let off = apart(model, (&expected.q, &expected.v), (&run.q, &run.v));
-            (off, run.ledger.max_imbalance() / run.ledger.scale(), drift.velocity)
+            (off, run.energy_account.max_imbalance() / run.energy_account.scale(), drift.velocity)
         };
         let (coarse, fine) = (error(400), error(800));
         let order = (coarse.0 / fine.0).log2();
@@ -198,9 +198,9 @@ fn gear_works_with_limits_friction_and_ground() {
             run.v
         );
         assert!(
-            run.ledger.max_imbalance() < 1e-10 && run.ledger.dissipated().abs() < 1e-12,
+            run.energy_account.max_imbalance() < 1e-10 && run.energy_account.dissipated().abs() < 1e-12,
             "{:?}",
-            run.ledger
+            run.energy_account
         );
         let mut implicit = stepper(make(&model, &set));
         let (mut q, mut v, mut workspace) = ([0.0; 2], [0.0; 2], StepWorkspace::new(&model));
@@ -224,7 +224,7 @@ fn gear_works_with_limits_friction_and_ground() {
         // The impact is early or late by a sixteenth of a step.
         let late = total * a * (2.0 * a * 0.4_f64).sqrt() * 1e-3 / 16.0;
         assert!((run.losses.unwrap().stops - lost).abs() < late, "{:?} for {lost}", run.losses);
-        assert!(run.ledger.max_imbalance() < late, "{:?}", run.ledger);
+        assert!(run.energy_account.max_imbalance() < late, "{:?}", run.energy_account);
 
         // Friction of both sleds against the difference of their weights.
         let difference = (masses[1] - masses[0]) * G;
@@ -262,11 +262,11 @@ fn loop_comes_to_rest_at_its_limit() {
     });
     assert!(most < q[2] + 0.3 + 1e-9 && (run.q[2] - most).abs() < 1e-9, "{most} {:?}", run.q);
     assert!(run.v.iter().all(|v| v.abs() < 1e-9), "{:?}", run.v);
-    let scale = run.ledger.scale();
+    let scale = run.energy_account.scale();
     assert!(
-        run.losses.unwrap().stops > 1e-3 && run.ledger.max_imbalance() < 1e-3 * scale,
+        run.losses.unwrap().stops > 1e-3 && run.energy_account.max_imbalance() < 1e-3 * scale,
         "{:?}",
-        run.ledger
+        run.energy_account
     );
 }
 
@@ -339,7 +339,11 @@ fn weld_moves_as_one_body() {
     let up: f64 = run.contact_forces.iter().map(|force| force[2]).sum();
     let weight = two.mass() * G;
     assert!((up - weight).abs() < 1e-6 * weight, "{up} for {weight}");
-    assert!(run.ledger.max_imbalance() < 2e-2 * run.ledger.scale(), "{:?}", run.ledger);
+    assert!(
+        run.energy_account.max_imbalance() < 2e-2 * run.energy_account.scale(),
+        "{:?}",
+        run.energy_account
+    );
 }
 
 /// Two bricks connected at a point are thrown on the ground: the alternating direction method solves the

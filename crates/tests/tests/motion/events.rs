@@ -159,7 +159,7 @@ fn terminal_event_ends_with_one_step() {
         // The length of the step is known to the rounding of the time.
         let off = max_difference(&q, &run.q).max(max_difference(&v, &run.v));
         assert!(off < 1e-13, "{row}: {off:e}");
-        let imbalance = run.ledger.max_imbalance() / run.ledger.scale();
+        let imbalance = run.energy_account.max_imbalance() / run.energy_account.scale();
         assert!(imbalance < 1e-2, "{row}: the energy account is off by {imbalance:e}");
     }
 }

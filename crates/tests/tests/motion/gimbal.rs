@@ -52,8 +52,8 @@ fn limit_at_gimbal_lock_gains_no_energy() {
         let run_of = run_watched(implicit_over(&model, None), (&q, &v), (1e-3, 2000), |info| {
             met += usize::from(info.q[1].max(info.q[5]) > 1.57);
         });
-        let scale = run_of.ledger.dissipated();
-        let off = run_of.ledger.max_imbalance();
+        let scale = run_of.energy_account.dissipated();
+        let off = run_of.energy_account.max_imbalance();
         println!("run {run}: off by {off:.1e} of {scale:.1e} J");
         assert!(off < 0.1 * scale, "run {run}: {off} of {scale} J");
     }

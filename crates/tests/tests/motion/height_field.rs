@@ -264,7 +264,7 @@ fn shapes_rest_on_random_fields() {
             let (mut deepest, mut lost, mut workspace) = (0.0_f64, 0.0, Workspace::new(&model));
             let run = run_on(&model, contacts, (&q, &v), (1e-3, 3000), |info| {
                 deepest = deepest.min(clear.clearance(&model, &mut workspace, info.q).unwrap_or(0.0));
-                let dissipated = info.ledger.dissipated();
+                let dissipated = info.energy_account.dissipated();
                 assert!(dissipated >= lost, "{shape:?} {seed}: {dissipated} after {lost}");
                 lost = dissipated;
             });
@@ -273,9 +273,9 @@ fn shapes_rest_on_random_fields() {
             assert!(z > field.height(x, y).unwrap(), "{shape:?} {seed}: {:?} is below", run.q);
             assert!(deepest > -1e-6, "{shape:?} {seed}: {deepest} below the surface");
             assert!(
-                run.ledger.max_imbalance() < 0.05 * run.ledger.scale(),
+                run.energy_account.max_imbalance() < 0.05 * run.energy_account.scale(),
                 "{shape:?} {seed}: {:?}",
-                run.ledger
+                run.energy_account
             );
         }
     }

@@ -85,9 +85,12 @@ fn stiff_damping_stays_bounded() {
         let state = random_state(&model, &mut random);
         for h in [1e-3, 1e-2] {
             let run = let_go(&model, &state.q, &state.v, h, 1000);
-            let ledger = run.ledger;
-            assert!(ledger.now() <= ledger.start() * 1.001, "robot {seed}, h {h}: {ledger:?}");
-            assert!(ledger.dissipated() >= 0.0);
+            let energy_account = run.energy_account;
+            assert!(
+                energy_account.now() <= energy_account.start() * 1.001,
+                "robot {seed}, h {h}: {energy_account:?}"
+            );
+            assert!(energy_account.dissipated() >= 0.0);
         }
     }
 }
@@ -116,7 +119,10 @@ fn friction_sticks_and_slides_on_a_slope() {
     let a = 0.5 * pull / mass;
     assert!((sliding.v[0] - a).abs() < 1e-12 && (sliding.q[0] - 0.5 * a).abs() < 1e-12, "{:?}", sliding.q);
     let lost = 0.5 * pull * sliding.q[0];
-    assert!((sliding.ledger.dissipated() - lost).abs() < 1e-11 && sliding.ledger.max_imbalance() < 1e-11);
+    assert!(
+        (sliding.energy_account.dissipated() - lost).abs() < 1e-11
+            && sliding.energy_account.max_imbalance() < 1e-11
+    );
 }
 
 /// Friction alone brakes a sled: it stops after v²/(2f/m), up to the step in which it stops, and stays. The
@@ -129,7 +135,7 @@ fn friction_brakes_to_rest() {
     let way = 1.2345_f64.powi(2) / 2.0 / 1.5;
     assert_eq!(run.v[0], 0.0);
     assert!((run.q[0] - way).abs() < 1.5 * h * h, "{} {way}", run.q[0]);
-    assert!(run.ledger.max_imbalance() < 1e-12, "{:?}", run.ledger);
+    assert!(run.energy_account.max_imbalance() < 1e-12, "{:?}", run.energy_account);
 }
 
 /// A sled thrown at a limit stops there and loses its energy to the limit; before the limit it moves freely.
@@ -139,7 +145,7 @@ fn limits_stop_motion() {
     let run = let_go(&model, &[0.0], &[3.0], 1e-3, 1000);
     // In the step of its arrival it may stop short of the limit.
     assert!(run.q[0] <= 0.5 && run.q[0] > 0.5 - 3e-3 && run.v[0] == 0.0, "{:?} {:?}", run.q, run.v);
-    assert!((run.ledger.dissipated() - 9.0).abs() < 1e-12, "{:?}", run.ledger);
+    assert!((run.energy_account.dissipated() - 9.0).abs() < 1e-12, "{:?}", run.energy_account);
     let free = SimulationBuilder::new(&model)
         .method(Method::Implicit)
         .without(Effect::Limits)
@@ -156,7 +162,7 @@ fn start_beyond_limit_returns() {
     let model = sled(2.0, [1.0, 0.0, 0.0], PassiveForces::default(), Limits::new(-0.3, 0.5));
     let run = let_go(&model, &[0.6], &[0.0], 1e-3, 1000);
     assert!((run.q[0] - 0.5 - 0.1 * (-10.0_f64).exp()).abs() < 1e-9, "{:?}", run.q);
-    assert!(run.ledger.kinetic() < 1e-20);
+    assert!(run.energy_account.kinetic() < 1e-20);
 }
 
 /// Random trees with friction and limits are released for 5 s. No joint passes a limit, each loss never
@@ -181,13 +187,14 @@ fn trees_come_to_rest_within_their_limits() {
         let forces = StepForces::new(&tau, true);
         let (mut q, mut v) = (q, state.v.clone());
         let mut last = implicit.losses().unwrap();
-        let mut ledger = robot_dynamics::simulation::energy_ledger(&model, workspace.dynamics(), &q, &v);
+        let mut energy_account =
+            robot_dynamics::simulation::energy_account(&model, workspace.dynamics(), &q, &v);
         for _ in 0..5000 {
             let before = (q.clone(), v.clone());
             implicit.step(&model, &mut workspace, &forces, 1e-3, &mut q, &mut v).unwrap();
             let transition =
                 StateTransition { from: (&before.0, &before.1), to: (&q, &v), forces: &forces, h: 1e-3 };
-            implicit.record(&model, &mut workspace, &mut ledger, transition);
+            implicit.record(&model, &mut workspace, &mut energy_account, transition);
             let losses = implicit.losses().unwrap();
             assert!(
                 losses.damping >= last.damping
@@ -202,11 +209,14 @@ fn trees_come_to_rest_within_their_limits() {
         }
         println!(
             "robot {seed}: {last:?}, imbalance {:.1e} of {:.1e} J",
-            ledger.max_imbalance(),
-            ledger.scale()
+            energy_account.max_imbalance(),
+            energy_account.scale()
         );
         // Impacts reduce the order of the scheme; the imbalance stays below a thousandth at 1 ms.
-        assert!(ledger.max_imbalance() < 1e-3 * ledger.scale(), "robot {seed}: {ledger:?}");
+        assert!(
+            energy_account.max_imbalance() < 1e-3 * energy_account.scale(),
+            "robot {seed}: {energy_account:?}"
+        );
     }
 }
 
@@ -237,8 +247,9 @@ fn energy_account_of_friction_closes_with_order_2() {
         }
         let model = Model::new(robot).unwrap();
         let state = random_state(&model, &mut SplitMix64::new(seed));
-        let missed =
-            |h: f64, steps: usize| let_go(&model, &state.q, &state.v, h, steps).ledger.max_imbalance();
+        let missed = |h: f64, steps: usize| {
+            let_go(&model, &state.q, &state.v, h, steps).energy_account.max_imbalance()
+        };
         let (coarse, fine) = (missed(1e-3, 2000), missed(5e-4, 4000));
         let order = (coarse / fine).log2();
         println!("robot {seed}: {fine:.1e} J, order {order:.2}");
@@ -306,8 +317,8 @@ fn stiff_actuators_are_implicit() {
         };
         let soft = driven(1.0);
         let (coarse, fine) = (run(&soft, 1e-3, 500), run(&soft, 5e-4, 1000));
-        let order = (coarse.ledger.max_imbalance() / fine.ledger.max_imbalance()).log2();
-        println!("robot {seed}: {:.1e} J, order {order:.2}", fine.ledger.max_imbalance());
+        let order = (coarse.energy_account.max_imbalance() / fine.energy_account.max_imbalance()).log2();
+        println!("robot {seed}: {:.1e} J, order {order:.2}", fine.energy_account.max_imbalance());
         assert!(order > 1.8, "robot {seed}: order {order}");
         let stiff = driven(1e6);
         let run = run(&stiff, 1e-3, 1500);

@@ -324,7 +324,11 @@ fn balls_come_to_rest_in_box() {
         true
     });
     assert!(deepest > -1e-4, "{deepest}");
-    assert!(run.ledger.max_imbalance() < 0.02 * run.ledger.scale(), "{:?}", run.ledger);
+    assert!(
+        run.energy_account.max_imbalance() < 0.02 * run.energy_account.scale(),
+        "{:?}",
+        run.energy_account
+    );
     let fastest = run.v.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     assert!(fastest < 2.0, "{fastest}");
 }
@@ -390,14 +394,18 @@ fn bricks_fall_on_each_other_without_energy_gain() {
     }
     let (mut lost, mut fastest) = (0.0, 0.0_f64);
     let run = run_watched(&model, &contacts, (&q, &v), (1e-3, 3000), |info| {
-        assert!(info.ledger.dissipated() >= lost);
-        lost = info.ledger.dissipated();
+        assert!(info.energy_account.dissipated() >= lost);
+        lost = info.energy_account.dissipated();
         fastest = info.v.iter().fold(fastest, |most, v| most.max(v.abs()));
         true
     });
     assert!(fastest < 60.0, "{fastest}");
     // The energy account has a gap where a normal jumps from face to face.
-    assert!(run.ledger.max_imbalance() < 0.15 * run.ledger.scale(), "{:?}", run.ledger);
+    assert!(
+        run.energy_account.max_imbalance() < 0.15 * run.energy_account.scale(),
+        "{:?}",
+        run.energy_account
+    );
     let heights: Vec<f64> = (0..3).map(|k| run.q[7 * k + 2]).collect();
     assert!(heights.iter().all(|z| *z > 0.049), "{heights:?}");
 }

@@ -70,10 +70,10 @@ fn energy_account_closes_to_order_of_method() {
                     .unwrap()
             };
             let (coarse, fine) = (run(h, steps), run(h / 2.0, 2 * steps));
-            let (work, dissipated) = (fine.ledger.work().abs(), fine.ledger.dissipated());
+            let (work, dissipated) = (fine.energy_account.work().abs(), fine.energy_account.dissipated());
             assert!(work > 0.05 && dissipated > 0.05, "robot {seed}: {work} J, {dissipated} J");
-            let order = (coarse.ledger.max_imbalance() / fine.ledger.max_imbalance()).log2();
-            let largest = fine.ledger.max_imbalance();
+            let order = (coarse.energy_account.max_imbalance() / fine.energy_account.max_imbalance()).log2();
+            let largest = fine.energy_account.max_imbalance();
             println!("robot {seed} {row:22} imbalance {largest:.1e} J, order {order:.2}");
             // Below 1e-10 J only rounding remains; the maximum over a run is at different times.
             assert!(
@@ -102,9 +102,13 @@ fn damping_dissipates_all_energy() {
         let run = simulation(&model, row, 1e-3)
             .run_steps_from(&neutral(&model), &[3.0, -2.0, 4.0], 30_000, RunOptions::new().sample_every(10))
             .unwrap();
-        let ledger = &run.ledger;
-        assert!(ledger.now() < 1e-6 * ledger.start(), "{row}: {} J left", ledger.now());
-        let missing = (ledger.dissipated() / ledger.start() - 1.0).abs();
+        let energy_account = &run.energy_account;
+        assert!(
+            energy_account.now() < 1e-6 * energy_account.start(),
+            "{row}: {} J left",
+            energy_account.now()
+        );
+        let missing = (energy_account.dissipated() / energy_account.start() - 1.0).abs();
         // First order: ½ h · (damping/inertia ≈ 2/s, rates ≈ 5/s) = 0.3 %.
         let allowed = if row.order() == 1 { 5e-3 } else { 1e-5 };
         assert!(missing < allowed, "{row}: {missing:e}");
@@ -187,8 +191,8 @@ fn samples_are_kept_at_the_stride() {
     assert_eq!(times, [0.0, 0.1, 0.2, 0.25]);
     assert_eq!(run.trajectory.sample(2).tau, [0.2, 0.2]);
     let last = run.trajectory.sample(3);
-    assert_eq!((last.q, last.v, last.energy()), (&run.q[..], &run.v[..], run.ledger.now()));
-    assert_eq!(run.trajectory.sample(0).energy(), run.ledger.start());
+    assert_eq!((last.q, last.v, last.energy()), (&run.q[..], &run.v[..], run.energy_account.now()));
+    assert_eq!(run.trajectory.sample(0).energy(), run.energy_account.start());
     assert_eq!((run.steps, run.interrupted), (25, false));
     assert_eq!(run.peak_torque, [0.24, 0.24]);
 }
@@ -290,7 +294,7 @@ fn failing_controller_ends_run() {
     assert_eq!(cause.downcast_ref::<Overheated>(), Some(&Overheated { joint: "elbow" }));
     assert_eq!((seen, failure.until.steps, failure.until.trajectory.len()), (7, 7, 7));
     assert!(failure.until.q[1] != 0.2 && failure.until.q.iter().all(|q| q.is_finite()));
-    assert!(failure.until.ledger.work() != 0.0);
+    assert!(failure.until.energy_account.work() != 0.0);
 
     // An error of the library keeps its type through a closure.
     let mut inner = ConstantTorque(vec![f64::NAN, 0.0]);

@@ -77,7 +77,7 @@ fn cable_stops_bodies_at_its_limit() {
         }
         let losses = run.losses.unwrap();
         assert!((losses.stops - 0.5 * impulse * rate).abs() < 1e-9, "{losses:?}");
-        assert!(run.ledger.max_imbalance() < 1e-9, "{:?}", run.ledger);
+        assert!(run.energy_account.max_imbalance() < 1e-9, "{:?}", run.energy_account);
     }
 }
 
@@ -94,9 +94,9 @@ fn weights_on_cable_move_as_atwoods_machine() {
         assert!((run.v[0] - expected).abs() < 1e-8 && (run.v[1] + expected).abs() < 1e-8, "{:?}", run.v);
         assert!((run.q[0] - 0.5 * expected).abs() < 1e-8, "{:?}", run.q);
         assert!(
-            run.losses.unwrap().stops.abs() < 1e-8 && run.ledger.max_imbalance() < 1e-8,
+            run.losses.unwrap().stops.abs() < 1e-8 && run.energy_account.max_imbalance() < 1e-8,
             "{:?}",
-            run.ledger
+            run.energy_account
         );
     }
 }
@@ -154,9 +154,9 @@ fn friction_of_cable_brakes_bodies() {
             sticks.v
         );
         assert!(
-            sticks.losses.unwrap().friction < 1e-8 && sticks.ledger.max_imbalance() < 1e-8,
+            sticks.losses.unwrap().friction < 1e-8 && sticks.energy_account.max_imbalance() < 1e-8,
             "{:?}",
-            sticks.ledger
+            sticks.energy_account
         );
         let friction = 0.4 * carries;
         let slides = run(friction);
@@ -166,6 +166,6 @@ fn friction_of_cable_brakes_bodies() {
         }
         let lost = friction * (slides.q[0] + slides.q[1]);
         assert!((slides.losses.unwrap().friction - lost).abs() < 1e-8, "{:?} for {lost}", slides.losses);
-        assert!(slides.ledger.max_imbalance() < 1e-8, "{:?}", slides.ledger);
+        assert!(slides.energy_account.max_imbalance() < 1e-8, "{:?}", slides.energy_account);
     }
 }

@@ -50,11 +50,11 @@ fn conservative_simulation_keeps_energy_of_springs() {
     assert_eq!((simulation.method().name(), simulation.control_names().count()), ("rk4", 0));
     simulation.set_torques(&[0.0]);
     simulation.run_for(2.0).expect("steps");
-    assert!(simulation.ledger().drift() < 1e-9 && simulation.ledger().dissipated() == 0.0);
+    assert!(simulation.energy_account().drift() < 1e-9 && simulation.energy_account().dissipated() == 0.0);
     assert!(simulation.q()[0].abs() > 0.1); // it passes its limits
     let mut all = SimulationBuilder::new(&model).build().expect("a simulation");
     all.run_for(2.0).expect("steps");
-    assert!(all.q()[0].abs() <= 0.1 + 1e-9 && all.ledger().dissipated() > 0.0);
+    assert!(all.q()[0].abs() <= 0.1 + 1e-9 && all.energy_account().dissipated() > 0.0);
 }
 
 #[test]

@@ -63,8 +63,8 @@ fn steps_runs_and_small_fixed_steps_agree() {
             let extrapolated = 2.0 * fine.q()[k] - coarse.q()[k];
             assert!((q - extrapolated).abs() < 1e-7, "robot {seed}: {q} {extrapolated}");
         }
-        assert!(ran.ledger.max_imbalance() < 1e-9 && steps.ledger().max_imbalance() < 1e-9);
-        assert!((ran.ledger.work() - steps.ledger().work()).abs() < 1e-9);
+        assert!(ran.energy_account.max_imbalance() < 1e-9 && steps.energy_account().max_imbalance() < 1e-9);
+        assert!((ran.energy_account.work() - steps.energy_account().work()).abs() < 1e-9);
         // The acceleration is that at the end of the run; the fine steps report that of their midpoints.
         for ((a, mean), before) in run.acceleration().iter().zip(fine.acceleration()).zip(before) {
             let end = 1.5 * mean - 0.5 * before;
@@ -185,10 +185,14 @@ fn actuators_and_tendons_act() {
         assert!((q - fixed.q()[k]).abs() < 1e-10, "{:?} {:?}", run.q(), fixed.q());
         assert!((q - steps.q()[k]).abs() < 1e-9, "{:?} {:?}", run.q(), steps.q());
     }
-    let (ledger, small) = (&ran.ledger, fixed.ledger());
-    assert!(ledger.max_imbalance() < 1e-9 && steps.ledger().max_imbalance() < 1e-9);
-    assert!((ledger.work() - small.work()).abs() < 1e-8 && ledger.work().abs() > 1e-2, "{}", ledger.work());
-    assert!((ledger.dissipated() - small.dissipated()).abs() < 1e-8);
+    let (energy_account, small) = (&ran.energy_account, fixed.energy_account());
+    assert!(energy_account.max_imbalance() < 1e-9 && steps.energy_account().max_imbalance() < 1e-9);
+    assert!(
+        (energy_account.work() - small.work()).abs() < 1e-8 && energy_account.work().abs() > 1e-2,
+        "{}",
+        energy_account.work()
+    );
+    assert!((energy_account.dissipated() - small.dissipated()).abs() < 1e-8);
     let activation = 0.7 * (1.0 - (-0.4_f64 / 0.05).exp());
     for simulation in [&run, &steps] {
         assert!((simulation.activations()[0] - activation).abs() < 1e-12);

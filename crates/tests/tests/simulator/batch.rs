@@ -44,7 +44,7 @@ fn assert_same(one: &Simulation, other: &Simulation, case: &str) {
     assert_eq!((one.q(), one.v()), (other.q(), other.v()), "{case}");
     assert_eq!((one.time(), one.steps()), (other.time(), other.steps()), "{case}");
     assert_eq!(one.acceleration(), other.acceleration(), "{case}");
-    assert_eq!(one.ledger(), other.ledger(), "{case}");
+    assert_eq!(one.energy_account(), other.energy_account(), "{case}");
     assert_eq!(one.applied_torques(), other.applied_torques(), "{case}");
     assert_eq!(one.steps_at_effort_limits(), other.steps_at_effort_limits(), "{case}");
 }

@@ -56,7 +56,7 @@ fn single_steps_equal_run_bit_for_bit() {
                 assert_eq!(run.trajectory.sample(k).q, other.q(), "robot {seed}, {}, step {k}", one.method());
                 assert_eq!(run.trajectory.sample(k).time, other.time());
             }
-            assert_eq!((one.v(), one.ledger()), (other.v(), other.ledger()), "robot {seed}");
+            assert_eq!((one.v(), one.energy_account()), (other.v(), other.energy_account()), "robot {seed}");
             assert_eq!(one.acceleration(), other.acceleration());
         }
     }
@@ -96,7 +96,7 @@ fn snapshots_and_copies_continue_bit_for_bit() {
             simulation.restore(&snapshot);
             simulation.run_for(0.03).expect("steps");
             assert_eq!((simulation.q(), simulation.v()), (&q[..], &v[..]));
-            assert_eq!(simulation.ledger(), copy.ledger());
+            assert_eq!(simulation.energy_account(), copy.energy_account());
         }
     }
 }
@@ -128,7 +128,7 @@ fn simulation_continues_after_terminal_event() {
     let time = simulation.time();
     simulation.run_for(0.1).expect("steps");
     assert!((simulation.time() - time - 0.1).abs() < 1e-15);
-    assert!(simulation.ledger().drift() < 1e-9);
+    assert!(simulation.energy_account().drift() < 1e-9);
 }
 
 /// A failed step leaves the state unchanged.

@@ -75,7 +75,7 @@ fn drift(probe: &Probe<'_>, state: &State, integrator: Integrator, step: f64) ->
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let steps = (DURATION / step).round() as usize;
     let run = simulation.run_steps_from(&state.q, &state.v, steps, RunOptions::new().sample_ends());
-    run.map_or(f64::INFINITY, |run| run.ledger.max_imbalance())
+    run.map_or(f64::INFINITY, |run| run.energy_account.max_imbalance())
 }
 
 #[cfg(test)]

@@ -51,10 +51,19 @@ fn hands_of_dual_arm_hold_each_other() -> Result<(), Box<dyn Error>> {
         .build()?;
     let fall = simulation.run_steps_from(&q, &rest, 2000, RunOptions::new().sample_ends())?;
     let record = *simulation.constraint_record().ok_or("no constraint")?;
-    println!("fall: {:?}, energy {:e}, K {} J", record.drift, fall.ledger.drift(), fall.ledger.kinetic());
+    println!(
+        "fall: {:?}, energy {:e}, K {} J",
+        record.drift,
+        fall.energy_account.drift(),
+        fall.energy_account.kinetic()
+    );
     assert_eq!(record.smallest_rank, 4);
     assert!(record.drift.position <= 1e-12 && record.drift.velocity < 1e-10, "{:?}", record.drift);
-    assert!(fall.ledger.kinetic() > 10.0 && fall.ledger.drift() < 1e-6, "{:?}", fall.ledger);
+    assert!(
+        fall.energy_account.kinetic() > 10.0 && fall.energy_account.drift() < 1e-6,
+        "{:?}",
+        fall.energy_account
+    );
 
     // With gravity-compensating motors the robot stays at its pose, and the grasp carries no force.
     let gains = (vec![200.0; model.nv()], vec![20.0; model.nv()]);

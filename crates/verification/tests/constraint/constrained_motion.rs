@@ -324,7 +324,7 @@ fn failing_controller_ends_constrained_run() -> Tested {
     assert!(failure.until.steps == 20 && failure.until.q != q, "{:?}", failure.until);
     assert!(failure.until.q.iter().chain(&failure.until.v).all(|x| x.is_finite()));
     let record = simulation.constraint_record().ok_or("no record")?;
-    assert!(record.drift.position <= 1e-12 && failure.until.ledger.kinetic() > 0.0);
+    assert!(record.drift.position <= 1e-12 && failure.until.energy_account.kinetic() > 0.0);
 
     let mut broken = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
         tau.fill(0.0);
@@ -483,13 +483,13 @@ fn coin_rolls_for_a_minute() -> Tested {
         .unwrap();
     let run = simulation.run_steps_from(&q, &v, 30_000, RunOptions::new().sample_ends())?;
     let record = simulation.constraint_record().ok_or("no record")?;
-    println!("{:?}, per step {:?}, energy {:e}", record.drift, record.step_drift, run.ledger.drift());
+    println!("{:?}, per step {:?}, energy {:e}", record.drift, record.step_drift, run.energy_account.drift());
     assert_eq!((run.steps, record.smallest_rank), (30_000, 3));
     assert!(record.drift.velocity < 1e-10, "{:?}", record.drift);
     assert!(record.drift.position <= 1e-12, "{:?}", record.drift);
     // Order 4 at 2 ms and 12 rad/s: (0.024)⁴ = 3e-7 a radian for an error constant of one; bounded, not
     // exact.
-    assert!(run.ledger.drift() < 1e-6, "{}", run.ledger.drift());
+    assert!(run.energy_account.drift() < 1e-6, "{}", run.energy_account.drift());
     Ok(())
 }
 

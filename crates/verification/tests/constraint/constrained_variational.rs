@@ -141,7 +141,7 @@ fn energy_errors(
         &state.v,
         steps,
         RunOptions::new().sample_ends().observer(&mut |info| {
-            let error = info.ledger.imbalance().abs();
+            let error = info.energy_account.imbalance().abs();
             if info.step <= steps / 10 {
                 first = first.max(error);
             }
@@ -175,7 +175,7 @@ fn four_bar_stays_closed_without_drift() -> Tested {
             );
             assert!(record.drift.velocity < 1e-13, "{row}: {:?}", record.drift);
             assert!(record.energy_removed == 0.0 && record.smallest_rank == 2);
-            Ok((first, last, run.ledger.start()))
+            Ok((first, last, run.energy_account.start()))
         };
         let (first, last, scale) = run(h, steps)?;
         let (halved, ..) = run(h / 2.0, steps / 10)?;

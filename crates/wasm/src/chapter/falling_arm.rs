@@ -1,6 +1,6 @@
 //! The Lagrangian lab: a two-link arm, passive or under constant torques, with its energy and its forces.
 
-use dynamics::{Dynamics, EnergyLedger, Integrator, PlanarArm, SystemEnergy, SystemStep};
+use dynamics::{Dynamics, EnergyAccount, Integrator, PlanarArm, SystemEnergy, SystemStep};
 use nalgebra::{Vector2, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -51,7 +51,7 @@ pub struct FallingArm {
     h: f64,
     steps: u64,
     time: f64,
-    ledger: EnergyLedger,
+    energy_account: EnergyAccount,
     samples: Samples<8>,
 }
 
@@ -76,7 +76,7 @@ impl FallingArm {
             h,
             steps: 0,
             time: 0.0,
-            ledger: EnergyLedger::open(&system as &dyn Dynamics<2>, &q, &qd),
+            energy_account: EnergyAccount::open(&system as &dyn Dynamics<2>, &q, &qd),
             samples: Samples::new(INTERVAL, h, KEPT),
         })
     }
@@ -87,7 +87,7 @@ impl FallingArm {
     /// Fails if a number is not finite.
     pub fn place(&mut self, q: &[f64], qd: &[f64]) -> Result<(), LabError> {
         (self.q, self.qd) = (vector("q", q)?, vector("qd", qd)?);
-        self.ledger = EnergyLedger::open(&self.system as &dyn Dynamics<2>, &self.q, &self.qd);
+        self.energy_account = EnergyAccount::open(&self.system as &dyn Dynamics<2>, &self.q, &self.qd);
         (self.steps, self.time) = (0, 0.0);
         self.samples.clear();
         self.sample();
@@ -103,7 +103,7 @@ impl FallingArm {
     pub fn set_rods(&mut self, l1: f64, m1: f64, l2: f64, m2: f64, a_g: f64) -> Result<(), LabError> {
         self.system.arm = two_rods(l1, m1, l2, m2, a_g)?;
         self.rods = [l1, m1, l2, m2, a_g];
-        self.ledger = EnergyLedger::open(&self.system as &dyn Dynamics<2>, &self.q, &self.qd);
+        self.energy_account = EnergyAccount::open(&self.system as &dyn Dynamics<2>, &self.q, &self.qd);
         Ok(())
     }
 
@@ -190,15 +190,15 @@ impl FallingArm {
         let system: &dyn Dynamics<2> = &system;
         for _ in 0..steps {
             let next = self.integrator.step(system, &self.q, &self.qd, &u, self.h)?;
-            let mut ledger = self.ledger;
-            ledger.record(system, (&self.q, &self.qd), (&next.0, &next.1), &u, self.h);
-            if !ledger.now().is_finite() {
+            let mut energy_account = self.energy_account;
+            energy_account.record(system, (&self.q, &self.qd), (&next.0, &next.1), &u, self.h);
+            if !energy_account.now().is_finite() {
                 return Err(LabError::new(format!(
                     "the energy is not finite at {:.3} s; use a smaller step",
                     self.time
                 )));
             }
-            ((self.q, self.qd), self.ledger) = (next, ledger);
+            ((self.q, self.qd), self.energy_account) = (next, energy_account);
             self.steps += 1;
             self.time += self.h;
             if self.samples.due(self.steps) {
@@ -239,7 +239,7 @@ impl FallingArm {
             (self.system.arm.kinetic_energy(&self.q, &self.qd), self.system.arm.potential_energy(&self.q));
         // V has its minimum where the stretched arm hangs; the rest of E can become K.
         let hanging = vector![-core::f64::consts::FRAC_PI_2, 0.0];
-        let (least, start) = (self.system.arm.potential_energy(&hanging), self.ledger.start());
+        let (least, start) = (self.system.arm.potential_energy(&hanging), self.energy_account.start());
         let most = (start - least).max(start.abs()).max(least.abs());
         ArmEnergies { kinetic, potential, total: kinetic + potential, start, most }
     }
@@ -247,25 +247,25 @@ impl FallingArm {
     /// The work of the motors since the last reset of the energy account \[J\].
     #[wasm_bindgen(getter)]
     pub fn work(&self) -> f64 {
-        self.ledger.work()
+        self.energy_account.work()
     }
 
     /// The energy lost to joint friction since the last reset of the energy account \[J\].
     #[wasm_bindgen(getter)]
     pub fn dissipated(&self) -> f64 {
-        self.ledger.dissipated()
+        self.energy_account.dissipated()
     }
 
     /// (E − E₀ − work + dissipated)/|E₀|, signed.
     #[wasm_bindgen(getter, js_name = relativeError)]
     pub fn relative_error(&self) -> f64 {
-        self.relative(self.ledger.imbalance())
+        self.relative(self.energy_account.imbalance())
     }
 
     /// The largest |E − E₀ − work + dissipated|/|E₀| so far.
     #[wasm_bindgen(getter)]
     pub fn drift(&self) -> f64 {
-        self.relative(self.ledger.max_imbalance())
+        self.relative(self.energy_account.max_imbalance())
     }
 
     /// Every link's centre of mass and weight: x, y \[m\], m a_g \[N\], …
@@ -331,7 +331,7 @@ impl FallingArm {
 impl FallingArm {
     /// A fraction of |E₀|, or zero if E₀ is zero.
     fn relative(&self, energy: f64) -> f64 {
-        if energy == 0.0 { 0.0 } else { energy / self.ledger.scale() }
+        if energy == 0.0 { 0.0 } else { energy / self.energy_account.scale() }
     }
 
     /// The arm and the pose of the worked example.

@@ -1,7 +1,7 @@
 //! The knife-edge: a chassis that cannot slip sideways, driven by two wheels.
 
 use dynamics::{
-    Dynamics, EnergyLedger, KnifeEdge, Pfaffian, SystemEnergy, constrained_rk4_step, generalized_force,
+    Dynamics, EnergyAccount, KnifeEdge, Pfaffian, SystemEnergy, constrained_rk4_step, generalized_force,
 };
 use nalgebra::{Vector3, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -18,7 +18,7 @@ const STEP: f64 = 1e-3;
 /// The energy of the chassis \[J\].
 #[wasm_bindgen]
 #[derive(Clone, Copy, Debug)]
-pub struct BladeBooks {
+pub struct BladeEnergyAccount {
     /// K.
     #[wasm_bindgen(readonly)]
     pub kinetic: f64,
@@ -42,7 +42,7 @@ pub struct Blade {
     side: f64,
     damping: f64,
     steps: u64,
-    ledger: EnergyLedger,
+    energy_account: EnergyAccount,
     samples: Samples<6>,
 }
 
@@ -73,7 +73,7 @@ impl Blade {
             side: 0.0,
             damping: 0.0,
             steps: 0,
-            ledger: EnergyLedger::open(&body.body, &zero, &zero),
+            energy_account: EnergyAccount::open(&body.body, &zero, &zero),
             samples: Samples::new(INTERVAL, STEP, KEPT),
         })
     }
@@ -87,7 +87,7 @@ impl Blade {
         self.qd =
             KnifeEdge::velocity(&self.q, number("the speed", speed)?, number("the turning rate", turning)?);
         self.steps = 0;
-        self.ledger = EnergyLedger::open(&self.body.body, &self.q, &self.qd);
+        self.energy_account = EnergyAccount::open(&self.body.body, &self.q, &self.qd);
         self.samples.clear();
         self.sample();
         Ok(())
@@ -122,7 +122,7 @@ impl Blade {
         for _ in 0..steps {
             let u = self.generalized_force();
             let next = constrained_rk4_step(&self.body.body, &self.body, &self.q, &self.qd, &u, STEP)?;
-            self.ledger.record(&self.body.body, (&self.q, &self.qd), (&next.q, &next.qd), &u, STEP);
+            self.energy_account.record(&self.body.body, (&self.q, &self.qd), (&next.q, &next.qd), &u, STEP);
             (self.q, self.qd) = (next.q, next.qd);
             self.steps += 1;
             if self.samples.due(self.steps) {
@@ -171,10 +171,14 @@ impl Blade {
     }
 
     /// The energy of the chassis \[J\].
-    #[wasm_bindgen(getter)]
-    pub fn books(&self) -> BladeBooks {
+    #[wasm_bindgen(getter, js_name = energyAccount)]
+    pub fn energy_account(&self) -> BladeEnergyAccount {
         let kinetic = self.body.body.kinetic_energy(&self.q, &self.qd);
-        BladeBooks { kinetic, work: self.ledger.work(), unaccounted: self.ledger.imbalance() }
+        BladeEnergyAccount {
+            kinetic,
+            work: self.energy_account.work(),
+            unaccounted: self.energy_account.imbalance(),
+        }
     }
 
     /// Rows of six: t, x, y, θ, forward speed, λ.

@@ -1,6 +1,6 @@
 //! The integrator race: one fall by several integrators of the table.
 
-use dynamics::{Dynamics, EnergyLedger, Integrator, Reach2R, SystemEnergy, SystemStep};
+use dynamics::{Dynamics, EnergyAccount, Integrator, Reach2R, SystemEnergy, SystemStep};
 use nalgebra::Vector2;
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -29,7 +29,7 @@ struct Runner {
     integrator: Integrator,
     q: Vector2<f64>,
     qd: Vector2<f64>,
-    ledger: EnergyLedger,
+    energy_account: EnergyAccount,
     /// The largest |E − E₀|/|E₀| in the current interval, and in each completed one.
     worst: f64,
     errors: Vec<f64>,
@@ -54,7 +54,7 @@ impl Race {
                 integrator: integrator(name)?,
                 q,
                 qd,
-                ledger: EnergyLedger::open(&arm as &dyn Dynamics<2>, &q, &qd),
+                energy_account: EnergyAccount::open(&arm as &dyn Dynamics<2>, &q, &qd),
                 worst: 0.0,
                 errors: Vec::new(),
                 fault: None,
@@ -116,7 +116,7 @@ impl Race {
     /// # Errors
     /// Fails if the runner does not exist.
     pub fn drift(&self, runner: usize) -> Result<f64, LabError> {
-        Ok(self.runner(runner)?.ledger.drift())
+        Ok(self.runner(runner)?.energy_account.drift())
     }
 
     /// Elbow and tip of one runner: x, y, x, y \[m\].
@@ -149,12 +149,12 @@ impl Runner {
         let zero = Vector2::zeros();
         match self.integrator.step(arm, &self.q, &self.qd, &zero, h) {
             Ok(next) => {
-                let mut ledger = self.ledger;
-                ledger.record(arm, (&self.q, &self.qd), (&next.0, &next.1), &zero, h);
-                let error = (ledger.now() - ledger.start()).abs() / ledger.scale();
+                let mut energy_account = self.energy_account;
+                energy_account.record(arm, (&self.q, &self.qd), (&next.0, &next.1), &zero, h);
+                let error = (energy_account.now() - energy_account.start()).abs() / energy_account.scale();
                 if error.is_finite() {
                     self.worst = self.worst.max(error);
-                    ((self.q, self.qd), self.ledger) = (next, ledger);
+                    ((self.q, self.qd), self.energy_account) = (next, energy_account);
                 } else {
                     self.fault = Some("the energy is not finite; use a smaller step".into());
                 }

@@ -1,7 +1,7 @@
 //! The opening: a planar arm of three links that the user drags and throws.
 
 use dynamics::{
-    Dynamics, EnergyLedger, Integrator, Link, PlanarArm, PlanarKinematics, SystemEnergy, SystemStep,
+    Dynamics, EnergyAccount, Integrator, Link, PlanarArm, PlanarKinematics, SystemEnergy, SystemStep,
     solve_mass,
 };
 use nalgebra::{SMatrix, Vector2, Vector3, vector};
@@ -29,7 +29,7 @@ const MOST: f64 = 5.0;
 /// The energy of a thrown arm \[J\]; V is zero where the stretched arm hangs.
 #[wasm_bindgen]
 #[derive(Clone, Copy, Debug)]
-pub struct ThrownBooks {
+pub struct ThrownArmEnergyAccount {
     /// K.
     #[wasm_bindgen(readonly)]
     pub kinetic: f64,
@@ -60,9 +60,9 @@ pub struct ThrownArm {
     qd: Vector3<f64>,
     hand: Option<Hand>,
     steps: u64,
-    /// The energy of strikes, in addition to the hand's work in `ledger`.
+    /// The energy of strikes, in addition to the hand's work in the account.
     struck: f64,
-    ledger: EnergyLedger,
+    energy_account: EnergyAccount,
     samples: Samples<3>,
 }
 
@@ -107,7 +107,7 @@ impl ThrownArm {
             hand: None,
             steps: 0,
             struck: 0.0,
-            ledger: EnergyLedger::open(&arm as &dyn Dynamics<3>, &q, &qd),
+            energy_account: EnergyAccount::open(&arm as &dyn Dynamics<3>, &q, &qd),
             samples: Samples::new(INTERVAL, STEP, KEPT),
         })
     }
@@ -119,7 +119,7 @@ impl ThrownArm {
     pub fn place(&mut self, q: &[f64], qd: &[f64]) -> Result<(), LabError> {
         (self.q, self.qd) = (crate::input::vector("q", q)?, crate::input::vector("qd", qd)?);
         (self.hand, self.steps, self.struck) = (None, 0, 0.0);
-        self.ledger = EnergyLedger::open(&self.arm as &dyn Dynamics<3>, &self.q, &self.qd);
+        self.energy_account = EnergyAccount::open(&self.arm as &dyn Dynamics<3>, &self.q, &self.qd);
         self.samples.clear();
         self.sample();
         Ok(())
@@ -194,12 +194,12 @@ impl ThrownArm {
         for _ in 0..steps {
             let u = self.torque();
             let next = Integrator::RungeKutta4.step(arm, &self.q, &self.qd, &u, STEP)?;
-            let mut ledger = self.ledger;
-            ledger.record(arm, (&self.q, &self.qd), (&next.0, &next.1), &u, STEP);
-            if !ledger.now().is_finite() {
+            let mut energy_account = self.energy_account;
+            energy_account.record(arm, (&self.q, &self.qd), (&next.0, &next.1), &u, STEP);
+            if !energy_account.now().is_finite() {
                 return Err(LabError::new("the energy is not finite; start again"));
             }
-            ((self.q, self.qd), self.ledger) = (next, ledger);
+            ((self.q, self.qd), self.energy_account) = (next, energy_account);
             self.steps += 1;
             if self.samples.due(self.steps) {
                 self.sample();
@@ -256,19 +256,19 @@ impl ThrownArm {
     }
 
     /// K, V and the work of the hand \[J\].
-    #[wasm_bindgen(getter)]
-    pub fn books(&self) -> ThrownBooks {
+    #[wasm_bindgen(getter, js_name = energyAccount)]
+    pub fn energy_account(&self) -> ThrownArmEnergyAccount {
         let mut hanging = Vector3::zeros();
         hanging[0] = -core::f64::consts::FRAC_PI_2;
         let least = self.arm.potential_energy(&hanging);
-        ThrownBooks {
+        ThrownArmEnergyAccount {
             kinetic: self.arm.kinetic_energy(&self.q, &self.qd),
             potential: self.arm.potential_energy(&self.q) - least,
-            start: self.ledger.start() - least,
-            work: self.ledger.work() + self.struck,
+            start: self.energy_account.start() - least,
+            work: self.energy_account.work() + self.struck,
             unaccounted: self.arm.energy(&self.q, &self.qd)
-                - self.ledger.start()
-                - self.ledger.work()
+                - self.energy_account.start()
+                - self.energy_account.work()
                 - self.struck,
         }
     }
@@ -330,7 +330,7 @@ mod tests {
         assert!(arm.hand().is_empty());
         arm.strike(0.5, 1.0)?;
         arm.advance(1000)?;
-        let ThrownBooks { kinetic, potential, start, work, unaccounted } = arm.books();
+        let ThrownArmEnergyAccount { kinetic, potential, start, work, unaccounted } = arm.energy_account();
         assert!(work.abs() > 1.0, "the hand did work: {work} J");
         assert!((kinetic + potential - start - work - unaccounted).abs() < 1e-9);
         assert!(unaccounted.abs() < 1e-5, "{unaccounted} J unaccounted for");

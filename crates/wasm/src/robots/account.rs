@@ -9,7 +9,7 @@ use super::robot::Robot;
 /// A robot's energy since its placement \[J\].
 #[wasm_bindgen]
 #[derive(Clone, Copy, Debug)]
-pub struct RobotBooks {
+pub struct RobotEnergyAccount {
     /// K.
     #[wasm_bindgen(readonly)]
     pub kinetic: f64,
@@ -93,25 +93,25 @@ pub struct RobotCounts {
 #[wasm_bindgen]
 impl Robot {
     /// The energy balance.
-    #[wasm_bindgen(getter)]
-    pub fn books(&self) -> RobotBooks {
-        let (ledger, losses) = (self.simulation.ledger(), self.simulation.losses());
+    #[wasm_bindgen(getter, js_name = energyAccount)]
+    pub fn energy_account(&self) -> RobotEnergyAccount {
+        let (energy_account, losses) = (self.simulation.energy_account(), self.simulation.losses());
         let Losses { damping, friction, stops, corrections, sliding, impacts, .. } =
-            losses.unwrap_or_else(|| everything_to_damping(ledger.dissipated()));
-        RobotBooks {
-            kinetic: ledger.kinetic(),
-            potential: ledger.potential(),
-            energy: ledger.now(),
-            start: ledger.start(),
-            work: ledger.work(),
-            dissipated: ledger.dissipated(),
+            losses.unwrap_or_else(|| everything_to_damping(energy_account.dissipated()));
+        RobotEnergyAccount {
+            kinetic: energy_account.kinetic(),
+            potential: energy_account.potential(),
+            energy: energy_account.now(),
+            start: energy_account.start(),
+            work: energy_account.work(),
+            dissipated: energy_account.dissipated(),
             damping,
             friction,
             stops,
             corrections,
             sliding,
             impacts,
-            unaccounted: ledger.imbalance(),
+            unaccounted: energy_account.imbalance(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use dynamics::EnergyLedger;
+use dynamics::EnergyAccount;
 use robot_dynamics::algorithms::inverse_mass_matrix;
 use robot_dynamics::model::normalize_quaternions;
 use robot_dynamics::simulation::{Controller, GravityCompensatedPd};
@@ -141,7 +141,7 @@ impl Robot {
                 self.sample();
             }
         }
-        let off = self.simulation.ledger().imbalance();
+        let off = self.simulation.energy_account().imbalance();
         if off.abs() > SHARE * self.energy_at_stake() {
             return Err(LabError::new(format!(
                 "{off:.1} J have come from nowhere by {:.2} s: the step is too long for this robot. Take a smaller step and \
@@ -158,7 +158,7 @@ impl Robot {
     }
 
     pub(crate) fn sample(&mut self) {
-        self.samples.push(row(self.time(), self.simulation.ledger()));
+        self.samples.push(row(self.time(), self.simulation.energy_account()));
     }
 
     /// Starts new samples for a new step.
@@ -192,6 +192,6 @@ impl Robot {
 }
 
 /// One row of the samples.
-fn row(time: f64, ledger: &EnergyLedger) -> [f64; 4] {
-    [time, ledger.kinetic(), ledger.potential(), ledger.imbalance()]
+fn row(time: f64, energy_account: &EnergyAccount) -> [f64; 4] {
+    [time, energy_account.kinetic(), energy_account.potential(), energy_account.imbalance()]
 }

@@ -2,7 +2,7 @@
 
 use robot_dynamics::algorithms::{check_rank, frame_poses, gravity, inverse_mass_matrix};
 use robot_dynamics::model::{Model, Workspace, neutral, normalize_quaternions};
-use robot_dynamics::simulation::{Controller, Effect, GravityCompensatedPd, Method, energy_ledger};
+use robot_dynamics::simulation::{Controller, Effect, GravityCompensatedPd, Method, energy_account};
 use robot_dynamics::{LoadOptions, load_description_from_text, simulation};
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -46,8 +46,8 @@ pub fn robot_parity_values(text: &str, floating_base: bool) -> Result<Vec<String
     let mut inverse = vec![0.0; nv * nv];
     inverse_mass_matrix(&model, &mut workspace, &start, &mut inverse);
     line("inverse of M", &inverse);
-    let ledger = energy_ledger(&model, &mut workspace, &start, &speeds);
-    line("energies", &[ledger.kinetic(), ledger.potential()]);
+    let energy_account = energy_account(&model, &mut workspace, &start, &speeds);
+    line("energies", &[energy_account.kinetic(), energy_account.potential()]);
     let gains = vec![20.0; nv];
     let target = neutral(&model);
     GravityCompensatedPd::new(&model, &target, &gains, &gains)?.torque(0.0, &start, &speeds, &mut torques)?;
@@ -68,8 +68,8 @@ pub fn robot_parity_values(text: &str, floating_base: bool) -> Result<Vec<String
     robot.choose("rk4", 1e-4, Vec::new())?;
     robot.place(&start)?;
     robot.advance(500)?;
-    let b = robot.books();
-    let books = vec![b.kinetic, b.potential, b.energy, b.start, b.work, b.dissipated, b.unaccounted];
-    line("50 ms of falling", &[robot.q(), robot.v(), books].concat());
+    let b = robot.energy_account();
+    let account = vec![b.kinetic, b.potential, b.energy, b.start, b.work, b.dissipated, b.unaccounted];
+    line("50 ms of falling", &[robot.q(), robot.v(), account].concat());
     Ok(lines)
 }

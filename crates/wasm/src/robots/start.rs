@@ -59,7 +59,7 @@ impl Robot {
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // // a few hundred
             let steps = (TRIAL / h).round() as u32;
             if self.advance(steps).is_ok()
-                && self.simulation.ledger().imbalance().abs() < SHARE * self.energy_at_stake()
+                && self.simulation.energy_account().imbalance().abs() < SHARE * self.energy_at_stake()
             {
                 steady = h;
                 break;
@@ -72,8 +72,8 @@ impl Robot {
 
     /// The reference for an energy imbalance \[J\].
     pub(crate) fn energy_at_stake(&self) -> f64 {
-        let ledger = self.simulation.ledger();
-        [ledger.start(), ledger.now(), ledger.work(), ledger.dissipated()]
+        let energy_account = self.simulation.energy_account();
+        [energy_account.start(), energy_account.now(), energy_account.work(), energy_account.dissipated()]
             .iter()
             .fold(1.0, |most: f64, e| most.max(e.abs()))
     }

@@ -9,7 +9,7 @@ use super::impulses::land_on_stops;
 use super::restoration::copy_positions;
 use super::{ImplicitIntegrator, Memory};
 use crate::contact::{Bound, Components, DEEP, ImpulsiveStep, Mark, ROUNDING, returns};
-use crate::energy_ledger;
+use crate::energy_account;
 use crate::motion::step_actuation::StepActuation;
 
 /// The number of repeated searches for penetrations and violated stops, because one correction may cause
@@ -169,7 +169,7 @@ fn total_energy(
     drive: &mut Option<StepActuation>,
     (q, v): (&[f64], &[f64]),
 ) -> f64 {
-    let of_motion = energy_ledger(model, workspace, q, v);
+    let of_motion = energy_account(model, workspace, q, v);
     let stored = drive.as_mut().map_or(0.0, |drive| drive.stored_energy(q));
     of_motion.kinetic() + of_motion.potential() + stored
 }

@@ -8,7 +8,7 @@
 
 use robot_dynamics_core::Model;
 use robot_dynamics_core::model::Body;
-use robot_dynamics_integrators::{EnergyLedger, IntegratorError};
+use robot_dynamics_integrators::{EnergyAccount, IntegratorError};
 
 use super::ImplicitIntegrator;
 use super::advance::{ImpactPolicy, PARTS};
@@ -16,7 +16,7 @@ use super::restoration::copy_positions;
 use crate::contact::{Components, ContactImpulses};
 use crate::motion::simulate::Losses;
 use crate::motion::step_actuation::record;
-use crate::{StateTransition, StepForces, StepWorkspace, energy_ledger};
+use crate::{StateTransition, StepForces, StepWorkspace, energy_account};
 
 /// A step in which no coordinate moves further than this needs no check \[rad or m\].
 pub(super) const FAR: f64 = 0.1;
@@ -90,18 +90,19 @@ impl ImplicitIntegrator {
             }
             (from, to) = ((from.0, &v0[..]), (&q1[..], &v1[..]));
         }
-        let start = energy_ledger(model, &mut workspace.dynamics, from.0, from.1);
+        let start = energy_account(model, &mut workspace.dynamics, from.0, from.1);
         let stored = drive.as_mut().map_or(0.0, |drive| drive.stored_energy(from.0));
-        let mut ledger = EnergyLedger::new(start.kinetic(), start.potential() + stored);
+        let mut energy_account = EnergyAccount::new(start.kinetic(), start.potential() + stored);
         let losses = (&mut last, &mut Losses::default());
-        record(model, workspace, &mut ledger, StateTransition { from, to, forces, h }, drive, losses);
+        record(model, workspace, &mut energy_account, StateTransition { from, to, forces, h }, drive, losses);
         let slow = 0.5 * SLOW * SLOW * factor.mass_trace(moves);
         // The correction of the penetration in an impact lifts the weight.
         let weight = if contacts.is_some() { moving_mass(model, components, leader) * *gravity } else { 0.0 };
         let lift = weight * fastest * part;
-        let most =
-            OFF * (start.kinetic() + ledger.kinetic() + slow) + ROUNDING * start.potential().abs() + lift;
-        (ledger.imbalance(), most)
+        let most = OFF * (start.kinetic() + energy_account.kinetic() + slow)
+            + ROUNDING * start.potential().abs()
+            + lift;
+        (energy_account.imbalance(), most)
     }
 
     /// Takes a step of h from this state in parts, for the one active component.

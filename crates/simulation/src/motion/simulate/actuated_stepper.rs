@@ -3,7 +3,7 @@
 
 use robot_dynamics_core::clone_in_place::clone_in_place;
 use robot_dynamics_core::{Model, Workspace, dissipation, integrate};
-use robot_dynamics_integrators::{EnergyLedger, Integrator, IntegratorError, Stage, StepScheme};
+use robot_dynamics_integrators::{EnergyAccount, Integrator, IntegratorError, Stage, StepScheme};
 
 use super::energy_account::end_energies;
 use super::gains::{add_actuation_gains, add_passive_gains};
@@ -130,7 +130,7 @@ impl Stepper for ActuatedStepper {
         &mut self,
         model: &Model,
         workspace: &mut StepWorkspace,
-        ledger: &mut EnergyLedger,
+        energy_account: &mut EnergyAccount,
         transition: StateTransition<'_>,
     ) {
         let (kinetic, potential) = end_energies(model, workspace, transition);
@@ -164,9 +164,9 @@ impl Stepper for ActuatedStepper {
                 lost += weight * force.iter().zip(v).map(|(b, v)| b * v).sum::<f64>();
             }
         }
-        let work = ledger.work() + h * input;
-        let dissipated = ledger.dissipated() + h * lost;
-        ledger.enter(kinetic, potential + stored, work, dissipated);
+        let work = energy_account.work() + h * input;
+        let dissipated = energy_account.dissipated() + h * lost;
+        energy_account.enter(kinetic, potential + stored, work, dissipated);
     }
 }
 

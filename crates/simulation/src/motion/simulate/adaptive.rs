@@ -21,7 +21,7 @@ use std::sync::atomic::AtomicBool;
 use robot_dynamics_core::algorithms::energy::energies;
 use robot_dynamics_core::{Model, Workspace};
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::{EnergyLedger, IntegratorError};
+use robot_dynamics_integrators::{EnergyAccount, IntegratorError};
 
 use self::motion::{AdaptiveSystem, MotionFailure};
 use self::stepper::{AdvanceResult, StepSequence};
@@ -186,13 +186,18 @@ impl Stepper for AdaptiveStepper {
         &mut self,
         model: &Model,
         workspace: &mut StepWorkspace,
-        ledger: &mut EnergyLedger,
+        energy_account: &mut EnergyAccount,
         transition: StateTransition<'_>,
     ) {
         let StateTransition { to: (q, v), h, .. } = transition;
         let (kinetic, potential) = energies(model, &mut workspace.dynamics, q, v);
         let stored = self.drive(model, (h, q, v));
         let [work, dissipated] = self.last;
-        ledger.enter(kinetic, potential + stored, ledger.work() + work, ledger.dissipated() + dissipated);
+        energy_account.enter(
+            kinetic,
+            potential + stored,
+            energy_account.work() + work,
+            energy_account.dissipated() + dissipated,
+        );
     }
 }

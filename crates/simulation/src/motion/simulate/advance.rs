@@ -1,6 +1,6 @@
 //! One step of a run, with its events.
 
-use robot_dynamics_integrators::EnergyLedger;
+use robot_dynamics_integrators::EnergyAccount;
 
 use super::event::EventDetector;
 use super::interpolation::{Ends, StepInterpolation};
@@ -24,7 +24,7 @@ impl RunLoop<'_> {
     ) -> Result<(), RunError> {
         let (time, mut end) = (run.time, self.time(run.steps + 1));
         let before = watch.has_terminal().then(|| stepper.clone());
-        let mut ledger = self.take(stepper, workspace, run, forces, self.step, (q, v))?;
+        let mut energy_account = self.take(stepper, workspace, run, forces, self.step, (q, v))?;
         if !watch.is_empty() {
             let ends = Ends { times: (time, end), from: (&run.q, &run.v), to: (q, v) };
             between.take(&ends);
@@ -38,7 +38,7 @@ impl RunLoop<'_> {
                     let whole = RepeatableStep { course: self, run, stepper: before, forces, ends };
                     let cut = whole.shorten(last, after, workspace, watch, between)?;
                     (last.time, last.q, last.v) = (cut.time, cut.q, cut.v);
-                    (*stepper, ledger, end) = (cut.stepper, cut.ledger, cut.time);
+                    (*stepper, energy_account, end) = (cut.stepper, cut.energy_account, cut.time);
                     q.copy_from_slice(&last.q);
                     v.copy_from_slice(&last.v);
                 }
@@ -46,7 +46,7 @@ impl RunLoop<'_> {
             }
             run.events.extend(found.into_iter().map(|found| found.occurrence));
         }
-        Self::enter(run, stepper, (ledger, end), (q, v));
+        Self::enter(run, stepper, (energy_account, end), (q, v));
         Ok(())
     }
 
@@ -54,10 +54,10 @@ impl RunLoop<'_> {
     pub(crate) fn enter<S: Stepper>(
         run: &mut Run,
         stepper: &S,
-        (ledger, end): (EnergyLedger, f64),
+        (energy_account, end): (EnergyAccount, f64),
         (q, v): (&[f64], &[f64]),
     ) {
-        run.ledger = ledger;
+        run.energy_account = energy_account;
         run.losses = stepper.losses();
         run.contact_laws = stepper.contact_laws();
         run.contact_forces.clear();

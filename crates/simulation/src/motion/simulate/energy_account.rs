@@ -5,7 +5,7 @@ use robot_dynamics_core::configuration::displacement_rate::bracket;
 use robot_dynamics_core::configuration::manifold::{coordinate_ranges, vector_at};
 use robot_dynamics_core::joint::Chart;
 use robot_dynamics_core::{Model, Workspace, difference, dissipation, neutral};
-use robot_dynamics_integrators::EnergyLedger;
+use robot_dynamics_integrators::EnergyAccount;
 use robot_dynamics_number::algebra::V3;
 
 use crate::{StepForces, StepWorkspace};
@@ -15,11 +15,11 @@ use crate::{StepForces, StepWorkspace};
 /// ```
 /// use robot_dynamics::description::{RandomRobotOptions, random_robot};
 /// use robot_dynamics::model::{Model, Workspace, neutral};
-/// use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace, energy_ledger};
+/// use robot_dynamics::simulation::{Integrator, StepForces, StepWorkspace, energy_account};
 /// use robot_dynamics::simulation::{StateTransition, record_step, step};
 /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
 /// let (mut q, mut v, tau) = (neutral(&model), vec![0.1; model.nv()], vec![0.5; model.nv()]);
-/// let mut ledger = energy_ledger(&model, &mut Workspace::new(&model), &q, &v);
+/// let mut energy_account = energy_account(&model, &mut Workspace::new(&model), &q, &v);
 /// let mut workspace = StepWorkspace::new(&model);
 /// let forces = StepForces::new(&tau, true);
 /// for _ in 0..100 {
@@ -27,19 +27,20 @@ use crate::{StepForces, StepWorkspace};
 ///     step(&model, Integrator::RungeKutta4, &mut workspace, &forces, 1e-4, &mut q, &mut v)?;
 ///     let transition =
 ///         StateTransition { from: (&start.0, &start.1), to: (&q, &v), forces: &forces, h: 1e-4 };
-///     record_step(&model, &mut workspace, &mut ledger, transition);
+///     record_step(&model, &mut workspace, &mut energy_account, transition);
 /// }
 /// // The work of the motors minus the dissipation of the joints is the change of the energy.
-/// assert!(ledger.work() != 0.0 && ledger.max_imbalance() < 1e-9 * ledger.scale());
+/// assert!(energy_account.work() != 0.0 && energy_account.max_imbalance() < 1e-9 * energy_account.scale());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Panics
 /// Panics if a slice has the wrong length.
 #[track_caller]
-pub fn energy_ledger(model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f64]) -> EnergyLedger {
+#[doc(alias = "energy_ledger")]
+pub fn energy_account(model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f64]) -> EnergyAccount {
     let (kinetic, potential) = energies(model, workspace, q, v);
-    EnergyLedger::new(kinetic, potential)
+    EnergyAccount::new(kinetic, potential)
 }
 
 /// A step from one state to another, as the energy account records it.
@@ -65,18 +66,18 @@ pub struct StateTransition<'a> {
 /// ```
 /// use robot_dynamics::description::pendulum;
 /// use robot_dynamics::model::{Model, Workspace};
-/// use robot_dynamics::simulation::{StateTransition, StepForces, StepWorkspace, energy_ledger};
+/// use robot_dynamics::simulation::{StateTransition, StepForces, StepWorkspace, energy_account};
 /// use robot_dynamics::simulation::{record_step, step};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
 /// // One step with a motor of 30 N·m: its work τ (q₁ − q₀) appears in K + V.
 /// let (mut q, mut v, forces) = ([0.0], [0.0], StepForces::new(&[30.0], false));
-/// let mut ledger = energy_ledger(&model, &mut Workspace::new(&model), &q, &v);
+/// let mut energy_account = energy_account(&model, &mut Workspace::new(&model), &q, &v);
 /// let w = &mut StepWorkspace::new(&model);
 /// step(&model, robot_dynamics::simulation::Integrator::RungeKutta4, w, &forces, 1e-3, &mut q, &mut v)?;
 /// let transition = StateTransition { from: (&[0.0], &[0.0]), to: (&q, &v), forces: &forces, h: 1e-3 };
-/// record_step(&model, w, &mut ledger, transition);
-/// assert!((ledger.work() - 30.0 * q[0]).abs() < 1e-15);
-/// assert!(ledger.imbalance().abs() < 1e-13); // the step's error is O(h⁵)
+/// record_step(&model, w, &mut energy_account, transition);
+/// assert!((energy_account.work() - 30.0 * q[0]).abs() < 1e-15);
+/// assert!(energy_account.imbalance().abs() < 1e-13); // the step's error is O(h⁵)
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -86,27 +87,27 @@ pub struct StateTransition<'a> {
 pub fn record_step(
     model: &Model,
     workspace: &mut StepWorkspace,
-    ledger: &mut EnergyLedger,
+    energy_account: &mut EnergyAccount,
     transition: StateTransition<'_>,
 ) {
     let (q, v) = transition.to;
     let energies = energies(model, &mut workspace.dynamics, q, v);
-    record_energies(model, workspace, ledger, transition, energies);
+    record_energies(model, workspace, energy_account, transition, energies);
 }
 
 /// [`record_step`] with given K and V at the step's end.
 pub(crate) fn record_energies(
     model: &Model,
     workspace: &mut StepWorkspace,
-    ledger: &mut EnergyLedger,
+    energy_account: &mut EnergyAccount,
     transition: StateTransition<'_>,
     (kinetic, potential): (f64, f64),
 ) {
     displace(model, workspace, transition);
     let StateTransition { from: (_, v0), to: (_, v1), forces, h } = transition;
     let StepWorkspace { displacement, v: middle, force, .. } = workspace;
-    let work = ledger.work() + dot(forces.tau, displacement);
-    let mut dissipated = ledger.dissipated();
+    let work = energy_account.work() + dot(forces.tau, displacement);
+    let mut dissipated = energy_account.dissipated();
     if forces.dissipation {
         let mut power = |v: &[f64]| {
             dissipation(model, v, force);
@@ -114,7 +115,7 @@ pub(crate) fn record_energies(
         };
         dissipated += (power(v0) + 4.0 * power(middle) + power(v1)) * (h / 6.0);
     }
-    ledger.enter(kinetic, potential, work, dissipated);
+    energy_account.enter(kinetic, potential, work, dissipated);
 }
 
 /// K and V at the step's end. Writes ∫v dt to the workspace's `displacement`, and v in the middle of the step
@@ -150,19 +151,19 @@ pub(crate) fn open_start<E>(
     v: &[f64],
     start: Result<(), E>,
     overflow: impl FnOnce(usize, f64) -> E,
-) -> (EnergyLedger, Vec<f64>, Vec<f64>, Result<(), E>) {
+) -> (EnergyAccount, Vec<f64>, Vec<f64>, Result<(), E>) {
     let error = match start {
         Ok(()) => {
-            let ledger = energy_ledger(model, workspace, q, v);
-            if ledger.start().is_finite() {
-                return (ledger, q.to_vec(), v.to_vec(), Ok(()));
+            let energy_account = energy_account(model, workspace, q, v);
+            if energy_account.start().is_finite() {
+                return (energy_account, q.to_vec(), v.to_vec(), Ok(()));
             }
-            overflow(fastest(v), ledger.start())
+            overflow(fastest(v), energy_account.start())
         }
         Err(error) => error,
     };
     let (q, v) = (neutral(model), vec![0.0; model.nv()]);
-    (energy_ledger(model, workspace, &q, &v), q, v, Err(error))
+    (energy_account(model, workspace, &q, &v), q, v, Err(error))
 }
 
 /// ∫v dt of quaternion joints from their q₁ ⊖ q₀.

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use robot_dynamics_integrators::EnergyLedger;
+use robot_dynamics_integrators::EnergyAccount;
 
 use super::{EventOccurrence, Losses, Stepper, Trajectory};
 use crate::ContactLaws;
@@ -23,7 +23,7 @@ pub struct StepInfo<'a> {
     /// The torque of the controller at this state \[N·m or N\].
     pub tau: &'a [f64],
     /// The current energy account.
-    pub ledger: &'a EnergyLedger,
+    pub energy_account: &'a EnergyAccount,
     /// The energy dissipated so far, by cause; `None` if the method does not separate the causes.
     pub losses: Option<Losses>,
     /// The force of the ground on each link that can touch it, along the world's axes, as the mean of the
@@ -45,9 +45,9 @@ pub struct Run {
     /// The samples.
     pub trajectory: Trajectory,
     /// The energy account.
-    pub ledger: EnergyLedger,
+    pub energy_account: EnergyAccount,
     /// The dissipated energy by cause, if the method separates the causes; the sum is
-    /// [`EnergyLedger::dissipated`].
+    /// [`EnergyAccount::dissipated`].
     pub losses: Option<Losses>,
     /// The largest |τ| that acted on each coordinate \[N·m or N\].
     pub peak_torque: Vec<f64>,
@@ -86,7 +86,7 @@ impl Run {
             q: &self.q,
             v: &self.v,
             tau,
-            ledger: &self.ledger,
+            energy_account: &self.energy_account,
             losses: self.losses,
             contact_forces: stepper.contact_forces(),
             actuator_forces: stepper.actuator_forces(),
@@ -96,8 +96,8 @@ impl Run {
 
     /// Adds the current state to the samples.
     pub(crate) fn keep_sample(&mut self, tau: &[f64], stepper: &impl Stepper) {
-        let Self { trajectory, time, q, v, ledger, .. } = self;
-        trajectory.push(*time, (q, v), tau, ledger, stepper.contact_forces());
+        let Self { trajectory, time, q, v, energy_account, .. } = self;
+        trajectory.push(*time, (q, v), tau, energy_account, stepper.contact_forces());
     }
 }
 

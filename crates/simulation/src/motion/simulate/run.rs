@@ -2,7 +2,7 @@
 
 use robot_dynamics_core::{Model, SingularMass, check_configuration, check_vector};
 use robot_dynamics_description::check_length;
-use robot_dynamics_integrators::{EnergyLedger, IntegratorError};
+use robot_dynamics_integrators::{EnergyAccount, IntegratorError};
 use robot_dynamics_number::check_positive;
 
 use super::energy_account::{fastest, open_start};
@@ -35,10 +35,11 @@ impl RunLoop<'_> {
         check_length("v0", v0.len(), model.nv());
         let start = self.check_start(stepper, workspace, (q0, v0), steps);
         let overflow = |fastest, _| self.blow_up("the energy", fastest, 0);
-        let (ledger, q, v, start) = open_start(model, &mut workspace.dynamics, q0, v0, start, overflow);
+        let (energy_account, q, v, start) =
+            open_start(model, &mut workspace.dynamics, q0, v0, start, overflow);
         let stored = stepper.stored_energy(&q);
         let run = Run {
-            ledger: EnergyLedger::new(ledger.kinetic(), ledger.potential() + stored),
+            energy_account: EnergyAccount::new(energy_account.kinetic(), energy_account.potential() + stored),
             trajectory: Trajectory::new(model, self.samples_of(steps)),
             losses: stepper.losses(),
             peak_torque: vec![0.0; model.nv()],
@@ -80,10 +81,10 @@ impl RunLoop<'_> {
         forces: &StepForces<'_>,
         h: f64,
         (q, v): (&mut [f64], &mut [f64]),
-    ) -> Result<EnergyLedger, RunError> {
+    ) -> Result<EnergyAccount, RunError> {
         let taken = self.take_unnamed(stepper, workspace, run, forces, h, (q, &mut *v));
-        let ledger = taken.map_err(|error| self.named(stepper, run, error))?;
-        if self.is_lost(v) { Err(self.diverged(stepper, run, v, run.steps + 1)) } else { Ok(ledger) }
+        let energy_account = taken.map_err(|error| self.named(stepper, run, error))?;
+        if self.is_lost(v) { Err(self.diverged(stepper, run, v, run.steps + 1)) } else { Ok(energy_account) }
     }
 
     fn take_unnamed<S: Stepper>(
@@ -94,19 +95,19 @@ impl RunLoop<'_> {
         forces: &StepForces<'_>,
         h: f64,
         (q, v): (&mut [f64], &mut [f64]),
-    ) -> Result<EnergyLedger, RunError> {
+    ) -> Result<EnergyAccount, RunError> {
         let (model, done) = (self.model, run.steps);
         q.copy_from_slice(&run.q);
         v.copy_from_slice(&run.v);
         stepper.step(model, workspace, forces, h, q, v).map_err(|error| self.step_failed(error, done))?;
         self.check_state(q, v, done + 1)?;
-        let mut ledger = run.ledger;
+        let mut energy_account = run.energy_account;
         let transition = StateTransition { from: (&run.q, &run.v), to: (q, v), forces, h };
-        stepper.record(model, workspace, &mut ledger, transition);
-        if !ledger.imbalance().is_finite() {
+        stepper.record(model, workspace, &mut energy_account, transition);
+        if !energy_account.imbalance().is_finite() {
             return Err(self.blow_up("the energy", fastest(v), done + 1));
         }
-        Ok(ledger)
+        Ok(energy_account)
     }
 
     pub fn time(&self, step: usize) -> f64 {

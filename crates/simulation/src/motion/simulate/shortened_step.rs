@@ -1,6 +1,6 @@
 //! Steps that are shortened to end at a terminal event.
 
-use robot_dynamics_integrators::EnergyLedger;
+use robot_dynamics_integrators::EnergyAccount;
 
 use super::event::EventDetector;
 use super::interpolation::{Ends, StepInterpolation};
@@ -24,7 +24,7 @@ pub(super) struct RepeatableStep<'a, S> {
 /// The result of a shortened step.
 pub(super) struct ShortenedStep<S> {
     pub stepper: S,
-    pub ledger: EnergyLedger,
+    pub energy_account: EnergyAccount,
     pub time: f64,
     pub q: Vec<f64>,
     pub v: Vec<f64>,
@@ -76,8 +76,9 @@ impl<S: Stepper + Clone> RepeatableStep<'_, S> {
         let s = s.clamp(SHORTEST * self.course.step, self.course.step);
         let time = (self.ends.times.0 + s).min(self.ends.times.1);
         let (mut stepper, mut q, mut v) = (self.stepper.clone(), self.run.q.clone(), self.run.v.clone());
-        let ledger = self.course.take(&mut stepper, workspace, self.run, self.forces, s, (&mut q, &mut v))?;
+        let energy_account =
+            self.course.take(&mut stepper, workspace, self.run, self.forces, s, (&mut q, &mut v))?;
         let g = watch.value(event, time, &q, &v)?;
-        Ok(ShortenedStep { stepper, ledger, time, q, v, g })
+        Ok(ShortenedStep { stepper, energy_account, time, q, v, g })
     }
 }

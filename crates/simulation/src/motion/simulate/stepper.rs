@@ -1,7 +1,7 @@
 //! The interface of integration methods to a run.
 
 use robot_dynamics_core::{Model, SingularMass, Workspace, check_rank};
-use robot_dynamics_integrators::{EnergyLedger, Integrator};
+use robot_dynamics_integrators::{EnergyAccount, Integrator};
 
 use super::gains::add_passive_gains;
 use super::{Losses, StepError, record_step};
@@ -48,7 +48,7 @@ use crate::{ActiveSet, ContactLaws, StateTransition, StepForces, StepWorkspace, 
 /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
 /// let mut simulation = SimulationBuilder::new(&model).stepper(Leapfrog).dt(1e-4).build()?;
 /// let run = simulation.run(0.01, RunOptions::new())?;
-/// assert!(run.ledger.drift() < 1e-4);
+/// assert!(run.energy_account.drift() < 1e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Stepper {
@@ -225,10 +225,10 @@ pub trait Stepper {
         &mut self,
         model: &Model,
         workspace: &mut StepWorkspace,
-        ledger: &mut EnergyLedger,
+        energy_account: &mut EnergyAccount,
         transition: StateTransition<'_>,
     ) {
-        record_step(model, workspace, ledger, transition);
+        record_step(model, workspace, energy_account, transition);
     }
 }
 

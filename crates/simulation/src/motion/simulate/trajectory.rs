@@ -1,7 +1,7 @@
 //! The samples of a run, in flat arrays.
 
 use robot_dynamics_core::Model;
-use robot_dynamics_integrators::EnergyLedger;
+use robot_dynamics_integrators::EnergyAccount;
 
 /// The samples of a run: time, state, torque and energies, one row each.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,15 +67,15 @@ impl Trajectory {
         time: f64,
         (q, v): (&[f64], &[f64]),
         tau: &[f64],
-        ledger: &EnergyLedger,
+        energy_account: &EnergyAccount,
         contact_forces: &[[f64; 3]],
     ) {
         self.times.push(time);
         self.q.extend_from_slice(q);
         self.v.extend_from_slice(v);
         self.tau.extend_from_slice(tau);
-        self.kinetic.push(ledger.kinetic());
-        self.potential.push(ledger.potential());
+        self.kinetic.push(energy_account.kinetic());
+        self.potential.push(energy_account.potential());
         self.contact_forces.extend_from_slice(contact_forces);
     }
 

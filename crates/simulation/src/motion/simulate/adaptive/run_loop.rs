@@ -58,7 +58,7 @@ impl AdaptiveRun<'_, '_> {
             held.update(&motion, model, self.run.steps, (&self.run.q, &self.run.v))?;
         }
         let y: Vec<f64> = [&self.run.q[..], &self.run.v, &[0.0, 0.0]].concat();
-        let account = [self.run.ledger.work(), self.run.ledger.dissipated()];
+        let account = [self.run.energy_account.work(), self.run.energy_account.dissipated()];
         let mut samples = Samples { first: self.run.steps, seen: 0, account, is_started: false };
         let flow = self.sample(&motion, &mut samples, (0, start), &y, instants == 0)?;
         if instants == 0 {
@@ -247,7 +247,12 @@ impl AdaptiveRun<'_, '_> {
             return Err(failed(MotionFailure::NotFinite("the energy", fastest(&v))));
         }
         (run.q, run.v) = (q, v);
-        run.ledger.enter(kinetic, potential, samples.account[0] + work, samples.account[1] + dissipated);
+        run.energy_account.enter(
+            kinetic,
+            potential,
+            samples.account[0] + work,
+            samples.account[1] + dissipated,
+        );
         let by_actuators = self.stepper.actuator_torques();
         for (k, peak) in run.peak_torque.iter_mut().enumerate() {
             *peak = peak.max((tau[k] + by_actuators.get(k).unwrap_or(&0.0)).abs());
