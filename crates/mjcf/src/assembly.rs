@@ -262,10 +262,10 @@ impl Reader<'_> {
             for site in &body.sites {
                 let name = assembly.links.unique(&site.name);
                 if name != site.name {
-                    self.report_default(
-                        &site.element,
-                        format!("the name is in use: the frame of the site is named {name:?}"),
+                    let message = format!(
+                        "a body or another site has this name: the frame of this site is named {name:?}"
                     );
+                    self.warn(&site.element, message);
                 }
                 let link = assembly.table.links[index].clone();
                 let place = pose(&site.body_from_site);

@@ -53,6 +53,7 @@ mod settings;
 
 // Bodies and their content.
 mod body;
+mod builtin_mesh;
 mod geom;
 mod inertial;
 mod joint;

@@ -7,6 +7,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use robot_dynamics_mesh::Triangles;
 use robot_dynamics_xml::{Resource, excerpt, spellings};
 
+use crate::builtin_mesh::builtin_mesh;
 use crate::classes::MAIN;
 use crate::element::Element;
 use crate::mesh_mass::{MeshExtent, MeshInertia, extent};
@@ -83,9 +84,7 @@ impl Reader<'_> {
     }
 
     fn read_mesh(&mut self, element: &Element, shell: bool) -> Result<MeshExtent, String> {
-        if let Some(shape) = self.text(element, "builtin").filter(|&shape| shape != "none") {
-            return Err(format!("builtin={shape:?} is not read; save the mesh to a file"));
-        }
+        let builtin = self.text(element, "builtin").filter(|&shape| shape != "none").map(str::to_owned);
         let words = ["convex", "exact", "shell", "legacy"];
         let inertia = match self.word(element, "inertia", &words) {
             _ if shell => MeshInertia::Shell,
@@ -98,14 +97,15 @@ impl Reader<'_> {
         let scale = self.numbers::<3>(element, "scale").unwrap_or([1.0; 3]);
         let shift = self.numbers::<3>(element, "refpos").unwrap_or_default();
         let [w, x, y, z] = self.numbers::<4>(element, "refquat").unwrap_or([1.0, 0.0, 0.0, 0.0]);
-        let mut mesh = match self.mesh_file(element) {
-            Some((_, path)) => {
-                let (Some(folder), Some(path)) = (&self.meshes.folder, path) else {
-                    return Err("a text has no folder; load the file instead".into());
-                };
-                folder.mesh(&path, self.text(element, "content_type"))?
-            }
-            None => self.written_mesh(element)?,
+        let mut mesh = if let Some(shape) = builtin {
+            builtin_mesh(&shape, &self.all_numbers(element, "params").unwrap_or_default())?
+        } else if let Some((_, path)) = self.mesh_file(element) {
+            let (Some(folder), Some(path)) = (&self.meshes.folder, path) else {
+                return Err("a text has no folder; load the file instead".into());
+            };
+            folder.mesh(&path, self.text(element, "content_type"))?
+        } else {
+            self.written_mesh(element)?
         };
         let numbers = 3 * (mesh.points.len() + mesh.faces.len());
         if !self.charge(element.node, Resource::Numbers, numbers) {

@@ -15,8 +15,10 @@ pub(super) const RULES: &[Rule] = &[
         "body",
         &["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mocap", "gravcomp"],
     )
-    .ignored(&["sleep", "simple", "user"]),
-    read(BODIES, "frame", &["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"]),
+    .ignored(&["sleep", "simple", "fuse", "user"]),
+    read(BODIES, "frame", &["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"])
+        .ignored(&["scaling"])
+        .physics(&[("scale", "1"), ("massscale", "0")]),
     read(BODIES, "replicate", &["count", "offset", "euler", "sep", "childclass"]),
     read(
         BODIES,
@@ -51,7 +53,8 @@ pub(super) const RULES: &[Rule] = &[
             "margin",
         ],
     )
-    .ignored(&["group", "user"]),
+    .ignored(&["group", "user"])
+    .physics(&[("springyield", "0")]),
     read(BODIES, "freejoint", &["name", "align"]).ignored(&["group"]),
     read(
         BODIES_OR_DEFAULT,
@@ -89,14 +92,14 @@ pub(super) const RULES: &[Rule] = &[
             "material",
         ],
     )
-    .ignored(&["fluidcoef", "user"])
+    .ignored(&["castshadow", "fluidcoef", "user"])
     .physics(&[("fluidshape", "none"), ("surfacevel", "0"), ("adhesion", "0")]),
     read(
         BODIES_OR_DEFAULT,
         "site",
         &["name", "class", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto", "type", "size"],
     )
-    .ignored(&["group", "material", "rgba", "user"]),
+    .ignored(&["group", "material", "mesh", "rgba", "user"]),
     rule(BODIES_OR_DEFAULT, "camera", Appearance),
     rule(BODIES_OR_DEFAULT, "light", Appearance),
     // An <attach> that was expanded has become a frame.

@@ -41,7 +41,10 @@ const ACTUATOR: &[&str] = &[
     "armature",
     "damping",
 ];
-const ACTUATOR_IGNORED: &[&str] = &["group", "user", "lengthrange", "nsample", "interp"];
+/// `input` names the control, and `actdim` the number of activations, which follow from the kind of the
+/// actuator; `velrange` and `ffrange` are those of a kind that is not supported.
+const ACTUATOR_IGNORED: &[&str] =
+    &["group", "user", "lengthrange", "nsample", "interp", "input", "actdim", "velrange", "ffrange"];
 const ACTUATOR_PHYSICS: &[(&str, &str)] = &[("delay", "0"), ("actlimited", "false"), ("actrange", "0")];
 
 /// An actuator of a supported kind.
@@ -73,6 +76,7 @@ const TENDON: &[&str] = &[
     "margin",
 ];
 const TENDON_IGNORED: &[&str] = &["group", "width", "material", "rgba", "user"];
+const TENDON_PHYSICS: &[(&str, &str)] = &[("springyield", "0")];
 
 /// Elements outside bodies.
 pub(super) const RULES: &[Rule] = &[
@@ -98,7 +102,16 @@ pub(super) const RULES: &[Rule] = &[
             "conflict",
         ],
     )
-    .ignored(&["texturedir", "discardvisual", "usethread", "fusestatic", "saveinertial"]),
+    .ignored(&[
+        "texturedir",
+        "discardvisual",
+        "usethread",
+        "fusestatic",
+        "saveinertial",
+        "savecompiled",
+        "savecanonical",
+        "passthrough",
+    ]),
     rule(&["compiler"], "lengthrange", NotDynamics("settings for the length ranges of muscles")),
     read(TOP, "option", &["gravity", "timestep", "integrator", "magnetic", "impratio"])
         .ignored(&[
@@ -142,6 +155,8 @@ pub(super) const RULES: &[Rule] = &[
             "invdiscrete",
             "sleep",
             "diagexact",
+            "ipc",
+            "speculative",
         ])
         .physics(&[
             ("constraint", "enable"),
@@ -183,9 +198,10 @@ pub(super) const RULES: &[Rule] = &[
             "scale",
             "inertia",
             "builtin",
+            "params",
         ],
     )
-    .ignored(&["normal", "texcoord", "smoothnormal", "params", "material", "maxhullvert"]),
+    .ignored(&["normal", "texcoord", "smoothnormal", "material", "maxhullvert"]),
     rule(&["mesh", "geom"], "plugin", Physics("the shape of a plugin is not in the model")),
     read(&["asset"], "hfield", &["name", "file", "size", "nrow", "ncol", "elevation"])
         .ignored(&["content_type"]),
@@ -201,7 +217,7 @@ pub(super) const RULES: &[Rule] = &[
         "roughness",
     ]),
     rule(&["material"], "layer", Appearance),
-    rule(&["asset"], "texture", Appearance),
+    rule(&["asset", "default"], "texture", Appearance),
     rule(&["asset", "deformable"], "skin", Appearance),
     read(&["asset"], "model", &["name", "file", "content_type"]),
     read(&["contact"], "exclude", &["body1", "body2"]).ignored(&["name"]),
@@ -221,11 +237,12 @@ pub(super) const RULES: &[Rule] = &[
             "margin",
             "gap",
         ],
-    ),
-    read(&["tendon"], "fixed", TENDON).ignored(TENDON_IGNORED),
+    )
+    .physics(&[("adhesion", "0")]),
+    read(&["tendon"], "fixed", TENDON).ignored(TENDON_IGNORED).physics(TENDON_PHYSICS),
     read(&["fixed"], "joint", &["joint", "coef"]),
     rule(&["tendon"], "spatial", Physics("a spatial tendon is not in the model")),
-    read(&["default"], "tendon", TENDON).ignored(TENDON_IGNORED),
+    read(&["default"], "tendon", TENDON).ignored(TENDON_IGNORED).physics(TENDON_PHYSICS),
     read(
         &["equality"],
         "joint",
@@ -246,6 +263,7 @@ pub(super) const RULES: &[Rule] = &[
     )
     .ignored(&["torquescale"]),
     rule(&["equality"], "tendon", Physics("an equality of tendons is not in the model")),
+    rule(&["equality"], "flexstrain", Physics("an equality of deformable bodies is not in the model")),
     rule(&["equality"], "flex", Physics("an equality of deformable bodies is not in the model")),
     read(&["default"], "equality", EQUALITY),
     actuator("general"),
@@ -261,5 +279,6 @@ pub(super) const RULES: &[Rule] = &[
     unsupported_actuator("pid"),
     unsupported_actuator("orientation"),
     unsupported_actuator("plugin"),
-    read(&["keyframe"], "key", &["name", "qpos", "qvel", "ctrl"]).ignored(&["time", "act", "mpos", "mquat"]),
+    read(&["keyframe"], "key", &["name", "qpos", "qvel", "ctrl"])
+        .ignored(&["time", "act", "mpos", "mquat", "plastic"]),
 ];

@@ -62,7 +62,7 @@ pub(super) const RULES: &[Rule] = &[
     sensor!("subtreecom", "body"),
     sensor!("subtreelinvel", "body"),
     sensor!("subtreeangmom", "body"),
-    sensor!("insidesite", "site", "objtype", "objname"),
+    sensor!("insidesite", "site", "objtype", "objname").physics(&[("enclosed", "false")]),
     sensor!("e_potential"),
     sensor!("e_kinetic"),
     sensor!("clock"),

@@ -219,7 +219,7 @@ fn broken_meshes_are_refused() {
         "vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='0 1 2 0 3 1 0 2 3 1 3 2' inertia='exact'",
         "vertex='0 0 0 1 0 0 0 1 0 0 0 1' refquat='0 0 0 0'",
         "vertex='0 0 0 1 0 0 0 1 0 0 0 1' scale='0 1 1'",
-        "builtin='sphere' params='3'",
+        "builtin='sphere' params='7'",
         "file='x.stl'",
         "",
     ] {

@@ -55,3 +55,86 @@ fn exact_inertia_checks_the_surface() {
         assert!(message.contains(fault), "{message}");
     }
 }
+
+/// Meshes by their parameters, as mujoco 4.0.0 makes them: mass, height of the centre of mass, and principal
+/// moments, scaled by 0.3, 0.2 and 0.1. Its coordinates have single precision.
+#[test]
+fn builtin_meshes_are_those_of_mujoco() {
+    let cases: &[(&str, &str, &str, [f64; 5])] = &[
+        (
+            "sphere",
+            "0",
+            "exact",
+            [15.21690283597444, 0.0, 0.2862873947831868, 0.22022107291014373, 0.1101105364550719],
+        ),
+        (
+            "sphere",
+            "3",
+            "legacy",
+            [24.91644466877148, 0.0, 0.644107394734648, 0.49546722545040994, 0.2477336111463377],
+        ),
+        (
+            "hemisphere",
+            "2",
+            "exact",
+            [
+                10.713843470540942,
+                0.03542788482201565,
+                0.25083762235654233,
+                0.1795046970269316,
+                0.0830286884282614,
+            ],
+        ),
+        (
+            "cone",
+            "5 0.4",
+            "exact",
+            [
+                14.83648186094593,
+                -0.02692307742716622,
+                0.2354645179417466,
+                0.20399711630384487,
+                0.11343384201645046,
+            ],
+        ),
+        (
+            "cone",
+            "7 0",
+            "legacy",
+            [10.945640636568731, -0.05, 0.18665254506796594, 0.14563945289489064, 0.07385001408278154],
+        ),
+        (
+            "supersphere",
+            "9 0.5 2",
+            "exact",
+            [13.887620370986125, 0.0, 0.3026189537868418, 0.22321830115146013, 0.10725021997942275],
+        ),
+        (
+            "supertorus",
+            "11 0.3 0.5 1.5",
+            "legacy",
+            [14.255292805029349, 0.0, 0.5900319610734549, 0.4117331466913305, 0.18443390070751098],
+        ),
+        (
+            "supertorus",
+            "11 0.3 0.5 1.5",
+            "exact",
+            [9.347051793536158, 0.0, 0.5130125901160967, 0.3577390370469759, 0.1601108218462561],
+        ),
+    ];
+    for (shape, parameters, inertia, expected) in cases {
+        let text = format!(
+            "<mujoco><asset>
+               <mesh name='m' builtin='{shape}' params='{parameters}' inertia='{inertia}' scale='0.3 0.2 0.1'/>
+             </asset><worldbody><body><freejoint/><geom type='mesh' mesh='m'/></body></worldbody></mujoco>"
+        );
+        let robot = parse(&text, &LoadOptions::default()).unwrap_or_else(|error| panic!("{shape}: {error}"));
+        assert_eq!(robot.report.warnings().count(), 0, "{shape}: {}", robot.report);
+        let body = robot.description.links[1].mass_properties.expect("a mass");
+        let mut moments: Vec<f64> = body.principal().moments.iter().copied().collect();
+        moments.sort_by(|a, b| b.total_cmp(a));
+        let found = [body.mass(), body.center_of_mass().z, moments[0], moments[1], moments[2]];
+        let near = |(x, y): (f64, &f64)| (x - y).abs() < 1e-6 * y.abs().max(0.1);
+        assert!(found.into_iter().zip(expected).all(near), "{shape} {parameters}: {found:?}");
+    }
+}

@@ -105,7 +105,10 @@ fn meshes() {
         "vertex='0 0 0 1 0 0 0 1 0 0 1 0' face='0 1 2 1 3 2'",
         "vertex='0 0 0 1 0 0 0 1 0 0 0 1' refquat='0 0 0 0'",
         "vertex='0 0 0 1 0 0 0 1 0 0 0 1' scale='0 1 x'",
-        "builtin='sphere' params='3'",
+        "builtin='plate' params='3 3'",
+        "builtin='sphere' params='3 2'",
+        "builtin='sphere' params='5'",
+        "builtin='supertorus' params='4 1 0 1'",
         "file='x.stl'",
         "",
     ] {
