@@ -83,7 +83,7 @@ struct SignalCheck {
 }
 
 impl SignalCheck {
-    fn look(&mut self) -> ControlFlow<()> {
+    fn check(&mut self) -> ControlFlow<()> {
         self.steps = self.steps.wrapping_add(1);
         if !self.steps.is_multiple_of(16) || self.last.elapsed() < PATIENCE {
             return ControlFlow::Continue(());
@@ -160,7 +160,7 @@ impl RunPlan<'_> {
             if is_kept || info.step == 0 {
                 actuator_forces.extend_from_slice(info.actuator_forces);
             }
-            watch.look()
+            watch.check()
         };
         let mut options = RunOptions::new().controller(torques).events(events);
         options.samples = self.samples;

@@ -298,7 +298,7 @@ impl ContactSet {
         let mut placement = Placement::new(model);
         placement.set(model, workspace, q);
         let mut least = None;
-        self.look(&placement, f64::INFINITY, |point| {
+        self.for_each_ground_contact(&placement, f64::INFINITY, |point| {
             least = Some(least.map_or(point.gap, |least: f64| least.min(point.gap)));
         });
         least

@@ -81,17 +81,17 @@ impl Placement {
         (Vector3::new(row(0), row(1), row(2)), n.x * x + n.y * y + n.z * z)
     }
 
-    /// Calls `look` with each degree of freedom that moves a body, from its own last one to the root's first.
-    /// The other arguments are the velocity of a point of the body and ω per unit rate.
+    /// Calls `visit` with each degree of freedom that moves a body, from its own last one to the root's
+    /// first. The other arguments are the velocity of a point of the body and ω per unit rate.
     #[inline]
     pub(crate) fn each_motion(
         &self,
         model: &Model,
         body: usize,
         point: Vector3<f64>,
-        look: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
+        visit: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
     ) {
-        self.each_motion_on(model, [body, WORLD], point, look);
+        self.each_motion_on(model, [body, WORLD], point, visit);
     }
 
     /// The same, up to a body that carries it, without that body's own degrees of freedom.
@@ -101,13 +101,13 @@ impl Placement {
         model: &Model,
         [body, carrier]: [usize; 2],
         point: Vector3<f64>,
-        mut look: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
+        mut visit: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
     ) {
         let mut at = body;
         while at != carrier {
             let lever = point - self.origin(at);
             for (dof, [velocity, spin]) in self.dofs(model, at).rev() {
-                look(dof, velocity + spin.cross(&lever), spin);
+                visit(dof, velocity + spin.cross(&lever), spin);
             }
             at = model.bodies[at].parent;
         }

@@ -43,7 +43,7 @@ fn alternating_method_finds_same_solution() {
     for seed in 0..300 {
         let (mut problem, matrix, dof_parent) =
             random_problem(seed, 1 + (seed % 3) as usize, (seed % 4) as usize);
-        problem.take(&matrix, &dof_parent);
+        problem.set_matrix(&matrix, &dof_parent);
         assert!(problem.solve_rigid());
         let dense = problem.dense();
         // G p + g is the c of x.

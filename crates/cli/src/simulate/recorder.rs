@@ -102,7 +102,7 @@ impl Recorder {
         self.is_apart = !info.step.is_multiple_of(self.stride);
         if self.is_apart {
             match &mut self.latest {
-                Some(latest) => latest.take(info, self.worst_error),
+                Some(latest) => latest.record(info, self.worst_error),
                 None => self.latest = Some(Sample::of(info, self.worst_error)),
             }
             return;
@@ -166,11 +166,11 @@ impl Sample {
         let (time, kinetic, potential, error, losses) = (0.0, 0.0, 0.0, 0.0, [0.0; 6]);
         let mut sample =
             Self { time, q: info.q.to_vec(), kinetic, potential, error, worst_error, losses, contact };
-        sample.take(info, worst_error);
+        sample.record(info, worst_error);
         sample
     }
 
-    fn take(&mut self, info: &StepInfo<'_>, worst_error: f64) {
+    fn record(&mut self, info: &StepInfo<'_>, worst_error: f64) {
         self.time = info.time;
         self.q.copy_from_slice(info.q);
         self.kinetic = info.energy_account.kinetic();

@@ -104,21 +104,21 @@ pub(crate) fn rollout(call: XlaCall<'_>) -> Result<(), String> {
 }
 
 fn rollout_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
-    RolloutCall::of(&call)?.run(call, |course, robot, (read, written), _, threads| {
+    RolloutCall::of(&call)?.run(call, |rollout, robot, (read, written), _, threads| {
         let (mut read, mut written) = (read.into_iter(), written.into_iter());
         let (q0, v0) = (next(&mut read)?, next(&mut read)?);
-        let tau = if course.has_torques() { next(&mut read)? } else { &[] };
+        let tau = if rollout.has_torques() { next(&mut read)? } else { &[] };
         let (q, v) = (next(&mut written)?, next(&mut written)?);
-        let trajectory = match course.how.stride {
+        let trajectory = match rollout.how.stride {
             0 => (&mut [][..], &mut [][..]),
             _ => (next(&mut written)?, next(&mut written)?),
         };
         q.copy_from_slice(q0);
         v.copy_from_slice(v0);
         let mut memory = T::batches(robot).take(&robot.model, threads).map_err(|error| error.to_string())?;
-        let (workspace, torques) = (&mut memory.workspace, course.torques(tau));
+        let (workspace, torques) = (&mut memory.workspace, rollout.torques(tau));
         let states = batch::RolloutStates { q, v, q_trajectory: trajectory.0, v_trajectory: trajectory.1 };
-        let outcome = batch::rollout(&robot.model, workspace, &course.how, torques, states, None);
+        let outcome = batch::rollout(&robot.model, workspace, &rollout.how, torques, states, None);
         T::batches(robot).give(memory);
         error_of(outcome)
     })
@@ -132,24 +132,24 @@ pub(crate) fn rollout_pullback(call: XlaCall<'_>) -> Result<(), String> {
 }
 
 fn rollout_pullback_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
-    RolloutCall::of(&call)?.run(call, |course, robot, (read, written), _, threads| {
+    RolloutCall::of(&call)?.run(call, |rollout, robot, (read, written), _, threads| {
         let (mut read, mut written) = (read.into_iter(), written.into_iter());
         let (q, v) = (next(&mut read)?, next(&mut read)?);
-        let tau = if course.has_torques() { next(&mut read)? } else { &[] };
+        let tau = if rollout.has_torques() { next(&mut read)? } else { &[] };
         let (given_q, given_v) = (next(&mut read)?, next(&mut read)?);
-        let trajectory = match course.how.stride {
+        let trajectory = match rollout.how.stride {
             0 => (&[][..], &[][..]),
             _ => (next(&mut read)?, next(&mut read)?),
         };
         let (by_q, by_v) = (next(&mut written)?, next(&mut written)?);
-        let by_tau = if course.has_torques() { next(&mut written)? } else { &mut [] };
+        let by_tau = if rollout.has_torques() { next(&mut written)? } else { &mut [] };
         let by_parameters = written.next().unwrap_or_default();
         by_q.copy_from_slice(given_q);
         by_v.copy_from_slice(given_v);
         let mut memory = T::batches(robot).take(&robot.model, threads).map_err(|error| error.to_string())?;
         let inputs = batch::RolloutPullbackInputs {
             spacing: 0,
-            torques: course.torques(tau),
+            torques: rollout.torques(tau),
             q,
             v,
             trajectory: batch::TrajectoryCotangents { by_position: trajectory.0, by_velocity: trajectory.1 },
@@ -163,7 +163,7 @@ fn rollout_pullback_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
         let outcome = batch::rollout_pullback(
             &robot.model,
             &mut memory.workspace,
-            &course.how,
+            &rollout.how,
             &inputs,
             cotangents,
             None,
@@ -181,7 +181,7 @@ pub(crate) fn rollout_tangent(call: XlaCall<'_>) -> Result<(), String> {
 }
 
 fn rollout_tangent_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
-    RolloutCall::of(&call)?.run(call, |course, robot, (read, written), states, threads| {
+    RolloutCall::of(&call)?.run(call, |rollout, robot, (read, written), states, threads| {
         // The rows of each state.
         let mut rows: Vec<Tables<'_, T>> = (0..states).map(|_| (Vec::new(), Vec::new())).collect();
         for table in read {
@@ -195,7 +195,7 @@ fn rollout_tangent_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
             }
         }
         let run = |(read, mut written): Tables<'_, T>| {
-            if tangent_of_one(robot, course, &read, &mut written).is_err() {
+            if tangent_of_one(robot, rollout, &read, &mut written).is_err() {
                 fill_with_nan(written);
             }
         };
@@ -211,17 +211,17 @@ fn rollout_tangent_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
 
 fn tangent_of_one<T: Number>(
     robot: &Robot,
-    course: &RolloutCall,
+    rollout: &RolloutCall,
     read: &[&[T]],
     written: &mut [&mut [T]],
 ) -> Result<(), String> {
-    let (how, model, nv) = (&course.how, &robot.model, robot.model.nv());
+    let (how, model, nv) = (&rollout.how, &robot.model, robot.model.nv());
     let tables: Vec<Vec<f64>> = read.iter().map(|x| x.iter().map(|x| x.double()).collect()).collect();
     let mut tables = tables.into_iter();
     let (mut q, mut v) = (next(&mut tables)?, next(&mut tables)?);
-    let tau = if course.has_torques() { next(&mut tables)? } else { Vec::new() };
+    let tau = if rollout.has_torques() { next(&mut tables)? } else { Vec::new() };
     let (by_q, by_v) = (next(&mut tables)?, next(&mut tables)?);
-    let by_tau = if course.has_torques() { next(&mut tables)? } else { Vec::new() };
+    let by_tau = if rollout.has_torques() { next(&mut tables)? } else { Vec::new() };
     let by_parameters = tables.next();
     // (δq, δv, δτ)
     let mut change = [&by_q[..], &by_v, &vec![0.0; nv]].concat();
@@ -232,7 +232,7 @@ fn tangent_of_one<T: Number>(
     let mut force = vec![0.0; nv];
     let mut sample = 0;
     for k in 0..how.steps {
-        let rows = match &*course.torques {
+        let rows = match &*rollout.torques {
             "none" => None,
             "held" => Some(0..nv),
             _ => Some(k * nv..(k + 1) * nv),

@@ -252,7 +252,7 @@ fn solve(problem: &mut ConeProblem, force: &DVector<f64>, actuated: &[bool], wei
             problem.force[k] = force[k] - if actuated[k] { 0.0 } else { epsilon * problem.x[k] };
         }
         problem.multiplier.fill(0.0);
-        problem.take(&matrix, &dof_parent);
+        problem.set_matrix(&matrix, &dof_parent);
         if !problem.solve_soft(round > 0) {
             break;
         }

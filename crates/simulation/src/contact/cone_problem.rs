@@ -212,13 +212,13 @@ impl ConeProblem {
     }
 
     /// Sets M, given as a full square matrix; `dof_parent` (λ) describes its zeros.
-    pub fn take(&mut self, matrix: &[f64], dof_parent: &[usize]) {
+    pub fn set_matrix(&mut self, matrix: &[f64], dof_parent: &[usize]) {
         self.paths.choose(dof_parent);
         self.paths.pack(matrix, &mut self.mass);
     }
 
     /// Sets a packed M. Its λ may describe more zeros than `dof_parent` does.
-    pub(super) fn take_packed(&mut self, (paths, matrix): (&Paths, &[f64]), dof_parent: &[usize]) {
+    pub(super) fn set_packed_matrix(&mut self, (paths, matrix): (&Paths, &[f64]), dof_parent: &[usize]) {
         self.paths.choose(dof_parent);
         if self.paths.is_like(paths) {
             self.mass.clear();

@@ -17,8 +17,13 @@ use crate::placement::Placement;
 pub(super) const MOST_POINTS: usize = 1 + ABOUT.len();
 
 impl ContactSet {
-    /// Calls `look` for each point of each shape whose gap to a ground is at most `within` \[m\].
-    pub(super) fn look(&self, placement: &Placement, within: f64, mut look: impl FnMut(ShapePoint)) {
+    /// Calls `visit` for each point of each shape whose gap to a ground is at most `within` \[m\].
+    pub(super) fn for_each_ground_contact(
+        &self,
+        placement: &Placement,
+        within: f64,
+        mut visit: impl FnMut(ShapePoint),
+    ) {
         let is_looked_at =
             |index: usize, shape: &ContactShape| shape.on_ground.is_some() && self.is_active(index);
         for (index, shape) in
@@ -51,29 +56,34 @@ impl ContactSet {
                 });
                 let near = points.filter(|point| point.gap <= within);
                 if shape.form.count() <= MOST_POINTS {
-                    near.for_each(&mut look);
+                    near.for_each(&mut visit);
                 } else {
                     let [_, s, t] = self.grounds[ground_index].1;
                     let mut outermost = ExtremePoints::new([s, t]);
                     near.for_each(|point| outermost.add(point));
-                    outermost.each(&mut look);
+                    outermost.each(&mut visit);
                 }
             }
             if !self.fields.is_empty() {
                 let placed = placed.unwrap_or_else(|| shape.placed(placement));
-                self.look_at_fields((index, &placed), within, &mut look);
+                self.for_each_field_contact((index, &placed), within, &mut visit);
             }
         }
     }
 
-    /// Calls `look` for these, and for the points of each pair of shapes.
-    pub(super) fn look_around(&self, placement: &Placement, within: f64, mut look: impl FnMut(ShapePoint)) {
-        self.look(placement, within, &mut look);
-        self.look_at_pairs(placement, within, look);
+    /// Calls `visit` for these, and for the points of each pair of shapes.
+    pub(super) fn for_each_contact(
+        &self,
+        placement: &Placement,
+        within: f64,
+        mut visit: impl FnMut(ShapePoint),
+    ) {
+        self.for_each_ground_contact(placement, within, &mut visit);
+        self.for_each_pair_contact(placement, within, visit);
     }
 
     /// From here on, searches find only contacts of these shapes; one entry for each shape.
-    pub(super) fn look_only(&mut self, is_active: impl Iterator<Item = bool>) {
+    pub(super) fn set_active_shapes(&mut self, is_active: impl Iterator<Item = bool>) {
         self.active.clear();
         self.active.extend(is_active);
     }
@@ -169,11 +179,11 @@ impl ExtremePoints {
         }
     }
 
-    /// Calls `look` with each point once.
-    pub(super) fn each(&self, mut look: impl FnMut(ShapePoint)) {
+    /// Calls `visit` with each point once.
+    pub(super) fn each(&self, mut visit: impl FnMut(ShapePoint)) {
         for (k, (_, point)) in self.best.iter().flatten().enumerate() {
             if self.best[..k].iter().flatten().all(|(_, other)| other.number != point.number) {
-                look(*point);
+                visit(*point);
             }
         }
     }

@@ -100,7 +100,7 @@ clone_in_place! {
 impl ContactImpulses {
     pub fn new(model: &Model, mut set: ContactSet) -> Self {
         model.check_identity(&set.robot, "the contact set");
-        set.look_only((0..set.shapes.len()).map(|_| true));
+        set.set_active_shapes((0..set.shapes.len()).map(|_| true));
         let most = set.count().min(64);
         Self {
             problem: ConeProblem::new(model.nv).with_islands(),
@@ -178,12 +178,12 @@ impl ContactImpulses {
         let problem = &mut self.problem;
         problem.add_speeds(v1);
         let is_solved = if problem.find_islands(paths.dof_parent()) {
-            problem.take_packed((paths, matrix), paths.dof_parent());
+            problem.set_packed_matrix((paths, matrix), paths.dof_parent());
             problem.solve_islands()
         } else {
             self.couple(paths.dof_parent());
             self.problem.couple_from(contacts, &mut self.dof_parent);
-            self.problem.take_packed((paths, matrix), &self.dof_parent);
+            self.problem.set_packed_matrix((paths, matrix), &self.dof_parent);
             self.problem.solve_rigid()
         };
         if !is_solved {

@@ -202,9 +202,14 @@ impl ContactSet {
         at
     }
 
-    /// Calls `look` for each point of each pair [found near](Self::find_near) with a gap of at most `within`
+    /// Calls `visit` for each point of each pair [found near](Self::find_near) with a gap of at most `within`
     /// \[m\].
-    pub(super) fn look_at_pairs(&self, placement: &Placement, within: f64, mut look: impl FnMut(ShapePoint)) {
+    pub(super) fn for_each_pair_contact(
+        &self,
+        placement: &Placement,
+        within: f64,
+        mut visit: impl FnMut(ShapePoint),
+    ) {
         let center = |shape: usize| {
             let (rotation, p) = placement.body(self.shapes[shape].body);
             p + rotation * self.shapes[shape].translation
@@ -226,7 +231,7 @@ impl ContactSet {
             let placed = [a, b].map(|shape| shape.placed(placement));
             self.meeting(pair.shapes, &placed, within).each(|k, found| {
                 if found.gap <= within {
-                    look(self.at_pair(index, &placed[0], found, k));
+                    visit(self.at_pair(index, &placed[0], found, k));
                 }
             });
         }

@@ -16,19 +16,19 @@ pub(super) enum PlacedPair {
 
 impl PlacedPair {
     /// The possible contact points, with their numbers.
-    pub(super) fn each(&self, mut look: impl FnMut(usize, ClosestPoints)) {
+    pub(super) fn each(&self, mut visit: impl FnMut(usize, ClosestPoints)) {
         match self {
             Self::Lines([one, two]) => {
                 for k in
                     (0..closest_points::MOST_NEAREST).filter(|k| closest_points::takes_part(one, two, *k))
                 {
-                    look(k, closest_points::nearest(one, two, k));
+                    visit(k, closest_points::nearest(one, two, k));
                 }
             }
             Self::Points(points) => {
                 for (k, point) in points.iter().enumerate() {
                     if let Some((point, true)) = point {
-                        look(k, *point);
+                        visit(k, *point);
                     }
                 }
             }

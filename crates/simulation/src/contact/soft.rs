@@ -232,7 +232,7 @@ impl SoftConstraints {
             dissipates: self.dissipates,
         });
         self.find_reference(model, v);
-        self.problem.take(&self.mass, &self.dof_parents[usize::from(!is_tree)]);
+        self.problem.set_matrix(&self.mass, &self.dof_parents[usize::from(!is_tree)]);
         if !self.problem.solve_soft(self.is_warm) {
             return Err(self.failure());
         }

@@ -40,7 +40,7 @@ impl Simulation {
         &mut self,
         steps: usize,
         sample_every: usize,
-        (controller, mut watch, observer): (
+        (controller, mut detector, observer): (
             Option<&mut dyn Controller>,
             EventDetector<'_, '_>,
             Option<Observer<'_>>,
@@ -51,7 +51,7 @@ impl Simulation {
         if is_controlled {
             self.inputs.torques.fill(0.0);
         }
-        let fixed = self.course(&model, 0, self.base);
+        let fixed = self.run_loop(&model, 0, self.base);
         self.begin_step(&fixed)?;
         let first = self.run.steps;
         let Self { stepper, workspace, run, memory, inputs, effort, limited, .. } = self;
@@ -83,7 +83,7 @@ impl Simulation {
             tau: &mut memory.tau,
             acceleration: &mut memory.acceleration,
         };
-        let done = course.follow(steps, &|instant| fixed.time(first + instant), applied, &mut watch);
+        let done = course.follow(steps, &|instant| fixed.time(first + instant), applied, &mut detector);
         if is_controlled {
             self.inputs.torques.copy_from_slice(&self.memory.tau);
         }
@@ -101,8 +101,8 @@ impl Simulation {
     pub(super) fn step_adaptively(&mut self) -> Result<(), RunError> {
         let (run, stepper, base) = (self.run.clone(), self.stepper.clone(), self.base);
         let activations = self.activations.clone();
-        let watch = EventDetector::start(&mut [], run.time, &run.q, &run.v)?;
-        let done = match self.follow(1, 0, (None, watch, None)) {
+        let detector = EventDetector::start(&mut [], run.time, &run.q, &run.v)?;
+        let done = match self.follow(1, 0, (None, detector, None)) {
             Ok(()) if self.run.interrupted => {
                 let source = IntegratorError::Interrupted.into();
                 Err(RunError::Step { step: run.steps, time: run.time, source })

@@ -118,14 +118,14 @@ impl Simulation {
         let sample_every = samples.steps(self.step).map_err(|error| self.without_samples(error.into()))?;
         let model = Arc::clone(&self.model);
         self.run.trajectory =
-            Trajectory::new(&model, self.course(&model, sample_every, self.base).samples_of(steps));
+            Trajectory::new(&model, self.run_loop(&model, sample_every, self.base).samples_of(steps));
         self.run.events.clear();
         self.run.peak_torque.fill(0.0);
         (self.run.interrupted, self.run.ended_by_event) = (false, false);
         let done = EventDetector::start(events.unwrap_or(&mut []), self.run.time, &self.run.q, &self.run.v)
             .map_err(RunError::from)
-            .and_then(|watch| {
-                let seen_by = (controller, watch, observer);
+            .and_then(|detector| {
+                let seen_by = (controller, detector, observer);
                 #[cfg(feature = "adaptive")]
                 if self.is_adaptive() {
                     return self.follow(steps, sample_every, seen_by);
@@ -152,7 +152,7 @@ impl Simulation {
         model: &Model,
         steps: usize,
         sample_every: usize,
-        (mut controller, mut watch, mut observer): (
+        (mut controller, mut detector, mut observer): (
             Option<&mut dyn Controller>,
             EventDetector<'_, '_>,
             Option<Observer<'_>>,
@@ -161,7 +161,7 @@ impl Simulation {
         let mut between = StepInterpolation::new(model, self.stepper.order());
         let first = self.run.steps;
         for done in 0..=steps {
-            let course = self.course(model, sample_every, self.base);
+            let run_loop = self.run_loop(model, sample_every, self.base);
             let (step, time) = (self.run.steps, self.run.time);
             if let Some(controller) = &mut controller {
                 let Self { run, inputs, .. } = self;
@@ -169,7 +169,7 @@ impl Simulation {
                     .torque(time, &run.q, &run.v, &mut inputs.torques)
                     .map_err(|source| RunError::Controller { step, time, source })?;
             }
-            self.begin_step(&course)?;
+            self.begin_step(&run_loop)?;
             let is_last = done == steps || self.run.ended_by_event;
             let (flow, is_kept) = {
                 let info = self.run.step_info(step - first, &self.memory.tau, &self.stepper);
@@ -186,13 +186,13 @@ impl Simulation {
                 self.run.interrupted = !is_last;
                 return Ok(());
             }
-            self.check_mass(&course)?;
+            self.check_mass(&run_loop)?;
             let Self { stepper, workspace, run, memory, .. } = self;
             let Memory { q, v, applied, before, .. } = &mut *memory;
             before.copy_from_slice(&run.v);
             let forces = StepForces::new(applied, self.dissipates);
-            let looks = (workspace, &mut watch, &mut between);
-            match course.advance_once(run, stepper, looks, &forces, (q, v)) {
+            let looks = (workspace, &mut detector, &mut between);
+            match run_loop.advance_once(run, stepper, looks, &forces, (q, v)) {
                 Err(RunError::Step { source, .. }) if source.is_interruption() => {
                     // The step was discarded, so this state is the last one. The observer may have skipped it
                     // and is called again.

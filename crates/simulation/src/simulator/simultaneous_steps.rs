@@ -43,7 +43,7 @@ impl Simulation {
     /// A torque is not finite.
     pub fn begin_external_steps(&mut self) -> Result<(), RunError> {
         let model = Arc::clone(&self.model);
-        self.begin_step(&self.course(&model, 0, self.base))
+        self.begin_step(&self.run_loop(&model, 0, self.base))
     }
 
     /// Checks the rank of M at the start of a step.
@@ -52,7 +52,7 @@ impl Simulation {
     /// M is singular.
     pub fn check_external_step(&mut self) -> Result<(), RunError> {
         let model = Arc::clone(&self.model);
-        self.check_mass(&self.course(&model, 0, self.base))
+        self.check_mass(&self.run_loop(&model, 0, self.base))
     }
 
     /// The start of the next step.

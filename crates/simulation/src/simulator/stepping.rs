@@ -131,11 +131,11 @@ impl Simulation {
         let zeros = || vec![0.0; nv];
         let mut workspace = StepWorkspace::new(&model);
         let controls = vec![0.0; actuation.as_ref().map_or(0, Actuation::control_count)];
-        let course =
+        let run_loop =
             RunLoop { model: &model, step, dissipation: dissipates, sample_every: 0, base: (0, 0.0) };
         let mut opened = stepper.clone();
         let (run, _) =
-            course.open(&mut opened, &mut workspace, (&model.initial_configuration(), &zeros()), 0);
+            run_loop.open(&mut opened, &mut workspace, (&model.initial_configuration(), &zeros()), 0);
         Self {
             memory: Memory {
                 q: vec![0.0; nq],
@@ -306,8 +306,8 @@ impl Simulation {
     ) -> Result<(), Box<RunFailure>> {
         let mut stepper = self.fresh.clone();
         let model = Arc::clone(&self.model);
-        let course = self.course(&model, 0, (0, time));
-        let (run, start) = course.open(&mut stepper, &mut self.workspace, (q, v), steps);
+        let run_loop = self.run_loop(&model, 0, (0, time));
+        let (run, start) = run_loop.open(&mut stepper, &mut self.workspace, (q, v), steps);
         if let Err(error) = start {
             return Err(Box::new(RunFailure { error, until: run }));
         }
@@ -318,7 +318,7 @@ impl Simulation {
         Ok(())
     }
 
-    pub(super) fn course<'m>(
+    pub(super) fn run_loop<'m>(
         &self,
         model: &'m Model,
         sample_every: usize,
@@ -339,15 +339,15 @@ impl Simulation {
             return self.step_adaptively();
         }
         let model = Arc::clone(&self.model);
-        let course = self.course(&model, 0, self.base);
-        self.begin_step(&course)?;
-        self.check_mass(&course)?;
+        let run_loop = self.run_loop(&model, 0, self.base);
+        self.begin_step(&run_loop)?;
+        self.check_mass(&run_loop)?;
         let Self { stepper, workspace, run, memory, .. } = self;
         memory.before.copy_from_slice(&run.v);
         let forces = StepForces::new(&memory.applied, self.dissipates);
-        let end = course.time(run.steps + 1);
+        let end = run_loop.time(run.steps + 1);
         let state = (&mut memory.q[..], &mut memory.v[..]);
-        let energy_account = course.take(stepper, workspace, run, &forces, self.step, state)?;
+        let energy_account = run_loop.take_step(stepper, workspace, run, &forces, self.step, state)?;
         memory.record_acceleration(self.step);
         RunLoop::enter(run, stepper, (energy_account, end), (&memory.q, &memory.v));
         self.end_step(self.step);

@@ -147,7 +147,7 @@ impl<N: StateLanes, H: Hardware> RolloutInputs<N> for Lanes<'_, N, H> {
     }
 
     #[inline(always)]
-    fn take(&mut self, step: usize, by_force: &[N]) {
+    fn record(&mut self, step: usize, by_force: &[N]) {
         let n = by_force.len();
         add_poison(&mut self.poison, by_force, 1);
         match self.given.torques {

@@ -272,12 +272,12 @@ mod tests {
     }
 
     fn solve_rigid(problem: &mut ConeProblem, matrix: &[f64], dof_parent: &[usize]) -> bool {
-        problem.take(matrix, dof_parent);
+        problem.set_matrix(matrix, dof_parent);
         problem.solve_rigid()
     }
 
     fn solve_soft(problem: &mut ConeProblem, matrix: &[f64], dof_parent: &[usize]) -> bool {
-        problem.take(matrix, dof_parent);
+        problem.set_matrix(matrix, dof_parent);
         problem.solve_soft(false)
     }
 

@@ -312,7 +312,7 @@ mod tests {
         }
         problem.force.iter_mut().for_each(|force| *force = random.uniform(-1.0, 1.0));
         let dof_parent: Vec<usize> = (0..n).map(|k| k.checked_sub(1).unwrap_or(NONE)).collect();
-        problem.take(&matrix, &dof_parent);
+        problem.set_matrix(&matrix, &dof_parent);
         problem.sweeps.trees = (0..trees).map(|tree| 3 * tree..3 * tree + 3).collect();
         problem
     }

@@ -49,14 +49,14 @@ impl Convex {
         Some(Self { shape, turn })
     }
 
-    /// Calls `look` with the contact points or nearest points of two shapes, if these are within this
+    /// Calls `visit` with the contact points or nearest points of two shapes, if these are within this
     /// distance \[m\].
     pub(super) fn meet(
         &self,
         other: &Self,
         placed: &[PlacedShape; 2],
         within: f64,
-        mut look: impl FnMut(ClosestPoints),
+        mut visit: impl FnMut(ClosestPoints),
     ) {
         let [one, two] = [(self, &placed[0]), (other, &placed[1])];
         let turns = [one, two].map(|(own, placed)| placed.rotation * own.turn);
@@ -82,7 +82,7 @@ impl Convex {
         for point in &manifold.points {
             let a = placed[0].center + turns[0] * vector(point.local_p1);
             let b = placed[1].center + turns[1] * vector(point.local_p2);
-            look(ClosestPoints { gap: (b - a).dot(&out), at: (a + b) * 0.5, normal: -out });
+            visit(ClosestPoints { gap: (b - a).dot(&out), at: (a + b) * 0.5, normal: -out });
         }
     }
 }

@@ -29,12 +29,12 @@ impl ContactSet {
         self.points * self.fields.iter().map(PlacedField::count).sum::<usize>()
     }
 
-    /// Calls `look` for each point of that shape whose gap to a height field is at most `within` \[m\].
-    pub(in crate::contact) fn look_at_fields(
+    /// Calls `visit` for each point of that shape whose gap to a height field is at most `within` \[m\].
+    pub(in crate::contact) fn for_each_field_contact(
         &self,
         (shape, placed): (usize, &PlacedShape),
         within: f64,
-        mut look: impl FnMut(ShapePoint),
+        mut visit: impl FnMut(ShapePoint),
     ) {
         let (reach, count) = (self.shapes[shape].reach, self.shapes[shape].form.count());
         let mut first = self.points * self.grounds.len();
@@ -48,12 +48,12 @@ impl ContactSet {
                 continue;
             }
             if count <= MOST_POINTS {
-                meeting.look(within, &mut look);
+                meeting.for_each_contact(within, &mut visit);
             } else {
                 let [x, y] = [0, 1].map(|k| field.rotation.column(k).into_owned());
                 let mut outermost = ExtremePoints::new([x, y]);
-                meeting.look(within, |point| outermost.add(point));
-                outermost.each(&mut look);
+                meeting.for_each_contact(within, |point| outermost.add(point));
+                outermost.each(&mut visit);
             }
         }
     }
@@ -89,14 +89,14 @@ impl FieldPair<'_> {
         &self.set.fields[self.field]
     }
 
-    fn look(&self, within: f64, mut look: impl FnMut(ShapePoint)) {
+    fn for_each_contact(&self, within: f64, mut visit: impl FnMut(ShapePoint)) {
         let field = self.field();
         let facets = &field.facets;
         let reach = self.set.shapes[self.shape].reach;
         let center = field.inward(&self.placed.center);
         let mut push = |point: ShapePoint| {
             if point.gap <= within {
-                look(point);
+                visit(point);
             }
         };
         for k in 0..self.form().count() {
@@ -326,7 +326,7 @@ mod tests {
                 points.iter().min_by(|x, y| (*x - center).norm().total_cmp(&(*y - center).norm())).unwrap();
             let distance = (nearest - center).norm();
             let mut found = Vec::new();
-            set.look(&placement, 0.5, |point| found.push(point));
+            set.for_each_ground_contact(&placement, 0.5, |point| found.push(point));
             assert!(!found.is_empty(), "case {case}");
             let least = found.iter().min_by(|a, b| a.gap.total_cmp(&b.gap)).unwrap();
             // Distances agree to rounding; within 1e-6 R of a face's edge the normal is still the face's.
@@ -385,7 +385,7 @@ mod tests {
                 }
             }
             let mut gap = f64::INFINITY;
-            set.look(&placement, f64::INFINITY, |point| gap = gap.min(point.gap));
+            set.for_each_ground_contact(&placement, f64::INFINITY, |point| gap = gap.min(point.gap));
             // The samples are at most 0.7 cm from any point, so a penetration of that depth contains a
             // sample.
             let slack = 0.007 / half_axes.min();

@@ -91,7 +91,7 @@ impl ContactImpulses {
         active.clear();
         let mut is_below = false;
         *depth = 0.0;
-        set.look_around(placement, NEAR, |point| {
+        set.for_each_contact(placement, NEAR, |point| {
             *depth = depth.max(-point.gap);
             is_below |=
                 point.gap < -rounding && point.gap - allowed(set, start, begun, kept, &point) < -rounding;
@@ -150,7 +150,7 @@ impl ContactImpulses {
     fn solve_lift(&mut self, (paths, matrix): (&Paths, &[f64]), contacts: usize) -> bool {
         let Self { lifts: problem, joined, .. } = self;
         if problem.find_islands(paths.dof_parent()) {
-            problem.take_packed((paths, matrix), paths.dof_parent());
+            problem.set_packed_matrix((paths, matrix), paths.dof_parent());
             return problem.solve_islands();
         }
         joined.clear();
@@ -159,7 +159,7 @@ impl ContactImpulses {
         let joined = core::mem::take(&mut self.joined);
         self.couple(&joined);
         self.joined = joined;
-        self.lifts.take_packed((paths, matrix), &self.dof_parent);
+        self.lifts.set_packed_matrix((paths, matrix), &self.dof_parent);
         self.lifts.solve_rigid()
     }
 }

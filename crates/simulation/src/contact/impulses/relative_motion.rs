@@ -22,7 +22,7 @@ impl ContactShape {
 }
 
 impl ContactSet {
-    /// Calls `look` with each degree of freedom that moves the first shape relative to its contact partner.
+    /// Calls `visit` with each degree of freedom that moves the first shape relative to its contact partner.
     /// The other arguments are the velocity at a point and ω of that motion.
     #[inline]
     pub(super) fn each_relative_motion(
@@ -30,19 +30,19 @@ impl ContactSet {
         model: &Model,
         placement: &Placement,
         point: &ShapePoint,
-        mut look: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
+        mut visit: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
     ) {
         let body = self.shapes[point.shape].body;
         match point.against {
             ContactPartner::Ground(_) | ContactPartner::Field(_) => {
-                placement.each_motion(model, body, point.at, look);
+                placement.each_motion(model, body, point.at, visit);
             }
             ContactPartner::Pair(pair) => {
                 let pair = &self.pairs[pair];
                 let other = self.shapes[pair.shapes[1]].body;
-                placement.each_motion_on(model, [body, pair.common], point.at, &mut look);
+                placement.each_motion_on(model, [body, pair.common], point.at, &mut visit);
                 placement.each_motion_on(model, [other, pair.common], point.at, |dof, velocity, spin| {
-                    look(dof, -velocity, -spin);
+                    visit(dof, -velocity, -spin);
                 });
             }
         }

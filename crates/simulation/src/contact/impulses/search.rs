@@ -49,7 +49,7 @@ impl ContactImpulses {
         gone.clear();
         problem.clear();
         set.find_near(model, placement, 0.0);
-        set.look_around(placement, 0.0, |point| {
+        set.for_each_contact(placement, 0.0, |point| {
             let [tree, other] = set.trees(components, &point);
             components.join(tree, other);
             let known = carried.binary_search_by_key(&point.number, |carried| carried.number).ok();
@@ -104,7 +104,7 @@ impl ContactImpulses {
         let farthest = (0..set.shapes.len()).map(|shape| way(set, shape)).fold(0.0, f64::max);
         set.find_near(model, placement, farthest);
         near.clear();
-        set.look_at_pairs(placement, farthest, |point| {
+        set.for_each_pair_contact(placement, farthest, |point| {
             if let ContactPartner::Pair(pair) = point.against {
                 let shapes = set.pairs[pair].shapes;
                 let trees = shapes.map(|shape| set.shapes[shape].tree(components));
@@ -141,7 +141,7 @@ impl ContactImpulses {
     }
 
     /// Restores the memory at the start of the step, for the active components only.
-    pub(crate) fn take_back_active(&mut self, begun: &super::ContactMemory, components: &Components) {
+    pub(crate) fn restore_active(&mut self, begun: &super::ContactMemory, components: &Components) {
         self.memory.carried.clear();
         let own = begun.carried.iter().filter(|carried| components.is_active(carried.tree()));
         self.memory.carried.extend(own);
@@ -157,7 +157,7 @@ impl ContactImpulses {
     /// Activates all shapes, and discards the memory of inactive components.
     pub(crate) fn begin_whole(&mut self) {
         self.parked.clear();
-        self.set.look_only((0..self.set.shapes.len()).map(|_| true));
+        self.set.set_active_shapes((0..self.set.shapes.len()).map(|_| true));
     }
 
     /// Searches at the end of a step whose components moved one after the other, and joins those that
@@ -175,7 +175,7 @@ impl ContactImpulses {
         active.clear();
         *depth = 0.0;
         let mut crosses = false;
-        set.look_around(placement, NEAR, |point| {
+        set.for_each_contact(placement, NEAR, |point| {
             let [tree, other] = set.trees(components, &point);
             *depth = depth.max(-point.gap);
             if point.gap < -position_correction::ROUNDING[1] {

@@ -41,8 +41,8 @@ impl SoftConstraints {
             fixed.contacts.iter().for_each(|&number| add(&set.point(&bodies.placement, number), true));
             return;
         }
-        set.look(&bodies.placement, on_grounds, |point| add(&point, false));
-        set.look_at_pairs(&bodies.placement, of_pairs, |point| add(&point, false));
+        set.for_each_ground_contact(&bodies.placement, on_grounds, |point| add(&point, false));
+        set.for_each_pair_contact(&bodies.placement, of_pairs, |point| add(&point, false));
     }
 }
 

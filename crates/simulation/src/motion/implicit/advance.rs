@@ -169,7 +169,7 @@ impl ImplicitIntegrator {
         if let Some(equalities) = equalities {
             equalities.place(model, workspace, q1);
             equalities.choose(factor, interrupt, components)?;
-            impulses.hold(equalities);
+            impulses.copy_equality_rows(equalities);
             impulses.choose_held();
         }
         Ok(())

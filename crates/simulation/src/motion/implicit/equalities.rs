@@ -261,7 +261,7 @@ impl Equalities {
     }
 
     /// Restores the stored state at the start of a step, for the active trees.
-    pub(super) fn take_back_active(&mut self, begun: &EqualityMemory, components: &Components) {
+    pub(super) fn restore_active(&mut self, begun: &EqualityMemory, components: &Components) {
         let Self { rows, memory, .. } = self;
         for (i, row) in rows.rows().iter().enumerate() {
             if components.is_active(components.tree_of_row(&row.terms)) {

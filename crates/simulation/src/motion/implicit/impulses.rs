@@ -322,7 +322,7 @@ impl Impulses {
     }
 
     /// Restores the stored state at the start of a step, for the active trees.
-    pub(super) fn take_back_active(&mut self, begun: &ImpulseMemory, components: &Components) {
+    pub(super) fn restore_active(&mut self, begun: &ImpulseMemory, components: &Components) {
         let ImpulseMemory { carried, forces, held, stopped } = &mut self.memory;
         for (row, terms) in self.terms[..self.own].iter().enumerate() {
             if components.is_active(components.tree_of_row(terms)) {

@@ -42,7 +42,7 @@ impl ImplicitIntegrator {
         if !self.interrupt.is_watched() {
             return self.step_whole(model, workspace, forces, h, (q, v));
         }
-        self.keep(q, v);
+        self.store_state(q, v);
         let mut begun = self.begun.take().unwrap_or_else(|| self.kept.clone());
         begun.copy_from(&self.kept);
         let taken = self.step_whole(model, workspace, forces, h, (q, v));

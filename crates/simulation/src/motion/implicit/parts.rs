@@ -39,7 +39,7 @@ impl ImplicitIntegrator {
         if let Some(equalities) = &mut self.equalities {
             equalities.clear_impulses();
         }
-        self.keep(q, v);
+        self.store_state(q, v);
         self.initialize_equalities(model, workspace, forces, h, (q, v));
         if self.components.count() > 1 {
             self.start.copy_from(&self.kept);
@@ -80,7 +80,7 @@ impl ImplicitIntegrator {
             self.kept.copy_from(&self.start);
         }
         self.take_back(q, v);
-        self.keep(q, v);
+        self.store_state(q, v);
     }
 
     /// Takes a step of h of each component; returns whether some moved separately.
@@ -125,7 +125,7 @@ impl ImplicitIntegrator {
             } else {
                 is_apart = true;
                 self.restrict_contacts();
-                self.take_back_active(model, q, v);
+                self.restore_active(model, q, v);
             }
             self.step_in_parts(model, workspace, forces, h, (q, v))?;
         }
@@ -219,6 +219,6 @@ impl ImplicitIntegrator {
                 equalities.begin_with_trial();
             }
         }
-        self.keep(q, v);
+        self.store_state(q, v);
     }
 }

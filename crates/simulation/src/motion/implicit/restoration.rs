@@ -26,7 +26,7 @@ impl ImplicitIntegrator {
     }
 
     /// Stores a state with its forces, and restarts the energy account of the active trees.
-    pub(super) fn keep(&mut self, q: &[f64], v: &[f64]) {
+    pub(super) fn store_state(&mut self, q: &[f64], v: &[f64]) {
         let Self { components, last_of, kept, .. } = self;
         for (tree, last) in last_of.iter_mut().enumerate() {
             if components.is_active(tree) {
@@ -61,15 +61,15 @@ impl ImplicitIntegrator {
     }
 
     /// Restores the start of the whole step for the active trees.
-    pub(super) fn take_back_active(&mut self, model: &Model, q: &mut [f64], v: &mut [f64]) {
+    pub(super) fn restore_active(&mut self, model: &Model, q: &mut [f64], v: &mut [f64]) {
         let Self { components, start, impulses, equalities, contacts, .. } = self;
         copy_active(model, components, (&start.q, &start.v), (q, v));
-        impulses.take_back_active(&start.impulses, components);
+        impulses.restore_active(&start.impulses, components);
         if let (Some(start), Some(equalities)) = (&start.equalities, equalities) {
-            equalities.take_back_active(start, components);
+            equalities.restore_active(start, components);
         }
         if let (Some(start), Some(contacts)) = (&start.contacts, contacts) {
-            contacts.take_back_active(start, components);
+            contacts.restore_active(start, components);
         }
     }
 }

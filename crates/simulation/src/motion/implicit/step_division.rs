@@ -128,7 +128,7 @@ impl ImplicitIntegrator {
                 self.add_losses(&mut total);
                 break;
             }
-            self.keep(q, v);
+            self.store_state(q, v);
             let taken = self.advance(
                 model,
                 &mut workspace.dynamics,
@@ -186,7 +186,7 @@ impl ImplicitIntegrator {
         leader: usize,
         (q, v): (&mut [f64], &mut [f64]),
     ) -> Result<(), IntegratorError> {
-        self.keep(q, v);
+        self.store_state(q, v);
         let part = h / f64::from(PARTS);
         for _ in 0..PARTS {
             self.advance(model, &mut workspace.dynamics, forces.tau, part, (q, v), ImpactPolicy::AcceptStep)?;

@@ -18,7 +18,7 @@ pub trait RolloutInputs<S> {
     fn add_cotangents(&mut self, sample: usize, by_position: &mut [S], by_velocity: &mut [S]);
 
     /// Receives the cotangent of a step's forces.
-    fn take(&mut self, step: usize, by_force: &[S]);
+    fn record(&mut self, step: usize, by_force: &[S]);
 
     /// Called after some backward steps; returns whether to continue.
     fn go_on(&mut self, steps: usize) -> bool;
@@ -176,7 +176,7 @@ impl<S: Scalar, A: Accelerations<S>> RolloutSetup<'_, A, S> {
         if parameters.is_empty()
             && self.accelerations.pull_back_natively(model, at, h, (&mut *by_q, &mut *by_v), by_force)
         {
-            course.take(step, by_force);
+            course.record(step, by_force);
             return;
         }
         let cotangents = (by_q, by_v);
@@ -197,6 +197,6 @@ impl<S: Scalar, A: Accelerations<S>> RolloutSetup<'_, A, S> {
         let kept = if known { &accelerations[k * own..(k + 1) * own] } else { &[] };
         let at = (q, v, kept);
         pull_back_step(model, self.stages, &mut held, self.h, &mut numbers, at, cotangents);
-        course.take(step, by_force);
+        course.record(step, by_force);
     }
 }

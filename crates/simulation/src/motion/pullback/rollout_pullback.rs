@@ -89,7 +89,7 @@ impl<S: Scalar> RolloutInputs<S> for Tables<'_, S> {
         add(by_velocity, &self.trajectory.by_velocity[rows]);
     }
 
-    fn take(&mut self, step: usize, by_force: &[S]) {
+    fn record(&mut self, step: usize, by_force: &[S]) {
         let n = by_force.len();
         match self.by_force.len() {
             0 => {}

@@ -14,7 +14,7 @@ impl RunLoop<'_> {
         &self,
         run: &mut Run,
         stepper: &mut S,
-        (workspace, watch, between): (
+        (workspace, detector, between): (
             &mut StepWorkspace,
             &mut EventDetector<'_, '_>,
             &mut StepInterpolation<'_>,
@@ -23,20 +23,21 @@ impl RunLoop<'_> {
         (q, v): (&mut Vec<f64>, &mut Vec<f64>),
     ) -> Result<(), RunError> {
         let (time, mut end) = (run.time, self.time(run.steps + 1));
-        let before = watch.has_terminal().then(|| stepper.clone());
-        let mut energy_account = self.take(stepper, workspace, run, forces, self.step, (q, v))?;
-        if !watch.is_empty() {
+        let before = detector.has_terminal().then(|| stepper.clone());
+        let mut energy_account = self.take_step(stepper, workspace, run, forces, self.step, (q, v))?;
+        if !detector.is_empty() {
             let ends = Ends { times: (time, end), from: (&run.q, &run.v), to: (q, v) };
-            between.take(&ends);
-            let mut found = watch.look(time, end, &mut |t, q, v| between.state(&ends, t, q, v))?;
+            between.set_ends(&ends);
+            let mut found =
+                detector.find_crossings(time, end, &mut |t, q, v| between.state(&ends, t, q, v))?;
             let stop = found.iter().position(|found| found.is_terminal);
             if let (Some(index), Some(before)) = (stop, &before) {
                 found.truncate(index + 1);
                 let after = index.checked_sub(1).map_or(time, |k| found[k].occurrence.time);
                 let last = &mut found[index].occurrence;
                 if last.time < end {
-                    let whole = RepeatableStep { course: self, run, stepper: before, forces, ends };
-                    let cut = whole.shorten(last, after, workspace, watch, between)?;
+                    let whole = RepeatableStep { run_loop: self, run, stepper: before, forces, ends };
+                    let cut = whole.shorten(last, after, workspace, detector, between)?;
                     (last.time, last.q, last.v) = (cut.time, cut.q, cut.v);
                     (*stepper, energy_account, end) = (cut.stepper, cut.energy_account, cut.time);
                     q.copy_from_slice(&last.q);

@@ -197,7 +197,7 @@ impl<'e, 'a> EventDetector<'e, 'a> {
     ///
     /// # Errors
     /// The function of an event has no value.
-    pub(super) fn look(
+    pub(super) fn find_crossings(
         &mut self,
         t0: f64,
         t1: f64,
@@ -209,9 +209,9 @@ impl<'e, 'a> EventDetector<'e, 'a> {
         }
         let Self { events, last, q, v } = self;
         let mut before = t0;
-        for look in 1..=EVALUATIONS {
+        for part in 1..=EVALUATIONS {
             let now =
-                if look == EVALUATIONS { t1 } else { t0 + (t1 - t0) * (look as f64 / EVALUATIONS as f64) };
+                if part == EVALUATIONS { t1 } else { t0 + (t1 - t0) * (part as f64 / EVALUATIONS as f64) };
             for (index, event) in events.iter_mut().enumerate() {
                 state_at(now, q, v);
                 let g = event.value(now, q, v)?;
@@ -268,7 +268,7 @@ impl<'e, 'a> EventDetector<'e, 'a> {
     ///
     /// # Errors
     /// The function has no value.
-    pub(super) fn slope(
+    pub(super) fn derivative(
         &mut self,
         event: usize,
         t: f64,

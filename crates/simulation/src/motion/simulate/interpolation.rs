@@ -44,7 +44,7 @@ impl<'a> StepInterpolation<'a> {
     }
 
     /// Sets the step to interpolate.
-    pub(super) fn take(&mut self, ends: &Ends<'_>) {
+    pub(super) fn set_ends(&mut self, ends: &Ends<'_>) {
         let Self { model, displacement, derivatives: [first, last], .. } = self;
         let s = ends.times.1 - ends.times.0;
         difference(model, ends.from.0, ends.to.0, displacement);

@@ -73,7 +73,7 @@ impl RunLoop<'_> {
     }
 
     /// Takes one step of `h` \[s\] from the current state to (q, v), and returns the energy account after it.
-    pub fn take<S: Stepper>(
+    pub fn take_step<S: Stepper>(
         &self,
         stepper: &mut S,
         workspace: &mut StepWorkspace,
@@ -82,12 +82,12 @@ impl RunLoop<'_> {
         h: f64,
         (q, v): (&mut [f64], &mut [f64]),
     ) -> Result<EnergyAccount, RunError> {
-        let taken = self.take_unnamed(stepper, workspace, run, forces, h, (q, &mut *v));
+        let taken = self.take_step_unnamed(stepper, workspace, run, forces, h, (q, &mut *v));
         let energy_account = taken.map_err(|error| self.named(stepper, run, error))?;
         if self.is_lost(v) { Err(self.diverged(stepper, run, v, run.steps + 1)) } else { Ok(energy_account) }
     }
 
-    fn take_unnamed<S: Stepper>(
+    fn take_step_unnamed<S: Stepper>(
         &self,
         stepper: &mut S,
         workspace: &mut StepWorkspace,

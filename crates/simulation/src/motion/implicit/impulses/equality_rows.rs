@@ -38,7 +38,7 @@ impl Impulses {
     }
 
     /// Copies the enforced rows at their current values.
-    pub(in super::super) fn hold(&mut self, equalities: &Equalities) {
+    pub(in super::super) fn copy_equality_rows(&mut self, equalities: &Equalities) {
         self.held.clear();
         for &i in equalities.active() {
             self.terms[self.own + i].copy_from_slice(&equalities.rows()[i].terms);
@@ -90,7 +90,7 @@ impl Impulses {
         gap: impl Fn(&Stop) -> f64,
         change: &mut [f64],
     ) -> Result<(), IntegratorError> {
-        self.hold(equalities);
+        self.copy_equality_rows(equalities);
         self.rows.clear();
         for stop in stops.iter().filter(|stop| gap(stop) < FAR) {
             if self.is_active(stop.row, components) && !self.rows.contains(&stop.row) {

@@ -197,7 +197,7 @@ impl<'a, 'c> AdaptiveSystem<'a, 'c> {
             }),
         };
         let torques = motion.scratch.borrow().applied.torques;
-        motion.hold(torques);
+        motion.set_torques(torques);
         motion
     }
 
@@ -207,7 +207,7 @@ impl<'a, 'c> AdaptiveSystem<'a, 'c> {
     }
 
     /// Holds τ at these values.
-    pub(super) fn hold(&self, tau: &[f64]) {
+    pub(super) fn set_torques(&self, tau: &[f64]) {
         let mut scratch = self.scratch.borrow_mut();
         scratch.asked.copy_from_slice(tau);
         scratch.bound();

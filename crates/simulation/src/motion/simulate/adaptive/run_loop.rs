@@ -42,7 +42,7 @@ impl AdaptiveRun<'_, '_> {
         instants: usize,
         time_of: &dyn Fn(usize) -> f64,
         applied: ExternalInputs<'_>,
-        watch: &mut EventDetector<'_, '_>,
+        detector: &mut EventDetector<'_, '_>,
     ) -> Result<(), RunError> {
         let model = self.model;
         let (start, end) = (self.run.time, time_of(instants));
@@ -78,7 +78,7 @@ impl AdaptiveRun<'_, '_> {
         )
         .map_err(|failure| failure.at(model, start, step))?;
         let grid = SampleGrid::new(instants, time_of, self.observer.is_some(), self.sample_every);
-        let done = self.take_steps(&mut steps, &motion, held, grid, (watch, &mut samples));
+        let done = self.take_steps(&mut steps, &motion, held, grid, (detector, &mut samples));
         self.stepper.record.statistics.add(&steps.statistics);
         self.stepper.wanted = steps.wanted();
         if done.is_ok() {
@@ -94,13 +94,13 @@ impl AdaptiveRun<'_, '_> {
         motion: &AdaptiveSystem<'_, '_>,
         mut held: Option<HeldControl<'_>>,
         mut grid: SampleGrid<'_>,
-        (watch, samples): (&mut EventDetector<'_, '_>, &mut Samples),
+        (detector, samples): (&mut EventDetector<'_, '_>, &mut Samples),
     ) -> Result<(), RunError> {
         let model = self.model;
         loop {
             let target = held.as_ref().map_or(grid.end(), |held| held.instant().min(grid.end()));
             if self.step_towards(target, steps, motion, samples)?.is_break()
-                || self.record_step(steps, motion, &mut grid, (watch, samples))?.is_break()
+                || self.record_step(steps, motion, &mut grid, (detector, samples))?.is_break()
             {
                 return Ok(());
             }
@@ -169,10 +169,11 @@ impl AdaptiveRun<'_, '_> {
         steps: &mut StepSequence,
         motion: &AdaptiveSystem<'_, '_>,
         grid: &mut SampleGrid<'_>,
-        (watch, samples): (&mut EventDetector<'_, '_>, &mut Samples),
+        (detector, samples): (&mut EventDetector<'_, '_>, &mut Samples),
     ) -> Result<ControlFlow<()>, RunError> {
         let (from, to) = (steps.from, steps.t);
-        let mut found = watch.look(from, to, &mut |t, q, v| motion.split(&steps.interpolate(t), q, v))?;
+        let mut found =
+            detector.find_crossings(from, to, &mut |t, q, v| motion.split(&steps.interpolate(t), q, v))?;
         let terminal = found.iter().position(|found| found.is_terminal);
         let stop = terminal.map(|index| found[index].occurrence.time);
         while let Some((instant, time)) = grid.due(to, stop) {
@@ -378,7 +379,7 @@ impl HeldControl<'_> {
         if let Some(failure) = MotionFailure::of_torque(model, tau) {
             return Err(failure.at(model, time, step));
         }
-        motion.hold(tau);
+        motion.set_torques(tau);
         Ok(())
     }
 }
